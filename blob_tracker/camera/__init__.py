@@ -1,0 +1,1 @@
+"""Location -> Bearing: from pixels to milliradians."""

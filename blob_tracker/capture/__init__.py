@@ -1,0 +1,1 @@
+"""Light -> Frame: where pictures come from."""

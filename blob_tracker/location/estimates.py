@@ -1,0 +1,66 @@
+"""What every location method returns for a stack of windows, and the ways in which it fails."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Failure(IntEnum):
+    """Why a window has no location; 0 where it has one."""
+
+    NONE = 0
+    NOT_FINITE = 1
+    SATURATED = 2
+    FLAT = 3
+    NO_SIGNAL = 4
+    OUTSIDE = 5
+
+
+REASONS = {
+    Failure.NOT_FINITE: 'the window holds NaN or infinite pixels',
+    Failure.SATURATED: 'every pixel of the window is saturated; lower the exposure',
+    Failure.FLAT: 'the window is flat: all its pixels are equal',
+    Failure.NO_SIGNAL: 'the window holds no light above its background',
+    Failure.OUTSIDE: 'the estimate lies outside the window',
+}
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """
+    Locations of N blobs in the coordinates of their windows (first pixel's centre at 0, 0).
+
+    Parameters
+    ----------
+    x, y : (N,) array
+        px.
+    covariance : (N, 2, 2) array
+        px^2, order x, y.
+    amplitude, background, sigma, snr, chi2 : (N,) array
+        As in `Location`: DN, DN, px, -, per degree of freedom.
+    saturated : (N,) int array
+        Count of clipped pixels.
+    failure : (N,) uint8 array
+        A `Failure` each; where it is not NONE the other values mean nothing.
+
+    """
+
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    covariance: NDArray[np.float64]
+    amplitude: NDArray[np.float64]
+    background: NDArray[np.float64]
+    sigma: NDArray[np.float64]
+    snr: NDArray[np.float64]
+    chi2: NDArray[np.float64]
+    saturated: NDArray[np.int64]
+    failure: NDArray[np.uint8]
+
+    @property
+    def ok(self) -> NDArray[np.bool_]:
+        """(N,) bool: True where the window was located."""
+        return self.failure == Failure.NONE

@@ -1,0 +1,151 @@
+"""Place blobs in their windows by the method that is named."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from blob_tracker.location.centroid import centroid
+from blob_tracker.location.estimates import Estimates, Failure, REASONS
+from blob_tracker.types import Location, LocationError, SensorNoise, Window
+
+METHODS: dict[str, Callable[..., Estimates]] = {
+    'centroid': centroid,
+}
+SMALLEST = 3  # px: below this the position, level and width of a pulse are not determined
+
+
+def locate_batch(
+    lit: ArrayLike,
+    unlit: ArrayLike | None = None,
+    *,
+    method: str = 'centroid',
+    noise: SensorNoise,
+    saturation: float | None = None,
+    **options: Any,
+) -> Estimates:
+    """
+    Locate the blobs of N windows of one size.
+
+    Parameters
+    ----------
+    lit, unlit : (N, h, w) arrays
+        DN; unlit None where there is no unlit frame.
+    method : str
+        A key of `METHODS`.
+    noise : SensorNoise
+        Gain and read noise of a pixel.
+    saturation : float or None
+        The DN at which a pixel is clipped.
+    **options
+        Passed on to the method (`elliptical=True`, say).
+
+    Returns
+    -------
+    Estimates
+        Positions in window coordinates; `ok` is False where `locate` would have raised.
+
+    Raises
+    ------
+    LocationError
+        Where no window of the stack can be located: wrong shape, too small, unknown method.
+
+    """
+    if method not in METHODS:
+        raise LocationError(f"no method '{method}'; there is {', '.join(METHODS)}")
+    lit = _stack(lit, 'lit')
+    if unlit is not None:
+        unlit = _stack(unlit, 'unlit')
+        if unlit.shape != lit.shape:
+            raise LocationError(f'lit is {lit.shape[1:]} px and unlit {unlit.shape[1:]} px')
+    if min(lit.shape[1:]) < SMALLEST:
+        raise LocationError(
+            f'the window is {lit.shape[2]} x {lit.shape[1]} px; '
+            f'it must be at least {SMALLEST} x {SMALLEST}'
+        )
+    bad = np.zeros(lit.shape[0], dtype=np.uint8)
+    bad[lit.max(axis=(1, 2)) == lit.min(axis=(1, 2))] = Failure.FLAT
+    if saturation is not None:
+        bad[lit.min(axis=(1, 2)) >= saturation] = Failure.SATURATED
+    for stack in (lit, unlit):
+        if stack is not None:
+            bad[~np.isfinite(stack).all(axis=(1, 2))] = Failure.NOT_FINITE
+    if bad.any():
+        # A method sees only numbers that it can work on; the flagged rows are overwritten below.
+        lit = np.where((bad == Failure.NONE)[:, None, None], lit, 0.0)
+        if unlit is not None:
+            unlit = np.where((bad == Failure.NONE)[:, None, None], unlit, 0.0)
+    estimates = METHODS[method](lit, unlit, noise, saturation, **options)
+    np.copyto(estimates.failure, bad, where=bad != Failure.NONE)
+    return estimates
+
+
+def locate(
+    window: Window,
+    *,
+    method: str = 'centroid',
+    noise: SensorNoise,
+    **options: Any,
+) -> Location:
+    """
+    Locate the blob of one window, in the coordinates of the full, unbinned sensor.
+
+    With b sensor pixels to a window pixel, u = x0 + b (x + 1/2) - 1/2, and the covariance
+    grows by b^2.
+
+    Parameters
+    ----------
+    window : Window
+        Lit and, where there is one, unlit pixels.
+    method : str
+        A key of `METHODS`.
+    noise : SensorNoise
+        Gain and read noise of a pixel.
+    **options
+        Passed on to the method.
+
+    Returns
+    -------
+    Location
+        Position in px, covariance in px^2.
+
+    Raises
+    ------
+    LocationError
+        Where the blob cannot be placed; the message gives the reason.
+
+    """
+    lit = np.asarray(window.lit)[None]
+    unlit = None if window.unlit is None else np.asarray(window.unlit)[None]
+    found = locate_batch(
+        lit, unlit, method=method, noise=noise, saturation=window.saturation, **options
+    )
+    if not found.ok[0]:
+        raise LocationError(REASONS[Failure(found.failure[0])])
+    scale = np.array(window.binning, dtype=float)
+    return Location(
+        x=float(window.x0 + scale[0] * (found.x[0] + 0.5) - 0.5),
+        y=float(window.y0 + scale[1] * (found.y[0] + 0.5) - 0.5),
+        covariance=found.covariance[0] * np.outer(scale, scale),
+        amplitude=float(found.amplitude[0]),
+        background=float(found.background[0]),
+        sigma=float(found.sigma[0]),
+        snr=float(found.snr[0]),
+        chi2=float(found.chi2[0]),
+        saturated=int(found.saturated[0]),
+        stamp_ns=window.stamp_ns,
+    )
+
+
+def _stack(pixels: ArrayLike, name: str) -> NDArray[np.float64]:
+    """Return the pixels as a contiguous (N, h, w) float64 stack, or raise LocationError."""
+    try:
+        stack = np.ascontiguousarray(pixels, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise LocationError(f'{name} is not an array of numbers: {error}') from None
+    if stack.ndim != 3:
+        raise LocationError(f'{name} windows have {stack.ndim - 1} dimensions; they must have 2')
+    return stack

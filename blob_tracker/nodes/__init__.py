@@ -1,0 +1,1 @@
+"""Thin nodes: declare, subscribe, call, publish."""

@@ -1,0 +1,1 @@
+"""Messages to types and back, parameters, QoS, diagnostics: what knows ROS besides the nodes."""

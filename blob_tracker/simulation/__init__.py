@@ -1,0 +1,1 @@
+"""The virtual lab: light, optics and sensor, with the truth kept."""

@@ -1,0 +1,47 @@
+"""A sensor: mean signal in, noisy and quantised DN out."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blob_tracker.types import SensorNoise
+
+
+def expose(
+    mean: NDArray[np.floating],
+    noise: SensorNoise,
+    random: np.random.Generator,
+    *,
+    saturation: int = 255,
+) -> NDArray[np.generic]:
+    """
+    Draw pixels about their mean: shot noise, read noise, rounding, clipping.
+
+    Shot noise is drawn as a Gaussian of the Poisson's variance, which is within a few per cent
+    in every moment above about 20 electrons and several times faster.
+
+    Parameters
+    ----------
+    mean : array
+        Mean signal, DN.
+    noise : SensorNoise
+        Gain in electrons per DN, read noise in DN.
+    random : Generator
+        Source of the noise; the same state gives the same bits.
+    saturation : int
+        Full scale, DN: 255 gives uint8, more gives uint16.
+
+    Returns
+    -------
+    array of uint8 or uint16
+        DN, of the shape of `mean`.
+
+    """
+    deviation = np.sqrt(np.maximum(mean, 0) / noise.gain + noise.read_noise**2)
+    pixels = random.standard_normal(mean.shape, dtype=np.float32)
+    pixels *= deviation.astype(np.float32, copy=False)
+    pixels += mean.astype(np.float32, copy=False)
+    np.rint(pixels, out=pixels)
+    np.clip(pixels, 0, saturation, out=pixels)
+    return pixels.astype(np.uint8 if saturation < 256 else np.uint16)
