@@ -1,0 +1,49 @@
+# make demo               the whole tracker on a simulated camera, three processes, no ROS needed
+# make demo DEVICE=/dev/video0   the same on a real camera, until Ctrl-C
+# make test               all tests
+# PYTHON=python3.12       another interpreter, 3.10 to 3.13
+
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+PYTHON ?= python3
+DEVICE ?=
+OUT ?= out
+
+BIN := .venv/bin
+SOURCES := $(shell find blob_tracker config launch resource -type f -not -name '*.pyc') \
+	package.xml setup.py setup.cfg
+ENVIRONMENT := source install/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH" \
+	FASTRTPS_DEFAULT_PROFILES_FILE="$(CURDIR)/config/fastdds.xml"
+
+.PHONY: help demo test clean
+help:
+	@grep '^# ' Makefile | cut -c3-
+
+demo: install/.built
+	$(ENVIRONMENT) && python -m blob_tracker demo --out $(OUT) $(if $(DEVICE),--device $(DEVICE))
+
+test: install/.built .venv/.test
+	$(ENVIRONMENT) && python -m pytest $(PYTEST)
+
+.venv/.run: requirements.txt
+	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 10) <= v <= (3, 13) else \
+	  f"Python {v[0]}.{v[1]} cannot run the ROS wheels; set PYTHON to one of 3.10 to 3.13")'
+	@test -x $(BIN)/pip || $(PYTHON) -m venv .venv || { rm -rf .venv; \
+	  echo 'Python has no venv module here: sudo apt install python3-venv' >&2; exit 1; }
+	$(BIN)/pip install --quiet --disable-pip-version-check -r requirements.txt
+	@touch $@
+
+.venv/.test: requirements/test.txt .venv/.run
+	$(BIN)/pip install --quiet --disable-pip-version-check -r requirements/test.txt
+	@touch $@
+
+install/.built: .venv/.run $(SOURCES)
+	$(BIN)/colcon list --paths . | grep -q '(ros.ament_python)' || { \
+	  echo 'package.xml is not valid: colcon does not see an ament_python package' >&2; exit 1; }
+	@rm -rf build install  # colcon leaves behind what a source tree no longer has
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/colcon build --paths .
+	@touch $@
+
+clean:
+	rm -rf .venv build install log .cache $(OUT)

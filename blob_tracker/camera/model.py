@@ -1,0 +1,144 @@
+"""The calibrated camera: a place in the picture becomes a direction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blob_tracker.camera.calibration_file import CalibrationError, read_calibration
+from blob_tracker.camera.lens import DISTORTION_MODELS, unproject
+from blob_tracker.types import Bearing, Location
+
+MRAD = 1000.0  # per radian
+
+
+@dataclass(frozen=True)
+class CameraModel:
+    """
+    Pinhole camera with lens distortion, of the full, unbinned sensor.
+
+    Parameters
+    ----------
+    width, height : int
+        Size that was calibrated, px.
+    matrix : (3, 3) array
+        Camera matrix K: focal lengths and principal point, px.
+    distortion : (n,) array
+        Coefficients in the order k1 k2 p1 p2 k3 ...; empty or all zero is an ideal lens.
+    distortion_model : str
+        plumb_bob or rational_polynomial.
+    name : str
+        Name of the camera.
+
+    Raises
+    ------
+    CalibrationError
+        Where the size, a focal length, a coefficient or the model's name cannot be.
+
+    """
+
+    width: int
+    height: int
+    matrix: NDArray[np.float64]
+    distortion: NDArray[np.float64] = field(default_factory=lambda: np.zeros(5))
+    distortion_model: str = 'plumb_bob'
+    name: str = 'camera'
+
+    def __post_init__(self) -> None:
+        if self.width <= 0 or self.height <= 0:
+            raise CalibrationError(
+                f'the calibrated size is {self.width} x {self.height} px; it must be positive'
+            )
+        if np.shape(self.matrix) != (3, 3) or not np.isfinite(self.matrix).all():
+            raise CalibrationError('K must be 3 x 3 finite numbers')
+        if not (self.matrix[0, 0] > 0 and self.matrix[1, 1] > 0):
+            raise CalibrationError(
+                f'the focal lengths are {self.matrix[0, 0]:g} and {self.matrix[1, 1]:g} px; both '
+                'must be above 0 (a camera that is not calibrated has 0: set camera_info_url)'
+            )
+        if self.distortion_model not in DISTORTION_MODELS:
+            names = ', '.join(name for name in DISTORTION_MODELS if name)
+            raise CalibrationError(
+                f"no distortion model '{self.distortion_model}'; there is {names}"
+            )
+        if not np.isfinite(self.distortion).all():
+            raise CalibrationError('the distortion coefficients must be finite')
+        allowed = DISTORTION_MODELS[self.distortion_model]
+        if len(self.distortion) not in allowed:
+            raise CalibrationError(
+                f'{self.distortion_model} has {" or ".join(map(str, allowed))} coefficients, '
+                f'not {len(self.distortion)}'
+            )
+
+    @classmethod
+    def from_yaml(cls, path: str | Path) -> CameraModel:
+        """
+        Read a calibration file in the form of ROS' camera_calibration_parsers.
+
+        Parameters
+        ----------
+        path : str or Path
+            The YAML file.
+
+        Returns
+        -------
+        CameraModel
+            The camera it describes.
+
+        Raises
+        ------
+        CalibrationError
+            Where the file is missing, is not such YAML, or holds impossible values.
+
+        """
+        content = read_calibration(path)
+        try:
+            return cls(**content)
+        except CalibrationError as error:
+            raise CalibrationError(f'{path}: {error}') from None
+
+    def bearing(self, location: Location) -> Bearing:
+        """
+        Return the direction in which a location is seen.
+
+        With the ray (x, y, 1) through the pixel and h^2 = 1 + x^2,
+
+            azimuth = atan2(x, 1),  elevation = atan2(-y, h)
+
+        and the covariance carried through the derivative of both and of the distortion.
+
+        Parameters
+        ----------
+        location : Location
+            px on the full, unbinned sensor.
+
+        Returns
+        -------
+        Bearing
+            mrad, and mrad^2.
+
+        Raises
+        ------
+        LensError
+            Where the distortion model leads no ray to that pixel.
+
+        """
+        pixel = np.array([location.x, location.y])
+        (x, y), by_pixel = unproject(pixel, self.matrix, np.asarray(self.distortion, dtype=float))
+        h = np.hypot(1.0, x)
+        by_ray = np.array(
+            [
+                [1.0 / h**2, 0.0],
+                [x * y / (h * (h**2 + y**2)), -h / (h**2 + y**2)],
+            ]
+        )
+        derivative = MRAD * by_ray @ by_pixel
+        return Bearing(
+            azimuth=float(MRAD * np.arctan2(x, 1.0)),
+            elevation=float(MRAD * np.arctan2(-y, h)),
+            covariance=derivative @ location.covariance @ derivative.T,
+            stamp_ns=location.stamp_ns,
+        )

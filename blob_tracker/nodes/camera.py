@@ -1,0 +1,133 @@
+"""A V4L2 camera -> camera/image_raw and camera/camera_info."""
+
+from __future__ import annotations
+
+import sys
+import threading
+
+from rclpy.node import Node
+from sensor_msgs.msg import CameraInfo, Image
+
+from blob_tracker.camera import CalibrationError, CameraModel
+from blob_tracker.capture.v4l2 import CaptureError, V4l2Camera
+from blob_tracker.ros.camera_info import from_camera_model, stamped
+from blob_tracker.ros.errors import ParameterError
+from blob_tracker.ros.health import ERROR, Health, WARN
+from blob_tracker.ros.image import from_pixels
+from blob_tracker.ros.parameters import declare, Parameter
+from blob_tracker.ros.process import run
+from blob_tracker.ros.qos import IMAGE_OUT, overridable
+from blob_tracker.ros.url import to_path
+
+PARAMETERS = (
+    Parameter('device', '/dev/video0', 'The camera: its path, or a link in /dev/v4l/by-id.'),
+    Parameter(
+        'width', 0, 'Width of the frames; 0 leaves the driver its own.', 0, 16384, unit='px'
+    ),
+    Parameter(
+        'height', 0, 'Height of the frames; 0 leaves the driver its own.', 0, 16384, unit='px'
+    ),
+    Parameter(
+        'pixel_format',
+        '',
+        'FourCC of the pixels, GREY or YUYV; empty takes the first of these that is offered.',
+    ),
+    Parameter(
+        'frame_rate',
+        0.0,
+        'Frames a second; 0 leaves the driver its own.',
+        least=0.0,
+        most=10000.0,
+        unit='Hz',
+    ),
+    Parameter(
+        'buffers',
+        4,
+        'Buffers in the driver: more of them ride out longer pauses of this machine.',
+        least=2,
+        most=32,
+    ),
+    Parameter('frame_id', 'camera_optical_frame', 'Name of the optical frame.'),
+    Parameter(
+        'camera_info_url',
+        '',
+        'Calibration: a path, file:// or package:// URL. Empty publishes K = 0, which no bearing '
+        'can be computed with.',
+    ),
+)
+READ_TIMEOUT = 0.5  # s: the longest that the end of the node waits for the capture thread
+FIRST_PAUSE, LONGEST_PAUSE = 0.5, 5.0  # s between attempts to open the device
+
+
+class CameraNode(Node):
+    """See the module's first line; the work is `blob_tracker.capture.v4l2.V4l2Camera`'s."""
+
+    def __init__(self) -> None:
+        super().__init__('camera')
+        settings = declare(self, PARAMETERS)
+        self._frame_id = settings.pop('frame_id')
+        url = settings.pop('camera_info_url')
+        try:
+            self._camera_model = CameraModel.from_yaml(to_path(url)) if url else None
+        except (CalibrationError, ValueError) as error:
+            raise ParameterError(f"parameter 'camera_info_url': {error}") from None
+        self._settings = settings
+        self._health = Health(self, 'no frame arrives from the camera')
+        self._images = self.create_publisher(
+            Image, 'camera/image_raw', IMAGE_OUT, qos_overriding_options=overridable()
+        )
+        self._infos = self.create_publisher(
+            CameraInfo, 'camera/camera_info', IMAGE_OUT, qos_overriding_options=overridable()
+        )
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._capture, name='capture')
+        self._thread.start()
+
+    def destroy_node(self) -> None:
+        """End the capture thread, which frees the device, and then the node."""
+        self._stop.set()
+        self._thread.join()
+        super().destroy_node()
+
+    def _capture(self) -> None:
+        """Stream until the node ends; open the device again whenever it fails."""
+        pause = FIRST_PAUSE
+        while not self._stop.is_set():
+            try:
+                with V4l2Camera(**self._settings) as camera:
+                    pause = FIRST_PAUSE
+                    self._stream(camera)
+            except (CaptureError, CalibrationError) as error:
+                self._health.fault(ERROR, 'capture', str(error))
+                self._stop.wait(pause)
+                pause = min(2.0 * pause, LONGEST_PAUSE)
+
+    def _stream(self, camera: V4l2Camera) -> None:
+        """Publish each frame with its camera_info."""
+        info = from_camera_model(self._camera_model, camera.width, camera.height)
+        image = Image()
+        self.get_logger().info(
+            f'streaming {camera.width} x {camera.height} px at {camera.frame_rate:g} Hz '
+            f'from {self._settings["device"]}'
+        )
+        while not self._stop.is_set():
+            frame = camera.read(timeout=READ_TIMEOUT)
+            if self._stop.is_set():
+                return
+            self._images.publish(from_pixels(frame.image, frame.stamp_ns, self._frame_id, image))
+            self._infos.publish(stamped(info, frame.stamp_ns, self._frame_id))
+            self._health.count('frames')
+            self._health.values['drops'] = camera.drops
+            if self._camera_model is None:
+                self._health.fault(
+                    WARN,
+                    'calibration',
+                    'the camera is not calibrated: K is 0 and there will be no bearing; '
+                    'set camera_info_url',
+                )
+            self._health.ok('streaming')
+
+
+def main() -> None:
+    """Run the node."""
+    sys.exit(run(CameraNode))

@@ -1,0 +1,118 @@
+"""target/window -> target/bearing, target/centroid and target/ray."""
+
+from __future__ import annotations
+
+import sys
+
+from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
+from rclpy.node import Node
+from sensor_msgs.msg import CameraInfo, Image
+
+from blob_tracker.camera import CameraModel, LensError
+from blob_tracker.location import locate, METHODS
+from blob_tracker.ros.camera_info import to_camera_model
+from blob_tracker.ros.errors import MessageError
+from blob_tracker.ros.health import ERROR, Health, WARN
+from blob_tracker.ros.image import to_window
+from blob_tracker.ros.pairing import subscribe
+from blob_tracker.ros.parameters import declare, Parameter
+from blob_tracker.ros.process import run
+from blob_tracker.ros.qos import overridable, RESULT
+from blob_tracker.ros.target import bearing_message, centroid_message, ray_message
+from blob_tracker.types import LocationError, SensorNoise
+
+PARAMETERS = (
+    Parameter(
+        'method',
+        'centroid',
+        'How the blob is placed in its window.',
+        choices=tuple(METHODS),
+    ),
+    Parameter(
+        'noise.gain',
+        40.0,
+        "Electrons per DN of the camera: the slope of its photon transfer curve. It sets the "
+        'shot noise in the covariance.',
+        least=1e-3,
+        most=1e6,
+        unit='e-/DN',
+    ),
+    Parameter(
+        'noise.read_noise',
+        0.7,
+        'Standard deviation of a dark pixel before quantisation. It sets the covariance of faint '
+        'targets.',
+        least=0.0,
+        most=1e4,
+        unit='DN',
+    ),
+    Parameter(
+        'saturation',
+        0,
+        'Level at which a pixel is clipped; 0 is full scale of the encoding. Set 4095 for 12 bits '
+        'in 16.',
+        least=0,
+        most=65535,
+        unit='DN',
+    ),
+)
+
+
+class LocatorNode(Node):
+    """See the module's first line; the work is that of the rooms `location` and `camera`."""
+
+    def __init__(self) -> None:
+        super().__init__('locator')
+        settings = declare(self, PARAMETERS)
+        self._method = settings['method']
+        self._saturation = settings['saturation']
+        self._noise = SensorNoise(settings['noise.gain'], settings['noise.read_noise'])
+        self._health = Health(self, 'no window arrives; is the segmenter running?')
+        self._calibration: tuple[object, ...] = ()
+        self._camera_model: CameraModel | None = None
+        self._bearings, self._centroids, self._rays = (
+            self.create_publisher(kind, name, RESULT, qos_overriding_options=overridable())
+            for kind, name in (
+                (Vector3Stamped, 'target/bearing'),
+                (PointStamped, 'target/centroid'),
+                (PoseWithCovarianceStamped, 'target/ray'),
+            )
+        )
+        subscribe(self, 'target/window', self._health, self._locate)
+
+    def _locate(self, image: Image, info: CameraInfo) -> None:
+        """Place the blob of a window and publish its direction, or nothing at all."""
+        try:
+            camera_model = self._model(info)
+            window = to_window(image, info, self._saturation)
+            location = locate(window, method=self._method, noise=self._noise)
+            bearing = camera_model.bearing(location)
+        except MessageError as error:
+            self._health.fault(ERROR, 'message', f'target/window: {error}')
+            return
+        except (LocationError, LensError) as error:
+            self._health.fault(WARN, 'location', f'target not located: {error}')
+            return
+        frame_id = image.header.frame_id
+        self._bearings.publish(bearing_message(bearing, frame_id))
+        self._centroids.publish(centroid_message(location, frame_id))
+        self._rays.publish(ray_message(bearing, frame_id))
+        self._health.count('bearings')
+        self._health.values['snr'] = f'{location.snr:.1f}'
+        self._health.values['saturated pixels'] = location.saturated
+        self._health.ok('target located')
+
+    def _model(self, info: CameraInfo) -> CameraModel:
+        """Return the camera of a camera_info, made anew only where the calibration changes."""
+        calibration = (*info.k, *info.d, info.distortion_model, info.width, info.height)
+        # NaN differs from itself: such a calibration is never the last one, and is refused again.
+        if self._camera_model is None or calibration != self._calibration:
+            self._camera_model = None
+            self._camera_model = to_camera_model(info)
+            self._calibration = calibration
+        return self._camera_model
+
+
+def main() -> None:
+    """Run the node."""
+    sys.exit(run(LocatorNode))

@@ -1,0 +1,163 @@
+"""A camera that looks at a simulated flashing light; it publishes what a camera does, and truth."""
+
+from __future__ import annotations
+
+import sys
+
+from geometry_msgs.msg import PointStamped, Vector3Stamped
+import numpy as np
+from rclpy.node import Node
+from sensor_msgs.msg import CameraInfo, Image
+
+from blob_tracker.camera import CalibrationError, CameraModel
+from blob_tracker.ros.camera_info import from_camera_model, stamped
+from blob_tracker.ros.errors import ParameterError
+from blob_tracker.ros.health import Health
+from blob_tracker.ros.image import from_pixels
+from blob_tracker.ros.parameters import declare, Parameter
+from blob_tracker.ros.process import run
+from blob_tracker.ros.qos import IMAGE_OUT, overridable, RESULT
+from blob_tracker.ros.target import bearing_message, centroid_message
+from blob_tracker.simulation import FlashingLight
+from blob_tracker.types import Location, SensorNoise
+
+_SCENE = FlashingLight()
+PARAMETERS = (
+    Parameter('width', _SCENE.width, 'Width of the frames.', least=16, most=8192, unit='px'),
+    Parameter('height', _SCENE.height, 'Height of the frames.', least=16, most=8192, unit='px'),
+    Parameter('rate', _SCENE.rate, 'Frames a second.', least=0.1, most=1000.0, unit='Hz'),
+    Parameter(
+        'focal_length', 600.0, 'Focal length of the lens.', least=1.0, most=1e6, unit='px'
+    ),
+    Parameter(
+        'sigma',
+        _SCENE.sigma,
+        "Standard deviation of the light's image.",
+        least=0.1,
+        most=100.0,
+        unit='px',
+    ),
+    Parameter(
+        'amplitude',
+        _SCENE.amplitude,
+        'Peak of the light above the background.',
+        least=0.0,
+        most=65535.0,
+        unit='DN',
+    ),
+    Parameter(
+        'background',
+        _SCENE.background,
+        'Mean level of the wall behind it.',
+        least=0.0,
+        most=65535.0,
+        unit='DN',
+    ),
+    Parameter(
+        'texture',
+        _SCENE.texture,
+        "Standard deviation of the wall's pattern.",
+        least=0.0,
+        most=65535.0,
+        unit='DN',
+    ),
+    Parameter(
+        'noise.gain',
+        _SCENE.noise.gain,
+        'Electrons per DN of the sensor.',
+        least=1e-3,
+        most=1e6,
+        unit='e-/DN',
+    ),
+    Parameter(
+        'noise.read_noise',
+        _SCENE.noise.read_noise,
+        'Noise of a dark pixel before quantisation.',
+        least=0.0,
+        most=1e4,
+        unit='DN',
+    ),
+    Parameter(
+        'seed',
+        _SCENE.seed,
+        'Seed of wall and noise: the same one gives the same pixels.',
+        least=0,
+        most=2**31 - 1,
+    ),
+    Parameter('frame_id', 'camera_optical_frame', 'Name of the optical frame.'),
+)
+
+
+class SimulatorNode(Node):
+    """See the module's first line; the work is `blob_tracker.simulation.FlashingLight`'s."""
+
+    def __init__(self) -> None:
+        super().__init__('simulator')
+        settings = declare(self, PARAMETERS)
+        self._frame_id = settings.pop('frame_id')
+        focal_length = settings.pop('focal_length')
+        noise = SensorNoise(settings.pop('noise.gain'), settings.pop('noise.read_noise'))
+        self._scene = FlashingLight(**settings, noise=noise)
+        width, height = self._scene.width, self._scene.height
+        try:
+            self._camera_model = CameraModel(
+                width=width,
+                height=height,
+                matrix=np.array(
+                    [
+                        [focal_length, 0.0, (width - 1) / 2],
+                        [0.0, focal_length, (height - 1) / 2],
+                        [0.0, 0.0, 1.0],
+                    ]
+                ),
+            )
+        except CalibrationError as error:
+            raise ParameterError(str(error)) from None
+        self._info = from_camera_model(self._camera_model, width, height)
+        self._image = Image()
+        self._health = Health(self, 'no frame was published')
+        self._images, self._infos, self._centroids, self._bearings = (
+            self.create_publisher(kind, name, qos, qos_overriding_options=overridable())
+            for kind, name, qos in (
+                (Image, 'camera/image_raw', IMAGE_OUT),
+                (CameraInfo, 'camera/camera_info', IMAGE_OUT),
+                (PointStamped, 'simulator/truth/centroid', RESULT),
+                (Vector3Stamped, 'simulator/truth/bearing', RESULT),
+            )
+        )
+        self._index = 0
+        self._pixels = self._scene.frame(0)
+        self.create_timer(1.0 / self._scene.rate, self._publish)
+
+    def _publish(self) -> None:
+        """Publish the frame that is ready, then draw the next: drawing costs no latency."""
+        stamp_ns = self.get_clock().now().nanoseconds
+        from_pixels(self._pixels, stamp_ns, self._frame_id, self._image)
+        self._images.publish(self._image)
+        self._infos.publish(stamped(self._info, stamp_ns, self._frame_id))
+        truth = self._scene.truth(self._index)
+        if truth.lit:
+            location = Location(
+                x=truth.x,
+                y=truth.y,
+                covariance=np.zeros((2, 2)),
+                amplitude=self._scene.amplitude,
+                background=self._scene.background,
+                sigma=self._scene.sigma,
+                snr=np.inf,
+                chi2=0.0,
+                saturated=0,
+                stamp_ns=stamp_ns,
+            )
+            bearing = self._camera_model.bearing(location)
+            self._centroids.publish(centroid_message(location, self._frame_id))
+            self._bearings.publish(bearing_message(bearing, self._frame_id))
+        self._health.count('frames')
+        self._health.ok('publishing')
+        self._index += 1
+        self._pixels = self._scene.frame(self._index)
+
+
+def main() -> None:
+    """Run the node."""
+    sys.exit(run(SimulatorNode))

@@ -1,0 +1,91 @@
+"""What a node says of itself: /diagnostics at 1 Hz and a log that does not repeat itself."""
+
+from __future__ import annotations
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+
+from blob_tracker.ros.qos import overridable, RESULT
+
+OK = DiagnosticStatus.OK
+WARN = DiagnosticStatus.WARN
+ERROR = DiagnosticStatus.ERROR
+PERIOD = 1.0  # s
+REPEAT = 5.0  # s: the same sentence is logged again after this long, while it holds
+_NAMES = {OK: 'OK', WARN: 'WARN', ERROR: 'ERROR'}
+
+
+class Health:
+    """
+    Collect what goes well and ill, and publish the worst of each second.
+
+    Parameters
+    ----------
+    node : Node
+        Whose health it is.
+    idle : str
+        What to say of a second in which nothing was reported.
+
+    """
+
+    def __init__(self, node: Node, idle: str) -> None:
+        self.values: dict[str, object] = {}
+        self._node = node
+        self._idle = idle
+        self._level = OK
+        self._message = ''
+        self._logged: dict[str, float] = {}
+        # Wall time that never jumps: with use_sim_time a paused bag must not silence a node.
+        self._clock = Clock(clock_type=ClockType.STEADY_TIME)
+        self._publisher = node.create_publisher(
+            DiagnosticArray, '/diagnostics', RESULT, qos_overriding_options=overridable()
+        )
+        self._timer = node.create_timer(PERIOD, self._publish, clock=self._clock)
+
+    def ok(self, message: str) -> None:
+        """Report that something went well."""
+        if not self._message:
+            self._message = message
+
+    def fault(self, level: bytes, key: str, message: str) -> None:
+        """
+        Report a fault: it is logged once, and again every 5 s while it lasts.
+
+        Parameters
+        ----------
+        level : bytes
+            WARN or ERROR of this module.
+        key : str
+            Kind of the fault; the same kind with other numbers is not logged at once again.
+        message : str
+            What is wrong and what would be right.
+
+        """
+        if level > self._level or (level == self._level and level != OK):
+            self._level, self._message = level, message
+        now = self._clock.now().nanoseconds / 1e9
+        if now - self._logged.get(key, -REPEAT) >= REPEAT:
+            self._logged[key] = now
+            log = self._node.get_logger()
+            (log.error if level == ERROR else log.warning)(message)
+
+    def count(self, name: str, by: int = 1) -> None:
+        """Add to a counter that is shown in the diagnostics."""
+        self.values[name] = int(self.values.get(name, 0)) + by  # type: ignore[call-overload]
+
+    def _publish(self) -> None:
+        """Publish the last second and begin the next."""
+        if not self._message:
+            self.fault(WARN, 'idle', self._idle)
+        status = DiagnosticStatus(
+            level=self._level,
+            name=f'{self._node.get_fully_qualified_name()}: tracking',
+            message=self._message,
+            hardware_id='',
+            values=[KeyValue(key=key, value=str(value)) for key, value in self.values.items()],
+        )
+        array = DiagnosticArray(status=[status])
+        array.header.stamp = self._node.get_clock().now().to_msg()
+        self._publisher.publish(array)
+        self._level, self._message = OK, ''

@@ -1,0 +1,115 @@
+"""Parameters of a node: one declaration gives type, range, unit and reason."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
+from rclpy.node import Node
+
+from blob_tracker.ros.errors import ParameterError
+
+_TYPES = {bool: 'a boolean', int: 'an integer', float: 'a number with a point', str: 'a string'}
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """
+    One parameter.
+
+    Parameters
+    ----------
+    name : str
+        Its name; dots part groups.
+    default : bool, int, float or str
+        Gives the type as well.
+    description : str
+        What it does and why one would change it.
+    least, most : int or float, optional
+        Range of a number.
+    choices : sequence of str
+        The values a string may have; empty leaves it free.
+    unit : str
+        Unit of a number.
+
+    """
+
+    name: str
+    default: bool | int | float | str
+    description: str
+    least: float | None = None
+    most: float | None = None
+    choices: Sequence[str] = ()
+    unit: str = ''
+
+    @property
+    def allowed(self) -> str:
+        """What the value must be, in words."""
+        if self.choices:
+            return 'one of ' + ', '.join(self.choices)
+        words = _TYPES[type(self.default)]
+        if self.least is not None:
+            words += f' from {self.least:g} to {self.most:g}'
+        return f'{words} {self.unit}'.strip()
+
+    def descriptor(self) -> ParameterDescriptor:
+        """Return what `ros2 param describe` shows."""
+        text = f'{self.description} Must be {self.allowed}.'
+        descriptor = ParameterDescriptor(name=self.name, description=text, read_only=True)
+        if self.least is not None and isinstance(self.default, float):
+            bounds = FloatingPointRange(from_value=float(self.least), to_value=float(self.most))
+            descriptor.floating_point_range = [bounds]
+        elif self.least is not None:
+            whole = IntegerRange(from_value=int(self.least), to_value=int(self.most), step=1)
+            descriptor.integer_range = [whole]
+        return descriptor
+
+
+def declare(node: Node, parameters: Sequence[Parameter]) -> dict[str, Any]:
+    """
+    Declare parameters on a node and return their values.
+
+    Parameters
+    ----------
+    node : Node
+        The node.
+    parameters : sequence of Parameter
+        What it has.
+
+    Returns
+    -------
+    dict
+        Value by name.
+
+    Raises
+    ------
+    ParameterError
+        Where a value that was given at start-up has the wrong type or lies outside its range.
+
+    """
+    values = {}
+    for parameter in parameters:
+        try:
+            value = node.declare_parameter(
+                parameter.name, parameter.default, parameter.descriptor()
+            ).value
+        except (InvalidParameterTypeException, InvalidParameterValueException):
+            raise _refused(node, parameter) from None
+        if parameter.choices and value not in parameter.choices:
+            raise _refused(node, parameter)
+        values[parameter.name] = value
+    return values
+
+
+def _refused(node: Node, parameter: Parameter) -> ParameterError:
+    """Return the error for the value that start-up gave to a parameter."""
+    given = node._parameter_overrides[parameter.name].value
+    hint = ''
+    if isinstance(given, int) and isinstance(parameter.default, float):
+        hint = f'; write {given}.0'
+    return ParameterError(
+        f"parameter '{parameter.name}' is {given!r}; it must be {parameter.allowed}{hint}"
+    )

@@ -1,0 +1,52 @@
+"""One node in one process: start, spin, and leave without a trace."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+import sys
+
+import rclpy
+from rclpy.exceptions import NameValidationException
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+
+from blob_tracker.ros.errors import ParameterError
+
+WRONG_USE = 2  # exit code, as for a shell command called wrongly
+
+
+def run(create: Callable[[], Node]) -> int:
+    """
+    Run a node until Ctrl-C or SIGTERM.
+
+    Parameters
+    ----------
+    create : callable
+        Makes the node.
+
+    Returns
+    -------
+    int
+        Exit code: 0, or 2 where the command line or a parameter is wrong, with a sentence on
+        the standard error.
+
+    """
+    try:
+        rclpy.init()
+    except Exception as error:  # rclpy raises private types of its C layer here
+        print(f'wrong ROS arguments: {error}', file=sys.stderr)
+        return WRONG_USE
+    node = None
+    try:
+        node = create()
+        rclpy.spin(node)
+    except (ParameterError, NameValidationException) as error:
+        print(error, file=sys.stderr)
+        return WRONG_USE
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        if node is not None:
+            node.destroy_node()
+        rclpy.try_shutdown()
+    return 0

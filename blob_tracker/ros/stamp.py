@@ -1,0 +1,18 @@
+"""ROS time stamps as integers of nanoseconds, and back."""
+
+from __future__ import annotations
+
+from builtin_interfaces.msg import Time
+
+SECOND = 1_000_000_000  # ns
+
+
+def to_ns(stamp: Time) -> int:
+    """Return the stamp in ns."""
+    return int(stamp.sec) * SECOND + int(stamp.nanosec)
+
+
+def from_ns(stamp_ns: int) -> Time:
+    """Return the message of a stamp in ns."""
+    sec, nanosec = divmod(stamp_ns, SECOND)
+    return Time(sec=sec, nanosec=nanosec)

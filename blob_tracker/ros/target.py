@@ -1,0 +1,61 @@
+"""Location and Bearing to the messages on target/..."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
+
+from blob_tracker.ros.stamp import from_ns
+from blob_tracker.types import Bearing, Location
+
+MRAD = 1e-3  # rad
+# The turn about the ray cannot be seen: evenly spread over the circle, rad^2.
+ROLL_VARIANCE = pi**2 / 3.0
+
+
+def bearing_message(bearing: Bearing, frame_id: str) -> Vector3Stamped:
+    """Return target/bearing: x azimuth mrad, y elevation mrad, z 0."""
+    message = Vector3Stamped()
+    message.header.stamp = from_ns(bearing.stamp_ns)
+    message.header.frame_id = frame_id
+    message.vector.x = bearing.azimuth
+    message.vector.y = bearing.elevation
+    return message
+
+
+def centroid_message(location: Location, frame_id: str) -> PointStamped:
+    """Return target/centroid: x and y in pixels of the full sensor, z 0."""
+    message = PointStamped()
+    message.header.stamp = from_ns(location.stamp_ns)
+    message.header.frame_id = frame_id
+    message.point.x = location.x
+    message.point.y = location.y
+    return message
+
+
+def ray_message(bearing: Bearing, frame_id: str) -> PoseWithCovarianceStamped:
+    """
+    Return target/ray: the turn that takes the optical z axis onto the ray.
+
+    It is a turn by the elevation about x and then by the azimuth about y, q = q_y q_x. The
+    covariance, in rad^2, is that of the two angles about x (elevation) and y (azimuth).
+    """
+    message = PoseWithCovarianceStamped()
+    message.header.stamp = from_ns(bearing.stamp_ns)
+    message.header.frame_id = frame_id
+    half_azimuth = 0.5 * MRAD * bearing.azimuth
+    half_elevation = 0.5 * MRAD * bearing.elevation
+    turn = message.pose.pose.orientation
+    turn.x = cos(half_azimuth) * sin(half_elevation)
+    turn.y = sin(half_azimuth) * cos(half_elevation)
+    turn.z = -sin(half_azimuth) * sin(half_elevation)
+    turn.w = cos(half_azimuth) * cos(half_elevation)
+    covariance = [0.0] * 36
+    in_rad2 = MRAD**2 * bearing.covariance
+    covariance[3 * 6 + 3] = float(in_rad2[1, 1])
+    covariance[4 * 6 + 4] = float(in_rad2[0, 0])
+    covariance[3 * 6 + 4] = covariance[4 * 6 + 3] = float(in_rad2[0, 1])
+    covariance[5 * 6 + 5] = ROLL_VARIANCE
+    message.pose.covariance = covariance
+    return message
