@@ -1,13 +1,15 @@
 # make demo               the whole tracker on a simulated camera, three processes, no ROS needed
 # make demo DEVICE=/dev/video0   the same on a real camera, until Ctrl-C
+#      CAMERA_INFO=file.yaml   its calibration
 # make test               all tests
 # PYTHON=python3.12       another interpreter, 3.10 to 3.13
 
 SHELL := /bin/bash
-.SHELLFLAGS := -eu -o pipefail -c
+.SHELLFLAGS := -e -o pipefail -c
 .DEFAULT_GOAL := help
 PYTHON ?= python3
 DEVICE ?=
+CAMERA_INFO ?=
 OUT ?= out
 
 BIN := .venv/bin
@@ -21,10 +23,11 @@ help:
 	@grep '^# ' Makefile | cut -c3-
 
 demo: install/.built
-	$(ENVIRONMENT) && python -m blob_tracker demo --out $(OUT) $(if $(DEVICE),--device $(DEVICE))
+	@$(ENVIRONMENT) && python -m blob_tracker demo --out $(OUT) \
+	  $(if $(DEVICE),--device $(DEVICE)) $(if $(CAMERA_INFO),--camera-info $(CAMERA_INFO))
 
 test: install/.built .venv/.test
-	$(ENVIRONMENT) && python -m pytest $(PYTEST)
+	@$(ENVIRONMENT) && python -m pytest $(PYTEST)
 
 .venv/.run: requirements.txt
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 10) <= v <= (3, 13) else \

@@ -2,6 +2,6 @@
 
 from blob_tracker.camera.calibration_file import CalibrationError
 from blob_tracker.camera.lens import LensError
-from blob_tracker.camera.model import CameraModel
+from blob_tracker.camera.model import CameraModel, pinhole_matrix
 
-__all__ = ['CalibrationError', 'CameraModel', 'LensError']
+__all__ = ['CalibrationError', 'CameraModel', 'LensError', 'pinhole_matrix']

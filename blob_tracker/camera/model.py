@@ -100,15 +100,72 @@ class CameraModel:
         except CalibrationError as error:
             raise CalibrationError(f'{path}: {error}') from None
 
+    @classmethod
+    def from_field_of_view(cls, width: int, height: int, degrees: float) -> CameraModel:
+        """
+        Return an ideal lens that sees this angle across the width, as a data sheet gives it.
+
+        With the half-width w / 2 at half the angle, f = w / (2 tan(angle / 2)) (thesis, eq. 2.2).
+
+        Parameters
+        ----------
+        width, height : int
+            Size of the frames, px.
+        degrees : float
+            Horizontal field of view, above 0 and below 180.
+
+        Raises
+        ------
+        CalibrationError
+            Where the angle or the size cannot be.
+
+        """
+        if not 0.0 < degrees < 180.0:
+            raise CalibrationError(f'the field of view is {degrees} degrees; it must be 0 to 180')
+        focal_length = 0.5 * width / np.tan(0.5 * np.radians(degrees))
+        return cls(width, height, pinhole_matrix(focal_length, width, height))
+
+    def angles(
+        self, x: float, y: float
+    ) -> tuple[float, float, NDArray[np.float64]]:
+        """
+        Return the direction in which a pixel looks, and how it turns with the pixel.
+
+        With the ray (x', y', 1) through the pixel and h^2 = 1 + x'^2,
+
+            azimuth = atan2(x', 1),  elevation = atan2(-y', h)
+
+        Parameters
+        ----------
+        x, y : float
+            px on the full, unbinned sensor.
+
+        Returns
+        -------
+        float, float, (2, 2) array
+            Azimuth and elevation in mrad, and their derivative by x and y in mrad/px.
+
+        Raises
+        ------
+        LensError
+            Where the distortion model leads no ray to that pixel.
+
+        """
+        distortion = np.asarray(self.distortion, dtype=float)
+        (x, y), by_pixel = unproject(np.array([x, y]), self.matrix, distortion)
+        h = np.hypot(1.0, x)
+        by_ray = np.array(
+            [
+                [1.0 / h**2, 0.0],
+                [x * y / (h * (h**2 + y**2)), -h / (h**2 + y**2)],
+            ]
+        )
+        azimuth, elevation = MRAD * np.arctan2(x, 1.0), MRAD * np.arctan2(-y, h)
+        return float(azimuth), float(elevation), MRAD * by_ray @ by_pixel
+
     def bearing(self, location: Location) -> Bearing:
         """
         Return the direction in which a location is seen.
-
-        With the ray (x, y, 1) through the pixel and h^2 = 1 + x^2,
-
-            azimuth = atan2(x, 1),  elevation = atan2(-y, h)
-
-        and the covariance carried through the derivative of both and of the distortion.
 
         Parameters
         ----------
@@ -118,7 +175,7 @@ class CameraModel:
         Returns
         -------
         Bearing
-            mrad, and mrad^2.
+            mrad; the covariance, in mrad^2, is the location's, carried through the derivative.
 
         Raises
         ------
@@ -126,19 +183,21 @@ class CameraModel:
             Where the distortion model leads no ray to that pixel.
 
         """
-        pixel = np.array([location.x, location.y])
-        (x, y), by_pixel = unproject(pixel, self.matrix, np.asarray(self.distortion, dtype=float))
-        h = np.hypot(1.0, x)
-        by_ray = np.array(
-            [
-                [1.0 / h**2, 0.0],
-                [x * y / (h * (h**2 + y**2)), -h / (h**2 + y**2)],
-            ]
-        )
-        derivative = MRAD * by_ray @ by_pixel
+        azimuth, elevation, derivative = self.angles(location.x, location.y)
         return Bearing(
-            azimuth=float(MRAD * np.arctan2(x, 1.0)),
-            elevation=float(MRAD * np.arctan2(-y, h)),
+            azimuth=azimuth,
+            elevation=elevation,
             covariance=derivative @ location.covariance @ derivative.T,
             stamp_ns=location.stamp_ns,
         )
+
+
+def pinhole_matrix(focal_length: float, width: int, height: int) -> NDArray[np.float64]:
+    """Return the camera matrix of square pixels with the axis through the middle, px."""
+    return np.array(
+        [
+            [focal_length, 0.0, 0.5 * (width - 1)],
+            [0.0, focal_length, 0.5 * (height - 1)],
+            [0.0, 0.0, 1.0],
+        ]
+    )

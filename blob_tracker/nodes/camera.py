@@ -51,8 +51,17 @@ PARAMETERS = (
     Parameter(
         'camera_info_url',
         '',
-        'Calibration: a path, file:// or package:// URL. Empty publishes K = 0, which no bearing '
-        'can be computed with.',
+        'Calibration: a path, file:// or package:// URL. Without one, and without field_of_view, '
+        'K is 0 and no bearing can be computed.',
+    ),
+    Parameter(
+        'field_of_view',
+        0.0,
+        'Horizontal field of view of the lens by its data sheet, for a camera that is not yet '
+        'calibrated; 0 is unknown. Angles made with it are as good as the data sheet.',
+        least=0.0,
+        most=170.0,
+        unit='degrees',
     ),
 )
 READ_TIMEOUT = 0.5  # s: the longest that the end of the node waits for the capture thread
@@ -66,6 +75,7 @@ class CameraNode(Node):
         super().__init__('camera')
         settings = declare(self, PARAMETERS)
         self._frame_id = settings.pop('frame_id')
+        self._field_of_view = settings.pop('field_of_view')
         url = settings.pop('camera_info_url')
         try:
             self._camera_model = CameraModel.from_yaml(to_path(url)) if url else None
@@ -104,7 +114,12 @@ class CameraNode(Node):
 
     def _stream(self, camera: V4l2Camera) -> None:
         """Publish each frame with its camera_info."""
-        info = from_camera_model(self._camera_model, camera.width, camera.height)
+        model = self._camera_model
+        if model is None and self._field_of_view > 0.0:
+            model = CameraModel.from_field_of_view(
+                camera.width, camera.height, self._field_of_view
+            )
+        info = from_camera_model(model, camera.width, camera.height)
         image = Image()
         self.get_logger().info(
             f'streaming {camera.width} x {camera.height} px at {camera.frame_rate:g} Hz '
@@ -118,7 +133,7 @@ class CameraNode(Node):
             self._infos.publish(stamped(info, frame.stamp_ns, self._frame_id))
             self._health.count('frames')
             self._health.values['drops'] = camera.drops
-            if self._camera_model is None:
+            if model is None:
                 self._health.fault(
                     WARN,
                     'calibration',

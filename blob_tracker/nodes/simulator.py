@@ -9,9 +9,8 @@ import numpy as np
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 
-from blob_tracker.camera import CalibrationError, CameraModel
+from blob_tracker.camera import CameraModel, pinhole_matrix
 from blob_tracker.ros.camera_info import from_camera_model, stamped
-from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.health import Health
 from blob_tracker.ros.image import from_pixels
 from blob_tracker.ros.parameters import declare, Parameter
@@ -99,20 +98,9 @@ class SimulatorNode(Node):
         noise = SensorNoise(settings.pop('noise.gain'), settings.pop('noise.read_noise'))
         self._scene = FlashingLight(**settings, noise=noise)
         width, height = self._scene.width, self._scene.height
-        try:
-            self._camera_model = CameraModel(
-                width=width,
-                height=height,
-                matrix=np.array(
-                    [
-                        [focal_length, 0.0, (width - 1) / 2],
-                        [0.0, focal_length, (height - 1) / 2],
-                        [0.0, 0.0, 1.0],
-                    ]
-                ),
-            )
-        except CalibrationError as error:
-            raise ParameterError(str(error)) from None
+        self._camera_model = CameraModel(
+            width, height, pinhole_matrix(focal_length, width, height)
+        )
         self._info = from_camera_model(self._camera_model, width, height)
         self._image = Image()
         self._health = Health(self, 'no frame was published')

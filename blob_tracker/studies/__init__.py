@@ -1,0 +1,1 @@
+"""Reports on what the tracker does, as pictures and numbers."""
