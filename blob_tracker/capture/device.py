@@ -1,0 +1,168 @@
+"""Finding and opening a V4L2 capture device, with a sentence for all that can stand in the way."""
+
+from __future__ import annotations
+
+import errno
+import glob
+import grp
+import os
+import pwd
+import re
+import stat
+
+from blob_tracker.capture import videodev2
+from blob_tracker.capture.errors import CaptureError
+
+
+def open_capture_device(path: str) -> int:
+    """
+    Open a device that captures single-planar video by streaming.
+
+    Parameters
+    ----------
+    path : str
+        /dev/videoN or a link to it, such as those in /dev/v4l/by-id.
+
+    Returns
+    -------
+    int
+        Non-blocking file descriptor.
+
+    Raises
+    ------
+    CaptureError
+        There is no such device, it may not be opened, or it is no such device.
+
+    """
+    try:
+        fd = os.open(path, os.O_RDWR | os.O_NONBLOCK | os.O_CLOEXEC)
+    except OSError as error:
+        raise CaptureError(_why_not_open(path, error)) from error
+    try:
+        _check_captures(path, fd)
+    except BaseException:
+        os.close(fd)
+        raise
+    return fd
+
+
+def capabilities(fd: int) -> tuple[int, str]:
+    """
+    Return the capability flags of an open device node and the name of its card.
+
+    Raises
+    ------
+    OSError
+        ENOTTY where it is not a V4L2 device.
+
+    """
+    capability = videodev2.Capability()
+    videodev2.ioctl(fd, videodev2.QUERYCAP, capability)
+    flags = capability.capabilities
+    if flags & videodev2.CAP_DEVICE_CAPS:  # of this node, not of the whole device
+        flags = capability.device_caps
+    return flags, capability.card.decode(errors='replace')
+
+
+def capture_devices() -> dict[str, str]:
+    """Return the capture devices of this machine that can be opened: path -> name."""
+    found = {}
+    for path in sorted(glob.glob('/dev/video*'), key=lambda path: [
+            int(digits) for digits in re.findall(r'\d+', path)]):
+        try:
+            fd = os.open(path, os.O_RDWR | os.O_NONBLOCK | os.O_CLOEXEC)
+        except OSError:
+            continue
+        try:
+            flags, card = capabilities(fd)
+            if flags & videodev2.CAP_VIDEO_CAPTURE and flags & videodev2.CAP_STREAMING:
+                found[path] = card
+        except OSError:
+            pass
+        finally:
+            os.close(fd)
+    return found
+
+
+def _there_are() -> str:
+    devices = capture_devices()
+    if not devices:
+        return 'this machine has no capture device that can be opened'
+    return 'capture devices here: ' + ', '.join(
+        f'{path} ({card})' for path, card in devices.items())
+
+
+def _why_not_open(path: str, error: OSError) -> str:
+    if error.errno == errno.ENOENT:
+        return f'{path}: there is no such device; {_there_are()}'
+    if error.errno in (errno.ENXIO, errno.ENODEV):
+        return f'{path}: there is no device behind this node any more; {_there_are()}'
+    if error.errno == errno.EBUSY:
+        return busy(path)
+    if error.errno in (errno.EACCES, errno.EPERM):
+        return _no_permission(path)
+    if error.errno == errno.EISDIR:
+        return _not_v4l2(path)
+    return f'{path}: cannot be opened: {error.strerror}; {_there_are()}'
+
+
+def busy(path: str) -> str:
+    """Return the sentence for a device that another program streams from."""
+    return (f'{path}: the device is busy: another program streams from it; end that program '
+            f"('fuser -v {path}' names it)")
+
+
+def _no_permission(path: str) -> str:
+    try:
+        status = os.stat(path)
+    except OSError:
+        return f'{path}: permission denied on the way to it; make its folders accessible'
+    group = _group_name(status.st_gid)
+    wrong = (f'{path}: permission denied: it belongs to {_user_name(status.st_uid)}:{group} '
+             f'with mode {stat.S_IMODE(status.st_mode):04o}')
+    if status.st_mode & stat.S_IRGRP and status.st_mode & stat.S_IWGRP and status.st_gid != 0:
+        user = _user_name(os.geteuid())
+        return f"{wrong}; run 'sudo usermod -aG {group} {user}' and log in again"
+    return f'{wrong}; its group needs to be one you are in, with read and write permission'
+
+
+def _user_name(uid: int) -> str:
+    try:
+        return pwd.getpwuid(uid).pw_name
+    except KeyError:
+        return str(uid)
+
+
+def _group_name(gid: int) -> str:
+    try:
+        return grp.getgrgid(gid).gr_name
+    except KeyError:
+        return str(gid)
+
+
+def _not_v4l2(path: str) -> str:
+    return f'{path}: this is not a V4L2 device; {_there_are()}'
+
+
+_KINDS = (
+    (videodev2.CAP_VIDEO_CAPTURE_MPLANE, 'a multi-planar capture device'),
+    (videodev2.CAP_VIDEO_M2M | videodev2.CAP_VIDEO_M2M_MPLANE, 'a memory-to-memory device'),
+    (videodev2.CAP_VIDEO_OUTPUT | videodev2.CAP_VIDEO_OUTPUT_MPLANE, 'an output device'),
+    (videodev2.CAP_META_CAPTURE, 'a metadata device'),
+)
+
+
+def _check_captures(path: str, fd: int) -> None:
+    try:
+        flags, _ = capabilities(fd)
+    except OSError as error:
+        if error.errno in (errno.ENOTTY, errno.EINVAL):
+            raise CaptureError(_not_v4l2(path)) from error
+        raise CaptureError(f'{path}: cannot be queried: {error.strerror}') from error
+    if not flags & videodev2.CAP_VIDEO_CAPTURE:
+        kind = next((name for flag, name in _KINDS if flags & flag), 'another kind of device')
+        raise CaptureError(
+            f'{path}: this is {kind}, not a capture device with one plane; {_there_are()}')
+    if not flags & videodev2.CAP_STREAMING:
+        raise CaptureError(
+            f'{path}: this device has no streaming I/O, which frames are read by; {_there_are()}')

@@ -1,0 +1,429 @@
+"""A V4L2 camera: kernel buffers -> Frame."""
+
+from __future__ import annotations
+
+import ctypes
+import errno
+from fractions import Fraction
+import mmap
+import os
+import select
+import time
+from types import TracebackType
+
+from blob_tracker.capture import videodev2
+from blob_tracker.capture.clock import RealtimeClock
+from blob_tracker.capture.device import busy, open_capture_device
+from blob_tracker.capture.errors import CaptureError
+from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
+from blob_tracker.types import Frame
+
+_NO_SIGNAL = (videodev2.IN_ST_NO_POWER | videodev2.IN_ST_NO_SIGNAL
+              | videodev2.IN_ST_NO_H_LOCK | videodev2.IN_ST_NO_SYNC)
+_TIMINGS_ERRORS = {
+    errno.ENOLINK: 'no signal: connect the source and switch it on',
+    errno.ENOLCK: 'a signal it cannot lock to: check the cable and the source',
+    errno.ERANGE: 'a signal out of its range: choose a lower resolution or rate at the source',
+}
+
+
+class V4l2Camera:
+    """
+    A V4L2 capture device, opened, configured and streaming; close it or use it in a `with`.
+
+    Frames come in the order in which the sensor took them, because a flash is seen in the
+    difference of neighbours. They wait in the driver's ring of `buffers`; a frame that waited
+    there for longer than the ring is long (`buffers` times the frame interval) is left out and
+    counted in `drops`: after a stall of the reader the first frame is a new one, and a reader that
+    is too slow never falls further behind than that.
+
+    An HDMI or SDI input is set to the timings of its signal first.
+
+    Parameters
+    ----------
+    device : str
+        Path of the device or a link to it.
+    width, height : int
+        px; 0 leaves it as the driver has it.
+    pixel_format : str
+        Four-character code, one of `PIXEL_FORMATS`; '' takes the first of these that the device
+        offers.
+    frame_rate : float
+        Frames/s; 0 leaves it as the driver has it. The driver takes the nearest it can.
+    buffers : int
+        Kernel buffers, 2 to 32.
+
+    Attributes
+    ----------
+    width, height : int
+        px, as the driver gives it.
+    frame_rate : float
+        Frames/s, as the driver gives it; 0 where it does not say.
+    pixel_format : str
+        Four-character code in use.
+    stamps_start : bool
+        Whether the driver stamps the start of a frame's exposure; otherwise its end of transfer.
+    drops : int
+        Frames lost between those read, from the gaps in the driver's numbers.
+    sequence : int
+        The driver's number of the frame read last.
+
+    Raises
+    ------
+    CaptureError
+        The device cannot be opened or does not offer what was asked for.
+
+    """
+
+    def __init__(
+        self,
+        device: str,
+        width: int = 0,
+        height: int = 0,
+        pixel_format: str = '',
+        frame_rate: float = 0.0,
+        buffers: int = 4,
+    ) -> None:
+        if not 2 <= buffers <= 32:
+            raise CaptureError(f'buffers is {buffers}; it must be 2 to 32')
+        self.device = device
+        self.drops = 0
+        self.sequence = -1
+        self._stamp_ns = 0
+        self._interval_ns = 0
+        self._memory: list[mmap.mmap] = []
+        self._streaming = False
+        self._clock = RealtimeClock()
+        self._fd = open_capture_device(device)
+        try:
+            self._input = self._selected_input()
+            self._lock_to_signal()
+            self._set_format(width, height, pixel_format)
+            self.frame_rate = self._set_frame_rate(frame_rate)
+            self._map_buffers(buffers)
+            self._call(videodev2.STREAMON, ctypes.c_int32(videodev2.BUF_TYPE_VIDEO_CAPTURE))
+            self._streaming = True
+        except OSError as error:
+            self.close()
+            if error.errno == errno.EBUSY:
+                raise CaptureError(busy(device)) from error
+            if error.errno == errno.ENODEV:
+                raise CaptureError(self._unplugged()) from error
+            raise CaptureError(f'{device}: cannot be set up: {error.strerror}') from error
+        except BaseException:
+            self.close()
+            raise
+        self._poll = select.poll()
+        self._poll.register(self._fd, select.POLLIN)
+
+    def __enter__(self) -> V4l2Camera:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def read(self, timeout: float = 1.0) -> Frame:
+        """
+        Return the next complete frame; wait for it for `timeout` seconds at most.
+
+        Its stamp is the driver's, in ROS time. Pictures that the driver marks as spoilt and
+        pictures that are cut short are left out.
+
+        Raises
+        ------
+        CaptureError
+            No frame came in time, or the device is gone. After a time-out the camera may be read
+            again; a device that is gone has to be opened again.
+
+        """
+        if self._fd < 0:
+            raise CaptureError(f'{self.device}: the camera is closed; open it again')
+        deadline = time.monotonic() + timeout
+        waited = False
+        while True:
+            buffer = self._dequeue()
+            if buffer is None:
+                self._wait(deadline, timeout)
+                waited = True
+                continue
+            try:
+                # What read had to wait for is new, however slow the way from the sensor is.
+                frame = self._frame(buffer) if waited or not self._stale(buffer) else None
+            finally:
+                self._queue(buffer)
+            if frame is not None:
+                return frame
+
+    def close(self) -> None:
+        """Stop streaming and give the device back; a second time does nothing."""
+        if self._fd < 0:
+            return
+        try:
+            if self._streaming:
+                self._call(videodev2.STREAMOFF, ctypes.c_int32(videodev2.BUF_TYPE_VIDEO_CAPTURE))
+        except OSError:
+            pass  # unplugged: there is nothing left to stop
+        finally:
+            self._streaming = False
+            for memory in self._memory:
+                memory.close()
+            self._memory.clear()
+            os.close(self._fd)
+            self._fd = -1
+
+    def _call(self, number: int, argument: object) -> None:
+        videodev2.ioctl(self._fd, number, argument)
+
+    def _unplugged(self) -> str:
+        return f'{self.device}: the device is gone (unplugged?); connect it and open it again'
+
+    # --- set-up ---
+
+    def _selected_input(self) -> videodev2.Input:
+        """Return the selected input; an empty one where the driver knows no inputs."""
+        selected = videodev2.Input()
+        try:
+            index = ctypes.c_int32()
+            self._call(videodev2.G_INPUT, index)
+            selected.index = index.value
+            self._call(videodev2.ENUMINPUT, selected)
+        except OSError as error:
+            if error.errno not in (errno.ENOTTY, errno.EINVAL):
+                raise
+        return selected
+
+    def _lock_to_signal(self) -> None:
+        """Set an input with digital timings to those of its signal."""
+        self._timings_rate = 0.0
+        if not self._input.capabilities & videodev2.IN_CAP_DV_TIMINGS:
+            return
+        timings = videodev2.DvTimings()
+        name = self._input.name.decode(errors='replace')
+        try:
+            self._call(videodev2.QUERY_DV_TIMINGS, timings)
+        except OSError as error:
+            if error.errno not in _TIMINGS_ERRORS:
+                raise
+            raise CaptureError(
+                f'{self.device}: input {name} has {_TIMINGS_ERRORS[error.errno]}') from error
+        if timings.bt.interlaced:
+            raise CaptureError(
+                f'{self.device}: the signal on input {name} is interlaced; the source must send '
+                'whole (progressive) pictures')
+        self._call(videodev2.S_DV_TIMINGS, timings)
+        bt = timings.bt
+        total = ((bt.width + bt.hfrontporch + bt.hsync + bt.hbackporch)
+                 * (bt.height + bt.vfrontporch + bt.vsync + bt.vbackporch))
+        self._timings_rate = bt.pixelclock / total if total else 0.0
+
+    def _offered_formats(self) -> list[str]:
+        """Return the codes of the device's pixel formats in its own order."""
+        names: list[str] = []
+        while True:
+            description = videodev2.FmtDesc(
+                index=len(names), type=videodev2.BUF_TYPE_VIDEO_CAPTURE)
+            try:
+                self._call(videodev2.ENUM_FMT, description)
+            except OSError as error:
+                if error.errno != errno.EINVAL:
+                    raise
+                return names
+            names.append(videodev2.fourcc_name(description.pixelformat))
+
+    def _offered_sizes(self, pixel_format: str) -> str:
+        """Return the device's picture sizes in words; '' where it does not list them."""
+        sizes: list[str] = []
+        while True:
+            size = videodev2.FrameSizeEnum(
+                index=len(sizes), pixel_format=videodev2.fourcc(pixel_format))
+            try:
+                self._call(videodev2.ENUM_FRAMESIZES, size)
+            except OSError as error:
+                if error.errno not in (errno.EINVAL, errno.ENOTTY, errno.ENODATA):
+                    raise
+                break
+            if size.type == videodev2.FRMSIZE_TYPE_DISCRETE:
+                sizes.append(f'{size.min_width}x{size.max_width}')
+            else:
+                sizes.append(f'{size.min_width}x{size.min_height} to '
+                             f'{size.max_width}x{size.max_height} in steps of '
+                             f'{size.step_width}x{size.step_height}')
+                break
+        return ', '.join(sizes)
+
+    def _chosen_format(self, wanted: str) -> str:
+        offered = self._offered_formats()
+        decoded = ', '.join(PIXEL_FORMATS)
+        if not wanted:
+            wanted = next((name for name in offered if name in PIXEL_FORMATS), '')
+            if not wanted:
+                raise CaptureError(
+                    f'{self.device}: none of its pixel formats ({", ".join(offered)}) can be '
+                    f'decoded; one of {decoded} is needed')
+        if wanted not in PIXEL_FORMATS:
+            raise CaptureError(
+                f'pixel_format {wanted!r} cannot be decoded; choose one of {decoded}')
+        if wanted not in offered:
+            raise CaptureError(
+                f'{self.device}: pixel_format {wanted!r} is not offered; the device offers '
+                f'{", ".join(offered)}')
+        return wanted
+
+    def _set_format(self, width: int, height: int, pixel_format: str) -> None:
+        self.pixel_format = self._chosen_format(pixel_format)
+        wanted = videodev2.Format(type=videodev2.BUF_TYPE_VIDEO_CAPTURE)
+        self._call(videodev2.G_FMT, wanted)
+        pix = wanted.pix
+        pix.width = width or pix.width
+        pix.height = height or pix.height
+        pix.pixelformat = videodev2.fourcc(self.pixel_format)
+        pix.field = videodev2.FIELD_NONE
+        pix.bytesperline = 0  # the driver's choice
+        width, height = pix.width, pix.height
+        self._call(videodev2.S_FMT, wanted)
+        if (pix.width, pix.height) != (width, height):
+            sizes = self._offered_sizes(self.pixel_format)
+            raise CaptureError(
+                f'{self.device}: {width}x{height} is not offered; the driver gives '
+                f'{pix.width}x{pix.height} instead' + (f', and has {sizes}' if sizes else ''))
+        if pix.pixelformat != videodev2.fourcc(self.pixel_format):
+            raise CaptureError(
+                f'{self.device}: the driver gives {videodev2.fourcc_name(pix.pixelformat)} at '
+                f'{width}x{height} instead of {self.pixel_format}; choose another size or format')
+        if pix.field != videodev2.FIELD_NONE:
+            raise CaptureError(
+                f'{self.device}: the driver gives interlaced fields at {width}x{height}; choose a '
+                'size or input with whole (progressive) pictures')
+        self.width, self.height = width, height
+        self._stride = pix.bytesperline
+
+    def _set_frame_rate(self, wanted: float) -> float:
+        """Ask for a frame rate; return the one that the driver gives, frames/s, 0 if unknown."""
+        parameters = videodev2.StreamParm(type=videodev2.BUF_TYPE_VIDEO_CAPTURE)
+        try:
+            self._call(videodev2.G_PARM, parameters)
+            if wanted > 0.0 and parameters.capability & videodev2.CAP_TIMEPERFRAME:
+                # 1001 keeps 30000/1001 and its kin exact.
+                rate = Fraction(wanted).limit_denominator(1001)
+                parameters.timeperframe.numerator = rate.denominator
+                parameters.timeperframe.denominator = rate.numerator
+                self._call(videodev2.S_PARM, parameters)
+        except OSError as error:
+            if error.errno not in (errno.ENOTTY, errno.EINVAL):
+                raise
+            return self._timings_rate
+        interval = parameters.timeperframe
+        if not (interval.numerator and interval.denominator):
+            return self._timings_rate
+        return interval.denominator / interval.numerator
+
+    def _map_buffers(self, count: int) -> None:
+        request = videodev2.RequestBuffers(
+            count=count, type=videodev2.BUF_TYPE_VIDEO_CAPTURE, memory=videodev2.MEMORY_MMAP)
+        self._call(videodev2.REQBUFS, request)
+        if request.count < 2:
+            raise CaptureError(f'{self.device}: the driver has no memory for two buffers; choose '
+                               'a smaller picture')
+        for index in range(request.count):
+            buffer = self._buffer(index)
+            self._call(videodev2.QUERYBUF, buffer)
+            self._memory.append(mmap.mmap(self._fd, buffer.length, offset=buffer.m.offset))
+            self._call(videodev2.QBUF, buffer)
+        flags = buffer.flags
+        if flags & videodev2.BUF_FLAG_TIMESTAMP_MASK != videodev2.BUF_FLAG_TIMESTAMP_MONOTONIC:
+            raise CaptureError(
+                f'{self.device}: its driver does not stamp frames with the monotonic clock, so '
+                'their time is unknown; use a driver that does')
+        source = flags & videodev2.BUF_FLAG_TSTAMP_SRC_MASK
+        self.stamps_start = source == videodev2.BUF_FLAG_TSTAMP_SRC_SOE
+
+    # --- streaming ---
+
+    @staticmethod
+    def _buffer(index: int = 0) -> videodev2.Buffer:
+        return videodev2.Buffer(
+            index=index, type=videodev2.BUF_TYPE_VIDEO_CAPTURE, memory=videodev2.MEMORY_MMAP)
+
+    def _dequeue(self) -> videodev2.Buffer | None:
+        """Return the oldest buffer that the driver has filled, None where there is none."""
+        buffer = self._buffer()
+        try:
+            self._call(videodev2.DQBUF, buffer)
+        except BlockingIOError:
+            return None
+        except OSError as error:
+            raise self._lost(error) from error
+        return buffer
+
+    def _queue(self, buffer: videodev2.Buffer) -> None:
+        try:
+            self._call(videodev2.QBUF, buffer)
+        except OSError as error:
+            raise self._lost(error) from error
+
+    def _lost(self, error: OSError) -> CaptureError:
+        if error.errno == errno.ENODEV:
+            return CaptureError(self._unplugged())
+        return CaptureError(
+            f'{self.device}: the driver stopped streaming: {error.strerror}{self._signal()}; open '
+            'it again')
+
+    def _wait(self, deadline: float, timeout: float) -> None:
+        ready = self._poll.poll(max(0.0, deadline - time.monotonic()) * 1e3)
+        if not ready:
+            raise CaptureError(f'{self.device}: no frame for {timeout:.1f} s{self._signal()}')
+        if not ready[0][1] & select.POLLIN:
+            # An error alone; a driver that knows its number gives it with the next buffer.
+            self._dequeue()
+            raise CaptureError(f'{self.device}: the driver stopped streaming{self._signal()}; '
+                               'open it again')
+
+    def _signal(self) -> str:
+        """Return what is known about the signal of a camera that has gone quiet, in words."""
+        name = self._input.name.decode(errors='replace')
+        try:
+            self._call(videodev2.ENUMINPUT, self._input)
+            if self._input.status & _NO_SIGNAL:
+                return f': input {name} has {_TIMINGS_ERRORS[errno.ENOLINK]}'
+            if self._input.capabilities & videodev2.IN_CAP_DV_TIMINGS:
+                self._call(videodev2.QUERY_DV_TIMINGS, videodev2.DvTimings())
+        except OSError as error:
+            if error.errno == errno.ENODEV:
+                return ': the device is gone (unplugged?)'
+            if error.errno in _TIMINGS_ERRORS:
+                return f': input {name} has {_TIMINGS_ERRORS[error.errno]}'
+        return ''
+
+    def _stale(self, buffer: videodev2.Buffer) -> bool:
+        age = time.monotonic_ns() - _stamp_ns(buffer)
+        return 0 < len(self._memory) * self._interval_ns < age
+
+    def _frame(self, buffer: videodev2.Buffer) -> Frame | None:
+        """Return the picture in a buffer and count the frames lost before it; None if spoilt."""
+        if buffer.flags & videodev2.BUF_FLAG_ERROR:
+            return None
+        pixel_format = PIXEL_FORMATS[self.pixel_format]
+        filled = memoryview(self._memory[buffer.index])[:buffer.bytesused]
+        try:
+            image = pixel_format.luma(filled, self.width, self.height, self._stride)
+        except ValueError:
+            return None  # cut short
+        finally:
+            filled.release()
+        stamp_ns = _stamp_ns(buffer)
+        if self.sequence >= 0:
+            step = (buffer.sequence - self.sequence) & 0xffffffff
+            if 0 < step < 0x80000000:  # a driver that starts its count again has lost nothing
+                self.drops += step - 1
+                self._interval_ns = max(0, stamp_ns - self._stamp_ns) // step
+        self.sequence, self._stamp_ns = buffer.sequence, stamp_ns
+        return Frame(image, self._clock.from_monotonic(stamp_ns), pixel_format.saturation)
+
+
+def _stamp_ns(buffer: videodev2.Buffer) -> int:
+    return buffer.timestamp.tv_sec * 1_000_000_000 + buffer.timestamp.tv_usec * 1000

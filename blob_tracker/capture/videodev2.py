@@ -1,0 +1,309 @@
+"""
+The kernel's video capture interface: the structs, numbers and flags that streaming needs.
+
+Layouts are those of 64-bit Linux. Names, values and meanings follow the kernel's "Media
+subsystem" documentation, Part I (Video for Linux API). An ioctl's number carries the size of its
+struct, so a wrong layout gives a wrong number.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import c_char, c_int32, c_long, c_uint8, c_uint32, c_uint64, c_ulong
+import fcntl
+from typing import Any
+
+# v4l2_capability.capabilities
+CAP_VIDEO_CAPTURE = 0x00000001
+CAP_VIDEO_OUTPUT = 0x00000002
+CAP_VIDEO_CAPTURE_MPLANE = 0x00001000
+CAP_VIDEO_OUTPUT_MPLANE = 0x00002000
+CAP_VIDEO_M2M_MPLANE = 0x00004000
+CAP_VIDEO_M2M = 0x00008000
+CAP_META_CAPTURE = 0x00800000
+CAP_STREAMING = 0x04000000
+CAP_DEVICE_CAPS = 0x80000000
+
+BUF_TYPE_VIDEO_CAPTURE = 1
+MEMORY_MMAP = 1
+FIELD_NONE = 1
+FRMSIZE_TYPE_DISCRETE = 1
+
+# v4l2_captureparm.capability
+CAP_TIMEPERFRAME = 0x1000
+
+# v4l2_buffer.flags
+BUF_FLAG_ERROR = 0x00000040
+BUF_FLAG_TIMESTAMP_MASK = 0x0000e000
+BUF_FLAG_TIMESTAMP_MONOTONIC = 0x00002000
+BUF_FLAG_TSTAMP_SRC_MASK = 0x00070000
+BUF_FLAG_TSTAMP_SRC_SOE = 0x00010000
+
+# v4l2_input.capabilities and .status
+IN_CAP_DV_TIMINGS = 0x00000002
+IN_ST_NO_POWER = 0x00000001
+IN_ST_NO_SIGNAL = 0x00000002
+IN_ST_NO_H_LOCK = 0x00000100
+IN_ST_NO_SYNC = 0x00010000
+
+
+class Fract(ctypes.Structure):
+    """v4l2_fract."""
+
+    _fields_ = [('numerator', c_uint32), ('denominator', c_uint32)]
+
+
+class Capability(ctypes.Structure):
+    """v4l2_capability."""
+
+    _fields_ = [
+        ('driver', c_char * 16),
+        ('card', c_char * 32),
+        ('bus_info', c_char * 32),
+        ('version', c_uint32),
+        ('capabilities', c_uint32),
+        ('device_caps', c_uint32),
+        ('reserved', c_uint32 * 3),
+    ]
+
+
+class Input(ctypes.Structure):
+    """v4l2_input."""
+
+    _fields_ = [
+        ('index', c_uint32),
+        ('name', c_char * 32),
+        ('type', c_uint32),
+        ('audioset', c_uint32),
+        ('tuner', c_uint32),
+        ('std', c_uint64),
+        ('status', c_uint32),
+        ('capabilities', c_uint32),
+        ('reserved', c_uint32 * 3),
+    ]
+
+
+class BtTimings(ctypes.Structure):
+    """v4l2_bt_timings: blanking in pixels and lines, the pixel clock in Hz."""
+
+    _pack_ = 1
+    _fields_ = [
+        ('width', c_uint32),
+        ('height', c_uint32),
+        ('interlaced', c_uint32),
+        ('polarities', c_uint32),
+        ('pixelclock', c_uint64),
+        ('hfrontporch', c_uint32),
+        ('hsync', c_uint32),
+        ('hbackporch', c_uint32),
+        ('vfrontporch', c_uint32),
+        ('vsync', c_uint32),
+        ('vbackporch', c_uint32),
+        ('il_vfrontporch', c_uint32),
+        ('il_vsync', c_uint32),
+        ('il_vbackporch', c_uint32),
+        ('standards', c_uint32),
+        ('flags', c_uint32),
+        ('picture_aspect', Fract),
+        ('cea861_vic', c_uint8),
+        ('hdmi_vic', c_uint8),
+        ('reserved', c_uint8 * 46),
+    ]
+
+
+class DvTimings(ctypes.Structure):
+    """v4l2_dv_timings."""
+
+    _pack_ = 1
+    _fields_ = [('type', c_uint32), ('bt', BtTimings), ('_union', c_uint8 * 4)]
+
+
+class FmtDesc(ctypes.Structure):
+    """v4l2_fmtdesc."""
+
+    _fields_ = [
+        ('index', c_uint32),
+        ('type', c_uint32),
+        ('flags', c_uint32),
+        ('description', c_char * 32),
+        ('pixelformat', c_uint32),
+        ('mbus_code', c_uint32),
+        ('reserved', c_uint32 * 3),
+    ]
+
+
+class FrameSizeEnum(ctypes.Structure):
+    """v4l2_frmsizeenum; a discrete size is (min_width, max_width) of its union."""
+
+    _fields_ = [
+        ('index', c_uint32),
+        ('pixel_format', c_uint32),
+        ('type', c_uint32),
+        ('min_width', c_uint32),
+        ('max_width', c_uint32),
+        ('step_width', c_uint32),
+        ('min_height', c_uint32),
+        ('max_height', c_uint32),
+        ('step_height', c_uint32),
+        ('reserved', c_uint32 * 2),
+    ]
+
+
+class PixFormat(ctypes.Structure):
+    """v4l2_pix_format."""
+
+    _fields_ = [
+        ('width', c_uint32),
+        ('height', c_uint32),
+        ('pixelformat', c_uint32),
+        ('field', c_uint32),
+        ('bytesperline', c_uint32),
+        ('sizeimage', c_uint32),
+        ('colorspace', c_uint32),
+        ('priv', c_uint32),
+        ('flags', c_uint32),
+        ('ycbcr_enc', c_uint32),
+        ('quantization', c_uint32),
+        ('xfer_func', c_uint32),
+    ]
+
+
+class Format(ctypes.Structure):
+    """v4l2_format with the single-planar member of its 200-byte, 8-byte-aligned union."""
+
+    _fields_ = [
+        ('type', c_uint32),
+        ('_alignment', c_uint32),
+        ('pix', PixFormat),
+        ('_union', c_uint8 * (200 - ctypes.sizeof(PixFormat))),
+    ]
+
+
+class StreamParm(ctypes.Structure):
+    """v4l2_streamparm with the capture member of its 200-byte union."""
+
+    _fields_ = [
+        ('type', c_uint32),
+        ('capability', c_uint32),
+        ('capturemode', c_uint32),
+        ('timeperframe', Fract),
+        ('extendedmode', c_uint32),
+        ('readbuffers', c_uint32),
+        ('_union', c_uint8 * (200 - 24)),
+    ]
+
+
+class RequestBuffers(ctypes.Structure):
+    """v4l2_requestbuffers."""
+
+    _fields_ = [
+        ('count', c_uint32),
+        ('type', c_uint32),
+        ('memory', c_uint32),
+        ('capabilities', c_uint32),
+        ('flags', c_uint8),
+        ('reserved', c_uint8 * 3),
+    ]
+
+
+class Timeval(ctypes.Structure):
+    """timeval."""
+
+    _fields_ = [('tv_sec', c_long), ('tv_usec', c_long)]
+
+
+class Timecode(ctypes.Structure):
+    """v4l2_timecode."""
+
+    _fields_ = [
+        ('type', c_uint32),
+        ('flags', c_uint32),
+        ('frames', c_uint8),
+        ('seconds', c_uint8),
+        ('minutes', c_uint8),
+        ('hours', c_uint8),
+        ('userbits', c_uint8 * 4),
+    ]
+
+
+class _Place(ctypes.Union):
+    """Where a buffer's memory is: the union `m` of v4l2_buffer."""
+
+    _fields_ = [('offset', c_uint32), ('userptr', c_ulong), ('fd', c_int32)]
+
+
+class Buffer(ctypes.Structure):
+    """v4l2_buffer."""
+
+    _fields_ = [
+        ('index', c_uint32),
+        ('type', c_uint32),
+        ('bytesused', c_uint32),
+        ('flags', c_uint32),
+        ('field', c_uint32),
+        ('timestamp', Timeval),
+        ('timecode', Timecode),
+        ('sequence', c_uint32),
+        ('memory', c_uint32),
+        ('m', _Place),
+        ('length', c_uint32),
+        ('reserved2', c_uint32),
+        ('request_fd', c_int32),
+    ]
+
+
+_WRITE, _READ = 1, 2  # as seen from the program
+
+
+def _ioc(direction: int, number: int, argument: type[Any]) -> int:
+    """Return the ioctl number of type 'V': direction 2 bits, size 14, type 8, number 8."""
+    return direction << 30 | ctypes.sizeof(argument) << 16 | ord('V') << 8 | number
+
+
+QUERYCAP = _ioc(_READ, 0, Capability)
+ENUM_FMT = _ioc(_READ | _WRITE, 2, FmtDesc)
+G_FMT = _ioc(_READ | _WRITE, 4, Format)
+S_FMT = _ioc(_READ | _WRITE, 5, Format)
+REQBUFS = _ioc(_READ | _WRITE, 8, RequestBuffers)
+QUERYBUF = _ioc(_READ | _WRITE, 9, Buffer)
+QBUF = _ioc(_READ | _WRITE, 15, Buffer)
+DQBUF = _ioc(_READ | _WRITE, 17, Buffer)
+STREAMON = _ioc(_WRITE, 18, c_int32)
+STREAMOFF = _ioc(_WRITE, 19, c_int32)
+G_PARM = _ioc(_READ | _WRITE, 21, StreamParm)
+S_PARM = _ioc(_READ | _WRITE, 22, StreamParm)
+ENUMINPUT = _ioc(_READ | _WRITE, 26, Input)
+G_INPUT = _ioc(_READ, 38, c_int32)
+ENUM_FRAMESIZES = _ioc(_READ | _WRITE, 74, FrameSizeEnum)
+S_DV_TIMINGS = _ioc(_READ | _WRITE, 87, DvTimings)
+QUERY_DV_TIMINGS = _ioc(_READ, 99, DvTimings)
+
+
+def ioctl(fd: int, number: int, argument: Any) -> None:
+    """
+    Call the driver; `argument` is read and written in place.
+
+    Raises
+    ------
+    OSError
+        With the driver's errno; a call that a signal interrupted is made again.
+
+    """
+    while True:
+        try:
+            fcntl.ioctl(fd, number, argument)
+            return
+        except InterruptedError:
+            continue
+
+
+def fourcc(name: str) -> int:
+    """Return the number of a four-character pixel format; 'Y16' means 'Y16 '."""
+    return int.from_bytes(name.ljust(4).encode('ascii'), 'little')
+
+
+def fourcc_name(number: int) -> str:
+    """Return the four characters of a pixel format's number, without trailing spaces."""
+    # The top bit marks the big-endian twin of a format.
+    name = (number & 0x7fffffff).to_bytes(4, 'little').decode('ascii', 'replace').rstrip()
+    return name + ('-BE' if number >> 31 else '')

@@ -1,0 +1,80 @@
+"""The kernel's layouts and numbers, against those that <linux/videodev2.h> gives on x86-64."""
+
+import ctypes
+
+from blob_tracker.capture import videodev2
+import pytest
+
+
+@pytest.mark.parametrize(('struct', 'size'), [
+    (videodev2.Capability, 104),
+    (videodev2.Input, 80),
+    (videodev2.BtTimings, 124),
+    (videodev2.DvTimings, 132),
+    (videodev2.FmtDesc, 64),
+    (videodev2.FrameSizeEnum, 44),
+    (videodev2.PixFormat, 48),
+    (videodev2.Format, 208),
+    (videodev2.StreamParm, 204),
+    (videodev2.RequestBuffers, 20),
+    (videodev2.Timecode, 16),
+    (videodev2.Buffer, 88),
+])
+def test_struct_size(struct, size):
+    assert ctypes.sizeof(struct) == size
+
+
+@pytest.mark.parametrize(('struct', 'field', 'offset'), [
+    (videodev2.Input, 'status', 56),
+    (videodev2.Input, 'capabilities', 60),
+    (videodev2.BtTimings, 'pixelclock', 16),
+    (videodev2.BtTimings, 'flags', 64),
+    (videodev2.DvTimings, 'bt', 4),
+    (videodev2.FrameSizeEnum, 'min_width', 12),
+    (videodev2.Format, 'pix', 8),
+    (videodev2.StreamParm, 'timeperframe', 12),
+    (videodev2.Buffer, 'timestamp', 24),
+    (videodev2.Buffer, 'timecode', 40),
+    (videodev2.Buffer, 'sequence', 56),
+    (videodev2.Buffer, 'm', 64),
+    (videodev2.Buffer, 'length', 72),
+])
+def test_field_offset(struct, field, offset):
+    assert getattr(struct, field).offset == offset
+
+
+@pytest.mark.parametrize(('name', 'number'), [
+    ('QUERYCAP', 0x80685600),
+    ('ENUM_FMT', 0xc0405602),
+    ('G_FMT', 0xc0d05604),
+    ('S_FMT', 0xc0d05605),
+    ('REQBUFS', 0xc0145608),
+    ('QUERYBUF', 0xc0585609),
+    ('QBUF', 0xc058560f),
+    ('DQBUF', 0xc0585611),
+    ('STREAMON', 0x40045612),
+    ('STREAMOFF', 0x40045613),
+    ('G_PARM', 0xc0cc5615),
+    ('S_PARM', 0xc0cc5616),
+    ('ENUMINPUT', 0xc050561a),
+    ('G_INPUT', 0x80045626),
+    ('ENUM_FRAMESIZES', 0xc02c564a),
+    ('S_DV_TIMINGS', 0xc0845657),
+    ('QUERY_DV_TIMINGS', 0x80845663),
+])
+def test_ioctl_number(name, number):
+    assert getattr(videodev2, name) == number
+
+
+@pytest.mark.parametrize(('name', 'number'), [
+    ('GREY', 0x59455247),
+    ('YUYV', 0x56595559),
+    ('Y16', 0x20363159),
+])
+def test_fourcc_both_ways(name, number):
+    assert videodev2.fourcc(name) == number
+    assert videodev2.fourcc_name(number) == name
+
+
+def test_big_endian_format_is_told_from_its_twin():
+    assert videodev2.fourcc_name(0xa0363159) == 'Y16 -BE'.replace(' ', '')
