@@ -18,8 +18,6 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from blob_tracker.resources import config_path
-
 EXIT = 5.0  # s that a process has to end, on a machine that is busy with other tests
 PATIENCE = 20.0  # s for a process to start and be discovered
 
@@ -38,7 +36,6 @@ class Process:
             env=dict(
                 os.environ,
                 ROS_DOMAIN_ID=str(domain),
-                FASTRTPS_DEFAULT_PROFILES_FILE=str(config_path('fastdds.xml')),
                 PYTHONUNBUFFERED='1',
             ),
             stdout=subprocess.PIPE,
