@@ -9,9 +9,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+
+# Raw pixels as a camera gives them, DN in uint8 or uint16.
+Pixels = NDArray[np.unsignedinteger[Any]]
 
 
 class LocationError(ValueError):
@@ -65,7 +70,7 @@ class Frame:
 
     """
 
-    image: NDArray[np.generic]
+    image: Pixels
     stamp_ns: int
     saturation: int
     x0: int = 0

@@ -6,9 +6,8 @@ from collections.abc import Iterator
 import itertools
 import os
 
-import pytest
-
 from blob_tracker.resources import config_path
+import pytest
 
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 os.environ['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(config_path('fastdds.xml'))

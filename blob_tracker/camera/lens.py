@@ -81,14 +81,14 @@ def unproject(
         Where the iteration does not end: the pixel lies where the distortion model folds over.
 
     """
-    inverse = np.linalg.inv(matrix[:2, :2])
+    inverse = np.asarray(np.linalg.inv(matrix[:2, :2]), dtype=np.float64)
     ray = inverse @ (pixel - matrix[:2, 2])
     if not distortion.any():
         return ray, inverse
     for _ in range(MAX_ITERATIONS):
         imaged, derivative = project(ray, matrix, distortion)
         try:
-            inverse = np.linalg.inv(derivative)
+            inverse = np.asarray(np.linalg.inv(derivative), dtype=np.float64)
         except np.linalg.LinAlgError:
             break
         error = pixel - imaged

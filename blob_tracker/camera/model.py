@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from blob_tracker.camera.calibration_file import CalibrationError, read_calibration
 from blob_tracker.camera.lens import DISTORTION_MODELS, unproject
 from blob_tracker.types import Bearing, Location
+import numpy as np
+from numpy.typing import NDArray
 
 MRAD = 1000.0  # per radian
 

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 import mmap
 
+from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
 
@@ -57,7 +58,7 @@ class PixelFormat:
 
     """
 
-    luma: Callable[[PixelData, int, int, int], NDArray[np.generic]]
+    luma: Callable[[PixelData, int, int, int], Pixels]
     saturation: int
 
 

@@ -9,7 +9,7 @@ struct, so a wrong layout gives a wrong number.
 from __future__ import annotations
 
 import ctypes
-from ctypes import c_char, c_int32, c_long, c_uint8, c_uint32, c_uint64, c_ulong
+from ctypes import c_char, c_int32, c_long, c_uint32, c_uint64, c_uint8, c_ulong
 import fcntl
 from typing import Any
 

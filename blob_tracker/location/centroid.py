@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from blob_tracker.location.estimates import Estimates, Failure
 from blob_tracker.location.noise import pixel_variance
 from blob_tracker.types import SensorNoise
+import numpy as np
+from numpy.typing import NDArray
 
 
 def centroid(

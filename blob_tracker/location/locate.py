@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
 from blob_tracker.location.centroid import centroid
 from blob_tracker.location.estimates import Estimates, Failure, REASONS
 from blob_tracker.types import Location, LocationError, SensorNoise, Window
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 METHODS: dict[str, Callable[..., Estimates]] = {
     'centroid': centroid,

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
-
-from blob_tracker.types import SensorNoise
 
 
 def pixel_variance(mean: NDArray[np.float64], noise: SensorNoise) -> NDArray[np.float64]:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
-
-from rclpy.node import Node
-from sensor_msgs.msg import CameraInfo, Image
+import time
 
 from blob_tracker.camera import CalibrationError, CameraModel
 from blob_tracker.capture import CaptureError, V4l2Camera
@@ -18,6 +16,8 @@ from blob_tracker.ros.parameters import declare, Parameter
 from blob_tracker.ros.process import run
 from blob_tracker.ros.qos import IMAGE_OUT, overridable
 from blob_tracker.ros.url import to_path
+from rclpy.node import Node
+from sensor_msgs.msg import CameraInfo, Image
 
 PARAMETERS = (
     Parameter('device', '/dev/video0', 'The camera: its path, or a link in /dev/v4l/by-id.'),
@@ -108,8 +108,10 @@ class CameraNode(Node):
                     pause = FIRST_PAUSE
                     self._stream(camera)
             except (CaptureError, CalibrationError) as error:
-                self._health.fault(ERROR, 'capture', str(error))
-                self._stop.wait(pause)
+                again = time.monotonic() + pause
+                while time.monotonic() < again and not self._stop.is_set():
+                    self._health.fault(ERROR, 'capture', str(error))  # it holds until it is gone
+                    self._stop.wait(FIRST_PAUSE)
                 pause = min(2.0 * pause, LONGEST_PAUSE)
 
     def _stream(self, camera: V4l2Camera) -> None:

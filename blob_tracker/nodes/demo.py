@@ -10,10 +10,15 @@ import os
 from pathlib import Path
 import signal
 import subprocess
-import sys
 import time
 
 from ament_index_python.packages import get_package_prefix, PackageNotFoundError
+from blob_tracker.camera.model import MRAD
+from blob_tracker.resources import config_path
+from blob_tracker.ros.camera_info import to_camera_model
+from blob_tracker.ros.qos import IMAGE_IN, RESULT
+from blob_tracker.ros.stamp import to_ns
+from blob_tracker.studies.track_report import draw_track
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
 import numpy as np
@@ -27,13 +32,6 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 from sensor_msgs.msg import CameraInfo
-
-from blob_tracker.camera.model import MRAD
-from blob_tracker.resources import config_path
-from blob_tracker.ros.camera_info import to_camera_model
-from blob_tracker.ros.qos import IMAGE_IN, RESULT
-from blob_tracker.ros.stamp import to_ns
-from blob_tracker.studies.track_report import draw_track
 
 BUDGET = 0.05  # px rms: what the thesis wanted (section 2.1)
 LEAST_BEARINGS = 100  # fewer say nothing of an rms
@@ -52,7 +50,7 @@ class Monitor(Node):
         self.frames: deque[float] = deque(maxlen=2 * RECENT)
         self.latencies: list[float] = []
         self.arrivals: deque[float] = deque(maxlen=RECENT)
-        self.camera_info: CameraInfo | None = None
+        self.camera_info = CameraInfo()
         self.bearing: Vector3Stamped | None = None
         self.ray: PoseWithCovarianceStamped | None = None
         self.centroids: dict[int, tuple[float, float]] = {}
@@ -75,6 +73,11 @@ class Monitor(Node):
         _, _, derivative = model.angles(*self.centroids[stamp])
         inverse = MRAD * np.linalg.inv(derivative)
         return inverse @ self.covariances[stamp] @ inverse.T
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the frames, px."""
+        return self.camera_info.width, self.camera_info.height
 
     def matched_stamps(self) -> list[int]:
         """Return the stamps of the frames that have a location and a truth."""
@@ -120,7 +123,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--duration', type=float, default=15.0, help='seconds of tracking, at most 17 (simulated)'
     )
-    parser.add_argument('--out', type=Path, default=Path('out'), help='folder for picture and logs')
+    parser.add_argument('--out', type=Path, default=Path('out'), help='for picture and logs')
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -291,6 +294,7 @@ def _conclude(
     console: Console, monitor: Monitor, out: Path, fault: str, *, simulated: bool
 ) -> int:
     """Write the picture, print the verdict, and return the exit code."""
+    console.print()  # the live table ends without a line break
     if fault:
         console.print(f'[red]{fault}[/red]; the logs are in {out}/')
         for log in sorted(out.glob('*.log')):
@@ -310,9 +314,8 @@ def _conclude(
         [monitor.pixel_covariance(stamp) for stamp in stamps if stamp in monitor.covariances]
     )
     picture = out / 'demo.png'
-    size = (monitor.camera_info.width, monitor.camera_info.height)
-    draw_track(picture, located, covariances, true, size, BUDGET)
-    console.print(f'\npicture: {picture}')
+    draw_track(picture, located, covariances, true, monitor.size, BUDGET)
+    console.print(f'picture: {picture}')
     if true is None:
         return 0
     rms = float(np.sqrt(np.mean((located - true) ** 2)))

@@ -4,10 +4,6 @@ from __future__ import annotations
 
 import sys
 
-from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
-from rclpy.node import Node
-from sensor_msgs.msg import CameraInfo, Image
-
 from blob_tracker.camera import CameraModel, LensError
 from blob_tracker.location import locate, METHODS
 from blob_tracker.ros.camera_info import to_camera_model
@@ -20,6 +16,9 @@ from blob_tracker.ros.process import run
 from blob_tracker.ros.qos import overridable, RESULT
 from blob_tracker.ros.target import bearing_message, centroid_message, ray_message
 from blob_tracker.types import LocationError, SensorNoise
+from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
+from rclpy.node import Node
+from sensor_msgs.msg import CameraInfo, Image
 
 PARAMETERS = (
     Parameter(
@@ -31,7 +30,7 @@ PARAMETERS = (
     Parameter(
         'noise.gain',
         40.0,
-        "Electrons per DN of the camera: the slope of its photon transfer curve. It sets the "
+        'Electrons per DN of the camera: the slope of its photon transfer curve. It sets the '
         'shot noise in the covariance.',
         least=1e-3,
         most=1e6,

@@ -9,6 +9,8 @@ import sys
 import time
 from typing import Any, TYPE_CHECKING
 
+from blob_tracker.ros.qos import RESULT
+from blob_tracker.ros.stamp import from_ns
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
@@ -17,9 +19,6 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from rich.console import Console
 from rich.progress import Progress
 from rosgraph_msgs.msg import Clock
-
-from blob_tracker.ros.qos import RESULT
-from blob_tracker.ros.stamp import from_ns
 
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader

@@ -4,10 +4,6 @@ from __future__ import annotations
 
 import sys
 
-from rclpy.node import Node
-from sensor_msgs.msg import CameraInfo, Image
-from std_msgs.msg import Bool
-
 from blob_tracker.ros.camera_info import of_window
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.health import ERROR, Health, WARN
@@ -17,6 +13,9 @@ from blob_tracker.ros.parameters import declare, Parameter
 from blob_tracker.ros.process import run
 from blob_tracker.ros.qos import IMAGE_OUT, overridable, STATE
 from blob_tracker.segmentation import FrameError, Segmenter
+from rclpy.node import Node
+from sensor_msgs.msg import CameraInfo, Image
+from std_msgs.msg import Bool
 
 PARAMETERS = (
     Parameter(
@@ -75,14 +74,13 @@ class SegmenterNode(Node):
         self._health = Health(
             self, 'no frames arrive; is a camera publishing camera/image_raw and camera_info?'
         )
-        self._windows = self.create_publisher(
-            Image, 'target/window/image_raw', IMAGE_OUT, qos_overriding_options=overridable()
-        )
-        self._infos = self.create_publisher(
-            CameraInfo, 'target/window/camera_info', IMAGE_OUT, qos_overriding_options=overridable()
-        )
-        self._visible = self.create_publisher(
-            Bool, 'target/visible', STATE, qos_overriding_options=overridable()
+        self._windows, self._infos, self._visible = (
+            self.create_publisher(kind, name, qos, qos_overriding_options=overridable())
+            for kind, name, qos in (
+                (Image, 'target/window/image_raw', IMAGE_OUT),
+                (CameraInfo, 'target/window/camera_info', IMAGE_OUT),
+                (Bool, 'target/visible', STATE),
+            )
         )
         self._seen_ns: int | None = None
         self._said_visible: bool | None = None

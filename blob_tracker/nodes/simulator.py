@@ -1,13 +1,8 @@
-"""A camera that looks at a simulated flashing light; it publishes what a camera does, and truth."""
+"""A camera before a simulated flashing light: it publishes what a camera does, and the truth."""
 
 from __future__ import annotations
 
 import sys
-
-from geometry_msgs.msg import PointStamped, Vector3Stamped
-import numpy as np
-from rclpy.node import Node
-from sensor_msgs.msg import CameraInfo, Image
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
 from blob_tracker.ros.camera_info import from_camera_model, stamped
@@ -19,6 +14,10 @@ from blob_tracker.ros.qos import IMAGE_OUT, overridable, RESULT
 from blob_tracker.ros.target import bearing_message, centroid_message
 from blob_tracker.simulation import FlashingLight
 from blob_tracker.types import Location, SensorNoise
+from geometry_msgs.msg import PointStamped, Vector3Stamped
+import numpy as np
+from rclpy.node import Node
+from sensor_msgs.msg import CameraInfo, Image
 
 _SCENE = FlashingLight()
 PARAMETERS = (

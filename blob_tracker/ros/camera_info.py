@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-from sensor_msgs.msg import CameraInfo
-
 from blob_tracker.camera import CalibrationError, CameraModel
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.stamp import from_ns
 from blob_tracker.types import Window
+import numpy as np
+from sensor_msgs.msg import CameraInfo
 
 
 def to_camera_model(info: CameraInfo) -> CameraModel:

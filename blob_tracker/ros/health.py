@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
+from blob_tracker.ros.qos import overridable, RESULT
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-
-from blob_tracker.ros.qos import overridable, RESULT
 
 OK = DiagnosticStatus.OK
 WARN = DiagnosticStatus.WARN
 ERROR = DiagnosticStatus.ERROR
 PERIOD = 1.0  # s
 REPEAT = 5.0  # s: the same sentence is logged again after this long, while it holds
-_NAMES = {OK: 'OK', WARN: 'WARN', ERROR: 'ERROR'}
 
 
 class Health:
@@ -44,8 +42,8 @@ class Health:
         self._timer = node.create_timer(PERIOD, self._publish, clock=self._clock)
 
     def ok(self, message: str) -> None:
-        """Report that something went well."""
-        if not self._message:
+        """Report that something went well; the last such word of a second is published."""
+        if self._level == OK:
             self._message = message
 
     def fault(self, level: bytes, key: str, message: str) -> None:
@@ -67,8 +65,11 @@ class Health:
         now = self._clock.now().nanoseconds / 1e9
         if now - self._logged.get(key, -REPEAT) >= REPEAT:
             self._logged[key] = now
-            log = self._node.get_logger()
-            (log.error if level == ERROR else log.warning)(message)
+            # Two statements: rclpy binds the severity to the line that logs.
+            if level == ERROR:
+                self._node.get_logger().error(message)
+            else:
+                self._node.get_logger().warning(message)
 
     def count(self, name: str, by: int = 1) -> None:
         """Add to a counter that is shown in the diagnostics."""

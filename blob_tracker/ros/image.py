@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from array import array
-
-import numpy as np
-from numpy.typing import NDArray
-from sensor_msgs.msg import CameraInfo, Image
+from collections.abc import Mapping
+from typing import Any
 
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.stamp import from_ns, to_ns
-from blob_tracker.types import Frame, Window
+from blob_tracker.types import Frame, Pixels, Window
+import numpy as np
+from numpy.typing import NDArray
+from sensor_msgs.msg import CameraInfo, Image
 
 # encoding: (type of a pixel, channels)
 _FRAMES = {
@@ -100,7 +101,7 @@ def to_window(image: Image, info: CameraInfo, saturation: int = 0) -> Window:
 
 
 def from_pixels(
-    pixels: NDArray[np.generic], stamp_ns: int, frame_id: str, message: Image | None = None
+    pixels: NDArray[Any], stamp_ns: int, frame_id: str, message: Image | None = None
 ) -> Image:
     """
     Return the image message of pixels.
@@ -152,7 +153,7 @@ def _binning(info: CameraInfo) -> tuple[int, int]:
     return max(int(info.binning_x), 1), max(int(info.binning_y), 1)
 
 
-def _pixels(image: Image, encodings: dict[str, tuple[type, int]]) -> NDArray[np.generic]:
+def _pixels(image: Image, encodings: Mapping[str, tuple[Any, int]]) -> Pixels:
     """Return the (h, w) or (h, w, 2) pixels of an image, in the machine's byte order."""
     if image.encoding not in encodings:
         raise MessageError(

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable
 
-from rclpy.node import Node
-from sensor_msgs.msg import CameraInfo, Image
-
 from blob_tracker.ros.health import Health, WARN
 from blob_tracker.ros.qos import IMAGE_IN, overridable
 from blob_tracker.ros.stamp import to_ns
+from rclpy.node import Node
+from sensor_msgs.msg import CameraInfo, Image
 
 DEPTH = 10  # messages that wait for their partner; the queue of either topic holds as many
 
@@ -42,7 +41,7 @@ class StampPairing:
         if info is None:
             _keep(self._images, to_ns(message.header.stamp), message)
         else:
-            self._deliver(message, info)
+            self._pair(message, info)
 
     def camera_info(self, message: CameraInfo) -> None:
         """Take a camera_info."""
@@ -50,7 +49,15 @@ class StampPairing:
         if image is None:
             _keep(self._infos, to_ns(message.header.stamp), message)
         else:
-            self._deliver(image, message)
+            self._pair(image, message)
+
+    def _pair(self, image: Image, info: CameraInfo) -> None:
+        """Deliver a pair, and give up what is older: its partner was lost on the way."""
+        stamp_ns = to_ns(image.header.stamp)
+        for waiting in (self._images, self._infos):
+            for old in [key for key in waiting if key < stamp_ns]:
+                del waiting[old]
+        self._deliver(image, info)
 
 
 def _keep(waiting: OrderedDict[int, object], stamp_ns: int, message: object) -> None:

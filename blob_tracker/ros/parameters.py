@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from blob_tracker.ros.errors import ParameterError
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
-
-from blob_tracker.ros.errors import ParameterError
 
 _TYPES = {bool: 'a boolean', int: 'an integer', float: 'a number with a point', str: 'a string'}
 
@@ -47,7 +46,7 @@ class Parameter:
 
     @property
     def allowed(self) -> str:
-        """What the value must be, in words."""
+        """Say in words what the value must be."""
         if self.choices:
             return 'one of ' + ', '.join(self.choices)
         words = _TYPES[type(self.default)]
@@ -59,10 +58,12 @@ class Parameter:
         """Return what `ros2 param describe` shows."""
         text = f'{self.description} Must be {self.allowed}.'
         descriptor = ParameterDescriptor(name=self.name, description=text, read_only=True)
-        if self.least is not None and isinstance(self.default, float):
+        if self.least is None or self.most is None:
+            return descriptor
+        if isinstance(self.default, float):
             bounds = FloatingPointRange(from_value=float(self.least), to_value=float(self.most))
             descriptor.floating_point_range = [bounds]
-        elif self.least is not None:
+        else:
             whole = IntegerRange(from_value=int(self.least), to_value=int(self.most), step=1)
             descriptor.integer_range = [whole]
         return descriptor

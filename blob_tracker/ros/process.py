@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 import sys
 
+from blob_tracker.ros.errors import ParameterError
 import rclpy
 from rclpy.exceptions import NameValidationException
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
-
-from blob_tracker.ros.errors import ParameterError
 
 WRONG_USE = 2  # exit code, as for a shell command called wrongly
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from math import cos, pi, sin
 
-from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
-
 from blob_tracker.ros.stamp import from_ns
 from blob_tracker.types import Bearing, Location
+from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
 
 MRAD = 1e-3  # rad
 # The turn about the ray cannot be seen: evenly spread over the circle, rad^2.

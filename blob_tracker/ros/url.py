@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory, PackageNotFoundError
-
 from blob_tracker.ros.errors import ParameterError
 
 

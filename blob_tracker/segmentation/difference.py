@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from blob_tracker.types import Pixels
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -34,9 +35,9 @@ class Rise(NamedTuple):
 
 
 def strongest_rise(
-    current: NDArray[np.generic],
-    previous: NDArray[np.generic],
-    difference: NDArray[np.generic] | None = None,
+    current: Pixels,
+    previous: Pixels,
+    difference: Pixels | None = None,
 ) -> Rise:
     """
     Find the pixel that gained most light, in one pass over the whole frame.
@@ -56,7 +57,7 @@ def strongest_rise(
         Place and height of the strongest rise, and the noise it stands in.
 
     """
-    rise = cv2.subtract(current, previous, dst=difference)  # type: ignore[call-overload]
+    rise = cv2.subtract(current, previous, dst=difference)
     _, height, _, (column, row) = cv2.minMaxLoc(rise)
     coarse = signed_difference(
         current[::NOISE_STEP, ::NOISE_STEP], previous[::NOISE_STEP, ::NOISE_STEP]
@@ -68,7 +69,7 @@ def strongest_rise(
 
 
 def signed_difference(
-    current: NDArray[np.generic], previous: NDArray[np.generic]
+    current: Pixels, previous: Pixels
 ) -> NDArray[np.int32]:
     """Return current - previous, DN, with its sign."""
     return current.astype(np.int32) - previous.astype(np.int32)

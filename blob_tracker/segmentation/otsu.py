@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+from blob_tracker.segmentation.box import Box, box_about, component_box
 import numpy as np
 from numpy.typing import NDArray
-
-from blob_tracker.segmentation.box import Box, box_about, component_box
 
 FIRST_HALF = 4  # px: holds a blob of sigma 0.6 to 2 with background about it
 GROWTH = 1.5  # a larger step would jump over the size at which the threshold settles

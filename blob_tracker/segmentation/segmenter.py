@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from blob_tracker.segmentation.box import box_about, scaled
 from blob_tracker.segmentation.difference import signed_difference, strongest_rise
 from blob_tracker.segmentation.otsu import otsu_window
-from blob_tracker.types import Frame, Window
+from blob_tracker.types import Frame, Pixels, Window
+import numpy as np
 
 SMALLEST_WINDOW = 7  # px: room for a blob of sigma 1 and its background
 # Two lit frames of a moving light leave a rise and an equal fall beside each other; a true flash
@@ -62,7 +60,7 @@ class Segmenter:
         self.max_blob = max_blob
         self.reason = 'no frame yet'
         self._previous: Frame | None = None
-        self._rise: NDArray[np.generic] | None = None
+        self._rise: Pixels | None = None
 
     def update(self, frame: Frame) -> Window | None:
         """
@@ -123,7 +121,7 @@ class Segmenter:
                 f'{peak.height / peak.noise:.1f} times the noise (min_snr {self.min_snr:g})'
             )
             return None
-        blob = otsu_window(self._rise, peak.column, peak.row, self.max_blob)  # type: ignore
+        blob = otsu_window(self._rise, peak.column, peak.row, self.max_blob)
         shape = lit.image.shape
         reach = max(blob.x1 - blob.x0, blob.y1 - blob.y0)
         if reach > 2 * self.max_blob:

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
+from blob_tracker.simulation.light import pixel_integrated_gaussian
+from blob_tracker.simulation.sensor import expose
+from blob_tracker.types import Pixels, SensorNoise
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-
-from blob_tracker.simulation.light import pixel_integrated_gaussian
-from blob_tracker.simulation.sensor import expose
-from blob_tracker.types import SensorNoise
 
 REACH = 6.0  # sigma: beyond it the pulse is below 1e-7 of its peak
 
@@ -74,8 +73,8 @@ class FlashingLight:
         random = np.random.default_rng([self.seed, 0])
         pattern = np.zeros((self.height, self.width), dtype=np.float32)
         for scale in (1.0, 4.0, 16.0):
-            layer = random.standard_normal(pattern.shape, dtype=np.float32)
-            layer = cv2.GaussianBlur(layer, (0, 0), scale)
+            white = random.standard_normal(pattern.shape, dtype=np.float32)
+            layer = np.asarray(cv2.GaussianBlur(white, (0, 0), scale))
             pattern += layer / layer.std()
         slope = np.linspace(-0.5, 0.5, self.width, dtype=np.float32)
         wall = self.background * (1.0 + 0.5 * slope) + self.texture * pattern / np.sqrt(3.0)
@@ -93,7 +92,7 @@ class FlashingLight:
         y = 0.5 * (self.height - 1) + self.reach * 0.5 * self.height * np.sin(3.0 * angle + 0.5)
         return Truth(float(x), float(y), index % 2 == 0)
 
-    def frame(self, index: int) -> NDArray[np.generic]:
+    def frame(self, index: int) -> Pixels:
         """
         Return the (h, w) pixels of a frame, DN.
 
@@ -106,7 +105,8 @@ class FlashingLight:
             half = int(np.ceil(REACH * self.sigma))
             column, row = round(x), round(y)
             left, top = max(column - half, 0), max(row - half, 0)
-            part = mean[top : row + half + 1, left : column + half + 1]
+            bottom, right = row + half + 1, column + half + 1
+            part = mean[top:bottom, left:right]
             if part.size:
                 part += self.amplitude * pixel_integrated_gaussian(
                     part.shape, x - left, y - top, self.sigma

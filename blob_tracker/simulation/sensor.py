@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+from blob_tracker.types import Pixels, SensorNoise
 import numpy as np
 from numpy.typing import NDArray
-
-from blob_tracker.types import SensorNoise
 
 
 def expose(
@@ -14,7 +13,7 @@ def expose(
     random: np.random.Generator,
     *,
     saturation: int = 255,
-) -> NDArray[np.generic]:
+) -> Pixels:
     """
     Draw pixels about their mean: shot noise, read noise, rounding, clipping.
 

@@ -76,7 +76,7 @@ def _draw_errors(
     variances = np.diagonal(covariances, axis1=1, axis2=2).ravel()
     rms = np.sqrt(np.mean(values**2))
     reach = max(1.2 * budget, 4.0 * rms)
-    bins = np.linspace(-reach, reach, 61)
+    bins = np.linspace(-reach, reach, 61).tolist()
     axes.hist(values, bins=bins, density=True, color=LOCATED, alpha=0.7, label='x and y errors')
     grid = np.linspace(-reach, reach, 400)
     predicted = np.exp(-(grid[:, None] ** 2) / (2 * variances)) / np.sqrt(2 * np.pi * variances)

@@ -14,6 +14,12 @@ from pathlib import Path
 import shutil
 from typing import Any
 
+from blob_tracker.camera import CameraModel, pinhole_matrix
+from blob_tracker.ros.camera_info import from_camera_model, stamped
+from blob_tracker.ros.image import from_pixels
+from blob_tracker.ros.target import bearing_message, centroid_message
+from blob_tracker.simulation import FlashingLight
+from blob_tracker.types import Location
 import numpy as np
 from rclpy.serialization import serialize_message
 from rosbags.interfaces import (
@@ -26,13 +32,6 @@ from rosbags.interfaces import (
 )
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import get_typestore, Stores
-
-from blob_tracker.camera import CameraModel, pinhole_matrix
-from blob_tracker.ros.camera_info import from_camera_model, stamped
-from blob_tracker.ros.image import from_pixels
-from blob_tracker.ros.target import bearing_message, centroid_message
-from blob_tracker.simulation import FlashingLight
-from blob_tracker.types import Location
 
 HERE = Path(__file__).parent
 BAGS = {'flash_mcap': StoragePlugin.MCAP, 'flash_sqlite3': StoragePlugin.SQLITE3}

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from geometry_msgs.msg import PointStamped, Vector3Stamped
-import pytest
-from rosgraph_msgs.msg import Clock
-
 from blob_tracker.resources import config_path
 from blob_tracker.ros.stamp import to_ns
-from test.processes import probe, start, start_replay
+from geometry_msgs.msg import PointStamped, Vector3Stamped
+from processes import probe, start, start_replay
+import pytest
+from rosgraph_msgs.msg import Clock
 
 BAGS = Path(__file__).parents[1] / 'bags'
 LIT = 30  # lit frames in the bag

@@ -1,0 +1,110 @@
+"""Exact angles, a derivative that is one, and a covariance that follows it."""
+
+from __future__ import annotations
+
+import dataclasses
+from math import atan2, hypot
+
+from blob_tracker.camera import CalibrationError, CameraModel, LensError
+from blob_tracker.resources import config_path
+from blob_tracker.types import Location
+from camera_models import MODELS, PINHOLE, PLUMB_BOB
+import numpy as np
+import pytest
+
+
+def location(x: float, y: float, covariance: np.ndarray | None = None) -> Location:
+    """Return a location at a pixel."""
+    covariance = 0.01 * np.eye(2) if covariance is None else covariance
+    return Location(x, y, covariance, 100.0, 20.0, 2.0, 50.0, 1.0, 0, stamp_ns=42)
+
+
+def test_axis_and_signs() -> None:
+    """On the axis both angles are 0; right is positive azimuth, up positive elevation."""
+    axis = PINHOLE.bearing(location(319.5, 239.5))
+    assert (axis.azimuth, axis.elevation, axis.stamp_ns) == (0.0, 0.0, 42)
+    assert PINHOLE.bearing(location(400, 239.5)).azimuth > 0
+    assert PINHOLE.bearing(location(319.5, 100)).elevation > 0
+
+
+def test_pinhole_angles_are_exact() -> None:
+    """Equal to the definition to rounding, far from the small-angle approximation."""
+    x, y = (12.25 - 319.5) / 600, (470.75 - 239.5) / 600
+    bearing = PINHOLE.bearing(location(12.25, 470.75))
+    assert bearing.azimuth == pytest.approx(1e3 * atan2(x, 1), abs=1e-9)
+    assert bearing.elevation == pytest.approx(1e3 * atan2(-y, hypot(x, 1)), abs=1e-9)
+
+
+@pytest.mark.parametrize('name', MODELS)
+def test_derivative_is_the_limit_of_differences(name: str) -> None:
+    """Central differences of 0.01 px agree to their own error."""
+    model = MODELS[name]
+    step = 0.01
+    for x, y in ((30.0, 40.0), (320.0, 240.0), (601.5, 433.25)):
+        derivative = model.angles(x, y)[2]
+        by_x = np.subtract(model.angles(x + step, y)[:2], model.angles(x - step, y)[:2])
+        by_y = np.subtract(model.angles(x, y + step)[:2], model.angles(x, y - step)[:2])
+        numeric = np.column_stack([by_x, by_y]) / (2 * step)
+        np.testing.assert_allclose(derivative, numeric, rtol=1e-5, atol=1e-6)
+
+
+def test_covariance_follows_the_derivative() -> None:
+    """The scatter of bearings of scattered pixels is the covariance: NEES of 2 in the mean."""
+    random = np.random.default_rng(11)
+    covariance = np.array([[0.04, 0.01], [0.01, 0.02]])
+    count = 4000
+    centre = PLUMB_BOB.bearing(location(560.0, 60.0, covariance))
+    pixels = random.multivariate_normal([560.0, 60.0], covariance, count)
+    angles = np.array([PLUMB_BOB.angles(*pixel)[:2] for pixel in pixels])
+    errors = angles - [centre.azimuth, centre.elevation]
+    nees = np.einsum('ni,ij,nj->n', errors, np.linalg.inv(centre.covariance), errors).mean()
+    # chi-square of 2 n degrees of freedom over n: 95 % within 1.96 * 2 / sqrt(n).
+    assert abs(nees - 2.0) < 1.96 * 2.0 / np.sqrt(count)
+
+
+def test_field_of_view_of_the_thesis() -> None:
+    """6 mm lens on 6.41 mm of sensor: 56.22 degrees (Table 2.1) give a focal length of 600 px."""
+    model = CameraModel.from_field_of_view(641, 489, 56.22)
+    assert model.matrix[0, 0] == pytest.approx(600.0, rel=1e-4)  # the table's four digits
+    edge = model.angles(-0.5, 244.0)[0]
+    assert edge == pytest.approx(-1e3 * np.radians(56.22 / 2))
+
+
+@pytest.mark.parametrize(
+    'change, sentence',
+    [
+        ({'width': 0}, 'must be positive'),
+        ({'matrix': np.zeros((3, 3))}, 'focal lengths are 0 and 0'),
+        ({'matrix': np.diag([-600.0, 600.0, 1.0])}, 'must be above 0'),
+        ({'matrix': np.diag([np.nan, 600.0, 1.0])}, 'finite'),
+        ({'matrix': np.eye(2)}, '3 x 3'),
+        ({'distortion': np.full(5, np.nan)}, 'finite'),
+        ({'distortion': np.zeros(3)}, 'coefficients, not 3'),
+        ({'distortion_model': 'fancy'}, "no distortion model 'fancy'; there is plumb_bob"),
+    ],
+)
+def test_impossible_calibration_is_refused(change: dict, sentence: str) -> None:
+    """Each impossible value has its sentence."""
+    with pytest.raises(CalibrationError, match=sentence):
+        dataclasses.replace(PINHOLE, **change)
+
+
+@pytest.mark.parametrize('degrees', [0.0, -3.0, 180.0, float('nan')])
+def test_impossible_field_of_view_is_refused(degrees: float) -> None:
+    """A flat or folded lens has no focal length."""
+    with pytest.raises(CalibrationError, match='field of view'):
+        CameraModel.from_field_of_view(640, 480, degrees)
+
+
+def test_pixel_without_a_ray_is_refused() -> None:
+    """Where the distortion folds over, no angle is made up."""
+    folded = dataclasses.replace(PINHOLE, distortion=np.array([-2.0, 0.0, 0.0, 0.0, 0.0]))
+    with pytest.raises(LensError, match='no ray leads to the pixel'):
+        folded.bearing(location(639.0, 479.0))
+
+
+def test_sample_calibration_is_read() -> None:
+    """The file that is shipped is the simulated camera."""
+    model = CameraModel.from_yaml(config_path('camera_info.yaml'))
+    assert (model.width, model.height, model.name) == (640, 480, 'simulated')
+    np.testing.assert_array_equal(model.matrix, PINHOLE.matrix)

@@ -1,0 +1,217 @@
+"""What reaches the nodes from a broken camera: one clear message, silence, and a living node."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from math import nan
+
+from blob_tracker.camera import CameraModel
+from blob_tracker.ros.camera_info import from_camera_model, stamped
+from blob_tracker.ros.image import from_pixels
+from blob_tracker.ros.qos import IMAGE_OUT, STATE
+from blob_tracker.simulation import FlashingLight
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import Vector3Stamped
+from processes import Probe, probe, Process, start
+import pytest
+from sensor_msgs.msg import CameraInfo, Image
+from std_msgs.msg import Bool
+
+SCENE = FlashingLight(width=160, height=120, period=3.0)
+MODEL = CameraModel.from_field_of_view(160, 120, 40.0)
+STEP_NS = 16_666_667
+DOMAIN = 101
+_NOW = 10**18
+
+
+class Tracker:
+    """Segmenter and locator, and a camera that the test plays."""
+
+    def __init__(self, node: Probe, processes: list[Process]) -> None:
+        self.node = node
+        self.processes = processes
+        self.bearings = node.record(Vector3Stamped, 'target/bearing')
+        self.visible = node.record(Bool, 'target/visible', STATE)
+        self.diagnostics = node.record(DiagnosticArray, '/diagnostics')
+        self._images = node.create_publisher(Image, 'camera/image_raw', IMAGE_OUT)
+        self._infos = node.create_publisher(CameraInfo, 'camera/camera_info', IMAGE_OUT)
+        self.stamp_ns = _NOW
+        # Discovery has two ends and best effort no memory: send until the other end hears.
+        node.spin_until(lambda: self.send(1) or self.send(2) or self.bearings)
+
+    def send(
+        self,
+        index: int,
+        change_image: Callable[[Image], None] = lambda image: None,
+        change_info: Callable[[CameraInfo], None] | None = lambda info: None,
+        step_ns: int = STEP_NS,
+        scene: FlashingLight = SCENE,
+    ) -> None:
+        """Publish a frame of the scene with something changed; no camera_info for None."""
+        self.stamp_ns += step_ns
+        image = from_pixels(scene.frame(index), self.stamp_ns, 'optical')
+        info = from_camera_model(
+            MODEL if scene is SCENE else CameraModel.from_field_of_view(
+                scene.width, scene.height, 40.0
+            ),
+            scene.width,
+            scene.height,
+        )
+        stamped(info, self.stamp_ns, 'optical')
+        change_image(image)
+        self._images.publish(image)
+        if change_info is not None:
+            change_info(info)
+            self._infos.publish(info)
+        self.node.spin(0.01)
+
+    def messages(self, level: bytes) -> list[str]:
+        """Return what the diagnostics have said at a level so far."""
+        return [a.status[0].message for a in self.diagnostics if a.status[0].level == level]
+
+    def expect(self, sentence: str, level: bytes) -> None:
+        """Wait until a diagnostic says this."""
+        try:
+            self.node.spin_until(
+                lambda: any(sentence in message for message in self.messages(level)), 5.0
+            )
+        except AssertionError:
+            said = [(a.status[0].level, a.status[0].message) for a in self.diagnostics]
+            raise AssertionError(f'{sentence!r} is not in {said}') from None
+
+    def expect_life(self) -> None:
+        """Expect both nodes to run and a flash pair to give a bearing again."""
+        assert all(process.running for process in self.processes)
+        before = len(self.bearings)
+        self.stamp_ns += 10**9  # nothing pairs with what came before
+        for index in (1, 2):
+            self.send(index)
+        self.node.spin_until(lambda: len(self.bearings) > before, 5.0)
+
+
+@pytest.fixture(scope='module')
+def running() -> Iterator[Tracker]:
+    """Start the nodes once: surviving everything, one after the other, is the test."""
+    with (
+        probe(DOMAIN) as node,
+        start('segmenter', DOMAIN) as segmenter,
+        start('locator', DOMAIN) as locator,
+    ):
+        yield Tracker(node, [segmenter, locator])
+
+
+@pytest.fixture
+def tracker(running: Tracker) -> Iterator[Tracker]:
+    """Give the running nodes with empty records; they must live and track afterwards."""
+    running.bearings.clear()
+    running.diagnostics.clear()
+    yield running
+    running.expect_life()
+
+
+def _set(**fields: object) -> Callable[[object], None]:
+    """Return a function that sets fields of a message."""
+
+    def change(message: object) -> None:
+        for name, value in fields.items():
+            setattr(message, name, value)
+
+    return change
+
+
+def _focal_length(value: float) -> Callable[[CameraInfo], None]:
+    """Return a function that sets the focal length."""
+
+    def change(info: CameraInfo) -> None:
+        info.k[0] = value
+
+    return change
+
+
+@pytest.mark.parametrize(
+    'change, sentence',
+    [
+        (_set(encoding='rgb8'), "the encoding is 'rgb8'; it must be mono8"),
+        (_set(width=0), 'neither may be 0'),
+        (_set(height=0), 'neither may be 0'),
+        (_set(step=10), 'step is 10 bytes; 160 px of mono8 need 160'),
+        (_set(height=119), 'step * height is 160 * 119'),
+        (_set(data=b''), 'data has 0 bytes'),
+    ],
+)
+def test_a_broken_image_is_named_and_gives_nothing(
+    tracker: Tracker, change: Callable[[Image], None], sentence: str
+) -> None:
+    """An ERROR with the sentence, and no bearing from any of these frames."""
+    for index in range(1, 5):
+        tracker.send(index, change)
+    tracker.expect(sentence, DiagnosticStatus.ERROR)
+    assert not tracker.bearings
+
+
+@pytest.mark.parametrize(
+    'change, sentence',
+    [
+        (_focal_length(nan), 'K must be 3 x 3 finite numbers'),
+        (_focal_length(0.0), 'not calibrated has 0: set camera_info_url'),
+        (_set(distortion_model='fisheye'), "no distortion model 'fisheye'"),
+        (_set(d=[0.1, nan, 0.0, 0.0, 0.0]), 'distortion coefficients must be finite'),
+    ],
+)
+def test_an_impossible_calibration_is_named_and_gives_nothing(
+    tracker: Tracker, change: Callable[[CameraInfo], None], sentence: str
+) -> None:
+    """The locator says what is wrong with the camera_info."""
+    for index in range(1, 5):
+        tracker.send(index, change_info=change)
+    tracker.expect(sentence, DiagnosticStatus.ERROR)
+    assert not tracker.bearings
+
+
+def test_images_without_camera_info_are_named(tracker: Tracker) -> None:
+    """The missing partner is said, not waited for in silence."""
+    for index in range(1, 15):
+        tracker.send(index, change_info=None)
+    tracker.expect('without a camera/camera_info of the same stamp', DiagnosticStatus.WARN)
+    assert not tracker.bearings
+
+
+def test_repeated_and_old_frames_are_named_and_left_out(tracker: Tracker) -> None:
+    """A stamp that does not grow is a WARN; the pair around it still counts."""
+    tracker.send(1)
+    tracker.send(4, step_ns=0)
+    tracker.expect('its stamp is repeated', DiagnosticStatus.WARN)
+    tracker.send(6, step_ns=-STEP_NS)
+    tracker.stamp_ns += STEP_NS
+    tracker.send(2)
+    tracker.node.spin_until(lambda: len(tracker.bearings) == 1, 5.0)
+
+
+def test_a_change_of_resolution_starts_afresh(tracker: Tracker) -> None:
+    """The change is a WARN, and the new size is tracked."""
+    scene = FlashingLight(width=200, height=150, period=3.0)
+    tracker.send(1)
+    tracker.send(2, scene=scene)
+    tracker.expect('changed from 160 x 120', DiagnosticStatus.WARN)
+    for index in (3, 4):
+        tracker.send(index, scene=scene)
+    tracker.node.spin_until(lambda: len(tracker.bearings) == 1, 5.0)
+
+
+def test_a_lost_target_turns_visible_false(tracker: Tracker) -> None:
+    """The light stays off: false once, after lost_after; true again when it returns."""
+    for index in (1, 2):
+        tracker.send(index)
+    tracker.node.spin_until(lambda: tracker.visible and tracker.visible[-1].data, 5.0)
+    tracker.visible.clear()
+    for _ in range(30):
+        tracker.send(1)
+    tracker.node.spin_until(lambda: tracker.visible, 5.0)
+    assert [message.data for message in tracker.visible] == [False]
+    tracker.expect('no target: nothing lit up', DiagnosticStatus.OK)
+
+
+def test_silence_is_named(tracker: Tracker) -> None:
+    """No frame for more than a second: both nodes say what is missing."""
+    tracker.expect('is a camera publishing camera/image_raw', DiagnosticStatus.WARN)
+    tracker.expect('no window arrives; is the segmenter running?', DiagnosticStatus.WARN)

@@ -1,0 +1,63 @@
+"""Nodes start from where `ros2 run` finds them, refuse wrong parameters, and end at once."""
+
+from __future__ import annotations
+
+import signal
+import time
+
+from processes import PATIENCE, probe, start
+import pytest
+
+ATTEMPTS = 3  # a busy machine may be late once; a node that hangs is late each time
+NODES = ('camera', 'segmenter', 'locator', 'simulator')
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize('name', NODES)
+def test_ends_on_a_signal_without_a_trace(name: str, number: int, domain: int) -> None:
+    """Exit code 0 within 1 s of Ctrl-C or SIGTERM, and nothing on the terminal about it."""
+    with probe(domain) as node:
+        for _ in range(ATTEMPTS):
+            with start(name, domain) as process:
+                node.spin_until(lambda: name in node.get_node_names())
+                began = time.monotonic()
+                assert process.end(number) == 0
+                took = time.monotonic() - began
+            assert 'Traceback' not in process.output
+            assert 'Error' not in process.output
+            if took < 1.0:
+                return
+            node.spin_until(lambda: name not in node.get_node_names())
+    assert took < 1.0
+
+
+@pytest.mark.parametrize(
+    'name, parameters, sentence',
+    [
+        ('camera', {'buffers': 1}, "'buffers' is 1; it must be an integer from 2 to 32"),
+        ('camera', {'frame_rate': 30}, "'frame_rate' is 30; it must be a number with a point"),
+        ('camera', {'camera_info_url': '/no.yaml'}, 'cannot read the calibration /no.yaml'),
+        ('camera', {'camera_info_url': 'http://x/y'}, "'camera_info_url': http://x/y: write"),
+        ('segmenter', {'min_snr': -1.0}, "'min_snr' is -1.0; it must be a number with a point"),
+        ('segmenter', {'max_blob': 'big'}, "'max_blob' is 'big'; it must be an integer"),
+        ('locator', {'method': 'magic'}, "'method' is 'magic'; it must be one of "),
+        ('locator', {'noise__gain': 0.0}, "'noise.gain' is 0.0"),
+        ('simulator', {'width': 5}, "'width' is 5; it must be an integer from 16 to 8192 px"),
+    ],
+)
+def test_wrong_parameter_ends_with_a_sentence(
+    name: str, parameters: dict[str, object], sentence: str, domain: int
+) -> None:
+    """Exit code 2, and one sentence with the value and what would be right."""
+    with start(name, domain, **parameters) as process:
+        assert process.wait(PATIENCE) == 2
+    assert sentence in process.output
+    assert 'Traceback' not in process.output
+
+
+def test_wrong_ros_arguments_end_with_a_sentence(domain: int) -> None:
+    """A parameter without a value is named."""
+    with start('locator', domain, '-p', 'method') as process:
+        assert process.wait(PATIENCE) == 2
+    assert 'wrong ROS arguments' in process.output
+    assert 'Traceback' not in process.output

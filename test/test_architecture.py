@@ -1,0 +1,78 @@
+"""The rules of the house that a machine can check."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import blob_tracker
+
+ROOT = Path(blob_tracker.__file__).parent
+ROS_FOLDERS = ('ros', 'nodes')
+ROS_MODULES = {
+    'ament_index_python',
+    'builtin_interfaces',
+    'diagnostic_msgs',
+    'geometry_msgs',
+    'rcl_interfaces',
+    'rclpy',
+    'rosgraph_msgs',
+    'sensor_msgs',
+    'std_msgs',
+}
+# Each room may import the rooms named here, besides itself and types.
+ROOMS = {
+    'types': set(),
+    'resources': set(),
+    'capture': set(),
+    'segmentation': set(),
+    'location': set(),
+    'camera': set(),
+    'pipeline': {'capture', 'segmentation', 'location', 'camera'},
+    'simulation': {'capture', 'segmentation', 'location', 'camera', 'pipeline'},
+    'studies': {'capture', 'segmentation', 'location', 'camera', 'pipeline', 'simulation'},
+    'ros': {'capture', 'segmentation', 'location', 'camera', 'pipeline'},
+    'nodes': {
+        'capture', 'segmentation', 'location', 'camera', 'pipeline', 'simulation', 'studies',
+        'ros', 'resources',
+    },
+    '__main__': {'nodes'},
+    '__init__': {'camera', 'pipeline'},
+}
+
+
+def imports(path: Path) -> set[str]:
+    """Return the full names of what a file imports."""
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f'{path}: write the full name of {node.module}'
+            names.add(str(node.module))
+    return names
+
+
+def sources() -> list[tuple[str, Path]]:
+    """Return each source file with the room that it belongs to."""
+    paths = sorted(ROOT.rglob('*.py'))
+    assert len(paths) > 30
+    return [(path.relative_to(ROOT).parts[0].removesuffix('.py'), path) for path in paths]
+
+
+def test_only_ros_and_nodes_know_ros() -> None:
+    """The core works where no ROS is installed."""
+    for room, path in sources():
+        if room not in ROS_FOLDERS:
+            ros = {name for name in imports(path) if name.split('.')[0] in ROS_MODULES}
+            assert not ros, f'{path} imports {ros}'
+
+
+def test_arrows_point_down() -> None:
+    """A room imports itself, types, and the rooms below it."""
+    for room, path in sources():
+        for name in imports(path):
+            package, _, inside = name.partition('.')
+            if package == 'blob_tracker' and inside:
+                target = inside.split('.')[0]
+                assert target in ROOMS[room] | {room, 'types'}, f'{path} imports {name}'
