@@ -204,7 +204,7 @@ def test_a_lost_target_turns_visible_false(tracker: Tracker) -> None:
         tracker.send(index)
     tracker.node.spin_until(lambda: tracker.visible and tracker.visible[-1].data, 5.0)
     tracker.visible.clear()
-    for _ in range(30):
+    for _ in range(150):  # more than a second: a diagnostic that is all of this
         tracker.send(1)
     tracker.node.spin_until(lambda: tracker.visible, 5.0)
     assert [message.data for message in tracker.visible] == [False]
