@@ -9,7 +9,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 
 from blob_tracker.camera import CalibrationError, CameraModel
-from blob_tracker.capture.v4l2 import CaptureError, V4l2Camera
+from blob_tracker.capture import CaptureError, V4l2Camera
 from blob_tracker.ros.camera_info import from_camera_model, stamped
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN

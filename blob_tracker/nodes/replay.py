@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 QUIET = 1.0  # s without a new subscriber: all that were starting have been found
 CLOCK_STEP_NS = 10_000_000  # /clock at 100 Hz of bag time, beside one at each message
+LONGEST_QUEUE = 1000  # messages of a topic
 LAST_WORDS = 2.0  # s for the subscribers to acknowledge the last messages
 
 
@@ -125,7 +126,8 @@ def _recorded_qos(connection: Connection) -> QoSProfile:
     keep_all = offered[0].history.name == 'KEEP_ALL'
     return QoSProfile(
         history=HistoryPolicy.KEEP_ALL if keep_all else HistoryPolicy.KEEP_LAST,
-        depth=max(int(offered[0].depth), 10),
+        # A subscriber is known here before it listens: what it asks for again must still be held.
+        depth=max(int(offered[0].depth), min(connection.msgcount, LONGEST_QUEUE)),
         reliability=(
             ReliabilityPolicy.BEST_EFFORT
             if offered[0].reliability.name == 'BEST_EFFORT'

@@ -1,0 +1,131 @@
+"""Real nodes in processes of their own, and a node of the test's beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+import os
+from pathlib import Path
+import signal
+import subprocess
+import sys
+import time
+from typing import Any
+
+from ament_index_python.packages import get_package_prefix
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+EXIT = 5.0  # s that a process has to end, on a machine that is busy with other tests
+PATIENCE = 20.0  # s for a process to start and be discovered
+
+
+def executable(name: str) -> Path:
+    """Return the executable that `ros2 run blob_tracker <name>` starts."""
+    return Path(get_package_prefix('blob_tracker')) / 'lib' / 'blob_tracker' / name
+
+
+class Process:
+    """A running command with its output; ends with the block that it is used in."""
+
+    def __init__(self, command: list[str], domain: int) -> None:
+        self._popen = subprocess.Popen(
+            command,
+            env=dict(
+                os.environ,
+                ROS_DOMAIN_ID=str(domain),
+                PYTHONUNBUFFERED='1',
+            ),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        self.output = ''
+
+    @property
+    def running(self) -> bool:
+        """Tell whether the process lives."""
+        return self._popen.poll() is None
+
+    def end(self, number: int = signal.SIGINT, timeout: float = EXIT) -> int:
+        """Send a signal, wait for the end, and return the exit code."""
+        if self.running:
+            self._popen.send_signal(number)
+        return self.wait(timeout)
+
+    def wait(self, timeout: float = PATIENCE) -> int:
+        """Wait for the end and return the exit code; the output is in `output`."""
+        try:
+            self.output += self._popen.communicate(timeout=timeout)[0]
+        except ValueError:
+            pass  # waited for before
+        return self._popen.returncode
+
+    def __enter__(self) -> Process:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        try:
+            self.end()
+        except subprocess.TimeoutExpired:
+            self._popen.kill()
+            self.wait()
+            raise
+
+
+def start(name: str, domain: int, *arguments: str, **parameters: object) -> Process:
+    """Start a node of the package with parameters (`noise__gain` stands for noise.gain)."""
+    command = [str(executable(name)), '--ros-args', *arguments]
+    for key, value in parameters.items():
+        command += ['-p', f'{key.replace("__", ".")}:={value}']
+    return Process(command, domain)
+
+
+def start_replay(bag: Path, domain: int, *arguments: str) -> Process:
+    """Start `python -m blob_tracker replay`."""
+    return Process([sys.executable, '-m', 'blob_tracker', 'replay', str(bag), *arguments], domain)
+
+
+class Probe(Node):
+    """A node of the test's own that records topics and publishes."""
+
+    def __init__(self, context: Context) -> None:
+        super().__init__('probe', context=context)
+        self.received: dict[str, list[Any]] = {}
+        self._spinner = SingleThreadedExecutor(context=context)
+        self._spinner.add_node(self)
+
+    def record(self, kind: type, topic: str, qos: Any = 100) -> list[Any]:
+        """Subscribe to a topic; its messages go to the list that is returned."""
+        messages: list[Any] = []
+        self.received[topic] = messages
+        self.create_subscription(kind, topic, messages.append, qos)
+        return messages
+
+    def spin(self, seconds: float) -> None:
+        """Take what arrives in this time."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self._spinner.spin_once(timeout_sec=max(end - time.monotonic(), 0.0))
+
+    def spin_until(self, done: Callable[[], object], timeout: float = PATIENCE) -> None:
+        """Take what arrives until a condition holds; fail after the time-out."""
+        end = time.monotonic() + timeout
+        while not done():
+            assert time.monotonic() < end, f'not within {timeout} s'
+            self._spinner.spin_once(timeout_sec=0.05)
+
+
+@contextmanager
+def probe(domain: int) -> Iterator[Probe]:
+    """Make a probe in a domain."""
+    context = Context()
+    rclpy.init(context=context, domain_id=domain)
+    node = Probe(context)
+    try:
+        yield node
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown(context=context)
