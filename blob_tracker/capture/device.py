@@ -145,7 +145,7 @@ def _not_v4l2(path: str) -> str:
 
 
 _KINDS = (
-    (videodev2.CAP_VIDEO_CAPTURE_MPLANE, 'a multi-planar capture device'),
+    (videodev2.CAP_VIDEO_CAPTURE_MPLANE, 'a multi-planar device (frames in one plane are needed)'),
     (videodev2.CAP_VIDEO_M2M | videodev2.CAP_VIDEO_M2M_MPLANE, 'a memory-to-memory device'),
     (videodev2.CAP_VIDEO_OUTPUT | videodev2.CAP_VIDEO_OUTPUT_MPLANE, 'an output device'),
     (videodev2.CAP_META_CAPTURE, 'a metadata device'),
@@ -162,7 +162,7 @@ def _check_captures(path: str, fd: int) -> None:
     if not flags & videodev2.CAP_VIDEO_CAPTURE:
         kind = next((name for flag, name in _KINDS if flags & flag), 'another kind of device')
         raise CaptureError(
-            f'{path}: this is {kind}, not a capture device with one plane; {_there_are()}')
+            f'{path}: this is {kind}, not a capture device; {_there_are()}')
     if not flags & videodev2.CAP_STREAMING:
         raise CaptureError(
             f'{path}: this device has no streaming I/O, which frames are read by; {_there_are()}')

@@ -89,7 +89,7 @@ class V4l2Camera:
         self.device = device
         self.drops = 0
         self.sequence = -1
-        self._stamp_ns = 0
+        self._first = (0, 0)  # sequence and stamp of the first frame
         self._interval_ns = 0
         self._memory: list[mmap.mmap] = []
         self._streaming = False
@@ -257,22 +257,20 @@ class V4l2Camera:
         return ', '.join(sizes)
 
     def _chosen_format(self, wanted: str) -> str:
+        if wanted and wanted not in PIXEL_FORMATS:
+            raise CaptureError(f'pixel_format {wanted!r} cannot be decoded; choose one of '
+                               + ', '.join(PIXEL_FORMATS))
         offered = self._offered_formats()
-        decoded = ', '.join(PIXEL_FORMATS)
-        if not wanted:
-            wanted = next((name for name in offered if name in PIXEL_FORMATS), '')
-            if not wanted:
-                raise CaptureError(
-                    f'{self.device}: none of its pixel formats ({", ".join(offered)}) can be '
-                    f'decoded; one of {decoded} is needed')
-        if wanted not in PIXEL_FORMATS:
+        usable = [name for name in offered if name in PIXEL_FORMATS]
+        if not usable:
             raise CaptureError(
-                f'pixel_format {wanted!r} cannot be decoded; choose one of {decoded}')
-        if wanted not in offered:
+                f'{self.device}: none of its pixel formats ({", ".join(offered)}) can be decoded; '
+                f'one of {", ".join(PIXEL_FORMATS)} is needed')
+        if wanted and wanted not in usable:
             raise CaptureError(
-                f'{self.device}: pixel_format {wanted!r} is not offered; the device offers '
-                f'{", ".join(offered)}')
-        return wanted
+                f'{self.device}: pixel_format {wanted!r} is not offered; of the formats that this '
+                f'device offers, {", ".join(usable)} can be decoded')
+        return wanted or usable[0]
 
     def _set_format(self, width: int, height: int, pixel_format: str) -> None:
         self.pixel_format = self._chosen_format(pixel_format)
@@ -416,13 +414,21 @@ class V4l2Camera:
         finally:
             filled.release()
         stamp_ns = _stamp_ns(buffer)
-        if self.sequence >= 0:
-            step = (buffer.sequence - self.sequence) & 0xffffffff
-            if 0 < step < 0x80000000:  # a driver that starts its count again has lost nothing
-                self.drops += step - 1
-                self._interval_ns = max(0, stamp_ns - self._stamp_ns) // step
-        self.sequence, self._stamp_ns = buffer.sequence, stamp_ns
+        self._count(buffer.sequence, stamp_ns)
         return Frame(image, self._clock.from_monotonic(stamp_ns), pixel_format.saturation)
+
+    def _count(self, sequence: int, stamp_ns: int) -> None:
+        """Count the frames lost before this one and keep the mean interval of frames."""
+        step = (sequence - self.sequence) & 0xffffffff  # the driver's number has 32 bits
+        if self.sequence < 0 or not 0 < step < 0x80000000:
+            # The first frame, or a driver that starts its count again.
+            self._first = (sequence, stamp_ns)
+        else:
+            self.drops += step - 1
+            number, begin_ns = self._first
+            # The mean, as the stamps of single frames jitter on a busy machine.
+            self._interval_ns = (stamp_ns - begin_ns) // ((sequence - number) & 0xffffffff)
+        self.sequence = sequence
 
 
 def _stamp_ns(buffer: videodev2.Buffer) -> int:

@@ -1,0 +1,141 @@
+"""
+Runs in the guest: camera, segmenter and locator look at the playing scene; what they say is kept.
+
+Usage: guest_track.py FOLDER NODES
+FOLDER holds scene.grey and camera_info.yaml, and gets track.json and a log of each node; NODES
+is the folder of the installed executables. Half-way the camera is unplugged and plugged in again,
+and from then on both ends of the loop lose frames.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import signal
+import subprocess
+import sys
+import time
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PointStamped, Vector3Stamped
+from hdmi_loop import CAPTURE, close_loop, HEIGHT, OUTPUT, playing, v4l2_ctl, WIDTH
+import rclpy
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+
+COUNT = 60  # bearings before and after the camera is unplugged: all lit places four times
+STARTUP = 90.0  # s until the first bearing: four Pythons on two emulated processors
+LONGEST = 50.0  # s for each half; 5 s are enough on a quiet machine
+NODES = ('camera', 'segmenter', 'locator')
+
+
+class Recorder(Node):
+    """Keep the bearings, centroids and complaints, by stamp in ns."""
+
+    def __init__(self) -> None:
+        super().__init__('recorder')
+        self.bearings: list[list[float]] = []
+        self.centroids: list[list[float]] = []
+        self.complaints: set[str] = set()
+        qos = QoSProfile(depth=10)  # reliable
+        self.create_subscription(Vector3Stamped, 'target/bearing', self._bearing, qos)
+        self.create_subscription(PointStamped, 'target/centroid', self._centroid, qos)
+        # Deep enough for the seconds in which the recorder does not listen.
+        self.create_subscription(DiagnosticArray, '/diagnostics', self._diagnostics, 100)
+
+    def take(self) -> dict[str, list[list[float]]]:
+        """Return what came since the last call."""
+        taken = {'bearings': self.bearings, 'centroids': self.centroids}
+        self.bearings, self.centroids = [], []
+        return taken
+
+    def _bearing(self, message: Vector3Stamped) -> None:
+        stamp, value = message.header.stamp, message.vector
+        self.bearings.append(
+            [stamp.sec * 10**9 + stamp.nanosec, value.x, value.y, value.z, time.time_ns()])
+
+    def _centroid(self, message: PointStamped) -> None:
+        stamp, value = message.header.stamp, message.point
+        self.centroids.append([stamp.sec * 10**9 + stamp.nanosec, value.x, value.y, value.z])
+
+    def _diagnostics(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            if status.level != b'\x00':
+                self.complaints.add(f'{status.name}: {status.message}')
+
+
+def start(folder: Path, nodes: Path) -> list[subprocess.Popen[bytes]]:
+    """Start the three nodes, each with its log."""
+    parameters = {
+        'camera': {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT, 'pixel_format': 'GREY',
+                   'camera_info_url': f'file://{folder}/camera_info.yaml'},
+        'segmenter': {},
+        'locator': {'method': 'centroid'},
+    }
+    processes = []
+    for name in NODES:
+        command = [str(nodes / name), '--ros-args']
+        for key, value in parameters[name].items():
+            command += ['-p', f'{key}:={value}']
+        with (folder / f'{name}.log').open('wb') as log:
+            processes.append(subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT))
+    return processes
+
+
+def end(processes: list[subprocess.Popen[bytes]]) -> dict[str, Any]:
+    """End the nodes together; return their exit codes and the seconds that they took."""
+    began = time.monotonic()
+    for process in processes:
+        process.send_signal(signal.SIGTERM)
+    found = {}
+    for name, process in zip(NODES, processes):
+        try:
+            code: int | str = process.wait(timeout=20)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            code = 'killed after 20 s'
+        found[name] = [code, time.monotonic() - began]
+    return found
+
+
+def wait(recorder: Recorder, count: int, longest: float) -> float:
+    """Wait until the recorder has so many bearings; return the seconds that it took."""
+    began = time.monotonic()
+    while len(recorder.bearings) < count and time.monotonic() - began < longest:
+        rclpy.spin_once(recorder, timeout_sec=0.5)
+    return time.monotonic() - began
+
+
+def record(recorder: Recorder) -> dict[str, Any]:
+    """Return COUNT bearings, or those of LONGEST, and the seconds that it took."""
+    return {'seconds': wait(recorder, COUNT, LONGEST), **recorder.take()}
+
+
+def main(folder: Path, nodes: Path) -> None:
+    """Do all of it."""
+    close_loop()
+    found: dict[str, Any] = {'count': COUNT}
+    scene = folder / 'scene.grey'
+    with playing(scene, 'GREY'):
+        processes = start(folder, nodes)
+        rclpy.init()
+        recorder = Recorder()
+        found['startup'] = wait(recorder, 1, STARTUP)
+        found['clean'] = record(recorder)
+        v4l2_ctl(CAPTURE, '-c', 'disconnect=1')
+    # The driver comes back when the last program has let go of it.
+    with playing(scene, 'GREY'):
+        # What the output loses is repeated at the input.
+        for device in (OUTPUT, CAPTURE):
+            v4l2_ctl(device, '-c', 'percentage_of_dropped_buffers=15')
+        found['lossy'] = record(recorder)
+        found['exits'] = end(processes)
+    found['complaints'] = sorted(recorder.complaints)
+    (folder / 'track.json').write_text(json.dumps(found, indent=1))
+    recorder.destroy_node()
+    rclpy.try_shutdown()
+
+
+if __name__ == '__main__':
+    main(Path(sys.argv[1]), Path(sys.argv[2]))

@@ -1,0 +1,59 @@
+"""Runs in the guest: what is played into vivid's HDMI output arrives at its HDMI input."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+import shutil
+import subprocess
+
+CAPTURE, OUTPUT = '/dev/video0', '/dev/video1'
+WIDTH, HEIGHT = 320, 240
+# CTA-861 format 60, 1280x720p24: the slowest there is, for the sake of the emulated processors.
+# Without its scalers the driver sends and takes the top left WIDTH x HEIGHT of it.
+TIMINGS = ('width=1280,height=720,interlaced=0,polarities=3,pixelclock=59400000,'
+           'hfp=1760,hs=40,hbp=220,vfp=5,vs=5,vbp=20')
+FRAME_RATE = 24.0
+
+
+def v4l2_ctl(device: str, *options: str) -> None:
+    """Run v4l2-ctl on a device."""
+    subprocess.run(['v4l2-ctl', '-d', device, *options], check=True, timeout=30,
+                   stdout=subprocess.DEVNULL)
+
+
+def control(**settings: int) -> None:
+    """Set controls of the capture device."""
+    v4l2_ctl(CAPTURE, '-c', ','.join(f'{name}={value}' for name, value in settings.items()))
+
+
+def close_loop() -> None:
+    """Give both ends the same timings and join them; vivid writes no text into the picture."""
+    for device in (OUTPUT, CAPTURE):
+        v4l2_ctl(device, f'--set-dv-bt-timings={TIMINGS}')
+    v4l2_ctl(OUTPUT, '-c', 'enable_output_scaler=0')
+    # Stamps at the start of the frame: those at its end lie 0.9 frames ahead of the delivery,
+    # as vivid has the picture ready when the frame begins.
+    control(enable_capture_scaler=0, loop_video=1, osd_text_mode=2, timestamp_source=1)
+
+
+@contextmanager
+def playing(scene: Path, pixel_format: str) -> Iterator[None]:
+    """
+    Play a raw file into the output device, again and again.
+
+    The player and the camera are clocked apart, so frames are repeated and left out.
+    """
+    # A copy in memory, as the folder may be the host's.
+    copy = shutil.copy(scene, '/run')
+    v4l2_ctl(OUTPUT, f'--set-fmt-video-out=width={WIDTH},height={HEIGHT},'
+                     f'pixelformat={pixel_format}')
+    player = subprocess.Popen(
+        ['v4l2-ctl', '-d', OUTPUT, '--stream-out-mmap=4', f'--stream-from={copy}',
+         '--stream-loop'], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        yield
+    finally:
+        player.terminate()
+        player.wait(timeout=30)

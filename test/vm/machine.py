@@ -1,0 +1,245 @@
+"""
+A machine with a V4L2 driver: Debian's kernel with `vivid`, booted under QEMU in emulation.
+
+The guest sees the host's root read-only under an overlay in memory, at the same paths: it runs
+this very Python and this very package. One folder, `results`, is writable and stays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import gzip
+import os
+from pathlib import Path
+import re
+import shlex
+import shutil
+import subprocess
+
+# Modules the guest needs beside those in Debian's kernel image itself.
+MODULES = ('virtio_pci', '9pnet_virtio', '9p', 'overlay', 'vivid')
+# One device with an HDMI input that loops from an HDMI output: /dev/video0 and /dev/video1.
+VIVID = 'n_devs=1 node_types=0x101 num_inputs=1 input_types=0x3 num_outputs=1 output_types=0x1'
+TOOLS = {  # program -> Debian package
+    'qemu-system-x86_64': 'qemu-system-x86',
+    'busybox': 'busybox-static',
+    'cpio': 'cpio',
+    'depmod': 'kmod',
+    'modprobe': 'kmod',
+    'v4l2-ctl': 'v4l-utils',
+    'apt-get': 'apt',
+    'dpkg-deb': 'dpkg',
+}
+# depmod and modprobe live in sbin, which users' PATHs often leave out.
+PATH = os.pathsep.join((os.environ.get('PATH', os.defpath), '/usr/sbin', '/sbin'))
+
+INIT = """\
+#!/bin/busybox sh
+/bin/busybox --install -s /bin
+export PATH=/bin
+mount -t proc proc /proc
+mount -t sysfs sys /sys
+mount -t devtmpfs dev /dev
+for module in $(cat /modules/order); do
+  options=
+  [ $module = vivid.ko ] && options="@VIVID@"
+  insmod /modules/$module $options || echo "cannot load $module"
+done
+mkdir -p /host /memory /root
+mount -t 9p -o trans=virtio,version=9p2000.L,ro,cache=loose,msize=512000 host /host
+mount -t tmpfs memory /memory
+mkdir /memory/upper /memory/work
+mount -t overlay -o lowerdir=/host,upperdir=/memory/upper,workdir=/memory/work overlay /root
+mount -t proc proc /root/proc
+mount -t sysfs sys /root/sys
+mount --bind /dev /root/dev
+mkdir -p /dev/shm
+mount -t tmpfs shm /root/dev/shm
+mount -t tmpfs tmp /root/run
+ip link set lo up
+results=$(sed -n 's/.*results=\\([^ ]*\\).*/\\1/p' /proc/cmdline)
+mkdir -p /root$results
+mount -t 9p -o trans=virtio,version=9p2000.L,msize=512000 results /root$results
+chroot /root /bin/sh $results/guest.sh
+sync
+umount /root$results
+poweroff -f
+"""
+
+
+class MachineError(RuntimeError):
+    """The machine cannot be built or does not end as it should; the message says why."""
+
+
+@dataclass(frozen=True)
+class Boot:
+    """
+    What QEMU boots.
+
+    Parameters
+    ----------
+    kernel, initramfs : Path
+        Files in the cache.
+
+    """
+
+    kernel: Path
+    initramfs: Path
+
+
+def missing_tools() -> str:
+    """Return the Debian packages whose programs are not there, separated by spaces."""
+    return ' '.join(sorted({
+        package for program, package in TOOLS.items() if not shutil.which(program, path=PATH)}))
+
+
+def build(cache: Path) -> Boot:
+    """
+    Make a kernel and an initramfs, or take those that an earlier call left in the cache.
+
+    Parameters
+    ----------
+    cache : Path
+        Folder, made where it is missing.
+
+    Raises
+    ------
+    MachineError
+        Debian's kernel cannot be had.
+
+    """
+    depends = _run('apt-cache', 'depends', 'linux-image-amd64')
+    found = re.search(r'Depends: (linux-image-\S+)', depends)
+    if not found:
+        raise MachineError("apt knows no package 'linux-image-amd64': run 'apt-get update' on a "
+                           'Debian system')
+    package = found[1]
+    policy = re.search(r'Candidate: (\S+)', _run('apt-cache', 'policy', package))
+    folder = cache / f'{package}_{policy[1] if policy else "unknown"}'
+    unpacked = folder / 'root'
+    if not unpacked.is_dir():
+        _unpack_kernel(package, folder)
+    version = next((unpacked / 'lib/modules').iterdir()).name
+    # Made again each time: it takes a second and follows every change of this file.
+    initramfs = _make_initramfs(folder, unpacked, version)
+    return Boot(unpacked / 'boot' / f'vmlinuz-{version}', initramfs)
+
+
+def _unpack_kernel(package: str, folder: Path) -> None:
+    partial = folder / 'partial'
+    shutil.rmtree(partial, ignore_errors=True)
+    partial.mkdir(parents=True)
+    _run('apt-get', 'download', '-q', package, cwd=folder)
+    archive = next(folder.glob('*.deb'))
+    _run('dpkg-deb', '-x', str(archive), str(partial))
+    archive.unlink()
+    version = next((partial / 'lib/modules').iterdir()).name
+    _run('depmod', '-b', str(partial), version)
+    partial.rename(folder / 'root')  # last, so that what is there is whole
+
+
+def _make_initramfs(folder: Path, unpacked: Path, version: str) -> Path:
+    tree = folder / 'initramfs'
+    shutil.rmtree(tree, ignore_errors=True)
+    for name in ('bin', 'modules', 'proc', 'sys', 'dev'):
+        (tree / name).mkdir(parents=True)
+    busybox = shutil.which('busybox', path=PATH)
+    assert busybox
+    shutil.copy(busybox, tree / 'bin')
+    order: list[str] = []
+    for module in MODULES:
+        for line in _run('modprobe', '-d', str(unpacked), '-S', version, '--show-depends',
+                         module).splitlines():
+            kind, path = line.split(maxsplit=2)[:2]
+            if kind == 'insmod' and Path(path).name not in order:
+                order.append(Path(path).name)
+                shutil.copy(path, tree / 'modules')
+    (tree / 'modules/order').write_text('\n'.join(order))
+    (tree / 'init').write_text(INIT.replace('@VIVID@', VIVID))
+    (tree / 'init').chmod(0o755)
+    names = '\n'.join(str(path.relative_to(tree)) for path in sorted(tree.rglob('*')))
+    archive = subprocess.run(
+        ['cpio', '-o', '-H', 'newc', '--quiet'], cwd=tree, input=names.encode(),
+        stdout=subprocess.PIPE, check=True, timeout=60).stdout
+    image = folder / 'initramfs.gz'
+    image.write_bytes(gzip.compress(archive, 1))
+    return image
+
+
+def _run(*command: str, cwd: Path | None = None) -> str:
+    """Return what a program prints."""
+    try:
+        done = subprocess.run(
+            command, cwd=cwd, env={**os.environ, 'PATH': PATH, 'LC_ALL': 'C'}, text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300)
+    except subprocess.TimeoutExpired as error:
+        raise MachineError(f'{shlex.join(command)} did not end within 300 s') from error
+    if done.returncode:
+        raise MachineError(f'{shlex.join(command)} failed: {done.stderr.strip()}')
+    return done.stdout
+
+
+def run(boot: Boot, commands: Sequence[str], results: Path, timeout: float) -> None:
+    """
+    Boot, run shell commands as root in the guest, and power off.
+
+    The console is kept in results/console.log and the commands' output in results/guest.log.
+
+    Parameters
+    ----------
+    boot : Boot
+        From `build`.
+    commands : sequence of str
+        Lines of the guest's shell script. It stops at the first that fails.
+    results : Path
+        Folder that the guest may write to, at the same path; without spaces.
+    timeout : float
+        Longest time until power-off, s.
+
+    Raises
+    ------
+    MachineError
+        A command failed, or the machine was not off in time; QEMU is killed then.
+
+    """
+    done = results / 'done'
+    done.unlink(missing_ok=True)
+    log = results / 'guest.log'
+    script = '\n'.join([
+        f'exec >{shlex.quote(str(log))} 2>&1', 'set -ex',
+        'export PATH=/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin', *commands,
+        f'touch {shlex.quote(str(done))}', ''])
+    (results / 'guest.sh').write_text(script)
+    command = [
+        'qemu-system-x86_64', '-M', 'q35', '-accel', 'tcg,thread=multi', '-cpu', 'max',
+        '-m', '2048', '-smp', '2', '-net', 'none', '-no-reboot',
+        '-display', 'none', '-monitor', 'none', '-serial', 'stdio',
+        '-kernel', str(boot.kernel), '-initrd', str(boot.initramfs),
+        '-append', f'console=ttyS0 quiet mitigations=off panic=-1 results={results}',
+        '-virtfs', 'local,path=/,mount_tag=host,security_model=none,readonly=on,multidevs=remap',
+        '-virtfs', f'local,path={results},mount_tag=results,security_model=none',
+    ]
+    with (results / 'console.log').open('wb') as console:
+        # subprocess.run kills its own child, and only that, when the time is over.
+        try:
+            subprocess.run(command, stdin=subprocess.DEVNULL, stdout=console,
+                           stderr=subprocess.STDOUT, env={**os.environ, 'PATH': PATH},
+                           timeout=timeout, check=True)
+        except subprocess.TimeoutExpired as error:
+            raise MachineError(f'the machine was not off after {timeout:.0f} s\n'
+                               + _last_lines(results)) from error
+        except subprocess.CalledProcessError as error:
+            raise MachineError(f'QEMU ended with {error.returncode}\n'
+                               + _last_lines(results)) from error
+    if not done.exists():
+        raise MachineError('a command in the guest failed\n' + _last_lines(results))
+
+
+def _last_lines(results: Path, count: int = 40) -> str:
+    parts = []
+    for name in ('console.log', 'guest.log'):
+        path = results / name
+        lines = path.read_text(errors='replace').splitlines() if path.exists() else []
+        parts.append('\n'.join([f'--- {name}', *lines[-count:]]))
+    return '\n'.join(parts)
