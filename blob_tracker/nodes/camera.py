@@ -16,6 +16,7 @@ from blob_tracker.ros.parameters import declare, Parameter
 from blob_tracker.ros.process import run
 from blob_tracker.ros.qos import IMAGE_OUT, overridable
 from blob_tracker.ros.url import to_path
+import rclpy
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 
@@ -113,6 +114,10 @@ class CameraNode(Node):
                     self._health.fault(ERROR, 'capture', str(error))  # it holds until it is gone
                     self._stop.wait(FIRST_PAUSE)
                 pause = min(2.0 * pause, LONGEST_PAUSE)
+            except RuntimeError:  # of rclpy's C layer: a signal ended the context meanwhile
+                if rclpy.ok():
+                    raise
+                return
 
     def _stream(self, camera: V4l2Camera) -> None:
         """Publish each frame with its camera_info."""

@@ -44,6 +44,9 @@ def run(create: Callable[[], Node]) -> int:
         return WRONG_USE
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except RuntimeError:  # of rclpy's C layer: the signal came between two of its calls
+        if rclpy.ok():
+            raise
     finally:
         if node is not None:
             node.destroy_node()

@@ -14,14 +14,13 @@ import shlex
 import sys
 from typing import Any
 
-import numpy as np
-import pytest
-
 from blob_tracker.resources import config_path
-from test.processes import executable
-from test.vm import machine
-from test.vm.hdmi_loop import FRAME_RATE, HEIGHT, WIDTH
-from test.vm.scene import flashing_scene, FRAMES, packed_yuyv
+from hdmi_loop import FRAME_RATE, HEIGHT, WIDTH
+import machine
+import numpy as np
+from processes import executable
+import pytest
+from scene import flashing_scene, FRAMES, packed_yuyv
 
 HERE = Path(__file__).parent
 CACHE = HERE.parents[1] / '.cache/vm'

@@ -1,0 +1,31 @@
+"""The command line: help, and wrong words."""
+
+from blob_tracker.__main__ import COMMANDS, main
+import pytest
+
+
+def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    """--help ends well and lists them."""
+    with pytest.raises(SystemExit) as ended:
+        main(['--help'])
+    assert ended.value.code == 0
+    text = capsys.readouterr().out
+    assert all(name in text for name in COMMANDS)
+
+
+@pytest.mark.parametrize('name', COMMANDS)
+def test_each_command_has_help(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its own options are listed."""
+    with pytest.raises(SystemExit) as ended:
+        main([name, '--help'])
+    assert ended.value.code == 0
+    assert 'usage: python -m blob_tracker' in capsys.readouterr().out
+
+
+@pytest.mark.parametrize('words', [[], ['fly']])
+def test_wrong_words_are_wrong_use(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """No command, or one that does not exist: exit code 2 and the usage."""
+    with pytest.raises(SystemExit) as ended:
+        main(words)
+    assert ended.value.code == 2
+    assert 'usage: ' in capsys.readouterr().err
