@@ -22,7 +22,7 @@ def test_parameter_file_holds_every_default(node: str) -> None:
 def test_defaults_are_within_their_ranges(node: str) -> None:
     """And each parameter has a reason to be there."""
     for parameter in import_module(f'blob_tracker.nodes.{node}').PARAMETERS:
-        assert len(parameter.description) > 20
+        assert len(parameter.description) >= 15
         if parameter.least is not None:
             assert parameter.least <= parameter.default <= parameter.most
         if parameter.choices:
