@@ -12,11 +12,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from blob_tracker.location.centroid import centroid
 from blob_tracker.location.estimates import Estimates, Failure, REASONS
+from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_linear_elliptical
 from blob_tracker.location.maximum_likelihood import maximum_likelihood
+from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm
+from blob_tracker.location.multi_gaussian_simplex import multi_gaussian_simplex
+from blob_tracker.location.skew import centroid_skew_corrected
 from blob_tracker.types import Location, LocationError, SensorNoise, Window
 
 METHODS: dict[str, Callable[..., Estimates]] = {
     'centroid': centroid,
+    'centroid_skew_corrected': centroid_skew_corrected,
+    'gaussian_linear': gaussian_linear,
+    'gaussian_linear_elliptical': gaussian_linear_elliptical,
+    'multi_gaussian_simplex': multi_gaussian_simplex,
+    'multi_gaussian_lm': multi_gaussian_lm,
     'maximum_likelihood': maximum_likelihood,
 }
 LARGEST = 1e9  # DN: no sensor counts so far, and its fourth power is still a number
