@@ -5,39 +5,30 @@ from __future__ import annotations
 from collections.abc import Callable
 import math
 
+from numba import njit
 import numpy as np
 from numpy.typing import NDArray
 
 from blob_tracker.location.estimates import Estimates, Failure, outside
-from blob_tracker.location.pulse import sampled_profile
 from blob_tracker.location.signal import count_clipped, signal_above_background
-from blob_tracker.types import SensorNoise
+from blob_tracker.types import LocationError, SensorNoise
 
 # The blob of the thesis' camera (section 4.3.2), from which each fit starts.
 AMPLITUDES = np.array([154.25, 77.68, 22.07]) / 254.0
 WIDTHS = np.array([1.0, 2.57, 4.97]) / math.sqrt(2.0)
 HALF_AREA = 4.15  # s^2 of the first Gaussian: the area where that blob is above half its peak
 FAINTEST = 3.0  # standard deviations of the brightest pixel
+NARROWEST = 0.05  # px: narrower, a Gaussian is a point that one pixel sees or none does
+FARTHEST = 1e7  # px or DN: two amplitudes that cancel beyond it leave no digits
 
-Fit = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], bool],
-               tuple[NDArray[np.float64], bool]]
-
-
-def profiles(
-    theta: NDArray[np.float64], shape: tuple[int, int], elliptical: bool
-) -> tuple[tuple[NDArray[np.float64], ...], tuple[NDArray[np.float64], ...]]:
-    """Return the (3, w) and (3, h) profiles of the three Gaussians and their derivatives."""
-    across = theta[5:8]
-    down = theta[8:11] if elliptical else across
-    return (
-        sampled_profile(shape[1], np.full(3, theta[0]), across),
-        sampled_profile(shape[0], np.full(3, theta[1]), down),
-    )
+Fit = Callable[
+    [NDArray[np.float64], NDArray[np.bool_], NDArray[np.float64]],
+    tuple[NDArray[np.float64], bool],
+]
 
 
-def three_gaussians(
-    theta: NDArray[np.float64], shape: tuple[int, int], elliptical: bool
-) -> NDArray[np.float64]:
+@njit(cache=True)
+def three_gaussians(theta, height, width):
     r"""
     Return the sum of three sampled Gaussians with one mean (thesis, eq. 4.35, 4.36).
 
@@ -49,10 +40,8 @@ def three_gaussians(
     ----------
     theta : (8,) or (11,) array
         mu_x, mu_y, A (3), sigma (3), and where it is elliptical sigma_y (3); px and DN.
-    shape : (int, int)
-        Height and width, px.
-    elliptical : bool
-        There are widths along y of their own.
+    height, width : int
+        px.
 
     Returns
     -------
@@ -60,22 +49,97 @@ def three_gaussians(
         DN.
 
     """
-    (across, *_), (down, *_) = profiles(theta, shape, elliptical)
-    return (theta[2:5, None] * down).T @ across
+    model = np.zeros((height, width))
+    for pulse in range(3):
+        across = _row(theta[0], theta[5 + pulse], width)
+        down = _row(theta[1], theta[theta.size - 3 + pulse], height)
+        for j in range(height):
+            for i in range(width):
+                model[j, i] += theta[2 + pulse] * down[0, j] * across[0, i]
+    return model
 
 
-def jacobian(
-    theta: NDArray[np.float64], shape: tuple[int, int], elliptical: bool
-) -> NDArray[np.float64]:
+@njit(cache=True)
+def jacobian(theta, height, width):
     """Return the (h w, P) derivatives of `three_gaussians` by its parameters."""
-    (g, gx, gs), (h, hy, hs) = profiles(theta, shape, elliptical)
-    peak = theta[2:5, None]
-    unit = h[:, :, None] * g[:, None, :]
-    wider = (peak * h)[:, :, None] * gs[:, None, :]
-    taller = (peak * hs)[:, :, None] * g[:, None, :]
-    position = [((peak * h).T @ gx)[None], ((peak * hy).T @ g)[None]]
-    widths = [wider, taller] if elliptical else [wider + taller]
-    return np.concatenate([*position, unit, *widths]).reshape(theta.size, -1).T
+    slopes = np.zeros((height * width, theta.size))
+    for pulse in range(3):
+        across = _row(theta[0], theta[5 + pulse], width)
+        down = _row(theta[1], theta[theta.size - 3 + pulse], height)
+        peak = theta[2 + pulse]
+        for j in range(height):
+            for i in range(width):
+                row = slopes[j * width + i]
+                row[0] += peak * down[0, j] * across[1, i]
+                row[1] += peak * down[1, j] * across[0, i]
+                row[2 + pulse] = down[0, j] * across[0, i]
+                row[5 + pulse] += peak * down[0, j] * across[2, i]
+                row[theta.size - 3 + pulse] += peak * down[2, j] * across[0, i]
+    return slopes
+
+
+@njit(cache=True)
+def _row(centre, sigma, count):
+    """Return `sampled_profile` of one Gaussian: value, by centre, by sigma, each (count,)."""
+    # The sign of a width means nothing; its slope keeps it.
+    sigma = math.copysign(max(abs(sigma), NARROWEST), sigma)
+    profile = np.empty((3, count))
+    for k in range(count):
+        offset = (k - centre) / sigma
+        value = math.exp(-0.5 * offset * offset)
+        profile[0, k] = value
+        profile[1, k] = value * offset / sigma
+        profile[2, k] = value * offset * offset / sigma
+    return profile
+
+
+@njit(cache=True)
+def three_gaussians_1d(theta, count):
+    r"""
+    Return f(k) = sum_l A_l exp(-(k - mu)^2 / 2 sigma_l^2), k = 0 ... count - 1 (thesis, eq. 4.32).
+
+    Parameters
+    ----------
+    theta : (7,) array
+        mu, A (3), sigma (3); px and DN.
+    count : int
+        Pixels in the row.
+
+    Returns
+    -------
+    (count,) array
+        DN.
+
+    """
+    model = np.zeros(count)
+    for pulse in range(3):
+        model += theta[1 + pulse] * _row(theta[0], theta[4 + pulse], count)[0]
+    return model
+
+
+@njit(cache=True)
+def jacobian_1d(theta, count):
+    """Return the (count, 7) derivatives of `three_gaussians_1d` by its parameters."""
+    slopes = np.zeros((count, 7))
+    for pulse in range(3):
+        row = _row(theta[0], theta[4 + pulse], count)
+        slopes[:, 0] += theta[1 + pulse] * row[1]
+        slopes[:, 1 + pulse] = row[0]
+        slopes[:, 4 + pulse] = theta[1 + pulse] * row[2]
+    return slopes
+
+
+def start_1d(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the thesis' blob, scaled to the peak and the half-height width of a row."""
+    usable = values.ndim == 1 and values.size >= 7 and np.isfinite(values).all()
+    peak = float(values.max()) if usable else 0.0
+    if not peak > 0.0:
+        raise LocationError('three Gaussians need a row of at least 7 finite pixels with light')
+    bright = np.maximum(values - 0.5 * peak, 0.0)
+    centre = bright @ np.arange(values.size) / bright.sum()
+    # That blob is above half its peak over 2 sqrt(HALF_AREA / pi) s.
+    scale = max(int(np.count_nonzero(bright)), 2) / math.sqrt(4.0 * HALF_AREA / math.pi)
+    return np.concatenate([[centre], peak * AMPLITUDES, scale * WIDTHS])
 
 
 def locate_by_fit(
@@ -114,15 +178,19 @@ def locate_by_fit(
         if pixels[brightest] <= FAINTEST * math.sqrt(signal.variance[n][brightest]):
             failure[n] = Failure.NO_SIGNAL
             continue
-        theta[n], converged = fit(pixels, usable, _start(pixels, elliptical), elliptical)
-        if not converged or not np.isfinite(theta[n]).all():
+        # A step too far may overflow; the search turns back by itself or ends without a result.
+        with np.errstate(over='ignore', invalid='ignore'):
+            found, converged = fit(pixels, usable, _start(pixels, elliptical))
+        if converged and np.abs(found).max() < FARTHEST:
+            theta[n] = found
+        else:
             failure[n] = Failure.NOT_CONVERGED
             continue
         failure[n] = outside(theta[n, :1], theta[n, 1:2], lit.shape, failure[n:n + 1])[0]
         if failure[n] != Failure.NONE:
             continue
-        model[n] = three_gaussians(theta[n], (height, width), elliptical)
-        slopes = jacobian(theta[n], (height, width), elliptical) * usable.reshape(-1, 1)
+        model[n] = three_gaussians(theta[n], height, width)
+        slopes = jacobian(theta[n], height, width) * usable.reshape(-1, 1)
         length = np.sqrt((slopes**2).sum(axis=0))
         length[length == 0.0] = 1.0
         inverse = np.linalg.pinv(slopes / length, rcond=1e-9)
@@ -131,7 +199,8 @@ def locate_by_fit(
             failure[n] = Failure.NOT_CONVERGED
     covariance = signal.spread(influence.reshape(count, 2, height, width))
     amplitude = theta[:, 2:5].sum(axis=1)
-    failure[(amplitude <= 0.0) & (failure == Failure.NONE)] = Failure.NO_SIGNAL
+    # A spike or a pit between the pixels, which the pixels do not see, is no peak to speak of.
+    failure[(amplitude <= 0.0) & (failure == Failure.NONE)] = Failure.NOT_CONVERGED
     sigma = _equivalent_sigma(theta, elliptical)
     snr, chi2 = signal.quality(amplitude, model, size, noise)
     return Estimates(
@@ -150,12 +219,12 @@ def locate_by_fit(
 
 def _start(pixels: NDArray[np.float64], elliptical: bool) -> NDArray[np.float64]:
     """Return the thesis' blob, scaled to the peak and the half-height area of the pixels."""
-    peak = pixels.max()
+    peak = float(pixels.max())
     bright = np.where(pixels > 0.5 * peak, pixels - 0.5 * peak, 0.0)
     total = bright.sum()
     x = float(bright.sum(axis=0) @ np.arange(pixels.shape[1]) / total)
     y = float(bright.sum(axis=1) @ np.arange(pixels.shape[0]) / total)
-    scale = math.sqrt(max(np.count_nonzero(bright), 2) / HALF_AREA)
+    scale = math.sqrt(max(int(np.count_nonzero(bright)), 2) / HALF_AREA)
     widths = scale * WIDTHS
     return np.concatenate([[x, y], peak * AMPLITUDES, widths, widths if elliptical else []])
 
@@ -168,9 +237,9 @@ def _equivalent_sigma(
 
     The curvature at the peak over the peak: 1 / sigma^2 = sum A_l / sigma_l^2 / sum A_l.
     """
-    down = theta[:, 8:11] if elliptical else theta[:, 5:8]
-    peaks = theta[:, 2:5]
-    steep = (peaks / np.maximum(np.abs(theta[:, 5:8] * down), 1e-6)).sum(axis=1)
-    total = peaks.sum(axis=1)
+    across = np.maximum(np.abs(theta[:, 5:8]), NARROWEST)
+    down = np.maximum(np.abs(theta[:, 8:11]), NARROWEST) if elliptical else across
+    steep = (theta[:, 2:5] / (across * down)).sum(axis=1)
+    total = theta[:, 2:5].sum(axis=1)
     plain = (steep > 0.0) & (total > 0.0)
     return np.sqrt(np.where(plain, total, 1.0) / np.where(plain, steep, 1.0))

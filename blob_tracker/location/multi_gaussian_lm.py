@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 
 from blob_tracker.location.estimates import Estimates
-from blob_tracker.location.multi_gaussian import jacobian, locate_by_fit, three_gaussians
-from blob_tracker.types import SensorNoise
+from blob_tracker.location.multi_gaussian import (
+    jacobian,
+    jacobian_1d,
+    locate_by_fit,
+    start_1d,
+    three_gaussians,
+    three_gaussians_1d,
+)
+from blob_tracker.types import LocationError, SensorNoise
 
 SETTLED = 1e-5  # relative, of the squared residuals: a fiftieth of a standard deviation
 EVALUATIONS = 300
@@ -58,19 +65,50 @@ def multi_gaussian_lm(
     return locate_by_fit(lit, unlit, noise, saturation, elliptical, _fit)
 
 
+def multi_gaussian_lm_1d(values: ArrayLike) -> NDArray[np.float64]:
+    """
+    Fit three Gaussians with one mean to a row of pixels (thesis, eq. 4.32, 4.34).
+
+    Parameters
+    ----------
+    values : (n,) array
+        Light above the background, DN; seven pixels at least.
+
+    Returns
+    -------
+    (7,) array
+        mu, A (3), sigma (3); px and DN.
+
+    Raises
+    ------
+    LocationError
+        Where there are fewer than seven values, none above zero, or the fit does not end.
+
+    """
+    row = np.asarray(values, dtype=float)
+    with np.errstate(over='ignore', invalid='ignore'):
+        found = least_squares(
+            lambda theta: three_gaussians_1d(theta, row.size) - row, start_1d(row),
+            lambda theta: jacobian_1d(theta, row.size), method='lm', x_scale='jac',
+            ftol=SETTLED, xtol=1e-10, max_nfev=EVALUATIONS,
+        )
+    if found.status <= 0 or not np.isfinite(found.x).all():
+        raise LocationError('the fit of three Gaussians did not settle')
+    return found.x
+
+
 def _fit(
     pixels: NDArray[np.float64],
     usable: NDArray[np.bool_],
     start: NDArray[np.float64],
-    elliptical: bool,
 ) -> tuple[NDArray[np.float64], bool]:
     """Return the parameters of least squares, and whether the algorithm ended."""
 
     def residuals(theta: NDArray[np.float64]) -> NDArray[np.float64]:
-        return (three_gaussians(theta, pixels.shape, elliptical) - pixels)[usable]
+        return (three_gaussians(theta, *pixels.shape) - pixels)[usable]
 
     def slopes(theta: NDArray[np.float64]) -> NDArray[np.float64]:
-        return jacobian(theta, pixels.shape, elliptical)[usable.ravel()]
+        return jacobian(theta, *pixels.shape)[usable.ravel()]
 
     found = least_squares(
         residuals, start, slopes, method='lm', x_scale='jac', ftol=SETTLED, xtol=1e-10,
