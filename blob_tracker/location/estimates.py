@@ -74,6 +74,12 @@ class Estimates:
         return self.failure == Failure.NONE
 
 
+NOTHING = Estimates(
+    *(np.empty(0), np.empty(0), np.empty((0, 2, 2))), *(np.empty(0) for _ in range(5)),
+    np.empty(0, dtype=np.int64), np.empty(0, dtype=np.uint8),
+)  # of an empty stack
+
+
 def outside(
     x: NDArray[np.float64],
     y: NDArray[np.float64],

@@ -37,7 +37,9 @@ def gaussian_linear_1d(values: ArrayLike, *, weighted: bool = False) -> tuple[fl
         Where fewer than three values are left, or they do not fall to both sides.
 
     """
-    row = np.asarray(values, dtype=float)[None, None, :]
+    row = np.asarray(values, dtype=float).reshape(1, 1, -1)
+    if row.size < 3 or not np.isfinite(row).all():
+        raise LocationError('a Gaussian needs a row of at least three finite pixels')
     place = np.arange(row.shape[2]) - (row.shape[2] - 1) / 2.0
     basis = np.stack([np.ones_like(place), place, place**2])[:, None, :]
     fit, _, failure = _fit_logarithm(row, np.ones_like(row), basis, weighted)
@@ -71,9 +73,9 @@ def gaussian_linear(
     Signal Processing Magazine 28 (2011) 134).
 
     The covariance is the sandwich M^-1 (sum w^2 u^2 phi phi^T) M^-1 with M = sum w phi phi^T and
-    u^2 the scatter of ln s: the squared residual over a power of one less its leverage (HC3 of
-    MacKinnon and White, J. Econometrics 29 (1985) 305), which no model of the logarithm of a
-    faint pixel matches. The few bright pixels that bear the weighted fit do not show their own
+    u^2 the scatter of ln s: the squared residual over a power of one less its leverage (between
+    HC2 and HC3 of MacKinnon and White, J. Econometrics 29 (1985) 305), since no model holds for
+    the logarithm of a faint pixel. It is true to about a tenth. The few bright pixels that bear the weighted fit do not show their own
     scatter well; half of theirs is the noise v carried through the logarithm, v / (s^2 + v). It
     is about the mean: leaving out the pixels that the noise drove below zero bends the fit, and
     a pulse that is integrated over its pixels is not quite a Gaussian.
@@ -191,8 +193,9 @@ def _locate(
     kept = (rows != 0.0).any(axis=1)
     residual = np.where(kept, np.log(light) - fit @ design, 0.0)
     leverage = np.clip(np.einsum('pk,npk->nk', design, rows), 0.0, 0.99)
-    # HC3 where nothing is known of the weights, HC2 where the noise model bears half the load.
-    shown = residual**2 / (1.0 - leverage) ** (1 if weighted else 2)
+    # HC2 undoes the leverage of equal scatter and HC3 that of the worst; the plain logarithm's
+    # errors lie between, and where the noise model bears half the load HC2 is enough.
+    shown = residual**2 / (1.0 - leverage) ** (1.0 if weighted else 1.5)
     variance = signal.variance.reshape(count, -1)
     carried = variance / (light**2 + variance)
     spare = np.maximum(kept.sum(axis=1) - basis.shape[0], 0)[:, None]

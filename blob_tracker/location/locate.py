@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from blob_tracker.location.centroid import centroid
-from blob_tracker.location.estimates import Estimates, Failure, REASONS
+from blob_tracker.location.estimates import Estimates, Failure, NOTHING, REASONS
 from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_linear_elliptical
 from blob_tracker.location.maximum_likelihood import maximum_likelihood
 from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm
@@ -29,6 +29,7 @@ METHODS: dict[str, Callable[..., Estimates]] = {
     'maximum_likelihood': maximum_likelihood,
 }
 LARGEST = 1e9  # DN: no sensor counts so far, and its fourth power is still a number
+LEAST_ROUND = 1.0 - 1e-9  # of an ellipse's correlation squared: beyond it rounding decides
 SMALLEST = 3  # px: below this the position, level and width of a pulse are not determined
 _NONE, _NOT_FINITE = int(Failure.NONE), int(Failure.NOT_FINITE)
 _SATURATED, _FLAT = int(Failure.SATURATED), int(Failure.FLAT)
@@ -83,6 +84,8 @@ def locate_batch(
             f'the window is {lit.shape[2]} x {lit.shape[1]} px; '
             f'it must be at least {SMALLEST} x {SMALLEST}'
         )
+    if lit.shape[0] == 0:
+        return NOTHING
     bad = np.empty(lit.shape[0], dtype=np.uint8)
     _screen(lit, math.inf if saturation is None else float(saturation), bad)
     if unlit is not None:
@@ -144,8 +147,8 @@ def locate(
         Where the blob cannot be placed; the message gives the reason.
 
     """
-    lit = np.asarray(window.lit)[None]
-    unlit = None if window.unlit is None else np.asarray(window.unlit)[None]
+    lit = _numbers(window.lit, 'lit')[None]
+    unlit = None if window.unlit is None else _numbers(window.unlit, 'unlit')[None]
     found = locate_batch(
         lit, unlit, method=method, noise=noise, saturation=window.saturation, **options
     )
@@ -178,14 +181,20 @@ def compile_ahead() -> None:
     locate_batch(lit, np.full_like(lit, 10.0), noise=SensorNoise(gain=1.0, read_noise=1.0))
 
 
-def _stack(pixels: ArrayLike, name: str) -> NDArray[np.float64]:
-    """Return the pixels as a contiguous (N, h, w) float64 stack, or raise LocationError."""
+def _numbers(pixels: ArrayLike, name: str) -> NDArray[Any]:
+    """Return the pixels as an array of real numbers, or raise LocationError."""
     try:
-        stack = np.asarray(pixels)
+        array = np.asarray(pixels)
     except (TypeError, ValueError) as error:
         raise LocationError(f'{name} is not an array of numbers: {error}') from None
-    if stack.dtype.kind not in 'buif':
-        raise LocationError(f'{name} holds {stack.dtype}; it must hold real numbers')
+    if array.dtype.kind not in 'buif':
+        raise LocationError(f'{name} holds {array.dtype}; it must hold real numbers')
+    return array
+
+
+def _stack(pixels: ArrayLike, name: str) -> NDArray[np.float64]:
+    """Return the pixels as a contiguous (N, h, w) float64 stack, or raise LocationError."""
+    stack = _numbers(pixels, name)
     if stack.ndim != 3:
         raise LocationError(f'{name} windows have {stack.ndim - 1} dimensions; they must have 2')
     stack = np.ascontiguousarray(stack, dtype=np.float64)
@@ -226,7 +235,7 @@ def _vouch(x, y, covariance, others, shape, bad, failure):
         if not inside:
             failure[n] = _OUTSIDE
         xx, xy, yy = covariance[n, 0, 0], covariance[n, 0, 1], covariance[n, 1, 1]
-        sound = 0.0 < xx < math.inf and 0.0 < yy < math.inf and xy * xy < xx * yy
+        sound = 0.0 < xx < math.inf and 0.0 < yy < math.inf and xy * xy < LEAST_ROUND * xx * yy
         for row in others:
             sound = sound and abs(row[n]) < math.inf
         if not sound:

@@ -17,7 +17,7 @@ from blob_tracker.location.multi_gaussian import (
 )
 from blob_tracker.types import LocationError, SensorNoise
 
-SETTLED = 1e-5  # relative, of the squared residuals: a fiftieth of a standard deviation
+SETTLED = 1e-4  # relative, of the squared residuals: a tenth of a standard deviation at most
 EVALUATIONS = 300
 
 
