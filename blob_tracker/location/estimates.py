@@ -74,10 +74,19 @@ class Estimates:
         return self.failure == Failure.NONE
 
 
-NOTHING = Estimates(
-    *(np.empty(0), np.empty(0), np.empty((0, 2, 2))), *(np.empty(0) for _ in range(5)),
-    np.empty(0, dtype=np.int64), np.empty(0, dtype=np.uint8),
-)  # of an empty stack
+_ZERO = np.empty(0)
+NOTHING = Estimates(  # of an empty stack
+    x=_ZERO,
+    y=_ZERO,
+    covariance=np.empty((0, 2, 2)),
+    amplitude=_ZERO,
+    background=_ZERO,
+    sigma=_ZERO,
+    snr=_ZERO,
+    chi2=_ZERO,
+    saturated=np.empty(0, dtype=np.int64),
+    failure=np.empty(0, dtype=np.uint8),
+)
 
 
 def outside(

@@ -75,10 +75,11 @@ def gaussian_linear(
     The covariance is the sandwich M^-1 (sum w^2 u^2 phi phi^T) M^-1 with M = sum w phi phi^T and
     u^2 the scatter of ln s: the squared residual over a power of one less its leverage (between
     HC2 and HC3 of MacKinnon and White, J. Econometrics 29 (1985) 305), since no model holds for
-    the logarithm of a faint pixel. It is true to about a tenth. The few bright pixels that bear the weighted fit do not show their own
-    scatter well; half of theirs is the noise v carried through the logarithm, v / (s^2 + v). It
-    is about the mean: leaving out the pixels that the noise drove below zero bends the fit, and
-    a pulse that is integrated over its pixels is not quite a Gaussian.
+    the logarithm of a faint pixel. The few bright pixels that bear the weighted fit do not show
+    their own scatter well; half of theirs is the noise v carried through the logarithm,
+    v / (s^2 + v). It is true to about an eighth, and about the mean over all sub-pixel places:
+    leaving out the pixels that the noise drove below zero bends the fit, and a pulse that is
+    integrated over its pixels is not quite a Gaussian.
 
     Parameters
     ----------

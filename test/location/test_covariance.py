@@ -69,7 +69,8 @@ def test_nees_of_the_logarithm(scene, method, weighted, unlit):
     shots = scene(9, 1.4, 250.0, count=4000, noise=NOISE, unlit=unlit, seed=11)
     found = shots.locate(method, weighted=weighted)
     assert found.ok.all()
-    errors = about_the_mean(shots.errors(found), shots)
+    # About one mean: residuals show a misfit that changes with the sub-pixel place as scatter.
+    errors = shots.errors(found) - shots.errors(found).mean(axis=0)
     assert 1.75 < nees(errors, found.covariance) < 2.25
 
 
