@@ -18,14 +18,22 @@ class Failure(IntEnum):
     FLAT = 3
     NO_SIGNAL = 4
     OUTSIDE = 5
+    TOO_FEW_PIXELS = 6
+    NOT_CONVERGED = 7
+    TOO_NARROW = 8
+    TOO_WIDE = 9
 
 
 REASONS = {
-    Failure.NOT_FINITE: 'the window holds NaN or infinite pixels',
+    Failure.NOT_FINITE: 'the window holds NaN, infinite or absurd (beyond 1e9 DN) pixels',
     Failure.SATURATED: 'every pixel of the window is saturated; lower the exposure',
     Failure.FLAT: 'the window is flat: all its pixels are equal',
     Failure.NO_SIGNAL: 'the window holds no light above its background',
     Failure.OUTSIDE: 'the estimate lies outside the window',
+    Failure.TOO_FEW_PIXELS: 'too few pixels are left: the others are saturated or hold no light',
+    Failure.NOT_CONVERGED: 'the fit did not settle: the window does not hold one blob',
+    Failure.TOO_NARROW: 'the blob is a single pixel: a hot pixel, or a lens too sharp to place it',
+    Failure.TOO_WIDE: 'the blob is wider than the window; enlarge the window',
 }
 
 
@@ -64,3 +72,30 @@ class Estimates:
     def ok(self) -> NDArray[np.bool_]:
         """(N,) bool: True where the window was located."""
         return self.failure == Failure.NONE
+
+
+_ZERO = np.empty(0)
+NOTHING = Estimates(  # of an empty stack
+    x=_ZERO,
+    y=_ZERO,
+    covariance=np.empty((0, 2, 2)),
+    amplitude=_ZERO,
+    background=_ZERO,
+    sigma=_ZERO,
+    snr=_ZERO,
+    chi2=_ZERO,
+    saturated=np.empty(0, dtype=np.int64),
+    failure=np.empty(0, dtype=np.uint8),
+)
+
+
+def outside(
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    shape: tuple[int, ...],
+    failure: NDArray[np.uint8],
+) -> NDArray[np.uint8]:
+    """Return the failures with OUTSIDE added where a position leaves its (N, h, w) window."""
+    height, width = shape[1:]
+    inside = (x >= -0.5) & (x <= width - 0.5) & (y >= -0.5) & (y <= height - 0.5)
+    return np.where(inside | (failure != Failure.NONE), failure, np.uint8(Failure.OUTSIDE))
