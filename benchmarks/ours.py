@@ -1,0 +1,69 @@
+"""This project's methods as contenders."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+from benchmarks.contender import Contender, Covariances
+from benchmarks.windows import Positions, Windows
+from blob_tracker.location import Estimates, locate, locate_batch, METHODS
+from blob_tracker.types import LocationError, Window
+import numpy as np
+
+# A simplex takes thousands of evaluations; Levenberg-Marquardt on ten parameters takes tens.
+SHARES = {'multi_gaussian_simplex': 0.005, 'multi_gaussian_lm': 0.05}
+ELLIPTICAL = ('maximum_likelihood',)
+
+
+def contenders() -> list[Contender]:
+    """Return every method of the registry, and the elliptical form of those in ELLIPTICAL."""
+    plain = [_contender(method, method, {}) for method in METHODS]
+    elliptical = [
+        _contender(f'{method} elliptical', method, {'elliptical': True})
+        for method in ELLIPTICAL
+        if method in METHODS
+    ]
+    return plain + elliptical
+
+
+def estimate(windows: Windows, method: str, **options: Any) -> Estimates:
+    """Return what the method finds in the windows."""
+    return locate_batch(
+        windows.lit,
+        windows.unlit,
+        method=method,
+        noise=windows.noise,
+        saturation=windows.saturation,
+        **options,
+    )
+
+
+def _contender(name: str, method: str, options: dict[str, Any]) -> Contender:
+    setting = 'gain, read noise and full scale of the sensor'
+    return Contender(
+        name,
+        setting,
+        partial(_positions, method=method, options=options),
+        share=SHARES.get(method, 1.0),
+        single=partial(_single, method=method, options=options),
+        covariance=partial(_covariances, method=method, options=options),
+    )
+
+
+def _positions(windows: Windows, *, method: str, options: dict[str, Any]) -> Positions:
+    found = estimate(windows, method, **options)
+    return np.where(found.ok, found.x, np.nan), np.where(found.ok, found.y, np.nan)
+
+
+def _covariances(windows: Windows, *, method: str, options: dict[str, Any]) -> Covariances:
+    return estimate(windows, method, **options).covariance
+
+
+def _single(windows: Windows, *, method: str, options: dict[str, Any]) -> object:
+    unlit = None if windows.unlit is None else windows.unlit[0]
+    window = Window(windows.lit[0], unlit, saturation=windows.saturation)
+    try:
+        return locate(window, method=method, noise=windows.noise, **options)
+    except LocationError:
+        return None
