@@ -1,0 +1,125 @@
+"""Residuals on real pixels to catalogue and grid, and what of them follows the pixel phase."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import os
+from pathlib import Path
+
+from benchmarks import dots, stars
+from benchmarks.accuracy import Tick
+from benchmarks.contender import Contender, inside
+from benchmarks.field import Field, Residuals, residuals
+import numpy as np
+from numpy.typing import NDArray
+
+VARIABLE = 'BLOB_TRACKER_DATA'
+BINS = 10
+
+
+@dataclass(frozen=True)
+class Row:
+    """
+    One contender on one kind of frame, all frames of it together.
+
+    Parameters
+    ----------
+    kind, contender : str
+        Stars or dots; name.
+    rms : float
+        Residual to the map, px, x and y together, every frame with a map of its own.
+    found, total : int
+        Blobs within four standard deviations of the map, and all.
+    harmonic : float
+        Amplitude of the residual's first harmonic in the sub-pixel phase, px: the larger of
+        x and y.
+    phase_rms : float
+        Rms over the phase of the residual's mean at a phase, its own noise taken off, px.
+    phase, mean : list
+        Middle of each bin and mean residual in it, x and y together, px.
+
+    """
+
+    kind: str
+    contender: str
+    rms: float
+    found: int
+    total: int
+    harmonic: float
+    phase_rms: float
+    phase: list[float]
+    mean: list[float]
+
+
+def data_folder() -> Path | None:
+    """Return the folder that BLOB_TRACKER_DATA names, or None where it is not set."""
+    name = os.environ.get(VARIABLE)
+    if not name:
+        return None
+    folder = Path(name)
+    if not folder.is_dir():
+        raise FileNotFoundError(f'{VARIABLE} is {name}, which is not a folder')
+    return folder
+
+
+def run(contenders: Sequence[Contender], data: Path, tick: Tick) -> list[Row]:
+    """Return the rows of stars and dots; every contender gets every blob."""
+    rows: list[Row] = []
+    for kind, load in (('stars', stars.fields), ('dots', dots.fields)):
+        tick(f'real {kind}')
+        fields = load(data)
+        rows += [_row(kind, fields, contender) for contender in contenders]
+    return rows
+
+
+def _row(kind: str, fields: Sequence[Field], contender: Contender) -> Row:
+    left = [_residuals(field, contender) for field in fields]
+    error = np.concatenate([part for each in left for part in (each.x, each.y)])
+    phase = np.concatenate([part for each in left for part in (each.phase_x, each.phase_y)])
+    kept = np.isfinite(error)
+    middles, mean, noise = _against_phase(phase[kept], error[kept])
+    harmonic = max(
+        _first_harmonic(
+            np.concatenate([getattr(each, f'phase_{axis}') for each in left]),
+            np.concatenate([getattr(each, axis) for each in left]),
+        )
+        for axis in ('x', 'y')
+    )
+    weights = [np.isfinite(each.x).sum() for each in left]
+    return Row(
+        kind,
+        contender.name,
+        float(np.sqrt(np.average([each.rms**2 for each in left], weights=weights))),
+        int(sum(weights)),
+        sum(len(field.u) for field in fields),
+        harmonic,
+        float(np.sqrt(max(np.mean(mean**2 - noise**2), 0.0))),
+        middles.tolist(),
+        mean.tolist(),
+    )
+
+
+def _residuals(field: Field, contender: Contender) -> Residuals:
+    located = contender.locate(field.windows)
+    return residuals(field, inside(located, field.windows.lit.shape[1:]))
+
+
+def _against_phase(
+    phase: NDArray[np.float64], error: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return the bins' middles, the mean error in each and that mean's standard error, px."""
+    edges = np.linspace(-0.5, 0.5, BINS + 1)
+    place = np.clip(np.digitize(phase, edges) - 1, 0, BINS - 1)
+    groups = [error[place == index] for index in range(BINS)]
+    mean = np.array([group.mean() for group in groups])
+    noise = np.array([group.std() / np.sqrt(len(group)) for group in groups])
+    return (edges[1:] + edges[:-1]) / 2, mean, noise
+
+
+def _first_harmonic(phase: NDArray[np.float64], error: NDArray[np.float64]) -> float:
+    """Return the amplitude of a sin + b cos of 2 pi phase, px, by least squares."""
+    kept = np.isfinite(error)
+    turn = 2 * np.pi * phase[kept]
+    terms = np.stack([np.sin(turn), np.cos(turn), np.ones(len(turn))], axis=1)
+    return float(np.hypot(*np.linalg.lstsq(terms, error[kept], rcond=None)[0][:2]))
