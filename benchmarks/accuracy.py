@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 from benchmarks.contender import Contender, count_for, inside
+from benchmarks.ours import CHAMPION, texture_references
 from benchmarks.scenes import Sample, sample, Scene
 from benchmarks.windows import take
 from blob_tracker.types import SensorNoise
@@ -38,8 +39,6 @@ class Row:
     ----------
     sweep, value : str
         What is varied and where it stands.
-    scene : dict
-        The scene's parameters.
     contender : str
         Name.
     rms : float
@@ -54,12 +53,13 @@ class Row:
         How many windows.
     nees : float or None
         Mean of e^T Cov^-1 e, 2 where the stated covariance is true.
+    champion : float
+        rms of maximum_likelihood over the contender's, on the windows that both have located.
 
     """
 
     sweep: str
     value: str
-    scene: dict[str, object]
     contender: str
     rms: float
     ratio: float
@@ -67,6 +67,7 @@ class Row:
     failed: float
     count: int
     nees: float | None
+    champion: float
 
 
 @dataclass(frozen=True)
@@ -123,21 +124,26 @@ def target_scenes() -> dict[str, Scene]:
     }
 
 
-def measure(
-    sweep: str, value: str, scene: Scene, seen: Sample, contenders: Sequence[Contender]
-) -> list[Row]:
-    """Return a row for each contender, all on the same windows, the slow ones on the first."""
-    return [_row(sweep, value, scene, seen, contender) for contender in contenders]
-
-
 def run(contenders: Sequence[Contender], count: int, tick: Tick) -> list[Row]:
-    """Return the rows of all sweeps and of the target's scenes, `count` windows each."""
+    """
+    Return the rows of all sweeps and of the target's scenes.
+
+    Every contender gets the same windows, the slow ones the first of them.
+    """
     rows: list[Row] = []
     for sweep, scenes in {**sweeps(), 'target': target_scenes()}.items():
+        field = [*contenders, *texture_references()] if sweep == 'texture' else contenders
         for seed, (value, scene) in enumerate(scenes.items()):
             tick(f'{sweep} {value}')
-            rows += measure(sweep, value, scene, sample(scene, count, seed), contenders)
+            rows += measure(sweep, value, sample(scene, count, seed), field)
     return rows
+
+
+def measure(sweep: str, value: str, seen: Sample, contenders: Sequence[Contender]) -> list[Row]:
+    """Return a row for each contender on one scene."""
+    best = next(each for each in contenders if each.name == CHAMPION)
+    champion = _errors(seen, best, len(seen.x))
+    return [_row(sweep, value, seen, contender, champion) for contender in contenders]
 
 
 def run_bias(contenders: Sequence[Contender], count: int, tick: Tick) -> list[Bias]:
@@ -171,35 +177,47 @@ def _side(sigma: float) -> int:
     return int(np.clip(2 * round(3 * sigma) + 1, 7, 25))
 
 
-def _row(sweep: str, value: str, scene: Scene, seen: Sample, contender: Contender) -> Row:
-    count = count_for(contender, len(seen.x))
+def _errors(seen: Sample, contender: Contender, count: int) -> NDArray[np.float64]:
+    """Return (count, 2) px: located less true, NaN where nothing was found."""
     windows = take(seen.windows, count)
     x, y = inside(contender.locate(windows), windows.lit.shape[1:])
-    errors = np.stack([x - seen.x[:count], y - seen.y[:count]], axis=1)
+    return np.stack([x - seen.x[:count], y - seen.y[:count]], axis=1)
+
+
+def _row(
+    sweep: str,
+    value: str,
+    seen: Sample,
+    contender: Contender,
+    champion: NDArray[np.float64],
+) -> Row:
+    count = count_for(contender, len(seen.x))
+    errors = _errors(seen, contender, count)
     good = np.isfinite(errors).all(axis=1)
-    if not good.any():
-        rms = ratio = spread = float('nan')
-    else:
-        squares = errors[good] ** 2
-        rms = float(np.sqrt(squares.mean()))
-        ratio = rms / seen.bound
-        # d rms = d mean / (2 rms); a window's two squares are averaged first.
-        spread = float(squares.mean(axis=1).std() / np.sqrt(good.sum()) / (2 * rms) * ratio / rms)
+    squares = (errors[good] ** 2).mean(axis=1)
+    rms = float(np.sqrt(squares.mean())) if good.any() else float('nan')
+    both = good & np.isfinite(champion[:count]).all(axis=1)
     nees = None
     if contender.covariance is not None and good.any():
-        nees = _nees(errors[good], contender.covariance(windows)[good])
+        stated = contender.covariance(take(seen.windows, count))
+        nees = _nees(errors[good], stated[good])
     return Row(
-        sweep,
-        value,
-        asdict(scene),
-        contender.name,
-        rms,
-        ratio,
-        spread,
-        float(1 - good.mean()),
-        count,
-        nees,
+        sweep=sweep,
+        value=value,
+        contender=contender.name,
+        rms=rms,
+        ratio=rms / seen.bound,
+        # d rms = d mean / (2 rms)
+        spread=float(squares.std() / np.sqrt(max(good.sum(), 1)) / (2 * rms) / seen.bound),
+        failed=float(1 - good.mean()),
+        count=count,
+        nees=nees,
+        champion=_rms(champion[:count][both]) / _rms(errors[both]) if both.any() else np.nan,
     )
+
+
+def _rms(errors: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.mean(errors**2)))
 
 
 def _nees(errors: NDArray[np.float64], covariance: NDArray[np.float64]) -> float:
@@ -208,10 +226,8 @@ def _nees(errors: NDArray[np.float64], covariance: NDArray[np.float64]) -> float
 
 
 def _bias(name: str, phases: NDArray[np.float64], seen: Sample, contender: Contender) -> Bias:
-    count = len(phases) * max(1, count_for(contender, len(seen.x)) // len(phases))
-    windows = take(seen.windows, count)
-    x, _ = inside(contender.locate(windows), windows.lit.shape[1:])
-    errors = (x - seen.x[:count]).reshape(-1, len(phases))
+    rounds = max(2, count_for(contender, len(seen.x)) // len(phases))
+    errors = _errors(seen, contender, rounds * len(phases))[:, 0].reshape(-1, len(phases))
     found = np.isfinite(errors).sum(axis=0)
     deviation = np.nanstd(errors, axis=0) / np.sqrt(np.maximum(found, 1))
     return Bias(

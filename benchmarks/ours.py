@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from benchmarks.contender import Contender, Covariances
 from benchmarks.windows import Positions, Windows
 from blob_tracker.location import Estimates, locate, locate_batch, METHODS
-from blob_tracker.types import LocationError, Window
+from blob_tracker.types import LocationError, SensorNoise, Window
 import numpy as np
 
 # A simplex takes thousands of evaluations; Levenberg-Marquardt on ten parameters takes tens.
 SHARES = {'multi_gaussian_simplex': 0.005, 'multi_gaussian_lm': 0.05}
 ELLIPTICAL = ('maximum_likelihood',)
+CHAMPION = 'maximum_likelihood'  # the method that the targets are for
+LIT_ONLY, DIFFERENCE = f'{CHAMPION}, lit only', f'{CHAMPION}, difference'
 
 
 def contenders() -> list[Contender]:
@@ -25,6 +28,14 @@ def contenders() -> list[Contender]:
         if method in METHODS
     ]
     return plain + elliptical
+
+
+def texture_references() -> list[Contender]:
+    """Return the two pure choices that the choice made per blob is held against."""
+    return [
+        Contender(LIT_ONLY, 'the unlit window withheld', _lit_only),
+        Contender(DIFFERENCE, 'lit less unlit, with the noise of both', _difference),
+    ]
 
 
 def estimate(windows: Windows, method: str, **options: Any) -> Estimates:
@@ -58,6 +69,20 @@ def _positions(windows: Windows, *, method: str, options: dict[str, Any]) -> Pos
 
 def _covariances(windows: Windows, *, method: str, options: dict[str, Any]) -> Covariances:
     return estimate(windows, method, **options).covariance
+
+
+def _lit_only(windows: Windows) -> Positions:
+    return _positions(replace(windows, unlit=None), method=CHAMPION, options={})
+
+
+def _difference(windows: Windows) -> Positions:
+    """Locate in lit - unlit + u, whose variance is that of its mean plus u / gain and a read."""
+    noise = windows.noise
+    level = float(np.mean(windows.unlit))
+    fixed = np.sqrt(level / noise.gain + 2 * noise.read_noise**2 + 1 / 12)
+    lit = windows.lit.astype(float) - windows.unlit + level
+    twice = SensorNoise(noise.gain, float(fixed))
+    return _lit_only(replace(windows, lit=lit, noise=twice))
 
 
 def _single(windows: Windows, *, method: str, options: dict[str, Any]) -> object:
