@@ -18,14 +18,22 @@ class Failure(IntEnum):
     FLAT = 3
     NO_SIGNAL = 4
     OUTSIDE = 5
+    TOO_FEW_PIXELS = 6
+    NOT_CONVERGED = 7
+    TOO_NARROW = 8
+    TOO_WIDE = 9
 
 
 REASONS = {
-    Failure.NOT_FINITE: 'the window holds NaN or infinite pixels',
+    Failure.NOT_FINITE: 'the window holds NaN, infinite or absurd (beyond 1e9 DN) pixels',
     Failure.SATURATED: 'every pixel of the window is saturated; lower the exposure',
     Failure.FLAT: 'the window is flat: all its pixels are equal',
     Failure.NO_SIGNAL: 'the window holds no light above its background',
     Failure.OUTSIDE: 'the estimate lies outside the window',
+    Failure.TOO_FEW_PIXELS: 'too few pixels are left: the others are saturated or hold no light',
+    Failure.NOT_CONVERGED: 'the fit did not settle: the window does not hold one blob',
+    Failure.TOO_NARROW: 'the blob is a single pixel: a hot pixel, or a lens too sharp to place it',
+    Failure.TOO_WIDE: 'the blob is wider than the window; enlarge the window',
 }
 
 
