@@ -106,7 +106,7 @@ def sweeps() -> dict[str, dict[str, Scene]]:
         },
         'texture': {
             str(texture): Scene(11, 1.5, 50.0, background=100.0, texture=texture)
-            for texture in (0.0, 0.02, 0.05, 0.1, 0.3)
+            for texture in (0.0, 0.01, 0.02, 0.05, 0.1, 0.3)
         },
         'saturation': {
             str(over): Scene(15, 2.0, 100.0, overexposure=over)

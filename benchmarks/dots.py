@@ -38,9 +38,17 @@ def _field(path: Path) -> Field:
     height, width = frame.shape
     kept = np.isfinite(indices).all(axis=1) & (x0 >= 0) & (y0 >= 0)
     kept &= (x0 <= width - SIDE) & (y0 <= height - SIDE)
-    windows = Windows(cut(255 - frame, x0[kept], y0[kept], SIDE), None, NOISE, 256, SIGMA)
     u, v = indices[kept].T
-    return Field(path.stem, windows, x0[kept].astype(float), y0[kept].astype(float), u, v, 7)
+    return Field(
+        path.stem,
+        Windows(cut(255 - frame, x0[kept], y0[kept], SIDE), None, NOISE, 256, SIGMA),
+        x0[kept].astype(float),
+        y0[kept].astype(float),
+        u,
+        v,
+        np.full(len(u), np.inf),
+        order=7,
+    )
 
 
 def _coarse(dots: NDArray[np.uint8]) -> NDArray[np.float64]:

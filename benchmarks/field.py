@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 OUTLIER = 4.0  # robust standard deviations
 ROUNDS = 10
+NOISE = 0.75  # px times SNR: about the Cramer-Rao bound of a blob with sigma 0.6 px
+SYSTEMATIC = 0.03  # px: what remains of the brightest stars
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,8 @@ class Field:
         Place of each window's first pixel in the frame, px.
     u, v : (N,) arrays
         True coordinates: catalogue or grid.
+    snr : (N,) array
+        Peak SNR of each blob by the catalogue; infinite where it is not noise that limits.
     order : int
         Of the polynomial that maps (u, v) onto pixels.
 
@@ -38,6 +42,7 @@ class Field:
     y0: NDArray[np.float64]
     u: NDArray[np.float64]
     v: NDArray[np.float64]
+    snr: NDArray[np.float64]
     order: int
 
 
@@ -52,8 +57,8 @@ class Residuals:
         Located less mapped, px; NaN where nothing was found or the blob is an outlier.
     phase_x, phase_y : (N,) arrays
         Mapped place less the middle of its pixel, px.
-    rms : float
-        Of x and y together, px, with the degrees of freedom of the map taken off.
+    freedom : float
+        Factor by which the map's degrees of freedom shrink the rms of the residuals.
 
     """
 
@@ -61,7 +66,7 @@ class Residuals:
     y: NDArray[np.float64]
     phase_x: NDArray[np.float64]
     phase_y: NDArray[np.float64]
-    rms: float
+    freedom: float
 
 
 def cut(
@@ -76,27 +81,31 @@ def residuals(field: Field, positions: Positions) -> Residuals:
     """
     Fit the map to the positions and return what it leaves.
 
-    Blobs farther off than OUTLIER robust standard deviations are left out and the map fitted
-    again, until the same ones stay. (The median of a Rayleigh distance is 1.177 sigma.)
+    Each blob weighs by what it can be expected to show, the same for every contender: NOISE over
+    its SNR, and SYSTEMATIC. Blobs farther off than OUTLIER robust standard deviations are left
+    out and the map fitted again, until the same ones stay. (The median of a Rayleigh distance is
+    1.177 sigma.)
     """
     located = np.stack([positions[0] + field.x0, positions[1] + field.y0], axis=1)
     terms = _polynomial(field.u, field.v, field.order)
+    weight = 1.0 / np.hypot(NOISE / field.snr, SYSTEMATIC)[:, None]
     found = np.isfinite(located).all(axis=1)
     kept = found
     for _ in range(ROUNDS):
-        mapped = terms @ np.linalg.lstsq(terms[kept], located[kept], rcond=None)[0]
+        weighted = (terms * weight)[kept], (located * weight)[kept]
+        mapped = terms @ np.linalg.lstsq(*weighted, rcond=None)[0]
         left = located - mapped
-        distance = np.hypot(*left.T)
+        distance = np.hypot(*(left * weight).T)
         limit = OUTLIER * np.median(distance[kept]) / 1.177
         again = found & (np.nan_to_num(distance, nan=np.inf) <= limit)
         if (again == kept).all():
             break
         kept = again
     left[~kept] = np.nan
-    freedom = kept.sum() - terms.shape[1]
-    rms = float(np.sqrt(np.nansum(left**2) / (2 * freedom))) if freedom > 0 else float('nan')
     phase = mapped - np.rint(mapped)
-    return Residuals(left[:, 0], left[:, 1], phase[:, 0], phase[:, 1], rms)
+    count, unknown = int(kept.sum()), terms.shape[1]
+    freedom = float(np.sqrt(count / (count - unknown))) if count > unknown else float('nan')
+    return Residuals(left[:, 0], left[:, 1], phase[:, 0], phase[:, 1], freedom)
 
 
 def _polynomial(

@@ -6,7 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.accuracy import Bias, Row
+from benchmarks.ours import CHAMPION
 from benchmarks.real_pixels import Row as RealRow
+from benchmarks.report import Report
+from benchmarks.tables import TITLES
 import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -20,42 +23,42 @@ AXES = {
     'texture': 'texture, rms over mean of the ambient light',
     'saturation': 'peak over full scale',
 }
-LINES = ('-', '--', '-.', ':')
+LINES = ('--', '-.', ':')
 MARKERS = 'osv^D<>pPX*hd'
+OWN = ('#000000', '#c40000', '#0050c8', '#008c3a', '#9a00b4', '#d07800', '#00909c', '#7a5a00')
+OTHER = ('#e377c2', '#7f7f7f', '#bcbd22', '#17becf', '#ff9896', '#98df8a', '#c5b0d5', '#c49c94')
 
 
-def draw(
-    folder: Path,
-    rows: Sequence[Row],
-    biases: Sequence[Bias],
-    real: Sequence[RealRow],
-    ours: Sequence[str],
-) -> list[Path]:
-    """Draw what there is into the folder and return the files."""
+def draw(folder: Path, report: Report, ours: Sequence[str]) -> list[Path]:
+    """Draw what was measured into the folder and return the files; `ours` stand out."""
     drawn = []
-    if rows:
-        drawn += [_sweep(folder, sweep, label, rows, ours) for sweep, label in AXES.items()]
-    if biases:
-        drawn.append(_bias(folder, biases, ours))
-    if real:
-        drawn.append(_phase(folder, real, ours))
+    if report.accuracy:
+        drawn += [
+            _sweep(folder, sweep, label, report.accuracy, ours) for sweep, label in AXES.items()
+        ]
+    if report.bias:
+        drawn.append(_bias(folder, report.bias, ours))
+    if report.real:
+        drawn.append(_phase(folder, report.real, ours))
     return drawn
 
 
 def _style(names: Sequence[str], ours: Sequence[str]) -> dict[str, dict[str, object]]:
-    """Return a look for each contender: this project's in front and thick."""
-    colours = matplotlib.colormaps['tab20'].colors
-    return {
-        name: {
-            'color': colours[index % len(colours)],
-            'linestyle': '-' if name in ours else LINES[1 + index % 3],
-            'linewidth': 2.4 if name in ours else 1.3,
+    """Return a look for each contender: this project's dark and thick, the champion on top."""
+    styles: dict[str, dict[str, object]] = {}
+    for index, name in enumerate(names):
+        own = name in ours
+        rank = sum((other in ours) == own for other in names[:index])
+        palette = OWN if own else OTHER
+        styles[name] = {
+            'color': palette[rank % len(palette)],
+            'linestyle': '-' if own else LINES[rank % len(LINES)],
+            'linewidth': 2.2 if own else 1.4,
             'marker': MARKERS[index % len(MARKERS)],
-            'markersize': 4,
-            'zorder': 3 if name in ours else 2,
+            'markersize': 4.5,
+            'zorder': 4 if name == CHAMPION else 3 if own else 2,
         }
-        for index, name in enumerate(names)
-    }
+    return styles
 
 
 def _sweep(
@@ -67,8 +70,8 @@ def _sweep(
     names = list(dict.fromkeys(row.contender for row in chosen))
     for name, style in _style(names, ours).items():
         mine = [row for row in chosen if row.contender == name]
-        axes.plot([float(row.value) for row in mine], [row.ratio for row in mine], label=name,
-                  **style)
+        values = [float(row.value) for row in mine]
+        axes.plot(values, [row.ratio for row in mine], label=name, **style)
     axes.axhline(1.0, color='black', linewidth=0.8)
     axes.set_yscale('log')
     axes.set_ylim(0.8, 40)
@@ -79,6 +82,7 @@ def _sweep(
         axes.set_xticks(ticks, [f'{tick:g}' for tick in ticks])
         axes.xaxis.minorticks_off()
     axes.set_ylabel('rms error / Cramer-Rao bound')
+    axes.set_title(TITLES[sweep])
     return _save(figure, axes, folder / f'accuracy_{sweep.replace(" ", "_")}.png', label)
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 VARIABLE = 'BLOB_TRACKER_DATA'
 BINS = 10
+BRIGHT = 20.0  # peak SNR above which it is not noise that limits
 
 
 @dataclass(frozen=True)
@@ -69,31 +70,33 @@ def run(contenders: Sequence[Contender], data: Path, tick: Tick) -> list[Row]:
     for kind, load in (('stars', stars.fields), ('dots', dots.fields)):
         tick(f'real {kind}')
         fields = load(data)
-        rows += [_row(kind, fields, contender) for contender in contenders]
+        left = {each.name: [_residuals(field, each) for field in fields] for each in contenders}
+        snr = np.concatenate([field.snr for field in fields])
+        rows += [_row(kind, name, each, snr > 0) for name, each in left.items()]
+        if not (snr >= BRIGHT).all():
+            bright = f'{kind}, SNR {BRIGHT:.0f} or more'
+            rows += [_row(bright, name, each, snr >= BRIGHT) for name, each in left.items()]
     return rows
 
 
-def _row(kind: str, fields: Sequence[Field], contender: Contender) -> Row:
-    left = [_residuals(field, contender) for field in fields]
-    error = np.concatenate([part for each in left for part in (each.x, each.y)])
-    phase = np.concatenate([part for each in left for part in (each.phase_x, each.phase_y)])
-    kept = np.isfinite(error)
-    middles, mean, noise = _against_phase(phase[kept], error[kept])
-    harmonic = max(
-        _first_harmonic(
-            np.concatenate([getattr(each, f'phase_{axis}') for each in left]),
-            np.concatenate([getattr(each, axis) for each in left]),
-        )
-        for axis in ('x', 'y')
-    )
-    weights = [np.isfinite(each.x).sum() for each in left]
+def _row(
+    kind: str, name: str, left: Sequence[Residuals], chosen: NDArray[np.bool_]
+) -> Row:
+    """Return the figures of the chosen blobs of all fields together."""
+    errors = [np.concatenate([getattr(each, axis) for each in left]) for axis in 'xy']
+    phases = [np.concatenate([getattr(each, f'phase_{axis}') for each in left]) for axis in 'xy']
+    freedom = np.concatenate([np.full(len(each.x), each.freedom) for each in left])
+    kept = chosen & np.isfinite(errors[0])
+    errors, phases = [error[kept] for error in errors], [phase[kept] for phase in phases]
+    both = np.concatenate(errors)
+    middles, mean, noise = _against_phase(np.concatenate(phases), both)
     return Row(
         kind,
-        contender.name,
-        float(np.sqrt(np.average([each.rms**2 for each in left], weights=weights))),
-        int(sum(weights)),
-        sum(len(field.u) for field in fields),
-        harmonic,
+        name,
+        float(np.sqrt(np.mean((both * np.tile(freedom[kept], 2)) ** 2))),
+        int(kept.sum()),
+        int(chosen.sum()),
+        max(map(_first_harmonic, phases, errors)),
         float(np.sqrt(max(np.mean(mean**2 - noise**2), 0.0))),
         middles.tolist(),
         mean.tolist(),
@@ -119,7 +122,6 @@ def _against_phase(
 
 def _first_harmonic(phase: NDArray[np.float64], error: NDArray[np.float64]) -> float:
     """Return the amplitude of a sin + b cos of 2 pi phase, px, by least squares."""
-    kept = np.isfinite(error)
-    turn = 2 * np.pi * phase[kept]
+    turn = 2 * np.pi * phase
     terms = np.stack([np.sin(turn), np.cos(turn), np.ones(len(turn))], axis=1)
-    return float(np.hypot(*np.linalg.lstsq(terms, error[kept], rcond=None)[0][:2]))
+    return float(np.hypot(*np.linalg.lstsq(terms, error, rcond=None)[0][:2]))

@@ -35,6 +35,13 @@ def _field(path: Path) -> Field:
     height, width = frame.shape
     kept = (distance.min(axis=1) > ALONE) & (x0 >= 0) & (y0 >= 0)
     kept &= (x0 <= width - SIDE) & (y0 <= height - SIDE)
-    windows = Windows(cut(frame, x0[kept], y0[kept], SIDE), None, NOISE, FULL_SCALE, SIGMA)
-    xi, eta = table['xi'][kept], table['eta'][kept]
-    return Field(path.stem, windows, x0[kept].astype(float), y0[kept].astype(float), xi, eta, 3)
+    return Field(
+        path.stem,
+        Windows(cut(frame, x0[kept], y0[kept], SIDE), None, NOISE, FULL_SCALE, SIGMA),
+        x0[kept].astype(float),
+        y0[kept].astype(float),
+        table['xi'][kept],
+        table['eta'][kept],
+        table['peak_snr'][kept],
+        order=3,
+    )

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from benchmarks.accuracy import Bias, Row
 from benchmarks.contender import Contender
 from benchmarks.real_pixels import Row as RealRow
+from benchmarks.report import Report
 from benchmarks.speed import Pace
 from benchmarks.targets import Target
 from rich.table import Table
@@ -31,6 +32,14 @@ def settings(contenders: Sequence[Contender], missing: dict[str, str]) -> Table:
     for package, reason in missing.items():
         table.add_row(f'[bold red]{package}: MISSING', f'[red]{reason}', '')
     return table
+
+
+def figures(report: Report) -> list[Table]:
+    """Return a table for each thing that was measured."""
+    tables = [*accuracy(report.accuracy), bias(report.bias)] if report.accuracy else []
+    tables += [speed(report.speed)] if report.speed else []
+    tables += [real(report.real)] if report.real else []
+    return tables
 
 
 def accuracy(rows: Sequence[Row]) -> list[Table]:
