@@ -15,7 +15,9 @@ NARROWEST = 0.2  # px: below it one pixel holds 99 % of the light and its place 
 WIDEST = 2.0  # times the window: a wider pulse is a slope, its amplitude and level are one
 FAINTEST = 4.0  # standard deviations of the amplitude: below it noise is found, not light
 MISFIT = 5.0  # standard deviations of chi2: beyond it the model is wrong, not the noise
-SHRINKAGE = 1.3  # of `_texture_share`; 1.2 to 1.4 keep the worst case below 1.09
+SHRINKAGE = 1.2  # of `_texture_share`; 1.1 to 1.4 keep the worst case below 1.09
+BESIDE = 0.25  # of the pulse's peak: a texture of this rms is half taken off whatever it shifts
+STRAY = 1.2  # times its noise: the texture that a small shift leaves probable
 FISHER_STEPS = 12  # a good start takes 4 or 5
 DAMPED_STEPS = 80
 CONVERGED = 1e-4  # twice the gain in log-likelihood still to be had: 0.01 standard deviations
@@ -54,12 +56,15 @@ def maximum_likelihood(
 
     With an unlit window the light behind the target is known, with as much noise again. Of the
     unlit window's texture (its departure from its mean) a share kappa is taken off the lit
-    pixels: 0 is lit-only with the mean known, 1 is lit minus unlit. A share follows from each
-    of two ratios of texture to noise, less one: the chi2 of the unlit window about its mean,
-    and half the Mahalanobis square of the shift that the texture would lend to the fitted
-    position; the larger counts. The second is a James-Stein estimate (James and Stein, 1961)
-    whose rms is, for any one texture, at most 1.08 times that of the better of lit-only and
-    lit minus unlit; the covariance holds the noise and the texture that are left.
+    pixels: 0 is lit-only with the mean known, 1 is lit minus unlit. With E half the Mahalanobis
+    square of the shift that the texture would lend to the fitted position,
+
+        kappa = max(0, 1 - SHRINKAGE / E)                    (James and Stein, 1961)
+
+    whose rms is, for any one texture that is weak beside the pulse, at most 1.09 times that of
+    the better of lit-only and lit minus unlit. A texture that is strong beside the pulse is
+    taken off whatever it shifts. The covariance holds the noise that the share brings and the
+    texture that it leaves.
 
     Where chi2 says that the pulse is no Gaussian, or the noise not the one given, the
     covariance grows by chi2.
@@ -198,7 +203,11 @@ def _fit_all(lit, unlit, shot, floor, saturation, elliptical, table, failure):
         if failure[n] != _NONE:
             continue
         chi2 /= usable - size
-        scale = 1.0
+        scale, left = 1.0, 0.0
+        if paired:
+            # Texture that was left in widens the residuals, beyond what it does to the position.
+            left = _left_over(share, white)
+            chi2 *= (1.0 + left) / (1.0 + max(left, share**2 + (1.0 - share) ** 2 * white))
         if chi2 > 1.0 + MISFIT * math.sqrt(2.0 / (usable - size)):
             scale = chi2
         table[n, 0] = theta[0]
@@ -213,8 +222,7 @@ def _fit_all(lit, unlit, shot, floor, saturation, elliptical, table, failure):
         table[n, 7] = theta[3]
         table[n, 8] = math.sqrt(theta[4] * theta[5])
         peak = max(theta[2] + theta[3], 0.0) * shot + floor
-        if paired:
-            peak += _left_over(share, white) * (max(mean, 0.0) * shot + floor)
+        peak += left * (max(mean, 0.0) * shot + floor)
         table[n, 9] = theta[2] / math.sqrt(peak)
         table[n, 10] = chi2
 
@@ -245,7 +253,7 @@ def _split_unlit(texture, behind, extra, mean, shot, floor, usable):
 def _left_over(share, white):
     """Return the variance that the unlit window adds, over that of its noise."""
     # The noise of the share that was taken off, and the texture of the share that was not.
-    return max(share**2 + (1.0 - share) ** 2 * white, share)
+    return max(share**2 + (1.0 - share) ** 2 * min(white, STRAY), share)
 
 
 @njit(cache=True, fastmath=_FAST)
@@ -313,7 +321,9 @@ def _texture_share(
     yy = step[1]
     square = yy * shift_x**2 - 2.0 * xy * shift_x * shift_y + xx * shift_y**2
     evidence = 0.5 * square / ((xx * yy - xy * xy) * variance)
-    return max(white / (1.0 + white), 1.0 - SHRINKAGE / max(evidence, SHRINKAGE))
+    # The fit is linear in a texture that is weak beside the pulse; the rest is taken off.
+    strong = white * variance / (white * variance + (BESIDE * amplitude) ** 2)
+    return max(strong, 1.0 - SHRINKAGE / max(evidence, SHRINKAGE))
 
 
 @njit(cache=True, fastmath=_FAST)
