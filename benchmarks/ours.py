@@ -78,7 +78,8 @@ def _lit_only(windows: Windows) -> Positions:
 def _difference(windows: Windows) -> Positions:
     """Locate in lit - unlit + u, whose variance is that of its mean plus u / gain and a read."""
     noise = windows.noise
-    level = float(np.mean(windows.unlit))
+    assert windows.unlit is not None
+    level = float(windows.unlit.mean())
     fixed = np.sqrt(level / noise.gain + 2 * noise.read_noise**2 + 1 / 12)
     lit = windows.lit.astype(float) - windows.unlit + level
     twice = SensorNoise(noise.gain, float(fixed))

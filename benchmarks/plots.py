@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from benchmarks.accuracy import Bias, Row
 from benchmarks.ours import CHAMPION
@@ -43,9 +44,9 @@ def draw(folder: Path, report: Report, ours: Sequence[str]) -> list[Path]:
     return drawn
 
 
-def _style(names: Sequence[str], ours: Sequence[str]) -> dict[str, dict[str, object]]:
+def _style(names: Sequence[str], ours: Sequence[str]) -> dict[str, dict[str, Any]]:
     """Return a look for each contender: this project's dark and thick, the champion on top."""
-    styles: dict[str, dict[str, object]] = {}
+    styles: dict[str, dict[str, Any]] = {}
     for index, name in enumerate(names):
         own = name in ours
         rank = sum((other in ours) == own for other in names[:index])
@@ -83,46 +84,49 @@ def _sweep(
         axes.xaxis.minorticks_off()
     axes.set_ylabel('rms error / Cramer-Rao bound')
     axes.set_title(TITLES[sweep])
-    return _save(figure, axes, folder / f'accuracy_{sweep.replace(" ", "_")}.png', label)
+    axes.set_xlabel(label)
+    axes.grid(alpha=0.3)
+    return _save(figure, axes, folder / f'accuracy_{sweep.replace(" ", "_")}.png')
 
 
 def _bias(folder: Path, biases: Sequence[Bias], ours: Sequence[str]) -> Path:
-    scenes = list(dict.fromkeys(bias.scene for bias in biases))
-    names = list(dict.fromkeys(bias.contender for bias in biases))
-    styles = _style(names, ours)
-    figure = Figure(figsize=(5 * len(scenes) + 3, 5.5), layout='constrained')
-    panels = figure.subplots(1, len(scenes), squeeze=False)[0]
-    for axes, scene in zip(panels, scenes):
-        for bias in biases:
-            if bias.scene == scene:
-                axes.plot(bias.phase, bias.mean, label=bias.contender, **styles[bias.contender])
-        axes.set_title(f'{scene}, SNR 200')
+    curves = [(bias.scene, bias.contender, bias.phase, bias.mean) for bias in biases]
+    figure, panels = _against_phase(curves, ours)
+    for axes in panels:
+        axes.set_ylabel('mean error at SNR 200, px (linear within +-0.005)')
         axes.set_yscale('symlog', linthresh=0.005)
         axes.set_ylim(-0.5, 0.5)
         axes.axhspan(-0.005, 0.005, color='grey', alpha=0.2)
-        axes.set_ylabel('mean error, px (linear within +-0.005)')
-        axes.set_xlabel('sub-pixel phase, px')
-    return _save(figure, panels[-1], folder / 'bias.png', 'sub-pixel phase, px')
+    return _save(figure, panels[-1], folder / 'bias.png')
 
 
 def _phase(folder: Path, real: Sequence[RealRow], ours: Sequence[str]) -> Path:
-    kinds = list(dict.fromkeys(row.kind for row in real))
-    styles = _style(list(dict.fromkeys(row.contender for row in real)), ours)
-    figure = Figure(figsize=(6 * len(kinds) + 3, 5.5), layout='constrained')
-    panels = figure.subplots(1, len(kinds), squeeze=False)[0]
-    for axes, kind in zip(panels, kinds):
-        for row in real:
-            if row.kind == kind:
-                axes.plot(row.phase, row.mean, label=row.contender, **styles[row.contender])
-        axes.set_title(kind)
+    curves = [(row.kind, row.contender, row.phase, row.mean) for row in real]
+    figure, panels = _against_phase(curves, ours)
+    for axes in panels:
         axes.set_ylabel('mean residual, px')
+    return _save(figure, panels[-1], folder / 'real_phase.png')
+
+
+def _against_phase(
+    curves: Sequence[tuple[str, str, list[float], list[float]]], ours: Sequence[str]
+) -> tuple[Figure, list[Axes]]:
+    """Draw (panel, contender, phase, mean) curves, a panel for each name."""
+    titles = list(dict.fromkeys(title for title, *_ in curves))
+    styles = _style(list(dict.fromkeys(name for _, name, *_ in curves)), ours)
+    figure = Figure(figsize=(5 * len(titles) + 3, 5.5), layout='constrained')
+    panels = list(figure.subplots(1, len(titles), squeeze=False)[0])
+    for axes, title in zip(panels, titles):
+        for panel, name, phase, mean in curves:
+            if panel == title:
+                axes.plot(phase, mean, label=name, **styles[name])
+        axes.set_title(title)
         axes.set_xlabel('sub-pixel phase, px')
-    return _save(figure, panels[-1], folder / 'real_phase.png', 'sub-pixel phase, px')
+        axes.grid(alpha=0.3)
+    return figure, panels
 
 
-def _save(figure: Figure, axes: Axes, path: Path, label: str) -> Path:
-    axes.set_xlabel(label)
-    axes.grid(alpha=0.3)
+def _save(figure: Figure, axes: Axes, path: Path) -> Path:
     axes.legend(loc='center left', bbox_to_anchor=(1.01, 0.5), fontsize=8)
     figure.savefig(path, dpi=120)
     return path

@@ -79,15 +79,14 @@ def run(contenders: Sequence[Contender], data: Path, tick: Tick) -> list[Row]:
     return rows
 
 
-def _row(
-    kind: str, name: str, left: Sequence[Residuals], chosen: NDArray[np.bool_]
-) -> Row:
+def _row(kind: str, name: str, left: Sequence[Residuals], chosen: NDArray[np.bool_]) -> Row:
     """Return the figures of the chosen blobs of all fields together."""
     errors = [np.concatenate([getattr(each, axis) for each in left]) for axis in 'xy']
     phases = [np.concatenate([getattr(each, f'phase_{axis}') for each in left]) for axis in 'xy']
     freedom = np.concatenate([np.full(len(each.x), each.freedom) for each in left])
     kept = chosen & np.isfinite(errors[0])
     errors, phases = [error[kept] for error in errors], [phase[kept] for phase in phases]
+    harmonics = [_first_harmonic(phase, error) for phase, error in zip(phases, errors)]
     both = np.concatenate(errors)
     middles, mean, noise = _against_phase(np.concatenate(phases), both)
     return Row(
@@ -96,8 +95,8 @@ def _row(
         float(np.sqrt(np.mean((both * np.tile(freedom[kept], 2)) ** 2))),
         int(kept.sum()),
         int(chosen.sum()),
-        max(map(_first_harmonic, phases, errors)),
-        float(np.sqrt(max(np.mean(mean**2 - noise**2), 0.0))),
+        max(harmonics),
+        float(np.sqrt(np.maximum(np.mean(mean**2 - noise**2), 0.0))),
         middles.tolist(),
         mean.tolist(),
     )

@@ -7,7 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from benchmarks import accuracy, real_pixels, speed
+from benchmarks.accuracy import Bias, Row
 from benchmarks.contender import Contender
+from benchmarks.real_pixels import Row as RealRow
+from benchmarks.speed import Pace
 
 PARTS = ('accuracy', 'speed', 'real')
 
@@ -30,10 +33,10 @@ QUICK = Sizes(scene=1_500, phase=100, stack=2_000, repeats=3)
 class Report:
     """The rows of each part; empty where the part was not asked for."""
 
-    accuracy: list[accuracy.Row] = field(default_factory=list)
-    bias: list[accuracy.Bias] = field(default_factory=list)
-    speed: list[speed.Pace] = field(default_factory=list)
-    real: list[real_pixels.Row] = field(default_factory=list)
+    accuracy: list[Row] = field(default_factory=list)
+    bias: list[Bias] = field(default_factory=list)
+    speed: list[Pace] = field(default_factory=list)
+    real: list[RealRow] = field(default_factory=list)
 
 
 def steps(parts: Collection[str]) -> int:

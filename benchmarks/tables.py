@@ -21,6 +21,7 @@ TITLES = {
     'texture': 'rms / bound of the difference against texture behind the target (SNR 50)',
     'saturation': 'rms / bound of what is left against overexposure (15x15, sigma 2 px)',
 }
+CAPTION = '(n %): windows without an answer; +-: standard error'
 SHOWN_FAILURES = 0.01
 
 
@@ -48,9 +49,7 @@ def accuracy(rows: Sequence[Row]) -> list[Table]:
     for sweep, title in TITLES.items():
         chosen = [row for row in rows if row.sweep == sweep]
         values = list(dict.fromkeys(row.value for row in chosen))
-        table = Table(
-            'contender', title=title, caption='(n %): windows without an answer; +-: standard error'
-        )
+        table = Table('contender', title=title, caption=CAPTION)
         for value in values:
             table.add_column(value, justify='right')
         for name in dict.fromkeys(row.contender for row in chosen):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from blob_tracker.location.noise import pixel_variance
 from blob_tracker.types import SensorNoise
@@ -30,8 +31,8 @@ class Windows:
 
     """
 
-    lit: NDArray[np.generic]
-    unlit: NDArray[np.generic] | None
+    lit: NDArray[Any]
+    unlit: NDArray[Any] | None
     noise: SensorNoise
     saturation: int
     sigma: float
@@ -63,7 +64,7 @@ def signal_variance(windows: Windows) -> NDArray[np.float64]:
 
 def clipped(windows: Windows) -> NDArray[np.bool_]:
     """Return (N, h, w) True where a pixel is clipped."""
-    return windows.lit >= windows.saturation
+    return np.asarray(windows.lit >= windows.saturation)
 
 
 def mosaic(stack: NDArray[np.float64], margin: int) -> tuple[NDArray[np.float64], Positions]:
@@ -77,5 +78,5 @@ def mosaic(stack: NDArray[np.float64], margin: int) -> tuple[NDArray[np.float64]
     pitch = height + 2 * margin
     picture = np.zeros((count, pitch, width + 2 * margin))
     picture[:, margin:-margin, margin:-margin] = stack
-    rows = np.arange(count) * float(pitch) + margin
-    return picture.reshape(count * pitch, -1), (np.full(count, float(margin)), rows)
+    columns, rows = np.full(count, float(margin)), np.arange(count) * float(pitch) + margin
+    return np.reshape(picture, (count * pitch, -1)), (columns, np.asarray(rows))

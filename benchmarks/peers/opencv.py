@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 PAD = 4  # px of background around a window: the detector drops blobs that touch the edge
 LEVELS = 20  # thresholds of the detector between background and peak
-_BLOB = cv2.SimpleBlobDetector_Params()
+_BLOB = cv2.SimpleBlobDetector.Params()
 _BLOB.filterByColor, _BLOB.blobColor = True, 255
 _BLOB.filterByArea, _BLOB.minArea, _BLOB.maxArea = True, 1.0, 1e6
 _BLOB.filterByCircularity = _BLOB.filterByConvexity = _BLOB.filterByInertia = False
