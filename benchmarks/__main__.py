@@ -19,6 +19,7 @@ for _variable in ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS'):
     os.environ.setdefault(_variable, '1')
 
 from benchmarks import machine, ours, peers, plots, real_pixels, tables, targets  # noqa: E402
+from benchmarks.contender import SLOWEST  # noqa: E402
 from benchmarks.report import FULL, measure, PARTS, QUICK, steps  # noqa: E402
 import cv2  # noqa: E402
 from rich.console import Console  # noqa: E402
@@ -41,6 +42,10 @@ def main(arguments: list[str] | None = None) -> int:
     own = ours.contenders()
     others, missing = peers.available()
     contenders = own + others
+    if asked.quick:
+        slow = [each.name for each in contenders if each.share < SLOWEST]
+        contenders = [each for each in contenders if each.name not in slow]
+        console.print(f'left out of --quick: {", ".join(slow) or "none"}')
     console.print(tables.settings(contenders, missing))
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task('', total=steps(parts))

@@ -22,6 +22,7 @@ NAMED = {
     '9x9, N 5000, read 2, gain 8': (9, 1.5, 5000.0, SensorNoise(8.0, 2.0 / 8.0), 5.0),
     '15x15, sigma 2.5, N 20000, gain 40': (15, 2.5, 20000.0, SensorNoise(40.0, 0.0), 1.0),
 }
+TARGET = 'target'  # the sweep over windows and SNR that the targets name
 PHASES = 21
 PHASE_SCENES = {
     'sigma 0.6, 7x7': Scene(7, 0.6, 200.0),
@@ -52,7 +53,7 @@ class Row:
     count : int
         How many windows.
     nees : float or None
-        Mean of e^T Cov^-1 e, 2 where the stated covariance is true.
+        Mean of e^T Cov^-1 e on the target's scenes, 2 where the stated covariance is true.
     champion : float
         rms of maximum_likelihood over the contender's, on the windows that both have located.
 
@@ -131,7 +132,7 @@ def run(contenders: Sequence[Contender], count: int, tick: Tick) -> list[Row]:
     Every contender gets the same windows, the slow ones the first of them.
     """
     rows: list[Row] = []
-    for sweep, scenes in {**sweeps(), 'target': target_scenes()}.items():
+    for sweep, scenes in {**sweeps(), TARGET: target_scenes()}.items():
         field = [*contenders, *texture_references()] if sweep == 'texture' else contenders
         for seed, (value, scene) in enumerate(scenes.items()):
             tick(f'{sweep} {value}')
@@ -198,7 +199,7 @@ def _row(
     rms = float(np.sqrt(squares.mean())) if good.any() else float('nan')
     both = good & np.isfinite(champion[:count]).all(axis=1)
     nees = None
-    if contender.covariance is not None and good.any():
+    if sweep == TARGET and contender.covariance is not None and good.any():
         stated = contender.covariance(take(seen.windows, count))
         nees = _nees(errors[good], stated[good])
     return Row(

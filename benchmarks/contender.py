@@ -42,6 +42,10 @@ class Contender:
     covariance: Callable[[Windows], Covariances] | None = None
 
 
+SLOW = 0.05  # a share below it: milliseconds a window
+SLOWEST = 0.005  # a share below it: tens of milliseconds
+
+
 def count_for(contender: Contender, available: int) -> int:
     """Return how many of the available windows the contender gets: at least 20."""
     return min(available, max(20, round(available * contender.share)))

@@ -12,8 +12,8 @@ from blob_tracker.location import Estimates, locate, locate_batch, METHODS
 from blob_tracker.types import LocationError, SensorNoise, Window
 import numpy as np
 
-# A simplex takes thousands of evaluations; Levenberg-Marquardt on ten parameters takes tens.
-SHARES = {'multi_gaussian_simplex': 0.005, 'multi_gaussian_lm': 0.05}
+# A simplex takes thousands of evaluations of the model, Levenberg-Marquardt a hundred.
+SHARES = {'multi_gaussian_simplex': 0.002, 'multi_gaussian_lm': 0.01}
 ELLIPTICAL = ('maximum_likelihood',)
 CHAMPION = 'maximum_likelihood'  # the method that the targets are for
 LIT_ONLY, DIFFERENCE = f'{CHAMPION}, lit only', f'{CHAMPION}, difference'

@@ -26,7 +26,7 @@ class Sizes:
 
 
 FULL = Sizes(scene=10_000, phase=400, stack=10_000, repeats=7)
-QUICK = Sizes(scene=1_500, phase=100, stack=2_000, repeats=3)
+QUICK = Sizes(scene=1_000, phase=60, stack=2_000, repeats=3)
 
 
 @dataclass(frozen=True)

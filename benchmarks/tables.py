@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from benchmarks.accuracy import Bias, Row
+from benchmarks.accuracy import Bias, Row, TARGET
 from benchmarks.contender import Contender
 from benchmarks.real_pixels import Row as RealRow
 from benchmarks.report import Report
@@ -128,7 +128,7 @@ def targets(found: Sequence[Target]) -> Table:
 
 def _target_scenes(rows: Sequence[Row]) -> Table:
     """Return worst and median over the target's scenes, and the NEES."""
-    chosen = [row for row in rows if row.sweep == 'target']
+    chosen = [row for row in rows if row.sweep == TARGET]
     table = Table(
         'contender',
         'median',

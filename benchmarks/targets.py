@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import geometric_mean
 
-from benchmarks.accuracy import Bias, Row
+from benchmarks.accuracy import Bias, Row, TARGET
 from benchmarks.ours import CHAMPION, DIFFERENCE, LIT_ONLY
 from benchmarks.report import Report
 from benchmarks.speed import Pace, REFERENCE
@@ -63,7 +63,7 @@ def accuracy_targets(
 ) -> list[Target]:
     """Return the targets that the accuracy run decides."""
     champion = [row for row in rows if row.contender == CHAMPION]
-    asked = [row for row in champion if row.sweep == 'target']
+    asked = [row for row in champion if row.sweep == TARGET]
     clipped = [row for row in champion if row.sweep == 'saturation']
     return [
         _worst('rms over the bound, windows 7 to 15, SNR 10 to 200', 1.02, asked, _ratio),
@@ -121,7 +121,7 @@ def _peer_target(rows: Sequence[Row], ours: Sequence[str]) -> Target:
     """
     ratios: dict[str, list[float]] = {}
     for row in rows:
-        if row.sweep in ('target', 'scene') and row.contender not in ours:
+        if row.sweep in (TARGET, 'scene') and row.contender not in ours:
             ratios.setdefault(row.contender, []).append(row.champion)
     name = 'rms over that of the closest peer'
     if not ratios:

@@ -78,5 +78,6 @@ PEERS = (
         'Picasso gaussmle',
         'MLE, circular, pixel-integrated; DN times gain plus the variance of the fixed noise',
         _integrated,
+        share=0.3,
     ),
 )
