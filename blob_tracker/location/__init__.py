@@ -1,6 +1,6 @@
 """Window -> Location: where in the picture the blob is, far below a pixel."""
 
 from blob_tracker.location.estimates import Estimates
-from blob_tracker.location.locate import locate, locate_batch, METHODS
+from blob_tracker.location.locate import compile_ahead, locate, locate_batch, METHODS
 
-__all__ = ['Estimates', 'METHODS', 'locate', 'locate_batch']
+__all__ = ['Estimates', 'METHODS', 'compile_ahead', 'locate', 'locate_batch']

@@ -2,12 +2,90 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from dataclasses import dataclass
 
-from blob_tracker.location.estimates import Estimates, Failure
-from blob_tracker.location.noise import pixel_variance
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from blob_tracker.location.estimates import Estimates, Failure, outside
+from blob_tracker.location.pulse import integrated_profile
+from blob_tracker.location.signal import count_clipped, Signal, signal_above_background
 from blob_tracker.types import SensorNoise
+
+FAINTEST = 3.0  # standard deviations of the summed signal: below it the ratio means nothing
+LONE_PIXEL = 1.0 / 12.0  # px^2: the second moment of a lone pixel, the least there is
+
+
+def centroid_1d(signal: ArrayLike) -> NDArray[np.float64]:
+    """
+    Return sum_k k s_k / sum_k s_k, the centroid of a row of pixels (thesis, eq. 3.2 and 3.13).
+
+    Parameters
+    ----------
+    signal : (..., n) array
+        Light above the background, any unit. A sum over the other axis of a window makes it the
+        window's centroid (thesis, eq. 3.28).
+
+    Returns
+    -------
+    (...) array
+        px, the first pixel's centre at 0; NaN where the signal sums to zero.
+
+    """
+    values = np.asarray(signal, dtype=float)
+    total = values.sum(axis=-1)
+    safe = np.where(total == 0.0, np.nan, total)
+    return values @ np.arange(values.shape[-1], dtype=float) / safe
+
+
+@dataclass(frozen=True)
+class Moments:
+    """
+    The moments of N windows, with the failure of those that have none.
+
+    Parameters
+    ----------
+    total : (N,) array
+        Sum of the signal, DN; 1 where there is a failure.
+    x, y, width : (N,) array
+        Centroid, px, and mean second moment about it along x and y, px^2.
+    failure : (N,) uint8 array
+        NO_SIGNAL or NONE.
+
+    """
+
+    total: NDArray[np.float64]
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    width: NDArray[np.float64]
+    failure: NDArray[np.uint8]
+
+    def offsets(
+        self, signal: Signal
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the (N, 1, w) and (N, h, 1) distances of the pixels from the centroid."""
+        height, width = signal.pixels.shape[1:]
+        return (
+            np.arange(width) - self.x[:, None, None],
+            np.arange(height)[:, None] - self.y[:, None, None],
+        )
+
+
+def moments(signal: Signal) -> Moments:
+    """Return the sum, the centroid and the second moment of each window."""
+    total = signal.pixels.sum(axis=(1, 2))
+    ones = np.ones((total.size, 1, *signal.pixels.shape[1:]))
+    noise = np.sqrt(signal.spread(ones)[:, 0, 0])
+    failure = np.where(total > FAINTEST * noise, Failure.NONE, Failure.NO_SIGNAL)
+    ok = failure == Failure.NONE
+    total = np.where(ok, total, 1.0)
+    pixels = np.where(ok[:, None, None], signal.pixels, 1.0)
+    along_x, along_y = pixels.sum(axis=1), pixels.sum(axis=2)
+    x, y = centroid_1d(along_x), centroid_1d(along_y)
+    dx = np.arange(along_x.shape[1]) - x[:, None]
+    dy = np.arange(along_y.shape[1]) - y[:, None]
+    width = ((dx**2 * along_x).sum(axis=1) + (dy**2 * along_y).sum(axis=1)) / (2.0 * total)
+    return Moments(total, x, y, width, failure.astype(np.uint8))
 
 
 def centroid(
@@ -19,15 +97,16 @@ def centroid(
     r"""
     Locate N blobs by the background-corrected centroid.
 
-    With the signal s_k = lit_k - unlit_k, or lit_k less the median of the window's border where
+    With the signal s_k = lit_k - unlit_k, or lit_k less the mean of the window's border where
     there is no unlit window,
 
         x = sum_k k s_k / sum_k s_k                                   (thesis, eq. 3.2)
         Cov = sum_k (r_k - r)(r_k - r)^T v_k / (sum_k s_k)^2
 
     the second being exact to first order, since x is a ratio of sums that are linear in the
-    pixels; v_k is the variance of s_k. Negative s_k stay in: leaving them out would bend the
-    noise into a bias. What remains is the skew of the window's edges (thesis, eq. 3.27), which
+    pixels; v_k is the variance of s_k, and the border's pixels count with what they move
+    through the background. Negative s_k stay in: leaving them out would bend the noise into a
+    bias. What remains is the skew of the window's edges (thesis, eq. 3.27; `skew_error`), which
     falls below 0.01 px when the window reaches 2.5 sigma to either side; the covariance is
     about the mean and does not hold it.
 
@@ -47,62 +126,30 @@ def centroid(
         deviations, OUTSIDE where the centroid leaves the window.
 
     """
-    count, height, width = lit.shape
-    if unlit is None:
-        border = np.ones((height, width), dtype=bool)
-        border[1:-1, 1:-1] = False
-        background = np.median(lit[:, border], axis=1)
-        signal = lit - background[:, None, None]
-        variance = pixel_variance(lit, noise)
-    else:
-        background = unlit.mean(axis=(1, 2))
-        signal = lit - unlit
-        variance = pixel_variance(lit, noise) + pixel_variance(unlit, noise)
-
-    columns = np.arange(width, dtype=float)
-    rows = np.arange(height, dtype=float)
-    total = signal.sum(axis=(1, 2))
-    failure = np.zeros(count, dtype=np.uint8)
-    failure[total <= 3.0 * np.sqrt(variance.sum(axis=(1, 2)))] = Failure.NO_SIGNAL
-    safe = np.where(failure == Failure.NONE, total, 1.0)
-    along_x = signal.sum(axis=1)
-    along_y = signal.sum(axis=2)
-    x = along_x @ columns / safe
-    y = along_y @ rows / safe
-    outside = (x < -0.5) | (x > width - 0.5) | (y < -0.5) | (y > height - 0.5)
-    failure[outside & (failure == Failure.NONE)] = Failure.OUTSIDE
-
-    dx = columns[None, :] - x[:, None]
-    dy = rows[None, :] - y[:, None]
-    covariance = np.empty((count, 2, 2))
-    covariance[:, 0, 0] = np.einsum('nw,nw->n', dx**2, variance.sum(axis=1))
-    covariance[:, 1, 1] = np.einsum('nh,nh->n', dy**2, variance.sum(axis=2))
-    covariance[:, 0, 1] = np.einsum('nh,nhw,nw->n', dy, variance, dx)
-    covariance[:, 1, 0] = covariance[:, 0, 1]
-    covariance /= (safe**2)[:, None, None]
-
-    # Width from the second moment; a noisy window can drive it negative: 1/12 is a lone pixel.
-    moment = (np.einsum('nw,nw->n', dx**2, along_x) + np.einsum('nh,nh->n', dy**2, along_y)) / 2
-    sigma = np.sqrt(np.maximum(moment / safe, 1.0 / 12.0))
-    amplitude = total / (2.0 * np.pi * sigma**2)
-    shape = np.exp(-(dx**2) / (2 * sigma[:, None] ** 2))[:, None, :]
-    shape = shape * np.exp(-(dy**2) / (2 * sigma[:, None] ** 2))[:, :, None]
-    residual = signal - amplitude[:, None, None] * shape
-    peak = pixel_variance(amplitude + background, noise)
-    if unlit is not None:
-        peak = peak + pixel_variance(background, noise)
-    clipped = np.zeros(count, dtype=np.int64)
-    if saturation is not None:
-        clipped = (lit >= saturation).sum(axis=(1, 2))
+    signal = signal_above_background(lit, unlit, noise)
+    found = moments(signal)
+    dx, dy = found.offsets(signal)
+    shape = signal.pixels.shape
+    influence = np.stack([np.broadcast_to(dx, shape), np.broadcast_to(dy, shape)], axis=1)
+    covariance = signal.spread(influence / found.total[:, None, None, None])
+    failure = outside(found.x, found.y, shape, found.failure)
+    # The sum over the window, and the width of the second moment less the pixel's own.
+    sigma = np.sqrt(np.maximum(found.width - LONE_PIXEL, LONE_PIXEL))
+    amplitude = found.total / (2.0 * np.pi * sigma**2)
+    model = amplitude[:, None, None] * (
+        integrated_profile(shape[1], found.y, sigma)[0][:, :, None]
+        * integrated_profile(shape[2], found.x, sigma)[0][:, None, :]
+    )
+    snr, chi2 = signal.quality(amplitude, model, 5, noise)
     return Estimates(
-        x=x,
-        y=y,
+        x=found.x,
+        y=found.y,
         covariance=covariance,
         amplitude=amplitude,
-        background=background,
+        background=signal.background,
         sigma=sigma,
-        snr=amplitude / np.sqrt(peak),
-        chi2=(residual**2 / variance).sum(axis=(1, 2)) / max(height * width - 5, 1),
-        saturated=clipped,
+        snr=snr,
+        chi2=chi2,
+        saturated=count_clipped(lit, saturation),
         failure=failure,
     )

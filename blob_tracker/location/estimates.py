@@ -72,3 +72,15 @@ class Estimates:
     def ok(self) -> NDArray[np.bool_]:
         """(N,) bool: True where the window was located."""
         return self.failure == Failure.NONE
+
+
+def outside(
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    shape: tuple[int, ...],
+    failure: NDArray[np.uint8],
+) -> NDArray[np.uint8]:
+    """Return the failures with OUTSIDE added where a position leaves its (N, h, w) window."""
+    height, width = shape[1:]
+    inside = (x >= -0.5) & (x <= width - 0.5) & (y >= -0.5) & (y <= height - 0.5)
+    return np.where(inside | (failure != Failure.NONE), failure, np.uint8(Failure.OUTSIDE))

@@ -26,7 +26,7 @@ CONVERGED = 1e-4  # twice the gain in log-likelihood still to be had: 0.01 stand
 _FAST = {'reassoc', 'contract', 'nsz', 'arcp'}
 _SQRT2 = math.sqrt(2.0)
 _SQRT_HALF_PI = math.sqrt(math.pi / 2.0)
-_COLUMNS = 12  # of the table the kernel fills, in the order of `_estimates`
+_ROWS = 7  # of the table: x, y, amplitude, background, sigma, snr, chi2
 _NONE, _NO_SIGNAL, _OUTSIDE = int(Failure.NONE), int(Failure.NO_SIGNAL), int(Failure.OUTSIDE)
 _FEW, _DIVERGED = int(Failure.TOO_FEW_PIXELS), int(Failure.NOT_CONVERGED)
 _NARROW, _WIDE = int(Failure.TOO_NARROW), int(Failure.TOO_WIDE)
@@ -89,34 +89,41 @@ def maximum_likelihood(
         NOT_CONVERGED where the likelihood has no peak to climb.
 
     """
-    table = np.empty((lit.shape[0], _COLUMNS))
-    failure = np.empty(lit.shape[0], dtype=np.uint8)
+    table = np.zeros((_ROWS, lit.shape[0]))
+    covariance = np.zeros((lit.shape[0], 2, 2))
+    clipped = np.zeros(lit.shape[0], dtype=np.int64)
+    failure = np.zeros(lit.shape[0], dtype=np.uint8)
     _fit_all(
         lit,
         lit[:0] if unlit is None else unlit,
         1.0 / noise.gain,
         noise.read_noise**2 + 1.0 / 12.0,
         math.inf if saturation is None else float(saturation),
-        elliptical,
+        bool(elliptical),
         table,
+        covariance,
+        clipped,
         failure,
     )
+    x, y, amplitude, background, sigma, snr, chi2 = table
     return Estimates(
-        x=table[:, 0],
-        y=table[:, 1],
-        covariance=table[:, 2:6].reshape(-1, 2, 2),
-        amplitude=table[:, 6],
-        background=table[:, 7],
-        sigma=table[:, 8],
-        snr=table[:, 9],
-        chi2=table[:, 10],
-        saturated=table[:, 11].astype(np.int64),
+        x=x,
+        y=y,
+        covariance=covariance,
+        amplitude=amplitude,
+        background=background,
+        sigma=sigma,
+        snr=snr,
+        chi2=chi2,
+        saturated=clipped,
         failure=failure,
     )
 
 
 @njit(cache=True, fastmath=_FAST)
-def _fit_all(lit, unlit, shot, floor, saturation, elliptical, table, failure):
+def _fit_all(
+    lit, unlit, shot, floor, saturation, elliptical, table, covariance, clipped, failure
+):
     """Fit each window; `shot` is 1 / gain, `floor` the variance of a dark pixel, DN^2."""
     count, height, width = lit.shape
     paired = unlit.shape[0] > 0
@@ -135,8 +142,6 @@ def _fit_all(lit, unlit, shot, floor, saturation, elliptical, table, failure):
     step = np.empty(6)
     prior = np.zeros(2)
     for n in range(count):
-        table[n] = 0.0
-        clipped = 0
         usable = 0
         mean = 0.0
         for j in range(height):
@@ -145,7 +150,7 @@ def _fit_all(lit, unlit, shot, floor, saturation, elliptical, table, failure):
                 extra[j, i] = floor
                 lost = lit[n, j, i] >= saturation
                 if lost:
-                    clipped += 1
+                    clipped[n] += 1
                 if paired:
                     texture[j, i] = unlit[n, j, i]
                     lost = lost or unlit[n, j, i] >= saturation
@@ -154,7 +159,6 @@ def _fit_all(lit, unlit, shot, floor, saturation, elliptical, table, failure):
                 else:
                     usable += 1
                     mean += texture[j, i]
-        table[n, 11] = clipped
         if usable < size + 1:
             failure[n] = _FEW
             continue
@@ -210,21 +214,21 @@ def _fit_all(lit, unlit, shot, floor, saturation, elliptical, table, failure):
             chi2 *= (1.0 + left) / (1.0 + max(left, share**2 + (1.0 - share) ** 2 * white))
         if chi2 > 1.0 + MISFIT * math.sqrt(2.0 / (usable - size)):
             scale = chi2
-        table[n, 0] = theta[0]
-        table[n, 1] = theta[1]
         _column_of_inverse(factor, size, 0, step)
-        table[n, 2] = scale * step[0]
-        table[n, 3] = scale * step[1]
-        table[n, 4] = table[n, 3]
+        covariance[n, 0, 0] = scale * step[0]
+        covariance[n, 0, 1] = scale * step[1]
+        covariance[n, 1, 0] = scale * step[1]
         _column_of_inverse(factor, size, 1, step)
-        table[n, 5] = scale * step[1]
-        table[n, 6] = theta[2]
-        table[n, 7] = theta[3]
-        table[n, 8] = math.sqrt(theta[4] * theta[5])
+        covariance[n, 1, 1] = scale * step[1]
         peak = max(theta[2] + theta[3], 0.0) * shot + floor
         peak += left * (max(mean, 0.0) * shot + floor)
-        table[n, 9] = theta[2] / math.sqrt(peak)
-        table[n, 10] = chi2
+        table[0, n] = theta[0]
+        table[1, n] = theta[1]
+        table[2, n] = theta[2]
+        table[3, n] = theta[3]
+        table[4, n] = math.sqrt(theta[4] * theta[5])
+        table[5, n] = theta[2] / math.sqrt(peak)
+        table[6, n] = chi2
 
 
 @njit(cache=True, fastmath=_FAST)
