@@ -25,7 +25,7 @@ import cv2  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.progress import Progress  # noqa: E402
 
-WIDTH = 150  # columns where the output is no terminal
+WIDTH = 180  # columns where the output is no terminal
 
 
 def main(arguments: list[str] | None = None) -> int:

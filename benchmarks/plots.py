@@ -26,8 +26,12 @@ AXES = {
 }
 LINES = ('--', '-.', ':')
 MARKERS = 'osv^D<>pPX*hd'
-OWN = ('#000000', '#c40000', '#0050c8', '#008c3a', '#9a00b4', '#d07800', '#00909c', '#7a5a00')
-OTHER = ('#e377c2', '#7f7f7f', '#bcbd22', '#17becf', '#ff9896', '#98df8a', '#c5b0d5', '#c49c94')
+FRONT = '#000000'
+OWN = ('#c40000', '#0050c8', '#008c3a', '#9a00b4', '#d07800', '#00909c', '#7a5a00', '#b0006a')
+OTHER = (
+    *('#e377c2', '#7f7f7f', '#bcbd22', '#17becf', '#ff9896'),
+    *('#98df8a', '#c5b0d5', '#c49c94', '#9edae5', '#f7b6d2'),
+)
 
 
 def draw(folder: Path, report: Report, ours: Sequence[str]) -> list[Path]:
@@ -52,7 +56,7 @@ def _style(names: Sequence[str], ours: Sequence[str]) -> dict[str, dict[str, Any
         rank = sum((other in ours) == own for other in names[:index])
         palette = OWN if own else OTHER
         styles[name] = {
-            'color': palette[rank % len(palette)],
+            'color': FRONT if name == CHAMPION else palette[rank % len(palette)],
             'linestyle': '-' if own else LINES[rank % len(LINES)],
             'linewidth': 2.2 if own else 1.4,
             'marker': MARKERS[index % len(MARKERS)],

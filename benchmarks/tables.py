@@ -49,7 +49,8 @@ def accuracy(rows: Sequence[Row]) -> list[Table]:
     for sweep, title in TITLES.items():
         chosen = [row for row in rows if row.sweep == sweep]
         values = list(dict.fromkeys(row.value for row in chosen))
-        table = Table('contender', title=title, caption=CAPTION)
+        table = Table(title=title, caption=CAPTION)
+        table.add_column('contender', no_wrap=True)
         for value in values:
             table.add_column(value, justify='right')
         for name in dict.fromkeys(row.contender for row in chosen):
