@@ -10,9 +10,11 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 import json
+from math import isnan
 import os
 from pathlib import Path
 import sys
+from typing import Any
 
 # One core for everybody; libraries read these when they load.
 for _variable in ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS'):
@@ -73,11 +75,20 @@ def main(arguments: list[str] | None = None) -> int:
         **asdict(report),
         'targets': [{**asdict(each), 'met': each.met} for each in judged],
     }
-    (asked.out / 'benchmarks.json').write_text(json.dumps(record, indent=1))
+    (asked.out / 'benchmarks.json').write_text(json.dumps(_plain(record), indent=1))
     console.print(f'figures and plots: {asked.out}')
     if missing:
         console.print(f'[bold red]not compared with {", ".join(missing)}: not importable')
     return 0 if all(each.met for each in judged) else 1
+
+
+def _plain(value: Any) -> Any:
+    """Return the value with None for NaN, which JSON does not know."""
+    if isinstance(value, dict):
+        return {name: _plain(each) for name, each in value.items()}
+    if isinstance(value, list):
+        return [_plain(each) for each in value]
+    return None if isinstance(value, float) and isnan(value) else value
 
 
 def _parse(arguments: list[str] | None) -> argparse.Namespace:

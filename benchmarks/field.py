@@ -101,10 +101,11 @@ def residuals(field: Field, positions: Positions) -> Residuals:
         if (again == kept).all():
             break
         kept = again
-    left[~kept] = np.nan
-    phase = mapped - np.rint(mapped)
     count, unknown = int(kept.sum()), terms.shape[1]
-    freedom = float(np.sqrt(count / (count - unknown))) if count > unknown else float('nan')
+    # A map with as many unknowns as blobs passes through all of them and tells nothing.
+    left[~kept if count > unknown else slice(None)] = np.nan
+    freedom = float(np.sqrt(count / max(count - unknown, 1)))
+    phase = mapped - np.rint(mapped)
     return Residuals(left[:, 0], left[:, 1], phase[:, 0], phase[:, 1], freedom)
 
 

@@ -89,6 +89,8 @@ def _row(kind: str, name: str, left: Sequence[Residuals], chosen: NDArray[np.boo
     errors, phases = [error[kept] for error in errors], [phase[kept] for phase in phases]
     harmonics = [_first_harmonic(phase, error) for phase, error in zip(phases, errors)]
     both = np.concatenate(errors)
+    if not len(both):
+        return Row(kind, name, np.nan, 0, int(chosen.sum()), np.nan, np.nan, [], [])
     middles, mean, noise = _against_phase(np.concatenate(phases), both)
     return Row(
         kind,
