@@ -230,11 +230,7 @@ def _bias(name: str, phases: NDArray[np.float64], seen: Sample, contender: Conte
     rounds = max(2, count_for(contender, len(seen.x)) // len(phases))
     errors = _errors(seen, contender, rounds * len(phases))[:, 0].reshape(-1, len(phases))
     found = np.isfinite(errors).sum(axis=0)
-    deviation = np.nanstd(errors, axis=0) / np.sqrt(np.maximum(found, 1))
-    return Bias(
-        name,
-        contender.name,
-        phases.tolist(),
-        np.nanmean(errors, axis=0).tolist(),
-        deviation.tolist(),
-    )
+    with np.errstate(invalid='ignore', divide='ignore'):  # a phase without an answer has no mean
+        mean = np.nansum(errors, axis=0) / found
+        spread = np.sqrt(np.nansum((errors - mean) ** 2, axis=0)) / found
+    return Bias(name, contender.name, phases.tolist(), mean.tolist(), spread.tolist())

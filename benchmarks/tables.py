@@ -10,6 +10,7 @@ from benchmarks.real_pixels import Row as RealRow
 from benchmarks.report import Report
 from benchmarks.speed import Pace
 from benchmarks.targets import Target
+import numpy as np
 from rich.table import Table
 
 TITLES = {
@@ -69,7 +70,7 @@ def bias(biases: Sequence[Bias]) -> Table:
         table.add_row(
             name,
             *(
-                f'{max(map(abs, found[scene].mean)):.4f} +-{max(found[scene].spread):.4f}'
+                f'{np.nanmax(np.abs(found[scene].mean)):.4f} +-{np.nanmax(found[scene].spread):.4f}'
                 for scene in scenes
             ),
         )
