@@ -70,8 +70,8 @@ def bias(biases: Sequence[Bias]) -> Table:
         table.add_row(
             name,
             *(
-                f'{np.nanmax(np.abs(found[scene].mean)):.4f} +-{np.nanmax(found[scene].spread):.4f}'
-                for scene in scenes
+                f'{np.nanmax(np.abs(each.mean)):.4f} +-{np.nanmax(each.spread):.4f}'
+                for each in (found[scene] for scene in scenes)
             ),
         )
     return table

@@ -108,7 +108,9 @@ def _worst(
 
 def _bias_target(biases: Sequence[Bias]) -> Target:
     worst, where = max(
-        (float(np.abs(bias.mean).max()), bias.scene) for bias in biases if bias.contender == CHAMPION
+        (float(np.abs(bias.mean).max()), bias.scene)
+        for bias in biases
+        if bias.contender == CHAMPION
     )
     return Target('bias against phase at SNR 200', 0.005, worst, unit=' px', where=where)
 
