@@ -1,0 +1,37 @@
+"""What the figures were measured on."""
+
+from __future__ import annotations
+
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+import platform
+
+PACKAGES = (
+    'numpy', 'scipy', 'numba', 'opencv-python-headless',
+    'photutils', 'astropy', 'sep', 'trackpy', 'picassosr',
+)
+
+
+def describe() -> dict[str, object]:
+    """Return the processor's name, Python's version and the packages'; None where missing."""
+    return {
+        'cpu': _processor(),
+        'python': platform.python_version(),
+        'packages': {package: _version(package) for package in PACKAGES},
+    }
+
+
+def _processor() -> str:
+    listing = Path('/proc/cpuinfo')
+    if listing.exists():
+        for line in listing.read_text().splitlines():
+            if line.startswith('model name'):
+                return line.partition(':')[2].strip()
+    return platform.processor() or platform.machine()
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None

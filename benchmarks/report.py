@@ -1,0 +1,64 @@
+"""Everything that one run has measured."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from benchmarks import accuracy, real_pixels, speed
+from benchmarks.accuracy import Bias, Row
+from benchmarks.contender import Contender
+from benchmarks.real_pixels import Row as RealRow
+from benchmarks.speed import Pace
+
+PARTS = ('accuracy', 'speed', 'real')
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """How much is measured: windows a scene, a phase and a stack, and repeats of the timing."""
+
+    scene: int
+    phase: int
+    stack: int
+    repeats: int
+
+
+FULL = Sizes(scene=10_000, phase=400, stack=10_000, repeats=7)
+QUICK = Sizes(scene=1_000, phase=60, stack=2_000, repeats=3)
+
+
+@dataclass(frozen=True)
+class Report:
+    """The rows of each part; empty where the part was not asked for."""
+
+    accuracy: list[Row] = field(default_factory=list)
+    bias: list[Bias] = field(default_factory=list)
+    speed: list[Pace] = field(default_factory=list)
+    real: list[RealRow] = field(default_factory=list)
+
+
+def steps(parts: Collection[str]) -> int:
+    """Return how often `measure` reports what it is at."""
+    each = {'accuracy': accuracy.steps(), 'speed': len(accuracy.NAMED), 'real': 2}
+    return sum(each[part] for part in parts)
+
+
+def measure(
+    parts: Collection[str],
+    contenders: Sequence[Contender],
+    sizes: Sizes,
+    data: Path | None,
+    tick: Callable[[str], None],
+) -> Report:
+    """Measure the parts that are named; `data` is the folder of the real pixels."""
+    report = Report()
+    if 'accuracy' in parts:
+        report.accuracy.extend(accuracy.run(contenders, sizes.scene, tick))
+        report.bias.extend(accuracy.run_bias(contenders, sizes.phase, tick))
+    if 'speed' in parts:
+        report.speed.extend(speed.run(contenders, sizes.stack, sizes.repeats, tick))
+    if 'real' in parts and data is not None:
+        report.real.extend(real_pixels.run(contenders, data, tick))
+    return report

@@ -1,0 +1,167 @@
+"""What the project must reach, and whether this run reached it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from statistics import geometric_mean
+
+from benchmarks.accuracy import Bias, Row, TARGET
+from benchmarks.ours import CHAMPION, DIFFERENCE, LIT_ONLY
+from benchmarks.report import Report
+from benchmarks.speed import Pace, REFERENCE
+import numpy as np
+from scipy.stats import norm
+
+# Two methods that both stand at the bound cannot beat each other: to be level is to tie.
+TIE = 1.005
+NAMED_RATES = (100e3, 70e3, 50e3)
+
+
+@dataclass(frozen=True)
+class Target:
+    """
+    One target.
+
+    Parameters
+    ----------
+    name : str
+        What is asked.
+    limit, measured : float
+        The limit and this run's figure.
+    floor : bool
+        True where the figure must reach the limit, False where it must stay below it.
+    unit : str
+        Of both.
+    where : str
+        The scene that decided.
+
+    """
+
+    name: str
+    limit: float
+    measured: float
+    floor: bool = False
+    unit: str = ''
+    where: str = ''
+
+    @property
+    def met(self) -> bool:
+        """Whether the figure keeps the limit; NaN does not."""
+        if self.floor:
+            return self.measured >= self.limit
+        return self.measured <= self.limit
+
+
+def judge(report: Report, ours: Sequence[str]) -> list[Target]:
+    """Return the targets that the report decides; `ours` names this project's methods."""
+    judged = accuracy_targets(report.accuracy, report.bias, ours) if report.accuracy else []
+    return judged + (speed_targets(report.speed) if report.speed else [])
+
+
+def accuracy_targets(
+    rows: Sequence[Row], biases: Sequence[Bias], ours: Sequence[str]
+) -> list[Target]:
+    """Return the targets that the accuracy run decides."""
+    champion = [row for row in rows if row.contender == CHAMPION]
+    asked = [row for row in champion if row.sweep == TARGET]
+    clipped = [row for row in champion if row.sweep == 'saturation']
+    return [
+        _worst('rms over the bound, windows 7 to 15, SNR 10 to 200', 1.02, asked, _ratio),
+        _worst('no answer, windows 7 to 15, SNR 10 to 200', 0.001, asked, lambda row: row.failed),
+        _bias_target(biases),
+        _nees_target(asked),
+        _worst('rms over the bound of what is left, clipped to 8x', 1.3, clipped, _ratio),
+        _texture_target(rows),
+        _peer_target(rows, ours),
+    ]
+
+
+def speed_targets(paces: Sequence[Pace]) -> list[Target]:
+    """Return the targets that the speed run decides."""
+    ours = [pace for pace in paces if pace.contender == CHAMPION]
+    targets = [
+        Target(f'fits a second, {pace.scene}', rate, pace.per_second, floor=True, unit='/s')
+        for pace, rate in zip(ours, NAMED_RATES)
+    ]
+    for pace in ours:
+        ratio = float('nan') if pace.ratio is None else pace.ratio
+        name = f'fits a second over {REFERENCE}'
+        targets.append(Target(name, 1.0, ratio, floor=True, where=pace.scene))
+    slowest = max(ours, key=lambda pace: pace.single)
+    call = slowest.single * 1e6
+    targets.append(Target('one locate()', 50.0, call, unit=' us', where=slowest.scene))
+    return targets
+
+
+def _ratio(row: Row) -> float:
+    return row.ratio
+
+
+def _worst(
+    name: str, limit: float, rows: Sequence[Row], figure: Callable[[Row], float]
+) -> Target:
+    """Return the target that the worst row decides."""
+    worst = max(rows, key=figure)
+    return Target(name, limit, figure(worst), where=f'{worst.sweep} {worst.value}')
+
+
+def _bias_target(biases: Sequence[Bias]) -> Target:
+    worst, where = max(
+        (float(np.abs(bias.mean).max()), bias.scene)
+        for bias in biases
+        if bias.contender == CHAMPION
+    )
+    return Target('bias against phase at SNR 200', 0.005, worst, unit=' px', where=where)
+
+
+def _peer_target(rows: Sequence[Row], ours: Sequence[str]) -> Target:
+    """
+    Return our rms over that of the peer that comes closest or is ahead.
+
+    The geometric mean over the named and the target's scenes, each on the windows that both
+    have located; a single scene of a slow peer is too few windows to tell.
+    """
+    ratios: dict[str, list[float]] = {}
+    for row in rows:
+        if row.sweep in (TARGET, 'scene') and row.contender not in ours:
+            ratios.setdefault(row.contender, []).append(row.champion)
+    name = 'rms over that of the closest peer'
+    if not ratios:
+        return Target(name, TIE, float('nan'), where='no peer to compare with')
+    worst, where = max((geometric_mean(values), peer) for peer, values in ratios.items())
+    return Target(name, TIE, worst, where=where)
+
+
+def _nees_target(rows: Sequence[Row]) -> Target:
+    """
+    Return how far the worst NEES is from 2 in standard errors of a scene, 2 / sqrt(N).
+
+    Of R scenes' z, each standard normal if the covariance is true, the greatest stays below
+    the z of probability 0.05 / R: the 95 % bounds, taken together (Bonferroni).
+    """
+    limit = float(norm.ppf(1 - 0.025 / len(rows)))
+    worst = max(rows, key=_nees_score)
+    return Target(
+        'NEES of the covariance, standard errors from 2',
+        limit,
+        _nees_score(worst),
+        where=f'{worst.value}, NEES {worst.nees:.3f}',
+    )
+
+
+def _nees_score(row: Row) -> float:
+    assert row.nees is not None
+    return abs(row.nees - 2.0) / (2.0 / row.count**0.5)
+
+
+def _texture_target(rows: Sequence[Row]) -> Target:
+    """Return the worst rms of the choice made per blob over the better of the pure choices."""
+    table = {(row.value, row.contender): row.rms for row in rows if row.sweep == 'texture'}
+    worst, where = max(
+        (rms / min(table[value, LIT_ONLY], table[value, DIFFERENCE]), value)
+        for (value, contender), rms in table.items()
+        if contender == CHAMPION
+    )
+    name = 'rms over the better of lit only and difference'
+    return Target(name, 1.1, worst, where=f'texture {where}')
