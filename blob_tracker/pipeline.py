@@ -32,7 +32,7 @@ class Pipeline:
         camera_model: CameraModel,
         *,
         noise: SensorNoise,
-        method: str = 'centroid',
+        method: str = 'maximum_likelihood',
         segmenter: Segmenter | None = None,
     ) -> None:
         self.camera_model = camera_model

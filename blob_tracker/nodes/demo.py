@@ -10,6 +10,7 @@ import os
 from pathlib import Path
 import signal
 import subprocess
+import sys
 import time
 
 from ament_index_python.packages import get_package_prefix, PackageNotFoundError
@@ -35,6 +36,7 @@ from sensor_msgs.msg import CameraInfo
 
 BUDGET = 0.05  # px rms: what the thesis wanted (section 2.1)
 LEAST_BEARINGS = 100  # fewer say nothing of an rms
+COMPILE = 'from blob_tracker.location import compile_ahead; compile_ahead()'
 STARTUP = 12.0  # s within which the first bearing must come
 RECENT = 60  # bearings over which rates and latencies are taken
 REFRESH = 0.25  # s between two drawings of the table
@@ -154,6 +156,9 @@ def main(arguments: argparse.Namespace) -> int:
             '`source install/setup.bash`'
         )
         return 1
+    with console.status('compiling the fits, if they are not yet'):
+        # In the package that the nodes load, which need not be the one that this is run from.
+        subprocess.run([sys.executable, '-c', COMPILE], cwd=out, check=True)
     source = ['simulator'] if arguments.device is None else _camera_command(arguments, console)
     duration = min(arguments.duration, 17.0) if arguments.device is None else float('inf')
     rclpy.init()

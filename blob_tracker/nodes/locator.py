@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from inspect import signature
 import sys
 
 from blob_tracker.camera import CameraModel, LensError
-from blob_tracker.location import locate, METHODS
+from blob_tracker.location import compile_ahead, locate, METHODS
 from blob_tracker.ros.camera_info import to_camera_model
-from blob_tracker.ros.errors import MessageError
+from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_window
 from blob_tracker.ros.pairing import subscribe
@@ -17,15 +18,23 @@ from blob_tracker.ros.qos import overridable, RESULT
 from blob_tracker.ros.target import bearing_message, centroid_message, ray_message
 from blob_tracker.types import LocationError, SensorNoise
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
+from rclpy.logging import get_logger
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 
 PARAMETERS = (
     Parameter(
         'method',
-        'centroid',
-        'How the blob is placed in its window.',
+        'maximum_likelihood',
+        'How the blob is placed in its window. The default is at the limit that the noise sets; '
+        'the others are those of the thesis.',
         choices=tuple(METHODS),
+    ),
+    Parameter(
+        'elliptical',
+        False,
+        'Fit a width along x and one along y, for a lens or a light that does not make round '
+        'blobs. For the methods that have both forms.',
     ),
     Parameter(
         'noise.gain',
@@ -64,6 +73,13 @@ class LocatorNode(Node):
         super().__init__('locator')
         settings = declare(self, PARAMETERS)
         self._method = settings['method']
+        self._options = {}
+        if settings['elliptical']:
+            if 'elliptical' not in signature(METHODS[self._method]).parameters:
+                raise ParameterError(
+                    f"parameter 'elliptical' is True; the method '{self._method}' has no such form"
+                )
+            self._options['elliptical'] = True
         self._saturation = settings['saturation']
         self._noise = SensorNoise(settings['noise.gain'], settings['noise.read_noise'])
         self._health = Health(self, 'no window arrives; is the segmenter running?')
@@ -84,7 +100,9 @@ class LocatorNode(Node):
         try:
             camera_model = self._model(info)
             window = to_window(image, info, self._saturation)
-            location = locate(window, method=self._method, noise=self._noise)
+            location = locate(
+                window, method=self._method, noise=self._noise, **self._options
+            )
             bearing = camera_model.bearing(location)
         except MessageError as error:
             self._health.fault(ERROR, 'message', f'target/window: {error}')
@@ -112,6 +130,12 @@ class LocatorNode(Node):
         return self._camera_model
 
 
+def _compile() -> None:
+    """Compile the fits, before the first target could wait for them."""
+    get_logger('locator').info('loading the fits; the first start compiles them for 10 s or so')
+    compile_ahead()
+
+
 def main() -> None:
     """Run the node."""
-    sys.exit(run(LocatorNode))
+    sys.exit(run(LocatorNode, _compile))

@@ -14,7 +14,7 @@ from rclpy.node import Node
 WRONG_USE = 2  # exit code, as for a shell command called wrongly
 
 
-def run(create: Callable[[], Node]) -> int:
+def run(create: Callable[[], Node], prepare: Callable[[], None] = lambda: None) -> int:
     """
     Run a node until Ctrl-C or SIGTERM.
 
@@ -22,6 +22,8 @@ def run(create: Callable[[], Node]) -> int:
     ----------
     create : callable
         Makes the node.
+    prepare : callable
+        Long work before that. ROS is not yet there, so that a signal ends it at once.
 
     Returns
     -------
@@ -30,6 +32,10 @@ def run(create: Callable[[], Node]) -> int:
         the standard error.
 
     """
+    try:
+        prepare()
+    except KeyboardInterrupt:
+        return 0
     try:
         rclpy.init()
     except Exception as error:  # rclpy raises private types of its C layer here

@@ -41,6 +41,7 @@ def test_ends_on_a_signal_without_a_trace(name: str, number: int, domain: int) -
         ('segmenter', {'min_snr': -1.0}, "'min_snr' is -1.0; it must be a number with a point"),
         ('segmenter', {'max_blob': 'big'}, "'max_blob' is 'big'; it must be an integer"),
         ('locator', {'method': 'magic'}, "'method' is 'magic'; it must be one of "),
+        ('locator', {'method': 'centroid', 'elliptical': True}, "'centroid' has no such form"),
         ('locator', {'noise__gain': 0.0}, "'noise.gain' is 0.0"),
         ('simulator', {'width': 5}, "'width' is 5; it must be an integer from 16 to 8192 px"),
     ],

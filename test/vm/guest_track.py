@@ -71,7 +71,7 @@ def start(folder: Path, nodes: Path) -> list[subprocess.Popen[bytes]]:
         'camera': {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT, 'pixel_format': 'GREY',
                    'camera_info_url': f'file://{folder}/camera_info.yaml'},
         'segmenter': {},
-        'locator': {'method': 'centroid'},
+        'locator': {},
     }
     processes = []
     for name in NODES:

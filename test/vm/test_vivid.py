@@ -11,6 +11,7 @@ import json
 import os
 from pathlib import Path
 import shlex
+import subprocess
 import sys
 from typing import Any
 
@@ -72,6 +73,17 @@ def results(scene, tmp_path_factory) -> Path:
         'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
         'FASTRTPS_DEFAULT_PROFILES_FILE': str(config_path('fastdds.xml')),
     }
+    # The emulated processor would compile for minutes: compile for any x86-64 out here instead.
+    fits = {
+        'NUMBA_CPU_NAME': 'generic',
+        'NUMBA_CPU_FEATURES': '',
+        'NUMBA_CACHE_DIR': str(CACHE / 'numba'),
+    }
+    compile_fits = 'from blob_tracker.location import compile_ahead; compile_ahead()'
+    subprocess.run(
+        [sys.executable, '-c', compile_fits], env=os.environ | fits, cwd=folder, check=True
+    )
+    environment |= fits
     python = shlex.quote(sys.executable)
     commands = [f'export {name}={shlex.quote(value)}' for name, value in environment.items()] + [
         f'{python} {HERE}/guest_capture.py {folder}',
