@@ -53,14 +53,14 @@ def test_every_bearing_is_the_recorded_truth(runs) -> None:
         assert len(bearings) == LOCATED
         for message in bearings:
             true = truth[to_ns(message.header.stamp)]
-            # 0.1 px, which is five sigma of this scene, through a lens of 150 px.
-            assert message.vector.x == pytest.approx(true.x, abs=0.1 / 150 * 1e3)
-            assert message.vector.y == pytest.approx(true.y, abs=0.1 / 150 * 1e3)
+            # 0.06 px, which is five sigma of this scene, through a lens of 150 px.
+            assert message.vector.x == pytest.approx(true.x, abs=0.06 / 150 * 1e3)
+            assert message.vector.y == pytest.approx(true.y, abs=0.06 / 150 * 1e3)
             assert message.header.frame_id == 'camera_optical_frame'
         for message in centroids:
             true = places[to_ns(message.header.stamp)]
-            assert message.point.x == pytest.approx(true.x, abs=0.1)
-            assert message.point.y == pytest.approx(true.y, abs=0.1)
+            assert message.point.x == pytest.approx(true.x, abs=0.06)
+            assert message.point.y == pytest.approx(true.y, abs=0.06)
 
 
 def test_rate_and_storage_change_no_bit(runs) -> None:

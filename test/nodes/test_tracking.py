@@ -53,9 +53,9 @@ def test_the_light_is_tracked_within_the_budget(domain: int) -> None:
     for message in bearings:
         true = true_bearing.get(to_ns(message.header.stamp))
         if true is not None:
-            # 0.2 px is 7 sigma of the worst place; 1 px is at most 1 / LENS rad.
-            assert abs(message.vector.x - true.x) < 0.2 / LENS * 1e3
-            assert abs(message.vector.y - true.y) < 0.2 / LENS * 1e3
+            # 0.08 px is 7 sigma; 1 px is at most 1 / LENS rad.
+            assert abs(message.vector.x - true.x) < 0.08 / LENS * 1e3
+            assert abs(message.vector.y - true.y) < 0.08 / LENS * 1e3
 
     assert all(np.array(m.pose.covariance)[[21, 28]].min() > 0 for m in rays)
     assert {m.encoding for m in windows} == {'8UC2'}
