@@ -22,9 +22,21 @@ class Box(NamedTuple):
         """Index of these pixels in an image."""
         return slice(self.y0, self.y1), slice(self.x0, self.x1)
 
-    def touches_edge(self, shape: tuple[int, ...]) -> bool:
-        """Tell whether the box reaches the border of an image of this (h, w)."""
-        return self.x0 <= 0 or self.y0 <= 0 or self.x1 >= shape[1] or self.y1 >= shape[0]
+    def cut_through(self, column: int, row: int, shape: tuple[int, ...]) -> bool:
+        """
+        Tell whether the border of a (h, w) image cuts the box too near to the peak in it.
+
+        Too near is half as far as the box reaches on the opposite side, or less: of a box of
+        3 sigma it leaves 1.5 sigma, a flank on which the blob can still be placed.
+        """
+        left, right = column - self.x0, self.x1 - 1 - column
+        top, bottom = row - self.y0, self.y1 - 1 - row
+        return (
+            (self.x0 <= 0 and 2 * left <= right)
+            or (self.y0 <= 0 and 2 * top <= bottom)
+            or (self.x1 >= shape[1] and 2 * right <= left)
+            or (self.y1 >= shape[0] and 2 * bottom <= top)
+        )
 
 
 def box_about(column: int, row: int, half_x: int, half_y: int, shape: tuple[int, ...]) -> Box:
@@ -35,17 +47,6 @@ def box_about(column: int, row: int, half_x: int, half_y: int, shape: tuple[int,
         min(column + half_x + 1, shape[1]),
         min(row + half_y + 1, shape[0]),
     )
-
-
-def scaled(box: Box, scale: float, smallest: int, shape: tuple[int, ...]) -> Box:
-    """
-    Return a box `scale` times as wide and high about the same centre.
-
-    It has an odd number of pixels, `smallest` or more, but for what (h, w) cuts off.
-    """
-    half_x = max(int(np.ceil(scale * (box.x1 - box.x0) / 2)), smallest // 2)
-    half_y = max(int(np.ceil(scale * (box.y1 - box.y0) / 2)), smallest // 2)
-    return box_about((box.x0 + box.x1 - 1) // 2, (box.y0 + box.y1 - 1) // 2, half_x, half_y, shape)
 
 
 def component_box(mask: NDArray[np.bool_], column: int, row: int, place: Box) -> Box:

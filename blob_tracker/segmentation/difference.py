@@ -7,7 +7,6 @@ from typing import NamedTuple
 from blob_tracker.types import Pixels
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 # Every eighth pixel along x and y is enough to know the noise to 2 % at 640 x 480.
 NOISE_STEP = 8
@@ -25,6 +24,8 @@ class Rise(NamedTuple):
         Rise in that pixel, DN.
     noise : float
         Standard deviation of the difference of two frames, DN.
+    background : float
+        Mean difference of the two frames, DN.
 
     """
 
@@ -32,6 +33,7 @@ class Rise(NamedTuple):
     row: int
     height: float
     noise: float
+    background: float
 
 
 def strongest_rise(
@@ -59,17 +61,10 @@ def strongest_rise(
     """
     rise = cv2.subtract(current, previous, dst=difference)
     _, height, _, (column, row) = cv2.minMaxLoc(rise)
-    coarse = signed_difference(
-        current[::NOISE_STEP, ::NOISE_STEP], previous[::NOISE_STEP, ::NOISE_STEP]
+    coarse = np.subtract(
+        current[::NOISE_STEP, ::NOISE_STEP], previous[::NOISE_STEP, ::NOISE_STEP], dtype=np.int32
     )
     # Mean absolute deviation of a Gaussian is sqrt(2 / pi) sigma; a target of a few pixels hardly
     # moves it, and unlike the median it does not step with the DN. Two roundings are the floor.
     noise = max(float(np.sqrt(np.pi / 2) * np.abs(coarse).mean()), float(np.sqrt(2 / 12)))
-    return Rise(column, row, height, noise)
-
-
-def signed_difference(
-    current: Pixels, previous: Pixels
-) -> NDArray[np.int32]:
-    """Return current - previous, DN, with its sign."""
-    return current.astype(np.int32) - previous.astype(np.int32)
+    return Rise(column, row, height, noise, float(coarse.mean()))

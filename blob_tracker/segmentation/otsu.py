@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.segmentation.box import Box, box_about, component_box
+from blob_tracker.segmentation.contrast import Contrast
 import numpy as np
 from numpy.typing import NDArray
 
@@ -49,7 +50,7 @@ def otsu_threshold(pixels: NDArray[np.integer]) -> int:
     return floor + int(np.argmax(between))
 
 
-def otsu_window(rise: NDArray[np.integer], column: int, row: int, largest: int) -> Box:
+def otsu_window(contrast: Contrast, column: int, row: int, largest: int) -> Box | None:
     """
     Return the bounding box of the blob about a peak.
 
@@ -58,8 +59,8 @@ def otsu_window(rise: NDArray[np.integer], column: int, row: int, largest: int) 
 
     Parameters
     ----------
-    rise : (h, w) array of unsigned integers
-        Gain of light, DN.
+    contrast : Contrast
+        Lit and unlit pixels.
     column, row : int
         Pixel of the peak.
     largest : int
@@ -67,20 +68,20 @@ def otsu_window(rise: NDArray[np.integer], column: int, row: int, largest: int) 
 
     Returns
     -------
-    Box
-        The blob's bounding box in the frame, px; wider than 2 `largest` where no background was
-        found about it.
+    Box or None
+        The blob's bounding box in the frame, px. None where no background was found about it.
 
     """
     half = FIRST_HALF
     last = -1
     while True:
-        box = box_about(column, row, half, half, rise.shape)
-        window = rise[box.slices]
-        full = half >= largest or window.size == rise.size
+        box = box_about(column, row, half, half, contrast.shape)
+        # What became darker is background.
+        window = np.maximum(contrast.signal(box), 0.0).astype(np.int32)
+        full = half >= largest
         if window.min() == window.max():  # all of it brightened alike: there is no outside yet
             if full:
-                return box
+                return None
             threshold = -1
         else:
             threshold = otsu_threshold(window)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from blob_tracker.segmentation.box import box_about, scaled
-from blob_tracker.segmentation.difference import signed_difference, strongest_rise
-from blob_tracker.segmentation.otsu import otsu_window
+from blob_tracker.segmentation.box import box_about
+from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.difference import strongest_rise
+from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
 from blob_tracker.types import Frame, Pixels, Window
 import numpy as np
 
-SMALLEST_WINDOW = 7  # px: room for a blob of sigma 1 and its background
 # Two lit frames of a moving light leave a rise and an equal fall beside each other; a true flash
 # leaves no fall but noise. Half-way between the two tells them apart.
 LARGEST_FALL = 0.5
@@ -33,11 +33,10 @@ class Segmenter:
         Least rise, in standard deviations of a difference pixel.
     max_pair_interval : float
         Greatest time between the two frames of a pair, s.
-    window_scale : float
-        Width of the window that is cut out, in widths of the thresholded blob. Otsu's threshold
-        leaves the tails outside (thesis, section 5.5), which the location needs.
+    threshold : callable, optional
+        Finds the window about a peak, see `threshold_by_name`; +-3 sigma where it is left out.
     max_blob : int
-        Greatest half-width in which the blob is looked for, px.
+        Greatest half-width of the blob's window, px.
 
     Attributes
     ----------
@@ -51,12 +50,12 @@ class Segmenter:
         *,
         min_snr: float = 7.0,
         max_pair_interval: float = 0.1,
-        window_scale: float = 2.0,
-        max_blob: int = 64,
+        threshold: Threshold | None = None,
+        max_blob: int = 128,
     ) -> None:
         self.min_snr = min_snr
         self.max_pair_interval = max_pair_interval
-        self.window_scale = window_scale
+        self.threshold = threshold or threshold_by_name('sigma_window', sigmas=3.0, extension=2)
         self.max_blob = max_blob
         self.reason = 'no frame yet'
         self._previous: Frame | None = None
@@ -121,18 +120,19 @@ class Segmenter:
                 f'{peak.height / peak.noise:.1f} times the noise (min_snr {self.min_snr:g})'
             )
             return None
-        blob = otsu_window(self._rise, peak.column, peak.row, self.max_blob)
-        shape = lit.image.shape
-        reach = max(blob.x1 - blob.x0, blob.y1 - blob.y0)
-        if reach > 2 * self.max_blob:
-            self.reason = f'what lit up is larger than {2 * self.max_blob} px (max_blob)'
+        contrast = Contrast(lit.image, unlit.image, peak.background, peak.noise)
+        box = self.threshold(contrast, peak.column, peak.row, self.max_blob)
+        if box is None or max(box.x1 - box.x0, box.y1 - box.y0) > 2 * self.max_blob + 1:
+            self.reason = (
+                f'what lit up is no blob of at most {2 * self.max_blob + 1} px (max_blob)'
+            )
             return None
-        if blob.touches_edge(shape):
+        if box.cut_through(peak.column, peak.row, contrast.shape):
             self.reason = "the target is cut by the frame's edge"
             return None
-        box = scaled(blob, self.window_scale, SMALLEST_WINDOW, shape)
-        about = box_about(peak.column, peak.row, 2 * reach, 2 * reach, shape)
-        fall = -signed_difference(lit.image[about.slices], unlit.image[about.slices]).min()
+        reach = max(box.x1 - box.x0, box.y1 - box.y0)
+        about = box_about(peak.column, peak.row, reach, reach, contrast.shape)
+        fall = -float(contrast.signal(about).min())
         if fall > LARGEST_FALL * peak.height and fall > self.min_snr * peak.noise:
             self.reason = (
                 f'a rise of {peak.height:.0f} DN beside a fall of {fall:.0f} DN: '

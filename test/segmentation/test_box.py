@@ -1,7 +1,8 @@
-"""Boxes: cut at borders, scaled about their centre."""
+"""Boxes: cut at borders, and told when too much is cut off."""
 
-from blob_tracker.segmentation.box import Box, box_about, component_box, scaled
+from blob_tracker.segmentation.box import Box, box_about, component_box
 import numpy as np
+import pytest
 
 
 def test_box_is_cut_at_the_borders() -> None:
@@ -16,18 +17,17 @@ def test_box_selects_its_pixels() -> None:
     assert image[Box(3, 5, 4, 7).slices].tolist() == [[5 * 30 + 3], [6 * 30 + 3]]
 
 
-def test_scaled_box_is_odd_and_about_the_same_centre() -> None:
-    """An odd box keeps its centre; the width is at least the smallest."""
-    assert scaled(Box(10, 10, 15, 15), 2.0, 7, (40, 40)) == Box(7, 7, 18, 18)
-    assert scaled(Box(12, 12, 13, 13), 2.0, 7, (40, 40)) == Box(9, 9, 16, 16)
-
-
-def test_touching_an_edge_is_told() -> None:
-    """Any of the four borders counts."""
-    shape = (20, 30)
-    assert not Box(1, 1, 29, 19).touches_edge(shape)
-    for box in (Box(0, 1, 5, 5), Box(1, 0, 5, 5), Box(1, 1, 30, 5), Box(1, 1, 5, 20)):
-        assert box.touches_edge(shape)
+@pytest.mark.parametrize('box, column, row, cut', [
+    (Box(1, 1, 29, 19), 1, 1, False),  # touches no border
+    (Box(0, 5, 11, 12), 4, 8, False),  # 4 px to the border, 6 px to the other side
+    (Box(0, 5, 10, 12), 3, 8, True),  # 3 and 6: half
+    (Box(5, 0, 12, 10), 8, 3, True),
+    (Box(20, 5, 30, 12), 26, 8, True),
+    (Box(5, 10, 12, 20), 8, 16, True),
+])
+def test_a_border_near_the_peak_cuts(box: Box, column: int, row: int, cut: bool) -> None:
+    """The border may take up to half of a side, on any of the four sides."""
+    assert box.cut_through(column, row, (20, 30)) is cut
 
 
 def test_component_is_connected_across_corners() -> None:

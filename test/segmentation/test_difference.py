@@ -1,6 +1,6 @@
 """The strongest rise is found with its sign, its place and its noise."""
 
-from blob_tracker.segmentation.difference import signed_difference, strongest_rise
+from blob_tracker.segmentation.difference import strongest_rise
 import numpy as np
 import pytest
 
@@ -25,7 +25,7 @@ def test_noise_is_that_of_the_difference() -> None:
     assert noise == pytest.approx(3.0 * np.sqrt(2), rel=0.04)
 
 
-def test_signed_difference_keeps_the_sign() -> None:
-    """Unsigned types do not wrap around."""
-    low, high = np.array([[3]], dtype=np.uint8), np.array([[250]], dtype=np.uint8)
-    assert signed_difference(low, high)[0, 0] == -247
+def test_a_change_of_all_the_light_is_the_background() -> None:
+    """The mean difference is told with its sign."""
+    before = np.full((64, 64), 100, dtype=np.uint8)
+    assert strongest_rise(before - 7, before).background == -7.0

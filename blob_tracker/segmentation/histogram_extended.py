@@ -1,0 +1,42 @@
+"""The histogram's window and some pixels about it, for the tails (thesis, section 5.3)."""
+
+from __future__ import annotations
+
+from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.histogram import histogram
+
+
+def histogram_extended(
+    contrast: Contrast, column: int, row: int, largest: int, *, extension: int
+) -> Box | None:
+    """
+    Return the box of `histogram`, grown on all four sides.
+
+    Parameters
+    ----------
+    contrast : Contrast
+        Lit and unlit pixels.
+    column, row : int
+        Pixel of the peak.
+    largest : int
+        Half the width of the region whose histogram is taken, px.
+    extension : int
+        Pixels added on each side, but for what the frame's border cuts off.
+
+    Returns
+    -------
+    Box or None
+        In the frame, px. None where `histogram` finds none.
+
+    """
+    box = histogram(contrast, column, row, largest)
+    if box is None:
+        return None
+    height, width = contrast.shape
+    return Box(
+        max(box.x0 - extension, 0),
+        max(box.y0 - extension, 0),
+        min(box.x1 + extension, width),
+        min(box.y1 + extension, height),
+    )
