@@ -1,7 +1,19 @@
 """Frame ... -> Window: find the flash, and cut out the pixels that hold it."""
 
-from blob_tracker.segmentation.segmenter import FrameError, Segmenter
+from blob_tracker.segmentation.flash_modes import codes_from_text, flash_by_name, FLASH_MODES
+from blob_tracker.segmentation.history import FrameError
+from blob_tracker.segmentation.segmenter import Segmenter, Sighting
 from blob_tracker.segmentation.sigma_window import compile_ahead
 from blob_tracker.segmentation.thresholds import threshold_by_name, THRESHOLDS
 
-__all__ = ['FrameError', 'Segmenter', 'THRESHOLDS', 'compile_ahead', 'threshold_by_name']
+__all__ = [
+    'FLASH_MODES',
+    'FrameError',
+    'Segmenter',
+    'Sighting',
+    'THRESHOLDS',
+    'codes_from_text',
+    'compile_ahead',
+    'flash_by_name',
+    'threshold_by_name',
+]

@@ -1,38 +1,47 @@
-"""Frames in their order -> the window of the target, lit and unlit."""
+"""Frames in their order -> the windows of the targets, lit and unlit."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.segmentation.box import box_about
-from blob_tracker.segmentation.contrast import Contrast
-from blob_tracker.segmentation.difference import strongest_rise
+from blob_tracker.segmentation.flash import Flash, Flashed
+from blob_tracker.segmentation.looks import FULL, sum_looks
 from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
-from blob_tracker.types import Frame, Pixels, Window
-import numpy as np
+from blob_tracker.types import Frame, Window
 
 # Two lit frames of a moving light leave a rise and an equal fall beside each other; a true flash
 # leaves no fall but noise. Half-way between the two tells them apart.
 LARGEST_FALL = 0.5
+NOISE_FALL = 6.0  # standard deviations; no pixel of a window falls so far by noise alone
 
 
-class FrameError(ValueError):
-    """A frame that cannot follow the one before it; the message says why."""
+class Sighting(NamedTuple):
+    """
+    A target in a frame.
+
+    Parameters
+    ----------
+    name : str
+        Which light it is; empty where there is only one.
+    window : Window
+        Its pixels.
+
+    """
+
+    name: str
+    window: Window
 
 
 class Segmenter:
     """
-    Find a light that is on in every other frame.
-
-    Each frame is compared with the one before it. Where a pixel rose by more than the noise can,
-    the frame is the lit one and its neighbour the unlit one; where light went out, or nothing
-    changed, there is no target in that frame. So the phase of the flash need not be known, and a
-    dropped or repeated frame costs its own pair and no more.
+    Find the lights that flash, and cut them out.
 
     Parameters
     ----------
-    min_snr : float
-        Least rise, in standard deviations of a difference pixel.
-    max_pair_interval : float
-        Greatest time between the two frames of a pair, s.
+    flash : Flash, optional
+        How the light flashes, see `flash_by_name`; on in every other frame where it is left out.
     threshold : callable, optional
         Finds the window about a peak, see `threshold_by_name`; +-3 sigma where it is left out.
     max_blob : int
@@ -48,22 +57,27 @@ class Segmenter:
     def __init__(
         self,
         *,
-        min_snr: float = 7.0,
-        max_pair_interval: float = 0.1,
+        flash: Flash | None = None,
         threshold: Threshold | None = None,
         max_blob: int = 128,
     ) -> None:
-        self.min_snr = min_snr
-        self.max_pair_interval = max_pair_interval
+        self.flash = flash or Alternate(min_snr=7.0, max_pair_interval=0.1)
         self.threshold = threshold or threshold_by_name('sigma_window', sigmas=3.0, extension=2)
         self.max_blob = max_blob
         self.reason = 'no frame yet'
-        self._previous: Frame | None = None
-        self._rise: Pixels | None = None
 
     def update(self, frame: Frame) -> Window | None:
         """
-        Compare the next frame with the one before it.
+        Take the next frame; return the window of the light that it shows.
+
+        Of several lights it is the first one. Arguments and errors are those of `sightings`.
+        """
+        found = self.sightings(frame)
+        return found[0].window if found else None
+
+    def sightings(self, frame: Frame) -> list[Sighting]:
+        """
+        Take the next frame; return the lights that it shows.
 
         Parameters
         ----------
@@ -72,8 +86,8 @@ class Segmenter:
 
         Returns
         -------
-        Window or None
-            The target in this frame and in the unlit one before it, or None: see `reason`.
+        list of Sighting
+            None, one, or one of each name; where it is empty, `reason` says why.
 
         Raises
         ------
@@ -82,85 +96,48 @@ class Segmenter:
             jumped back or the size, crop or depth changed (this frame starts afresh).
 
         """
-        previous = self._previous
-        if previous is not None and frame.stamp_ns <= previous.stamp_ns:
-            late = (previous.stamp_ns - frame.stamp_ns) / 1e9
-            if late > self.max_pair_interval:
-                self._previous = frame
-                raise FrameError(f'the stamps jumped back by {late:.3f} s; starting afresh')
-            kind = 'repeated' if late == 0.0 else f'{late:.3f} s older than the one before'
-            raise FrameError(f'frame left out: its stamp is {kind}; stamps must grow')
-        self._previous = frame
-        if previous is None:
-            self.reason = 'waiting for a second frame'
-            return None
-        if _geometry(frame) != _geometry(previous):
-            self._rise = None
-            raise FrameError(
-                f'the frames changed from {_describe(previous)} to {_describe(frame)}; '
-                'starting afresh'
-            )
-        interval = (frame.stamp_ns - previous.stamp_ns) / 1e9
-        if interval > self.max_pair_interval:
-            self.reason = (
-                f'frames {interval:.3f} s apart; a pair may be at most '
-                f'{self.max_pair_interval:.3f} s apart (max_pair_interval)'
-            )
-            return None
-        return self._cut(frame, previous)
+        found = []
+        flashes = self.flash.update(frame)
+        reason = '' if flashes else self.flash.reason
+        for flashed in flashes:
+            window, why = self._cut(flashed)
+            if window is None:
+                reason = why
+            else:
+                found.append(Sighting(flashed.name, window))
+        self.reason = '' if found else reason
+        return found
 
-    def _cut(self, lit: Frame, unlit: Frame) -> Window | None:
-        """Return the window of the strongest rise, if it can be the target's."""
-        if self._rise is None:
-            self._rise = np.empty_like(lit.image)
-        peak = strongest_rise(lit.image, unlit.image, self._rise)
-        if peak.height < self.min_snr * peak.noise:
-            self.reason = (
-                f'nothing lit up: the strongest rise is {peak.height:.0f} DN, '
-                f'{peak.height / peak.noise:.1f} times the noise (min_snr {self.min_snr:g})'
-            )
-            return None
-        contrast = Contrast(lit.image, unlit.image, peak.background, peak.noise)
-        box = self.threshold(contrast, peak.column, peak.row, self.max_blob)
+    def _cut(self, flashed: Flashed) -> tuple[Window | None, str]:
+        """Return the window of a light if it can be the target's, or else why not."""
+        contrast, frame = flashed.contrast, flashed.frame
+        box = self.threshold(contrast, flashed.column, flashed.row, self.max_blob)
         if box is None or max(box.x1 - box.x0, box.y1 - box.y0) > 2 * self.max_blob + 1:
-            self.reason = (
+            return None, (
                 f'what lit up is no blob of at most {2 * self.max_blob + 1} px (max_blob)'
             )
-            return None
-        if box.cut_through(peak.column, peak.row, contrast.shape):
-            self.reason = "the target is cut by the frame's edge"
-            return None
-        reach = max(box.x1 - box.x0, box.y1 - box.y0)
-        about = box_about(peak.column, peak.row, reach, reach, contrast.shape)
-        fall = -float(contrast.signal(about).min())
-        if fall > LARGEST_FALL * peak.height and fall > self.min_snr * peak.noise:
-            self.reason = (
-                f'a rise of {peak.height:.0f} DN beside a fall of {fall:.0f} DN: '
-                'something moved, or the light was on in both frames'
-            )
-            return None
-        self.reason = ''
-        bin_x, bin_y = lit.binning
-        return Window(
-            lit=lit.image[box.slices],
-            unlit=unlit.image[box.slices],
-            x0=lit.x0 + bin_x * box.x0,
-            y0=lit.y0 + bin_y * box.y0,
-            stamp_ns=lit.stamp_ns,
-            saturation=lit.saturation,
-            binning=lit.binning,
+        if box.cut_through(flashed.column, flashed.row, contrast.shape):
+            return None, "the target is cut by the frame's edge"
+        if contrast.unlit is not None:
+            reach = max(box.x1 - box.x0, box.y1 - box.y0)
+            about = box_about(flashed.column, flashed.row, reach, reach, contrast.shape)
+            fall = -float(contrast.signal(about).min())
+            if fall > max(LARGEST_FALL * flashed.height, NOISE_FALL * contrast.noise):
+                return None, (
+                    f'a rise of {flashed.height:.0f} DN beside a fall of {fall:.0f} DN: '
+                    'something moved, or the light was on in both frames'
+                )
+        several = len(flashed.lit) > 1
+        lit, unlit = (
+            [image[box.slices] for image in images] for images in (flashed.lit, flashed.unlit)
         )
-
-
-def _geometry(frame: Frame) -> tuple[object, ...]:
-    """Return what two frames must share for their pixels to be comparable."""
-    return frame.image.shape, frame.image.dtype, frame.x0, frame.y0, frame.binning
-
-
-def _describe(frame: Frame) -> str:
-    """Return the frame's size and place in words."""
-    height, width = frame.image.shape
-    return (
-        f'{width} x {height} {frame.image.dtype} at ({frame.x0}, {frame.y0}) '
-        f'binned {frame.binning[0]} x {frame.binning[1]}'
-    )
+        bin_x, bin_y = frame.binning
+        return Window(
+            lit=sum_looks(lit, frame.saturation),
+            unlit=sum_looks(unlit, frame.saturation) if unlit else None,
+            x0=frame.x0 + bin_x * box.x0,
+            y0=frame.y0 + bin_y * box.y0,
+            stamp_ns=frame.stamp_ns,
+            saturation=FULL if several else frame.saturation,
+            binning=frame.binning,
+        ), ''

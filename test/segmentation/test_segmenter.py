@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.segmentation import FrameError, Segmenter
+from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.simulation import FlashingLight
 from blob_tracker.types import Frame, Window
 import numpy as np
@@ -114,7 +115,7 @@ def test_a_change_of_size_starts_afresh() -> None:
 
 def test_pairs_too_far_apart_are_not_compared() -> None:
     """max_pair_interval holds."""
-    segmenter = Segmenter(max_pair_interval=0.05)
+    segmenter = Segmenter(flash=Alternate(min_snr=7.0, max_pair_interval=0.05))
     segmenter.update(frame(1, at=0))
     assert segmenter.update(frame(2, at=4)) is None
     assert 'max_pair_interval' in segmenter.reason

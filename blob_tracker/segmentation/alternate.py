@@ -1,0 +1,70 @@
+"""Camera and light in step: the light is on in every other frame."""
+
+from __future__ import annotations
+
+from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.difference import strongest_rise
+from blob_tracker.segmentation.flash import Flashed
+from blob_tracker.segmentation.history import FrameHistory
+from blob_tracker.types import Frame, Pixels
+import numpy as np
+
+
+class Alternate:
+    """
+    Compare each frame with the one before it.
+
+    Where a pixel rose by more than the noise can, the frame is the lit one and its neighbour the
+    unlit one; where light went out, or nothing changed, there is no target in that frame. So the
+    phase of the flash need not be known, and a dropped or repeated frame costs its own pair and
+    no more.
+
+    Parameters
+    ----------
+    min_snr : float
+        Least rise, in standard deviations of a difference pixel.
+    max_pair_interval : float
+        Greatest time between the two frames of a pair, s.
+
+    """
+
+    def __init__(self, *, min_snr: float, max_pair_interval: float) -> None:
+        self.min_snr = min_snr
+        self.reason = 'no frame yet'
+        self._history = FrameHistory(2, max_pair_interval)
+        self._rise: Pixels | None = None
+
+    def update(self, frame: Frame) -> list[Flashed]:
+        """
+        Compare the next frame with the one before it.
+
+        Raises
+        ------
+        FrameError
+            Where the frame cannot follow the one before it.
+
+        """
+        interval = self._history.push(frame)
+        if interval is None:
+            self.reason = 'waiting for a second frame'
+            return []
+        if interval > self._history.max_interval:
+            self.reason = (
+                f'frames {interval:.3f} s apart; a pair may be at most '
+                f'{self._history.max_interval:.3f} s apart (max_pair_interval)'
+            )
+            return []
+        unlit = self._history.frames[0].image
+        if self._rise is None or self._rise.shape != unlit.shape:
+            self._rise = np.empty_like(frame.image)
+        peak = strongest_rise(frame.image, unlit, self._rise)
+        if peak.height < self.min_snr * peak.noise:
+            self.reason = (
+                f'nothing lit up: the strongest rise is {peak.height:.0f} DN, '
+                f'{peak.height / peak.noise:.1f} times the noise (min_snr {self.min_snr:g})'
+            )
+            return []
+        contrast = Contrast(frame.image, unlit, peak.background, peak.noise)
+        return [Flashed(
+            peak.column, peak.row, peak.height, contrast, (frame.image,), (unlit,), frame
+        )]

@@ -1,0 +1,191 @@
+"""Lights that blink a sequence of bits each, told apart by their codes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from blob_tracker.segmentation.box import Box, box_about
+from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.difference import strongest_rise
+from blob_tracker.segmentation.flash import Flashed
+from blob_tracker.segmentation.history import FrameHistory
+from blob_tracker.types import Frame, Pixels
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+GATE = 6  # px that a light may move between two of its rises, and the reach of its place
+MOST_LIGHTS = 16  # of one frame: what has more rises than that is no scene of lights
+
+
+@dataclass
+class _Spot:
+    """A place where light rose, and how bright it was in each of the last frames."""
+
+    column: int
+    row: int
+    levels: list[float] = field(default_factory=list)
+
+
+class Coded:
+    """
+    Follow every place where light rises, and read its bits.
+
+    A light repeats its code for ever, one bit for every `frames_per_bit` frames, from any phase.
+    The brightness of its place over one length of the code, parted half-way between its extremes,
+    is compared with every code in every phase. The light is named where one code differs from it
+    by no more than `bit_errors` bits, and is given out in each frame in which it rose.
+
+    Parameters
+    ----------
+    min_snr : float
+        Least rise, in standard deviations of a difference pixel.
+    max_pair_interval : float
+        Greatest time from one frame to the next, s; a longer gap forgets all lights.
+    codes : mapping of str to str
+        Bits of each light by its name: '1101000'. All of one length.
+    frames_per_bit : int
+        Frames in which a bit is held.
+    bit_errors : int
+        Bits of a code that may be wrong.
+
+    Raises
+    ------
+    ValueError
+        Where a code is not one, or two of them are too alike to be told apart.
+
+    """
+
+    def __init__(
+        self,
+        *,
+        min_snr: float,
+        max_pair_interval: float,
+        codes: Mapping[str, str],
+        frames_per_bit: int,
+        bit_errors: int,
+    ) -> None:
+        check_codes(codes, bit_errors)
+        self.min_snr = min_snr
+        self.reason = 'no frame yet'
+        self._tolerance = bit_errors * frames_per_bit
+        self._phases = {name: _phases(bits, frames_per_bit) for name, bits in codes.items()}
+        self._length = next(iter(self._phases.values())).shape[1]
+        self._history = FrameHistory(2, max_pair_interval)
+        self._spots: list[_Spot] = []
+
+    def update(self, frame: Frame) -> list[Flashed]:
+        """
+        Take the next frame; return the known lights that rose in it.
+
+        Raises
+        ------
+        FrameError
+            Where the frame cannot follow the one before it.
+
+        """
+        self._history.push(frame)
+        if len(self._history.frames) < 2:
+            self._spots.clear()
+            self.reason = 'waiting for a second frame'
+            return []
+        unlit, image = self._history.frames[0].image, frame.image
+        rose, contrast = self._rises(image, unlit)
+        for spot in self._spots:
+            spot.levels.append(_level(image, spot))
+            del spot.levels[:-self._length]
+        found = []
+        for column, row, height in rose:
+            spot = self._spot_at(column, row, image, unlit)
+            name = self._name(spot.levels)
+            if name:
+                found.append(Flashed(
+                    column, row, height, contrast, (image,), (unlit,), frame, name
+                ))
+        self._spots = [each for each in self._spots if self._lives(each, contrast.noise)]
+        if not found:
+            self.reason = f'{len(self._spots)} places blink; no code of a light has begun in them'
+        return found
+
+    def _rises(
+        self, image: Pixels, unlit: Pixels
+    ) -> tuple[list[tuple[int, int, float]], Contrast]:
+        """Return column, row and height of each place where light rose, and the contrast."""
+        rise = np.empty_like(image)
+        peak = strongest_rise(image, unlit, rise)
+        contrast = Contrast(image, unlit, peak.background, peak.noise)
+        places: list[tuple[int, int, float]] = []
+        column, row, height = peak.column, peak.row, peak.height
+        while height >= self.min_snr * peak.noise and len(places) < MOST_LIGHTS:
+            places.append((column, row, height))
+            # What is near a light is its own flank.
+            rise[box_about(column, row, 2 * GATE, 2 * GATE, rise.shape).slices] = 0
+            _, height, _, (column, row) = cv2.minMaxLoc(rise)
+        return places, contrast
+
+    def _spot_at(self, column: int, row: int, image: Pixels, unlit: Pixels) -> _Spot:
+        """Return the spot that rose here, moved to the rise; a new one where there is none."""
+        for spot in self._spots:
+            if max(abs(spot.column - column), abs(spot.row - row)) <= GATE:
+                spot.column, spot.row = column, row
+                return spot
+        spot = _Spot(column, row)
+        spot.levels = [_level(unlit, spot), _level(image, spot)]
+        self._spots.append(spot)
+        return spot
+
+    def _lives(self, spot: _Spot, noise: float) -> bool:
+        """Tell whether a spot still blinks: it has not been of one level for a whole code."""
+        swing = max(spot.levels) - min(spot.levels)
+        return len(spot.levels) < self._length or swing >= self.min_snr * noise
+
+    def _name(self, levels: Sequence[float]) -> str:
+        """Return the name of the light with these levels; empty where it is none or unsure."""
+        if len(levels) < self._length:
+            return ''
+        bits = np.asarray(levels) > 0.5 * (max(levels) + min(levels))
+        for name, phases in self._phases.items():
+            if int((phases != bits).sum(axis=1).min()) <= self._tolerance:
+                return name
+        return ''
+
+
+def check_codes(codes: Mapping[str, str], bit_errors: int) -> None:
+    """
+    Raise ValueError where the codes cannot be told apart with so many wrong bits.
+
+    Any two, in any phase, must differ by more than twice `bit_errors`: a sequence is then never
+    within `bit_errors` of both.
+    """
+    if not codes:
+        raise ValueError("there is no code; write them as 'port:1101000,starboard:1110100'")
+    for name, bits in codes.items():
+        if not name.isidentifier():
+            raise ValueError(f"a light is called '{name}'; it must be a word fit for a topic")
+        if set(bits) != {'0', '1'}:
+            raise ValueError(f"the code of '{name}' is '{bits}'; it must have zeros and ones")
+    if len({len(bits) for bits in codes.values()}) > 1:
+        raise ValueError('the codes differ in length; all must have the same')
+    names = list(codes)
+    for index, first in enumerate(names):
+        for second in names[index + 1:]:
+            bits = _phases(codes[first], 1)[0]
+            least = int((_phases(codes[second], 1) != bits).sum(axis=1).min())
+            if least <= 2 * bit_errors:
+                raise ValueError(
+                    f"the codes of '{first}' and '{second}' differ by {least} bits in some phase; "
+                    f'with {bit_errors} wrong bits tolerated it must be {2 * bit_errors + 1}'
+                )
+
+
+def _phases(bits: str, frames_per_bit: int) -> NDArray[np.bool_]:
+    """Return (n, n) bits of a code, one row for each frame at which it may begin."""
+    frames = np.repeat([bit == '1' for bit in bits], frames_per_bit)
+    return np.stack([np.roll(frames, shift) for shift in range(frames.size)])
+
+
+def _level(image: Pixels, spot: _Spot) -> float:
+    """Return the brightest pixel about a spot, DN."""
+    about: Box = box_about(spot.column, spot.row, GATE, GATE, image.shape)
+    return float(image[about.slices].max())

@@ -1,0 +1,92 @@
+"""The last frames of one camera, in their order."""
+
+from __future__ import annotations
+
+from collections import deque
+
+from blob_tracker.types import Frame
+
+
+class FrameError(ValueError):
+    """A frame that cannot follow the one before it; the message says why."""
+
+
+class FrameHistory:
+    """
+    Keep the last frames, all of one size and not too far apart.
+
+    Parameters
+    ----------
+    length : int
+        How many.
+    max_interval : float
+        Greatest time from one frame to the next, s.
+
+    """
+
+    def __init__(self, length: int, max_interval: float) -> None:
+        self.max_interval = max_interval
+        self.frames: deque[Frame] = deque(maxlen=length)
+
+    def push(self, frame: Frame) -> float | None:
+        """
+        Take the next frame.
+
+        Parameters
+        ----------
+        frame : Frame
+            The next frame of the same camera.
+
+        Returns
+        -------
+        float or None
+            Time since the frame before it, s; None for the first one. Where it is more than
+            `max_interval`, all frames before this one are forgotten.
+
+        Raises
+        ------
+        FrameError
+            Where the stamp is not later than the last one (that frame is left out), or the stamps
+            jumped back or the size, crop or depth changed (this frame starts afresh).
+
+        """
+        if not self.frames:
+            self.frames.append(frame)
+            return None
+        previous = self.frames[-1]
+        if frame.stamp_ns <= previous.stamp_ns:
+            late = (previous.stamp_ns - frame.stamp_ns) / 1e9
+            if late > self.max_interval:
+                self._start_afresh(frame)
+                raise FrameError(f'the stamps jumped back by {late:.3f} s; starting afresh')
+            kind = 'repeated' if late == 0.0 else f'{late:.3f} s older than the one before'
+            raise FrameError(f'frame left out: its stamp is {kind}; stamps must grow')
+        if _geometry(frame) != _geometry(previous):
+            self._start_afresh(frame)
+            raise FrameError(
+                f'the frames changed from {_describe(previous)} to {_describe(frame)}; '
+                'starting afresh'
+            )
+        interval = (frame.stamp_ns - previous.stamp_ns) / 1e9
+        if interval > self.max_interval:
+            self.frames.clear()
+        self.frames.append(frame)
+        return interval
+
+    def _start_afresh(self, frame: Frame) -> None:
+        self.frames.clear()
+        self.frames.append(frame)
+
+
+def _geometry(frame: Frame) -> tuple[object, ...]:
+    """Return what two frames must share for their pixels to be comparable."""
+    return frame.image.shape, frame.image.dtype, frame.x0, frame.y0, frame.binning
+
+
+def _describe(frame: Frame) -> str:
+    """Return the frame's size and place in words."""
+    height, width = frame.image.shape
+    return (
+        f'{width} x {height} {frame.image.dtype} at ({frame.x0}, {frame.y0}) '
+        f'binned {frame.binning[0]} x {frame.binning[1]}'
+    )

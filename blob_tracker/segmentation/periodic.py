@@ -1,0 +1,162 @@
+"""A light that runs free at a known frequency: lock-in demodulation over k frames."""
+
+from __future__ import annotations
+
+from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.difference import NOISE_STEP
+from blob_tracker.segmentation.flash import Flashed
+from blob_tracker.segmentation.history import FrameHistory
+from blob_tracker.segmentation.looks import most_looks
+from blob_tracker.types import Frame
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+LEAST_FRAMES = 4  # one more than there are unknowns in a pixel
+LOWEST, HIGHEST = 0.1, 0.45  # of the frame rate; beyond 0.5 the frequency is aliased
+JITTER = 0.01  # of the frame rate, as the stamps tell it
+LEAST_NOISE = float(np.sqrt(1 / 12))  # DN, of the rounding of one frame
+
+
+class Periodic:
+    """
+    Demodulate each pixel at the light's frequency f over blocks of k frames.
+
+    Per pixel the least-squares fit to the stamps t_i,
+
+        I_i = m + a cos(2 pi f t_i) + b sin(2 pi f t_i),
+
+    gives the amplitude sqrt(a^2 + b^2) in any phase of the light. The variance of a and of b is
+    2/k of a pixel's, so that the SNR grows with sqrt(k). Of a light that is on for the part d of
+    its period, exposed for the time T, the fundamental is (2 / pi) sin(pi d) sinc(f T) of its
+    height: an exposure that straddles the edge costs no more than that sinc.
+
+    The light must stand still within a block, to a fraction of its width. Its phase in the block,
+    once found, says which of the frames are the most and the least lit: these make the window.
+
+    Parameters
+    ----------
+    min_snr : float
+        Least amplitude, in its standard deviations.
+    max_pair_interval : float
+        Greatest time from one frame to the next, s; a longer gap begins a new block.
+    frequency : float
+        f, Hz; from 0.1 to 0.45 of the frame rate.
+    duty : float
+        d, above 0 and below 1.
+    frames : int
+        k.
+
+    """
+
+    def __init__(
+        self,
+        *,
+        min_snr: float,
+        max_pair_interval: float,
+        frequency: float,
+        duty: float,
+        frames: int,
+    ) -> None:
+        if frames < LEAST_FRAMES:
+            raise ValueError(f'a block of {frames} frames; it must have {LEAST_FRAMES} or more')
+        if not (frequency > 0.0 and 0.0 < duty < 1.0):
+            raise ValueError(
+                f'frequency {frequency} Hz and duty {duty}; they must be above 0, the duty below 1'
+            )
+        self.min_snr = min_snr
+        self.frequency = frequency
+        self.duty = duty
+        self.frames = frames
+        self.reason = 'no frame yet'
+        self._history = FrameHistory(frames, max_pair_interval)
+        self._fresh = 0
+
+    def update(self, frame: Frame) -> list[Flashed]:
+        """
+        Take the next frame; the last one of a block shows whether the light is there.
+
+        Raises
+        ------
+        FrameError
+            Where the frame cannot follow the one before it.
+
+        """
+        block = self._history.frames
+        self._history.push(frame)
+        self._fresh = min(self._fresh + 1, len(block))
+        if self._fresh < self.frames:
+            self.reason = f'frame {self._fresh} of the {self.frames} that are demodulated together'
+            return []
+        self._fresh = 0
+        found = self._demodulate(list(block))
+        return [] if found is None else [found]
+
+    def _demodulate(self, block: list[Frame]) -> Flashed | None:
+        """Return the light of a block, or None."""
+        times = np.array([each.stamp_ns - block[0].stamp_ns for each in block]) / 1e9
+        rate = 1.0 / float(np.median(np.diff(times)))  # a dropped frame leaves it as it is
+        if not (1 - JITTER) * LOWEST * rate <= self.frequency <= (1 + JITTER) * HIGHEST * rate:
+            self.reason = (
+                f'the light is said to flash at {self.frequency:g} Hz; {rate:.1f} frames a second '
+                f'show {LOWEST * rate:.1f} to {HIGHEST * rate:.1f} Hz'
+            )
+            return None
+        phases = 2.0 * np.pi * self.frequency * times
+        weights = lock_in_weights(phases)
+        in_phase, quadrature = demodulate([each.image for each in block], weights)
+        coarse = np.stack([part[::NOISE_STEP, ::NOISE_STEP] for part in (in_phase, quadrature)])
+        floor = LEAST_NOISE * float(np.sqrt((weights[0] ** 2).sum()))
+        noise = max(float(np.sqrt(np.pi / 2) * np.abs(coarse).mean()), floor)
+        _, height, _, (column, row) = cv2.minMaxLoc(cv2.magnitude(in_phase, quadrature))
+        if height < self.min_snr * noise:
+            self.reason = (
+                f'nothing flashes at {self.frequency:g} Hz: the greatest amplitude is '
+                f'{height:.1f} DN, {height / noise:.1f} times its noise (min_snr {self.min_snr:g})'
+            )
+            return None
+        cosine, sine = in_phase[row, column] / height, quadrature[row, column] / height
+        # Seen in the light's own phase the noise is Gaussian, and what flashes otherwise is less.
+        own = cv2.addWeighted(in_phase, float(cosine), quadrature, float(sine), 0.0)
+        brightness = cosine * np.cos(phases) + sine * np.sin(phases)
+        order = np.argsort(brightness, kind='stable')
+        # The fewer of lit and unlit frames, but for those that an edge may run through.
+        part = min(self.duty, 1.0 - self.duty)
+        last = block[-1]
+        count = max(min(int(part * len(block) - 0.5), most_looks(last.saturation)), 1)
+        # In the middle of the frames that are lit, as the sum of their exposures is.
+        lit = [block[index] for index in sorted(order[-count:])]
+        unlit = [block[index] for index in sorted(order[:count])]
+        middle = sum(each.stamp_ns - lit[0].stamp_ns for each in lit) // count + lit[0].stamp_ns
+        return Flashed(
+            column,
+            row,
+            height,
+            Contrast(np.asarray(own), None, 0.0, noise),
+            tuple(each.image for each in lit),
+            tuple(each.image for each in unlit),
+            Frame(last.image, middle, last.saturation, last.x0, last.y0, last.binning),
+        )
+
+
+def lock_in_weights(phases: NDArray[np.float64]) -> NDArray[np.float64]:
+    """
+    Return the (2, k) weights that take k frames to the cosine and sine parts of their change.
+
+    They are the rows of the pseudo-inverse of [1, cos, sin]: the least-squares solution whatever
+    the phases, also where the block holds no whole number of periods or a frame was dropped.
+    """
+    design = np.column_stack([np.ones_like(phases), np.cos(phases), np.sin(phases)])
+    return np.asarray(np.linalg.pinv(design)[1:])
+
+
+def demodulate(
+    images: list[NDArray[np.generic]], weights: NDArray[np.float64]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return the two (h, w) weighted sums of the frames, DN."""
+    sums = [np.zeros(images[0].shape, np.float32) for _ in weights]
+    for image, column in zip(images, weights.T):
+        pixels = image.astype(np.float32)
+        for total, weight in zip(sums, column):
+            cv2.scaleAdd(pixels, float(weight), total, dst=total)
+    return sums[0], sums[1]

@@ -1,0 +1,37 @@
+"""Each mode is reached by its name with its own options; codes are read from text."""
+
+from blob_tracker.segmentation import codes_from_text, flash_by_name, FLASH_MODES
+import pytest
+
+OPTIONS = {
+    'min_snr': 7.0,
+    'max_pair_interval': 0.1,
+    'frequency': 15.0,
+    'duty': 0.5,
+    'frames': 16,
+    'codes': {'only': '1101000'},
+    'frames_per_bit': 1,
+    'bit_errors': 0,
+}
+
+
+@pytest.mark.parametrize('mode', FLASH_MODES)
+def test_every_mode_is_made_from_the_same_options(mode: str) -> None:
+    """It takes those that it has."""
+    flash = flash_by_name(mode, **OPTIONS)
+    assert type(flash) is FLASH_MODES[mode]
+    assert flash.reason == 'no frame yet'
+
+
+def test_an_unknown_mode_is_named() -> None:
+    """With those that there are."""
+    with pytest.raises(ValueError, match="no flash mode 'disco'; there is alternate, "):
+        flash_by_name('disco')
+
+
+def test_codes_are_read_from_text() -> None:
+    """Name and bits, parted by commas."""
+    assert codes_from_text('port:110, star:010') == {'port': '110', 'star': '010'}
+    assert codes_from_text('') == {}
+    with pytest.raises(ValueError, match="two codes are called 'port'"):
+        codes_from_text('port:110,port:010')
