@@ -18,6 +18,7 @@ from blob_tracker.segmentation import (
     flash_by_name,
     FLASH_MODES,
     FrameError,
+    REGISTRATIONS,
     Segmenter,
     threshold_by_name,
     THRESHOLDS,
@@ -95,6 +96,14 @@ PARAMETERS = (
         least=0.001,
         most=10.0,
         unit='s',
+    ),
+    Parameter(
+        'registration',
+        'none',
+        'How the unlit frame is laid over the lit one in the mode alternate, for a camera that '
+        'moves between the two: translation follows a shift, affine a turn as well. Either costs '
+        'milliseconds a frame, and needs a scene with texture.',
+        choices=tuple(REGISTRATIONS),
     ),
     Parameter(
         'threshold.method',
@@ -198,6 +207,7 @@ class SegmenterNode(Node):
                 settings['flash.mode'],
                 min_snr=settings['min_snr'],
                 max_pair_interval=settings['max_pair_interval'],
+                registration=settings['registration'],
                 frequency=settings['flash.frequency'],
                 duty=settings['flash.duty'],
                 frames=settings['flash.frames'],

@@ -2,6 +2,7 @@
 
 from blob_tracker.segmentation.flash_modes import codes_from_text, flash_by_name, FLASH_MODES
 from blob_tracker.segmentation.history import FrameError
+from blob_tracker.segmentation.registration import REGISTRATIONS
 from blob_tracker.segmentation.segmenter import Segmenter, Sighting
 from blob_tracker.segmentation.sigma_window import compile_ahead
 from blob_tracker.segmentation.thresholds import threshold_by_name, THRESHOLDS
@@ -9,6 +10,7 @@ from blob_tracker.segmentation.thresholds import threshold_by_name, THRESHOLDS
 __all__ = [
     'FLASH_MODES',
     'FrameError',
+    'REGISTRATIONS',
     'Segmenter',
     'Sighting',
     'THRESHOLDS',

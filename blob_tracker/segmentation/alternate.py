@@ -6,6 +6,7 @@ from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.difference import strongest_rise
 from blob_tracker.segmentation.flash import Flashed
 from blob_tracker.segmentation.history import FrameHistory
+from blob_tracker.segmentation.registration import laid_over, REGISTRATIONS
 from blob_tracker.types import Frame, Pixels
 import numpy as np
 
@@ -25,10 +26,25 @@ class Alternate:
         Least rise, in standard deviations of a difference pixel.
     max_pair_interval : float
         Greatest time between the two frames of a pair, s.
+    registration : str
+        How the unlit frame is laid over the lit one, a key of `REGISTRATIONS`: for a camera that
+        moves between the two. It is none for one that stands still.
+
+    Raises
+    ------
+    ValueError
+        Where there is no such registration.
 
     """
 
-    def __init__(self, *, min_snr: float, max_pair_interval: float) -> None:
+    def __init__(
+        self, *, min_snr: float, max_pair_interval: float, registration: str = 'none'
+    ) -> None:
+        if registration not in REGISTRATIONS:
+            raise ValueError(
+                f"no registration '{registration}'; there is {', '.join(REGISTRATIONS)}"
+            )
+        self._register = REGISTRATIONS[registration]
         self.min_snr = min_snr
         self.reason = 'no frame yet'
         self._history = FrameHistory(2, max_pair_interval)
@@ -55,6 +71,12 @@ class Alternate:
             )
             return []
         unlit = self._history.frames[0].image
+        if self._register is not None:
+            found = self._register(frame.image, unlit)
+            if found is None:
+                self.reason = 'the unlit frame has too little in common with the lit one'
+                return []
+            unlit = laid_over(frame.image, unlit, found)
         if self._rise is None or self._rise.shape != unlit.shape:
             self._rise = np.empty_like(frame.image)
         peak = strongest_rise(frame.image, unlit, self._rise)
