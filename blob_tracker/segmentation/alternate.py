@@ -88,5 +88,13 @@ class Alternate:
             return []
         contrast = Contrast(frame.image, unlit, peak.background, peak.noise)
         return [Flashed(
-            peak.column, peak.row, peak.height, contrast, (frame.image,), (unlit,), frame
+            peak.column,
+            peak.row,
+            peak.height,
+            contrast,
+            (frame.image,),
+            (unlit,),
+            frame,
+            search=self._rise,
+            least=self.min_snr * peak.noise,
         )]

@@ -26,6 +26,11 @@ class Flashed(NamedTuple):
         Gives stamp, crop, binning and saturation.
     name : str
         Which light it is; empty where there is only one.
+    search : (h, w) array or None
+        Where further peaks are looked for if this one is not the target; it is written to. None
+        where there is no other.
+    least : float
+        Height that a peak must have, DN.
 
     """
 
@@ -37,6 +42,8 @@ class Flashed(NamedTuple):
     unlit: tuple[Pixels, ...]
     frame: Frame
     name: str = ''
+    search: Pixels | None = None
+    least: float = 0.0
 
 
 class Flash(Protocol):

@@ -5,16 +5,20 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from blob_tracker.segmentation.alternate import Alternate
-from blob_tracker.segmentation.box import box_about
+from blob_tracker.segmentation.box import Box, box_about
+from blob_tracker.segmentation.candidate import falls_beside, reject, suppress_connected
 from blob_tracker.segmentation.flash import Flash, Flashed
 from blob_tracker.segmentation.looks import FULL, sum_looks
+from blob_tracker.segmentation.sigma_window import Extent, measure_extent
 from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
 from blob_tracker.types import Frame, Window
+import cv2
+import numpy as np
 
-# Two lit frames of a moving light leave a rise and an equal fall beside each other; a true flash
-# leaves no fall but noise. Half-way between the two tells them apart.
-LARGEST_FALL = 0.5
-NOISE_FALL = 6.0  # standard deviations; no pixel of a window falls so far by noise alone
+MOST_CANDIDATES = 8  # peaks of a frame that are looked at, the highest first
+SUPPRESSED = 6  # px about a peak that are its own flank, and as many sigma of its blob
+SUPPRESSED_SIGMAS = 4.0
+LARGEST_EXTENT = 64.0  # px of sigma: what is wider is no blob
 
 
 class Sighting(NamedTuple):
@@ -100,44 +104,75 @@ class Segmenter:
         flashes = self.flash.update(frame)
         reason = '' if flashes else self.flash.reason
         for flashed in flashes:
-            window, why = self._cut(flashed)
-            if window is None:
+            box, why = self._choose(flashed)
+            if box is None:
                 reason = why
             else:
-                found.append(Sighting(flashed.name, window))
+                found.append(Sighting(flashed.name, _cut(flashed, box)))
         self.reason = '' if found else reason
         return found
 
-    def _cut(self, flashed: Flashed) -> tuple[Window | None, str]:
-        """Return the window of a light if it can be the target's, or else why not."""
-        contrast, frame = flashed.contrast, flashed.frame
-        box = self.threshold(contrast, flashed.column, flashed.row, self.max_blob)
+    def _choose(self, flashed: Flashed) -> tuple[Box | None, str]:
+        """
+        Return the window of the strongest peak that can be the target, or else why none can.
+
+        Of several that can be, the strongest is that of the greatest matched-filter SNR. The
+        reason is that of the highest peak.
+        """
+        best, best_snr, reason = None, 0.0, ''
+        column, row, height = flashed.column, flashed.row, flashed.height
+        for _ in range(MOST_CANDIDATES):
+            extent = measure_extent(flashed.contrast, column, row, LARGEST_EXTENT)
+            box, why = self._window(flashed, extent, column, row, height)
+            reason = reason or why
+            if box is not None and extent is not None and extent.snr > best_snr:
+                best, best_snr = box, extent.snr
+            if flashed.search is None:
+                break
+            half = SUPPRESSED
+            if extent is not None:
+                half = max(half, int(np.ceil(SUPPRESSED_SIGMAS * extent.sigma_major)))
+            if box is None:
+                suppress_connected(flashed.search, column, row, flashed.least)
+            flashed.search[box_about(column, row, half, half, flashed.contrast.shape).slices] = 0
+            _, height, _, (column, row) = cv2.minMaxLoc(flashed.search)
+            if height < flashed.least:
+                break
+        return best, reason
+
+    def _window(
+        self, flashed: Flashed, extent: Extent | None, column: int, row: int, height: float
+    ) -> tuple[Box | None, str]:
+        """Return the window of a peak, or None and why it is not the target."""
+        contrast = flashed.contrast
+        why = reject(contrast, extent, column, row, height, flashed.frame.saturation)
+        if why:
+            return None, why
+        box = self.threshold(contrast, column, row, self.max_blob)
         if box is None or max(box.x1 - box.x0, box.y1 - box.y0) > 2 * self.max_blob + 1:
             return None, (
                 f'what lit up is no blob of at most {2 * self.max_blob + 1} px (max_blob)'
             )
-        if box.cut_through(flashed.column, flashed.row, contrast.shape):
+        if box.cut_through(column, row, contrast.shape):
             return None, "the target is cut by the frame's edge"
-        if contrast.unlit is not None:
-            reach = max(box.x1 - box.x0, box.y1 - box.y0)
-            about = box_about(flashed.column, flashed.row, reach, reach, contrast.shape)
-            fall = -float(contrast.signal(about).min())
-            if fall > max(LARGEST_FALL * flashed.height, NOISE_FALL * contrast.noise):
-                return None, (
-                    f'a rise of {flashed.height:.0f} DN beside a fall of {fall:.0f} DN: '
-                    'something moved, or the light was on in both frames'
-                )
-        several = len(flashed.lit) > 1
-        lit, unlit = (
-            [image[box.slices] for image in images] for images in (flashed.lit, flashed.unlit)
-        )
-        bin_x, bin_y = frame.binning
-        return Window(
-            lit=sum_looks(lit, frame.saturation),
-            unlit=sum_looks(unlit, frame.saturation) if unlit else None,
-            x0=frame.x0 + bin_x * box.x0,
-            y0=frame.y0 + bin_y * box.y0,
-            stamp_ns=frame.stamp_ns,
-            saturation=FULL if several else frame.saturation,
-            binning=frame.binning,
-        ), ''
+        why = falls_beside(contrast, box, column, row, height)
+        return (None, why) if why else (box, '')
+
+
+def _cut(flashed: Flashed, box: Box) -> Window:
+    """Return the raw pixels of a box."""
+    frame = flashed.frame
+    several = len(flashed.lit) > 1
+    lit, unlit = (
+        [image[box.slices] for image in images] for images in (flashed.lit, flashed.unlit)
+    )
+    bin_x, bin_y = frame.binning
+    return Window(
+        lit=sum_looks(lit, frame.saturation),
+        unlit=sum_looks(unlit, frame.saturation) if unlit else None,
+        x0=frame.x0 + bin_x * box.x0,
+        y0=frame.y0 + bin_y * box.y0,
+        stamp_ns=frame.stamp_ns,
+        saturation=FULL if several else frame.saturation,
+        binning=frame.binning,
+    )

@@ -33,7 +33,9 @@ class Extent(NamedTuple):
     x, y : float
         Centre, px of the frame.
     sigma_x, sigma_y : float
-        Standard deviations, px.
+        Standard deviations along the rows and the columns, px.
+    sigma_major, sigma_minor : float
+        Those along the longest and the shortest axis, px.
     snr : float
         Response of the matched filter in standard deviations of its noise.
 
@@ -43,6 +45,8 @@ class Extent(NamedTuple):
     y: float
     sigma_x: float
     sigma_y: float
+    sigma_major: float
+    sigma_minor: float
     snr: float
 
 
@@ -134,7 +138,7 @@ def measure_extent(
             signal = np.asarray(cv2.resize(signal, (width, height), interpolation=cv2.INTER_AREA))
         # Of a binned pixel the centre is half a binned pixel from the edge.
         edge = 0.5 * (binning - 1)
-        x, y, sigma_x, sigma_y, snr = _settle(
+        x, y, *sigmas, snr = _settle(
             signal,
             (x - box.x0 - edge) / binning,
             (y - box.y0 - edge) / binning,
@@ -143,14 +147,15 @@ def measure_extent(
             contrast.noise / binning,
         )
         x, y = box.x0 + edge + binning * x, box.y0 + edge + binning * y
-        sigma_x, sigma_y = binning * sigma_x, binning * sigma_y
         if not snr > 0.0:
             return None
+        sigma_x, sigma_y, major, minor = (binning * each for each in sigmas)
         sigma = float(np.sqrt(0.5 * (sigma_x**2 + sigma_y**2)))
         if sigma < COARSEST * binning:
             inside = 0 <= x <= contrast.shape[1] - 1 and 0 <= y <= contrast.shape[0] - 1
             fits = max(sigma_x, sigma_y) <= largest
-            return Extent(x, y, sigma_x, sigma_y, snr) if inside and fits else None
+            extent = Extent(x, y, sigma_x, sigma_y, major, minor, snr)
+            return extent if inside and fits else None
         binning *= BINNING
         sigma = 0.5 * COARSEST * binning / BINNING
     return None
@@ -166,16 +171,17 @@ def compile_ahead() -> None:
 @njit(cache=True)
 def _settle(
     pixels: NDArray[np.float32], x: float, y: float, sigma: float, level: float, noise: float
-) -> tuple[float, float, float, float, float]:
+) -> tuple[float, float, float, float, float, float, float]:
     """
-    Return x, y, sigma_x, sigma_y and SNR of the blob near (x, y), all in px of `pixels`.
+    Return x, y, sigma along x, y, the longest and shortest axis, and SNR of the blob near (x, y).
 
-    The SNR is 0 where there is no blob; sigma is COARSEST or more where it is wider than that.
+    All but the last are px of `pixels`. The SNR is 0 where there is no blob; sigma is COARSEST or
+    more where it is wider than that.
     """
     best = -1.0
     scale = sigma
     while scale <= COARSEST:
-        flux, norm, dx, dy, _, _ = _moments(pixels, x, y, scale, level)
+        flux, norm, dx, dy, _, _, _ = _moments(pixels, x, y, scale, level)
         snr = flux / (noise * np.sqrt(norm))
         if snr <= best:
             break
@@ -185,14 +191,17 @@ def _settle(
             y += min(max(dy, -scale), scale)
         scale *= 2.0
     if best <= 0.0:
-        return x, y, sigma, sigma, 0.0
+        return x, y, sigma, sigma, sigma, sigma, 0.0
     xx = yy = sigma * sigma
+    mxx = myy = 0.5 * xx
+    mxy = 0.0
+    weight = xx
     for _ in range(STEPS):
         level = _ring(pixels, x, y, sigma)
-        flux, norm, dx, dy, mxx, myy = _moments(pixels, x, y, sigma, level)
+        flux, norm, dx, dy, mxx, myy, mxy = _moments(pixels, x, y, sigma, level)
         best = flux / (noise * np.sqrt(norm))
         if best <= 0.0:
-            return x, y, sigma, sigma, 0.0
+            return x, y, sigma, sigma, sigma, sigma, 0.0
         weight = sigma * sigma
         # A step is at most a doubling: what the moments say far from the blob is not exact.
         xx = _unweighted(mxx, weight)
@@ -207,7 +216,9 @@ def _settle(
         sigma = new
         if sigma >= COARSEST or change < SETTLED * sigma:
             break
-    return x, y, np.sqrt(xx), np.sqrt(yy), best
+    mean, half = 0.5 * (mxx + myy), np.sqrt(0.25 * (mxx - myy) ** 2 + mxy * mxy)
+    major, minor = _unweighted(mean + half, weight), _unweighted(mean - half, weight)
+    return x, y, np.sqrt(xx), np.sqrt(yy), np.sqrt(major), np.sqrt(minor), best
 
 
 @njit(cache=True)
@@ -221,7 +232,7 @@ def _unweighted(moment: float, weight: float) -> float:
 @njit(cache=True)
 def _moments(
     pixels: NDArray[np.float32], x: float, y: float, sigma: float, level: float
-) -> tuple[float, float, float, float, float, float]:
+) -> tuple[float, float, float, float, float, float, float]:
     """Return sum(w I), sum(w^2), and the first and second moments under w about (x, y)."""
     half = max(REACH * sigma, 2.0)
     first, last = max(int(x - half), 0), min(int(x + half) + 2, pixels.shape[1])
@@ -230,7 +241,7 @@ def _moments(
     along = np.empty(max(last - first, 0))
     for i in range(first, last):
         along[i - first] = np.exp(scale * (i - x) ** 2)
-    flux = norm = sx = sy = sxx = syy = 0.0
+    flux = norm = sx = sy = sxx = syy = sxy = 0.0
     for j in range(top, bottom):
         across = np.exp(scale * (j - y) ** 2)
         row = row_x = row_xx = row_norm = 0.0
@@ -249,11 +260,12 @@ def _moments(
         sxx += across * row_xx
         sy += across * row * d
         syy += across * row * d * d
+        sxy += across * row_x * d
     if flux <= 0.0 or norm <= 0.0:
-        return flux, max(norm, 1e-12), 0.0, 0.0, 0.0, 0.0
+        return flux, max(norm, 1e-12), 0.0, 0.0, 0.0, 0.0, 0.0
     sx /= flux
     sy /= flux
-    return flux, norm, sx, sy, sxx / flux, syy / flux
+    return flux, norm, sx, sy, sxx / flux, syy / flux, sxy / flux
 
 
 @njit(cache=True)
