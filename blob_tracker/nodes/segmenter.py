@@ -82,9 +82,10 @@ PARAMETERS = (
     ),
     Parameter(
         'min_snr',
-        7.0,
-        'Least rise of the brightest pixel from the unlit to the lit frame, in standard '
-        'deviations of the difference. Below 6 the noise of a whole frame reaches it by itself.',
+        8.0,
+        'Least SNR of the target: of its matched filter in the mode alternate, of its brightest '
+        'pixel or amplitude in the others. Below 6 the noise of a whole frame reaches it by '
+        'itself.',
         least=3.0,
         most=1000.0,
     ),

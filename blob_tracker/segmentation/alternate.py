@@ -11,6 +11,11 @@ from blob_tracker.types import Frame, Pixels
 import numpy as np
 
 
+# A peak pixel this part of the SNR asked for is looked at; its blob must have all of it. A blob of
+# sigma 0.6 px has 1.1 times its peak pixel's SNR in a matched filter, wider ones far more.
+PEAK_PART = 0.7
+
+
 class Alternate:
     """
     Compare each frame with the one before it.
@@ -23,7 +28,7 @@ class Alternate:
     Parameters
     ----------
     min_snr : float
-        Least rise, in standard deviations of a difference pixel.
+        Least SNR of the matched filter; 0.7 of it in the brightest pixel.
     max_pair_interval : float
         Greatest time between the two frames of a pair, s.
     registration : str
@@ -80,7 +85,8 @@ class Alternate:
         if self._rise is None or self._rise.shape != unlit.shape:
             self._rise = np.empty_like(frame.image)
         peak = strongest_rise(frame.image, unlit, self._rise)
-        if peak.height < self.min_snr * peak.noise:
+        least = PEAK_PART * self.min_snr * peak.noise
+        if peak.height < least:
             self.reason = (
                 f'nothing lit up: the strongest rise is {peak.height:.0f} DN, '
                 f'{peak.height / peak.noise:.1f} times the noise (min_snr {self.min_snr:g})'
@@ -96,5 +102,6 @@ class Alternate:
             (unlit,),
             frame,
             search=self._rise,
-            least=self.min_snr * peak.noise,
+            least=least,
+            min_snr=self.min_snr,
         )]

@@ -31,6 +31,8 @@ class Flashed(NamedTuple):
         where there is no other.
     least : float
         Height that a peak must have, DN.
+    min_snr : float
+        Least SNR of its matched filter; 0 where the mode has judged it.
 
     """
 
@@ -44,6 +46,7 @@ class Flashed(NamedTuple):
     name: str = ''
     search: Pixels | None = None
     least: float = 0.0
+    min_snr: float = 0.0
 
 
 class Flash(Protocol):

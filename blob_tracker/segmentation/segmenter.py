@@ -65,7 +65,7 @@ class Segmenter:
         threshold: Threshold | None = None,
         max_blob: int = 128,
     ) -> None:
-        self.flash = flash or Alternate(min_snr=7.0, max_pair_interval=0.1)
+        self.flash = flash or Alternate(min_snr=8.0, max_pair_interval=0.1)
         self.threshold = threshold or threshold_by_name('sigma_window', sigmas=3.0, extension=2)
         self.max_blob = max_blob
         self.reason = 'no frame yet'
@@ -148,6 +148,11 @@ class Segmenter:
         why = reject(contrast, extent, column, row, height, flashed.frame.saturation)
         if why:
             return None, why
+        if extent is not None and extent.snr < flashed.min_snr:
+            return None, (
+                f'nothing lit up: the strongest rise has an SNR of {extent.snr:.1f} in the '
+                f'matched filter (min_snr {flashed.min_snr:g})'
+            )
         box = self.threshold(contrast, column, row, self.max_blob)
         if box is None or max(box.x1 - box.x0, box.y1 - box.y0) > 2 * self.max_blob + 1:
             return None, (
