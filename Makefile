@@ -45,7 +45,8 @@ install/.built: .venv/.run $(SOURCES)
 	$(BIN)/colcon list --paths . | grep -q '(ros.ament_python)' || { \
 	  echo 'package.xml is not valid: colcon does not see an ament_python package' >&2; exit 1; }
 	@rm -rf build install  # colcon leaves behind what a source tree no longer has
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/colcon build --paths .
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/colcon build --paths . \
+	  --event-handlers console_direct-
 	@# The fits are compiled now, into the installed package, rather than when a node first starts.
 	@$(ENVIRONMENT) && cd .venv && python -c 'import blob_tracker.location as l; l.compile_ahead()'
 	@touch $@

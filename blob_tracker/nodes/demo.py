@@ -36,6 +36,8 @@ from sensor_msgs.msg import CameraInfo
 
 BUDGET = 0.05  # px rms: what the thesis wanted (section 2.1)
 LEAST_BEARINGS = 100  # fewer say nothing of an rms
+# Its own: a servo on this machine that listens to /target/bearing must not follow a simulation.
+NAMESPACE = '/demo'
 COMPILE = 'from blob_tracker.location import compile_ahead; compile_ahead()'
 STARTUP = 12.0  # s within which the first bearing must come
 RECENT = 60  # bearings over which rates and latencies are taken
@@ -48,7 +50,7 @@ class Monitor(Node):
     """Collect what the tracker publishes, and the truth where there is one."""
 
     def __init__(self) -> None:
-        super().__init__('demo')
+        super().__init__('monitor', namespace=NAMESPACE)
         self.frames: deque[float] = deque(maxlen=2 * RECENT)
         self.latencies: list[float] = []
         self.arrivals: deque[float] = deque(maxlen=RECENT)
@@ -113,7 +115,9 @@ class Monitor(Node):
 
     def _diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            self.states[status.name.split(':')[0].lstrip('/')] = (status.level, status.message)
+            name = status.name.split(':')[0]
+            if name.startswith(NAMESPACE):
+                self.states[name] = (status.level, status.message)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -159,15 +163,19 @@ def main(arguments: argparse.Namespace) -> int:
     with console.status('compiling the fits, if they are not yet'):
         # In the package that the nodes load, which need not be the one that this is run from.
         subprocess.run([sys.executable, '-c', COMPILE], cwd=out, check=True)
-    source = ['simulator'] if arguments.device is None else _camera_command(arguments, console)
     duration = min(arguments.duration, 17.0) if arguments.device is None else float('inf')
     rclpy.init()
     monitor = Monitor()
     try:
         with ExitStack() as stack:
+            nodes: dict[str, dict[str, str]] = {'segmenter': {}, 'locator': {}}
+            if arguments.device is None:
+                nodes['simulator'] = {}
+            else:
+                nodes['camera'] = _camera_parameters(arguments, console)
             processes = {
-                command[0]: stack.enter_context(_process(folder, command, out))
-                for command in (source, ['segmenter'], ['locator'])
+                name: stack.enter_context(_process(folder / name, parameters, out))
+                for name, parameters in nodes.items()
             }
             fault = _watch(console, monitor, processes, duration)
         return _conclude(console, monitor, out, fault, simulated=arguments.device is None)
@@ -176,30 +184,31 @@ def main(arguments: argparse.Namespace) -> int:
         rclpy.try_shutdown()
 
 
-def _camera_command(arguments: argparse.Namespace, console: Console) -> list[str]:
-    """Return the command line of the camera node."""
-    settings = {'device': arguments.device}
+def _camera_parameters(arguments: argparse.Namespace, console: Console) -> dict[str, str]:
+    """Return the parameters of the camera node."""
     if arguments.camera_info:
-        settings['camera_info_url'] = arguments.camera_info
+        calibration = {'camera_info_url': str(arguments.camera_info)}
     else:
-        settings['field_of_view'] = '60.0'
+        calibration = {'field_of_view': '60.0'}
         console.print(
             'No calibration is given: angles are for a lens that sees 60 degrees across. '
             'Set CAMERA_INFO=FILE for true ones.'
         )
-    command = ['camera', '--ros-args']
-    for name, value in settings.items():
-        command += ['-p', f'{name}:={value}']
-    return command
+    return {'device': str(arguments.device), **calibration}
 
 
 @contextmanager
-def _process(folder: Path, command: list[str], out: Path) -> Iterator[subprocess.Popen[bytes]]:
+def _process(
+    executable: Path, parameters: dict[str, str], out: Path
+) -> Iterator[subprocess.Popen[bytes]]:
     """Run a node with its output in a log file, and end it with the block."""
-    with open(out / f'{command[0]}.log', 'wb') as log:
+    command = [str(executable), '--ros-args', '-r', f'__ns:={NAMESPACE}']
+    for name, value in parameters.items():
+        command += ['-p', f'{name}:={value}']
+    with open(out / f'{executable.name}.log', 'wb') as log:
         # A session of its own: Ctrl-C reaches the demo alone, which ends the nodes in order.
         process = subprocess.Popen(
-            [str(folder / command[0]), *command[1:]],
+            command,
             stdout=log,
             stderr=subprocess.STDOUT,
             start_new_session=True,
