@@ -2,7 +2,8 @@
 # make demo DEVICE=/dev/video0   the same on a real camera, until Ctrl-C
 #      CAMERA_INFO=file.yaml   its calibration
 # make test               all tests
-# PYTHON=python3.12       another interpreter, 3.10 to 3.13
+#      PYTEST='-k segmenter'   a part of them
+# PYTHON=python3.12       another interpreter, 3.10 to 3.13, after `make clean`
 
 SHELL := /bin/bash
 .SHELLFLAGS := -e -o pipefail -c
@@ -27,18 +28,21 @@ demo: install/.built
 	  $(if $(DEVICE),--device $(DEVICE)) $(if $(CAMERA_INFO),--camera-info $(CAMERA_INFO))
 
 test: install/.built .venv/.test
-	@$(ENVIRONMENT) && python -m pytest $(PYTEST)
+	@# pytest alone, not python -m: what colcon installed is tested, not what lies here.
+	@$(ENVIRONMENT) && pytest $(PYTEST)
 
 .venv/.run: requirements.txt
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 10) <= v <= (3, 13) else \
-	  f"Python {v[0]}.{v[1]} cannot run the ROS wheels; set PYTHON to one of 3.10 to 3.13")'
+	  "Python %d.%d cannot run the ROS wheels; set PYTHON to one of 3.10 to 3.13" % v)'
 	@test -x $(BIN)/pip || $(PYTHON) -m venv .venv || { rm -rf .venv; \
 	  echo 'Python has no venv module here: sudo apt install python3-venv' >&2; exit 1; }
 	$(BIN)/pip install --quiet --disable-pip-version-check -r requirements.txt
 	@touch $@
 
-.venv/.test: requirements/test.txt .venv/.run
+.venv/.test: requirements/test.txt requirements/opencv5.txt .venv/.run
 	$(BIN)/pip install --quiet --disable-pip-version-check -r requirements/test.txt
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --upgrade \
+	  --target .venv/opencv5 -r requirements/opencv5.txt
 	@touch $@
 
 install/.built: .venv/.run $(SOURCES)

@@ -13,6 +13,7 @@ from blob_tracker.ros.parameters import declare, Parameter
 from blob_tracker.ros.process import run
 from blob_tracker.ros.qos import IMAGE_OUT, overridable, STATE
 from blob_tracker.segmentation import FrameError, Segmenter
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Bool
@@ -61,6 +62,8 @@ PARAMETERS = (
         unit='s',
     ),
 )
+CHECK = 0.25  # s between two looks at whether frames still come
+SILENCE = 1.0  # s of wall time without a good frame; slow bags and cameras pause for less
 
 
 class SegmenterNode(Node):
@@ -84,7 +87,10 @@ class SegmenterNode(Node):
         )
         self._seen_ns: int | None = None
         self._said_visible: bool | None = None
+        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._good_frame = self._steady.now()
         subscribe(self, 'camera', self._health, self._segment)
+        self.create_timer(CHECK, self._check_silence, clock=self._steady)
 
     def _segment(self, image: Image, info: CameraInfo) -> None:
         """Compare a frame with the one before it; publish the target's window if there is one."""
@@ -92,10 +98,10 @@ class SegmenterNode(Node):
             frame = to_frame(image, info)
             window = self._segmenter.update(frame)
         except MessageError as error:
-            self._health.fault(ERROR, 'message', f'camera/image_raw: {error}')
+            self._health.fault(ERROR, f'camera/image_raw: {error}')
             return
         except FrameError as error:
-            self._health.fault(WARN, 'frame', f'camera/image_raw: {error}')
+            self._health.fault(WARN, f'camera/image_raw: {error}')
             return
         self._health.count('frames')
         if window is not None:
@@ -106,12 +112,22 @@ class SegmenterNode(Node):
             self._seen_ns = frame.stamp_ns
             self._health.ok('target in view')
         else:
-            self._health.values['last frame without target'] = self._segmenter.reason
+            self._health.show('last frame without target', self._segmenter.reason)
+        self._good_frame = self._steady.now()
         visible = self._seen_ns is not None and 0 <= (
             frame.stamp_ns - self._seen_ns
         ) <= self._lost_after_ns
         if not visible:
             self._health.ok(f'no target: {self._segmenter.reason}')
+        self._say_visible(visible)
+
+    def _check_silence(self) -> None:
+        """Say that the target is out of view when no good frame has come for a while."""
+        if (self._steady.now() - self._good_frame).nanoseconds > 1e9 * SILENCE:
+            self._say_visible(False)
+
+    def _say_visible(self, visible: bool) -> None:
+        """Publish on change."""
         if visible is not self._said_visible:
             self._visible.publish(Bool(data=visible))
             self._said_visible = visible

@@ -25,6 +25,8 @@ class Rise(NamedTuple):
         Rise in that pixel, DN.
     noise : float
         Standard deviation of the difference of two frames, DN.
+    image : (h, w) array
+        Rise of every pixel, DN; 0 where it fell.
 
     """
 
@@ -32,24 +34,19 @@ class Rise(NamedTuple):
     row: int
     height: float
     noise: float
+    image: Pixels
 
 
-def strongest_rise(
-    current: Pixels,
-    previous: Pixels,
-    difference: Pixels | None = None,
-) -> Rise:
+def strongest_rise(current: Pixels, previous: Pixels) -> Rise:
     """
-    Find the pixel that gained most light, in one pass over the whole frame.
+    Find the pixel of the whole frame that gained most light.
 
-    The difference is signed: it saturates at zero, so light that went out leaves nothing.
+    The sign counts: what lost light is cut at zero, so a light that went out leaves nothing.
 
     Parameters
     ----------
     current, previous : (h, w) arrays of uint8 or uint16
         DN, of one type and size.
-    difference : (h, w) array, optional
-        Room for max(current - previous, 0), which is left in it.
 
     Returns
     -------
@@ -57,7 +54,7 @@ def strongest_rise(
         Place and height of the strongest rise, and the noise it stands in.
 
     """
-    rise = cv2.subtract(current, previous, dst=difference)
+    rise: Pixels = np.asarray(cv2.subtract(current, previous))
     _, height, _, (column, row) = cv2.minMaxLoc(rise)
     coarse = signed_difference(
         current[::NOISE_STEP, ::NOISE_STEP], previous[::NOISE_STEP, ::NOISE_STEP]
@@ -65,7 +62,7 @@ def strongest_rise(
     # Mean absolute deviation of a Gaussian is sqrt(2 / pi) sigma; a target of a few pixels hardly
     # moves it, and unlike the median it does not step with the DN. Two roundings are the floor.
     noise = max(float(np.sqrt(np.pi / 2) * np.abs(coarse).mean()), float(np.sqrt(2 / 12)))
-    return Rise(column, row, height, noise)
+    return Rise(column, row, height, noise, rise)
 
 
 def signed_difference(

@@ -5,8 +5,7 @@ from __future__ import annotations
 from blob_tracker.segmentation.box import box_about, scaled
 from blob_tracker.segmentation.difference import signed_difference, strongest_rise
 from blob_tracker.segmentation.otsu import otsu_window
-from blob_tracker.types import Frame, Pixels, Window
-import numpy as np
+from blob_tracker.types import Frame, Window
 
 SMALLEST_WINDOW = 7  # px: room for a blob of sigma 1 and its background
 # Two lit frames of a moving light leave a rise and an equal fall beside each other; a true flash
@@ -60,7 +59,6 @@ class Segmenter:
         self.max_blob = max_blob
         self.reason = 'no frame yet'
         self._previous: Frame | None = None
-        self._rise: Pixels | None = None
 
     def update(self, frame: Frame) -> Window | None:
         """
@@ -96,7 +94,6 @@ class Segmenter:
             self.reason = 'waiting for a second frame'
             return None
         if _geometry(frame) != _geometry(previous):
-            self._rise = None
             raise FrameError(
                 f'the frames changed from {_describe(previous)} to {_describe(frame)}; '
                 'starting afresh'
@@ -112,16 +109,14 @@ class Segmenter:
 
     def _cut(self, lit: Frame, unlit: Frame) -> Window | None:
         """Return the window of the strongest rise, if it can be the target's."""
-        if self._rise is None:
-            self._rise = np.empty_like(lit.image)
-        peak = strongest_rise(lit.image, unlit.image, self._rise)
+        peak = strongest_rise(lit.image, unlit.image)
         if peak.height < self.min_snr * peak.noise:
             self.reason = (
                 f'nothing lit up: the strongest rise is {peak.height:.0f} DN, '
                 f'{peak.height / peak.noise:.1f} times the noise (min_snr {self.min_snr:g})'
             )
             return None
-        blob = otsu_window(self._rise, peak.column, peak.row, self.max_blob)
+        blob = otsu_window(peak.image, peak.column, peak.row, self.max_blob)
         shape = lit.image.shape
         reach = max(blob.x1 - blob.x0, blob.y1 - blob.y0)
         if reach > 2 * self.max_blob:

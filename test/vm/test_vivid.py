@@ -37,8 +37,8 @@ distortion_coefficients: {{rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}}
 rectification_matrix: {{rows: 3, cols: 3, data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}}
 projection_matrix: {{rows: 3, cols: 4, data: [{FX}, 0, {CX}, 0, 0, {FY}, {CY}, 0, 0, 0, 1, 0]}}
 """
-# Per axis: six of the 0.013 px that the noise of the scene leaves to a fit at its bound. Lit places
-# are 18 px apart and more: no other place can pass.
+# Per axis: six of the 0.013 px that the noise of the scene leaves to a fit at its bound. Lit
+# places are 18 px apart and more: no other place can pass.
 TOLERANCE = 0.08  # px
 
 pytestmark = pytest.mark.timeout(600)  # the boot, and the kernel's download before it
