@@ -80,6 +80,78 @@ def fill_profile(centre: float, sigma: float, out: Array) -> None:
         edge, bell, area = next_edge, next_bell, next_area
 
 
+class RowSums(NamedTuple):
+    """
+    Sums over a row of pixels: 1, g, h, q and their products under the weight, and the residual.
+
+    g, h and q are the pulse along x and its slopes by centre and by sigma; a row needs these
+    fourteen sums whatever the number of parameters, since each derivative is a product of a
+    factor along x and one along y.
+    """
+
+    one: float
+    g: float
+    h: float
+    q: float
+    gg: float
+    gh: float
+    gq: float
+    hh: float
+    hq: float
+    qq: float
+    residual: float
+    residual_g: float
+    residual_h: float
+    residual_q: float
+
+
+@kernel
+def add_row(
+    equations: NormalEquations, a: float, g: float, h: float, q: float, sums: RowSums
+) -> None:
+    """Add a row, at which the pulse along y is g and its slopes h and q, to the equations."""
+    fisher, score = equations.matrix, equations.right
+    s1, sg, sh, sq, sgg, sgh, sgq, shh, shq, sqq, r1, rg, rh, rq = sums
+    ag, ah, aq = a * g, a * h, a * q
+    fisher[0, 0] += ag * ag * shh
+    fisher[1, 0] += ag * ah * sgh
+    fisher[1, 1] += ah * ah * sgg
+    fisher[2, 0] += ag * g * sgh
+    fisher[2, 1] += ah * g * sgg
+    fisher[2, 2] += g * g * sgg
+    fisher[3, 0] += ag * sh
+    fisher[3, 1] += ah * sg
+    fisher[3, 2] += g * sg
+    fisher[3, 3] += s1
+    fisher[4, 0] += ag * ag * shq
+    fisher[4, 1] += ag * ah * sgq
+    fisher[4, 2] += ag * g * sgq
+    fisher[4, 3] += ag * sq
+    fisher[4, 4] += ag * ag * sqq
+    fisher[5, 0] += ag * aq * sgh
+    fisher[5, 1] += ah * aq * sgg
+    fisher[5, 2] += aq * g * sgg
+    fisher[5, 3] += aq * sg
+    fisher[5, 4] += ag * aq * sgq
+    fisher[5, 5] += aq * aq * sgg
+    score[0] += ag * rh
+    score[1] += ah * rg
+    score[2] += g * rg
+    score[3] += r1
+    score[4] += ag * rq
+    score[5] += aq * rg
+
+
+@kernel
+def join_widths(equations: NormalEquations) -> None:
+    """Let one sigma move both widths: its row is the sum of theirs."""
+    fisher, score = equations.matrix, equations.right
+    for p in range(4):
+        fisher[4, p] += fisher[5, p]
+    fisher[4, 4] += 2.0 * fisher[5, 4] + fisher[5, 5]
+    score[4] += score[5]
+
+
 @kernel
 def score_and_information(
     seen: Observation, theta: Array, profiles: Profiles, elliptical: bool,
@@ -88,8 +160,7 @@ def score_and_information(
     """
     Fill the equations with the Fisher information and the score at theta; return chi2.
 
-    Each derivative is a product of a factor along x and one along y, so a row needs fourteen
-    sums whatever the number of parameters, and the erf and exp are taken once a row and column.
+    The erf and exp are taken once a row and column.
     """
     pixels, extra, prior, shot, floor = seen
     across, down = profiles
@@ -131,42 +202,14 @@ def score_and_information(
             rg += wr * gi
             rh += wr * hi
             rq += wr * qi
-        ag, ah, aq = a * g, a * h, a * q
-        fisher[0, 0] += ag * ag * shh
-        fisher[1, 0] += ag * ah * sgh
-        fisher[1, 1] += ah * ah * sgg
-        fisher[2, 0] += ag * g * sgh
-        fisher[2, 1] += ah * g * sgg
-        fisher[2, 2] += g * g * sgg
-        fisher[3, 0] += ag * sh
-        fisher[3, 1] += ah * sg
-        fisher[3, 2] += g * sg
-        fisher[3, 3] += s1
-        fisher[4, 0] += ag * ag * shq
-        fisher[4, 1] += ag * ah * sgq
-        fisher[4, 2] += ag * g * sgq
-        fisher[4, 3] += ag * sq
-        fisher[4, 4] += ag * ag * sqq
-        fisher[5, 0] += ag * aq * sgh
-        fisher[5, 1] += ah * aq * sgg
-        fisher[5, 2] += aq * g * sgg
-        fisher[5, 3] += aq * sg
-        fisher[5, 4] += ag * aq * sgq
-        fisher[5, 5] += aq * aq * sgg
-        score[0] += ag * rh
-        score[1] += ah * rg
-        score[2] += g * rg
-        score[3] += r1
-        score[4] += ag * rq
-        score[5] += aq * rg
+        sums = RowSums(
+            s1, sg, sh, sq, sgg, sgh, sgq, shh, shq, sqq, r1, rg, rh, rq
+        )
+        add_row(equations, a, g, h, q, sums)
     fisher[3, 3] += prior[1]
     score[3] += prior[1] * (prior[0] - b)
     if not elliptical:
-        # One sigma moves both widths: its row is the sum of theirs.
-        for p in range(4):
-            fisher[4, p] += fisher[5, p]
-        fisher[4, 4] += 2.0 * fisher[5, 4] + fisher[5, 5]
-        score[4] += score[5]
+        join_widths(equations)
     return chi2
 
 

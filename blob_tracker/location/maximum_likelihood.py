@@ -29,6 +29,7 @@ FAINTEST = 5.0  # of a matched filter's standard deviations: below it noise is f
 FLATTERY = 12.0  # over the matched filter's squared SNR: how far the covariance is too small
 MISFIT = 5.0  # standard deviations of chi2: beyond it the model is wrong, not the noise
 FISHER_STEPS = 12  # a good start takes 4 or 5
+TEXTURE_STEP = 2  # by which the pulse is known well enough to ask what the texture does to it
 
 _ROWS = 7  # of the table: x, y, amplitude, background, sigma, snr, chi2
 _NONE, _NO_SIGNAL, _OUTSIDE = int(Failure.NONE), int(Failure.NO_SIGNAL), int(Failure.OUTSIDE)
@@ -149,9 +150,8 @@ def _fit_all(
     seen = Observation(
         np.empty((height, width)), np.empty((height, width)), np.zeros(2), shot, floor
     )
-    pixels, extra, prior = seen.pixels, seen.extra, seen.prior
+    pixels, extra = seen.pixels, seen.extra
     texture = np.zeros((height, width))
-    behind = np.zeros((height, width))
     profiles = empty_profiles(height, width)
     theta = np.empty(6)
     start = np.empty(6)
@@ -182,23 +182,23 @@ def _fit_all(
         share = 0.0
         if paired:
             mean /= usable
-            white = split_unlit(texture, behind, extra, mean, shot, floor, usable)
+            white = split_unlit(texture, extra, mean, shot, floor, usable)
             # Lit minus unlit to start from: bright texture must not be taken for the target.
             share = 1.0
-            blend(lit[n], Unlit(texture, behind, mean, white), share, seen)
+            blend(lit[n], Unlit(texture, mean, white), share, seen)
         start_value(pixels, lit[n], saturation, paired, mean, start)
         theta[:] = start
         done = False
         for iteration in range(FISHER_STEPS):
-            if paired and iteration == 3:
-                behind_it = Unlit(texture, behind, mean, white)
+            if paired and iteration == TEXTURE_STEP:
+                behind_it = Unlit(texture, mean, white)
                 share = texture_share(behind_it, seen, theta, profiles, equations)
                 blend(lit[n], behind_it, share, seen)
             chi2 = score_and_information(seen, theta, profiles, elliptical, equations)
             if not solve(equations, size, 0.0):
                 break
             gain = advance(theta, equations, size, max(height, width))
-            if gain < CONVERGED and (not paired or iteration >= 3):
+            if gain < CONVERGED and (not paired or iteration >= TEXTURE_STEP):
                 done = True
                 break
         if not done:

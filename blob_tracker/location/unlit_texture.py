@@ -6,7 +6,14 @@ import math
 from typing import NamedTuple
 
 from blob_tracker.location.kernel import Array, kernel
-from blob_tracker.location.likelihood import fill_profile, Observation, Profiles
+from blob_tracker.location.likelihood import (
+    add_row,
+    fill_profile,
+    join_widths,
+    Observation,
+    Profiles,
+    RowSums,
+)
 from blob_tracker.location.normal_equations import column_of_inverse, NormalEquations, solve
 
 SHRINKAGE = 1.2  # of `texture_share`; 1.1 to 1.4 keep the worst case below 1.09
@@ -22,8 +29,6 @@ class Unlit(NamedTuple):
     ----------
     texture : (h, w) array
         Departure from the mean, DN.
-    behind : (h, w) array
-        The best guess of the texture free of noise, DN.
     mean : float
         DN.
     white : float
@@ -32,34 +37,24 @@ class Unlit(NamedTuple):
     """
 
     texture: Array
-    behind: Array
     mean: float
     white: float
 
 
 @kernel
 def split_unlit(
-    texture: Array, behind: Array, extra: Array, mean: float, shot: float, floor: float,
+    texture: Array, extra: Array, mean: float, shot: float, floor: float,
     usable: int,
 ) -> float:
-    """
-    Make `texture` the departure from the mean, `behind` its best guess free of noise.
-
-    Return the variance of the texture over that of the noise.
-    """
+    """Make `texture` the departure from the mean; return its variance over that of the noise."""
     variance = max(mean, 0.0) * shot + floor
     height, width = texture.shape
     total = 0.0
     for j in range(height):
         for i in range(width):
             texture[j, i] -= mean
-            if extra[j, i] < math.inf:
-                total += texture[j, i] ** 2
-    white = max(total / ((usable - 1) * variance) - 1.0, 0.0)
-    for j in range(height):
-        for i in range(width):
-            behind[j, i] = white / (1.0 + white) * texture[j, i]
-    return white
+            total += texture[j, i] ** 2 if extra[j, i] < math.inf else 0.0
+    return max(total / ((usable - 1) * variance) - 1.0, 0.0)
 
 
 @kernel
@@ -74,21 +69,26 @@ def blend(lit: Array, unlit: Unlit, share: float, seen: Observation) -> None:
     """
     Take a share of the unlit texture off the lit pixels.
 
-    `seen.extra` becomes the variance of a pixel less its (A g_x g_y + b) shot, and `seen.prior` the level
+    `extra` becomes the variance of a pixel less its (A g_x g_y + b) shot, and `prior` the level
     b that the unlit window's mean gives, with the inverse of its variance.
     """
-    texture, behind, mean, white = unlit
+    texture, mean, white = unlit
     pixels, extra, prior, shot, floor = seen
     height, width = texture.shape
     added = left_over(share, white)
+    # What the texture is but for its noise, in the mean.
+    clean = white / (1.0 + white)
     usable = 0
     for j in range(height):
         for i in range(width):
             pixels[j, i] = lit[j, i] - share * texture[j, i]
-            if extra[j, i] < math.inf:
-                level = max(mean + behind[j, i], 0.0) * shot
-                extra[j, i] = floor + behind[j, i] * shot + added * (level + floor)
-                usable += 1
+            behind = clean * texture[j, i]
+            level = max(mean + behind, 0.0) * shot
+            used = extra[j, i] < math.inf
+            # Written whether used or not: a loop without a branch is what the compiler widens.
+            noise = floor + behind * shot + added * (level + floor)
+            extra[j, i] = noise if used else math.inf
+            usable += 1 if used else 0
     # At share 1 the mean cancels; the hundredth keeps its weight finite.
     prior[0] = mean
     prior[1] = usable / ((1.01 - share) * (max(mean, 0.0) * shot + floor))
@@ -118,19 +118,32 @@ def texture_share(
     score[:] = 0.0
     variance = max(mean, 0.0) * shot + floor
     for j in range(height):
+        s1, sg, sh, sq = 0.0, 0.0, 0.0, 0.0
+        sgg, sgh, sgq, shh, shq, sqq = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        r1, rg, rh, rq = 0.0, 0.0, 0.0, 0.0
         for i in range(width):
-            if extra[j, i] < math.inf:
-                step[0] = amplitude * across[1, i] * down[0, j]
-                step[1] = amplitude * across[0, i] * down[1, j]
-                step[2] = across[0, i] * down[0, j]
-                step[3] = 1.0
-                step[4] = amplitude * (
-                    across[2, i] * down[0, j] + across[0, i] * down[2, j]
-                )
-                for p in range(size):
-                    score[p] += step[p] * texture[j, i]
-                    for q in range(p + 1):
-                        fisher[p, q] += step[p] * step[q]
+            used = 1.0 if extra[j, i] < math.inf else 0.0
+            g, h, q = used * across[0, i], used * across[1, i], used * across[2, i]
+            behind = texture[j, i]
+            s1 += used
+            sg += g
+            sh += h
+            sq += q
+            sgg += g * g
+            sgh += g * h
+            sgq += g * q
+            shh += h * h
+            shq += h * q
+            sqq += q * q
+            r1 += used * behind
+            rg += g * behind
+            rh += h * behind
+            rq += q * behind
+        sums = RowSums(
+            s1, sg, sh, sq, sgg, sgh, sgq, shh, shq, sqq, r1, rg, rh, rq
+        )
+        add_row(equations, amplitude, down[0, j], down[1, j], down[2, j], sums)
+    join_widths(equations)
     if not solve(equations, size, 0.0):
         return 1.0
     shift_x, shift_y = step[0], step[1]
