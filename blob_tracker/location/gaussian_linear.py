@@ -66,7 +66,7 @@ def gaussian_linear(
         ln s = a0 + a1 x + a2 (x^2 + y^2) + a3 y                        (thesis, eq. 4.12, 4.14)
         x = -a1 / 2 a2,   y = -a3 / 2 a2,   sigma^2 = -1 / 2 a2
 
-    The signal s is lit - unlit, or lit less the mean of the window's border. Pixels that round
+    The signal s is lit - unlit, or lit less the mean of the window's corners. Pixels that round
     to zero, and clipped ones, are left out. The logarithm blows up the noise of faint pixels;
     `weighted` gives each its s^2, the inverse of the variance of ln s up to a factor (Guo, IEEE
     Signal Processing Magazine 28 (2011) 134).

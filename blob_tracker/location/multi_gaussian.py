@@ -17,7 +17,7 @@ AMPLITUDES = np.array([154.25, 77.68, 22.07]) / 254.0
 WIDTHS = np.array([1.0, 2.57, 4.97]) / math.sqrt(2.0)
 HALF_AREA = 4.15  # s^2 of the first Gaussian: the area where that blob is above half its peak
 FAINTEST = 3.0  # standard deviations of the brightest pixel
-NARROWEST = 0.05  # px: narrower, a Gaussian is a point that one pixel sees or none does
+NARROWEST = 0.5  # px: a narrower Gaussian is one pixel's, and a fit gives it that pixel's noise
 FARTHEST = 1e7  # px or DN: two amplitudes that cancel beyond it leave no digits
 
 Fit = Callable[
