@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 # The reading that gives the printed digits: 50 steps, half open, each added to the last; 255 DN,
-# sampled about the window's middle; |error|; its variance with n - 1; the SNR of Table 3.4 from
+# sampled about the window's middle, halves rounded up; |error|; its variance with n - 1; the SNR of Table 3.4 from
 # the unrounded pulse, that of Table 4.4 from the rounded one where it is not zero.
 GRID = np.cumsum(np.concatenate([[-0.5], np.full(49, 0.02)]))
 
@@ -125,7 +125,7 @@ ONE_OFF_4_4 = {
 
 def pulses(size, s):
     """Return (2500, size, size) pulses of 255 DN, sampled, and their places along x."""
-    # From the middle, not from the first pixel: a sum that is rounded tips halves the other way.
+    # From the middle, not from the first pixel: the sum would be rounded, and tip halves over.
     distance = np.arange(size) - (size - 1) / 2 - GRID[:, None]
     profile = np.exp(-((distance / s) ** 2))
     stack = 255.0 * profile[:, None, :, None] * profile[None, :, None, :]
@@ -162,7 +162,7 @@ def test_table_3_3(row):
 def test_table_3_4(row):
     """Reproduce the centroid's errors on rounded pulses."""
     stack, x = pulses(*row[:2])
-    rounded = np.rint(stack)
+    rounded = np.floor(stack + 0.5)
     error = np.abs(centroid_1d(rounded.sum(axis=1)) - x)
     ratio = (stack**2).sum(axis=(1, 2)) / ((rounded - stack) ** 2).sum(axis=(1, 2))
     assert_printed(printed(error, 6, ratio), row, ONE_OFF_3_4)
@@ -172,7 +172,7 @@ def test_table_3_4(row):
 def test_table_4_4(row):
     """Reproduce the circular log-linear fit's errors on rounded pulses."""
     stack, x = pulses(*row[:2])
-    rounded = np.rint(stack)
+    rounded = np.floor(stack + 0.5)
     found = locate_batch(
         rounded, np.zeros_like(stack), method='gaussian_linear',
         noise=SensorNoise(gain=np.inf, read_noise=0.0),
