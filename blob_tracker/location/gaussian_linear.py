@@ -76,9 +76,11 @@ def gaussian_linear(
     HC2 and HC3 of MacKinnon and White, J. Econometrics 29 (1985) 305), since no model holds for
     the logarithm of a faint pixel. The few bright pixels that bear the weighted fit do not show
     their own scatter well; half of theirs is the noise v carried through the logarithm,
-    v / (s^2 + v). It is true to about an eighth, and about the mean over all sub-pixel places:
-    leaving out the pixels that the noise drove below zero bends the fit, and a pulse that is
-    integrated over its pixels is not quite a Gaussian.
+    v / (s^2 + v). At a peak SNR of some thirty and sigma 1.7 in 11 x 11 it lies within the 95 %
+    bounds of 2000 windows, about the mean over all sub-pixel places. Elsewhere it is off by a
+    tenth (NEES 1.8 to 2.2 of 2 at sigma 1.4 in 9 x 9, amplitude 100 to 600 DN), and much too large
+    where the background is taken from corners that the pulse reaches (sigma 3 in 9 x 9, lit only:
+    NEES 1.0, 1.3 weighted), since the misfit shows as scatter.
 
     Parameters
     ----------

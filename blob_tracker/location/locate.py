@@ -172,12 +172,14 @@ def compile_ahead() -> None:
     """
     Compile the methods that Numba compiles, or load them from its cache.
 
-    A node calls it as it starts: the first compilation takes about ten seconds, which the first
+    A node calls it as it starts: the first compilation takes some twenty seconds, which the first
     target would otherwise wait for.
     """
     bell = np.exp(-((np.arange(7) - 3.0) ** 2) / 4.0)
     lit = np.round(100.0 * bell[:, None] * bell[None, :] + 10.0)[None]
-    locate_batch(lit, np.full_like(lit, 10.0), noise=SensorNoise(gain=1.0, read_noise=1.0))
+    noise = SensorNoise(gain=1.0, read_noise=1.0)
+    for method in METHODS:
+        locate_batch(lit, np.full_like(lit, 10.0), method=method, noise=noise)
 
 
 def _numbers(pixels: ArrayLike, name: str) -> NDArray[Any]:

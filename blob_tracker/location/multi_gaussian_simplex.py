@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from blob_tracker.location.estimates import Estimates
+from blob_tracker.location.kernel import Array, kernel
 from blob_tracker.location.multi_gaussian import (
     locate_by_fit,
     start_1d,
@@ -90,8 +91,7 @@ def _fit(
     """Return the parameters of least squares, and whether the simplex or its mean came to rest."""
 
     def squared_error(theta: NDArray[np.float64]) -> float:
-        residual = (three_gaussians(theta, *pixels.shape) - pixels)[usable]
-        return float(residual @ residual)
+        return _squared_error(theta, pixels, usable)
 
     # A simplex creeps along the valley where one Gaussian is enough; a new one about its best
     # shows whether the mean, which the three share, still moves.
@@ -102,6 +102,18 @@ def _fit(
             return best, True
         start = best
     return start, False
+
+
+@kernel
+def _squared_error(theta: Array, pixels: Array, usable: NDArray[np.bool_]) -> float:
+    """Return the sum of the squared residuals of the usable pixels."""
+    model = three_gaussians(theta, pixels.shape[0], pixels.shape[1])
+    total = 0.0
+    for j in range(pixels.shape[0]):
+        for i in range(pixels.shape[1]):
+            if usable[j, i]:
+                total += (model[j, i] - pixels[j, i]) ** 2
+    return total
 
 
 def _descend(

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 # The reading that gives the printed digits: 50 steps, half open, each added to the last; 255 DN,
-# sampled about the window's middle, halves rounded up; |error|; its variance with n - 1; the SNR of Table 3.4 from
-# the unrounded pulse, that of Table 4.4 from the rounded one where it is not zero.
-GRID = np.cumsum(np.concatenate([[-0.5], np.full(49, 0.02)]))
+# sampled about the window's middle, halves rounded up; |error|; its variance with n - 1; the SNR
+# of Table 3.4 from the unrounded pulse, that of Table 4.4 from the rounded one above zero.
+GRID = np.cumsum([-0.5] + 49 * [0.02])
 
 # Window, s, mean error, its variance, largest error (and the SNR).
 TABLE_3_3 = [
