@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 import math
 from typing import Any
 
@@ -168,17 +168,23 @@ def locate(
     )
 
 
-def compile_ahead() -> None:
+def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     """
-    Compile the methods that Numba compiles, or load them from its cache.
+    Compile what Numba compiles of these methods, or load it from its cache.
 
-    A node calls it as it starts: the first compilation takes some twenty seconds, which the first
+    A node calls it as it starts: the first compilation takes some ten seconds, which the first
     target would otherwise wait for.
+
+    Parameters
+    ----------
+    methods : iterable of str
+        Keys of `METHODS`; all of them where left out.
+
     """
     bell = np.exp(-((np.arange(7) - 3.0) ** 2) / 4.0)
     lit = np.round(100.0 * bell[:, None] * bell[None, :] + 10.0)[None]
     noise = SensorNoise(gain=1.0, read_noise=1.0)
-    for method in METHODS:
+    for method in methods:
         locate_batch(lit, np.full_like(lit, 10.0), method=method, noise=noise)
 
 

@@ -40,7 +40,7 @@ LEAST_BEARINGS = 100  # fewer say nothing of an rms
 # Its own: a servo on this machine that listens to /target/bearing must not follow a simulation.
 NAMESPACE = f'/demo_{os.getpid()}'
 STOPPED = 'stopped'
-COMPILE = 'from blob_tracker.location import compile_ahead; compile_ahead()'
+COMPILE = 'from blob_tracker.nodes.locator import compile_default; compile_default()'
 STARTUP = 12.0  # s within which the first bearing must come
 LONGEST = 20_000  # frames that are remembered: ten minutes
 WHOLE = 26.0  # s from the start of the nodes to the verdict, at most

@@ -21,10 +21,11 @@ from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3St
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 
+DEFAULT_METHOD = 'maximum_likelihood'
 PARAMETERS = (
     Parameter(
         'method',
-        'maximum_likelihood',
+        DEFAULT_METHOD,
         'How the blob is placed in its window. The default is at the limit that the noise sets; '
         'the others are those of the thesis.',
         choices=tuple(METHODS),
@@ -79,6 +80,7 @@ class LocatorNode(Node):
                     f"parameter 'elliptical' is True; the method '{self._method}' has no such form"
                 )
             self._options['elliptical'] = True
+        compile_ahead([self._method])
         self._saturation = settings['saturation']
         self._noise = SensorNoise(settings['noise.gain'], settings['noise.read_noise'])
         self._health = Health(self, 'no window arrives; is the segmenter running?')
@@ -129,12 +131,12 @@ class LocatorNode(Node):
         return self._camera_model
 
 
-def _compile() -> None:
+def compile_default() -> None:
     """Compile the fits, before the first target could wait for them."""
     print('loading the fits; the first start compiles them for 10 s or so', file=sys.stderr)
-    compile_ahead()
+    compile_ahead([DEFAULT_METHOD])
 
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(LocatorNode, _compile))
+    sys.exit(run(LocatorNode, compile_default))

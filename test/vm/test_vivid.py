@@ -78,7 +78,7 @@ def results(scene, tmp_path_factory) -> Path:
         'NUMBA_CPU_FEATURES': '',
         'NUMBA_CACHE_DIR': str(CACHE / 'numba'),
     }
-    compile_fits = 'from blob_tracker.location import compile_ahead; compile_ahead()'
+    compile_fits = 'import blob_tracker.location as l; l.compile_ahead(["maximum_likelihood"])'
     subprocess.run(
         [sys.executable, '-c', compile_fits], env=os.environ | fits, cwd=folder, check=True
     )
