@@ -2,6 +2,9 @@
 # make demo DEVICE=/dev/video0   the same on a real camera, until Ctrl-C
 #      CAMERA_INFO=file.yaml   its calibration
 # make test               all tests
+# make bench              accuracy and speed beside other people's methods, ten minutes, out/benchmarks
+#      BENCH='speed --quick'   only a part (accuracy, speed, real), fewer windows
+#      BLOB_TRACKER_DATA=folder   where the real pixels are
 # PYTHON=python3.12       another interpreter, 3.10 to 3.13
 
 SHELL := /bin/bash
@@ -18,7 +21,7 @@ SOURCES := $(shell find blob_tracker config launch resource -type f -not -name '
 ENVIRONMENT := source install/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH" \
 	FASTRTPS_DEFAULT_PROFILES_FILE="$(CURDIR)/config/fastdds.xml"
 
-.PHONY: help demo test clean
+.PHONY: help demo test bench clean
 help:
 	@grep '^# ' Makefile | cut -c3-
 
@@ -28,6 +31,10 @@ demo: install/.built
 
 test: install/.built .venv/.test
 	@$(ENVIRONMENT) && python -m pytest $(PYTEST)
+
+# Needs no ROS: the package is read from the source tree. One core for everybody.
+bench: .venv/.bench
+	@OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks --out $(OUT)/benchmarks $(BENCH)
 
 .venv/.run: requirements.txt
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 10) <= v <= (3, 13) else \
@@ -39,6 +46,10 @@ test: install/.built .venv/.test
 
 .venv/.test: requirements/test.txt .venv/.run
 	$(BIN)/pip install --quiet --disable-pip-version-check -r requirements/test.txt
+	@touch $@
+
+.venv/.bench: requirements/benchmarks.txt .venv/.run
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps -r $<
 	@touch $@
 
 install/.built: .venv/.run $(SOURCES)

@@ -103,9 +103,7 @@ def learn_phase_correction(x: ArrayLike, y: ArrayLike) -> PhaseCorrection:
         )
     if not all(np.isfinite(axis).all() for axis in axes.values()):
         raise LocationError('positions to learn from hold NaN or infinity; leave those out')
-    return PhaseCorrection(
-        *(_first_harmonic(position, axis) for axis, position in axes.items()), count
-    )
+    return PhaseCorrection(_first_harmonic(axes['x'], 'x'), _first_harmonic(axes['y'], 'y'), count)
 
 
 def correct_phase(estimates: Estimates, correction: PhaseCorrection) -> Estimates:
