@@ -32,8 +32,7 @@ demo: install/.built
 test: install/.built .venv/.test
 	@$(ENVIRONMENT) && python -m pytest $(PYTEST)
 
-# Needs no ROS: the package is read from the source tree. One core for everybody.
-bench: .venv/.bench
+bench: .venv/.bench  # reads the package from the source tree: it needs neither ROS nor a build
 	@OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks --out $(OUT)/benchmarks $(BENCH)
 
 .venv/.run: requirements.txt

@@ -25,6 +25,7 @@ AXES = {
     'saturation': 'peak over full scale',
 }
 LINES = ('--', '-.', ':')
+FEWEST = 80  # blobs: 8 to a bin of the phase, below it the curves are noise
 MARKERS = 'osv^D<>pPX*hd'
 FRONT = '#000000'
 OWN = ('#c40000', '#0050c8', '#008c3a', '#9a00b4', '#d07800', '#00909c', '#7a5a00', '#b0006a')
@@ -105,7 +106,9 @@ def _bias(folder: Path, biases: Sequence[Bias], ours: Sequence[str]) -> Path:
 
 
 def _phase(folder: Path, real: Sequence[RealRow], ours: Sequence[str]) -> Path:
-    curves = [(row.kind, row.contender, row.phase, row.mean) for row in real]
+    curves = [
+        (row.kind, row.contender, row.phase, row.mean) for row in real if row.total >= FEWEST
+    ]
     figure, panels = _against_phase(curves, ours)
     for axes in panels:
         axes.set_ylabel('mean residual, px')

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import median
 from time import perf_counter
 
 from benchmarks.accuracy import sweeps, Tick
 from benchmarks.contender import Contender, count_for
-from benchmarks.scenes import sample
+from benchmarks.scenes import sample, Scene
 from benchmarks.windows import take
 
 REFERENCE = 'Picasso gaussfit'
+PAIRED = ', lit and unlit'  # ends the name of a scene with an unlit window
+TEXTURE = 0.02  # of the ambient light in those scenes: some windows gain by the unlit one
 SINGLE_CALLS = 100
 
 
@@ -45,14 +47,26 @@ class Pace:
     repeats: int
 
 
+def scenes() -> dict[str, Scene]:
+    """Return the three named scenes, and the same with an unlit window to each lit one."""
+    named = sweeps()['scene']
+    paired = {name + PAIRED: replace(each, texture=TEXTURE) for name, each in named.items()}
+    return {**named, **paired}
+
+
+def steps() -> int:
+    """Return how many ticks `run` makes."""
+    return len(scenes())
+
+
 def run(contenders: Sequence[Contender], count: int, repeats: int, tick: Tick) -> list[Pace]:
     """
-    Return the pace of each contender on the three named scenes.
+    Return the pace of each contender on the named scenes, lit alone and paired.
 
     Contenders take turns within each repeat, so that a busy machine slows all of them alike.
     """
     paces: list[Pace] = []
-    for name, scene in sweeps()['scene'].items():
+    for name, scene in scenes().items():
         tick(f'speed {name}')
         windows = sample(scene, count, 0).windows
         stacks = {c.name: take(windows, count_for(c, count)) for c in contenders}

@@ -37,7 +37,7 @@ class PhaseCorrection:
 
     @property
     def standard_error(self) -> float:
-        """Return the standard error of the correction, px: the same at all phases, along x and y."""
+        """Return the standard error of the correction, px: the same at all phases, in x and y."""
         return 1.0 / (math.pi * math.sqrt(2.0 * self.count))
 
 
