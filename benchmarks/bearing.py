@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 WIDTH, HEIGHT, FOCAL_LENGTH = 1280, 720, 900.0  # px: 71 degrees across
-# A wide lens with barrel distortion, somewhat off its axis: 40 px in the corners.
+# A wide lens with barrel distortion, somewhat off its axis: 110 px in a corner.
 LENS = CameraModel(
     WIDTH,
     HEIGHT,
@@ -94,7 +94,8 @@ def directions(
     Forward through the lens, by OpenCV: the way that CameraModel has to find back.
     """
     found = np.empty((0, 2)), np.empty((0, 2))
-    limits = np.arctan(np.array([WIDTH, HEIGHT]) / (2 * FOCAL_LENGTH))
+    # A fifth beyond the ideal lens' field of view: the barrel draws the edges in.
+    limits = 1.2 * np.arctan(np.array([WIDTH, HEIGHT]) / (2 * FOCAL_LENGTH))
     while len(found[0]) < count:
         angles = random.uniform(-limits, limits, (2 * count, 2))
         azimuth, elevation = angles.T

@@ -10,7 +10,7 @@ from time import perf_counter
 from benchmarks.accuracy import sweeps, Tick
 from benchmarks.contender import Contender, count_for
 from benchmarks.scenes import sample, Scene
-from benchmarks.windows import take
+from benchmarks.windows import take, Windows
 
 REFERENCE = 'Picasso gaussfit'
 PAIRED = ', lit and unlit'  # ends the name of a scene with an unlit window
@@ -102,7 +102,7 @@ def run(contenders: Sequence[Contender], count: int, repeats: int, tick: Tick) -
     return paces
 
 
-def _rate(name: str, stacks: dict, batch: dict[str, list[float]]) -> float:
+def _rate(name: str, stacks: dict[str, Windows], batch: dict[str, list[float]]) -> float:
     return len(stacks[name].lit) / median(batch[name])
 
 

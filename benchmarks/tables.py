@@ -92,7 +92,7 @@ def peers(compared: Sequence[Comparison]) -> Table:
         'peer',
         'rms over that of the peer',
         title='Beside the peers: the named and the target scenes, the same windows',
-        caption='level with: the difference is within its standard error',
+        caption='level with: less than 0.5 % and the standard error apart',
     )
     for each in compared:
         table.add_row(each.verdict, each.peer, f'{each.ratio:.4f} +-{each.spread:.4f}')

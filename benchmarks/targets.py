@@ -66,7 +66,7 @@ class Comparison:
     ratio : float
         Our rms over the peer's, geometric mean over the scenes.
     spread : float
-        Standard error of the ratio's logarithm.
+        Standard error of the ratio's logarithm, for ratios near 1 that of the ratio.
 
     """
 
@@ -76,11 +76,11 @@ class Comparison:
 
     @property
     def verdict(self) -> str:
-        """Say whether we are better, level within the standard error, or behind."""
-        distance = float(np.log(self.ratio))
-        if abs(distance) <= self.spread:
+        """Say better, level with or behind: level is within the standard error and TIE."""
+        distance = self.ratio - 1.0
+        if abs(distance) <= TIE + self.spread:
             return 'level with'
-        return 'better' if distance < 0.0 else 'behind'
+        return 'better than' if distance < 0.0 else 'behind'
 
 
 def judge(report: Report, ours: Sequence[str]) -> list[Target]:
