@@ -9,12 +9,12 @@ from typing import Any
 from blob_tracker.location.centroid import centroid
 from blob_tracker.location.estimates import Estimates, Failure, NOTHING, REASONS
 from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_linear_elliptical
+from blob_tracker.location.kernel import Array, kernel
 from blob_tracker.location.maximum_likelihood import maximum_likelihood
 from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm
 from blob_tracker.location.multi_gaussian_simplex import multi_gaussian_simplex
 from blob_tracker.location.skew import centroid_skew_corrected
 from blob_tracker.types import Location, LocationError, SensorNoise, Window
-from numba import njit
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -104,7 +104,7 @@ def locate_batch(
         np.ascontiguousarray(estimates.covariance),
         np.stack([estimates.amplitude, estimates.background, estimates.sigma, estimates.snr,
                   estimates.chi2]),
-        lit.shape[1:],
+        (lit.shape[1], lit.shape[2]),
         bad,
         estimates.failure,
     )
@@ -201,8 +201,8 @@ def _stack(pixels: ArrayLike, name: str) -> NDArray[np.float64]:
     return stack if stack.flags.writeable else stack.copy()
 
 
-@njit(cache=True)
-def _screen(stack, saturation, bad):
+@kernel
+def _screen(stack: Array, saturation: float, bad: NDArray[np.uint8]) -> None:
     """Flag the windows that no method can work on."""
     for n in range(stack.shape[0]):
         low, high = math.inf, -math.inf
@@ -222,8 +222,16 @@ def _screen(stack, saturation, bad):
             bad[n] = _FLAT
 
 
-@njit(cache=True)
-def _vouch(x, y, covariance, others, shape, bad, failure):
+@kernel
+def _vouch(
+    x: Array,
+    y: Array,
+    covariance: Array,
+    others: Array,
+    shape: tuple[int, int],
+    bad: NDArray[np.uint8],
+    failure: NDArray[np.uint8],
+) -> None:
     """Hold every method to the contract: finite, inside, with a positive definite covariance."""
     for n in range(failure.size):
         if bad[n] != _NONE:
