@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
-from time import perf_counter
+from time import perf_counter, process_time
 
 from benchmarks.accuracy import sweeps, Tick
 from benchmarks.contender import Contender, count_for
@@ -28,9 +28,10 @@ class Pace:
     scene, contender : str
         Names.
     per_second : float
-        Fits a second over a stack, the adapter's conversion of the pixels included.
+        Fits a second of processor time over a stack, all threads counted, the adapter's
+        conversion of the pixels included: what others take of a busy machine does not count.
     single : float
-        Seconds of one call for one window.
+        Seconds of one call for one window, by the clock on the wall.
     ratio : float or None
         per_second over that of Picasso in the same run; None where Picasso is missing.
     count, repeats : int
@@ -79,11 +80,11 @@ def run(contenders: Sequence[Contender], count: int, repeats: int, tick: Tick) -
             for contender in contenders:
                 call = contender.single or contender.locate
                 batch[contender.name].append(
-                    _seconds(lambda: contender.locate(stacks[contender.name]))
+                    _seconds(lambda: contender.locate(stacks[contender.name]), process_time)
                 )
                 calls = count_for(contender, SINGLE_CALLS)
                 single[contender.name].append(
-                    median(_seconds(lambda: call(one)) for _ in range(calls))
+                    median(_seconds(lambda: call(one), perf_counter) for _ in range(calls))
                 )
         reference = _rate(REFERENCE, stacks, batch) if REFERENCE in batch else None
         for contender in contenders:
@@ -106,7 +107,7 @@ def _rate(name: str, stacks: dict[str, Windows], batch: dict[str, list[float]]) 
     return len(stacks[name].lit) / median(batch[name])
 
 
-def _seconds(call: Callable[[], object]) -> float:
-    start = perf_counter()
+def _seconds(call: Callable[[], object], clock: Callable[[], float]) -> float:
+    start = clock()
     call()
-    return perf_counter() - start
+    return clock() - start
