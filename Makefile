@@ -3,6 +3,9 @@
 #      CAMERA_INFO=file.yaml   its calibration
 # make test               all tests
 #      PYTEST='-k segmenter'   a part of them
+# make bench              accuracy and speed beside other people's methods, ten minutes, out/benchmarks
+#      BENCH='speed --quick'   only a part (accuracy, speed, real), fewer windows
+#      BLOB_TRACKER_DATA=folder   where the real pixels are
 # PYTHON=python3.12       another interpreter, 3.10 to 3.13, after `make clean`
 
 SHELL := /bin/bash
@@ -19,7 +22,7 @@ SOURCES := $(shell find blob_tracker config launch resource -type f -not -name '
 ENVIRONMENT := source install/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH" \
 	FASTRTPS_DEFAULT_PROFILES_FILE="$(CURDIR)/config/fastdds.xml"
 
-.PHONY: help demo test clean
+.PHONY: help demo test bench clean
 help:
 	@grep '^# ' Makefile | cut -c3-
 
@@ -30,6 +33,9 @@ demo: install/.built
 test: install/.built .venv/.test
 	@# pytest alone, not python -m: what colcon installed is tested, not what lies here.
 	@$(ENVIRONMENT) && pytest $(PYTEST)
+
+bench: .venv/.bench  # reads the package from the source tree: it needs neither ROS nor a build
+	@OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks --out $(OUT)/benchmarks $(BENCH)
 
 .venv/.run: requirements.txt
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 10) <= v <= (3, 13) else \
@@ -43,6 +49,10 @@ test: install/.built .venv/.test
 	$(BIN)/pip install --quiet --disable-pip-version-check -r requirements/test.txt
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --upgrade \
 	  --target .venv/opencv5 -r requirements/opencv5.txt
+	@touch $@
+
+.venv/.bench: requirements/benchmarks.txt .venv/.run
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps -r $<
 	@touch $@
 
 install/.built: .venv/.run $(SOURCES)
