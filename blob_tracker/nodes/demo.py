@@ -188,6 +188,8 @@ def main(arguments: argparse.Namespace) -> int:
         subprocess.run([sys.executable, '-c', COMPILE], cwd=out, check=True)
     duration = min(arguments.duration, 17.0) if arguments.device is None else float('inf')
     rclpy.init()
+    # A terminal that is closed ends the nodes as Ctrl-C does: they are in sessions of their own.
+    signal.signal(signal.SIGHUP, signal.default_int_handler)
     monitor = Monitor()
     try:
         with ExitStack() as stack:
