@@ -2,7 +2,11 @@
 # make demo DEVICE=/dev/video0   the same on a real camera, until Ctrl-C
 #      CAMERA_INFO=file.yaml   its calibration
 # make test               all tests
-# PYTHON=python3.12       another interpreter, 3.10 to 3.13
+#      PYTEST='-k segmenter'   a part of them
+# make bench              accuracy and speed beside other people's methods, ten minutes, out/benchmarks
+#      BENCH='speed --quick'   only a part (accuracy, speed, real), fewer windows
+#      BLOB_TRACKER_DATA=folder   where the real pixels are
+# PYTHON=python3.12       another interpreter, 3.10 to 3.13, after `make clean`
 
 SHELL := /bin/bash
 .SHELLFLAGS := -e -o pipefail -c
@@ -18,7 +22,7 @@ SOURCES := $(shell find blob_tracker config launch resource -type f -not -name '
 ENVIRONMENT := source install/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH" \
 	FASTRTPS_DEFAULT_PROFILES_FILE="$(CURDIR)/config/fastdds.xml"
 
-.PHONY: help demo test clean
+.PHONY: help demo test bench clean
 help:
 	@grep '^# ' Makefile | cut -c3-
 
@@ -27,25 +31,36 @@ demo: install/.built
 	  $(if $(DEVICE),--device $(DEVICE)) $(if $(CAMERA_INFO),--camera-info $(CAMERA_INFO))
 
 test: install/.built .venv/.test
-	@$(ENVIRONMENT) && python -m pytest $(PYTEST)
+	@# pytest alone, not python -m: what colcon installed is tested, not what lies here.
+	@$(ENVIRONMENT) && pytest $(PYTEST)
+
+bench: .venv/.bench  # reads the package from the source tree: it needs neither ROS nor a build
+	@OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks --out $(OUT)/benchmarks $(BENCH)
 
 .venv/.run: requirements.txt
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 10) <= v <= (3, 13) else \
-	  f"Python {v[0]}.{v[1]} cannot run the ROS wheels; set PYTHON to one of 3.10 to 3.13")'
+	  "Python %d.%d cannot run the ROS wheels; set PYTHON to one of 3.10 to 3.13" % v)'
 	@test -x $(BIN)/pip || $(PYTHON) -m venv .venv || { rm -rf .venv; \
 	  echo 'Python has no venv module here: sudo apt install python3-venv' >&2; exit 1; }
 	$(BIN)/pip install --quiet --disable-pip-version-check -r requirements.txt
 	@touch $@
 
-.venv/.test: requirements/test.txt .venv/.run
+.venv/.test: requirements/test.txt requirements/opencv5.txt .venv/.run
 	$(BIN)/pip install --quiet --disable-pip-version-check -r requirements/test.txt
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --upgrade \
+	  --target .venv/opencv5 -r requirements/opencv5.txt
+	@touch $@
+
+.venv/.bench: requirements/benchmarks.txt .venv/.run
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps -r $<
 	@touch $@
 
 install/.built: .venv/.run $(SOURCES)
 	$(BIN)/colcon list --paths . | grep -q '(ros.ament_python)' || { \
 	  echo 'package.xml is not valid: colcon does not see an ament_python package' >&2; exit 1; }
 	@rm -rf build install  # colcon leaves behind what a source tree no longer has
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/colcon build --paths .
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/colcon build --paths . \
+	  --event-handlers console_direct-
 	@# The fits are compiled now, into the installed package, rather than when a node first starts.
 	@$(ENVIRONMENT) && cd .venv && python -c 'import blob_tracker.location as l; l.compile_ahead()'
 	@touch $@

@@ -26,7 +26,7 @@ setup(
     license='Apache-2.0',
     entry_points={
         'console_scripts': [
-            f'{node} = {NAME}.nodes.{node}:main'
+            f'{node} = {NAME}.nodes.start:{node}'
             for node in ('camera', 'segmenter', 'locator', 'simulator')
         ],
     },

@@ -59,9 +59,9 @@ def main(arguments: list[str] | None = None) -> int:
             lambda what: progress.update(task, description=what, advance=1),
         )
 
-    names = [each.name for each in own + ours.texture_references()]
+    names = [each.name for each in own + ours.texture_references()] + [real_pixels.CORRECTED]
     judged = targets.judge(report, names)
-    for table in tables.figures(report):
+    for table in tables.figures(report, names):
         console.print(table)
     if judged:
         console.print(tables.targets(judged))

@@ -56,6 +56,8 @@ class Row:
         Mean of e^T Cov^-1 e on the target's scenes, 2 where the stated covariance is true.
     champion : float
         rms of maximum_likelihood over the contender's, on the windows that both have located.
+    champion_spread : float
+        Standard error of its logarithm; small where both err alike on the same windows.
 
     """
 
@@ -69,6 +71,7 @@ class Row:
     count: int
     nees: float | None
     champion: float
+    champion_spread: float
 
 
 @dataclass(frozen=True)
@@ -198,10 +201,11 @@ def _row(
     squares = (errors[good] ** 2).mean(axis=1)
     rms = float(np.sqrt(squares.mean())) if good.any() else float('nan')
     both = good & np.isfinite(champion[:count]).all(axis=1)
-    nees = None
+    ahead, ahead_spread = compare(champion[:count][both], errors[both])
+    stated = None
     if sweep == TARGET and contender.covariance is not None and good.any():
-        stated = contender.covariance(take(seen.windows, count))
-        nees = _nees(errors[good], stated[good])
+        covariance = contender.covariance(take(seen.windows, count))
+        stated = nees(errors[good], covariance[good])
     return Row(
         sweep=sweep,
         value=value,
@@ -212,16 +216,32 @@ def _row(
         spread=float(squares.std() / np.sqrt(max(good.sum(), 1)) / (2 * rms) / seen.bound),
         failed=float(1 - good.mean()),
         count=count,
-        nees=nees,
-        champion=_rms(champion[:count][both]) / _rms(errors[both]) if both.any() else np.nan,
+        nees=stated,
+        champion=ahead,
+        champion_spread=ahead_spread,
     )
 
 
-def _rms(errors: NDArray[np.float64]) -> float:
-    return float(np.sqrt(np.mean(errors**2)))
+def compare(
+    ours: NDArray[np.float64], theirs: NDArray[np.float64]
+) -> tuple[float, float]:
+    """
+    Return the ratio of the rms of two methods' (N, 2) errors and the standard error of its log.
+
+    With the squared errors a and b of the two on one window, by the delta method,
+
+        d ln(rms ratio) = (a / mean a - b / mean b) / 2N
+
+    summed over the windows: what noise has done to both alike drops out.
+    """
+    if not len(ours):
+        return float('nan'), float('nan')
+    a, b = (ours**2).sum(axis=1), (theirs**2).sum(axis=1)
+    spread = (a / a.mean() - b / b.mean()).std() / (2 * np.sqrt(len(a)))
+    return float(np.sqrt(a.mean() / b.mean())), float(spread)
 
 
-def _nees(errors: NDArray[np.float64], covariance: NDArray[np.float64]) -> float:
+def nees(errors: NDArray[np.float64], covariance: NDArray[np.float64]) -> float:
     """Return the mean of e^T Cov^-1 e."""
     return float(np.einsum('ni,nij,nj->n', errors, np.linalg.inv(covariance), errors).mean())
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from benchmarks.accuracy import Bias, Row
 from benchmarks.ours import CHAMPION
-from benchmarks.real_pixels import Row as RealRow
+from benchmarks.real_pixels import CORRECTED, Row as RealRow
 from benchmarks.report import Report
 from benchmarks.tables import TITLES
 import matplotlib
@@ -25,8 +25,9 @@ AXES = {
     'saturation': 'peak over full scale',
 }
 LINES = ('--', '-.', ':')
+FEWEST = 80  # blobs: 8 to a bin of the phase, below it the curves are noise
 MARKERS = 'osv^D<>pPX*hd'
-FRONT = '#000000'
+FRONT = {CHAMPION: '#000000', CORRECTED: '#ff5a00'}  # what the figures are about
 OWN = ('#c40000', '#0050c8', '#008c3a', '#9a00b4', '#d07800', '#00909c', '#7a5a00', '#b0006a')
 OTHER = (
     *('#e377c2', '#7f7f7f', '#bcbd22', '#17becf', '#ff9896'),
@@ -49,19 +50,20 @@ def draw(folder: Path, report: Report, ours: Sequence[str]) -> list[Path]:
 
 
 def _style(names: Sequence[str], ours: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Return a look for each contender: this project's dark and thick, the champion on top."""
+    """Return a look for each contender: this project's dark and thick, FRONT on top."""
     styles: dict[str, dict[str, Any]] = {}
     for index, name in enumerate(names):
         own = name in ours
         rank = sum((other in ours) == own for other in names[:index])
         palette = OWN if own else OTHER
         styles[name] = {
-            'color': FRONT if name == CHAMPION else palette[rank % len(palette)],
+            'color': FRONT.get(name, palette[rank % len(palette)]),
+            'alpha': 1.0 if name in FRONT else 0.6,
             'linestyle': '-' if own else LINES[rank % len(LINES)],
-            'linewidth': 2.2 if own else 1.4,
+            'linewidth': 2.6 if name in FRONT else 1.8 if own else 1.4,
             'marker': MARKERS[index % len(MARKERS)],
             'markersize': 4.5,
-            'zorder': 4 if name == CHAMPION else 3 if own else 2,
+            'zorder': 4 if name in FRONT else 3 if own else 2,
         }
     return styles
 
@@ -105,7 +107,9 @@ def _bias(folder: Path, biases: Sequence[Bias], ours: Sequence[str]) -> Path:
 
 
 def _phase(folder: Path, real: Sequence[RealRow], ours: Sequence[str]) -> Path:
-    curves = [(row.kind, row.contender, row.phase, row.mean) for row in real]
+    curves = [
+        (row.kind, row.contender, row.phase, row.mean) for row in real if row.total >= FEWEST
+    ]
     figure, panels = _against_phase(curves, ours)
     for axes in panels:
         axes.set_ylabel('mean residual, px')
@@ -131,6 +135,13 @@ def _against_phase(
 
 
 def _save(figure: Figure, axes: Axes, path: Path) -> Path:
-    axes.legend(loc='center left', bbox_to_anchor=(1.01, 0.5), fontsize=8)
+    """Save the figure with the legend of all its panels beside the one that is given."""
+    lines: dict[str, Any] = {}
+    for panel in figure.axes:
+        for line, label in zip(*panel.get_legend_handles_labels()):
+            lines.setdefault(label, line)
+    axes.legend(
+        lines.values(), lines.keys(), loc='center left', bbox_to_anchor=(1.01, 0.5), fontsize=8
+    )
     figure.savefig(path, dpi=120)
     return path

@@ -6,8 +6,9 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from benchmarks import accuracy, real_pixels, speed
+from benchmarks import accuracy, bearing, real_pixels, speed
 from benchmarks.accuracy import Bias, Row
+from benchmarks.bearing import Row as BearingRow
 from benchmarks.contender import Contender
 from benchmarks.real_pixels import Row as RealRow
 from benchmarks.speed import Pace
@@ -17,16 +18,17 @@ PARTS = ('accuracy', 'speed', 'real')
 
 @dataclass(frozen=True)
 class Sizes:
-    """How much is measured: windows a scene, a phase and a stack, and repeats of the timing."""
+    """How much is measured: windows a scene, phase, lens and stack; repeats of the timing."""
 
     scene: int
     phase: int
+    bearing: int
     stack: int
     repeats: int
 
 
-FULL = Sizes(scene=10_000, phase=400, stack=10_000, repeats=7)
-QUICK = Sizes(scene=1_000, phase=60, stack=2_000, repeats=3)
+FULL = Sizes(scene=10_000, phase=400, bearing=2_000, stack=10_000, repeats=7)
+QUICK = Sizes(scene=1_000, phase=60, bearing=500, stack=2_000, repeats=3)
 
 
 @dataclass(frozen=True)
@@ -35,13 +37,18 @@ class Report:
 
     accuracy: list[Row] = field(default_factory=list)
     bias: list[Bias] = field(default_factory=list)
+    bearing: list[BearingRow] = field(default_factory=list)
     speed: list[Pace] = field(default_factory=list)
     real: list[RealRow] = field(default_factory=list)
 
 
 def steps(parts: Collection[str]) -> int:
     """Return how often `measure` reports what it is at."""
-    each = {'accuracy': accuracy.steps(), 'speed': len(accuracy.NAMED), 'real': 2}
+    each = {
+        'accuracy': accuracy.steps() + bearing.steps(),
+        'speed': speed.steps(),
+        'real': 2,
+    }
     return sum(each[part] for part in parts)
 
 
@@ -57,6 +64,7 @@ def measure(
     if 'accuracy' in parts:
         report.accuracy.extend(accuracy.run(contenders, sizes.scene, tick))
         report.bias.extend(accuracy.run_bias(contenders, sizes.phase, tick))
+        report.bearing.extend(bearing.run(sizes.bearing, tick))
     if 'speed' in parts:
         report.speed.extend(speed.run(contenders, sizes.stack, sizes.repeats, tick))
     if 'real' in parts and data is not None:

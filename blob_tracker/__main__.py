@@ -30,6 +30,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog='python -m blob_tracker', description=__doc__)
     commands = parser.add_subparsers(dest='command', metavar='COMMAND', required=True)
     words = sys.argv[1:] if arguments is None else arguments
+    if '--ros-args' in words:  # what follows is rclpy's, remappings say, which reads it itself
+        words = words[: words.index('--ros-args')]
     for name, (module, summary) in COMMANDS.items():
         command = commands.add_parser(name, help=summary, description=summary)
         if words[:1] == [name]:  # only the command that runs is imported, with all it needs

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from blob_tracker.camera import CameraModel
-from blob_tracker.location import locate
-from blob_tracker.segmentation import Segmenter
+from blob_tracker.camera import CalibrationError, CameraModel, LensError
+from blob_tracker.location import locate, METHODS
+from blob_tracker.segmentation import FrameError, Segmenter
 from blob_tracker.types import Bearing, Frame, LocationError, SensorNoise
 
 
@@ -23,7 +23,13 @@ class Pipeline:
     method : str
         Location method, a key of `blob_tracker.location.METHODS`.
     segmenter : Segmenter, optional
-        Finds the flash; one with default settings where it is left out.
+        Finds the flash; one with default settings where it is left out. Its `reason` tells why
+        the last frame gave no bearing.
+
+    Raises
+    ------
+    ValueError
+        Where there is no such method.
 
     """
 
@@ -35,6 +41,8 @@ class Pipeline:
         method: str = 'maximum_likelihood',
         segmenter: Segmenter | None = None,
     ) -> None:
+        if method not in METHODS:
+            raise ValueError(f"no method '{method}'; there is {', '.join(METHODS)}")
         self.camera_model = camera_model
         self.noise = noise
         self.method = method
@@ -47,7 +55,7 @@ class Pipeline:
         Parameters
         ----------
         frames : iterable of Frame
-            In the order of their stamps.
+            In the order of their stamps; one that is late or comes twice is left out.
 
         Yields
         ------
@@ -56,16 +64,26 @@ class Pipeline:
 
         Raises
         ------
-        FrameError
-            Where a frame cannot follow the one before it.
+        CalibrationError
+            Where a frame is larger than the picture that was calibrated.
 
         """
         for frame in frames:
-            window = self.segmenter.update(frame)
-            if window is None:
-                continue
+            self._check_size(frame)
             try:
-                location = locate(window, method=self.method, noise=self.noise)
-            except LocationError:
-                continue  # silence, never a wrong angle
-            yield self.camera_model.bearing(location)
+                window = self.segmenter.update(frame)
+                if window is not None:
+                    location = locate(window, method=self.method, noise=self.noise)
+                    yield self.camera_model.bearing(location)
+            except (FrameError, LocationError, LensError) as error:
+                self.segmenter.reason = str(error)  # silence, never a wrong angle
+
+    def _check_size(self, frame: Frame) -> None:
+        """Refuse a frame that the calibration does not cover."""
+        height, width = frame.image.shape
+        right, bottom = frame.x0 + width * frame.binning[0], frame.y0 + height * frame.binning[1]
+        if right > self.camera_model.width or bottom > self.camera_model.height:
+            raise CalibrationError(
+                f'the frame reaches to ({right}, {bottom}) px and the calibration is for '
+                f'{self.camera_model.width} x {self.camera_model.height} px'
+            )

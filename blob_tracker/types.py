@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-
 # Raw pixels as a camera gives them, DN in uint8 or uint16.
 Pixels = NDArray[np.unsignedinteger[Any]]
 
@@ -58,9 +57,9 @@ class Frame:
     Parameters
     ----------
     image : (h, w) uint8 or uint16 array
-        Raw DN.
+        Raw DN. It is looked at again when the next frame comes: do not refill it.
     stamp_ns : int
-        Middle of the exposure, ns of ROS time.
+        Time of the exposure, ns of ROS time.
     saturation : int
         The DN at which a pixel is clipped.
     x0, y0 : int

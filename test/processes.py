@@ -49,6 +49,10 @@ class Process:
         """Tell whether the process lives."""
         return self._popen.poll() is None
 
+    def libraries(self) -> str:
+        """Return the names of the libraries that the process has loaded so far."""
+        return Path(f'/proc/{self._popen.pid}/maps').read_text()
+
     def end(self, number: int = signal.SIGINT, timeout: float = EXIT) -> int:
         """Send a signal, wait for the end, and return the exit code."""
         if self.running:

@@ -1,9 +1,11 @@
 """Frames in, bearings out, without ROS: within the budget, and with a true covariance."""
 
 from blob_tracker import CameraModel, Frame, Pipeline
+from blob_tracker.camera import CalibrationError
 from blob_tracker.resources import config_path
 from blob_tracker.simulation import FlashingLight
 import numpy as np
+import pytest
 
 FRAMES = 240
 BUDGET = 0.05  # px rms, what the thesis wanted
@@ -26,6 +28,19 @@ def test_every_lit_frame_is_placed_within_the_budget() -> None:
     assert np.sqrt(np.mean(np.square(errors))) <= BUDGET
     # The mean of n draws of chi-square with 2 degrees of freedom: 95 % of them lie within this.
     assert abs(np.mean(nees) - 2.0) < 1.96 * 2.0 / np.sqrt(len(nees))
+
+
+def test_late_frames_are_left_out_and_wrong_use_is_named() -> None:
+    """A frame that comes twice ends nothing; an unknown method or another size does."""
+    scene = FlashingLight(width=160, height=120)
+    model = CameraModel.from_field_of_view(160, 120, 50.0)
+    frames = [Frame(scene.frame(k), 1 + k * 10**7, 255) for k in (1, 1, 2)]
+    assert len(list(Pipeline(model, noise=scene.noise).run(frames))) == 1
+    with pytest.raises(ValueError, match="no method 'magic'; there is centroid"):
+        Pipeline(model, noise=scene.noise, method='magic')
+    small = CameraModel.from_field_of_view(100, 100, 50.0)
+    with pytest.raises(CalibrationError, match=r'reaches to \(160, 120\) px'):
+        list(Pipeline(small, noise=scene.noise).run(frames))
 
 
 def test_no_flash_is_silence() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -85,6 +87,7 @@ def unproject(
     ray = inverse @ (pixel - matrix[:2, 2])
     if not distortion.any():
         return ray, inverse
+    fold = _fold_radius(tuple(distortion.tolist()))
     for _ in range(MAX_ITERATIONS):
         imaged, derivative = project(ray, matrix, distortion)
         try:
@@ -93,9 +96,30 @@ def unproject(
             break
         error = pixel - imaged
         if np.abs(error).max() < CLOSE_ENOUGH:
+            if np.hypot(*ray) >= fold:
+                break  # a second ray onto this pixel, from beyond where the model turns back
             return ray, inverse
         ray = ray + inverse @ error
     raise LensError(
         f'no ray leads to the pixel ({pixel[0]:.1f}, {pixel[1]:.1f}): '
         'the distortion coefficients do not hold there'
     )
+
+
+@lru_cache(maxsize=8)
+def _fold_radius(distortion: tuple[float, ...]) -> float:
+    """
+    Return the least tan(angle to the axis) at which the distorted picture turns back.
+
+    There the derivative's determinant changes sign: beyond it two rays share a pixel, and only
+    the one nearer to the axis is the lens'. Infinite where it does not happen within 89 degrees.
+    """
+    radii = np.tan(np.radians(np.linspace(0.0, 89.0, 891)))[1:]
+    first = np.inf
+    for direction in np.arange(8) * np.pi / 4:
+        for radius in radii[radii < first]:
+            ray = radius * np.array([np.cos(direction), np.sin(direction)])
+            if np.linalg.det(project(ray, np.eye(3), np.array(distortion))[1]) <= 0.0:
+                first = float(radius)
+                break
+    return first

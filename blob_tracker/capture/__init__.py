@@ -1,7 +1,7 @@
 """Light -> Frame: where pictures come from."""
 
-from blob_tracker.capture.errors import CaptureError
+from blob_tracker.capture.errors import CaptureError, NoFrameError
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 from blob_tracker.capture.v4l2 import V4l2Camera
 
-__all__ = ['CaptureError', 'PIXEL_FORMATS', 'V4l2Camera']
+__all__ = ['CaptureError', 'NoFrameError', 'PIXEL_FORMATS', 'V4l2Camera']

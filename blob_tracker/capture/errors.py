@@ -3,3 +3,7 @@
 
 class CaptureError(RuntimeError):
     """No frame can be had; the message says what is wrong and what would be right."""
+
+
+class NoFrameError(CaptureError):
+    """No frame came in time; the camera may be read again."""

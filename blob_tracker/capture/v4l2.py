@@ -14,7 +14,7 @@ from types import TracebackType
 from blob_tracker.capture import videodev2
 from blob_tracker.capture.clock import RealtimeClock
 from blob_tracker.capture.device import busy, open_capture_device
-from blob_tracker.capture.errors import CaptureError
+from blob_tracker.capture.errors import CaptureError, NoFrameError
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 from blob_tracker.types import Frame
 
@@ -136,9 +136,10 @@ class V4l2Camera:
 
         Raises
         ------
+        NoFrameError
+            No frame came in time; the camera may be read again.
         CaptureError
-            No frame came in time, or the device is gone. After a time-out the camera may be read
-            again; a device that is gone has to be opened again.
+            The device is gone or has stopped; it has to be opened again.
 
         """
         if self._fd < 0:
@@ -374,7 +375,7 @@ class V4l2Camera:
     def _wait(self, deadline: float, timeout: float) -> None:
         ready = self._poll.poll(max(0.0, deadline - time.monotonic()) * 1e3)
         if not ready:
-            raise CaptureError(f'{self.device}: no frame for {timeout:.1f} s{self._signal()}')
+            raise NoFrameError(f'{self.device}: no frame for {timeout:.1f} s{self._signal()}')
         if not ready[0][1] & select.POLLIN:
             # An error alone; a driver that knows its number gives it with the next buffer.
             self._dequeue()

@@ -2,5 +2,11 @@
 
 from blob_tracker.location.estimates import Estimates
 from blob_tracker.location.locate import compile_ahead, locate, locate_batch, METHODS
+from blob_tracker.location.phase_correction import (
+    correct_phase, learn_phase_correction, PhaseCorrection,
+)
 
-__all__ = ['Estimates', 'METHODS', 'compile_ahead', 'locate', 'locate_batch']
+__all__ = [
+    'Estimates', 'METHODS', 'PhaseCorrection', 'compile_ahead', 'correct_phase',
+    'learn_phase_correction', 'locate', 'locate_batch',
+]

@@ -66,7 +66,7 @@ def gaussian_linear(
         ln s = a0 + a1 x + a2 (x^2 + y^2) + a3 y                        (thesis, eq. 4.12, 4.14)
         x = -a1 / 2 a2,   y = -a3 / 2 a2,   sigma^2 = -1 / 2 a2
 
-    The signal s is lit - unlit, or lit less the mean of the window's border. Pixels that round
+    The signal s is lit - unlit, or lit less the mean of the window's corners. Pixels that round
     to zero, and clipped ones, are left out. The logarithm blows up the noise of faint pixels;
     `weighted` gives each its s^2, the inverse of the variance of ln s up to a factor (Guo, IEEE
     Signal Processing Magazine 28 (2011) 134).
@@ -76,9 +76,11 @@ def gaussian_linear(
     HC2 and HC3 of MacKinnon and White, J. Econometrics 29 (1985) 305), since no model holds for
     the logarithm of a faint pixel. The few bright pixels that bear the weighted fit do not show
     their own scatter well; half of theirs is the noise v carried through the logarithm,
-    v / (s^2 + v). It is true to about an eighth, and about the mean over all sub-pixel places:
-    leaving out the pixels that the noise drove below zero bends the fit, and a pulse that is
-    integrated over its pixels is not quite a Gaussian.
+    v / (s^2 + v). At a peak SNR of some thirty and sigma 1.7 in 11 x 11 it lies within the 95 %
+    bounds of 2000 windows, about the mean over all sub-pixel places. Elsewhere it is off by a
+    tenth (NEES 1.8 to 2.2 of 2 at sigma 1.4 in 9 x 9, amplitude 100 to 600 DN), and much too large
+    where the background is taken from corners that the pulse reaches (sigma 3 in 9 x 9, lit only:
+    NEES 1.0, 1.3 weighted), since the misfit shows as scatter.
 
     Parameters
     ----------

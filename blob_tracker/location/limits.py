@@ -87,7 +87,9 @@ def cramer_rao_bound(
     across, across_x, across_sigma = profile(shape[1], x, widths)
     down, down_y, down_sigma = profile(shape[0], y, heights)
 
-    def on_pixels(along_y: NDArray[np.float64], along_x: NDArray[np.float64]) -> NDArray:
+    def on_pixels(
+        along_y: NDArray[np.float64], along_x: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
         return (along_y[:, :, None] * along_x[:, None, :]).reshape(peaks.size, -1)
 
     pulse = peaks @ on_pixels(down, across)

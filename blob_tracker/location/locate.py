@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 import math
 from typing import Any
 
 from blob_tracker.location.centroid import centroid
 from blob_tracker.location.estimates import Estimates, Failure, NOTHING, REASONS
 from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_linear_elliptical
+from blob_tracker.location.kernel import Array, kernel
 from blob_tracker.location.maximum_likelihood import maximum_likelihood
 from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm
 from blob_tracker.location.multi_gaussian_simplex import multi_gaussian_simplex
 from blob_tracker.location.skew import centroid_skew_corrected
 from blob_tracker.types import Location, LocationError, SensorNoise, Window
-from numba import njit
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -104,7 +104,7 @@ def locate_batch(
         np.ascontiguousarray(estimates.covariance),
         np.stack([estimates.amplitude, estimates.background, estimates.sigma, estimates.snr,
                   estimates.chi2]),
-        lit.shape[1:],
+        (lit.shape[1], lit.shape[2]),
         bad,
         estimates.failure,
     )
@@ -168,16 +168,24 @@ def locate(
     )
 
 
-def compile_ahead() -> None:
+def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     """
-    Compile the methods that Numba compiles, or load them from its cache.
+    Compile what Numba compiles of these methods, or load it from its cache.
 
-    A node calls it as it starts: the first compilation takes about ten seconds, which the first
+    A node calls it as it starts: the first compilation takes some ten seconds, which the first
     target would otherwise wait for.
+
+    Parameters
+    ----------
+    methods : iterable of str
+        Keys of `METHODS`; all of them where left out.
+
     """
     bell = np.exp(-((np.arange(7) - 3.0) ** 2) / 4.0)
     lit = np.round(100.0 * bell[:, None] * bell[None, :] + 10.0)[None]
-    locate_batch(lit, np.full_like(lit, 10.0), noise=SensorNoise(gain=1.0, read_noise=1.0))
+    noise = SensorNoise(gain=1.0, read_noise=1.0)
+    for method in methods:
+        locate_batch(lit, np.full_like(lit, 10.0), method=method, noise=noise)
 
 
 def _numbers(pixels: ArrayLike, name: str) -> NDArray[Any]:
@@ -201,8 +209,8 @@ def _stack(pixels: ArrayLike, name: str) -> NDArray[np.float64]:
     return stack if stack.flags.writeable else stack.copy()
 
 
-@njit(cache=True)
-def _screen(stack, saturation, bad):
+@kernel
+def _screen(stack: Array, saturation: float, bad: NDArray[np.uint8]) -> None:
     """Flag the windows that no method can work on."""
     for n in range(stack.shape[0]):
         low, high = math.inf, -math.inf
@@ -222,8 +230,16 @@ def _screen(stack, saturation, bad):
             bad[n] = _FLAT
 
 
-@njit(cache=True)
-def _vouch(x, y, covariance, others, shape, bad, failure):
+@kernel
+def _vouch(
+    x: Array,
+    y: Array,
+    covariance: Array,
+    others: Array,
+    shape: tuple[int, int],
+    bad: NDArray[np.uint8],
+    failure: NDArray[np.uint8],
+) -> None:
     """Hold every method to the contract: finite, inside, with a positive definite covariance."""
     for n in range(failure.size):
         if bad[n] != _NONE:

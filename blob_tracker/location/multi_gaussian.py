@@ -6,9 +6,9 @@ from collections.abc import Callable
 import math
 
 from blob_tracker.location.estimates import Estimates, Failure, outside
+from blob_tracker.location.kernel import Array, kernel
 from blob_tracker.location.signal import count_clipped, signal_above_background
 from blob_tracker.types import LocationError, SensorNoise
-from numba import njit
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,7 +17,7 @@ AMPLITUDES = np.array([154.25, 77.68, 22.07]) / 254.0
 WIDTHS = np.array([1.0, 2.57, 4.97]) / math.sqrt(2.0)
 HALF_AREA = 4.15  # s^2 of the first Gaussian: the area where that blob is above half its peak
 FAINTEST = 3.0  # standard deviations of the brightest pixel
-NARROWEST = 0.05  # px: narrower, a Gaussian is a point that one pixel sees or none does
+NARROWEST = 0.5  # px: a narrower Gaussian is one pixel's, and a fit gives it that pixel's noise
 FARTHEST = 1e7  # px or DN: two amplitudes that cancel beyond it leave no digits
 
 Fit = Callable[
@@ -26,8 +26,8 @@ Fit = Callable[
 ]
 
 
-@njit(cache=True)
-def three_gaussians(theta, height, width):
+@kernel
+def three_gaussians(theta: Array, height: int, width: int) -> Array:
     r"""
     Return the sum of three sampled Gaussians with one mean (thesis, eq. 4.35, 4.36).
 
@@ -58,8 +58,8 @@ def three_gaussians(theta, height, width):
     return model
 
 
-@njit(cache=True)
-def jacobian(theta, height, width):
+@kernel
+def jacobian(theta: Array, height: int, width: int) -> Array:
     """Return the (h w, P) derivatives of `three_gaussians` by its parameters."""
     slopes = np.zeros((height * width, theta.size))
     for pulse in range(3):
@@ -77,8 +77,8 @@ def jacobian(theta, height, width):
     return slopes
 
 
-@njit(cache=True)
-def _row(centre, sigma, count):
+@kernel
+def _row(centre: float, sigma: float, count: int) -> Array:
     """Return `sampled_profile` of one Gaussian: value, by centre, by sigma, each (count,)."""
     # The sign of a width means nothing; its slope keeps it.
     sigma = math.copysign(max(abs(sigma), NARROWEST), sigma)
@@ -92,8 +92,8 @@ def _row(centre, sigma, count):
     return profile
 
 
-@njit(cache=True)
-def three_gaussians_1d(theta, count):
+@kernel
+def three_gaussians_1d(theta: Array, count: int) -> Array:
     r"""
     Return f(k) = sum_l A_l exp(-(k - mu)^2 / 2 sigma_l^2), k = 0 ... count - 1 (thesis, eq. 4.32).
 
@@ -116,8 +116,8 @@ def three_gaussians_1d(theta, count):
     return model
 
 
-@njit(cache=True)
-def jacobian_1d(theta, count):
+@kernel
+def jacobian_1d(theta: Array, count: int) -> Array:
     """Return the (count, 7) derivatives of `three_gaussians_1d` by its parameters."""
     slopes = np.zeros((count, 7))
     for pulse in range(3):

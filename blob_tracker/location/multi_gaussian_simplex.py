@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from blob_tracker.location.estimates import Estimates
+from blob_tracker.location.kernel import Array, kernel
 from blob_tracker.location.multi_gaussian import (
     locate_by_fit,
     start_1d,
@@ -17,7 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize
 
 STANDARD_ERROR = 1e-3  # DN^2: what a tenth of the standard deviation of rounding changes
-EVALUATIONS = 6000
+EVALUATIONS = 1500  # a round
+ROUNDS = 5
+AT_REST = 1e-3  # px in a round
 
 
 def multi_gaussian_simplex(
@@ -35,7 +38,8 @@ def multi_gaussian_simplex(
 
     with f of `three_gaussians`. It ends when the standard error of the values at the simplex'
     corners, sqrt(sum (s - mean s)^2 / n), is small (thesis, section 4.3), whatever the
-    simplex' size: when their range is, which holds the standard error below it.
+    simplex' size: when their range is, which holds the standard error below it. It also ends
+    when a simplex that is built anew about the best point leaves the mean where it was.
 
     The rest is as in `multi_gaussian_lm`, which finds the same minimum a hundred times faster.
 
@@ -72,7 +76,8 @@ def multi_gaussian_simplex_1d(values: ArrayLike) -> NDArray[np.float64]:
         return float(residual @ residual)
 
     start = start_1d(row)
-    best, at_rest = _descend(squared_error, start, np.concatenate([[0.5], 0.1 * start[1:]]))
+    edge = np.concatenate([[0.5], 0.1 * start[1:]])
+    best, at_rest = _descend(squared_error, start, edge, ROUNDS * EVALUATIONS)
     if not at_rest:
         raise LocationError('the fit of three Gaussians did not settle')
     return best
@@ -83,19 +88,39 @@ def _fit(
     usable: NDArray[np.bool_],
     start: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], bool]:
-    """Return the parameters of least squares, and whether the simplex came to rest."""
+    """Return the parameters of least squares, and whether the simplex or its mean came to rest."""
 
     def squared_error(theta: NDArray[np.float64]) -> float:
-        residual = (three_gaussians(theta, *pixels.shape) - pixels)[usable]
-        return float(residual @ residual)
+        return _squared_error(theta, pixels, usable)
 
-    return _descend(squared_error, start, np.concatenate([[0.5, 0.5], 0.1 * start[2:]]))
+    # A simplex creeps along the valley where one Gaussian is enough; a new one about its best
+    # shows whether the mean, which the three share, still moves.
+    for _ in range(ROUNDS):
+        edge = np.concatenate([[0.5, 0.5], 0.1 * start[2:]])
+        best, at_rest = _descend(squared_error, start, edge)
+        if at_rest or np.abs(best[:2] - start[:2]).max() < AT_REST:
+            return best, True
+        start = best
+    return start, False
+
+
+@kernel
+def _squared_error(theta: Array, pixels: Array, usable: NDArray[np.bool_]) -> float:
+    """Return the sum of the squared residuals of the usable pixels."""
+    model = three_gaussians(theta, pixels.shape[0], pixels.shape[1])
+    total = 0.0
+    for j in range(pixels.shape[0]):
+        for i in range(pixels.shape[1]):
+            if usable[j, i]:
+                total += (model[j, i] - pixels[j, i]) ** 2
+    return total
 
 
 def _descend(
     squared_error: Callable[[NDArray[np.float64]], float],
     start: NDArray[np.float64],
     edge: NDArray[np.float64],
+    evaluations: int = EVALUATIONS,
 ) -> tuple[NDArray[np.float64], bool]:
     """Run the simplex from corners an edge off the start; return its best, and if it rests."""
     corners = np.tile(start, (start.size + 1, 1))
@@ -105,7 +130,7 @@ def _descend(
             squared_error, start, method='Nelder-Mead',
             options={
                 'initial_simplex': corners, 'adaptive': True, 'xatol': np.inf,
-                'fatol': STANDARD_ERROR, 'maxfev': EVALUATIONS, 'maxiter': EVALUATIONS,
+                'fatol': STANDARD_ERROR, 'maxfev': evaluations, 'maxiter': evaluations,
             },
         )
     return found.x, bool(found.success)

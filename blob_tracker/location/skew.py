@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
-from blob_tracker.location.centroid import moments
+import math
+
 from blob_tracker.location.estimates import Estimates, Failure, outside
+from blob_tracker.location.kernel import Array, kernel
+from blob_tracker.location.likelihood import empty_profiles, fill_profile, Profiles
+from blob_tracker.location.moments import misfit, Moments, moments
+from blob_tracker.location.normal_equations import empty_equations, NormalEquations, solve
 from blob_tracker.location.pulse import integrated_profile, sampled_profile
-from blob_tracker.location.signal import count_clipped, signal_above_background
+from blob_tracker.location.signal import corner_weights, count_clipped
 from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 STEPS = 30
 SETTLED = 1e-7  # px
+NEARBY = 1e-5  # px: the step of the Jacobian's differences
+NARROWEST = 0.2  # px: narrower, the moments are those of one pixel
 WIDEST = 0.5  # times the window: beyond it the moments are the window's, not the pulse's
+
+_NONE = int(Failure.NONE)
 
 
 def skew_error(
@@ -61,12 +70,18 @@ def centroid_skew_corrected(
 
     The centroid and the second moment of the window (as in `centroid`) are those of a cut
     Gaussian. Newton's method finds the (x, y, sigma) whose pixel-integrated Gaussian, cut alike
-    and with the mean of its own border taken off where there is no unlit window, has the same
+    and with the mean of its own corners taken off where there is no unlit window, has the same
     three. The correction of x is `skew_error` where the background is known.
 
     The covariance is that of the three moments, linear in the pixels, carried through the
     inverse of Newton's Jacobian; the amplitude is the signal's sum over that of the unit pulse.
     The estimate has no bias but that of a ratio of noisy sums, of second order in 1 / SNR.
+
+    No pulse has the moments of a window whose second moment the noise has thrown below that of
+    a pixel or near that of the window itself, as it does with every other one at a peak SNR of
+    3. What is known then is the plain centroid, and that the skew is at most that of the widest
+    pulse that is taken, d: the answer is the centroid, with d d^T / 3 added to its covariance
+    (an error that is even between none and d).
 
     Parameters
     ----------
@@ -80,89 +95,183 @@ def centroid_skew_corrected(
     Returns
     -------
     Estimates
-        Failure NO_SIGNAL as in `centroid`, OUTSIDE where the position leaves the window,
-        TOO_WIDE where the second moment is that of the window itself, TOO_NARROW where it is
-        that of one pixel, NOT_CONVERGED where no cut Gaussian has these moments.
+        Failure NO_SIGNAL as in `centroid`, OUTSIDE where the position leaves the window.
 
     """
-    signal = signal_above_background(lit, unlit, noise)
-    found = moments(signal)
-    count, height, width = lit.shape
-    dx, dy = found.offsets(signal)
-    spread = 0.5 * (dx**2 + dy**2) - found.width[:, None, None]
-    shape = (count, height, width)
-    influence = np.stack([np.broadcast_to(part, shape) for part in (dx, dy, spread)], axis=1)
-    covariance = signal.spread(influence / found.total[:, None, None, None])
-
-    target = np.stack([found.x, found.y, found.width], axis=1)
-    middle = np.array([(width - 1) / 2.0, (height - 1) / 2.0])
-    theta = np.empty((count, 3))
-    theta[:, :2] = np.clip(target[:, :2], 0.0, 2.0 * middle)
-    theta[:, 2] = np.sqrt(np.clip(target[:, 2], 0.25, (max(height, width) / 4.0) ** 2))
-    lowest = np.array([-1.0, -1.0, 0.15])
-    highest = np.array([width, height, 2.0 * WIDEST * max(height, width)])
-    settled = np.zeros(count, dtype=bool)
-    jacobian = np.tile(np.eye(3), (count, 1, 1))
-    unit = np.ones(count)
-    for _ in range(STEPS):
-        value, unit = _cut_moments(shape, theta, signal.border)
-        for p in range(3):
-            nearby = theta.copy()
-            nearby[:, p] += 1e-5
-            jacobian[:, :, p] = (_cut_moments(shape, nearby, signal.border)[0] - value) / 1e-5
-        regular = np.abs(np.linalg.det(jacobian)) > 1e-9
-        jacobian[~regular] = np.eye(3)
-        step = np.linalg.solve(jacobian, (target - value)[:, :, None])[:, :, 0]
-        step = np.clip(step, -0.5, 0.5)
-        theta = np.clip(theta + step, lowest, highest)
-        settled = regular & (np.abs(step).max(axis=1) < SETTLED)
-        if (settled | (found.failure != Failure.NONE)).all():
-            break
-    inverse = np.linalg.inv(jacobian)
-    covariance = (inverse @ covariance @ inverse.transpose(0, 2, 1))[:, :2, :2]
-
-    failure = outside(theta[:, 0], theta[:, 1], shape, found.failure)
-    fresh = failure == Failure.NONE
-    failure[fresh & ~settled] = Failure.NOT_CONVERGED
-    failure[fresh & (theta[:, 2] > WIDEST * max(height, width))] = Failure.TOO_WIDE
-    failure[fresh & (theta[:, 2] < 0.2)] = Failure.TOO_NARROW
-    failure[fresh & (unit <= 0.0)] = Failure.TOO_WIDE
-    amplitude = found.total / np.where(unit > 0.0, unit, 1.0)
-    pulse = _pulse(shape, theta)
-    tail = np.einsum('nhw,hw->n', pulse, signal.border)
-    model = amplitude[:, None, None] * (pulse - tail[:, None, None])
-    snr, chi2 = signal.quality(amplitude, model, 5, noise)
+    found = moments(lit, unlit, noise)
+    failure = found.failure.copy()
+    # x, y, amplitude, level, sigma, SNR, chi2.
+    table = np.zeros((7, lit.shape[0]))
+    covariance = np.zeros((lit.shape[0], 2, 2))
+    _invert_all(
+        lit, lit[:0] if unlit is None else unlit, 1.0 / noise.gain,
+        noise.read_noise**2 + 1.0 / 12.0, corner_weights(lit.shape[1], lit.shape[2]), found,
+        table, covariance,
+    )
+    x, y, amplitude, background, sigma, snr, chi2 = table
     return Estimates(
-        x=theta[:, 0],
-        y=theta[:, 1],
+        x=x,
+        y=y,
         covariance=covariance,
         amplitude=amplitude,
-        background=signal.background - amplitude * tail,
-        sigma=theta[:, 2],
+        background=background,
+        sigma=sigma,
         snr=snr,
         chi2=chi2,
         saturated=count_clipped(lit, saturation),
-        failure=failure,
+        failure=outside(x, y, lit.shape, failure),
     )
 
 
-def _pulse(shape: tuple[int, int, int], theta: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the (N, h, w) unit pulses of the (N, 3) parameters x, y, sigma."""
-    across = integrated_profile(shape[2], theta[:, 0], theta[:, 2])[0]
-    down = integrated_profile(shape[1], theta[:, 1], theta[:, 2])[0]
-    return down[:, :, None] * across[:, None, :]
+@kernel
+def _invert_all(
+    lit: Array,
+    unlit: Array,
+    shot: float,
+    floor: float,
+    corners: Array,
+    found: Moments,
+    table: Array,
+    covariance: Array,
+) -> None:
+    """Fill the table and the covariances from the moments."""
+    count, height, width = lit.shape
+    paired = unlit.shape[0] > 0
+    profiles = empty_profiles(height, width)
+    equations = empty_equations()
+    theta = np.empty(3)
+    value = np.empty(3)
+    nearby = np.empty(3)
+    jacobian = np.empty((3, 3))
+    widest = WIDEST * max(height, width)
+    for n in range(count):
+        if found.failure[n] != _NONE:
+            continue
+        target = found.value[n]
+        theta[0] = min(max(target[0], 0.0), width - 1.0)
+        theta[1] = min(max(target[1], 0.0), height - 1.0)
+        theta[2] = min(max(math.sqrt(max(target[2], 0.25)), 0.5), max(height, width) / 4.0)
+        settled = False
+        for _ in range(STEPS):
+            if not _cut_moments(theta, profiles, corners, paired, value):
+                break
+            for p in range(3):
+                theta[p] += NEARBY
+                _cut_moments(theta, profiles, corners, paired, nearby)
+                theta[p] -= NEARBY
+                for q in range(3):
+                    jacobian[q, p] = (nearby[q] - value[q]) / NEARBY
+            if not _newton(jacobian, target, value, equations):
+                break
+            longest = 0.0
+            for p in range(3):
+                step = min(max(equations.solution[p], -0.5), 0.5)
+                longest = max(longest, abs(step))
+                theta[p] += step
+            theta[2] = min(max(theta[2], 0.5 * NARROWEST), 1.2 * widest)
+            if longest < SETTLED:
+                settled = True
+                break
+        settled = settled and NARROWEST < theta[2] < widest
+        settled = settled and -0.5 <= theta[0] <= width - 0.5 and -0.5 <= theta[1] <= height - 0.5
+        if settled:
+            _carry(jacobian, found.covariance[n], covariance[n])
+        else:
+            # The centroid, with the skew of the widest pulse as its uncertainty.
+            middle_x, middle_y = 0.5 * (width - 1), 0.5 * (height - 1)
+            theta[0], theta[1], theta[2] = middle_x + 0.25, middle_y + 0.25, widest
+            _cut_moments(theta, profiles, corners, paired, value)
+            skew_x = (target[0] - middle_x) * (0.25 / max(value[0] - middle_x, 0.05) - 1.0)
+            skew_y = (target[1] - middle_y) * (0.25 / max(value[1] - middle_y, 0.05) - 1.0)
+            theta[0], theta[1] = target[0], target[1]
+            theta[2] = min(max(math.sqrt(max(target[2], 0.0)), NARROWEST), widest)
+            covariance[n] = found.covariance[n, :2, :2]
+            covariance[n, 0, 0] += skew_x**2 / 3.0
+            covariance[n, 0, 1] += skew_x * skew_y / 3.0
+            covariance[n, 1, 0] += skew_x * skew_y / 3.0
+            covariance[n, 1, 1] += skew_y**2 / 3.0
+        fill_profile(theta[0], theta[2], profiles.across)
+        fill_profile(theta[1], theta[2], profiles.down)
+        tail = 0.0 if paired else _tail(profiles, corners)
+        unit = profiles.across[0].sum() * profiles.down[0].sum() - height * width * tail
+        amplitude = found.total[n] / max(unit, 0.5)
+        table[0, n], table[1, n] = theta[0], theta[1]
+        table[2, n] = amplitude
+        table[3, n] = found.background[n] - amplitude * tail
+        table[4, n] = theta[2]
+        table[5, n], table[6, n] = misfit(
+            lit, unlit, n, shot, floor, amplitude, table[3, n], profiles
+        )
 
 
+@kernel
 def _cut_moments(
-    shape: tuple[int, int, int], theta: NDArray[np.float64], border: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return centroid and second moment (N, 3) of unit pulses cut by the window; their sum."""
-    pulse = _pulse(shape, theta)
-    pulse -= np.einsum('nhw,hw->n', pulse, border)[:, None, None]
-    total = pulse.sum(axis=(1, 2))
-    safe = np.where(total > 0.0, total, 1.0)
-    along_x, along_y = pulse.sum(axis=1), pulse.sum(axis=2)
-    columns, rows = np.arange(shape[2]), np.arange(shape[1])
-    x, y = along_x @ columns / safe, along_y @ rows / safe
-    second = along_x @ columns**2 / safe - x**2 + along_y @ rows**2 / safe - y**2
-    return np.stack([x, y, 0.5 * second], axis=1), total
+    theta: Array, profiles: Profiles, corners: Array, paired: bool, value: Array
+) -> bool:
+    """Fill value with the moments of the pulse that the window cuts; False where it has none."""
+    fill_profile(theta[0], theta[2], profiles.across)
+    fill_profile(theta[1], theta[2], profiles.down)
+    tail = 0.0 if paired else _tail(profiles, corners)
+    width, height = profiles.across.shape[1], profiles.down.shape[1]
+    x0, x1, x2 = _powers(profiles.across[0])
+    y0, y1, y2 = _powers(profiles.down[0])
+    total = x0 * y0 - tail * width * height
+    if not total > 1e-6 * x0 * y0:
+        return False
+    # The sums of k and of k^2 over a row are n (n - 1) / 2 and n (n - 1) (2 n - 1) / 6.
+    x1 = (x1 * y0 - tail * height * width * (width - 1) / 2.0) / total
+    y1 = (y1 * x0 - tail * width * height * (height - 1) / 2.0) / total
+    x2 = (x2 * y0 - tail * height * width * (width - 1) * (2 * width - 1) / 6.0) / total
+    y2 = (y2 * x0 - tail * width * height * (height - 1) * (2 * height - 1) / 6.0) / total
+    value[0], value[1] = x1, y1
+    value[2] = 0.5 * (x2 - x1 * x1 + y2 - y1 * y1)
+    return True
+
+
+@kernel
+def _powers(row: Array) -> tuple[float, float, float]:
+    """Return the sums of g, k g and k^2 g over a row."""
+    first, second, third = 0.0, 0.0, 0.0
+    for k in range(row.size):
+        first += row[k]
+        second += k * row[k]
+        third += k * k * row[k]
+    return first, second, third
+
+
+@kernel
+def _tail(profiles: Profiles, corners: Array) -> float:
+    """Return what the unit pulse adds to the background that is taken from the corners."""
+    tail = 0.0
+    for j in range(corners.shape[0]):
+        for i in range(corners.shape[1]):
+            tail += corners[j, i] * profiles.down[0, j] * profiles.across[0, i]
+    return tail
+
+
+@kernel
+def _newton(
+    jacobian: Array, target: Array, value: Array, equations: NormalEquations
+) -> bool:
+    """Solve J step = target - value; False where J is singular."""
+    for p in range(3):
+        equations.right[p] = 0.0
+        for k in range(3):
+            equations.right[p] += jacobian[k, p] * (target[k] - value[k])
+        for q in range(p + 1):
+            equations.matrix[p, q] = 0.0
+            for k in range(3):
+                equations.matrix[p, q] += jacobian[k, p] * jacobian[k, q]
+    return solve(equations, 3, 0.0)
+
+
+@kernel
+def _carry(jacobian: Array, moments_covariance: Array, covariance: Array) -> None:
+    """Fill covariance with that of x and y: J^-1 C J^-T."""
+    inverse = np.linalg.inv(jacobian)
+    for p in range(2):
+        for q in range(2):
+            covariance[p, q] = 0.0
+            for k in range(3):
+                for m in range(3):
+                    covariance[p, q] += inverse[p, k] * moments_covariance[k, m] * inverse[q, m]

@@ -7,7 +7,7 @@ import threading
 import time
 
 from blob_tracker.camera import CalibrationError, CameraModel
-from blob_tracker.capture import CaptureError, V4l2Camera
+from blob_tracker.capture import CaptureError, NoFrameError, PIXEL_FORMATS, V4l2Camera
 from blob_tracker.ros.camera_info import from_camera_model, stamped
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
@@ -31,7 +31,8 @@ PARAMETERS = (
     Parameter(
         'pixel_format',
         '',
-        'FourCC of the pixels, GREY or YUYV; empty takes the first of these that is offered.',
+        'FourCC of the pixels; empty takes the first of these that the camera offers.',
+        choices=('', *PIXEL_FORMATS),
     ),
     Parameter(
         'frame_rate',
@@ -66,6 +67,7 @@ PARAMETERS = (
     ),
 )
 READ_TIMEOUT = 0.5  # s: the longest that the end of the node waits for the capture thread
+LONGEST_SILENCE = 10.0  # s without a frame after which the device is opened again
 FIRST_PAUSE, LONGEST_PAUSE = 0.5, 5.0  # s between attempts to open the device
 
 
@@ -91,7 +93,8 @@ class CameraNode(Node):
             CameraInfo, 'camera/camera_info', IMAGE_OUT, qos_overriding_options=overridable()
         )
         self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._capture, name='capture')
+        # A daemon: an interrupt before the node is whole must not leave it running alone.
+        self._thread = threading.Thread(target=self._capture, name='capture', daemon=True)
         self._thread.start()
 
     def destroy_node(self) -> None:
@@ -111,7 +114,7 @@ class CameraNode(Node):
             except (CaptureError, CalibrationError) as error:
                 again = time.monotonic() + pause
                 while time.monotonic() < again and not self._stop.is_set():
-                    self._health.fault(ERROR, 'capture', str(error))  # it holds until it is gone
+                    self._health.fault(ERROR, str(error))  # it holds until it is gone
                     self._stop.wait(FIRST_PAUSE)
                 pause = min(2.0 * pause, LONGEST_PAUSE)
             except RuntimeError:  # of rclpy's C layer: a signal ended the context meanwhile
@@ -132,18 +135,26 @@ class CameraNode(Node):
             f'streaming {camera.width} x {camera.height} px at {camera.frame_rate:g} Hz '
             f'from {self._settings["device"]}'
         )
+        silence = 0.0
         while not self._stop.is_set():
-            frame = camera.read(timeout=READ_TIMEOUT)
-            if self._stop.is_set():
-                return
+            try:
+                frame = camera.read(timeout=READ_TIMEOUT)
+            except NoFrameError as error:
+                # A slow or triggered camera is no broken one: only a long silence opens it anew.
+                silence += READ_TIMEOUT
+                if silence > LONGEST_SILENCE:
+                    raise
+                if silence > 1.0:
+                    self._health.fault(ERROR, str(error))
+                continue
+            silence = 0.0
             self._images.publish(from_pixels(frame.image, frame.stamp_ns, self._frame_id, image))
             self._infos.publish(stamped(info, frame.stamp_ns, self._frame_id))
             self._health.count('frames')
-            self._health.values['drops'] = camera.drops
+            self._health.show('drops', camera.drops)
             if model is None:
                 self._health.fault(
                     WARN,
-                    'calibration',
                     'the camera is not calibrated: K is 0 and there will be no bearing; '
                     'set camera_info_url',
                 )

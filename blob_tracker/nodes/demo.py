@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 import time
+from typing import Any
 
 from ament_index_python.packages import get_package_prefix, PackageNotFoundError
 from blob_tracker.camera.model import MRAD
@@ -36,8 +37,13 @@ from sensor_msgs.msg import CameraInfo
 
 BUDGET = 0.05  # px rms: what the thesis wanted (section 2.1)
 LEAST_BEARINGS = 100  # fewer say nothing of an rms
-COMPILE = 'from blob_tracker.location import compile_ahead; compile_ahead()'
+# Its own: a servo on this machine that listens to /target/bearing must not follow a simulation.
+NAMESPACE = f'/demo_{os.getpid()}'
+STOPPED = 'stopped'
+COMPILE = 'from blob_tracker.nodes.locator import compile_default; compile_default()'
 STARTUP = 12.0  # s within which the first bearing must come
+LONGEST = 20_000  # frames that are remembered: ten minutes
+WHOLE = 26.0  # s from the start of the nodes to the verdict, at most
 RECENT = 60  # bearings over which rates and latencies are taken
 REFRESH = 0.25  # s between two drawings of the table
 GRACE = 2.0  # s that a node has to end by itself
@@ -48,9 +54,9 @@ class Monitor(Node):
     """Collect what the tracker publishes, and the truth where there is one."""
 
     def __init__(self) -> None:
-        super().__init__('demo')
+        super().__init__('monitor', namespace=NAMESPACE)
         self.frames: deque[float] = deque(maxlen=2 * RECENT)
-        self.latencies: list[float] = []
+        self.latencies: deque[float] = deque(maxlen=LONGEST)
         self.arrivals: deque[float] = deque(maxlen=RECENT)
         self.camera_info = CameraInfo()
         self.bearing: Vector3Stamped | None = None
@@ -82,8 +88,16 @@ class Monitor(Node):
         return self.camera_info.width, self.camera_info.height
 
     def matched_stamps(self) -> list[int]:
-        """Return the stamps of the frames that have a location and a truth."""
-        return [stamp for stamp in self.centroids if stamp in self.truths]
+        """Return the stamps of the frames that have a location and a truth, in their order."""
+        return sorted(stamp for stamp in self.centroids if stamp in self.truths)
+
+    def false_stamps(self) -> list[int]:
+        """Return the stamps of locations in frames in which the light was not on."""
+        if not self.truths:
+            return []
+        # Before the first truth and after the last it may still be under way.
+        return [s for s in self.centroids if min(self.truths) < s < max(self.truths)
+                and s not in self.truths]
 
     def matched(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the (N, 2) locations and true places of the frames that have both, px."""
@@ -103,17 +117,26 @@ class Monitor(Node):
     def _ray(self, message: PoseWithCovarianceStamped) -> None:
         self.ray = message
         covariance = np.array(message.pose.covariance).reshape(6, 6)
-        self.covariances[to_ns(message.header.stamp)] = covariance[np.ix_([4, 3], [4, 3])]
+        self._keep(self.covariances, message, covariance[np.ix_([4, 3], [4, 3])])
 
     def _centroid(self, message: PointStamped) -> None:
-        self.centroids[to_ns(message.header.stamp)] = (message.point.x, message.point.y)
+        self._keep(self.centroids, message, (message.point.x, message.point.y))
 
     def _truth(self, message: PointStamped) -> None:
-        self.truths[to_ns(message.header.stamp)] = (message.point.x, message.point.y)
+        self._keep(self.truths, message, (message.point.x, message.point.y))
+
+    @staticmethod
+    def _keep(store: dict[int, Any], message: Any, value: Any) -> None:
+        """Store a value by its stamp; a demo on a real camera may run for days."""
+        store[to_ns(message.header.stamp)] = value
+        if len(store) > LONGEST:
+            del store[next(iter(store))]
 
     def _diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            self.states[status.name.split(':')[0].lstrip('/')] = (status.level, status.message)
+            name = status.name.split(':')[0]
+            if name.startswith(NAMESPACE):
+                self.states[name.rpartition('/')[2]] = (status.level, status.message)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -145,7 +168,11 @@ def main(arguments: argparse.Namespace) -> int:
     """
     console = Console()
     out: Path = arguments.out
-    out.mkdir(parents=True, exist_ok=True)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        console.print(f'--out {out} cannot be made: {error.strerror}')
+        return 2
     os.environ.setdefault('FASTRTPS_DEFAULT_PROFILES_FILE', str(config_path('fastdds.xml')))
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     try:
@@ -159,15 +186,21 @@ def main(arguments: argparse.Namespace) -> int:
     with console.status('compiling the fits, if they are not yet'):
         # In the package that the nodes load, which need not be the one that this is run from.
         subprocess.run([sys.executable, '-c', COMPILE], cwd=out, check=True)
-    source = ['simulator'] if arguments.device is None else _camera_command(arguments, console)
     duration = min(arguments.duration, 17.0) if arguments.device is None else float('inf')
     rclpy.init()
+    # A terminal that is closed ends the nodes as Ctrl-C does: they are in sessions of their own.
+    signal.signal(signal.SIGHUP, signal.default_int_handler)
     monitor = Monitor()
     try:
         with ExitStack() as stack:
+            nodes: dict[str, dict[str, str]] = {'segmenter': {}, 'locator': {}}
+            if arguments.device is None:
+                nodes['simulator'] = {}
+            else:
+                nodes['camera'] = _camera_parameters(arguments, console)
             processes = {
-                command[0]: stack.enter_context(_process(folder, command, out))
-                for command in (source, ['segmenter'], ['locator'])
+                name: stack.enter_context(_process(folder / name, parameters, out))
+                for name, parameters in nodes.items()
             }
             fault = _watch(console, monitor, processes, duration)
         return _conclude(console, monitor, out, fault, simulated=arguments.device is None)
@@ -176,30 +209,31 @@ def main(arguments: argparse.Namespace) -> int:
         rclpy.try_shutdown()
 
 
-def _camera_command(arguments: argparse.Namespace, console: Console) -> list[str]:
-    """Return the command line of the camera node."""
-    settings = {'device': arguments.device}
+def _camera_parameters(arguments: argparse.Namespace, console: Console) -> dict[str, str]:
+    """Return the parameters of the camera node."""
     if arguments.camera_info:
-        settings['camera_info_url'] = arguments.camera_info
+        calibration = {'camera_info_url': str(arguments.camera_info)}
     else:
-        settings['field_of_view'] = '60.0'
+        calibration = {'field_of_view': '60.0'}
         console.print(
             'No calibration is given: angles are for a lens that sees 60 degrees across. '
             'Set CAMERA_INFO=FILE for true ones.'
         )
-    command = ['camera', '--ros-args']
-    for name, value in settings.items():
-        command += ['-p', f'{name}:={value}']
-    return command
+    return {'device': str(arguments.device), **calibration}
 
 
 @contextmanager
-def _process(folder: Path, command: list[str], out: Path) -> Iterator[subprocess.Popen[bytes]]:
+def _process(
+    executable: Path, parameters: dict[str, str], out: Path
+) -> Iterator[subprocess.Popen[bytes]]:
     """Run a node with its output in a log file, and end it with the block."""
-    with open(out / f'{command[0]}.log', 'wb') as log:
+    command = [str(executable), '--ros-args', '-r', f'__ns:={NAMESPACE}']
+    for name, value in parameters.items():
+        command += ['-p', f'{name}:={value}']
+    with open(out / f'{executable.name}.log', 'wb') as log:
         # A session of its own: Ctrl-C reaches the demo alone, which ends the nodes in order.
         process = subprocess.Popen(
-            [str(folder / command[0]), *command[1:]],
+            command,
             stdout=log,
             stderr=subprocess.STDOUT,
             start_new_session=True,
@@ -222,6 +256,7 @@ def _watch(
     duration: float,
 ) -> str:
     """Show the live table until the time is over or Ctrl-C; return what went wrong, or ''."""
+    simulated = 'simulator' in processes
     began = time.monotonic()
     first: float | None = None
     drawn = 0.0
@@ -230,7 +265,7 @@ def _watch(
             try:
                 rclpy.spin_once(monitor, timeout_sec=REFRESH)
             except (KeyboardInterrupt, ExternalShutdownException):
-                return ''
+                return STOPPED if simulated else ''
             now = time.monotonic()
             if now - drawn < REFRESH:  # drawing takes time that the latencies must not show
                 continue
@@ -240,11 +275,11 @@ def _watch(
             for name, process in processes.items():
                 if process.poll() is not None:
                     return f'{name} ended with exit code {process.returncode}'
-            if first is None and now - began > STARTUP and np.isfinite(duration):
+            if simulated and first is None and now - began > STARTUP:
                 return f'no bearing within {STARTUP:.0f} s'
             elapsed = 0.0 if first is None else now - first
             live.update(_table(monitor, elapsed, duration), refresh=True)
-            if elapsed > duration:
+            if elapsed > duration or (simulated and now - began > WHOLE):
                 return ''
 
 
@@ -300,6 +335,9 @@ def _conclude(
 ) -> int:
     """Write the picture, print the verdict, and return the exit code."""
     console.print()  # the live table ends without a line break
+    if fault == STOPPED:
+        console.print('stopped before the verdict')
+        return 130
     if fault:
         console.print(f'[red]{fault}[/red]; the logs are in {out}/')
         for log in sorted(out.glob('*.log')):
@@ -323,8 +361,11 @@ def _conclude(
     console.print(f'picture: {picture}')
     if true is None:
         return 0
+    false = len(monitor.false_stamps())
+    if false:
+        console.print(f'[red]{false} bearings for frames in which the light was off[/red]')
     rms = float(np.sqrt(np.mean((located - true) ** 2)))
-    met = rms <= BUDGET
+    met = rms <= BUDGET and not false
     console.print(
         f'[{"green" if met else "red"}]{len(located)} bearings, {rms:.4f} px rms a coordinate: '
         f'the budget of {BUDGET} px is {"met" if met else "MISSED"}[/]'

@@ -18,14 +18,14 @@ from blob_tracker.ros.qos import overridable, RESULT
 from blob_tracker.ros.target import bearing_message, centroid_message, ray_message
 from blob_tracker.types import LocationError, SensorNoise
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
-from rclpy.logging import get_logger
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 
+DEFAULT_METHOD = 'maximum_likelihood'
 PARAMETERS = (
     Parameter(
         'method',
-        'maximum_likelihood',
+        DEFAULT_METHOD,
         'How the blob is placed in its window. The default is at the limit that the noise sets; '
         'the others are those of the thesis.',
         choices=tuple(METHODS),
@@ -80,6 +80,7 @@ class LocatorNode(Node):
                     f"parameter 'elliptical' is True; the method '{self._method}' has no such form"
                 )
             self._options['elliptical'] = True
+        compile_ahead([self._method])
         self._saturation = settings['saturation']
         self._noise = SensorNoise(settings['noise.gain'], settings['noise.read_noise'])
         self._health = Health(self, 'no window arrives; is the segmenter running?')
@@ -105,18 +106,18 @@ class LocatorNode(Node):
             )
             bearing = camera_model.bearing(location)
         except MessageError as error:
-            self._health.fault(ERROR, 'message', f'target/window: {error}')
+            self._health.fault(ERROR, f'target/window: {error}')
             return
         except (LocationError, LensError) as error:
-            self._health.fault(WARN, 'location', f'target not located: {error}')
+            self._health.fault(WARN, f'target not located: {error}')
             return
         frame_id = image.header.frame_id
         self._bearings.publish(bearing_message(bearing, frame_id))
         self._centroids.publish(centroid_message(location, frame_id))
         self._rays.publish(ray_message(bearing, frame_id))
         self._health.count('bearings')
-        self._health.values['snr'] = f'{location.snr:.1f}'
-        self._health.values['saturated pixels'] = location.saturated
+        self._health.show('snr', f'{location.snr:.1f}')
+        self._health.show('saturated pixels', location.saturated)
         self._health.ok('target located')
 
     def _model(self, info: CameraInfo) -> CameraModel:
@@ -130,12 +131,12 @@ class LocatorNode(Node):
         return self._camera_model
 
 
-def _compile() -> None:
+def compile_default() -> None:
     """Compile the fits, before the first target could wait for them."""
-    get_logger('locator').info('loading the fits; the first start compiles them for 10 s or so')
-    compile_ahead()
+    print('loading the fits; the first start compiles them for 10 s or so', file=sys.stderr)
+    compile_ahead([DEFAULT_METHOD])
 
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(LocatorNode, _compile))
+    sys.exit(run(LocatorNode, compile_default))

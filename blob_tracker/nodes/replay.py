@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rosbags.interfaces import Connection
 
 QUIET = 1.0  # s without a new subscriber: all that were starting have been found
-CLOCK_STEP_NS = 10_000_000  # /clock at 100 Hz of bag time, beside one at each message
+CLOCK_STEP_NS = 10_000_000  # /clock at 100 Hz of bag time, and with each message
 LONGEST_QUEUE = 1000  # messages of a topic
 LAST_WORDS = 2.0  # s for the subscribers to acknowledge the last messages
 
@@ -93,6 +93,8 @@ def main(arguments: argparse.Namespace) -> int:
             finally:
                 node.destroy_node()
                 rclpy.try_shutdown()
+    except KeyboardInterrupt:
+        return 130
     except (AnyReaderError, OSError) as error:
         print(f'{arguments.bag} is not a bag that can be read: {error}', file=sys.stderr)
         return 1
@@ -102,7 +104,7 @@ def _advertise(node: Node, reader: AnyReader) -> dict[int, Publisher]:
     """Return a publisher for each connection of the bag, as it was offered when recorded."""
     publishers = {}
     for connection in reader.connections:
-        package, _, name = connection.msgtype.split('/')
+        package, *_, name = connection.msgtype.split('/')
         try:
             kind = getattr(import_module(f'{package}.msg'), name)
         except (ImportError, AttributeError):
@@ -164,11 +166,13 @@ def _play(
     with Progress(console=Console(stderr=True)) as progress:
         task = progress.add_task('replay', total=reader.message_count)
         for connection, stamp_ns, data in reader.messages():
-            while clock is not None and clock_ns <= stamp_ns:
+            while clock is not None and clock_ns < stamp_ns:
                 _sleep_until(began + (clock_ns - first_ns) / 1e9 / rate)
                 clock.publish(Clock(clock=from_ns(clock_ns)))
                 clock_ns += CLOCK_STEP_NS
             _sleep_until(began + (stamp_ns - first_ns) / 1e9 / rate)
+            if clock is not None:
+                clock.publish(Clock(clock=from_ns(stamp_ns)))
             if connection.id in publishers:
                 publishers[connection.id].publish(bytes(data))
             progress.advance(task)

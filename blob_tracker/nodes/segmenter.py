@@ -244,17 +244,17 @@ class SegmenterNode(Node):
             frame = to_frame(image, info)
             found = dict(self._segmenter.sightings(frame))
         except MessageError as error:
-            self._health.fault(ERROR, 'message', f'camera/image_raw: {error}')
+            self._health.fault(ERROR, f'camera/image_raw: {error}')
             return
         except FrameError as error:
-            self._health.fault(WARN, 'frame', f'camera/image_raw: {error}')
+            self._health.fault(WARN, f'camera/image_raw: {error}')
             return
         self._health.count('frames')
         for name, window in found.items():
             self._health.count('windows')
             self._targets[name].publish(window, image.header.frame_id, info)
         if not found:
-            self._health.values['last frame without target'] = self._segmenter.reason
+            self._health.show('last frame without target', self._segmenter.reason)
         visible = [
             target.visible(frame.stamp_ns, name in found)
             for name, target in self._targets.items()

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from threading import Lock
+
 from blob_tracker.ros.qos import overridable, RESULT
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
@@ -11,6 +14,7 @@ OK = DiagnosticStatus.OK
 WARN = DiagnosticStatus.WARN
 ERROR = DiagnosticStatus.ERROR
 PERIOD = 1.0  # s
+PATIENCE = 3  # periods of silence at the start: the others are starting as well
 REPEAT = 5.0  # s: the same sentence is logged again after this long, while it holds
 
 
@@ -28,12 +32,14 @@ class Health:
     """
 
     def __init__(self, node: Node, idle: str) -> None:
-        self.values: dict[str, object] = {}
+        self._values: dict[str, object] = {}
         self._node = node
         self._idle = idle
         self._level = OK
         self._message = ''
         self._logged: dict[str, float] = {}
+        self._lock = Lock()  # a capture thread reports while the executor publishes
+        self._patience = PATIENCE
         # Wall time that never jumps: with use_sim_time a paused bag must not silence a node.
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._publisher = node.create_publisher(
@@ -43,10 +49,11 @@ class Health:
 
     def ok(self, message: str) -> None:
         """Report that something went well; the last such word of a second is published."""
-        if self._level == OK:
-            self._message = message
+        with self._lock:
+            if self._level == OK:
+                self._message = message
 
-    def fault(self, level: bytes, key: str, message: str) -> None:
+    def fault(self, level: bytes, message: str) -> None:
         """
         Report a fault: it is logged once, and again every 5 s while it lasts.
 
@@ -54,17 +61,20 @@ class Health:
         ----------
         level : bytes
             WARN or ERROR of this module.
-        key : str
-            Kind of the fault; the same kind with other numbers is not logged at once again.
         message : str
             What is wrong and what would be right.
 
         """
-        if level > self._level or (level == self._level and level != OK):
-            self._level, self._message = level, message
         now = self._clock.now().nanoseconds / 1e9
-        if now - self._logged.get(key, -REPEAT) >= REPEAT:
-            self._logged[key] = now
+        # The same sentence with other numbers is the same fault.
+        kind = re.sub(r'[0-9.]+', '#', message)
+        with self._lock:
+            if level >= self._level:
+                self._level, self._message = level, message
+            silent = now - self._logged.get(kind, -REPEAT) < REPEAT
+            if not silent:
+                self._logged[kind] = now
+        if not silent:
             # Two statements: rclpy binds the severity to the line that logs.
             if level == ERROR:
                 self._node.get_logger().error(message)
@@ -73,20 +83,34 @@ class Health:
 
     def count(self, name: str, by: int = 1) -> None:
         """Add to a counter that is shown in the diagnostics."""
-        self.values[name] = int(self.values.get(name, 0)) + by  # type: ignore[call-overload]
+        with self._lock:
+            self._values[name] = int(self._values.get(name, 0)) + by  # type: ignore[call-overload]
+
+    def show(self, name: str, value: object) -> None:
+        """Set a value that is shown in the diagnostics."""
+        with self._lock:
+            self._values[name] = value
 
     def _publish(self) -> None:
         """Publish the last second and begin the next."""
         if not self._message:
-            self.fault(WARN, 'idle', self._idle)
+            self._patience -= 1
+            if self._patience >= 0:
+                self.ok('waiting')
+            else:
+                self.fault(WARN, self._idle)
+        else:
+            self._patience = 0
+        with self._lock:
+            level, message, values = self._level, self._message, dict(self._values)
+            self._level, self._message = OK, ''
         status = DiagnosticStatus(
-            level=self._level,
+            level=level,
             name=f'{self._node.get_fully_qualified_name()}: tracking',
-            message=self._message,
+            message=message,
             hardware_id='',
-            values=[KeyValue(key=key, value=str(value)) for key, value in self.values.items()],
+            values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
         )
         array = DiagnosticArray(status=[status])
         array.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(array)
-        self._level, self._message = OK, ''

@@ -28,7 +28,7 @@ _WINDOWS = {
 }
 
 
-def to_frame(image: Image, info: CameraInfo, saturation: int = 0) -> Frame:
+def to_frame(image: Image, info: CameraInfo) -> Frame:
     """
     Return the frame that an image and its camera_info hold; the pixels are not copied.
 
@@ -38,8 +38,6 @@ def to_frame(image: Image, info: CameraInfo, saturation: int = 0) -> Frame:
         mono8, mono16, 8UC1 or 16UC1.
     info : CameraInfo
         Gives hardware crop and binning.
-    saturation : int
-        DN of a clipped pixel; 0 is full scale of the encoding.
 
     Returns
     -------
@@ -49,14 +47,16 @@ def to_frame(image: Image, info: CameraInfo, saturation: int = 0) -> Frame:
     Raises
     ------
     MessageError
-        Where encoding, size, step or data are wrong; says which and what would be right.
+        Where encoding, size, step or data are wrong, or the camera_info is that of another size;
+        says which and what would be right.
 
     """
     pixels = _pixels(image, _FRAMES)
+    _check_region(image, info)
     return Frame(
         image=pixels,
         stamp_ns=to_ns(image.header.stamp),
-        saturation=saturation or int(np.iinfo(pixels.dtype).max),
+        saturation=int(np.iinfo(pixels.dtype).max),
         x0=int(info.roi.x_offset),
         y0=int(info.roi.y_offset),
         binning=_binning(info),
@@ -84,10 +84,12 @@ def to_window(image: Image, info: CameraInfo, saturation: int = 0) -> Window:
     Raises
     ------
     MessageError
-        Where encoding, size, step or data are wrong; says which and what would be right.
+        Where encoding, size, step or data are wrong, or the camera_info is that of another
+        window; says which and what would be right.
 
     """
     pixels = _pixels(image, _WINDOWS)
+    _check_region(image, info)
     two = pixels.ndim == 3
     return Window(
         lit=pixels[..., 0] if two else pixels,
@@ -153,6 +155,24 @@ def _binning(info: CameraInfo) -> tuple[int, int]:
     return max(int(info.binning_x), 1), max(int(info.binning_y), 1)
 
 
+def _check_region(image: Image, info: CameraInfo) -> None:
+    """Refuse an image that is not the region, binned, of which its camera_info speaks."""
+    roi = info.roi
+    # A roi of 0 x 0 is the whole sensor (sensor_msgs/RegionOfInterest).
+    width, height = int(roi.width) or int(info.width), int(roi.height) or int(info.height)
+    bin_x, bin_y = _binning(info)
+    if (image.width, image.height) != (width // bin_x, height // bin_y):
+        raise MessageError(
+            f'the image is {image.width} x {image.height} px and its camera_info is for '
+            f'{width // bin_x} x {height // bin_y} px; calibrate this size'
+        )
+    if roi.x_offset + width > info.width or roi.y_offset + height > info.height:
+        raise MessageError(
+            f'camera_info: the roi of {width} x {height} px at ({roi.x_offset}, {roi.y_offset}) '
+            f'does not lie within the sensor of {info.width} x {info.height} px'
+        )
+
+
 def _pixels(image: Image, encodings: Mapping[str, tuple[Any, int]]) -> Pixels:
     """Return the (h, w) or (h, w, 2) pixels of an image, in the machine's byte order."""
     if image.encoding not in encodings:
@@ -174,7 +194,9 @@ def _pixels(image: Image, encodings: Mapping[str, tuple[Any, int]]) -> Pixels:
             f'{image.step} * {image.height} = {image.step * image.height}'
         )
     rows = np.frombuffer(image.data, dtype=np.uint8).reshape(image.height, image.step)
-    pixels = rows[:, :row].view(dtype)
+    # A copy where needed: rows of 16 bits that begin at odd bytes cannot be looked at in place.
+    pixels = np.require(rows[:, :row], requirements='C' if image.step % dtype.itemsize else None)
+    pixels = pixels.view(dtype)
     if channels > 1:
         pixels = pixels.reshape(image.height, image.width, channels)
     return pixels if dtype.isnative else pixels.astype(kind)

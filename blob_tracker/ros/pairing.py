@@ -97,7 +97,6 @@ def subscribe(
         if pairing.lonely_images >= DEPTH:
             health.fault(
                 WARN,
-                'no camera_info',
                 f'{topic}/image_raw comes without a {topic}/camera_info of the same stamp; '
                 'publish one with each image',
             )

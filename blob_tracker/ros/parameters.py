@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any
 
 from blob_tracker.ros.errors import ParameterError
@@ -48,7 +49,7 @@ class Parameter:
     def allowed(self) -> str:
         """Say in words what the value must be."""
         if self.choices:
-            return 'one of ' + ', '.join(self.choices)
+            return 'one of ' + ', '.join(choice or "''" for choice in self.choices)
         words = _TYPES[type(self.default)]
         if self.least is not None:
             words += f' from {self.least:g} to {self.most:g}'
@@ -88,7 +89,8 @@ def declare(node: Node, parameters: Sequence[Parameter]) -> dict[str, Any]:
     Raises
     ------
     ParameterError
-        Where a value that was given at start-up has the wrong type or lies outside its range.
+        Where a value that was given at start-up has the wrong type or lies outside its range, or
+        the name of one is unknown.
 
     """
     values = {}
@@ -102,6 +104,12 @@ def declare(node: Node, parameters: Sequence[Parameter]) -> dict[str, Any]:
         if parameter.choices and value not in parameter.choices:
             raise _refused(node, parameter)
         values[parameter.name] = value
+    # What rclpy was told at start-up is not public; nothing else knows of a misspelt name.
+    for name in node._parameter_overrides:
+        if not node.has_parameter(name) and not name.startswith('qos_overrides.'):
+            near = get_close_matches(name, values, n=1)
+            hint = f"did you mean '{near[0]}'?" if near else f'there is {", ".join(values)}'
+            raise ParameterError(f"no parameter '{name}'; {hint}")
     return values
 
 

@@ -32,10 +32,7 @@ def run(create: Callable[[], Node], prepare: Callable[[], None] = lambda: None) 
         the standard error.
 
     """
-    try:
-        prepare()
-    except KeyboardInterrupt:
-        return 0
+    prepare()
     try:
         rclpy.init()
     except Exception as error:  # rclpy raises private types of its C layer here
@@ -43,11 +40,17 @@ def run(create: Callable[[], Node], prepare: Callable[[], None] = lambda: None) 
         return WRONG_USE
     node = None
     try:
-        node = create()
+        try:
+            node = create()
+        except (ParameterError, NameValidationException) as error:
+            print(error, file=sys.stderr)
+            return WRONG_USE
+        except RuntimeError as error:  # of rclpy's C layer: a QoS override that cannot be, say
+            if not rclpy.ok():
+                return 0
+            print(f'the node cannot be made: {error}', file=sys.stderr)
+            return WRONG_USE
         rclpy.spin(node)
-    except (ParameterError, NameValidationException) as error:
-        print(error, file=sys.stderr)
-        return WRONG_USE
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except RuntimeError:  # of rclpy's C layer: the signal came between two of its calls

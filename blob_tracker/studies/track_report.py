@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import matplotlib
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 import numpy as np
 from numpy.typing import NDArray
 
-matplotlib.use('Agg')
 LOCATED, TRUE = '#c0392b', '#2c3e50'
 
 
@@ -66,7 +65,7 @@ def draw_track(
 
 
 def _draw_errors(
-    axes: matplotlib.axes.Axes,
+    axes: Axes,
     errors: NDArray[np.float64],
     covariances: NDArray[np.float64],
     budget: float,

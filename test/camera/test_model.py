@@ -98,9 +98,19 @@ def test_impossible_field_of_view_is_refused(degrees: float) -> None:
 
 def test_pixel_without_a_ray_is_refused() -> None:
     """Where the distortion folds over, no angle is made up."""
-    folded = dataclasses.replace(PINHOLE, distortion=np.array([-2.0, 0.0, 0.0, 0.0, 0.0]))
-    with pytest.raises(LensError, match='no ray leads to the pixel'):
-        folded.bearing(location(639.0, 479.0))
+    folded = dataclasses.replace(PINHOLE, distortion=np.array([-1.0, 0.0, 0.0, 0.0, 0.0]))
+    # r (1 - r^2) turns back at r = 1 / sqrt(3), where it is 2 / (3 sqrt(3)).
+    reach = 600.0 * 2.0 / 3.0**1.5
+    for x in np.arange(0.0, 640.0, 8.0):
+        for y in np.arange(0.0, 480.0, 8.0):
+            offset = np.hypot(x - 319.5, y - 239.5)
+            if offset > reach:
+                with pytest.raises(LensError, match='no ray leads to the pixel'):
+                    folded.angles(x, y)
+            elif offset < 0.98 * reach:
+                azimuth, elevation, _ = folded.angles(x, y)
+                assert azimuth * (x - 319.5) > 0  # on the side on which it is seen
+                assert elevation * (239.5 - y) > 0
 
 
 def test_sample_calibration_is_read() -> None:

@@ -198,6 +198,22 @@ def test_a_change_of_resolution_starts_afresh(tracker: Tracker) -> None:
     tracker.node.spin_until(lambda: len(tracker.bearings) == 1, 5.0)
 
 
+def test_a_camera_info_of_another_size_is_named(tracker: Tracker) -> None:
+    """The image of one camera with the calibration of another gives no bearing."""
+    for index in range(1, 5):
+        tracker.send(index, change_info=_set(width=640, height=480))
+    tracker.expect('its camera_info is for 640 x 480 px', DiagnosticStatus.ERROR)
+    assert not tracker.bearings
+
+
+def test_a_camera_that_stops_turns_visible_false(tracker: Tracker) -> None:
+    """No frame at all: false within a second or two, for whoever listens later as well."""
+    for index in (1, 2):
+        tracker.send(index)
+    tracker.node.spin_until(lambda: tracker.visible and tracker.visible[-1].data, 5.0)
+    tracker.node.spin_until(lambda: not tracker.visible[-1].data, 5.0)
+
+
 def test_a_lost_target_turns_visible_false(tracker: Tracker) -> None:
     """The light stays off: false once, after lost_after; true again when it returns."""
     for index in (1, 2):

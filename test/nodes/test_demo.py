@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+import signal
 import sys
 import time
 
 import cv2
-from processes import Process
+from processes import probe, Process
 
 DEMO = [sys.executable, '-m', 'blob_tracker', 'demo']
 
@@ -23,6 +24,17 @@ def test_demo_meets_its_budget_and_draws_it(tmp_path: Path, domain: int) -> None
     assert 'the budget of 0.05 px is met' in demo.output
     picture = cv2.imread(str(tmp_path / 'demo.png'))
     assert picture.shape[1] >= 1000
+
+
+def test_a_closed_terminal_ends_the_nodes(tmp_path: Path, domain: int) -> None:
+    """No node outlives the demo."""
+    command = [*DEMO, '--duration', '17', '--out', str(tmp_path)]
+    with probe(domain) as node, Process(command, domain) as demo:
+        nodes = {'segmenter', 'locator', 'simulator'}
+        node.spin_until(lambda: nodes <= set(node.get_node_names()))
+        assert demo.end(signal.SIGHUP, timeout=10.0) == 130
+        node.spin_until(lambda: set(node.get_node_names()) == {'probe'})
+    assert 'Traceback' not in demo.output
 
 
 def test_demo_on_a_missing_camera_says_so(tmp_path: Path, domain: int) -> None:

@@ -38,6 +38,14 @@ def test_ends_on_a_signal_without_a_trace(name: str, number: int, domain: int) -
         ('camera', {'frame_rate': 30}, "'frame_rate' is 30; it must be a number with a point"),
         ('camera', {'camera_info_url': '/no.yaml'}, 'cannot read the calibration /no.yaml'),
         ('camera', {'camera_info_url': 'http://x/y'}, "'camera_info_url': http://x/y: write"),
+        ('camera', {'pixel_format': 'RGB9'}, "'RGB9'; it must be one of '', GREY"),
+        ('segmenter', {'min_snrr': 9.0}, "no parameter 'min_snrr'; did you mean 'min_snr'?"),
+        ('segmenter', {'typo': 1}, "no parameter 'typo'; there is min_snr"),
+        (
+            'segmenter',
+            {'qos_overrides./camera/image_raw.subscription.reliability': 'magic'},
+            'the node cannot be made: ',
+        ),
         ('segmenter', {'min_snr': -1.0}, "'min_snr' is -1.0; it must be a number with a point"),
         ('segmenter', {'max_blob': 'big'}, "'max_blob' is 'big'; it must be an integer"),
         ('locator', {'method': 'magic'}, "'method' is 'magic'; it must be one of "),
@@ -53,6 +61,18 @@ def test_wrong_parameter_ends_with_a_sentence(
     with start(name, domain, **parameters) as process:
         assert process.wait(PATIENCE) == 2
     assert sentence in process.output
+    assert 'Traceback' not in process.output
+
+
+@pytest.mark.parametrize('pause', [0.0, 0.2, 0.5, 1.0])
+@pytest.mark.parametrize('name', NODES)
+def test_ctrl_c_while_loading_leaves_no_trace(name: str, pause: float, domain: int) -> None:
+    """In the imports, and in the start of ROS; Python's own start is not the node's."""
+    with start(name, domain) as process:
+        while process.running and 'numpy' not in process.libraries():
+            time.sleep(0.005)
+        time.sleep(pause)
+        assert process.end(signal.SIGINT) in (0, -signal.SIGINT)
     assert 'Traceback' not in process.output
 
 

@@ -14,6 +14,7 @@ def test_rise_is_found_and_fall_is_not(kind: type) -> None:
     after[5, 5] = 0
     rise = strongest_rise(after, before)
     assert (rise.column, rise.row, rise.height) == (30, 20, 40.0)
+    assert rise.image.sum() == 40
 
 
 def test_noise_is_that_of_the_difference() -> None:

@@ -110,7 +110,22 @@ def test_a_change_of_size_starts_afresh() -> None:
     with pytest.raises(FrameError, match='160 x 120 uint8 .* to 100 x 100'):
         segmenter.update(small)
     after = Frame(SCENE.frame(2)[:100, :100], 10**18 + 2 * STEP_NS, 255)
-    segmenter.update(after)  # compared with the small one before it
+    window = segmenter.update(after)  # compared with the small one before it
+    assert window is not None, segmenter.reason
+
+
+def test_a_jump_back_with_another_size_starts_afresh() -> None:
+    """A second bag of another camera after the first: nothing of the first is left."""
+    big = FlashingLight(width=200, height=150, period=3.0)
+    segmenter = Segmenter()
+    for index in (1, 2):
+        segmenter.update(frame(index, at=1000 + index))
+    with pytest.raises(FrameError, match='jumped back by'):
+        segmenter.update(Frame(big.frame(1), 10**18 + STEP_NS, 255))
+    window = segmenter.update(Frame(big.frame(2), 10**18 + 2 * STEP_NS, 255))
+    assert window is not None
+    truth = big.truth(2)
+    assert abs(truth.x - (window.x0 + (window.lit.shape[1] - 1) / 2)) <= 1.5
 
 
 def test_pairs_too_far_apart_are_not_compared() -> None:

@@ -37,8 +37,8 @@ distortion_coefficients: {{rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}}
 rectification_matrix: {{rows: 3, cols: 3, data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}}
 projection_matrix: {{rows: 3, cols: 4, data: [{FX}, 0, {CX}, 0, 0, {FY}, {CY}, 0, 0, 0, 1, 0]}}
 """
-# Per axis: six of the 0.013 px that the noise of the scene leaves to a fit at its bound. Lit places
-# are 18 px apart and more: no other place can pass.
+# Per axis: six of the 0.013 px that the noise of the scene leaves to a fit at its bound. Lit
+# places are 18 px apart and more: no other place can pass.
 TOLERANCE = 0.08  # px
 
 pytestmark = pytest.mark.timeout(600)  # the boot, and the kernel's download before it
@@ -78,7 +78,7 @@ def results(scene, tmp_path_factory) -> Path:
         'NUMBA_CPU_FEATURES': '',
         'NUMBA_CACHE_DIR': str(CACHE / 'numba'),
     }
-    compile_fits = 'from blob_tracker.location import compile_ahead; compile_ahead()'
+    compile_fits = 'import blob_tracker.location as l; l.compile_ahead(["maximum_likelihood"])'
     subprocess.run(
         [sys.executable, '-c', compile_fits], env=os.environ | fits, cwd=folder, check=True
     )

@@ -1,0 +1,77 @@
+"""The steps of Fisher scoring: bounded, and damped where they must be to rise."""
+
+from __future__ import annotations
+
+from blob_tracker.location.kernel import Array, kernel
+from blob_tracker.location.likelihood import (
+    log_likelihood,
+    Observation,
+    Profiles,
+    score_and_information,
+)
+from blob_tracker.location.normal_equations import NormalEquations, solve
+
+NARROWEST = 0.2  # px: below it one pixel holds 99 % of the light and its place there is lost
+WIDEST = 2.0  # times the window: a wider pulse is a slope, its amplitude and level are one
+DAMPED_STEPS = 80
+CONVERGED = 1e-4  # twice the gain in log-likelihood still to be had: 0.01 standard deviations
+
+
+@kernel
+def advance(theta: Array, equations: NormalEquations, size: int, extent: int) -> float:
+    """Take the step, no longer than the model stays true for; return score . step."""
+    score, step = equations.right, equations.solution
+    gain = 0.0
+    for p in range(size):
+        gain += score[p] * step[p]
+    for p in range(2):
+        reach = max(theta[4 + p], 0.5)
+        theta[p] += min(max(step[p], -reach), reach)
+    theta[2] = min(max(theta[2] + step[2], 0.3 * theta[2]), 10.0 * theta[2])
+    theta[3] += step[3]
+    for p in range(4, 6):
+        width = theta[p] + step[min(p, size - 1)]
+        width = min(max(width, 0.6 * theta[p]), 1.7 * theta[p])
+        theta[p] = min(max(width, NARROWEST), WIDEST * extent)
+    return gain
+
+
+@kernel
+def climb(
+    seen: Observation, theta: Array, profiles: Profiles, elliptical: bool,
+    equations: NormalEquations, size: int,
+) -> bool:
+    """
+    Climb the likelihood with damped steps, each of which must rise; True at the top.
+
+    For the windows where plain scoring does not settle: faint, cut by the edge, or two pulses.
+    """
+    extent = max(seen.pixels.shape)
+    last = theta.copy()
+    damping = 1e-2
+    best = log_likelihood(seen, theta, profiles)
+    for _ in range(DAMPED_STEPS):
+        score_and_information(seen, theta, profiles, elliptical, equations)
+        if not solve(equations, size, damping):
+            damping = max(10.0 * damping, 1e-6)
+            if damping > 1e8:
+                return False
+            continue
+        last[:] = theta
+        gain = advance(theta, equations, size, extent)
+        value = log_likelihood(seen, theta, profiles)
+        if value >= best:
+            rise = value - best
+            best = value
+            # A heavily damped step is short of the top however small its gain.
+            if gain < CONVERGED and rise < CONVERGED and damping <= 1.0:
+                return True
+            damping *= 0.2
+        else:
+            theta[:] = last
+            if gain < CONVERGED and damping <= 1.0:
+                return True
+            damping *= 8.0
+            if damping > 1e8:
+                return False
+    return False
