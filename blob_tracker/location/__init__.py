@@ -3,7 +3,9 @@
 from blob_tracker.location.estimates import Estimates
 from blob_tracker.location.locate import compile_ahead, locate, locate_batch, METHODS
 from blob_tracker.location.phase_correction import (
-    correct_phase, learn_phase_correction, PhaseCorrection,
+    correct_phase,
+    learn_phase_correction,
+    PhaseCorrection,
 )
 
 __all__ = [

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.estimates import Estimates, Failure, outside
-from blob_tracker.location.kernel import Array, kernel
 from blob_tracker.location.likelihood import empty_profiles, fill_profile
 from blob_tracker.location.moments import misfit, Moments, moments
 from blob_tracker.location.signal import count_clipped

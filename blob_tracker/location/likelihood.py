@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from blob_tracker.location.kernel import Array, kernel
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.normal_equations import NormalEquations
 import numpy as np
 

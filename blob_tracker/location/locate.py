@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable
 import math
 from typing import Any
 
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.centroid import centroid
 from blob_tracker.location.estimates import Estimates, Failure, NOTHING, REASONS
 from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_linear_elliptical
-from blob_tracker.location.kernel import Array, kernel
 from blob_tracker.location.maximum_likelihood import maximum_likelihood
 from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm
 from blob_tracker.location.multi_gaussian_simplex import multi_gaussian_simplex

@@ -4,23 +4,13 @@ from __future__ import annotations
 
 import math
 
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.estimates import Estimates, Failure
-from blob_tracker.location.kernel import Array, kernel
-from blob_tracker.location.likelihood import (
-    empty_profiles,
-    Observation,
-    score_and_information,
-)
+from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
 from blob_tracker.location.normal_equations import column_of_inverse, empty_equations, solve
 from blob_tracker.location.scoring import advance, climb, CONVERGED, NARROWEST, WIDEST
 from blob_tracker.location.start_value import start_value
-from blob_tracker.location.unlit_texture import (
-    blend,
-    left_over,
-    split_unlit,
-    texture_share,
-    Unlit,
-)
+from blob_tracker.location.unlit_texture import blend, left_over, split_unlit, texture_share, Unlit
 from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray

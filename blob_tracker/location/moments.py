@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.estimates import Failure
-from blob_tracker.location.kernel import Array, kernel
 from blob_tracker.location.likelihood import Profiles
 from blob_tracker.location.signal import corner_weights
 from blob_tracker.types import SensorNoise

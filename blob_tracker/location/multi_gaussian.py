@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 import math
 
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.estimates import Estimates, Failure, outside
-from blob_tracker.location.kernel import Array, kernel
 from blob_tracker.location.signal import count_clipped, signal_above_background
 from blob_tracker.types import LocationError, SensorNoise
 import numpy as np

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.estimates import Estimates
-from blob_tracker.location.kernel import Array, kernel
 from blob_tracker.location.multi_gaussian import (
     locate_by_fit,
     start_1d,

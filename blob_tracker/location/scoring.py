@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from blob_tracker.location.kernel import Array, kernel
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.likelihood import (
     log_likelihood,
     Observation,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from blob_tracker.location.kernel import Array, kernel
+from blob_tracker.kernel import Array, kernel
 
 
 @kernel

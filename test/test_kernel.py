@@ -28,9 +28,9 @@ def test_a_change_in_a_called_kernel_reaches_the_caller(tmp_path: Path) -> None:
     """The caller's own file is untouched, and yet it must not go on with the old code."""
     room = tmp_path / 'small' / 'location'
     room.mkdir(parents=True)
-    source = Path(blob_tracker.__file__).parent / 'location' / 'kernel.py'
-    shutil.copy(source, room / 'kernel.py')
-    head = 'from small.location.kernel import kernel\n'
+    source = Path(blob_tracker.__file__).parent / 'kernel.py'
+    shutil.copy(source, tmp_path / 'small' / 'kernel.py')
+    head = 'from small.kernel import kernel\n'
     called = head + '@kernel\ndef inner(x):\n    return x + {}\n'
     (room / 'called.py').write_text(called.format(1.0))
     (room / 'caller.py').write_text(
