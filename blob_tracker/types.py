@@ -104,6 +104,8 @@ class Window:
         The DN at which a pixel is clipped; None where no pixel can be.
     binning : (int, int)
         Sensor pixels per window pixel along x and y.
+    looks : int
+        Frames that were summed into `lit`, and as many into `unlit`: each adds its read noise.
 
     """
 
@@ -114,6 +116,7 @@ class Window:
     stamp_ns: int = 0
     saturation: float | None = None
     binning: tuple[int, int] = (1, 1)
+    looks: int = 1
 
 
 @dataclass(frozen=True)

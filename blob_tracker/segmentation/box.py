@@ -39,6 +39,11 @@ class Box(NamedTuple):
         )
 
 
+def whole(shape: tuple[int, int]) -> Box:
+    """Return the box of all pixels of an image of this (h, w)."""
+    return Box(0, 0, shape[1], shape[0])
+
+
 def box_about(column: int, row: int, half_x: int, half_y: int, shape: tuple[int, ...]) -> Box:
     """Return the box of 2 half + 1 pixels about a pixel, cut at the borders of (h, w)."""
     return Box(

@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from blob_tracker.segmentation.box import Box, box_about
+from blob_tracker.segmentation.box import Box, box_about, whole
+from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
-from blob_tracker.segmentation.difference import strongest_rise
-from blob_tracker.segmentation.flash import Flashed
 from blob_tracker.segmentation.history import FrameHistory
 from blob_tracker.types import Frame, Pixels
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 GATE = 6  # px that a light may move between two of its rises, and the reach of its place
+LEAST_SWING = 6.0  # standard deviations that a light which still blinks goes up and down by
 MOST_LIGHTS = 16  # of one frame: what has more rises than that is no scene of lights
 
 
@@ -39,8 +38,6 @@ class Coded:
 
     Parameters
     ----------
-    min_snr : float
-        Least rise, in standard deviations of a difference pixel.
     max_pair_interval : float
         Greatest time from one frame to the next, s; a longer gap forgets all lights.
     codes : mapping of str to str
@@ -60,14 +57,12 @@ class Coded:
     def __init__(
         self,
         *,
-        min_snr: float,
-        max_pair_interval: float,
         codes: Mapping[str, str],
-        frames_per_bit: int,
-        bit_errors: int,
+        max_pair_interval: float = 0.1,
+        frames_per_bit: int = 1,
+        bit_errors: int = 0,
     ) -> None:
         check_codes(codes, bit_errors)
-        self.min_snr = min_snr
         self.reason = 'no frame yet'
         self._tolerance = bit_errors * frames_per_bit
         self._phases = {name: _phases(bits, frames_per_bit) for name, bits in codes.items()}
@@ -75,9 +70,14 @@ class Coded:
         self._history = FrameHistory(2, max_pair_interval)
         self._spots: list[_Spot] = []
 
-    def update(self, frame: Frame) -> list[Flashed]:
+    @property
+    def locked(self) -> bool:
+        """Whether any light has shown its code."""
+        return any(self._name(each.levels) for each in self._spots)
+
+    def contrast(self, frame: Frame) -> Contrast | None:
         """
-        Take the next frame; return the known lights that rose in it.
+        Return the next frame and the one before it.
 
         Raises
         ------
@@ -89,40 +89,35 @@ class Coded:
         if len(self._history.frames) < 2:
             self._spots.clear()
             self.reason = 'waiting for a second frame'
-            return []
-        unlit, image = self._history.frames[0].image, frame.image
-        rose, contrast = self._rises(image, unlit)
+            return None
+        unlit, lit = (each.image for each in self._history.frames)
         for spot in self._spots:
-            spot.levels.append(_level(image, spot))
+            spot.levels.append(_level(lit, spot))
             del spot.levels[:-self._length]
-        found = []
-        for column, row, height in rose:
-            spot = self._spot_at(column, row, image, unlit)
-            name = self._name(spot.levels)
-            if name:
-                found.append(Flashed(
-                    column, row, height, contrast, (image,), (unlit,), frame, name
-                ))
-        self._spots = [each for each in self._spots if self._lives(each, contrast.noise)]
-        if not found:
-            self.reason = f'{len(self._spots)} places blink; no code of a light has begun in them'
-        return found
+        return Contrast(lit, unlit, frame.saturation, frame, (lit,), (unlit,))
 
-    def _rises(
-        self, image: Pixels, unlit: Pixels
-    ) -> tuple[list[tuple[int, int, float]], Contrast]:
-        """Return column, row and height of each place where light rose, and the contrast."""
-        rise = np.empty_like(image)
-        peak = strongest_rise(image, unlit, rise)
-        contrast = Contrast(image, unlit, peak.background, peak.noise)
-        places: list[tuple[int, int, float]] = []
-        column, row, height = peak.column, peak.row, peak.height
-        while height >= self.min_snr * peak.noise and len(places) < MOST_LIGHTS:
-            places.append((column, row, height))
-            # What is near a light is its own flank.
-            rise[box_about(column, row, 2 * GATE, 2 * GATE, rise.shape).slices] = 0
-            _, height, _, (column, row) = cv2.minMaxLoc(rise)
-        return places, contrast
+    def region(self, contrast: Contrast) -> Box:
+        """Return the whole frame: the lights may be anywhere in it."""
+        return whole(contrast.shape)
+
+    def choose(
+        self, contrast: Contrast, candidates: Sequence[Candidate]
+    ) -> list[tuple[str, Candidate]]:
+        """Return the known lights that lit up, each by its name."""
+        allowed = [each for each in candidates if not each.refused]
+        found: dict[str, Candidate] = {}
+        for candidate in allowed[:MOST_LIGHTS]:
+            spot = self._spot_at(*candidate.peak, contrast.lit, contrast.unlit)
+            name = self._name(spot.levels)
+            # The codes are unlike, but a reflection blinks as its light does.
+            if name and (name not in found or candidate.snr > found[name].snr):
+                found[name] = candidate
+        noise = max((each.noise for each in candidates), default=contrast.floor)
+        self._spots = [each for each in self._spots if self._lives(each, noise)]
+        self.reason = ''
+        if not found and self._spots:
+            self.reason = f'{len(self._spots)} places blink; no code of a light has begun in them'
+        return list(found.items())
 
     def _spot_at(self, column: int, row: int, image: Pixels, unlit: Pixels) -> _Spot:
         """Return the spot that rose here, moved to the rise; a new one where there is none."""
@@ -138,7 +133,7 @@ class Coded:
     def _lives(self, spot: _Spot, noise: float) -> bool:
         """Tell whether a spot still blinks: it has not been of one level for a whole code."""
         swing = max(spot.levels) - min(spot.levels)
-        return len(spot.levels) < self._length or swing >= self.min_snr * noise
+        return len(spot.levels) < self._length or swing >= LEAST_SWING * noise
 
     def _name(self, levels: Sequence[float]) -> str:
         """Return the name of the light with these levels; empty where it is none or unsure."""

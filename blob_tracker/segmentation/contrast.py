@@ -1,37 +1,47 @@
-"""What stands out in a frame: the lit pixels, and the unlit ones that are taken off."""
+"""A frame against what it looks like without the target."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 from blob_tracker.segmentation.box import Box
-from blob_tracker.types import Pixels
+from blob_tracker.types import Frame, Pixels
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+ROUNDING = float(np.sqrt(2 / 12))  # DN: noise of the difference of two rounded frames
+
 
 class Contrast(NamedTuple):
     """
-    A frame against what it looks like without the target; subtracted only where it is looked at.
+    Where the target is looked for; subtracted only where it is looked at.
 
     Parameters
     ----------
-    lit : (h, w) array
-        DN with the light on.
-    unlit : (h, w) array or None
-        DN with the light off; None where there is no such frame.
-    background : float
-        Level of lit less unlit where there is no target, DN.
-    noise : float
-        Standard deviation of lit less unlit, DN.
+    lit, unlit : (h, w) arrays
+        With and without the target, C-contiguous and of one type, uint8 or uint16.
+    saturation : int
+        Value at which a pixel of them is clipped.
+    frame : Frame
+        Gives stamp, crop, binning, and the saturation of the looks.
+    lit_looks, unlit_looks : tuple of (h, w) arrays
+        The raw frames from which the window is cut; as many of each, or no unlit ones.
+    floor : float
+        Least noise of lit less unlit.
+    unit : float
+        DN in one step of `lit` and `unlit`.
 
     """
 
     lit: Pixels
-    unlit: Pixels | None
-    background: float
-    noise: float
+    unlit: Pixels
+    saturation: int
+    frame: Frame
+    lit_looks: tuple[Pixels, ...]
+    unlit_looks: tuple[Pixels, ...]
+    floor: float = ROUNDING
+    unit: float = 1.0
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -40,7 +50,6 @@ class Contrast(NamedTuple):
 
     def signal(self, box: Box) -> NDArray[np.float32]:
         """Return (h, w) DN of lit less unlit within a box, with its sign."""
-        lit = self.lit[box.slices]
-        if self.unlit is None:
-            return lit.astype(np.float32)
-        return np.asarray(cv2.subtract(lit, self.unlit[box.slices], dtype=cv2.CV_32F))
+        return np.asarray(
+            cv2.subtract(self.lit[box.slices], self.unlit[box.slices], dtype=cv2.CV_32F)
+        )

@@ -1,70 +1,38 @@
-"""What every flash mode gives: a peak that may be the target, and the frames it stands out of."""
+"""What every flash mode does: say what to compare, where to look, and which light is the target."""
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from collections.abc import Sequence
+from typing import Protocol
 
+from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
-from blob_tracker.types import Frame, Pixels
-
-
-class Flashed(NamedTuple):
-    """
-    A peak in the light that changed, as the target would change it.
-
-    Parameters
-    ----------
-    column, row : int
-        Pixel of the peak.
-    height : float
-        Its height above the background, DN.
-    contrast : Contrast
-        Target against background: what the window is measured on.
-    lit, unlit : tuple of (h, w) arrays
-        The raw frames with and without the target; as many of each, or no unlit ones.
-    frame : Frame
-        Gives stamp, crop, binning and saturation.
-    name : str
-        Which light it is; empty where there is only one.
-    search : (h, w) array or None
-        Where further peaks are looked for if this one is not the target; it is written to. None
-        where there is no other.
-    least : float
-        Height that a peak must have, DN.
-    min_snr : float
-        Least SNR of its matched filter; 0 where the mode has judged it.
-
-    """
-
-    column: int
-    row: int
-    height: float
-    contrast: Contrast
-    lit: tuple[Pixels, ...]
-    unlit: tuple[Pixels, ...]
-    frame: Frame
-    name: str = ''
-    search: Pixels | None = None
-    least: float = 0.0
-    min_snr: float = 0.0
+from blob_tracker.types import Frame
 
 
 class Flash(Protocol):
     """
-    A flash mode.
+    A flash mode; for each frame its methods are called in the order in which they stand here.
 
     Attributes
     ----------
     reason : str
-        Why the last frame gave nothing.
+        Why the last frame gave no light.
+    locked : bool
+        Whether the target is followed.
 
     """
 
     reason: str
 
-    def update(self, frame: Frame) -> list[Flashed]:
+    @property
+    def locked(self) -> bool:
+        """Whether the target is followed."""
+
+    def contrast(self, frame: Frame) -> Contrast | None:
         """
-        Take the next frame and return the lights that it shows, none or more.
+        Take the next frame; return what to compare, or None where there is nothing yet.
 
         Raises
         ------
@@ -72,3 +40,11 @@ class Flash(Protocol):
             Where the frame cannot follow those before it.
 
         """
+
+    def region(self, contrast: Contrast) -> Box:
+        """Return the part of the frame in which the target can be."""
+
+    def choose(
+        self, contrast: Contrast, candidates: Sequence[Candidate]
+    ) -> list[tuple[str, Candidate]]:
+        """Return name and place of the lights that the frame shows, of all that lit up."""

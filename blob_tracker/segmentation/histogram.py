@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.segmentation.box import Box, box_about, component_box
+from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +47,7 @@ def histogram_threshold(pixels: NDArray[np.floating], step: float = 1.0) -> floa
     return floor + step * (mode + int(np.argmax(gaps)) + 0.5)
 
 
-def histogram(contrast: Contrast, column: int, row: int, largest: int) -> Box | None:
+def histogram(contrast: Contrast, candidate: Candidate, largest: int) -> Box | None:
     """
     Return the bounding box of what hangs together with a peak above the histogram's threshold.
 
@@ -54,8 +55,8 @@ def histogram(contrast: Contrast, column: int, row: int, largest: int) -> Box | 
     ----------
     contrast : Contrast
         Lit and unlit pixels.
-    column, row : int
-        Pixel of the peak.
+    candidate : Candidate
+        What lit up.
     largest : int
         Half the width of the region whose histogram is taken, px.
 
@@ -65,9 +66,10 @@ def histogram(contrast: Contrast, column: int, row: int, largest: int) -> Box | 
         In the frame, px. None where the histogram has no gap below the peak.
 
     """
+    column, row = candidate.peak
     region = box_about(column, row, largest, largest, contrast.shape)
     signal = contrast.signal(region)
-    threshold = histogram_threshold(signal, step=max(1.0, float(np.round(contrast.noise))))
+    threshold = histogram_threshold(signal, step=max(1.0, float(np.round(candidate.noise))))
     if threshold is None or signal[row - region.y0, column - region.x0] <= threshold:
         return None
     return component_box(signal > threshold, column, row, region)

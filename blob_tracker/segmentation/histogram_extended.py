@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.histogram import histogram
 
 
 def histogram_extended(
-    contrast: Contrast, column: int, row: int, largest: int, *, extension: int
+    contrast: Contrast, candidate: Candidate, largest: int, *, extension: int
 ) -> Box | None:
     """
     Return the box of `histogram`, grown on all four sides.
@@ -17,8 +18,8 @@ def histogram_extended(
     ----------
     contrast : Contrast
         Lit and unlit pixels.
-    column, row : int
-        Pixel of the peak.
+    candidate : Candidate
+        What lit up.
     largest : int
         Half the width of the region whose histogram is taken, px.
     extension : int
@@ -30,7 +31,7 @@ def histogram_extended(
         In the frame, px. None where `histogram` finds none.
 
     """
-    box = histogram(contrast, column, row, largest)
+    box = histogram(contrast, candidate, largest)
     if box is None:
         return None
     height, width = contrast.shape

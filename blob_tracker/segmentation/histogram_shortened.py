@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.histogram import histogram
 
 
 def histogram_shortened(
-    contrast: Contrast, column: int, row: int, largest: int
+    contrast: Contrast, candidate: Candidate, largest: int
 ) -> Box | None:
     """
     Return the box of `histogram`, its right side one pixel beyond the peak.
@@ -20,8 +21,8 @@ def histogram_shortened(
     ----------
     contrast : Contrast
         Lit and unlit pixels.
-    column, row : int
-        Pixel of the peak.
+    candidate : Candidate
+        What lit up.
     largest : int
         Half the width of the region whose histogram is taken, px.
 
@@ -31,5 +32,5 @@ def histogram_shortened(
         In the frame, px. None where `histogram` finds none.
 
     """
-    box = histogram(contrast, column, row, largest)
-    return None if box is None else box._replace(x1=min(box.x1, column + 2))
+    box = histogram(contrast, candidate, largest)
+    return None if box is None else box._replace(x1=min(box.x1, candidate.peak[0] + 2))

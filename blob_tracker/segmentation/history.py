@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import replace
 
 from blob_tracker.types import Frame
+import numpy as np
 
 
 class FrameError(ValueError):
@@ -50,6 +52,7 @@ class FrameHistory:
             jumped back or the size, crop or depth changed (this frame starts afresh).
 
         """
+        frame = _plain(frame)
         if not self.frames:
             self.frames.append(frame)
             return None
@@ -76,6 +79,14 @@ class FrameHistory:
     def _start_afresh(self, frame: Frame) -> None:
         self.frames.clear()
         self.frames.append(frame)
+
+
+def _plain(frame: Frame) -> Frame:
+    """Return the frame with pixels that the kernels take: they are compiled for no others."""
+    flags = frame.image.flags
+    if flags.c_contiguous and flags.writeable:
+        return frame
+    return replace(frame, image=np.array(frame.image, order='C'))
 
 
 def _geometry(frame: Frame) -> tuple[object, ...]:

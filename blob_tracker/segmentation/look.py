@@ -6,39 +6,8 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.types import Pixels
-
-
-class Candidate(NamedTuple):
-    """
-    Something that lit up.
-
-    Parameters
-    ----------
-    x, y : float
-        Centre, px of the frame as it is (crop and binning left aside).
-    sigma_x, sigma_y : float
-        Standard deviations along the rows and the columns, px.
-    sigma_major, sigma_minor : float
-        Those along the longest and the shortest axis, px.
-    snr : float
-        Response of the matched filter in standard deviations of its noise.
-    height : float
-        Rise of its brightest pixel above the background, DN.
-    refused : str
-        Why it is no target; empty where it may be one.
-
-    """
-
-    x: float
-    y: float
-    sigma_x: float
-    sigma_y: float
-    sigma_major: float
-    sigma_minor: float
-    snr: float
-    height: float
-    refused: str
 
 
 class Look(NamedTuple):

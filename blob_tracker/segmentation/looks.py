@@ -3,11 +3,115 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+import math
+from typing import NamedTuple
 
-from blob_tracker.types import Pixels
+from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.types import Frame, Pixels, Window
 import numpy as np
 
 FULL = 65535  # DN: clipped, in a sum of looks
+STILL = 0.5  # sigma, and as many px: what moved further since the first look does not stand still
+
+
+class _Pair(NamedTuple):
+    """One look: where the target was, and the frames with and without it."""
+
+    x: float
+    y: float
+    frame: Frame
+    lit: tuple[Pixels, ...]
+    unlit: tuple[Pixels, ...]
+
+
+class Looks:
+    """
+    Sum k windows of a still target into one (thesis, section 5.4: five).
+
+    The looks follow each other without overlap; a target that moves begins them anew. The window
+    is that of the last look, for all of them. Its stamp is their mean.
+
+    Parameters
+    ----------
+    count : int
+        k; 1 gives each window as it comes.
+
+    Attributes
+    ----------
+    reason : str
+        What is waited for.
+
+    Raises
+    ------
+    ValueError
+        Where k is not 1 or more.
+
+    """
+
+    def __init__(self, count: int) -> None:
+        if count < 1:
+            raise ValueError(f'{count} looks; there must be 1 or more')
+        self.count = count
+        self.reason = ''
+        self._pairs: dict[str, list[_Pair]] = {}
+
+    def add(
+        self, name: str, contrast: Contrast, candidate: Candidate, box: Box
+    ) -> Window | None:
+        """
+        Take the next look at a light; return the window that is complete with it, or None.
+
+        Parameters
+        ----------
+        name : str
+            Which light it is.
+        contrast : Contrast
+            The raw frames of the look.
+        candidate : Candidate
+            The light.
+        box : Box
+            Its window in them.
+
+        """
+        look = _Pair(
+            candidate.x, candidate.y, contrast.frame, contrast.lit_looks, contrast.unlit_looks
+        )
+        pairs = self._pairs.setdefault(name, [])
+        reach = STILL * (1.0 + candidate.sigma_minor)
+        if pairs and (
+            math.hypot(look.x - pairs[0].x, look.y - pairs[0].y) > reach
+            or look.lit[0].shape != pairs[0].lit[0].shape
+            or look.lit[0].dtype != pairs[0].lit[0].dtype
+        ):
+            pairs.clear()
+        pairs.append(look)
+        if len(pairs) < self.count:
+            self.reason = f'look {len(pairs)} of the {self.count} that are summed'
+            return None
+        self._pairs[name] = []
+        return _cut(pairs, box)
+
+
+def _cut(pairs: Sequence[_Pair], box: Box) -> Window:
+    """Return the raw pixels of a box, summed over all frames of the looks."""
+    frame = pairs[-1].frame
+    lit, unlit = (
+        [image[box.slices] for images in looks for image in images]
+        for looks in ([pair.lit for pair in pairs], [pair.unlit for pair in pairs])
+    )
+    first = pairs[0].frame.stamp_ns
+    return Window(
+        lit=sum_looks(lit, frame.saturation),
+        unlit=sum_looks(unlit, frame.saturation) if unlit else None,
+        x0=frame.x0 + frame.binning[0] * box.x0,
+        y0=frame.y0 + frame.binning[1] * box.y0,
+        stamp_ns=first + sum(pair.frame.stamp_ns - first for pair in pairs) // len(pairs),
+        saturation=FULL if len(lit) > 1 else frame.saturation,
+        binning=frame.binning,
+        looks=len(lit),
+    )
 
 
 def most_looks(saturation: int) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.segmentation.box import Box, box_about, component_box
+from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 import numpy as np
 from numpy.typing import NDArray
@@ -50,7 +51,7 @@ def otsu_threshold(pixels: NDArray[np.integer]) -> int:
     return floor + int(np.argmax(between))
 
 
-def otsu_window(contrast: Contrast, column: int, row: int, largest: int) -> Box | None:
+def otsu_window(contrast: Contrast, candidate: Candidate, largest: int) -> Box | None:
     """
     Return the bounding box of the blob about a peak.
 
@@ -61,8 +62,8 @@ def otsu_window(contrast: Contrast, column: int, row: int, largest: int) -> Box 
     ----------
     contrast : Contrast
         Lit and unlit pixels.
-    column, row : int
-        Pixel of the peak.
+    candidate : Candidate
+        What lit up.
     largest : int
         Half the width at which the window stops growing, px.
 
@@ -72,6 +73,7 @@ def otsu_window(contrast: Contrast, column: int, row: int, largest: int) -> Box 
         The blob's bounding box in the frame, px. None where no background was found about it.
 
     """
+    column, row = candidate.peak
     half = FIRST_HALF
     last = -1
     while True:

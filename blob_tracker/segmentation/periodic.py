@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from blob_tracker.segmentation.box import Box, whole
+from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
-from blob_tracker.segmentation.difference import NOISE_STEP
-from blob_tracker.segmentation.flash import Flashed
 from blob_tracker.segmentation.history import FrameHistory
 from blob_tracker.segmentation.looks import most_looks
+from blob_tracker.segmentation.steady import strongest
 from blob_tracker.types import Frame
 import cv2
 import numpy as np
@@ -16,6 +19,7 @@ LEAST_FRAMES = 4  # one more than there are unknowns in a pixel
 LOWEST, HIGHEST = 0.1, 0.45  # of the frame rate; beyond 0.5 the frequency is aliased
 JITTER = 0.01  # of the frame rate, as the stamps tell it
 LEAST_NOISE = float(np.sqrt(1 / 12))  # DN, of the rounding of one frame
+LEVEL = 32767  # of the demodulated picture where nothing flashes; full scale is twice that
 
 
 class Periodic:
@@ -36,8 +40,6 @@ class Periodic:
 
     Parameters
     ----------
-    min_snr : float
-        Least amplitude, in its standard deviations.
     max_pair_interval : float
         Greatest time from one frame to the next, s; a longer gap begins a new block.
     frequency : float
@@ -49,14 +51,15 @@ class Periodic:
 
     """
 
+    locked = False
+
     def __init__(
         self,
         *,
-        min_snr: float,
-        max_pair_interval: float,
-        frequency: float,
-        duty: float,
-        frames: int,
+        max_pair_interval: float = 0.1,
+        frequency: float = 15.0,
+        duty: float = 0.5,
+        frames: int = 16,
     ) -> None:
         if frames < LEAST_FRAMES:
             raise ValueError(f'a block of {frames} frames; it must have {LEAST_FRAMES} or more')
@@ -64,7 +67,6 @@ class Periodic:
             raise ValueError(
                 f'frequency {frequency} Hz and duty {duty}; they must be above 0, the duty below 1'
             )
-        self.min_snr = min_snr
         self.frequency = frequency
         self.duty = duty
         self.frames = frames
@@ -72,7 +74,7 @@ class Periodic:
         self._history = FrameHistory(frames, max_pair_interval)
         self._fresh = 0
 
-    def update(self, frame: Frame) -> list[Flashed]:
+    def contrast(self, frame: Frame) -> Contrast | None:
         """
         Take the next frame; the last one of a block shows whether the light is there.
 
@@ -87,12 +89,22 @@ class Periodic:
         self._fresh = min(self._fresh + 1, len(block))
         if self._fresh < self.frames:
             self.reason = f'frame {self._fresh} of the {self.frames} that are demodulated together'
-            return []
+            return None
         self._fresh = 0
-        found = self._demodulate(list(block))
-        return [] if found is None else [found]
+        return self._demodulate(list(block))
 
-    def _demodulate(self, block: list[Frame]) -> Flashed | None:
+    def region(self, contrast: Contrast) -> Box:
+        """Return the whole frame."""
+        return whole(contrast.shape)
+
+    def choose(
+        self, contrast: Contrast, candidates: Sequence[Candidate]
+    ) -> list[tuple[str, Candidate]]:
+        """Return the candidate of the highest SNR, under the empty name."""
+        self.reason = ''
+        return strongest(candidates)
+
+    def _demodulate(self, block: list[Frame]) -> Contrast | None:
         """Return the light of a block, or None."""
         times = np.array([each.stamp_ns - block[0].stamp_ns for each in block]) / 1e9
         rate = 1.0 / float(np.median(np.diff(times)))  # a dropped frame leaves it as it is
@@ -105,15 +117,9 @@ class Periodic:
         phases = 2.0 * np.pi * self.frequency * times
         weights = lock_in_weights(phases)
         in_phase, quadrature = demodulate([each.image for each in block], weights)
-        coarse = np.stack([part[::NOISE_STEP, ::NOISE_STEP] for part in (in_phase, quadrature)])
-        floor = LEAST_NOISE * float(np.sqrt((weights[0] ** 2).sum()))
-        noise = max(float(np.sqrt(np.pi / 2) * np.abs(coarse).mean()), floor)
         _, height, _, (column, row) = cv2.minMaxLoc(cv2.magnitude(in_phase, quadrature))
-        if height < self.min_snr * noise:
-            self.reason = (
-                f'nothing flashes at {self.frequency:g} Hz: the greatest amplitude is '
-                f'{height:.1f} DN, {height / noise:.1f} times its noise (min_snr {self.min_snr:g})'
-            )
+        if height == 0.0:
+            self.reason = 'nothing changes from frame to frame'
             return None
         cosine, sine = in_phase[row, column] / height, quadrature[row, column] / height
         # Seen in the light's own phase the noise is Gaussian, and what flashes otherwise is less.
@@ -128,14 +134,18 @@ class Periodic:
         lit = [block[index] for index in sorted(order[-count:])]
         unlit = [block[index] for index in sorted(order[:count])]
         middle = sum(each.stamp_ns - lit[0].stamp_ns for each in lit) // count + lit[0].stamp_ns
-        return Flashed(
-            column,
-            row,
-            height,
-            Contrast(np.asarray(own), None, 0.0, noise),
+        # Whole steps of a part of a DN: what the search takes, and finer than the noise.
+        unit = last.saturation / LEVEL
+        picture = cv2.addWeighted(own, 1.0 / unit, own, 0.0, LEVEL, dtype=cv2.CV_16U)
+        return Contrast(
+            np.asarray(picture),
+            np.full(own.shape, LEVEL, np.uint16),
+            2 * LEVEL,
+            Frame(last.image, middle, last.saturation, last.x0, last.y0, last.binning),
             tuple(each.image for each in lit),
             tuple(each.image for each in unlit),
-            Frame(last.image, middle, last.saturation, last.x0, last.y0, last.binning),
+            LEAST_NOISE * float(np.sqrt((weights[0] ** 2).sum())) / unit,
+            unit,
         )
 
 

@@ -5,20 +5,18 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from blob_tracker.segmentation.alternate import Alternate
-from blob_tracker.segmentation.box import Box, box_about
-from blob_tracker.segmentation.candidate import falls_beside, reject, suppress_connected
-from blob_tracker.segmentation.flash import Flash, Flashed
-from blob_tracker.segmentation.looks import FULL, sum_looks
-from blob_tracker.segmentation.sigma_window import Extent, measure_extent
+from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.flash import Flash
+from blob_tracker.segmentation.history import FrameError
+from blob_tracker.segmentation.look import Look
+from blob_tracker.segmentation.looks import Looks
+from blob_tracker.segmentation.search import ANYWHERE, Found, search
 from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
-from blob_tracker.types import Frame, Window
-import cv2
+from blob_tracker.types import Frame, Pixels, Window
 import numpy as np
-
-MOST_CANDIDATES = 8  # peaks of a frame that are looked at, the highest first
-SUPPRESSED = 6  # px about a peak that are its own flank, and as many sigma of its blob
-SUPPRESSED_SIGMAS = 4.0
-LARGEST_EXTENT = 64.0  # px of sigma: what is wider is no blob
+from numpy.typing import NDArray
 
 
 class Sighting(NamedTuple):
@@ -48,13 +46,21 @@ class Segmenter:
         How the light flashes, see `flash_by_name`; on in every other frame where it is left out.
     threshold : callable, optional
         Finds the window about a peak, see `threshold_by_name`; +-3 sigma where it is left out.
+    min_snr : float
+        Least SNR of the target in the matched filter.
     max_blob : int
         Greatest half-width of the blob's window, px.
+    looks : int
+        Windows of a still target that are summed into one, see `Looks`.
+    mask : (h, w) array, optional
+        0 where the target cannot be; of the frames' size.
 
     Attributes
     ----------
     reason : str
         Why the last frame gave no window; empty where it gave one.
+    look : Look or None
+        What was seen in the last frame that was compared with others.
 
     """
 
@@ -63,12 +69,19 @@ class Segmenter:
         *,
         flash: Flash | None = None,
         threshold: Threshold | None = None,
+        min_snr: float = 7.0,
         max_blob: int = 128,
+        looks: int = 1,
+        mask: NDArray[np.generic] | None = None,
     ) -> None:
-        self.flash = flash or Alternate(min_snr=8.0, max_pair_interval=0.1)
+        self.flash = flash or Alternate()
         self.threshold = threshold or threshold_by_name('sigma_window', sigmas=3.0, extension=2)
+        self.min_snr = min_snr
         self.max_blob = max_blob
         self.reason = 'no frame yet'
+        self.look: Look | None = None
+        self._looks = Looks(looks)
+        self._mask = ANYWHERE if mask is None else np.ascontiguousarray(mask != 0, dtype=np.uint8)
 
     def update(self, frame: Frame) -> Window | None:
         """
@@ -96,88 +109,82 @@ class Segmenter:
         Raises
         ------
         FrameError
-            Where the stamp is not later than the last one (that frame is left out), or the stamps
-            jumped back or the size, crop or depth changed (this frame starts afresh).
+            Where the stamp is not later than the last one (that frame is left out), the stamps
+            jumped back or the size, crop or depth changed (this frame starts afresh), or the mask
+            is of another size.
 
         """
-        found = []
-        flashes = self.flash.update(frame)
-        reason = '' if flashes else self.flash.reason
-        for flashed in flashes:
-            box, why = self._choose(flashed)
-            if box is None:
-                reason = why
-            else:
-                found.append(Sighting(flashed.name, _cut(flashed, box)))
-        self.reason = '' if found else reason
-        return found
-
-    def _choose(self, flashed: Flashed) -> tuple[Box | None, str]:
-        """
-        Return the window of the strongest peak that can be the target, or else why none can.
-
-        Of several that can be, the strongest is that of the greatest matched-filter SNR. The
-        reason is that of the highest peak.
-        """
-        best, best_snr, reason = None, 0.0, ''
-        column, row, height = flashed.column, flashed.row, flashed.height
-        for _ in range(MOST_CANDIDATES):
-            extent = measure_extent(flashed.contrast, column, row, LARGEST_EXTENT)
-            box, why = self._window(flashed, extent, column, row, height)
-            reason = reason or why
-            if box is not None and extent is not None and extent.snr > best_snr:
-                best, best_snr = box, extent.snr
-            if flashed.search is None:
-                break
-            half = SUPPRESSED
-            if extent is not None:
-                half = max(half, int(np.ceil(SUPPRESSED_SIGMAS * extent.sigma_major)))
-            if box is None:
-                suppress_connected(flashed.search, column, row, flashed.least)
-            flashed.search[box_about(column, row, half, half, flashed.contrast.shape).slices] = 0
-            _, height, _, (column, row) = cv2.minMaxLoc(flashed.search)
-            if height < flashed.least:
-                break
-        return best, reason
-
-    def _window(
-        self, flashed: Flashed, extent: Extent | None, column: int, row: int, height: float
-    ) -> tuple[Box | None, str]:
-        """Return the window of a peak, or None and why it is not the target."""
-        contrast = flashed.contrast
-        why = reject(contrast, extent, column, row, height, flashed.frame.saturation)
-        if why:
-            return None, why
-        if extent is not None and extent.snr < flashed.min_snr:
-            return None, (
-                f'nothing lit up: the strongest rise has an SNR of {extent.snr:.1f} in the '
-                f'matched filter (min_snr {flashed.min_snr:g})'
+        if self._mask.size > 0 and self._mask.shape != frame.image.shape:
+            raise FrameError(
+                f'the mask is {self._mask.shape[1]} x {self._mask.shape[0]} px and the frame '
+                f'{frame.image.shape[1]} x {frame.image.shape[0]}; they must be of one size'
             )
-        box = self.threshold(contrast, column, row, self.max_blob)
+        contrast = self.flash.contrast(frame)
+        if contrast is None:
+            self.reason = self.flash.reason
+            return []
+        region = self.flash.region(contrast)
+        found = search(contrast, region, min_snr=self.min_snr, mask=self._mask)
+        sightings: list[Sighting] = []
+        windows: dict[str, Box] = {}
+        if found.reason:
+            self.reason = found.reason
+        else:
+            chosen = self.flash.choose(contrast, found.candidates)
+            self.reason = '' if chosen else self._why(contrast, found)
+            for name, candidate in chosen:
+                box = self._window(contrast, candidate)
+                if box is None:
+                    continue
+                windows[name] = box
+                window = self._looks.add(name, contrast, candidate, box)
+                if window is None:
+                    self.reason = self._looks.reason
+                else:
+                    sightings.append(Sighting(name, window))
+        if sightings:
+            self.reason = ''
+        self.look = Look(
+            contrast.lit,
+            contrast.unlit if contrast.unlit_looks else None,
+            found.background,
+            found.noise,
+            region,
+            found.candidates,
+            windows,
+            'locked' if self.flash.locked else 'lost',
+            self.reason,
+        )
+        return sightings
+
+    def _window(self, contrast: Contrast, candidate: Candidate) -> Box | None:
+        """Return the window of the target, or None with the reason why there is none."""
+        box = self.threshold(contrast, candidate, self.max_blob)
         if box is None or max(box.x1 - box.x0, box.y1 - box.y0) > 2 * self.max_blob + 1:
-            return None, (
-                f'what lit up is no blob of at most {2 * self.max_blob + 1} px (max_blob)'
-            )
-        if box.cut_through(column, row, contrast.shape):
-            return None, "the target is cut by the frame's edge"
-        why = falls_beside(contrast, box, column, row, height)
-        return (None, why) if why else (box, '')
+            self.reason = f'what lit up is no blob of at most {2 * self.max_blob + 1} px (max_blob)'
+            return None
+        if box.cut_through(*candidate.peak, contrast.shape):
+            self.reason = "the target is cut by the frame's edge"
+            return None
+        return box
+
+    def _why(self, contrast: Contrast, found: Found) -> str:
+        """Return why nothing was chosen."""
+        if self.flash.reason:
+            return self.flash.reason
+        why = (
+            f'nothing lit up: the strongest rise is {found.strongest:.0f} DN, '
+            f'{found.strongest / found.noise:.1f} times the noise; the SNR asked for in the '
+            f'matched filter is {self.min_snr:g} (min_snr)'
+        )
+        return why + _blind(contrast.lit, contrast.saturation)
 
 
-def _cut(flashed: Flashed, box: Box) -> Window:
-    """Return the raw pixels of a box."""
-    frame = flashed.frame
-    several = len(flashed.lit) > 1
-    lit, unlit = (
-        [image[box.slices] for image in images] for images in (flashed.lit, flashed.unlit)
-    )
-    bin_x, bin_y = frame.binning
-    return Window(
-        lit=sum_looks(lit, frame.saturation),
-        unlit=sum_looks(unlit, frame.saturation) if unlit else None,
-        x0=frame.x0 + bin_x * box.x0,
-        y0=frame.y0 + bin_y * box.y0,
-        stamp_ns=frame.stamp_ns,
-        saturation=FULL if several else frame.saturation,
-        binning=frame.binning,
-    )
+def _blind(image: Pixels, saturation: int) -> str:
+    """Return what is wrong with a frame in which nothing can be seen."""
+    coarse = image[::8, ::8]
+    if coarse.max() == 0:
+        return '; the frame is black: is the lens cap on?'
+    if coarse.min() >= saturation:
+        return '; the whole frame is clipped: shorten the exposure'
+    return ''

@@ -2,42 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from blob_tracker.segmentation.box import Box, whole
+from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
-from blob_tracker.segmentation.difference import NOISE_STEP
-from blob_tracker.segmentation.flash import Flashed
 from blob_tracker.segmentation.history import FrameHistory
-from blob_tracker.types import Frame
-import cv2
+from blob_tracker.types import Frame, Pixels
 import numpy as np
 
-NORMAL_MAD = 1.4826  # standard deviations of a Gaussian in its median absolute deviation
-LEAST_NOISE = float(np.sqrt(1 / 12))  # DN, of the rounding
+ROUNDING = float(np.sqrt(1 / 12))  # DN, of one frame
 
 
 class Steady:
     """
-    Take the brightest pixel of each frame.
+    Take the blob of each frame that stands out most.
 
-    It must stand above the frame's median by `min_snr` standard deviations of the scene, texture
-    included: with nothing to subtract, all that the scene shows is noise.
+    It must stand above the frame's level by more than the scene does, texture included: with
+    nothing to subtract, all that the scene shows is noise.
 
     Parameters
     ----------
-    min_snr : float
-        Least height, in standard deviations of the scene.
     max_pair_interval : float
         How far the stamps may jump back before the frame counts as a fresh start, s.
 
     """
 
-    def __init__(self, *, min_snr: float, max_pair_interval: float) -> None:
-        self.min_snr = min_snr
+    locked = False
+
+    def __init__(self, *, max_pair_interval: float = 0.1) -> None:
         self.reason = 'no frame yet'
         self._history = FrameHistory(1, max_pair_interval)
+        self._nothing: Pixels = np.empty((0, 0), np.uint8)
 
-    def update(self, frame: Frame) -> list[Flashed]:
+    def contrast(self, frame: Frame) -> Contrast:
         """
-        Look for the light in the next frame.
+        Return the next frame, and nothing to subtract from it.
 
         Raises
         ------
@@ -46,17 +46,24 @@ class Steady:
 
         """
         self._history.push(frame)
-        image = frame.image
-        coarse = image[::NOISE_STEP, ::NOISE_STEP].astype(np.float32)
-        background = float(np.median(coarse))
-        noise = max(NORMAL_MAD * float(np.median(np.abs(coarse - background))), LEAST_NOISE)
-        _, top, _, (column, row) = cv2.minMaxLoc(image)
-        height = top - background
-        if height < self.min_snr * noise:
-            self.reason = (
-                f'nothing stands out: the brightest pixel is {height:.0f} DN above the median, '
-                f'{height / noise:.1f} times the scatter of the scene (min_snr {self.min_snr:g})'
-            )
-            return []
-        contrast = Contrast(image, None, background, noise)
-        return [Flashed(column, row, height, contrast, (image,), (), frame)]
+        image = self._history.frames[-1].image
+        if self._nothing.shape != image.shape or self._nothing.dtype != image.dtype:
+            self._nothing = np.zeros_like(image)
+        return Contrast(image, self._nothing, frame.saturation, frame, (image,), (), ROUNDING)
+
+    def region(self, contrast: Contrast) -> Box:
+        """Return the whole frame."""
+        return whole(contrast.shape)
+
+    def choose(
+        self, contrast: Contrast, candidates: Sequence[Candidate]
+    ) -> list[tuple[str, Candidate]]:
+        """Return the candidate of the highest SNR, under the empty name."""
+        self.reason = ''
+        return strongest(candidates)
+
+
+def strongest(candidates: Sequence[Candidate]) -> list[tuple[str, Candidate]]:
+    """Return the candidate of the highest SNR that is not refused, under the empty name."""
+    allowed = [each for each in candidates if not each.refused]
+    return [('', max(allowed, key=lambda each: each.snr))] if allowed else []

@@ -7,6 +7,7 @@ from functools import partial
 from inspect import signature
 
 from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.histogram import histogram
 from blob_tracker.segmentation.histogram_extended import histogram_extended
@@ -14,8 +15,8 @@ from blob_tracker.segmentation.histogram_shortened import histogram_shortened
 from blob_tracker.segmentation.otsu import otsu_window
 from blob_tracker.segmentation.sigma_window import sigma_window
 
-# (contrast, column, row, largest half-width) -> the window, None where there is none.
-Threshold = Callable[[Contrast, int, int, int], Box | None]
+# (contrast, candidate, largest half-width) -> the window, None where there is none.
+Threshold = Callable[[Contrast, Candidate, int], Box | None]
 THRESHOLDS: dict[str, Callable[..., Box | None]] = {
     'sigma_window': sigma_window,
     'otsu_window': otsu_window,
@@ -41,7 +42,7 @@ def threshold_by_name(method: str, *, sigmas: float, extension: int) -> Threshol
     Returns
     -------
     callable
-        From contrast, column, row and greatest half-width to the window.
+        From contrast, candidate and greatest half-width to the window.
 
     Raises
     ------

@@ -1,0 +1,293 @@
+"""Place, width and SNR of the blob at a peak, by adaptive moments."""
+
+# Numba's decorators bring no types.
+# mypy: disable-error-code="untyped-decorator"
+
+from __future__ import annotations
+
+from blob_tracker.kernel import kernel
+from blob_tracker.types import Pixels
+import numpy as np
+from numpy.typing import NDArray
+
+REACH = 4.0  # sigma: a Gaussian is 3e-4 of its peak there, which is background
+FINEST = 0.7  # px, scale at which the search begins: the pixel itself is 0.29 wide
+COARSEST = 8.0  # binned px; beyond it the pixels are binned and the search goes on
+BINNING = 4  # by which they are: from 8 px to 2, well sampled still
+# Binned px to either side: first what holds the finest scales, because most peaks are noise.
+HALVES = (6, 12, int(REACH * COARSEST))
+STEPS = 20  # the moments settle in 3 to 6
+SETTLED = 0.02  # change of sigma and of place, in sigma, at which they have
+RING_AGAIN = 0.15  # change of sigma, in sigma, after which the background is taken anew
+
+# What `measure` returns: the SNR is 0 where there is no blob.
+Measured = tuple[float, float, float, float, float, float, float, float, float]
+NO_BLOB = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@kernel
+def measure(
+    lit: Pixels,
+    unlit: Pixels,
+    region: tuple[int, int, int, int],
+    column: int,
+    row: int,
+    level: float,
+    noise: float,
+    least: float,
+    largest: float,
+) -> Measured:
+    """
+    Measure the blob at a peak.
+
+    First the scale s is doubled from 0.7 px for as long as the response of the matched filter,
+
+        SNR(s) = sum(w I) / (noise sqrt(sum w^2)),   w = exp(-r^2 / 2 s^2),
+
+    grows; for a Gaussian blob its maximum is at s = sigma. Then the weighted moments are iterated
+    to where the weight is the blob itself (Bernstein and Jarvis, AJ 123 (2002), section 3.1):
+    with <d> and <dd> the first and second moments under w,
+
+        c <- c + <d> (1 + s^2 / sigma^2),   1 / sigma^2 <- 1 / <dd> - 1 / s^2,   s <- sigma.
+
+    The background is the median of the pixels at 4 s. Blobs wider than 8 px are measured on
+    binned pixels, so that the time hardly depends on the width.
+
+    Parameters
+    ----------
+    lit, unlit : (h, w) arrays
+        DN, C-contiguous, of one type.
+    region : (int, int, int, int)
+        Columns x0 to x1 and rows y0 to y1 that may be looked at, px.
+    column, row : int
+        Pixel of the peak.
+    level, noise : float
+        Background and standard deviation of lit less unlit, DN.
+    least : float
+        SNR below which the blob is not measured further.
+    largest : float
+        Greatest sigma, px.
+
+    Returns
+    -------
+    x, y, sigma_x, sigma_y : float
+        Place and standard deviations along the rows and columns, px.
+    sigma_major, sigma_minor, correlation : float
+        Standard deviations along the longest and shortest axis, px; correlation of x and y.
+    snr : float
+        Of the matched filter, 0 where nothing stands out or it is wider than `largest`.
+    background : float
+        Median of lit less unlit about it, DN.
+
+    """
+    x, y, sigma = float(column), float(row), FINEST
+    binning, size = 1, 0
+    while binning * FINEST <= largest:
+        half = HALVES[size]
+        coarsest = half / REACH
+        x0 = max(int(round(x)) - half * binning, region[0])
+        y0 = max(int(round(y)) - half * binning, region[1])
+        width = (min(int(round(x)) + (half + 1) * binning, region[2]) - x0) // binning
+        height = (min(int(round(y)) + (half + 1) * binning, region[3]) - y0) // binning
+        if min(width, height) < 3:
+            return NO_BLOB
+        # The centre of the samples of a binned pixel is so far from the first one.
+        edge = 0.5 * (binning - max(binning // BINNING, 1))
+        found = _settle(
+            _patch(lit, unlit, x0, y0, width, height, binning),
+            (x - x0 - edge) / binning,
+            (y - y0 - edge) / binning,
+            sigma / binning,
+            level,
+            noise / min(binning, BINNING),
+            least,
+            coarsest,
+        )
+        snr, wide = found[7], found[2] >= coarsest
+        if snr < least and not wide:
+            return NO_BLOB
+        x, y = x0 + edge + binning * found[0], y0 + edge + binning * found[1]
+        if not wide:
+            sigma_x, sigma_y = binning * found[2], binning * found[3]
+            inside = region[0] <= x <= region[2] - 1 and region[1] <= y <= region[3] - 1
+            if not inside or max(sigma_x, sigma_y) > largest:
+                return NO_BLOB
+            return (
+                x, y, sigma_x, sigma_y, binning * found[4], binning * found[5], found[6], snr,
+                found[8],
+            )
+        sigma = 0.5 * coarsest * binning
+        if size + 1 < len(HALVES):
+            size += 1
+        else:
+            binning *= BINNING
+    return NO_BLOB
+
+
+@kernel
+def _patch(
+    lit: Pixels, unlit: Pixels, x0: int, y0: int, width: int, height: int, binning: int
+) -> NDArray[np.float32]:
+    """Return (height, width) means of lit less unlit over squares, of 4 x 4 of their pixels."""
+    patch = np.zeros((height, width), np.float32)
+    step = max(binning // BINNING, 1)
+    for j in range(height):
+        out = patch[j]
+        for v in range(y0 + j * binning, y0 + (j + 1) * binning, step):
+            a, b = lit[v], unlit[v]
+            if binning == 1:
+                for i in range(np.uint64(width)):
+                    k = np.uint64(x0) + i
+                    out[i] = np.float32(np.int32(a[k]) - np.int32(b[k]))
+            else:
+                for i in range(width):
+                    for u in range(x0 + i * binning, x0 + (i + 1) * binning, step):
+                        out[i] += np.float32(np.int32(a[u]) - np.int32(b[u]))
+    if binning > 1:
+        patch /= np.float32(BINNING * BINNING)
+    return patch
+
+
+@kernel
+def _settle(
+    pixels: NDArray[np.float32],
+    x: float,
+    y: float,
+    sigma: float,
+    level: float,
+    noise: float,
+    least: float,
+    coarsest: float,
+) -> Measured:
+    """
+    Return what `measure` does, in px of `pixels`.
+
+    Sigma is `coarsest` or more where the blob is wider than that; the SNR is below `least`, and
+    what else is returned is rough, where there is none.
+    """
+    best = -1.0
+    scale = sigma
+    while scale <= coarsest:
+        flux, norm, dx, dy, _, _, _ = _moments(pixels, x, y, scale, level)
+        snr = flux / (noise * np.sqrt(norm))
+        if snr <= best:
+            break
+        best, sigma = snr, scale
+        if flux > 0.0:
+            x += min(max(dx, -scale), scale)
+            y += min(max(dy, -scale), scale)
+        scale *= 2.0
+    if scale > coarsest and best > 0.0:
+        return x, y, coarsest, coarsest, coarsest, coarsest, 0.0, best, level
+    if best < 0.8 * least:  # the scales tried are within 20 % of the best one
+        return x, y, sigma, sigma, sigma, sigma, 0.0, 0.0, level
+    xx = yy = sigma * sigma
+    mxx = myy = 0.5 * xx
+    mxy = 0.0
+    weight = xx
+    of_ring = 0.0
+    for _ in range(STEPS):
+        if abs(sigma - of_ring) > RING_AGAIN * sigma:
+            level = _ring(pixels, x, y, sigma)
+            of_ring = sigma
+        flux, norm, dx, dy, mxx, myy, mxy = _moments(pixels, x, y, sigma, level)
+        best = flux / (noise * np.sqrt(norm))
+        if best <= 0.0:
+            return x, y, sigma, sigma, sigma, sigma, 0.0, 0.0, level
+        weight = sigma * sigma
+        # A step is at most a doubling: what the moments say far from the blob is not exact.
+        xx = _unweighted(mxx, weight)
+        yy = _unweighted(myy, weight)
+        new = np.sqrt(0.5 * (xx + yy))
+        gain = 1.0 + weight / (new * new)
+        dx = min(max(gain * dx, -sigma), sigma)
+        dy = min(max(gain * dy, -sigma), sigma)
+        x += dx
+        y += dy
+        change = max(abs(new - sigma), abs(dx), abs(dy))
+        sigma = new
+        if sigma >= coarsest or change < SETTLED * sigma:
+            break
+    if sigma >= coarsest:
+        return x, y, coarsest, coarsest, coarsest, coarsest, 0.0, best, level
+    mean, half = 0.5 * (mxx + myy), np.sqrt(0.25 * (mxx - myy) ** 2 + mxy * mxy)
+    major, minor = _unweighted(mean + half, weight), _unweighted(mean - half, weight)
+    correlation = 0.0
+    if half > 0.0:
+        # The axes of the blob are those of its weighted moments.
+        correlation = (major - minor) * (0.5 * mxy / half) / np.sqrt(xx * yy)
+        correlation = min(max(correlation, -0.95), 0.95)
+    return (
+        x, y, np.sqrt(xx), np.sqrt(yy), np.sqrt(major), np.sqrt(minor), correlation, best, level
+    )
+
+
+@kernel
+def _unweighted(moment: float, weight: float) -> float:
+    """Return the variance of a Gaussian whose second moment under a Gaussian weight is given."""
+    if moment >= 0.8 * weight:
+        return 4.0 * weight
+    return max(1.0 / (1.0 / max(moment, 0.05) - 1.0 / weight), 0.25 * weight, 0.1)
+
+
+@kernel
+def _moments(
+    pixels: NDArray[np.float32], x: float, y: float, sigma: float, level: float
+) -> tuple[float, float, float, float, float, float, float]:
+    """Return sum(w I), sum(w^2), and the first and second moments under w about (x, y)."""
+    half = max(REACH * sigma, 2.0)
+    first, last = max(int(x - half), 0), min(int(x + half) + 2, pixels.shape[1])
+    top, bottom = max(int(y - half), 0), min(int(y + half) + 2, pixels.shape[0])
+    scale = -0.5 / (sigma * sigma)
+    count = max(last - first, 0)
+    # Rows of weights, so that the compiler can put the sums into vectors.
+    along, along_x, along_xx = np.empty(count), np.empty(count), np.empty(count)
+    norm_x = norm_y = 0.0
+    for i in range(count):
+        d = i + first - x
+        weight = np.exp(scale * d * d)
+        along[i], along_x[i], along_xx[i] = weight, weight * d, weight * d * d
+        norm_x += weight * weight
+    flux = sx = sy = sxx = syy = sxy = 0.0
+    for j in range(top, bottom):
+        d = j - y
+        across = np.exp(scale * d * d)
+        line = pixels[j, first:last]
+        row = row_x = row_xx = 0.0
+        for i in range(count):
+            value = line[i] - level
+            row += along[i] * value
+            row_x += along_x[i] * value
+            row_xx += along_xx[i] * value
+        norm_y += across * across
+        flux += across * row
+        sx += across * row_x
+        sxx += across * row_xx
+        sy += across * row * d
+        syy += across * row * d * d
+        sxy += across * row_x * d
+    norm = norm_x * norm_y
+    if flux <= 0.0 or norm <= 0.0:
+        return flux, max(norm, 1e-12), 0.0, 0.0, 0.0, 0.0, 0.0
+    sx /= flux
+    sy /= flux
+    return flux, norm, sx, sy, sxx / flux, syy / flux, sxy / flux
+
+
+@kernel
+def _ring(pixels: NDArray[np.float32], x: float, y: float, sigma: float) -> float:
+    """Return the median of the pixels on the border of the box of 4 sigma about (x, y)."""
+    half = max(REACH * sigma, 3.0)
+    left, right = max(int(x - half), 0), min(int(x + half) + 1, pixels.shape[1] - 1)
+    top, bottom = max(int(y - half), 0), min(int(y + half) + 1, pixels.shape[0] - 1)
+    ring = np.empty(2 * (max(right - left, 0) + max(bottom - top, 0) + 2))
+    count = 0
+    for i in range(left, right + 1):
+        ring[count] = pixels[top, i]
+        ring[count + 1] = pixels[bottom, i]
+        count += 2
+    for j in range(top + 1, bottom):
+        ring[count] = pixels[j, left]
+        ring[count + 1] = pixels[j, right]
+        count += 2
+    return np.median(ring[:count])

@@ -1,0 +1,213 @@
+"""Which of the things that light up flashes in step with the camera: confirmation and lock."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+import math
+from statistics import median
+
+from blob_tracker.segmentation.box import Box, box_about, whole
+from blob_tracker.segmentation.candidate import Candidate
+
+PERIOD = 2  # frames from one flash to the next
+INTERVALS = 9  # of the last frames, whose median is the time between frames
+ON_TIME = 0.25  # frames by which a stamp may be off and still tell even from odd
+FOLLOWED = 0.3  # of the gate: what is left to chance once the motion is known
+FLANK = 4.0  # sigma: a wide blob's peak wanders so far
+ALIKE = 2.5  # times brighter or fainter than before, and still the same light
+FORGOTTEN = 8  # frames without a flash after which a track ends
+MOST_TRACKS = 32
+FIRST = 3  # pairs of frames in which a single light is taken for the target at once
+REGION = 16  # px about the prediction, and as many sigma as FLANK says
+# False alarms: at most so many by chance in a frame, at the rate at which things lit up once.
+CHANCE = 1e-6
+RATE_MEMORY = 1.0 / 128.0  # of a frame in the mean of that rate
+MOST_FLASHES = 5  # are always enough
+SPOILED = 2  # more flashes are asked of a light that was once seen out of step
+
+
+@dataclass
+class _Track:
+    """A light that may be the target, as it was last seen."""
+
+    x: float
+    y: float
+    sigma: float
+    height: float
+    stamp_ns: int
+    flashes: int = 1
+    speed_x: float = 0.0  # px a frame
+    speed_y: float = 0.0
+    spoiled: bool = False
+
+    def at(self, age: float) -> tuple[float, float]:
+        """Return where it is expected so many frames later, px."""
+        return self.x + self.speed_x * age, self.y + self.speed_y * age
+
+    def reach(self, gate: float, age: float) -> float:
+        """Return how far from there it may be, px."""
+        moved = gate if self.flashes == 1 else FOLLOWED * gate
+        return FLANK * self.sigma + moved * max(age, 1.0) / PERIOD
+
+
+class Confirmation:
+    """
+    Confirm the light that is on in every other frame, and follow it.
+
+    Everything that lights up begins a track. A track goes on where something of like brightness
+    lights up two frames later, by the stamps, within the gate; what lights up one or three frames
+    later is out of step: a lamp on the mains. A track is confirmed after two flashes, and after
+    more in a scene in which other things light up so often that chance would confirm them. The
+    confirmed track is followed in a region about its predicted place, which grows with every
+    flash that is missed, until the whole frame is searched again.
+
+    A single light in the first frames, and only there, is confirmed at once: nothing is known
+    that speaks against it.
+
+    Parameters
+    ----------
+    gate : float
+        Greatest way of the target in the picture from one flash to the next, px.
+
+    """
+
+    def __init__(self, gate: float) -> None:
+        self.gate = gate
+        self._tracks: list[_Track] = []
+        self._locked: _Track | None = None
+        self._intervals: deque[int] = deque(maxlen=INTERVALS)
+        self._stamp_ns: int | None = None
+        self._frames = 0
+        self._rate = 0.0  # of things that light up once, a frame
+
+    @property
+    def locked(self) -> bool:
+        """Whether a confirmed light is followed."""
+        return self._locked is not None
+
+    def push(self, stamp_ns: int) -> None:
+        """Take the stamp of the next frame, ns; tracks that are too old end."""
+        if self._stamp_ns is not None:
+            self._intervals.append(stamp_ns - self._stamp_ns)
+        self._stamp_ns = stamp_ns
+        self._frames += 1
+        kept = [each for each in self._tracks if self._age(each) <= FORGOTTEN]
+        if self._locked is None:
+            once = sum(each.flashes == 1 for each in self._tracks) - sum(
+                each.flashes == 1 for each in kept
+            )
+            self._rate += RATE_MEMORY * (once - self._rate)
+        elif self._age(self._locked) > FORGOTTEN:
+            self._locked = None
+        self._tracks = kept
+
+    def region(self, shape: tuple[int, int]) -> Box:
+        """Return where in a frame of (h, w) the target can be."""
+        track = self._locked
+        if track is None or track.flashes < 2:
+            return whole(shape)
+        age = self._age(track)
+        x, y = track.at(age)
+        half = REGION + track.reach(self.gate, PERIOD)
+        half *= 2.0 ** max(math.ceil(age / PERIOD - ON_TIME) - 1, 0)
+        if half > 0.5 * min(shape):
+            return whole(shape)
+        column = min(max(round(x), 0), shape[1] - 1)
+        row = min(max(round(y), 0), shape[0] - 1)
+        return box_about(column, row, round(half), round(half), shape)
+
+    def choose(self, candidates: Sequence[Candidate], shape: tuple[int, int]) -> Candidate | None:
+        """
+        Return the target among the candidates of the frame that was pushed last, or None.
+
+        Parameters
+        ----------
+        candidates : sequence of Candidate
+            What lit up and may be the target.
+        shape : (int, int)
+            Height and width of the frame, px.
+
+        """
+        seen = [(self._continued(each), each) for each in candidates]
+        needed = self._needed(shape)
+        best: tuple[_Track, Candidate] | None = None
+        alone = self._frames <= FIRST and len(candidates) == 1
+        for track, candidate in seen:
+            if alone:
+                track.flashes = max(track.flashes, needed)
+            if track.flashes < needed + SPOILED * track.spoiled:
+                continue
+            if track is self._locked:
+                best = track, candidate
+                break
+            if best is None or candidate.snr > best[1].snr:
+                best = track, candidate
+        self._tracks = [
+            each for each in self._tracks if all(each is not track for track, _ in seen)
+        ] + [track for track, _ in seen]
+        del self._tracks[:-MOST_TRACKS]
+        if best is None:
+            return None
+        self._locked = best[0]
+        return best[1]
+
+    def _continued(self, candidate: Candidate) -> _Track:
+        """Return the track that a candidate belongs to, brought up to date; else a new one."""
+        assert self._stamp_ns is not None
+        sigma = math.hypot(candidate.sigma_x, candidate.sigma_y) / math.sqrt(2.0)
+        fresh = _Track(candidate.x, candidate.y, sigma, candidate.height, self._stamp_ns)
+        nearest, distance = None, math.inf
+        for track in self._tracks:
+            age = self._age(track)
+            x, y = track.at(age)
+            away = math.hypot(candidate.x - x, candidate.y - y)
+            if (
+                age > 0.0
+                and away < min(distance, track.reach(self.gate, age))
+                and track.height < ALIKE * candidate.height
+                and candidate.height < ALIKE * track.height
+            ):
+                nearest, distance = track, away
+        if nearest is None:
+            return fresh
+        age = self._age(nearest)
+        if not self._in_step(age):
+            # The light of a target may slip by a frame; a lamp does so all the time.
+            fresh.spoiled = nearest is not self._locked
+            if nearest is self._locked:
+                self._locked = None
+            self._tracks = [each for each in self._tracks if each is not nearest]
+            return fresh
+        fresh.speed_x = (candidate.x - nearest.x) / age
+        fresh.speed_y = (candidate.y - nearest.y) / age
+        fresh.flashes = nearest.flashes + 1
+        fresh.spoiled = nearest.spoiled
+        if nearest is self._locked:
+            self._locked = fresh
+        self._tracks = [each for each in self._tracks if each is not nearest]
+        return fresh
+
+    def _age(self, track: _Track) -> float:
+        """Return the time since a track was seen, in frames."""
+        if self._stamp_ns is None or not self._intervals:
+            return 0.0
+        return (self._stamp_ns - track.stamp_ns) / median(self._intervals)
+
+    def _in_step(self, age: float) -> bool:
+        """Tell whether a light that flashes in step can be on after so many frames."""
+        frames = round(age)
+        return abs(age - frames) > ON_TIME or frames % PERIOD == 0
+
+    def _needed(self, shape: tuple[int, int]) -> int:
+        """Return after how many flashes chance cannot have made a track."""
+        # Half of what lights up within reach is as bright as what lit up there before.
+        near = 0.5 * math.pi / (shape[0] * shape[1])
+        first = self._rate * min(near * self.gate**2, 1.0)
+        later = self._rate * min(near * (FOLLOWED * self.gate) ** 2, 1.0)
+        chance, flashes = self._rate * first, 2
+        while chance > CHANCE and flashes < MOST_FLASHES:
+            chance *= later
+            flashes += 1
+        return flashes

@@ -1,0 +1,350 @@
+"""Every peak in a part of a frame, measured: the loops over pixels."""
+
+# Numba's decorators bring no types.
+# mypy: disable-error-code="untyped-decorator"
+
+from __future__ import annotations
+
+from blob_tracker.kernel import Array, kernel
+from blob_tracker.segmentation.adaptive_moments import measure
+from blob_tracker.segmentation.tile_noise import TILE, tile_noise
+from blob_tracker.types import Pixels
+import numpy as np
+from numpy.typing import NDArray
+
+MOST_PEAKS = 2048  # of a frame; where there are more, only the higher ones are looked at
+MOST_CANDIDATES = 256  # that are measured, the highest first: a field of stars has a hundred
+FLANK = 4.0  # sigma of a blob, and as many px, within which further peaks are its own
+WINDOW = 3.0  # sigma to either side: what is compared with a Gaussian
+BAND = 0.25  # of a row above the threshold: the row is brighter, not something in it
+CROWDED = 32  # pixels of a tile's row above the threshold: of such only the highest is looked at
+SAMPLES = 12  # to either side of a blob on which it is compared; of wider ones pixels are left out
+
+
+@kernel
+def measure_peaks(
+    lit: Pixels,
+    unlit: Pixels,
+    region: tuple[int, int, int, int],
+    mask: NDArray[np.uint8],
+    floor: float,
+    threshold: float,
+    least: float,
+    largest: float,
+    saturation: int,
+) -> tuple[Array, float, float, float, float]:
+    """
+    Return what rose in a region, the highest first, and the noise that it stands in.
+
+    A peak is a pixel that no neighbour exceeds and that stands `threshold` standard deviations of
+    its tile above the background. Each is measured by its adaptive moments, and compared with a
+    Gaussian and with the scene that it stands in.
+
+    Parameters
+    ----------
+    lit, unlit : (h, w) arrays
+        DN, C-contiguous, uint8 or uint16.
+    region : (int, int, int, int)
+        Columns x0 to x1 and rows y0 to y1, px.
+    mask : (h, w) or (0, 0) array
+        0 where the target cannot be; empty where it may be anywhere.
+    floor : float
+        Least noise, DN.
+    threshold : float
+        Least height of a peak, in standard deviations of lit less unlit.
+    least : float
+        Least SNR in the matched filter.
+    largest : float
+        Greatest sigma, px.
+    saturation : int
+        The DN at which a pixel is clipped.
+
+    Returns
+    -------
+    table : (n, 19) array
+        A row for each peak of at least that SNR: the fields of `Candidate` in their order.
+    level, noise, brightness : float
+        Median over the tiles of lit less unlit, of its standard deviation, and of unlit, DN.
+    strongest : float
+        Greatest height of any pixel above the level, DN.
+
+    """
+    x0, y0, x1, y1 = region
+    levels, noises, bright = tile_noise(lit, unlit, x0, y0, x1, y1, floor)
+    level = np.median(levels)
+    columns = np.empty(MOST_PEAKS, np.int64)
+    rows = np.empty(MOST_PEAKS, np.int64)
+    heights = np.empty(MOST_PEAKS)
+    count, strongest = _peaks(
+        lit, unlit, region, mask, level, noises, threshold, columns, rows, heights
+    )
+    while count > MOST_PEAKS:
+        threshold *= 2.0
+        count, strongest = _peaks(
+            lit, unlit, region, mask, level, noises, threshold, columns, rows, heights
+        )
+    table = np.empty((MOST_CANDIDATES, 19))
+    found = 0
+    for index in np.argsort(-heights[:count]):
+        column, row = columns[index], rows[index]
+        if _on_flank(table[:found], column, row):
+            continue
+        ty = min((row - y0) // TILE, noises.shape[0] - 1)
+        tx = min((column - x0) // TILE, noises.shape[1] - 1)
+        noise = noises[ty, tx]
+        blob = measure(lit, unlit, region, column, row, level, noise, least, largest)
+        if blob[7] >= least:
+            _describe(
+                table[found], lit, unlit, region, saturation, blob, column, row, noise,
+                heights[index],
+            )
+            found += 1
+            if found == MOST_CANDIDATES:
+                break
+    return table[:found], level, np.median(noises), np.median(bright), strongest
+
+
+@kernel
+def _peaks(
+    lit: Pixels,
+    unlit: Pixels,
+    region: tuple[int, int, int, int],
+    mask: NDArray[np.uint8],
+    level: float,
+    noises: Array,
+    threshold: float,
+    columns: NDArray[np.int64],
+    rows: NDArray[np.int64],
+    heights: Array,
+) -> tuple[int, float]:
+    """Write down the peaks; return how many there are and the greatest rise above the level."""
+    x0, y0, x1, y1 = region
+    down, across = noises.shape
+    count, strongest = 0, 0.0
+    lowest = np.empty(down)
+    for ty in range(down):
+        lowest[ty] = threshold * noises[ty].min()
+    # Most rows hold nothing: one look at each whole row, with the least of its thresholds.
+    rises = np.empty(y1 - y0)
+    for j in range(y0, y1):
+        rises[j - y0] = _greatest_rise(lit[j], unlit[j], x0, x1)
+    for j in range(y0, y1):
+        ty = min((j - y0) // TILE, down - 1)
+        highest = rises[j - y0] - level
+        strongest = max(strongest, highest)
+        if highest <= lowest[ty]:
+            continue
+        a, b = lit[j], unlit[j]
+        brighter = -1.0
+        for tx in range(across):
+            left = x0 + tx * TILE
+            right = x1 if tx == across - 1 else left + TILE
+            highest = float(_greatest_rise(a, b, left, right)) - level
+            least = threshold * noises[ty, tx]
+            if highest <= least:
+                continue
+            crowded = _count_above(a, b, left, right, int(level + least)) > CROWDED
+            if crowded:
+                if brighter < 0.0:
+                    brighter = _level_of_band(a, b, x0, x1, level, least)
+                if highest <= brighter + least:
+                    continue
+            least = max(brighter, 0.0) + level + least
+            for i in range(left, right):
+                rise = float(np.int32(a[i]) - np.int32(b[i]))
+                if rise <= least:
+                    continue
+                if crowded:
+                    if rise < highest + level:
+                        continue
+                elif not _is_peak(lit, unlit, region, i, j, rise):
+                    continue
+                if mask.size > 0 and mask[j, i] == 0:
+                    continue
+                if count < columns.size:
+                    columns[count], rows[count], heights[count] = i, j, rise - level
+                count += 1
+                if crowded:
+                    break
+    return count, strongest
+
+
+@kernel
+def _greatest_rise(a: Pixels, b: Pixels, left: int, right: int) -> int:
+    """Return the maximum of a - b from left to right, 0 where all is negative."""
+    # In the type of the pixels: it is as many times faster as they are narrower than an int.
+    zero = a.dtype.type(0)
+    highest = zero
+    for i in range(np.uint64(left), np.uint64(right)):
+        highest = max(highest, a.dtype.type(max(a[i], b[i]) - b[i]))
+    return highest
+
+
+@kernel
+def _count_above(a: Pixels, b: Pixels, left: int, right: int, least: int) -> int:
+    """Return how many of a - b are above a level, from left to right."""
+    count = np.int32(0)
+    bound = np.int32(least)
+    for i in range(np.uint64(left), np.uint64(right)):
+        count += np.int32(np.int32(a[i]) - np.int32(b[i]) > bound)
+    return count
+
+
+@kernel
+def _level_of_band(
+    a: Pixels, b: Pixels, left: int, right: int, level: float, least: float
+) -> float:
+    """
+    Return by how much a whole row is brighter than the level, DN, and 0 where it is not.
+
+    A lamp that flickers lights some of the rows of a rolling shutter; a target is on a few pixels
+    of its rows only, so that their mean is not moved.
+    """
+    above, total = 0, 0.0
+    for i in range(left, right):
+        rise = float(np.int32(a[i]) - np.int32(b[i])) - level
+        above += rise > least
+        total += rise
+    return max(total / (right - left), 0.0) if above > BAND * (right - left) else 0.0
+
+
+@kernel
+def _is_peak(
+    lit: Pixels, unlit: Pixels, region: tuple[int, int, int, int], i: int, j: int, rise: float
+) -> bool:
+    """Tell whether no neighbour exceeds a pixel; of equal ones the first is the peak."""
+    for v in range(max(j - 1, region[1]), min(j + 2, region[3])):
+        for u in range(max(i - 1, region[0]), min(i + 2, region[2])):
+            other = float(np.int32(lit[v, u]) - np.int32(unlit[v, u]))
+            if other > rise or (other == rise and (v < j or (v == j and u < i))):
+                return False
+    return True
+
+
+@kernel
+def _on_flank(table: Array, column: int, row: int) -> bool:
+    """Tell whether a peak lies on a blob that was measured."""
+    for k in range(table.shape[0]):
+        dx, dy = column - table[k, 0], row - table[k, 1]
+        margin = FLANK / max(min(table[k, 2], table[k, 3]), 0.5)
+        if _distance2(dx, dy, table[k, 2], table[k, 3], table[k, 6]) < (FLANK + margin) ** 2:
+            return True
+    return False
+
+
+@kernel
+def _distance2(dx: float, dy: float, sigma_x: float, sigma_y: float, correlation: float) -> float:
+    """Return the squared Mahalanobis distance."""
+    u, v = dx / sigma_x, dy / sigma_y
+    return (u * u - 2.0 * correlation * u * v + v * v) / (1.0 - correlation * correlation)
+
+
+@kernel
+def _describe(
+    out: Array,
+    lit: Pixels,
+    unlit: Pixels,
+    region: tuple[int, int, int, int],
+    saturation: int,
+    blob: tuple[float, float, float, float, float, float, float, float, float],
+    column: int,
+    row: int,
+    noise: float,
+    height: float,
+) -> None:
+    """Write one row of the table."""
+    x, y, sigma_x, sigma_y, _, _, correlation, _, level = blob
+    half_x, half_y = max(WINDOW * sigma_x, 3.0), max(WINDOW * sigma_y, 3.0)
+    left, right = max(int(x - half_x), region[0]), min(int(x + half_x) + 2, region[2])
+    top, bottom = max(int(y - half_y), region[1]), min(int(y + half_y) + 2, region[3])
+    norm = flux = stood = around = 0.0
+    outside = 0
+    clipped = False
+    weights = np.empty((bottom - top, right - left))
+    step = 1 + int(max(half_x, half_y) / (SAMPLES + 1))
+    for j in range(top, bottom, step):
+        for i in range(left, right, step):
+            q = _distance2(i - x, j - y, sigma_x, sigma_y, correlation)
+            w = np.exp(-0.5 * q)
+            weights[j - top, i - left] = w
+            under = float(unlit[j, i])
+            clipped = clipped or unlit[j, i] >= saturation
+            if q > WINDOW * WINDOW:
+                around += under
+                outside += 1
+            elif lit[j, i] < saturation:
+                norm += w * w
+                flux += w * (float(lit[j, i]) - under - level)
+    amplitude = flux / norm if norm > 0.0 else height
+    around = around / outside if outside > 0 else 0.0
+    misfit, count = 0.0, 0
+    total = 0.0
+    for j in range(top, bottom, step):
+        for i in range(left, right, step):
+            w = weights[j - top, i - left]
+            stood += w * (float(unlit[j, i]) - around)
+            total += w * w
+            if lit[j, i] < saturation:
+                left_over = float(lit[j, i]) - float(unlit[j, i]) - level - amplitude * w
+                misfit += left_over * left_over
+                count += 1
+    # Less what the noise explains, and three of its standard deviations.
+    misfit -= (count + 3.0 * np.sqrt(2.0 * count)) * noise * noise
+    explained = amplitude * amplitude * norm
+    out[0:9] = blob
+    out[9], out[10], out[11] = column, row, height
+    out[12] = amplitude
+    out[13] = np.sqrt(max(misfit, 0.0) / explained) if explained > 0.0 else 0.0
+    out[14] = _beside(lit, unlit, region, column, row, level) / max(height, noise)
+    out[15] = _fall(lit, unlit, region, x, y, 3.0 * half_x, 3.0 * half_y, level)
+    out[16] = stood / total if total > 0.0 else 0.0
+    out[17] = clipped
+    out[18] = noise
+
+
+@kernel
+def _beside(
+    lit: Pixels,
+    unlit: Pixels,
+    region: tuple[int, int, int, int],
+    column: int,
+    row: int,
+    level: float,
+) -> float:
+    """Return the mean rise of the four neighbours of a pixel, DN; their own where at the edge."""
+    total, count = 0.0, 0
+    for u, v in ((column - 1, row), (column + 1, row), (column, row - 1), (column, row + 1)):
+        if region[0] <= u < region[2] and region[1] <= v < region[3]:
+            total += float(lit[v, u]) - float(unlit[v, u]) - level
+            count += 1
+    return total / count if count > 0 else 0.0
+
+
+@kernel
+def _fall(
+    lit: Pixels,
+    unlit: Pixels,
+    region: tuple[int, int, int, int],
+    x: float,
+    y: float,
+    half_x: float,
+    half_y: float,
+    level: float,
+) -> float:
+    """
+    Return the greatest fall below the level near a place, DN.
+
+    It is that of two neighbours together: a single pixel may be hot. Of wide blobs not every
+    row is looked at.
+    """
+    left, right = max(int(x - half_x), region[0]), min(int(x + half_x) + 1, region[2] - 1)
+    top, bottom = max(int(y - half_y), region[1]), min(int(y + half_y) + 1, region[3])
+    step = 1 + int(half_y / (3 * SAMPLES + 1))
+    lowest = np.int32(0)
+    for j in range(top, bottom, step):
+        a, b = lit[j], unlit[j]
+        for i in range(np.uint64(left), np.uint64(right)):
+            k = i + np.uint64(1)
+            both = np.int32(a[i]) - np.int32(b[i]) + np.int32(a[k]) - np.int32(b[k])
+            lowest = min(lowest, np.int32(both))
+    return level - 0.5 * lowest

@@ -1,0 +1,66 @@
+"""What lit up but is not the target: hot pixels, edges, lamps that flicker, things that move."""
+
+from __future__ import annotations
+
+from blob_tracker.segmentation.candidate import Candidate
+
+# The four neighbours of the peak pixel have a third of its height where sigma is 0.6 px, and more
+# where it is wider; those of a hot pixel have none but noise.
+LONE = 0.1
+LONGEST = 3.0  # times as long as wide: a moving edge, a glint's streak or a band is longer
+NARROWEST = 0.7  # px: below it the width is that of the pixel, and noise decides
+WORST_MISFIT = 0.5  # a clipped or a square blob leaves 0.3; half a blob, an edge or a ring more
+SAMPLED = 0.9  # px of sigma, from which on pixels draw the shape of a blob
+# A lamp on the mains loses less than a quarter between two frames; of a flash nothing is left but
+# the background, whose texture is not as many times higher than the flash.
+STANDING = 3.0
+# Two lit frames of a moving light leave a rise and an equal fall beside each other; a true flash
+# leaves no fall but noise. Half-way between the two tells them apart.
+LARGEST_FALL = 0.5
+NOISE_FALL = 6.0  # standard deviations; no pixel of a window falls so far by noise alone
+
+
+def refuse(candidate: Candidate) -> str:
+    """
+    Say why a candidate is no target.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        What lit up.
+
+    Returns
+    -------
+    str
+        Empty where nothing speaks against it.
+
+    """
+    height = candidate.height
+    if candidate.beside < LONE:
+        return f'a lone pixel rose by {height:.0f} DN: it is hot, or was hit by a particle'
+    if candidate.sigma_major > LONGEST * max(candidate.sigma_minor, NARROWEST):
+        return (
+            f'what lit up is {candidate.sigma_major:.1f} px long and '
+            f'{candidate.sigma_minor:.1f} px wide (sigma): an edge that moved, or a band'
+        )
+    if candidate.fall > max(LARGEST_FALL * height, NOISE_FALL * candidate.noise):
+        return (
+            f'a rise of {height:.0f} DN beside a fall of {candidate.fall:.0f} DN: '
+            'something moved, or the light was on in both frames'
+        )
+    if candidate.misfit > WORST_MISFIT and candidate.sigma_minor > SAMPLED:
+        return (
+            f'a rise of {height:.0f} DN that is no blob: a Gaussian leaves '
+            f'{100 * candidate.misfit:.0f} % of it'
+        )
+    if candidate.stood > STANDING * candidate.amplitude:
+        return (
+            f'a rise of {candidate.amplitude:.0f} DN on {candidate.stood:.0f} DN that were there '
+            'before: a lamp that flickers'
+        )
+    if candidate.clipped:
+        return (
+            f'a rise of {height:.0f} DN beside pixels that were clipped before: the rim of '
+            'the sun or of a lamp'
+        )
+    return ''

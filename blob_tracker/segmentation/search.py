@@ -1,0 +1,129 @@
+"""All that lit up in a contrast, judged."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.peaks import measure_peaks
+from blob_tracker.segmentation.refusal import refuse
+from blob_tracker.types import Frame
+import numpy as np
+from numpy.typing import NDArray
+
+ANYWHERE: NDArray[np.uint8] = np.empty((0, 0), np.uint8)  # the mask that leaves all open
+LARGEST_SIGMA = 64.0  # px: what is wider is no blob
+# Auto-exposure or a lamp: such a part of the scene's brightness came or went with the flash.
+EXPOSURE_JUMP = 0.25
+JUMP_NOISE = 4.0  # standard deviations of a pixel that the level may move by itself
+JUMP_GLARE = 0.15  # of the strongest rise, which a wide blob may add to the level about it
+IN_DN = [
+    Candidate._fields.index(name)
+    for name in ('background', 'height', 'amplitude', 'fall', 'stood', 'noise')
+]
+
+
+class Found(NamedTuple):
+    """
+    What `search` returns.
+
+    Parameters
+    ----------
+    candidates : tuple of Candidate
+        What lit up, the highest first.
+    background, noise : float
+        Median and standard deviation of lit less unlit, DN.
+    strongest : float
+        Greatest rise of a pixel above the background, DN.
+    reason : str
+        Why the two frames cannot be compared; empty where they can.
+
+    """
+
+    candidates: tuple[Candidate, ...]
+    background: float
+    noise: float
+    strongest: float
+    reason: str
+
+
+def search(
+    contrast: Contrast,
+    region: Box,
+    *,
+    min_snr: float,
+    mask: NDArray[np.uint8] = ANYWHERE,
+) -> Found:
+    """
+    Find all that lit up in a part of the frame.
+
+    Parameters
+    ----------
+    contrast : Contrast
+        Lit and unlit pixels.
+    region : Box
+        The part of the frame, px.
+    min_snr : float
+        Least SNR in the matched filter.
+    mask : (h, w) uint8 array
+        0 where the target cannot be; empty where it may be anywhere.
+
+    Returns
+    -------
+    Found
+        The candidates, refused or not, and the noise.
+
+    """
+    table, level, noise, brightness, strongest = measure_peaks(
+        contrast.lit,
+        contrast.unlit,
+        tuple(region),
+        mask,
+        contrast.floor,
+        _threshold(region),
+        min_snr,
+        LARGEST_SIGMA,
+        contrast.saturation,
+    )
+    unit = contrast.unit
+    if unit != 1.0:
+        table[:, IN_DN] *= unit
+        level, noise, brightness, strongest = (
+            unit * each for each in (level, noise, brightness, strongest)
+        )
+    candidates = []
+    for row in table.tolist():
+        candidate = Candidate(*row)
+        why = refuse(candidate)
+        candidates.append(candidate._replace(refused=why) if why else candidate)
+    reason = ''
+    jump = EXPOSURE_JUMP * brightness + JUMP_NOISE * noise + JUMP_GLARE * strongest
+    if contrast.unlit_looks and abs(level) > jump:
+        reason = (
+            f'the whole scene changed by {level:+.0f} DN from {brightness:.0f} DN between the two '
+            'frames: switch auto-exposure off'
+        )
+    return Found(tuple(candidates), level, noise, strongest, reason)
+
+
+def _threshold(region: Box) -> float:
+    """
+    Return the height of a peak, in standard deviations, that noise alone reaches once a search.
+
+    Of n Gaussian deviates about one is above sqrt(2 ln(n / 12)) from n = 1000 to 3 million.
+    """
+    pixels = (region.x1 - region.x0) * (region.y1 - region.y0)
+    return math.sqrt(2.0 * math.log(max(pixels, 500) / 12.0))
+
+
+def compile_ahead() -> None:
+    """Compile the loops over pixels, or load them from Numba's cache, before they are needed."""
+    for kind in (np.uint8, np.uint16):
+        unlit = np.zeros((16, 16), kind)
+        lit = unlit.copy()
+        lit[7:10, 7:10] = 100
+        frame = Frame(lit, 0, 255)
+        search(Contrast(lit, unlit, 255, frame, (lit,), (unlit,)), Box(0, 0, 16, 16), min_snr=7.0)
