@@ -11,7 +11,8 @@ from blob_tracker.simulation import (
 import numpy as np
 
 WIDTH, HEIGHT = 320, 240
-RATE = 60.0  # frames a second: mains lamps of 100 Hz are seen at 20 Hz, of 120 Hz near 0
+RATE = 60.0  # frames a second: lamps of 100 Hz are seen at 20 Hz, those of 120 Hz at 0
+IN_STEP_RATE = 40.0  # at which those of 100 Hz are brighter in every other frame
 EXPOSURE = 0.3  # of the time between frames
 # The target goes about in the upper left. What stands in the scene stands elsewhere, 30 px and
 # more from its path, so that the truth of a frame is never hidden behind something.
@@ -27,13 +28,14 @@ LAMPS = (
     Light(60.0, 190.0, 2.0, 70.0, sinusoid(120.0, 1.0, 0.3)),
     Light(110.0, 200.0, 1.5, 90.0, sinusoid(120.3, 1.0)),
     Light(160.0, 185.0, 3.0, 60.0, sinusoid(119.0, 0.5)),
-    Light(210.0, 200.0, 1.0, 120.0, sinusoid(90.0, 0.5)),  # seen at half the frame rate
+    Light(210.0, 200.0, 1.0, 120.0, sinusoid(100.0, 0.5, 0.7)),
 )
-STEADY = (
+OTHERS = (
     Light(250.0, 50.0, 2.0, 120.0),
     Light(270.0, 100.0, 4.0, 80.0),
     Light(60.0, 190.0, 1.0, 150.0),
     Light(200.0, 190.0, 2.0, 100.0, reach_x=60.0, reach_y=15.0, period=6.0),  # goes about
+    Light(285.0, 140.0, 1.5, 100.0, periodic(1.5, 0.5)),  # an indicator
 )
 PASSING = (
     PassingObject(0.0, 190.0, 60.0, 36.0, 110.0, speed_x=4.0),
@@ -80,7 +82,8 @@ def clutter() -> dict[str, Clutter]:
         'textured wall': Clutter(wall),
         'drifting camera': Clutter(replace(wall, camera=SLOW), 'affine'),
         'mains lamps': Clutter(replace(wall, elements=LAMPS)),
-        'steady lights': Clutter(replace(wall, elements=STEADY)),
+        'lamps in step': Clutter(replace(wall, elements=LAMPS, rate=IN_STEP_RATE)),
+        'other lights': Clutter(replace(wall, elements=OTHERS)),
         'passing objects': Clutter(replace(wall, elements=PASSING)),
         'glints': Clutter(replace(wall, elements=(GLINTS,))),
         'hot pixels': Clutter(replace(wall, elements=HOT)),
@@ -106,7 +109,7 @@ def with_target(scene: Scene, snr: float, sigma: float) -> Scene:
         TARGET_Y,
         sigma,
         amplitude(scene, snr),
-        in_step(RATE),
+        in_step(scene.rate),
         reach_x=REACH_X,
         reach_y=REACH_Y,
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import lru_cache
 from math import nan
 
 from blob_tracker.simulation.camera_motion import CameraMotion
@@ -101,33 +101,30 @@ class Scene:
             picture, self.noise, NoiseBank(self.seed, index), saturation=self.saturation
         )
 
-    @cached_property
-    def _wall(self) -> NDArray[np.float32]:
-        """Mean signal of the wall, DN, at PITCH elements a pixel and with a margin."""
-        shape = (PITCH * (self.height + 2 * MARGIN), PITCH * (self.width + 2 * MARGIN))
-        return textured_wall(
-            shape,
-            background=self.background,
-            texture=self.texture,
-            seed=self.seed,
-            pitch=PITCH,
-        )
-
-    @cached_property
-    def _still(self) -> NDArray[np.float32]:
-        """(h, w) mean signal of the wall where the camera does not move, DN."""
-        inside = slice(PITCH * MARGIN, -PITCH * MARGIN, PITCH)
-        return self._wall[inside, inside].copy()
-
     def _seen(self, shot: Shot) -> NDArray[np.float32]:
         """Return the (h, w) wall as the camera sees it, DN."""
+        wall = _wall(self.width, self.height, self.background, self.texture, self.seed)
         if self.camera is None:
-            return self._still.copy()
+            inside = slice(PITCH * MARGIN, -PITCH * MARGIN, PITCH)
+            return wall[inside, inside].copy()
         # From elements of the wall to pixels of the scene to those of the picture.
         motion = shot.motion.copy()
         motion[:, 2] -= motion[:, :2] @ (MARGIN, MARGIN)
         motion[:, :2] /= PITCH
         size = (self.width, self.height)
         return np.asarray(cv2.warpAffine(
-            self._wall, motion, size, flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT_101
+            wall, motion, size, flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT_101
         ))
+
+
+@lru_cache(maxsize=2)  # of scenes that differ in all but the wall it is drawn once
+def _wall(
+    width: int, height: int, background: float, texture: float, seed: int
+) -> NDArray[np.float32]:
+    """Return the mean signal of a wall, DN, at PITCH elements a pixel and with a margin."""
+    shape = (PITCH * (height + 2 * MARGIN), PITCH * (width + 2 * MARGIN))
+    wall = textured_wall(
+        shape, background=background, texture=texture, seed=seed, pitch=PITCH
+    )
+    wall.flags.writeable = False
+    return wall
