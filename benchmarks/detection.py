@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import as_completed, ProcessPoolExecutor
 from dataclasses import dataclass
 from math import hypot, isnan, nan
@@ -53,7 +53,7 @@ class Counts:
 
 
 FULL = Counts(curve=104, asked=404, empty=8_400, others=25)
-QUICK = Counts(curve=28, asked=54, empty=400, others=5)
+QUICK = Counts(curve=16, asked=44, empty=200, others=4)
 
 
 @dataclass(frozen=True)
@@ -200,6 +200,12 @@ def look_at(take: Take) -> list[Row]:
         for name in names
         if frames[name]
     ]
+
+
+def share(rows: Sequence[Row]) -> float:
+    """Return the part of the lit frames of all rows in which the target was found."""
+    lit = sum(row.lit for row in rows)
+    return sum(row.found for row in rows) / lit if lit else nan
 
 
 def near(x: float, y: float, truth: Truth, sigma: float) -> bool:
