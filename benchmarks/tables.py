@@ -317,7 +317,7 @@ def _detection_cell(rows: Sequence[DetectionRow]) -> str:
     frames = sum(row.frames for row in rows)
     if not frames:
         return ''
-    return f'{100 * share(rows):.4g} ({100 * sum(row.false for row in rows) / frames:.2g})'
+    return f'{100 * share(rows):.2f} ({100 * sum(row.false for row in rows) / frames:.2f})'
 
 
 def _search_cell(row: SearchRow) -> str:
@@ -328,4 +328,5 @@ def _search_cell(row: SearchRow) -> str:
 def _gap(target: Target) -> str:
     if target.measured != target.measured:
         return 'no figure'
-    return f'{abs(target.measured / target.limit - 1):,.1%}'
+    over = abs(target.measured / target.limit - 1)
+    return f'{over:.1%}' if over < 10.0 else f'a factor of {over + 1.0:,.0f}'
