@@ -3,8 +3,8 @@
 #      CAMERA_INFO=file.yaml   its calibration
 # make test               all tests
 #      PYTEST='-k segmenter'   a part of them
-# make bench              accuracy and speed beside other people's methods, ten minutes, out/benchmarks
-#      BENCH='speed --quick'   only a part (accuracy, speed, real), fewer windows
+# make bench              beside other people's methods, a quarter of an hour, out/benchmarks
+#      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion), less of it
 #      BLOB_TRACKER_DATA=folder   where the real pixels are
 # PYTHON=python3.12       another interpreter, 3.10 to 3.13, after `make clean`
 

@@ -1,5 +1,5 @@
 """
-Measure the location methods beside other people's on the same windows.
+Measure segmentation and location beside other people's, on the same frames and windows.
 
 Prints tables, writes figures as JSON and plots as PNG, and ends with the targets: the exit code
 is 0 where all that this run decides are met, 1 where one is missed.
@@ -94,7 +94,7 @@ def _plain(value: Any) -> Any:
 def _parse(arguments: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog='python -m benchmarks', description=__doc__)
     parser.add_argument('parts', nargs='*', metavar='|'.join(PARTS), help='all if none is named')
-    parser.add_argument('--quick', action='store_true', help='fewer windows: a minute, not ten')
+    parser.add_argument('--quick', action='store_true', help='less of each: two minutes, not a quarter of an hour')
     parser.add_argument('--out', type=Path, default=Path('out/benchmarks'), help='folder written')
     asked = parser.parse_args(arguments)
     unknown = set(asked.parts) - set(PARTS)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from benchmarks.accuracy import Bias, Row
+from benchmarks.detection import ASKED_SNR, OURS, Row as DetectionRow, share, SNRS
 from benchmarks.ours import CHAMPION
 from benchmarks.real_pixels import CORRECTED, Row as RealRow
 from benchmarks.report import Report
@@ -27,7 +28,7 @@ AXES = {
 LINES = ('--', '-.', ':')
 FEWEST = 80  # blobs: 8 to a bin of the phase, below it the curves are noise
 MARKERS = 'osv^D<>pPX*hd'
-FRONT = {CHAMPION: '#000000', CORRECTED: '#ff5a00'}  # what the figures are about
+FRONT = {CHAMPION: '#000000', CORRECTED: '#ff5a00', OURS: '#000000'}  # what the figures are about
 OWN = ('#c40000', '#0050c8', '#008c3a', '#9a00b4', '#d07800', '#00909c', '#7a5a00', '#b0006a')
 OTHER = (
     *('#e377c2', '#7f7f7f', '#bcbd22', '#17becf', '#ff9896'),
@@ -46,7 +47,45 @@ def draw(folder: Path, report: Report, ours: Sequence[str]) -> list[Path]:
         drawn.append(_bias(folder, report.bias, ours))
     if report.real:
         drawn.append(_phase(folder, report.real, ours))
+    if report.detection:
+        drawn.append(_detection(folder, report.detection))
     return drawn
+
+
+def _detection(folder: Path, rows: Sequence[DetectionRow]) -> Path:
+    """Draw all contenders over all scenes, and ours on each scene, against the peak SNR."""
+    figure = Figure(figsize=(15, 8.5), layout='constrained')
+    upper, lower = figure.subplots(2, 1)
+    names = list(dict.fromkeys(row.contender for row in rows))
+    _detection_panel(upper, rows, names, lambda row: row.contender)
+    upper.set_title('Lit frames found, all clutter scenes')
+    ours = [row for row in rows if row.contender == OURS]
+    scenes = list(dict.fromkeys(row.scene for row in ours))
+    _detection_panel(lower, ours, scenes, lambda row: row.scene)
+    lower.set_title(f'Lit frames found by {OURS}, scene by scene')
+    path = folder / 'detection.png'
+    figure.savefig(path, dpi=110)
+    return path
+
+
+def _detection_panel(
+    axes: Axes, rows: Sequence[DetectionRow], names: Sequence[str],
+    key: Callable[[DetectionRow], str],
+) -> None:
+    # Steps of equal width: the SNRs at which it is decided lie close together.
+    steps = range(len(SNRS))
+    for name, style in _style(names, [OURS]).items():
+        mine = [row for row in rows if key(row) == name]
+        shares = [100 * share([row for row in mine if row.snr == snr]) for snr in SNRS]
+        axes.plot(steps, shares, label=name, **style)
+    axes.axhline(99.9, color='black', linewidth=0.8)
+    axes.axvline(SNRS.index(ASKED_SNR), color='black', linewidth=0.8, linestyle=':')
+    axes.set_xticks(steps, [f'{snr:g}' for snr in SNRS])
+    axes.set_xlabel('peak SNR')
+    axes.set_ylabel('found, %')
+    axes.set_ylim(-3, 103)
+    axes.grid(alpha=0.3)
+    axes.legend(loc='center left', bbox_to_anchor=(1.01, 0.5), fontsize=9)
 
 
 def _style(names: Sequence[str], ours: Sequence[str]) -> dict[str, dict[str, Any]]:

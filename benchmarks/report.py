@@ -6,29 +6,45 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from benchmarks import accuracy, bearing, real_pixels, speed
+from benchmarks import accuracy, bearing, detection, motion, real_pixels, search, speed
 from benchmarks.accuracy import Bias, Row
 from benchmarks.bearing import Row as BearingRow
 from benchmarks.contender import Contender
+from benchmarks.detection import Counts, Row as DetectionRow
+from benchmarks.motion import Row as MotionRow
 from benchmarks.real_pixels import Row as RealRow
+from benchmarks.search import Row as SearchRow
 from benchmarks.speed import Pace
 
-PARTS = ('accuracy', 'speed', 'real')
+PARTS = ('accuracy', 'speed', 'real', 'detection', 'search', 'motion')
 
 
 @dataclass(frozen=True)
 class Sizes:
-    """How much is measured: windows a scene, phase, lens and stack; repeats of the timing."""
+    """
+    How much is measured.
+
+    Windows a scene, phase, lens and stack; repeats of the timing; frames of the clutter scenes
+    and of the moving camera.
+    """
 
     scene: int
     phase: int
     bearing: int
     stack: int
     repeats: int
+    detection: Counts
+    motion: int
 
 
-FULL = Sizes(scene=10_000, phase=400, bearing=2_000, stack=10_000, repeats=7)
-QUICK = Sizes(scene=1_000, phase=60, bearing=500, stack=2_000, repeats=3)
+FULL = Sizes(
+    scene=10_000, phase=400, bearing=2_000, stack=10_000, repeats=7,
+    detection=detection.FULL, motion=1_200,
+)
+QUICK = Sizes(
+    scene=1_000, phase=60, bearing=500, stack=2_000, repeats=3,
+    detection=detection.QUICK, motion=100,
+)
 
 
 @dataclass(frozen=True)
@@ -40,6 +56,9 @@ class Report:
     bearing: list[BearingRow] = field(default_factory=list)
     speed: list[Pace] = field(default_factory=list)
     real: list[RealRow] = field(default_factory=list)
+    detection: list[DetectionRow] = field(default_factory=list)
+    search: list[SearchRow] = field(default_factory=list)
+    motion: list[MotionRow] = field(default_factory=list)
 
 
 def steps(parts: Collection[str]) -> int:
@@ -48,6 +67,9 @@ def steps(parts: Collection[str]) -> int:
         'accuracy': accuracy.steps() + bearing.steps(),
         'speed': speed.steps(),
         'real': 2,
+        'detection': detection.steps(),
+        'search': search.steps(),
+        'motion': motion.steps(),
     }
     return sum(each[part] for part in parts)
 
@@ -69,4 +91,10 @@ def measure(
         report.speed.extend(speed.run(contenders, sizes.stack, sizes.repeats, tick))
     if 'real' in parts and data is not None:
         report.real.extend(real_pixels.run(contenders, data, tick))
+    if 'detection' in parts:
+        report.detection.extend(detection.run(sizes.detection, tick))
+    if 'search' in parts:
+        report.search.extend(search.run(sizes.repeats, tick))
+    if 'motion' in parts:
+        report.motion.extend(motion.run(sizes.motion, tick))
     return report

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isnan
 
 from benchmarks.accuracy import Bias, Row, TARGET
 from benchmarks.bearing import Row as BearingRow
 from benchmarks.contender import Contender
+from benchmarks.detection import ASKED_SNR, OURS, Row as DetectionRow, share, SNRS
+from benchmarks.finders import FINDERS
+from benchmarks.motion import Row as MotionRow
 from benchmarks.real_pixels import Row as RealRow
 from benchmarks.report import Report
+from benchmarks.search import Row as SearchRow
 from benchmarks.speed import Pace, PAIRED
 from benchmarks.targets import against_peers, Comparison, Target
 import numpy as np
@@ -49,6 +54,9 @@ def figures(report: Report, ours: Sequence[str]) -> list[Table]:
             for paired in (False, True)
         ]
     tables += [real(report.real)] if report.real else []
+    tables += detection(report.detection) if report.detection else []
+    tables += [search(report.search)] if report.search else []
+    tables += [motion(report.motion)] if report.motion else []
     return tables
 
 
@@ -152,6 +160,52 @@ def real(rows: Sequence[RealRow]) -> Table:
     return table
 
 
+def detection(rows: Sequence[DetectionRow]) -> list[Table]:
+    """Return who is compared, the curve, the scenes at the SNR asked for, and what was false."""
+    return [_finders(), _curve(rows), _scenes(rows), _false(rows)]
+
+
+def search(rows: Sequence[SearchRow]) -> Table:
+    """Return microseconds and ratio of each path on each kind of frame."""
+    kinds = list(dict.fromkeys((row.size, row.depth) for row in rows))
+    table = Table(
+        'path',
+        *(f'{size}, {depth}' for size, depth in kinds),
+        title='One frame, us (x cv2.subtract + cv2.minMaxLoc of the same frames)',
+        caption='lost: the whole frame is searched; (n %): lit frames that gave a window',
+    )
+    one_each = {(row.size, row.depth): row for row in rows}
+    reference = [f'{one_each[kind].reference * 1e6:,.0f}' for kind in kinds]
+    table.add_row('subtract + minMaxLoc', *reference)
+    for path in dict.fromkeys(row.path for row in rows):
+        found = {(row.size, row.depth): row for row in rows if row.path == path}
+        table.add_row(path, *(_search_cell(found[kind]) for kind in kinds))
+    return table
+
+
+def motion(rows: Sequence[MotionRow]) -> Table:
+    """Return the errors with the camera still and moving."""
+    table = Table(
+        'registration',
+        'peak SNR',
+        'camera still, px',
+        'moving, px',
+        'moving / still',
+        'placed of the lit frames: still, moving',
+        title='rms error of the located blob, the camera moving 5 px a frame over strong texture',
+    )
+    for row in rows:
+        table.add_row(
+            row.registration,
+            f'{row.snr:g}',
+            f'{row.still:.4f}',
+            f'{row.moving:.4f}',
+            f'{row.ratio:.3f} +-{row.ratio * row.spread:.3f}',
+            f'{row.found_still}, {row.found_moving} of {row.lit}',
+        )
+    return table
+
+
 def targets(found: Sequence[Target]) -> Table:
     """Return the targets with 'met' or 'missed by'."""
     table = Table('target', 'asked', 'measured', 'decided by', '', title='Targets')
@@ -204,7 +258,75 @@ def _pace(pace: Pace) -> str:
     return f'{pace.per_second:,.0f}{ratio}; {pace.single * 1e6:,.0f}'
 
 
+def _finders() -> Table:
+    """Return the others' ways with their settings."""
+    table = Table('beside it', 'setting', title='Other ways to find a spot in a whole frame')
+    for each in FINDERS:
+        table.add_row(each.name, each.setting)
+    return table
+
+
+def _curve(rows: Sequence[DetectionRow]) -> Table:
+    table = Table(
+        'contender',
+        *(f'{snr:g}' for snr in SNRS),
+        title='Lit frames found (answers that are not the target), %, against peak SNR',
+        caption='all clutter scenes, sigma 1, 2 and 4 px; the others are told which of two frames '
+        'is lit, and give the best answer they have',
+    )
+    for name in dict.fromkeys(row.contender for row in rows):
+        mine = [[row for row in rows if (row.contender, row.snr) == (name, snr)] for snr in SNRS]
+        table.add_row(name, *map(_detection_cell, mine))
+    return table
+
+
+def _scenes(rows: Sequence[DetectionRow]) -> Table:
+    """Return all contenders on each scene at the SNR asked for."""
+    names = list(dict.fromkeys(row.contender for row in rows))
+    table = Table(
+        'scene',
+        *names,
+        title=f'Lit frames found (answers that are not the target), %, at peak SNR {ASKED_SNR:g}',
+    )
+    asked = [row for row in rows if row.snr == ASKED_SNR]
+    for scene in dict.fromkeys(row.scene for row in asked):
+        cells = ([row for row in asked if (row.scene, row.contender) == (scene, n)] for n in names)
+        table.add_row(scene, *map(_detection_cell, cells))
+    return table
+
+
+def _false(rows: Sequence[DetectionRow]) -> Table:
+    """Return our false windows on each scene."""
+    table = Table(
+        'scene', 'without a target', 'with a target', title='False windows of blob_tracker'
+    )
+    ours = [row for row in rows if row.contender == OURS]
+    for scene in dict.fromkeys(row.scene for row in ours):
+        parts = [
+            [row for row in ours if row.scene == scene and isnan(row.snr) == empty]
+            for empty in (True, False)
+        ]
+        table.add_row(scene, *(
+            f'{sum(row.false for row in part):,} in {sum(row.frames for row in part):,} frames'
+            for part in parts
+        ))
+    return table
+
+
+def _detection_cell(rows: Sequence[DetectionRow]) -> str:
+    frames = sum(row.frames for row in rows)
+    if not frames:
+        return ''
+    return f'{100 * share(rows):.2f} ({100 * sum(row.false for row in rows) / frames:.2f})'
+
+
+def _search_cell(row: SearchRow) -> str:
+    windows = '' if isnan(row.windows) else f' ({row.windows:.0%})'
+    return f'{row.seconds * 1e6:,.0f} ({row.ratio:.2f}x){windows}'
+
+
 def _gap(target: Target) -> str:
     if target.measured != target.measured:
         return 'no figure'
-    return f'{abs(target.measured / target.limit - 1):.1%}'
+    over = abs(target.measured / target.limit - 1)
+    return f'{over:.1%}' if over < 10.0 else f'a factor of {over + 1.0:,.0f}'

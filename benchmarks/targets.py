@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import inf, isnan
 from statistics import geometric_mean
 
 from benchmarks.accuracy import Bias, Row, TARGET
 from benchmarks.bearing import Row as BearingRow
+from benchmarks.detection import ASKED_SNR, OURS, Row as DetectionRow, share
+from benchmarks.motion import Row as MotionRow
 from benchmarks.ours import CHAMPION, DIFFERENCE, LIT_ONLY
 from benchmarks.report import Report
+from benchmarks.search import ACQUIRED, LOCKED, LOST, Row as SearchRow
 from benchmarks.speed import Pace, PAIRED, REFERENCE
 import numpy as np
 from scipy.stats import norm
@@ -17,6 +21,7 @@ from scipy.stats import norm
 # At the bound nobody can be better: no peer may be ahead by more than this and its standard error.
 TIE = 0.005
 NAMED_RATES = (100e3, 70e3, 50e3)
+MANY = 100_000  # frames, in which at most one window may be false
 
 
 @dataclass(frozen=True)
@@ -87,7 +92,10 @@ def judge(report: Report, ours: Sequence[str]) -> list[Target]:
     """Return the targets that the report decides; `ours` names this project's methods."""
     judged = accuracy_targets(report.accuracy, report.bias, ours) if report.accuracy else []
     judged += [_bearing_target(report.bearing)] if report.bearing else []
-    return judged + (speed_targets(report.speed) if report.speed else [])
+    judged += speed_targets(report.speed) if report.speed else []
+    judged += detection_targets(report.detection) if report.detection else []
+    judged += search_targets(report.search) if report.search else []
+    return judged + ([_motion_target(report.motion)] if report.motion else [])
 
 
 def accuracy_targets(
@@ -125,6 +133,72 @@ def speed_targets(paces: Sequence[Pace]) -> list[Target]:
     call = slowest.single * 1e6
     targets.append(Target('one locate()', 50.0, call, unit=' us', where=slowest.scene))
     return targets
+
+
+def detection_targets(rows: Sequence[DetectionRow]) -> list[Target]:
+    """Return the targets that the frames of the clutter scenes decide."""
+    ours = [row for row in rows if row.contender == OURS]
+    asked = [row for row in ours if row.snr == ASKED_SNR]
+    worst = min(asked, key=lambda row: share([row]))
+    return [
+        Target(
+            f'lit frames found at peak SNR {ASKED_SNR:g}',
+            99.9,
+            100.0 * share(asked),
+            floor=True,
+            unit=' %',
+            where=f'{sum(row.lit for row in asked):,} frames; the least, '
+            f'{share([worst]):.1%}, on {worst.scene}, sigma {worst.sigma:g} px',
+        ),
+        _false_target('without a target', [row for row in ours if isnan(row.snr)]),
+        _false_target('with a target', [row for row in ours if not isnan(row.snr)]),
+    ]
+
+
+def search_targets(rows: Sequence[SearchRow]) -> list[Target]:
+    """Return the targets that the timing of whole frames decides."""
+    whole = max(
+        (row for row in rows if row.path in (LOST, ACQUIRED) and row.depth == 'uint8'),
+        key=lambda row: row.ratio,
+    )
+    locked = max((row for row in rows if row.path == LOCKED), key=lambda row: row.seconds)
+    return [
+        Target(
+            'whole-frame search over subtract + minMaxLoc',
+            3.0,
+            whole.ratio,
+            where=f'{whole.size}, {whole.path}',
+        ),
+        Target(
+            'a frame while locked',
+            60.0,
+            locked.seconds * 1e6,
+            unit=' us',
+            where=f'{locked.size}, {locked.depth}',
+        ),
+    ]
+
+
+def _false_target(name: str, rows: Sequence[DetectionRow]) -> Target:
+    frames, false = sum(row.frames for row in rows), sum(row.false for row in rows)
+    worst = max(rows, key=lambda row: row.false)
+    where = f'{false:,} in {frames:,} frames'
+    return Target(
+        f'false windows in {MANY:,} frames {name}',
+        1.0,
+        false * MANY / frames,
+        where=f'{where}, most on {worst.scene}' if false else where,
+    )
+
+
+def _motion_target(rows: Sequence[MotionRow]) -> Target:
+    worst = max(rows, key=lambda row: inf if isnan(row.ratio) else row.ratio)
+    return Target(
+        'rms with the camera moving 5 px a frame over that of the still one',
+        1.2,
+        worst.ratio,
+        where=f'{worst.registration}, SNR {worst.snr:g}, +-{worst.spread * worst.ratio:.2f}',
+    )
 
 
 def _ratio(row: Row) -> float:

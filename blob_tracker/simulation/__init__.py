@@ -1,19 +1,36 @@
 """The virtual lab: light, optics and sensor, with the truth kept."""
 
-from blob_tracker.simulation.blinking_lights import BlinkingLights, coded, Light, periodic
-from blob_tracker.simulation.flashing_light import FlashingLight, Truth
+from blob_tracker.simulation.ambient_light import AmbientLight
+from blob_tracker.simulation.camera_motion import Drifting, Stepping
+from blob_tracker.simulation.flashing_light import FlashingLight
+from blob_tracker.simulation.glints import Glints
+from blob_tracker.simulation.hot_pixels import HotPixels
 from blob_tracker.simulation.light import pixel_integrated_gaussian
-from blob_tracker.simulation.moving_camera import MovingCamera
+from blob_tracker.simulation.passing_object import PassingObject
+from blob_tracker.simulation.point_light import Light
+from blob_tracker.simulation.scene import Scene
 from blob_tracker.simulation.sensor import expose
+from blob_tracker.simulation.sun_disc import SunDisc
+from blob_tracker.simulation.truth import Truth
+from blob_tracker.simulation.waveforms import always, coded, in_step, periodic, sinusoid
 
 __all__ = [
-    'BlinkingLights',
+    'AmbientLight',
+    'Drifting',
     'FlashingLight',
+    'Glints',
+    'HotPixels',
     'Light',
-    'MovingCamera',
+    'PassingObject',
+    'Scene',
+    'Stepping',
+    'SunDisc',
     'Truth',
+    'always',
     'coded',
     'expose',
+    'in_step',
     'periodic',
     'pixel_integrated_gaussian',
+    'sinusoid',
 ]

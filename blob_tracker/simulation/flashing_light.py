@@ -4,24 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
-from blob_tracker.simulation.light import pixel_integrated_gaussian
+from blob_tracker.simulation.light import add_pulse
 from blob_tracker.simulation.sensor import expose
+from blob_tracker.simulation.truth import Truth
+from blob_tracker.simulation.wall import textured_wall
 from blob_tracker.types import Pixels, SensorNoise
-import cv2
 import numpy as np
 from numpy.typing import NDArray
-
-REACH = 6.0  # sigma: beyond it the pulse is below 1e-7 of its peak
-
-
-class Truth(NamedTuple):
-    """Where the light is (px) and whether it is on in the frame."""
-
-    x: float
-    y: float
-    lit: bool
 
 
 @dataclass(frozen=True)
@@ -70,15 +60,12 @@ class FlashingLight:
     @cached_property
     def wall(self) -> NDArray[np.float32]:
         """(h, w) mean signal of the unlit scene, DN: pattern of 1 to 16 px on a slope."""
-        random = np.random.default_rng([self.seed, 0])
-        pattern = np.zeros((self.height, self.width), dtype=np.float32)
-        for scale in (1.0, 4.0, 16.0):
-            white = random.standard_normal(pattern.shape, dtype=np.float32)
-            layer = np.asarray(cv2.GaussianBlur(white, (0, 0), scale))
-            pattern += layer / layer.std()
-        slope = np.linspace(-0.5, 0.5, self.width, dtype=np.float32)
-        wall = self.background * (1.0 + 0.5 * slope) + self.texture * pattern / np.sqrt(3.0)
-        return np.maximum(wall, 0.0).astype(np.float32)
+        return textured_wall(
+            (self.height, self.width),
+            background=self.background,
+            texture=self.texture,
+            seed=self.seed,
+        )
 
     def truth(self, index: int) -> Truth:
         """
@@ -102,14 +89,6 @@ class FlashingLight:
         x, y, lit = self.truth(index)
         if lit:
             mean = mean.copy()
-            half = int(np.ceil(REACH * self.sigma))
-            column, row = round(x), round(y)
-            left, top = max(column - half, 0), max(row - half, 0)
-            bottom, right = row + half + 1, column + half + 1
-            part = mean[top:bottom, left:right]
-            if part.size:
-                part += self.amplitude * pixel_integrated_gaussian(
-                    part.shape, x - left, y - top, self.sigma
-                ).astype(np.float32)
+            add_pulse(mean, x, y, self.sigma, self.amplitude)
         random = np.random.Generator(np.random.SFC64([self.seed, 1 + index]))
         return expose(mean, self.noise, random, saturation=self.saturation)

@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import erf
 
+REACH = 6.0  # sigma: beyond it the pulse is below 1e-7 of its peak
+
 
 def pixel_integrated_gaussian(
     shape: tuple[int, int],
@@ -42,6 +44,36 @@ def pixel_integrated_gaussian(
     along_x = _mean_over_pixels(width, x, sigma_x)
     along_y = _mean_over_pixels(height, y, sigma_x if sigma_y is None else sigma_y)
     return along_y[:, None] * along_x[None, :]
+
+
+def add_pulse(
+    picture: NDArray[np.float32], x: float, y: float, sigma: float, amplitude: float
+) -> None:
+    """
+    Add a round pulse to a picture; what lies beyond its border is cut off.
+
+    Parameters
+    ----------
+    picture : (h, w) array
+        Mean signal, DN; written to.
+    x, y : float
+        Centre, px.
+    sigma : float
+        Standard deviation, px.
+    amplitude : float
+        Peak, DN.
+
+    """
+    half = int(np.ceil(REACH * sigma))
+    column, row = round(x), round(y)
+    left, top = max(column - half, 0), max(row - half, 0)
+    # A stop below 0 would count from the far border.
+    bottom, right = max(row + half + 1, 0), max(column + half + 1, 0)
+    part = picture[top:bottom, left:right]
+    if part.size:
+        part += amplitude * pixel_integrated_gaussian(
+            (part.shape[0], part.shape[1]), x - left, y - top, sigma
+        ).astype(np.float32)
 
 
 def _mean_over_pixels(count: int, centre: float, sigma: float) -> NDArray[np.float64]:

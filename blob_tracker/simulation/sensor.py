@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from blob_tracker.simulation.noise_bank import NoiseBank
 from blob_tracker.types import Pixels, SensorNoise
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 def expose(
     mean: NDArray[np.floating],
     noise: SensorNoise,
-    random: np.random.Generator,
+    random: np.random.Generator | NoiseBank,
     *,
     saturation: int = 255,
 ) -> Pixels:
@@ -26,7 +27,7 @@ def expose(
         Mean signal, DN.
     noise : SensorNoise
         Gain in electrons per DN, read noise in DN.
-    random : Generator
+    random : Generator or NoiseBank
         Source of the noise; the same state gives the same bits.
     saturation : int
         Full scale, DN: 255 gives uint8, more gives uint16.
@@ -38,8 +39,10 @@ def expose(
 
     """
     deviation = np.sqrt(np.maximum(mean, 0) / noise.gain + noise.read_noise**2)
-    pixels = random.standard_normal(mean.shape, dtype=np.float32)
-    pixels *= deviation.astype(np.float32, copy=False)
+    pixels = np.multiply(
+        random.standard_normal(mean.shape, dtype=np.float32),
+        deviation.astype(np.float32, copy=False),
+    )
     pixels += mean.astype(np.float32, copy=False)
     np.rint(pixels, out=pixels)
     np.clip(pixels, 0, saturation, out=pixels)

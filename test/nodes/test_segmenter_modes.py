@@ -7,7 +7,7 @@ from blob_tracker.ros.camera_info import from_camera_model, stamped
 from blob_tracker.ros.image import from_pixels
 from blob_tracker.ros.qos import IMAGE_OUT, STATE
 from blob_tracker.ros.stamp import to_ns
-from blob_tracker.simulation import BlinkingLights, coded, Light, periodic
+from blob_tracker.simulation import coded, Light, periodic, Scene
 from processes import PATIENCE, probe, start
 import pytest
 from sensor_msgs.msg import CameraInfo, Image
@@ -18,7 +18,14 @@ MODEL = CameraModel.from_field_of_view(160, 120, 40.0)
 CODES = {'port': '1101000', 'starboard': '1111010'}
 
 
-def play(node, scene: BlinkingLights, until) -> None:
+def before_a_wall(*lights: Light, exposure: float = 0.5) -> Scene:
+    """Return a scene of these lights."""
+    return Scene(
+        elements=lights, width=160, height=120, rate=RATE, exposure=exposure, texture=0.0
+    )
+
+
+def play(node, scene: Scene, until) -> None:
     """Publish the frames of a scene until something has come of them."""
     images = node.create_publisher(Image, 'camera/image_raw', IMAGE_OUT)
     infos = node.create_publisher(CameraInfo, 'camera/camera_info', IMAGE_OUT)
@@ -38,10 +45,10 @@ def play(node, scene: BlinkingLights, until) -> None:
 def test_each_coded_light_has_topics_of_its_own(domain: int) -> None:
     """Windows at the light's place, with their camera_info, and visible, under its name."""
     places = {'port': (40, 30), 'starboard': (110, 80)}
-    scene = BlinkingLights([
+    scene = before_a_wall(*(
         Light(*places[name], 2.0, 120.0, coded(bits, 1 / RATE, start=0.5 / RATE))
         for name, bits in CODES.items()
-    ], rate=RATE, exposure=0.3)
+    ), exposure=0.3)
     codes = ','.join(f'{name}:{bits}' for name, bits in CODES.items())
     with probe(domain) as node:
         windows = {name: node.record(Image, f'target/{name}/window/image_raw') for name in CODES}
@@ -62,9 +69,7 @@ def test_each_coded_light_has_topics_of_its_own(domain: int) -> None:
 
 def test_periodic_windows_are_sums_of_16_bits(domain: int) -> None:
     """16UC2, with a camera_info of the same stamp, though that is no frame's own."""
-    scene = BlinkingLights(
-        [Light(71.3, 52.6, 2.0, 60.0, periodic(0.31 * RATE, 0.5))], rate=RATE
-    )
+    scene = before_a_wall(Light(71.3, 52.6, 2.0, 60.0, periodic(0.31 * RATE, 0.5)))
     with probe(domain) as node:
         windows = node.record(Image, 'target/window/image_raw')
         infos = node.record(CameraInfo, 'target/window/camera_info')
@@ -78,7 +83,7 @@ def test_periodic_windows_are_sums_of_16_bits(domain: int) -> None:
 
 def test_steady_windows_have_one_channel(domain: int) -> None:
     """8UC1, from single frames."""
-    scene = BlinkingLights([Light(71.3, 52.6, 2.0, 60.0, lambda time: True)], rate=RATE)
+    scene = before_a_wall(Light(71.3, 52.6, 2.0, 60.0))
     with probe(domain) as node:
         windows = node.record(Image, 'target/window/image_raw')
         with start('segmenter', domain, flash__mode='steady'):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from blob_tracker.segmentation import Segmenter
 from blob_tracker.segmentation.coded import check_codes, Coded
-from blob_tracker.simulation import BlinkingLights, coded, Light, periodic
+from blob_tracker.simulation import coded, Light, periodic, Scene
 from blob_tracker.types import Frame
 import pytest
 
@@ -14,14 +14,21 @@ RATE = 60.0
 PLACES = {'port': (40.2, 30.7), 'starboard': (110.6, 80.1), 'red': (40.2, 30.7)}
 
 
-def lights(codes: dict[str, str], frames_per_bit: int = 1) -> BlinkingLights:
+def before_a_wall(*lights: Light) -> Scene:
+    """Return a scene of these lights."""
+    return Scene(
+        elements=lights, width=160, height=120, rate=RATE, exposure=0.3, texture=0.0
+    )
+
+
+def lights(codes: dict[str, str], frames_per_bit: int = 1) -> Scene:
     """Return one light for each code."""
     time = frames_per_bit / RATE
-    return BlinkingLights([
+    return before_a_wall(*(
         # Bits change between the exposures of the one light, within them for the other.
         Light(*PLACES[name], 2.0, 120.0, coded(bits, time, start=(0.5 + 0.8 * index) / RATE))
         for index, (name, bits) in enumerate(codes.items())
-    ], rate=RATE, exposure=0.3)
+    ))
 
 
 def flash(codes: dict[str, str], frames_per_bit: int = 1, bit_errors: int = 0) -> Segmenter:
@@ -35,7 +42,7 @@ def flash(codes: dict[str, str], frames_per_bit: int = 1, bit_errors: int = 0) -
     ))
 
 
-def names(segmenter: Segmenter, scene: BlinkingLights, count: int) -> dict[str, int]:
+def names(segmenter: Segmenter, scene: Scene, count: int) -> dict[str, int]:
     """Feed frames; return how often each light was given, each time at its place."""
     found: dict[str, int] = {}
     for index in range(count):
@@ -64,7 +71,7 @@ def test_wrong_bits_are_tolerated_up_to_their_number() -> None:
     """A frame in which the light fails, once a round: named with one wrong bit allowed."""
     code = '111101011001000'
     scene = lights({'red': code})
-    off = BlinkingLights([], rate=RATE)
+    off = before_a_wall()
     for bit_errors, seen in ((1, True), (0, False)):
         segmenter = flash({'red': code}, bit_errors=bit_errors)
         found = 0
@@ -78,10 +85,10 @@ def test_wrong_bits_are_tolerated_up_to_their_number() -> None:
 
 def test_other_blinking_is_no_light() -> None:
     """Neither a mains-like flicker nor a light that is switched on once has a code."""
-    scene = BlinkingLights([
+    scene = before_a_wall(
         Light(40.2, 30.7, 2.0, 120.0, periodic(0.31 * RATE, 0.5)),
-        Light(110.6, 80.1, 2.0, 120.0, lambda time: time > 1.3),
-    ], rate=RATE, exposure=0.3)
+        Light(110.6, 80.1, 2.0, 120.0, lambda times: times > 0.3),
+    )
     segmenter = flash(CODES)
     assert names(segmenter, scene, 60) == {}
     assert 'places blink' in segmenter.reason or 'no code' in segmenter.reason

@@ -6,7 +6,7 @@ from blob_tracker.location import locate
 from blob_tracker.segmentation import Segmenter
 from blob_tracker.segmentation.flash import Flashed
 from blob_tracker.segmentation.periodic import lock_in_weights, Periodic
-from blob_tracker.simulation import BlinkingLights, Light, periodic
+from blob_tracker.simulation import Light, periodic, Scene
 from blob_tracker.types import Frame, SensorNoise, Window
 import numpy as np
 import pytest
@@ -15,12 +15,12 @@ RATE = 60.0
 X, Y = 71.3, 52.6
 
 
-def scene(frequency: float, duty: float = 0.5, **options: object) -> BlinkingLights:
+def scene(frequency: float, duty: float = 0.5, **options: object) -> Scene:
     """Return a light of 40 DN and 2 px that flashes at a part `frequency` of the frame rate."""
     amplitude = float(options.pop('amplitude', 40.0))
     phase = float(options.pop('phase', 0.1))
     light = Light(X, Y, 2.0, amplitude, periodic(frequency * RATE, duty, phase))
-    return BlinkingLights([light], rate=RATE, **options)
+    return Scene(light, width=160, height=120, rate=RATE, texture=0.0, **options)
 
 
 def mode(frequency: float, frames: int, duty: float = 0.5) -> Periodic:
@@ -30,7 +30,7 @@ def mode(frequency: float, frames: int, duty: float = 0.5) -> Periodic:
     )
 
 
-def windows(lights: BlinkingLights, flash: Periodic, indices: range) -> list[Window]:
+def windows(lights: Scene, flash: Periodic, indices: range) -> list[Window]:
     """Return the windows of these frames."""
     segmenter = Segmenter(flash=flash)
     found = [
@@ -102,7 +102,7 @@ def test_dropped_frames_cost_nothing_but_themselves() -> None:
     scene(0.0, 1.0),  # always on
     scene(0.4),  # another frequency
 ], ids=['never on', 'always on', 'other frequency'])
-def test_what_does_not_flash_at_the_frequency_is_none(lights: BlinkingLights) -> None:
+def test_what_does_not_flash_at_the_frequency_is_none(lights: Scene) -> None:
     """0.4 is two bins of a block of 40 frames and more away from 0.25."""
     segmenter = Segmenter(flash=mode(0.25, 40))
     for index in range(40):

@@ -6,7 +6,7 @@ from blob_tracker.location import locate
 from blob_tracker.segmentation import Segmenter
 from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.segmentation.registration import affine, laid_over, translation
-from blob_tracker.simulation import FlashingLight, MovingCamera
+from blob_tracker.simulation import FlashingLight, in_step, Light, Scene, Stepping
 from blob_tracker.types import Frame
 import numpy as np
 import pytest
@@ -14,6 +14,16 @@ import pytest
 SCENE = FlashingLight(width=320, height=240, texture=15.0)
 STEP_NS = 16_666_667
 SHIFTS = [(0.0, 0.0), (2.5, 1.2), (5.0, 0.0), (8.0, -8.0), (-5.7, 5.7)]
+
+
+def stepping(shift_x: float, shift_y: float, turn: float = 0.0) -> Scene:
+    """Return a light before a wall, and a camera that has moved in the lit frames."""
+    light = Light(
+        159.5, 119.5, 2.0, 150.0, in_step(60.0), reach_x=112.0, reach_y=84.0
+    )
+    return Scene(
+        light, camera=Stepping(shift_x, shift_y, turn), width=320, height=240, texture=15.0
+    )
 
 
 def error(found: np.ndarray, true: np.ndarray) -> float:
@@ -25,23 +35,23 @@ def error(found: np.ndarray, true: np.ndarray) -> float:
 @pytest.mark.parametrize('shift', SHIFTS)
 def test_a_shift_is_found(shift: tuple[float, float]) -> None:
     """Within a fifth of a pixel by phase correlation; a half pixel is its worst case."""
-    camera = MovingCamera(SCENE, *shift)
+    camera = stepping(*shift)
     found = translation(camera.frame(2), camera.frame(1))
     assert found is not None
-    assert error(found, camera.motion) < 0.25
+    assert error(found, camera.shot(2).motion) < 0.25
 
 
 @pytest.mark.parametrize('shift', SHIFTS)
 @pytest.mark.parametrize('turn', [-1.0, 0.0, 1.0])
 def test_a_shift_with_a_turn_is_found(shift: tuple[float, float], turn: float) -> None:
     """Within a tenth of a pixel over the whole frame, in 8 and in 16 bits."""
-    camera = MovingCamera(SCENE, *shift, turn)
+    camera = stepping(*shift, turn)
     lit, unlit = camera.frame(2), camera.frame(1)
     for scale in (1, 256):
         kind = np.uint8 if scale == 1 else np.uint16
         found = affine(lit.astype(kind) * kind(scale), unlit.astype(kind) * kind(scale))
         assert found is not None
-        assert error(found, camera.motion) < 0.1
+        assert error(found, camera.shot(2).motion) < 0.1
 
 
 @pytest.mark.parametrize('method', [translation, affine])
@@ -62,7 +72,7 @@ def test_where_the_unlit_frame_did_not_reach_nothing_rises() -> None:
     assert (laid[:, 7:] == 30).all()
 
 
-def located(camera: MovingCamera, registration: str, lit: range) -> list[float]:
+def located(camera: Scene, registration: str, lit: range) -> list[float]:
     """Return the errors in x and y, px, of the pairs that gave a window."""
     errors = []
     for index in lit:
@@ -78,12 +88,12 @@ def located(camera: MovingCamera, registration: str, lit: range) -> list[float]:
 
 
 @pytest.mark.parametrize('registration, camera', [
-    ('translation', MovingCamera(SCENE, 5.0, 0.0)),
-    ('affine', MovingCamera(SCENE, 3.0, 4.0)),
-    ('affine', MovingCamera(SCENE, 8.0, 0.0, 1.0)),
+    ('translation', stepping(5.0, 0.0)),
+    ('affine', stepping(3.0, 4.0)),
+    ('affine', stepping(8.0, 0.0, 1.0)),
 ], ids=['translation', 'affine', 'affine with a turn'])
 def test_the_light_is_placed_from_a_moving_camera(
-    registration: str, camera: MovingCamera
+    registration: str, camera: Scene
 ) -> None:
     """Every pair gives a window, and the light is within the thesis' 0.05 px rms."""
     errors = located(camera, registration, range(2, 42, 2))

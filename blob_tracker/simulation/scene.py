@@ -1,0 +1,130 @@
+"""A scene put together from a wall, a camera, a target and whatever else is in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from math import nan
+
+from blob_tracker.simulation.camera_motion import CameraMotion
+from blob_tracker.simulation.noise_bank import NoiseBank
+from blob_tracker.simulation.point_light import Light
+from blob_tracker.simulation.sensor import expose
+from blob_tracker.simulation.shot import Element, Shot
+from blob_tracker.simulation.truth import Truth
+from blob_tracker.simulation.wall import textured_wall
+from blob_tracker.types import Pixels, SensorNoise
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+STILL = np.eye(2, 3)
+MARGIN = 80  # px of wall on each side of the picture, into which the camera may move
+PITCH = 2  # elements of the wall to a pixel: between them cubic interpolation leaves no trace
+
+
+@dataclass(frozen=True)
+class Scene:
+    """
+    Scene and camera together: gives the frame of any index, the same bits for the same seed.
+
+    Parameters
+    ----------
+    target : Light or None
+        The light that `truth` tells of.
+    elements : sequence of Element
+        What else is there, in the order in which it is drawn: lights, things that pass, glints,
+        hot pixels, the sun, and light on what was drawn before. The target comes last.
+    camera : CameraMotion or None
+        How the camera moves; None where it stands still.
+    width, height : int
+        Size of the frames, px.
+    rate : float
+        Frames a second.
+    exposure : float
+        Length of the exposure, as a part of the time between frames.
+    background, texture : float
+        Mean of the wall and standard deviation of its pattern, DN.
+    noise : SensorNoise
+        Gain and read noise of the sensor.
+    saturation : int
+        Full scale of the sensor, DN.
+    seed : int
+        Of texture and noise.
+
+    """
+
+    target: Light | None = None
+    elements: Sequence[Element] = ()
+    camera: CameraMotion | None = None
+    width: int = 640
+    height: int = 480
+    rate: float = 60.0
+    exposure: float = 0.5
+    background: float = 40.0
+    texture: float = 8.0
+    noise: SensorNoise = SensorNoise(gain=40.0, read_noise=0.7)
+    saturation: int = 255
+    seed: int = 1
+
+    def stamp_ns(self, index: int) -> int:
+        """Return the middle of a frame's exposure, ns."""
+        return 10**9 + round(1e9 * index / self.rate)
+
+    def shot(self, index: int) -> Shot:
+        """Return when a frame is taken and where from."""
+        motion = STILL
+        if self.camera is not None:
+            motion = self.camera.motion(index, (self.height, self.width))
+        interval = 1.0 / self.rate
+        return Shot(index, index * interval, interval, self.exposure * interval, motion)
+
+    def truth(self, index: int) -> Truth:
+        """Return where the target is in the picture, px, and whether it is on: half or more."""
+        if self.target is None:
+            return Truth(nan, nan, False)
+        shot = self.shot(index)
+        x, y = shot.place(*self.target.place(shot.time))
+        lit = self.target.amplitude > 0.0 and self.target.brightness(shot) >= 0.5
+        return Truth(x, y, lit)
+
+    def frame(self, index: int) -> Pixels:
+        """Return the (h, w) pixels of a frame, DN."""
+        shot = self.shot(index)
+        picture = self._seen(shot)
+        for element in self.elements:
+            element.draw(picture, shot)
+        if self.target is not None:
+            self.target.draw(picture, shot)
+        return expose(
+            picture, self.noise, NoiseBank(self.seed, index), saturation=self.saturation
+        )
+
+    def _seen(self, shot: Shot) -> NDArray[np.float32]:
+        """Return the (h, w) wall as the camera sees it, DN."""
+        wall = _wall(self.width, self.height, self.background, self.texture, self.seed)
+        if self.camera is None:
+            inside = slice(PITCH * MARGIN, -PITCH * MARGIN, PITCH)
+            return wall[inside, inside].copy()
+        # From elements of the wall to pixels of the scene to those of the picture.
+        motion = shot.motion.copy()
+        motion[:, 2] -= motion[:, :2] @ (MARGIN, MARGIN)
+        motion[:, :2] /= PITCH
+        size = (self.width, self.height)
+        return np.asarray(cv2.warpAffine(
+            wall, motion, size, flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT_101
+        ))
+
+
+@lru_cache(maxsize=2)  # of scenes that differ in all but the wall it is drawn once
+def _wall(
+    width: int, height: int, background: float, texture: float, seed: int
+) -> NDArray[np.float32]:
+    """Return the mean signal of a wall, DN, at PITCH elements a pixel and with a margin."""
+    shape = (PITCH * (height + 2 * MARGIN), PITCH * (width + 2 * MARGIN))
+    wall = textured_wall(
+        shape, background=background, texture=texture, seed=seed, pitch=PITCH
+    )
+    wall.flags.writeable = False
+    return wall

@@ -1,0 +1,60 @@
+"""How bright a light is at a time: from times, s, to parts of its amplitude."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Waveform = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+
+SLICES = 64  # of an exposure; the part of it in which a light is on is known to one of them
+
+
+def always(times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the waveform of a light that is never off."""
+    return np.ones_like(times)
+
+
+def in_step(rate: float) -> Waveform:
+    """Return a light that is on in the even ones of `rate` frames a second."""
+    return lambda times: (np.rint(times * rate) % 2 == 0).astype(float)
+
+
+def periodic(frequency: float, duty: float, phase: float = 0.0) -> Waveform:
+    """Return a light that is on for the part `duty` of each period; frequency in Hz."""
+    return lambda times: ((times * frequency + phase) % 1.0 < duty).astype(float)
+
+
+def coded(bits: str, bit_time: float, start: float = 0.0) -> Waveform:
+    """Return a light that repeats its bits, each for `bit_time` s."""
+    values = np.array([float(bit == '1') for bit in bits])
+    return lambda times: values[((times - start) // bit_time).astype(int) % len(values)]
+
+
+def sinusoid(frequency: float, modulation: float, phase: float = 0.0) -> Waveform:
+    """
+    Return a light of the mean brightness 1 that goes up and down.
+
+    A lamp on the mains flickers at twice their frequency, 100 or 120 Hz; its modulation is
+    (max - min) / (max + min): 0.1 for a large filament, 1 for some LEDs (IEEE 1789).
+
+    Parameters
+    ----------
+    frequency : float
+        Hz.
+    modulation : float
+        0 to 1.
+    phase : float
+        Periods.
+
+    """
+    turn = 2.0 * np.pi
+    return lambda times: 1.0 + modulation * np.cos(turn * (frequency * times + phase))
+
+
+def mean_over(waveform: Waveform, time: float, length: float) -> float:
+    """Return the mean brightness over an exposure of `length` s about a time."""
+    parts = (np.arange(SLICES) + 0.5) / SLICES - 0.5
+    return float(np.mean(waveform(time + length * parts)))
