@@ -44,7 +44,7 @@ class Alternate:
         *,
         max_pair_interval: float = 0.1,
         registration: str = 'none',
-        gate: float = 40.0,
+        gate: float = 24.0,
     ) -> None:
         if registration not in REGISTRATIONS:
             raise ValueError(
@@ -105,10 +105,10 @@ class Alternate:
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
         """Return the candidate that flashes in step, under the empty name."""
-        allowed = [each for each in candidates if not each.refused]
-        target = self._confirmation.choose(allowed, contrast.shape)
+        target = self._confirmation.choose(candidates, contrast.shape)
         if target is not None:
             return [('', target)]
+        allowed = [each for each in candidates if not each.refused]
         refused = [each for each in candidates if each.refused]
         if allowed:
             self.reason = f'{len(allowed)} lit up; none of them flashes in step with the frames yet'

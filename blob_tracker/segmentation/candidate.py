@@ -37,6 +37,8 @@ class Candidate(NamedTuple):
         Greatest loss of light in two neighbouring pixels within 9 sigma, DN.
     stood : float
         Height of the blob that was there before it lit up, DN.
+    texture : float
+        Standard deviation of the scene about it before it lit up, DN.
     clipped : float
         Whether pixels were clipped there before; 0 or 1.
     noise : float
@@ -63,6 +65,7 @@ class Candidate(NamedTuple):
     beside: float
     fall: float
     stood: float
+    texture: float
     clipped: float
     noise: float
     refused: str = ''

@@ -21,9 +21,10 @@ FORGOTTEN = 8  # frames without a flash after which a track ends
 MOST_TRACKS = 32
 FIRST = 3  # pairs of frames in which a single light is taken for the target at once
 REGION = 16  # px about the prediction, and as many sigma as FLANK says
-# False alarms: at most so many by chance in a frame, at the rate at which things lit up once.
+# False alarms: at most so many by chance in a frame, at the rate at which new things light up.
 CHANCE = 1e-6
-RATE_MEMORY = 1.0 / 128.0  # of a frame in the mean of that rate
+LEAST_MEMORY, MOST_MEMORY = 16, 128  # frames over which that rate is the mean
+FIRST_RATE = 0.05  # before anything was seen
 MOST_FLASHES = 5  # are always enough
 SPOILED = 2  # more flashes are asked of a light that was once seen out of step
 
@@ -41,6 +42,7 @@ class _Track:
     speed_x: float = 0.0  # px a frame
     speed_y: float = 0.0
     spoiled: bool = False
+    trusted: bool = False
 
     def at(self, age: float) -> tuple[float, float]:
         """Return where it is expected so many frames later, px."""
@@ -63,8 +65,8 @@ class Confirmation:
     confirmed track is followed in a region about its predicted place, which grows with every
     flash that is missed, until the whole frame is searched again.
 
-    A single light in the first frames, and only there, is confirmed at once: nothing is known
-    that speaks against it.
+    A single light in the first frames, with nothing else, is trusted from its first flash on:
+    nothing is known that speaks against it.
 
     Parameters
     ----------
@@ -80,7 +82,8 @@ class Confirmation:
         self._intervals: deque[int] = deque(maxlen=INTERVALS)
         self._stamp_ns: int | None = None
         self._frames = 0
-        self._rate = 0.0  # of things that light up once, a frame
+        self._rate = FIRST_RATE  # of new things that light up, a frame
+        self._remembered = LEAST_MEMORY
 
     @property
     def locked(self) -> bool:
@@ -93,15 +96,9 @@ class Confirmation:
             self._intervals.append(stamp_ns - self._stamp_ns)
         self._stamp_ns = stamp_ns
         self._frames += 1
-        kept = [each for each in self._tracks if self._age(each) <= FORGOTTEN]
-        if self._locked is None:
-            once = sum(each.flashes == 1 for each in self._tracks) - sum(
-                each.flashes == 1 for each in kept
-            )
-            self._rate += RATE_MEMORY * (once - self._rate)
-        elif self._age(self._locked) > FORGOTTEN:
+        self._tracks = [each for each in self._tracks if self._age(each) <= FORGOTTEN]
+        if self._locked is not None and self._age(self._locked) > FORGOTTEN:
             self._locked = None
-        self._tracks = kept
 
     def region(self, shape: tuple[int, int]) -> Box:
         """Return where in a frame of (h, w) the target can be."""
@@ -118,26 +115,38 @@ class Confirmation:
         row = min(max(round(y), 0), shape[0] - 1)
         return box_about(column, row, round(half), round(half), shape)
 
-    def choose(self, candidates: Sequence[Candidate], shape: tuple[int, int]) -> Candidate | None:
+    def choose(
+        self, everything: Sequence[Candidate], shape: tuple[int, int]
+    ) -> Candidate | None:
         """
         Return the target among the candidates of the frame that was pushed last, or None.
 
         Parameters
         ----------
-        candidates : sequence of Candidate
-            What lit up and may be the target.
+        everything : sequence of Candidate
+            What lit up. Of those that are refused it only counts that they are out of step.
         shape : (int, int)
             Height and width of the frame, px.
 
         """
+        searched = self._locked is None
+        candidates = []
+        for each in everything:
+            if each.refused:
+                self._spoil(each)
+            else:
+                candidates.append(each)
         seen = [(self._continued(each), each) for each in candidates]
+        if searched:
+            new = sum(track.flashes == 1 and not track.spoiled for track, _ in seen)
+            self._remembered = min(self._remembered + 1, MOST_MEMORY)
+            self._rate += (new - self._rate) / self._remembered
         needed = self._needed(shape)
         best: tuple[_Track, Candidate] | None = None
-        alone = self._frames <= FIRST and len(candidates) == 1
+        alone = self._frames <= FIRST and len(everything) == 1
         for track, candidate in seen:
-            if alone:
-                track.flashes = max(track.flashes, needed)
-            if track.flashes < needed + SPOILED * track.spoiled:
+            track.trusted = not track.spoiled and (track.trusted or alone)
+            if not track.trusted and track.flashes < needed + SPOILED * track.spoiled:
                 continue
             if track is self._locked:
                 best = track, candidate
@@ -184,10 +193,25 @@ class Confirmation:
         fresh.speed_y = (candidate.y - nearest.y) / age
         fresh.flashes = nearest.flashes + 1
         fresh.spoiled = nearest.spoiled
+        fresh.trusted = nearest.trusted
         if nearest is self._locked:
             self._locked = fresh
         self._tracks = [each for each in self._tracks if each is not nearest]
         return fresh
+
+    def _spoil(self, candidate: Candidate) -> None:
+        """Mark the young tracks at whose place something lights up out of step."""
+        for track in self._tracks:
+            age = self._age(track)
+            x, y = track.at(age)
+            near = FLANK * (track.sigma + 1.0)
+            if (
+                track.flashes < MOST_FLASHES
+                and not self._in_step(age)
+                and math.hypot(candidate.x - x, candidate.y - y) < near
+                and track.height < ALIKE * candidate.height
+            ):
+                track.spoiled = True
 
     def _age(self, track: _Track) -> float:
         """Return the time since a track was seen, in frames."""

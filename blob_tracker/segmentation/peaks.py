@@ -7,16 +7,22 @@ from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.adaptive_moments import measure
+from blob_tracker.segmentation.illumination import row_gains
 from blob_tracker.segmentation.tile_noise import TILE, tile_noise
 from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
 
-MOST_PEAKS = 2048  # of a frame; where there are more, only the higher ones are looked at
-MOST_CANDIDATES = 256  # that are measured, the highest first: a field of stars has a hundred
+FIELDS = 20  # of a candidate
+# Of a frame; where there are more peaks only the higher ones are looked at, and of these the
+# highest are measured: a field of stars has a hundred. Most frames need no more than FEW, and room
+# for more would cost more time than the search.
+MOST_PEAKS, FEW_PEAKS = 2048, 128
+MOST_CANDIDATES, FEW_CANDIDATES = 256, 16
 FLANK = 4.0  # sigma of a blob, and as many px, within which further peaks are its own
 WINDOW = 3.0  # sigma to either side: what is compared with a Gaussian
 BAND = 0.25  # of a row above the threshold: the row is brighter, not something in it
+SMALL = 65536  # px: a region about a prediction
 CROWDED = 32  # pixels of a tile's row above the threshold: of such only the highest is looked at
 SAMPLES = 12  # to either side of a blob on which it is compared; of wider ones pixels are left out
 
@@ -32,7 +38,7 @@ def measure_peaks(
     least: float,
     largest: float,
     saturation: int,
-) -> tuple[Array, float, float, float, float]:
+) -> tuple[Array, Array, float, float, float, float, float]:
     """
     Return what rose in a region, the highest first, and the noise that it stands in.
 
@@ -61,8 +67,12 @@ def measure_peaks(
 
     Returns
     -------
-    table : (n, 19) array
+    table : (n, 20) array
         A row for each peak of at least that SNR: the fields of `Candidate` in their order.
+    gains : (n, 2) array
+        How the light on the scene changed, see `row_gains`.
+    change : float
+        By how much, rms over the rows, DN.
     level, noise, brightness : float
         Median over the tiles of lit less unlit, of its standard deviation, and of unlit, DN.
     strongest : float
@@ -70,23 +80,23 @@ def measure_peaks(
 
     """
     x0, y0, x1, y1 = region
+    gains, change = row_gains(lit, unlit, y0, y1)
     levels, noises, bright = tile_noise(lit, unlit, x0, y0, x1, y1, floor)
     level = np.median(levels)
-    columns = np.empty(MOST_PEAKS, np.int64)
-    rows = np.empty(MOST_PEAKS, np.int64)
-    heights = np.empty(MOST_PEAKS)
-    count, strongest = _peaks(
-        lit, unlit, region, mask, level, noises, threshold, columns, rows, heights
-    )
-    while count > MOST_PEAKS:
-        threshold *= 2.0
-        count, strongest = _peaks(
-            lit, unlit, region, mask, level, noises, threshold, columns, rows, heights
-        )
-    table = np.empty((MOST_CANDIDATES, 19))
+    room = FEW_PEAKS
+    peaks = np.empty((room, 3))
+    count, strongest = _peaks(lit, unlit, region, mask, level, noises, threshold, peaks)
+    while count > room:
+        if room < MOST_PEAKS:
+            room = MOST_PEAKS
+            peaks = np.empty((room, 3))
+        else:
+            threshold *= 2.0
+        count, strongest = _peaks(lit, unlit, region, mask, level, noises, threshold, peaks)
+    table = np.empty((FEW_CANDIDATES, FIELDS))
     found = 0
-    for index in np.argsort(-heights[:count]):
-        column, row = columns[index], rows[index]
+    for index in np.argsort(-peaks[:count, 2]):
+        column, row = int(peaks[index, 0]), int(peaks[index, 1])
         if _on_flank(table[:found], column, row):
             continue
         ty = min((row - y0) // TILE, noises.shape[0] - 1)
@@ -96,12 +106,29 @@ def measure_peaks(
         if blob[7] >= least:
             _describe(
                 table[found], lit, unlit, region, saturation, blob, column, row, noise,
-                heights[index],
+                peaks[index, 2],
             )
             found += 1
             if found == MOST_CANDIDATES:
                 break
-    return table[:found], level, np.median(noises), np.median(bright), strongest
+            if found == table.shape[0]:
+                more = np.empty((MOST_CANDIDATES, FIELDS))
+                more[:found] = table
+                table = more
+    if found == 0 and (x1 - x0) * (y1 - y0) <= SMALL:
+        # Near the prediction a faint blob is worth a second look: its brightest 3 x 3 pixels.
+        column, row, height = _brightest_square(lit, unlit, region, mask)
+        noise = noises[
+            min((row - y0) // TILE, noises.shape[0] - 1),
+            min((column - x0) // TILE, noises.shape[1] - 1),
+        ]
+        blob = measure(lit, unlit, region, column, row, level, noise, least, largest)
+        if blob[7] >= least:
+            _describe(
+                table[0], lit, unlit, region, saturation, blob, column, row, noise, height - level
+            )
+            found = 1
+    return table[:found], gains, change, level, np.median(noises), np.median(bright), strongest
 
 
 @kernel
@@ -113,11 +140,13 @@ def _peaks(
     level: float,
     noises: Array,
     threshold: float,
-    columns: NDArray[np.int64],
-    rows: NDArray[np.int64],
-    heights: Array,
+    peaks: Array,
 ) -> tuple[int, float]:
-    """Write down the peaks; return how many there are and the greatest rise above the level."""
+    """
+    Write down column, row and height of the peaks, as far as there is room.
+
+    Return how many there are, and the greatest rise above the level.
+    """
     x0, y0, x1, y1 = region
     down, across = noises.shape
     count, strongest = 0, 0.0
@@ -161,12 +190,40 @@ def _peaks(
                     continue
                 if mask.size > 0 and mask[j, i] == 0:
                     continue
-                if count < columns.size:
-                    columns[count], rows[count], heights[count] = i, j, rise - level
+                if count < peaks.shape[0]:
+                    peaks[count, 0], peaks[count, 1], peaks[count, 2] = i, j, rise - level
                 count += 1
                 if crowded:
                     break
     return count, strongest
+
+
+@kernel
+def _brightest_square(
+    lit: Pixels, unlit: Pixels, region: tuple[int, int, int, int], mask: NDArray[np.uint8]
+) -> tuple[int, int, float]:
+    """Return the middle of the 3 x 3 pixels that rose most, and their mean rise, DN."""
+    x0, y0, x1, y1 = region
+    width = x1 - x0
+    columns = np.zeros((3, width), np.int32)  # sums of a row, three rows in turn
+    best = np.int32(-(2**30))
+    column, row = x0, y0
+    for j in range(y0, y1):
+        a, b = lit[j, x0:x1], unlit[j, x0:x1]
+        sums = columns[j % 3]
+        for i in range(1, width - 1):
+            sums[i] = (
+                np.int32(a[i - 1]) - np.int32(b[i - 1])
+                + np.int32(a[i]) - np.int32(b[i])
+                + np.int32(a[i + 1]) - np.int32(b[i + 1])
+            )
+        if j < y0 + 2:
+            continue
+        for i in range(1, width - 1):
+            total = columns[0, i] + columns[1, i] + columns[2, i]
+            if total > best and (mask.size == 0 or mask[j - 1, x0 + i] != 0):
+                best, column, row = total, x0 + i, j - 1
+    return column, row, best / 9.0
 
 
 @kernel
@@ -257,7 +314,7 @@ def _describe(
     half_x, half_y = max(WINDOW * sigma_x, 3.0), max(WINDOW * sigma_y, 3.0)
     left, right = max(int(x - half_x), region[0]), min(int(x + half_x) + 2, region[2])
     top, bottom = max(int(y - half_y), region[1]), min(int(y + half_y) + 2, region[3])
-    norm = flux = stood = around = 0.0
+    norm = flux = stood = around = squares = 0.0
     outside = 0
     clipped = False
     weights = np.empty((bottom - top, right - left))
@@ -271,12 +328,14 @@ def _describe(
             clipped = clipped or unlit[j, i] >= saturation
             if q > WINDOW * WINDOW:
                 around += under
+                squares += under * under
                 outside += 1
             elif lit[j, i] < saturation:
                 norm += w * w
                 flux += w * (float(lit[j, i]) - under - level)
     amplitude = flux / norm if norm > 0.0 else height
     around = around / outside if outside > 0 else 0.0
+    texture = np.sqrt(max(squares / outside - around * around, 0.0)) if outside > 0 else 0.0
     misfit, count = 0.0, 0
     total = 0.0
     for j in range(top, bottom, step):
@@ -298,8 +357,9 @@ def _describe(
     out[14] = _beside(lit, unlit, region, column, row, level) / max(height, noise)
     out[15] = _fall(lit, unlit, region, x, y, 3.0 * half_x, 3.0 * half_y, level)
     out[16] = stood / total if total > 0.0 else 0.0
-    out[17] = clipped
-    out[18] = noise
+    out[17] = texture
+    out[18] = clipped
+    out[19] = noise
 
 
 @kernel

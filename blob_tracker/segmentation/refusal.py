@@ -11,16 +11,18 @@ LONGEST = 3.0  # times as long as wide: a moving edge, a glint's streak or a ban
 NARROWEST = 0.7  # px: below it the width is that of the pixel, and noise decides
 WORST_MISFIT = 0.5  # a clipped or a square blob leaves 0.3; half a blob, an edge or a ring more
 SAMPLED = 0.9  # px of sigma, from which on pixels draw the shape of a blob
-# A lamp on the mains loses less than a quarter between two frames; of a flash nothing is left but
-# the background, whose texture is not as many times higher than the flash.
-STANDING = 3.0
+# A lamp on the mains does not go dark within an exposure: more of it stands than comes. Of a
+# flash nothing is left but the background, and that is no higher than its own texture.
+STANDING = 1.0
+TEXTURE = 3.0  # standard deviations
+FOLLOWED = 3.0  # times that: a target that is followed may pass in front of something bright
 # Two lit frames of a moving light leave a rise and an equal fall beside each other; a true flash
 # leaves no fall but noise. Half-way between the two tells them apart.
 LARGEST_FALL = 0.5
 NOISE_FALL = 6.0  # standard deviations; no pixel of a window falls so far by noise alone
 
 
-def refuse(candidate: Candidate) -> str:
+def refuse(candidate: Candidate, followed: bool) -> str:
     """
     Say why a candidate is no target.
 
@@ -28,6 +30,8 @@ def refuse(candidate: Candidate) -> str:
     ----------
     candidate : Candidate
         What lit up.
+    followed : bool
+        Whether it is where a target is expected, by what was seen before.
 
     Returns
     -------
@@ -53,7 +57,8 @@ def refuse(candidate: Candidate) -> str:
             f'a rise of {height:.0f} DN that is no blob: a Gaussian leaves '
             f'{100 * candidate.misfit:.0f} % of it'
         )
-    if candidate.stood > STANDING * candidate.amplitude:
+    standing = max(STANDING * candidate.amplitude, TEXTURE * candidate.texture)
+    if candidate.stood > standing * (FOLLOWED if followed else 1.0):
         return (
             f'a rise of {candidate.amplitude:.0f} DN on {candidate.stood:.0f} DN that were there '
             'before: a lamp that flickers'

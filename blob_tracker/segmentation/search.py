@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from blob_tracker.kernel import Array
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.illumination import relit
 from blob_tracker.segmentation.peaks import measure_peaks
 from blob_tracker.segmentation.refusal import refuse
-from blob_tracker.types import Frame
+from blob_tracker.types import Frame, Pixels
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,9 +22,11 @@ LARGEST_SIGMA = 64.0  # px: what is wider is no blob
 EXPOSURE_JUMP = 0.25
 JUMP_NOISE = 4.0  # standard deviations of a pixel that the level may move by itself
 JUMP_GLARE = 0.15  # of the strongest rise, which a wide blob may add to the level about it
+# rms over the rows, standard deviations of a pixel: of less the scene is not laid in new light.
+FELT = 0.75
 IN_DN = [
     Candidate._fields.index(name)
-    for name in ('background', 'height', 'amplitude', 'fall', 'stood', 'noise')
+    for name in ('background', 'height', 'amplitude', 'fall', 'stood', 'texture', 'noise')
 ]
 
 
@@ -55,6 +59,7 @@ def search(
     region: Box,
     *,
     min_snr: float,
+    followed: bool = False,
     mask: NDArray[np.uint8] = ANYWHERE,
 ) -> Found:
     """
@@ -68,6 +73,8 @@ def search(
         The part of the frame, px.
     min_snr : float
         Least SNR in the matched filter.
+    followed : bool
+        Whether the region is that about a target that was seen before.
     mask : (h, w) uint8 array
         0 where the target cannot be; empty where it may be anywhere.
 
@@ -77,35 +84,41 @@ def search(
         The candidates, refused or not, and the noise.
 
     """
-    table, level, noise, brightness, strongest = measure_peaks(
-        contrast.lit,
-        contrast.unlit,
-        tuple(region),
-        mask,
-        contrast.floor,
-        _threshold(region),
-        min_snr,
-        LARGEST_SIGMA,
-        contrast.saturation,
-    )
+    def look(unlit: Pixels) -> tuple[Array, Array, float, float, float, float, float]:
+        return measure_peaks(
+            contrast.lit,
+            unlit,
+            tuple(region),
+            mask,
+            contrast.floor,
+            _threshold(region),
+            min_snr,
+            LARGEST_SIGMA,
+            contrast.saturation,
+        )
+
+    table, gains, change, level, noise, brightness, strongest = look(contrast.unlit)
+    jump = EXPOSURE_JUMP * brightness + JUMP_NOISE * noise + JUMP_GLARE * strongest
+    reason = ''
+    if contrast.unlit_looks:
+        if abs(level) > jump:
+            reason = (
+                f'the whole scene changed by {level:+.0f} DN from {brightness:.0f} DN between the '
+                'two frames: switch auto-exposure off'
+            )
+        if change > FELT * noise:
+            table, _, _, level, noise, _, strongest = look(
+                relit(contrast.unlit, gains, contrast.saturation)
+            )
     unit = contrast.unit
     if unit != 1.0:
         table[:, IN_DN] *= unit
-        level, noise, brightness, strongest = (
-            unit * each for each in (level, noise, brightness, strongest)
-        )
+        level, noise, strongest = unit * level, unit * noise, unit * strongest
     candidates = []
     for row in table.tolist():
         candidate = Candidate(*row)
-        why = refuse(candidate)
+        why = refuse(candidate, followed)
         candidates.append(candidate._replace(refused=why) if why else candidate)
-    reason = ''
-    jump = EXPOSURE_JUMP * brightness + JUMP_NOISE * noise + JUMP_GLARE * strongest
-    if contrast.unlit_looks and abs(level) > jump:
-        reason = (
-            f'the whole scene changed by {level:+.0f} DN from {brightness:.0f} DN between the two '
-            'frames: switch auto-exposure off'
-        )
     return Found(tuple(candidates), level, noise, strongest, reason)
 
 

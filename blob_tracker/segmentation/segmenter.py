@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from blob_tracker.segmentation.alternate import Alternate
-from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.flash import Flash
@@ -17,6 +17,9 @@ from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
 from blob_tracker.types import Frame, Pixels, Window
 import numpy as np
 from numpy.typing import NDArray
+
+
+GATED = 0.85  # of the SNR that is asked for is enough where the target is expected
 
 
 class Sighting(NamedTuple):
@@ -124,7 +127,15 @@ class Segmenter:
             self.reason = self.flash.reason
             return []
         region = self.flash.region(contrast)
-        found = search(contrast, region, min_snr=self.min_snr, mask=self._mask)
+        # Within the gate there is little room for chance.
+        followed = region != whole(contrast.shape)
+        found = search(
+            contrast,
+            region,
+            min_snr=self.min_snr * (GATED if followed else 1.0),
+            followed=followed,
+            mask=self._mask,
+        )
         sightings: list[Sighting] = []
         windows: dict[str, Box] = {}
         if found.reason:

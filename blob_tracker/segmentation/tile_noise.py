@@ -71,14 +71,14 @@ def tile_noise(
                 )
             count += 1
         for tx in range(across):
-            levels[ty, tx] = _median(means[tx], count)
-            noises[ty, tx] = max(TO_SIGMA * _median(spreads[tx], count), floor)
+            levels[ty, tx] = median(means[tx], count)
+            noises[ty, tx] = max(TO_SIGMA * median(spreads[tx], count), floor)
             brightness[ty, tx] = unlits[tx, :count].mean()
     return levels, noises, brightness
 
 
 @kernel
-def _median(values: Array, count: int) -> float:
+def median(values: Array, count: int) -> float:
     """Return the median of the first values; they are sorted in place."""
     for i in range(1, count):
         value = values[i]
