@@ -1,0 +1,300 @@
+"""The motion that lays the pixels of one frame on those of another, far below a pixel."""
+
+# Numba's decorators bring no types.
+# mypy: disable-error-code="untyped-decorator"
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from blob_tracker.types import Pixels
+import cv2
+from numba import njit
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+POINTS = 12_000  # at most; at a texture of 8 times the noise they place the frame to 0.005 px
+LEAST_POINTS = 100  # sixteen for each number of an affine map
+LEAST_SIDE = 16  # px; a smaller frame has no such number of cells
+FINER = 4  # from one level to the next
+COARSEST = 160  # px of the smaller side, at most: 8 px are then a fraction of a pixel, or two
+STEPS = 12  # a level takes 2 to 4 of them, and more where noise hides the slopes
+SETTLED = 0.01  # px: the steps shrink at least threefold, so what is left is a third of it
+TUKEY = 4.685  # standard deviations: 95 % efficient for Gaussian residuals
+MAD = 1.4826  # standard deviations to a median absolute deviation
+SAMPLE = 2000  # residuals that tell their median well enough
+NOISE_FREE = 1e-2  # DN: least standard deviation, for pictures without noise
+
+LEAST_CORRELATION = 0.5  # of what the two frames show in the same place
+LARGEST_ERROR = 0.1  # px, standard deviation of the map at the frame's corners
+FARTHEST = 0.25  # of the frame's smaller side: what is found beyond it is a false match
+STILL_WITHIN = 0.02  # px at the corners: such a motion is none, and nothing is interpolated
+
+STILL = np.eye(2, 3)
+
+# All but the licence to ignore NaN, which marks what the other frame did not see.
+FAST = {'contract', 'reassoc', 'nsz', 'arcp'}
+
+
+class _Points(NamedTuple):
+    """
+    Places in the unlit frame, and what they show.
+
+    Parameters
+    ----------
+    places : (n, 2) array
+        x and y, px of the full frame.
+    values : (n,) array
+        The smoothed unlit frame there, DN.
+    slopes : (n, k) array
+        How the value at a place changes with each number of the motion.
+
+    """
+
+    places: Array
+    values: Array
+    slopes: Array
+
+
+def align(lit: Pixels, unlit: Pixels, *, affine: bool) -> Array | None:
+    """
+    Return the (2, 3) map from places in the unlit frame to places in the lit one.
+
+    A place x of the unlit frame is at x + u(x) in the lit one, where u is a constant or a linear
+    function of x. Its k numbers p are those that make the robust sum
+
+        sum_i rho((L(x_i + u(x_i; p)) - U(x_i) - b) / s)
+
+    the least, in Gauss-Newton steps with the slopes of the unlit frame (Lucas and Kanade, 1981;
+    Baker and Matthews, 2004). rho is Tukey's biweight and s the residuals' median absolute
+    deviation, so that the target and what moves by itself do not count. U and L are the frames
+    smoothed by the cubic B-spline: at any place between pixels the smoothing is the same (its
+    images are below (w / (2 pi - w))^4, 1 % at half the Nyquist frequency), so that the result
+    leans neither to whole pixels nor to half ones.
+
+    It goes from coarse, where the start is the peak of the phase correlation (Kuglin and Hines,
+    1975), to fine, and each level adds its Fisher information to that of the ones before: fine
+    texture is placed by the last level, and coarse texture in noise by the first ones.
+
+    Parameters
+    ----------
+    lit, unlit : (h, w) arrays
+        DN.
+    affine : bool
+        Whether u is linear in x, with six numbers, or constant, with two.
+
+    Returns
+    -------
+    (2, 3) array or None
+        px. It is the identity where nothing moved by more than 0.02 px. None where the frames
+        are smaller than 16 px, have too few slopes to place all numbers of the map to 0.1 px,
+        correlate by less than 0.5 or are further apart than a quarter of their smaller side.
+
+    """
+    height, width = lit.shape
+    if min(height, width) < LEAST_SIDE:
+        return None
+    middle = np.array([0.5 * (width - 1), 0.5 * (height - 1)])
+    count = 6 if affine else 2
+    motion, information = np.zeros(count), np.zeros((count, count))
+    correlation = 0.0
+    for factor in _levels(min(height, width)):
+        before, after = _reduced(unlit, factor), _reduced(lit, factor)
+        points = _points(before, factor, middle, affine)
+        if len(points.values) < LEAST_POINTS:
+            return None
+        if not information.any():
+            motion[:2] = _shift(before, after, factor)
+        fitted = _fit(after, factor, points, middle, motion, information)
+        if fitted is None:
+            return None
+        motion, information, correlation = fitted
+    corners = _corners(affine)
+    # (8, k) matrix from the numbers of the motion to the shifts of the four corners.
+    far = np.abs(corners @ motion).max()
+    error = np.sqrt(np.einsum('ij,jk,ik->i', corners, np.linalg.inv(information), corners).max())
+    if not (
+        correlation >= LEAST_CORRELATION
+        and error <= LARGEST_ERROR
+        and far <= FARTHEST * min(height, width)
+    ):
+        return None
+    return STILL.copy() if far < STILL_WITHIN else _map(motion, middle)
+
+
+def _levels(side: int) -> list[int]:
+    """Return by what the frame is reduced, from coarse to fine."""
+    factors = [1]
+    while side > COARSEST * factors[0]:
+        factors.insert(0, FINER * factors[0])
+    return factors
+
+
+def _reduced(image: Pixels, factor: int) -> NDArray[np.float32]:
+    """Return the means of squares of so many pixels; what is left over at the end is cut."""
+    height, width = image.shape[0] // factor, image.shape[1] // factor
+    if factor == 1:
+        return image.astype(np.float32)
+    whole = image[: height * factor, : width * factor].astype(np.float32)
+    return np.asarray(cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA))
+
+
+def _shift(before: NDArray[np.float32], after: NDArray[np.float32], factor: int) -> Array:
+    """Return the shift of a level's frame by phase correlation, px of the full frame."""
+    window = cv2.createHanningWindow(before.shape[::-1], cv2.CV_32F)
+    # A level that stays would, under the window, be a pattern that does not move.
+    centred = [image - np.float32(cv2.mean(image)[0]) for image in (before, after)]
+    (x, y), _ = cv2.phaseCorrelate(*centred, window)
+    return np.array([x, y]) * factor
+
+
+def _points(
+    image: NDArray[np.float32], factor: int, middle: Array, affine: bool
+) -> _Points:
+    """Return the steepest pixel of each cell of the unlit frame of a level."""
+    height, width = image.shape
+    cell = max(math.ceil(math.sqrt(height * width / POINTS)), 2)
+    table = np.empty(((height // cell) * (width // cell), 5))
+    table = table[: _steepest(image, cell, max(cell // 3, 1), table)]
+    places = factor * (table[:, :2] + 0.5) - 0.5
+    slopes = table[:, 3:] / factor
+    if affine:
+        x, y = ((places - middle) / middle).T[:, :, None]
+        slopes = np.hstack([slopes, slopes * x, slopes * y])
+    return _Points(places, table[:, 2], slopes)
+
+
+def _fit(
+    image: NDArray[np.float32],
+    factor: int,
+    points: _Points,
+    middle: Array,
+    start: Array,
+    known: Array,
+) -> tuple[Array, Array, float] | None:
+    """
+    Return the motion on a level, the Fisher information on it and the frames' correlation.
+
+    `start` is the motion that the levels before give, with the information `known`.
+    """
+    motion = start
+    found = np.empty(len(points.values))
+    for _ in range(STEPS):
+        there = _map(motion, middle) / factor
+        there[:, 2] += 0.5 / factor - 0.5
+        _sample(image, points.places, there, found)
+        seen = np.flatnonzero(np.isfinite(found))
+        if len(seen) < LEAST_POINTS:
+            return None
+        if len(seen) == len(found):
+            values, slopes, shown = points.values, points.slopes, found
+        else:
+            values, slopes, shown = points.values[seen], points.slopes[seen], found[seen]
+        residual = shown - values
+        some = residual[:: max(len(seen) // SAMPLE, 1)]
+        level = np.median(some)
+        deviation = MAD * float(np.median(np.abs(some - level))) + NOISE_FREE
+        weight = (residual - level) / (TUKEY * deviation)
+        weight = np.maximum(1.0 - weight * weight, 0.0) ** 2
+        weight /= deviation**2
+        total = weight.sum()
+        # About their weighted means: the level of the frames is one more unknown.
+        mean = weight @ slopes / total
+        weighted = slopes * weight[:, None]
+        information = weighted.T @ slopes - total * np.outer(mean, mean) + known
+        score = residual @ weighted - (weight @ residual) * mean + known @ (motion - start)
+        try:
+            step = np.linalg.solve(information, score)
+        except np.linalg.LinAlgError:
+            return None
+        motion = motion - step
+        if np.abs(step).sum() < SETTLED:
+            break
+    if not np.isfinite(motion).all():
+        return None
+    values = values - weight @ values / total
+    shown = shown - weight @ shown / total
+    power = (weight @ values**2) * (weight @ shown**2)
+    return motion, information, float(weight @ (values * shown) / math.sqrt(power or 1.0))
+
+
+def _map(motion: Array, middle: Array) -> Array:
+    """Return the (2, 3) map of a motion: x + p01 + p23 X + p45 Y, X and Y 1 at the borders."""
+    linear = motion[2:].reshape(-1, 2).T / middle if len(motion) > 2 else np.zeros((2, 2))
+    return np.column_stack([np.eye(2) + linear, motion[:2] - linear @ middle])
+
+
+def _corners(affine: bool) -> Array:
+    """Return the (2 n, k) matrix from a motion's numbers to the shifts of the n corners."""
+    if not affine:
+        return np.eye(2)
+    return np.vstack([
+        np.hstack([np.eye(2), x * np.eye(2), y * np.eye(2)]) for x in (-1, 1) for y in (-1, 1)
+    ])
+
+
+@njit(cache=True, fastmath=FAST)
+def _steepest(image: NDArray[np.float32], cell: int, every: int, out: Array) -> int:
+    """
+    Fill rows of x, y, value and slopes along x and y, one for each cell; return their number.
+
+    Value and slopes are those of the frame smoothed by the cubic B-spline. Of a cell every so
+    many pixels are looked at. A cell without any slope gives no row.
+    """
+    height, width = image.shape
+    count = 0
+    for top in range(1, height - cell, cell):
+        for left in range(1, width - cell, cell):
+            best, x, y = 0.0, 0, 0
+            for j in range(top, top + cell, every):
+                for i in range(left, left + cell, every):
+                    right = image[j, i + 1] - image[j, i - 1]
+                    down = image[j + 1, i] - image[j - 1, i]
+                    steep = right * right + down * down
+                    if steep > best:
+                        best, x, y = steep, i, j
+            if best == 0.0:
+                continue
+            row = image[y - 1, x - 1] + 4.0 * image[y - 1, x] + image[y - 1, x + 1]
+            mid = image[y, x - 1] + 4.0 * image[y, x] + image[y, x + 1]
+            end = image[y + 1, x - 1] + 4.0 * image[y + 1, x] + image[y + 1, x + 1]
+            first = image[y - 1, x - 1] + 4.0 * image[y, x - 1] + image[y + 1, x - 1]
+            last = image[y - 1, x + 1] + 4.0 * image[y, x + 1] + image[y + 1, x + 1]
+            out[count, 0] = x
+            out[count, 1] = y
+            out[count, 2] = (row + 4.0 * mid + end) / 36.0
+            out[count, 3] = (last - first) / 12.0
+            out[count, 4] = (end - row) / 12.0
+            count += 1
+    return count
+
+
+@njit(cache=True, fastmath=FAST)
+def _sample(image: NDArray[np.float32], places: Array, there: Array, out: Array) -> None:
+    """Fill the values of the frame smoothed by the cubic B-spline; NaN beyond its borders."""
+    height, width = image.shape
+    for n in range(places.shape[0]):
+        x = there[0, 0] * places[n, 0] + there[0, 1] * places[n, 1] + there[0, 2]
+        y = there[1, 0] * places[n, 0] + there[1, 1] * places[n, 1] + there[1, 2]
+        # Put so that NaN is outside too.
+        if not (1.0 <= x < width - 2.0 and 1.0 <= y < height - 2.0):
+            out[n] = math.nan
+            continue
+        i, j = int(x), int(y)
+        t, u = x - i, y - j
+        a0, a3 = (1.0 - t) ** 3 / 6.0, t**3 / 6.0
+        a1 = 2.0 / 3.0 - 0.5 * t * t * (2.0 - t)
+        a2 = 1.0 - a0 - a1 - a3
+        b0, b3 = (1.0 - u) ** 3 / 6.0, u**3 / 6.0
+        b1 = 2.0 / 3.0 - 0.5 * u * u * (2.0 - u)
+        b2 = 1.0 - b0 - b1 - b3
+        total = 0.0
+        for k, b in ((-1, b0), (0, b1), (1, b2), (2, b3)):
+            total += b * (
+                a0 * image[j + k, i - 1] + a1 * image[j + k, i]
+                + a2 * image[j + k, i + 1] + a3 * image[j + k, i + 2]
+            )
+        out[n] = total
