@@ -45,11 +45,11 @@ class _Points(NamedTuple):
 
     Parameters
     ----------
-    places : (n, 2) array
+    places : (2, n) array
         x and y, px of the full frame.
     values : (n,) array
         The smoothed unlit frame there, DN.
-    slopes : (n, k) array
+    slopes : (k, n) array
         How the value at a place changes with each number of the motion.
 
     """
@@ -157,14 +157,14 @@ def _points(
     """Return the steepest pixel of each cell of the unlit frame of a level."""
     height, width = image.shape
     cell = max(math.ceil(math.sqrt(height * width / POINTS)), 2)
-    table = np.empty(((height // cell) * (width // cell), 5))
-    table = table[: _steepest(image, cell, max(cell // 3, 1), table)]
-    places = factor * (table[:, :2] + 0.5) - 0.5
-    slopes = table[:, 3:] / factor
+    table = np.empty((5, (height // cell) * (width // cell)))
+    table = table[:, : _steepest(image, cell, max(cell // 3, 1), table)]
+    places = factor * (table[:2] + 0.5) - 0.5
+    slopes = table[3:] / factor
     if affine:
-        x, y = ((places - middle) / middle).T[:, :, None]
-        slopes = np.hstack([slopes, slopes * x, slopes * y])
-    return _Points(places, table[:, 2], slopes)
+        x, y = places / middle[:, None] - 1.0
+        slopes = np.vstack([slopes, slopes * x, slopes * y])
+    return _Points(places, table[2], slopes)
 
 
 def _fit(
@@ -181,31 +181,29 @@ def _fit(
     `start` is the motion that the levels before give, with the information `known`.
     """
     motion = start
-    found = np.empty(len(points.values))
+    values, slopes = points.values, points.slopes
+    found = np.empty(len(values))
     for _ in range(STEPS):
         there = _map(motion, middle) / factor
         there[:, 2] += 0.5 / factor - 0.5
         _sample(image, points.places, there, found)
-        seen = np.flatnonzero(np.isfinite(found))
-        if len(seen) < LEAST_POINTS:
-            return None
-        if len(seen) == len(found):
-            values, slopes, shown = points.values, points.slopes, found
-        else:
-            values, slopes, shown = points.values[seen], points.slopes[seen], found[seen]
+        seen = np.isfinite(found)
+        shown = np.where(seen, found, values)
         residual = shown - values
-        some = residual[:: max(len(seen) // SAMPLE, 1)]
+        some = residual[seen]
+        if len(some) < LEAST_POINTS:
+            return None
+        some = some[:: max(len(some) // SAMPLE, 1)]
         level = np.median(some)
         deviation = MAD * float(np.median(np.abs(some - level))) + NOISE_FREE
-        weight = (residual - level) / (TUKEY * deviation)
-        weight = np.maximum(1.0 - weight * weight, 0.0) ** 2
-        weight /= deviation**2
+        weight = np.square((residual - level) / (TUKEY * deviation))
+        weight = np.square(np.maximum(1.0 - weight, 0.0)) * seen / deviation**2
         total = weight.sum()
         # About their weighted means: the level of the frames is one more unknown.
-        mean = weight @ slopes / total
-        weighted = slopes * weight[:, None]
-        information = weighted.T @ slopes - total * np.outer(mean, mean) + known
-        score = residual @ weighted - (weight @ residual) * mean + known @ (motion - start)
+        mean = slopes @ weight / total
+        weighted = slopes * weight
+        information = weighted @ slopes.T - total * np.outer(mean, mean) + known
+        score = weighted @ residual - (weight @ residual) * mean + known @ (motion - start)
         try:
             step = np.linalg.solve(information, score)
         except np.linalg.LinAlgError:
@@ -239,10 +237,10 @@ def _corners(affine: bool) -> Array:
 @njit(cache=True, fastmath=FAST)
 def _steepest(image: NDArray[np.float32], cell: int, every: int, out: Array) -> int:
     """
-    Fill rows of x, y, value and slopes along x and y, one for each cell; return their number.
+    Fill columns of x, y, value and slopes along x and y, one a cell; return their number.
 
     Value and slopes are those of the frame smoothed by the cubic B-spline. Of a cell every so
-    many pixels are looked at. A cell without any slope gives no row.
+    many pixels are looked at. A cell without any slope gives none.
     """
     height, width = image.shape
     count = 0
@@ -263,11 +261,11 @@ def _steepest(image: NDArray[np.float32], cell: int, every: int, out: Array) -> 
             end = image[y + 1, x - 1] + 4.0 * image[y + 1, x] + image[y + 1, x + 1]
             first = image[y - 1, x - 1] + 4.0 * image[y, x - 1] + image[y + 1, x - 1]
             last = image[y - 1, x + 1] + 4.0 * image[y, x + 1] + image[y + 1, x + 1]
-            out[count, 0] = x
-            out[count, 1] = y
-            out[count, 2] = (row + 4.0 * mid + end) / 36.0
-            out[count, 3] = (last - first) / 12.0
-            out[count, 4] = (end - row) / 12.0
+            out[0, count] = x
+            out[1, count] = y
+            out[2, count] = (row + 4.0 * mid + end) / 36.0
+            out[3, count] = (last - first) / 12.0
+            out[4, count] = (end - row) / 12.0
             count += 1
     return count
 
@@ -276,9 +274,9 @@ def _steepest(image: NDArray[np.float32], cell: int, every: int, out: Array) -> 
 def _sample(image: NDArray[np.float32], places: Array, there: Array, out: Array) -> None:
     """Fill the values of the frame smoothed by the cubic B-spline; NaN beyond its borders."""
     height, width = image.shape
-    for n in range(places.shape[0]):
-        x = there[0, 0] * places[n, 0] + there[0, 1] * places[n, 1] + there[0, 2]
-        y = there[1, 0] * places[n, 0] + there[1, 1] * places[n, 1] + there[1, 2]
+    for n in range(places.shape[1]):
+        x = there[0, 0] * places[0, n] + there[0, 1] * places[1, n] + there[0, 2]
+        y = there[1, 0] * places[0, n] + there[1, 1] * places[1, n] + there[1, 2]
         # Put so that NaN is outside too.
         if not (1.0 <= x < width - 2.0 and 1.0 <= y < height - 2.0):
             out[n] = math.nan
