@@ -21,8 +21,13 @@ LEAST_POINTS = 100  # sixteen for each number of an affine map
 LEAST_SIDE = 16  # px; a smaller frame has no such number of cells
 FINER = 4  # from one level to the next
 COARSEST = 160  # px of the smaller side, at most: 8 px are then a fraction of a pixel, or two
-STEPS = 12  # a level takes 2 to 4 of them, and more where noise hides the slopes
-SETTLED = 0.01  # px: the steps shrink at least threefold, so what is left is a third of it
+NEIGHBOURHOOD = 15  # px of the coarsest level, over which contrast is made equal
+STEPS = 12  # a level takes 3 to 5 of them
+SETTLED = 0.01  # px: each step is at most a third of the one before, so little is left
+START = 0.5  # px of a level, by which its start is off
+NEARER = 3.0  # times, by which a step brings it nearer at most
+NEAR = 0.25  # px of a level: after a shorter step the slopes of the two frames are alike
+FLOOR = 0.02  # px of a level, by which a slope is off for other reasons than the motion
 TUKEY = 4.685  # standard deviations: 95 % efficient for Gaussian residuals
 MAD = 1.4826  # standard deviations to a median absolute deviation
 SAMPLE = 2000  # residuals that tell their median well enough
@@ -68,15 +73,21 @@ def align(lit: Pixels, unlit: Pixels, *, affine: bool) -> Array | None:
 
         sum_i rho((L(x_i + u(x_i; p)) - U(x_i) - b) / s)
 
-    the least, in Gauss-Newton steps with the slopes of the unlit frame (Lucas and Kanade, 1981;
-    Baker and Matthews, 2004). rho is Tukey's biweight and s the residuals' median absolute
-    deviation, so that the target and what moves by itself do not count. U and L are the frames
+    the least, in Gauss-Newton steps with the slopes J_U of the unlit frame (Lucas and Kanade,
+    1981; Baker and Matthews, 2004). rho is Tukey's biweight and s the residuals' median absolute
+    deviation, widened by slope times what the motion may still be off, so that the target and
+    what moves by itself do not count, and edges do. U and L are the frames
     smoothed by the cubic B-spline: at any place between pixels the smoothing is the same (its
     images are below (w / (2 pi - w))^4, 1 % at half the Nyquist frequency), so that the result
     leans neither to whole pixels nor to half ones.
 
+    Noise has slopes of its own, which sum J_U J_U^T takes for information. The last steps are
+    therefore those of instrumental variables (Reiersol, 1945): with G = sum J_U J_L^T, in which
+    the noise of the two frames has no part, the step is G^-1 times the score and its covariance
+    G^-1 (sum J_U J_U^T) G^-T.
+
     It goes from coarse, where the start is the peak of the phase correlation (Kuglin and Hines,
-    1975), to fine, and each level adds its Fisher information to that of the ones before: fine
+    1975), to fine, and each level is weighted by its information with those before it: fine
     texture is placed by the last level, and coarse texture in noise by the first ones.
 
     Parameters
@@ -89,9 +100,10 @@ def align(lit: Pixels, unlit: Pixels, *, affine: bool) -> Array | None:
     Returns
     -------
     (2, 3) array or None
-        px. It is the identity where nothing moved by more than 0.02 px. None where the frames
-        are smaller than 16 px, have too few slopes to place all numbers of the map to 0.1 px,
-        correlate by less than 0.5 or are further apart than a quarter of their smaller side.
+        px. It is the identity where no corner moved by more than 0.02 px, or than twice its
+        standard deviation. None where the frames are smaller than 16 px, have too few slopes to
+        place the corners to 0.1 px, correlate by less than 0.5 or are further apart than a
+        quarter of their smaller side.
 
     """
     height, width = lit.shape
@@ -103,26 +115,27 @@ def align(lit: Pixels, unlit: Pixels, *, affine: bool) -> Array | None:
     correlation = 0.0
     for factor in _levels(min(height, width)):
         before, after = _reduced(unlit, factor), _reduced(lit, factor)
-        points = _points(before, factor, middle, affine)
+        points = _points(before, factor, middle, count)
         if len(points.values) < LEAST_POINTS:
             return None
         if not information.any():
-            motion[:2] = _shift(before, after, factor)
+            motion[:2] = _start(before, after, factor, points)
         fitted = _fit(after, factor, points, middle, motion, information)
         if fitted is None:
             return None
         motion, information, correlation = fitted
     corners = _corners(affine)
-    # (8, k) matrix from the numbers of the motion to the shifts of the four corners.
     far = np.abs(corners @ motion).max()
-    error = np.sqrt(np.einsum('ij,jk,ik->i', corners, np.linalg.inv(information), corners).max())
+    variance = np.einsum('ij,ij->i', corners, np.linalg.solve(information, corners.T).T)
+    error = math.sqrt(max(variance.max(), 0.0))
     if not (
         correlation >= LEAST_CORRELATION
         and error <= LARGEST_ERROR
         and far <= FARTHEST * min(height, width)
     ):
         return None
-    return STILL.copy() if far < STILL_WITHIN else _map(motion, middle)
+    still = far < max(STILL_WITHIN, 2.0 * error)
+    return STILL.copy() if still else _map(motion, middle)
 
 
 def _levels(side: int) -> list[int]:
@@ -142,17 +155,38 @@ def _reduced(image: Pixels, factor: int) -> NDArray[np.float32]:
     return np.asarray(cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA))
 
 
-def _shift(before: NDArray[np.float32], after: NDArray[np.float32], factor: int) -> Array:
-    """Return the shift of a level's frame by phase correlation, px of the full frame."""
+def _start(
+    before: NDArray[np.float32], after: NDArray[np.float32], factor: int, points: _Points
+) -> Array:
+    """Return the shift that the coarsest level starts from, px of the full frame."""
     window = cv2.createHanningWindow(before.shape[::-1], cv2.CV_32F)
-    # A level that stays would, under the window, be a pattern that does not move.
-    centred = [image - np.float32(cv2.mean(image)[0]) for image in (before, after)]
-    (x, y), _ = cv2.phaseCorrelate(*centred, window)
-    return np.array([x, y]) * factor
+    shift, _ = cv2.phaseCorrelate(_equalised(before), _equalised(after), window)
+    found = np.empty(len(points.values))
+    best, least = np.zeros(2), math.inf
+    # Of smooth pictures the noise decides the phases; there no shift is the better start.
+    for trial in (np.zeros(2), np.array(shift) * factor):
+        _sample(after, points.places, _reduced_map(np.eye(2), trial, factor), found, found, found)
+        apart = np.abs(found - points.values)
+        middle = np.nanmedian(apart) if np.isfinite(apart).sum() >= LEAST_POINTS else math.inf
+        if middle < least:
+            best, least = trial, middle
+    return best
+
+
+def _equalised(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    """
+    Return the frame less its local mean, with its local contrast made that of the others.
+
+    What covers most of the picture then decides the phase correlation, and not what is brightest.
+    """
+    size = (NEIGHBOURHOOD, NEIGHBOURHOOD)
+    rise = image - cv2.blur(image, size)
+    contrast = np.sqrt(cv2.blur(rise * rise, size))
+    return np.asarray(rise / np.maximum(contrast, np.median(contrast) + NOISE_FREE))
 
 
 def _points(
-    image: NDArray[np.float32], factor: int, middle: Array, affine: bool
+    image: NDArray[np.float32], factor: int, middle: Array, count: int
 ) -> _Points:
     """Return the steepest pixel of each cell of the unlit frame of a level."""
     height, width = image.shape
@@ -160,10 +194,7 @@ def _points(
     table = np.empty((5, (height // cell) * (width // cell)))
     table = table[:, : _steepest(image, cell, max(cell // 3, 1), table)]
     places = factor * (table[:2] + 0.5) - 0.5
-    slopes = table[3:] / factor
-    if affine:
-        x, y = places / middle[:, None] - 1.0
-        slopes = np.vstack([slopes, slopes * x, slopes * y])
+    slopes = _slopes(places, table[3] / factor, table[4] / factor, middle, count)
     return _Points(places, table[2], slopes)
 
 
@@ -180,13 +211,14 @@ def _fit(
 
     `start` is the motion that the levels before give, with the information `known`.
     """
-    motion = start
     values, slopes = points.values, points.slopes
-    found = np.empty(len(values))
+    steep = points.slopes[0] ** 2 + points.slopes[1] ** 2
+    found, across, down = np.empty((3, len(values)))
+    motion, off, moved = start, START * factor, math.inf
     for _ in range(STEPS):
-        there = _map(motion, middle) / factor
-        there[:, 2] += 0.5 / factor - 0.5
-        _sample(image, points.places, there, found)
+        linear, shift = np.hsplit(_map(motion, middle), [2])
+        there = _reduced_map(linear, shift[:, 0], factor)
+        _sample(image, points.places, there, found, across, down)
         seen = np.isfinite(found)
         shown = np.where(seen, found, values)
         residual = shown - values
@@ -196,27 +228,54 @@ def _fit(
         some = some[:: max(len(some) // SAMPLE, 1)]
         level = np.median(some)
         deviation = MAD * float(np.median(np.abs(some - level))) + NOISE_FREE
-        weight = np.square((residual - level) / (TUKEY * deviation))
-        weight = np.square(np.maximum(1.0 - weight, 0.0)) * seen / deviation**2
+        variance = deviation**2 + off**2 * steep
+        weight = np.square(residual - level) / (TUKEY**2 * variance)
+        weight = np.square(np.maximum(1.0 - weight, 0.0)) * seen / variance
         total = weight.sum()
         # About their weighted means: the level of the frames is one more unknown.
         mean = slopes @ weight / total
-        weighted = slopes * weight
-        information = weighted @ slopes.T - total * np.outer(mean, mean) + known
-        score = weighted @ residual - (weight @ residual) * mean + known @ (motion - start)
+        weighted = (slopes - mean[:, None]) * weight
+        fisher = weighted @ slopes.T
+        score = weighted @ residual
         try:
-            step = np.linalg.solve(information, score)
+            if moved > NEAR * factor:
+                information = fisher + known
+                move = np.linalg.solve(information, score + known @ (motion - start))
+            else:
+                others = _slopes(points.places, across / factor, down / factor, middle, len(motion))
+                shared = weighted @ others.T
+                # Of the level alone, and weighed against the levels before.
+                move = np.linalg.solve(shared, score)
+                own = shared.T @ np.linalg.solve(fisher, shared)
+                information = own + known
+                move = np.linalg.solve(information, own @ move + known @ (motion - start))
         except np.linalg.LinAlgError:
             return None
-        motion = motion - step
-        if np.abs(step).sum() < SETTLED:
+        motion = motion - move
+        near, moved = moved <= NEAR * factor, float(np.abs(move).sum())
+        if not moved < FARTHEST * max(image.shape) * factor:
+            return None
+        off = max(moved, off / NEARER, FLOOR * factor)
+        if near and moved < SETTLED:
             break
-    if not np.isfinite(motion).all():
-        return None
     values = values - weight @ values / total
     shown = shown - weight @ shown / total
     power = (weight @ values**2) * (weight @ shown**2)
     return motion, information, float(weight @ (values * shown) / math.sqrt(power or 1.0))
+
+
+def _slopes(places: Array, across: Array, down: Array, middle: Array, count: int) -> Array:
+    """Return the (k, n) change of the values by the numbers of the motion, of those by x and y."""
+    slopes = np.vstack([across, down])
+    if count == 2:
+        return slopes
+    x, y = places / middle[:, None] - 1.0
+    return np.vstack([slopes, slopes * x, slopes * y])
+
+
+def _reduced_map(linear: Array, shift: Array, factor: int) -> Array:
+    """Return the map from places in the full frame to those in a level's, as (2, 3)."""
+    return np.column_stack([linear / factor, (shift + 0.5) / factor - 0.5])
 
 
 def _map(motion: Array, middle: Array) -> Array:
@@ -271,28 +330,41 @@ def _steepest(image: NDArray[np.float32], cell: int, every: int, out: Array) -> 
 
 
 @njit(cache=True, fastmath=FAST)
-def _sample(image: NDArray[np.float32], places: Array, there: Array, out: Array) -> None:
-    """Fill the values of the frame smoothed by the cubic B-spline; NaN beyond its borders."""
+def _sample(
+    image: NDArray[np.float32], places: Array, there: Array, out: Array, across: Array, down: Array
+) -> None:
+    """
+    Fill value and slopes of the frame smoothed by the cubic B-spline.
+
+    Beyond the borders the value is NaN and the slopes are 0.
+    """
     height, width = image.shape
     for n in range(places.shape[1]):
         x = there[0, 0] * places[0, n] + there[0, 1] * places[1, n] + there[0, 2]
         y = there[1, 0] * places[0, n] + there[1, 1] * places[1, n] + there[1, 2]
+        across[n], down[n] = 0.0, 0.0
         # Put so that NaN is outside too.
         if not (1.0 <= x < width - 2.0 and 1.0 <= y < height - 2.0):
             out[n] = math.nan
             continue
         i, j = int(x), int(y)
         t, u = x - i, y - j
-        a0, a3 = (1.0 - t) ** 3 / 6.0, t**3 / 6.0
-        a1 = 2.0 / 3.0 - 0.5 * t * t * (2.0 - t)
+        s, v = 1.0 - t, 1.0 - u
+        a0, a3 = s * s * s / 6.0, t * t * t / 6.0
+        a1 = 2.0 / 3.0 - 0.5 * t * t * (1.0 + s)
         a2 = 1.0 - a0 - a1 - a3
-        b0, b3 = (1.0 - u) ** 3 / 6.0, u**3 / 6.0
-        b1 = 2.0 / 3.0 - 0.5 * u * u * (2.0 - u)
+        d0, d1, d2, d3 = -0.5 * s * s, t * (1.5 * t - 2.0), s * (2.0 - 1.5 * s), 0.5 * t * t
+        b0, b3 = v * v * v / 6.0, u * u * u / 6.0
+        b1 = 2.0 / 3.0 - 0.5 * u * u * (1.0 + v)
         b2 = 1.0 - b0 - b1 - b3
-        total = 0.0
-        for k, b in ((-1, b0), (0, b1), (1, b2), (2, b3)):
-            total += b * (
-                a0 * image[j + k, i - 1] + a1 * image[j + k, i]
-                + a2 * image[j + k, i + 1] + a3 * image[j + k, i + 2]
-            )
-        out[n] = total
+        e0, e1, e2, e3 = -0.5 * v * v, u * (1.5 * u - 2.0), v * (2.0 - 1.5 * v), 0.5 * u * u
+        value, along, below = 0.0, 0.0, 0.0
+        for k, b, e in ((-1, b0, e0), (0, b1, e1), (1, b2, e2), (2, b3, e3)):
+            p0, p1 = image[j + k, i - 1], image[j + k, i]
+            p2, p3 = image[j + k, i + 1], image[j + k, i + 2]
+            row = a0 * p0 + a1 * p1 + a2 * p2 + a3 * p3
+            value += b * row
+            along += b * (d0 * p0 + d1 * p1 + d2 * p2 + d3 * p3)
+            below += e * row
+        across[n], down[n] = along, below
+        out[n] = value
