@@ -18,27 +18,25 @@ Array = NDArray[np.float64]
 
 POINTS = 12_000  # at most; at a texture of 8 times the noise they place the frame to 0.005 px
 LEAST_POINTS = 100  # sixteen for each number of an affine map
-LEAST_SIDE = 16  # px; a smaller frame has no such number of cells
 FINER = 4  # from one level to the next
 COARSEST = 160  # px of the smaller side, at most: 8 px are then a fraction of a pixel, or two
 NEIGHBOURHOOD = 15  # px of the coarsest level, over which contrast is made equal
 STEPS = 12  # a level takes 3 to 5 of them
-SETTLED = 0.01  # px: each step is at most a third of the one before, so little is left
+SETTLED = 0.01  # px of a level: each step is at most a third of the one before
 START = 0.5  # px of a level, by which its start is off
 NEARER = 3.0  # times, by which a step brings it nearer at most
 NEAR = 0.25  # px of a level: after a shorter step the slopes of the two frames are alike
 FLOOR = 0.02  # px of a level, by which a slope is off for other reasons than the motion
 TUKEY = 4.685  # standard deviations: 95 % efficient for Gaussian residuals
 MAD = 1.4826  # standard deviations to a median absolute deviation
-SAMPLE = 2000  # residuals that tell their median well enough
+SAMPLE = 800  # residuals that tell their median absolute deviation to 4 %
 NOISE_FREE = 1e-2  # DN: least standard deviation, for pictures without noise
 
 LEAST_CORRELATION = 0.5  # of what the two frames show in the same place
 LARGEST_ERROR = 0.1  # px, standard deviation of the map at the frame's corners
 FARTHEST = 0.25  # of the frame's smaller side: what is found beyond it is a false match
 STILL_WITHIN = 0.02  # px at the corners: such a motion is none, and nothing is interpolated
-
-STILL = np.eye(2, 3)
+DOUBT = 3.0  # standard deviations of the map, within which a motion is none either
 
 # All but the licence to ignore NaN, which marks what the other frame did not see.
 FAST = {'contract', 'reassoc', 'nsz', 'arcp'}
@@ -100,15 +98,13 @@ def align(lit: Pixels, unlit: Pixels, *, affine: bool) -> Array | None:
     Returns
     -------
     (2, 3) array or None
-        px. It is the identity where no corner moved by more than 0.02 px, or than twice its
-        standard deviation. None where the frames are smaller than 16 px, have too few slopes to
-        place the corners to 0.1 px, correlate by less than 0.5 or are further apart than a
-        quarter of their smaller side.
+        px. It is the identity where no corner moved by more than 0.02 px, or than three of its
+        standard deviations. None where the frames share fewer than 100 cells of 2 px, have too
+        few slopes to place the corners to 0.1 px, correlate by less than 0.5 or are further
+        apart than a quarter of their smaller side.
 
     """
     height, width = lit.shape
-    if min(height, width) < LEAST_SIDE:
-        return None
     middle = np.array([0.5 * (width - 1), 0.5 * (height - 1)])
     count = 6 if affine else 2
     motion, information = np.zeros(count), np.zeros((count, count))
@@ -134,8 +130,8 @@ def align(lit: Pixels, unlit: Pixels, *, affine: bool) -> Array | None:
         and far <= FARTHEST * min(height, width)
     ):
         return None
-    still = far < max(STILL_WITHIN, 2.0 * error)
-    return STILL.copy() if still else _map(motion, middle)
+    still = far < max(STILL_WITHIN, DOUBT * error)
+    return np.eye(2, 3) if still else _map(motion, middle)
 
 
 def _levels(side: int) -> list[int]:
@@ -173,9 +169,9 @@ def _start(
         there = np.column_stack([np.eye(2), trial]) / factor
         _sample(after, points.places, there, found, *unused)
         apart = np.abs(found - points.values)
-        middle = np.nanmedian(apart) if np.isfinite(apart).sum() >= LEAST_POINTS else math.inf
-        if middle < least:
-            best, least = trial, middle
+        apart = apart[np.isfinite(apart)]
+        if len(apart) >= LEAST_POINTS and _median(apart) < least:
+            best, least = trial, _median(apart)
     return best
 
 
@@ -226,12 +222,12 @@ def _fit(
         seen = np.isfinite(found)
         shown = np.where(seen, found, values)
         residual = shown - values
-        some = residual[seen]
-        if len(some) < LEAST_POINTS:
+        if np.count_nonzero(seen) < LEAST_POINTS:
             return None
-        some = some[:: max(len(some) // SAMPLE, 1)]
-        level = np.median(some)
-        deviation = MAD * float(np.median(np.abs(some - level))) + NOISE_FREE
+        every = max(len(values) // SAMPLE, 1)
+        some = residual[::every][seen[::every]]
+        level = _median(some)
+        deviation = MAD * _median(np.abs(some - level)) + NOISE_FREE
         variance = deviation**2 + off**2 * steep
         weight = np.square(residual - level) / (TUKEY**2 * variance)
         weight = np.square(np.maximum(1.0 - weight, 0.0)) * seen / variance
@@ -246,7 +242,8 @@ def _fit(
                 information = fisher + known
                 move = np.linalg.solve(information, score + known @ (motion - start))
             else:
-                others = _slopes(points.places, across / factor, down / factor, middle, len(motion))
+                across, down = across / factor, down / factor
+                others = _slopes(points.places, across, down, middle, len(motion))
                 shared = weighted @ others.T
                 # Of the level alone, and weighed against the levels before.
                 move = np.linalg.solve(shared, score)
@@ -260,7 +257,7 @@ def _fit(
         if not moved < FARTHEST * max(image.shape) * factor:
             return None
         off = max(moved, off / NEARER, FLOOR * factor)
-        if near and moved < SETTLED:
+        if near and moved < SETTLED * factor:
             break
     values = values - weight @ values / total
     shown = shown - weight @ shown / total
@@ -275,6 +272,12 @@ def _slopes(places: Array, across: Array, down: Array, middle: Array, count: int
         return slopes
     x, y = places / middle[:, None] - 1.0
     return np.vstack([slopes, slopes * x, slopes * y])
+
+
+def _median(values: Array) -> float:
+    """Return the upper median, in a tenth of the time of NumPy's; NaN of nothing."""
+    half = len(values) // 2
+    return float(np.partition(values, half)[half]) if len(values) else math.nan
 
 
 def _map(motion: Array, middle: Array) -> Array:
