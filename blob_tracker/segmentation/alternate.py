@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.box import Box, common, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.confirmation import Confirmation
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.history import FrameError, FrameHistory
-from blob_tracker.segmentation.registration import laid_over, REGISTRATIONS
-from blob_tracker.types import Frame
+from blob_tracker.segmentation.registration import laid_over, overlap, REGISTRATIONS
+from blob_tracker.types import Frame, Pixels
 
 
 class Alternate:
@@ -55,6 +55,7 @@ class Alternate:
         self.reason = 'no frame yet'
         self._history = FrameHistory(2, max_pair_interval)
         self._confirmation = Confirmation(gate)
+        self._region = Box(0, 0, 0, 0)
 
     @property
     def locked(self) -> bool:
@@ -88,18 +89,32 @@ class Alternate:
             )
             return None
         unlit, lit = (each.image for each in self._history.frames)
-        if self._register is not None:
-            found = self._register(lit, unlit)
-            if found is None:
-                self.reason = 'the unlit frame has too little in common with the lit one'
-                return None
-            unlit = laid_over(lit, unlit, found)
         self._confirmation.push(frame.stamp_ns)
+        self._region = self._confirmation.region(frame.image.shape)
+        self.reason = ''
+        if self._register is not None:
+            unlit = self._registered(lit, unlit)
         return Contrast(lit, unlit, frame.saturation, frame, (lit,), (unlit,))
+
+    def _registered(self, lit: Pixels, unlit: Pixels) -> Pixels:
+        """Return the unlit frame laid over the lit one, in the region; it is cut to what both see."""
+        assert self._register is not None
+        found = self._register(lit, unlit)
+        if found is None:
+            # Little texture leaves little to lay over; what a wrong pair makes is not in step.
+            self.reason = 'the unlit frame has too little in common with the lit one to lay it over'
+            return unlit
+        seen = overlap(found, (lit.shape[0], lit.shape[1]))
+        self._region = common(self._region, seen)
+        if self._region == whole((lit.shape[0], lit.shape[1])):
+            return laid_over(lit, unlit, found)
+        out = lit.copy()
+        out[self._region.slices] = laid_over(lit, unlit, found, self._region)
+        return out
 
     def region(self, contrast: Contrast) -> Box:
         """Return the surroundings of the predicted place; the whole frame while it is lost."""
-        return self._confirmation.region(contrast.shape)
+        return self._region
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]
@@ -110,10 +125,10 @@ class Alternate:
             return [('', target)]
         allowed = [each for each in candidates if not each.refused]
         refused = [each for each in candidates if each.refused]
+        if self.reason:
+            return []
         if allowed:
             self.reason = f'{len(allowed)} lit up; none of them flashes in step with the frames yet'
         elif refused:
             self.reason = refused[0].refused
-        else:
-            self.reason = ''
         return []

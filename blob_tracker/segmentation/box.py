@@ -22,6 +22,11 @@ class Box(NamedTuple):
         """Index of these pixels in an image."""
         return slice(self.y0, self.y1), slice(self.x0, self.x1)
 
+    @property
+    def size(self) -> int:
+        """Count of pixels."""
+        return (self.x1 - self.x0) * (self.y1 - self.y0)
+
     def cut_through(self, column: int, row: int, shape: tuple[int, ...]) -> bool:
         """
         Tell whether the border of a (h, w) image cuts the box too near to the peak in it.
@@ -42,6 +47,12 @@ class Box(NamedTuple):
 def whole(shape: tuple[int, int]) -> Box:
     """Return the box of all pixels of an image of this (h, w)."""
     return Box(0, 0, shape[1], shape[0])
+
+
+def common(first: Box, second: Box) -> Box:
+    """Return the pixels that two boxes share; without any where they are apart."""
+    x0, y0 = max(first.x0, second.x0), max(first.y0, second.y0)
+    return Box(x0, y0, max(min(first.x1, second.x1), x0), max(min(first.y1, second.y1), y0))
 
 
 def box_about(column: int, row: int, half_x: int, half_y: int, shape: tuple[int, ...]) -> Box:

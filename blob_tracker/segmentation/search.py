@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 ANYWHERE: NDArray[np.uint8] = np.empty((0, 0), np.uint8)  # the mask that leaves all open
+SMALLEST_REGION = 5  # px: less holds no blob with background about it
 LARGEST_SIGMA = 64.0  # px: what is wider is no blob
 # Auto-exposure or a lamp: such a part of the scene's brightness came or went with the flash.
 EXPOSURE_JUMP = 0.25
@@ -84,6 +85,9 @@ def search(
         The candidates, refused or not, and the noise.
 
     """
+    if min(region.x1 - region.x0, region.y1 - region.y0) < SMALLEST_REGION:
+        return Found((), 0.0, contrast.floor * contrast.unit, 0.0, '')
+
     def look(unlit: Pixels) -> tuple[Array, Array, float, float, float, float, float]:
         return measure_peaks(
             contrast.lit,
@@ -128,8 +132,7 @@ def _threshold(region: Box) -> float:
 
     Of n Gaussian deviates about one is above sqrt(2 ln(n / 12)) from n = 1000 to 3 million.
     """
-    pixels = (region.x1 - region.x0) * (region.y1 - region.y0)
-    return math.sqrt(2.0 * math.log(max(pixels, 500) / 12.0))
+    return math.sqrt(2.0 * math.log(max(region.size, 500) / 12.0))
 
 
 def compile_ahead() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from blob_tracker.segmentation.alternate import Alternate
-from blob_tracker.segmentation.box import Box, whole
+from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.flash import Flash
@@ -128,7 +128,7 @@ class Segmenter:
             return []
         region = self.flash.region(contrast)
         # Within the gate there is little room for chance.
-        followed = region != whole(contrast.shape)
+        followed = self.flash.locked and 2 * region.size < contrast.lit.size
         found = search(
             contrast,
             region,
