@@ -94,7 +94,7 @@ def _plain(value: Any) -> Any:
 def _parse(arguments: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog='python -m benchmarks', description=__doc__)
     parser.add_argument('parts', nargs='*', metavar='|'.join(PARTS), help='all if none is named')
-    parser.add_argument('--quick', action='store_true', help='less of each: two minutes, not a quarter of an hour')
+    parser.add_argument('--quick', action='store_true', help='less of each: two minutes in all')
     parser.add_argument('--out', type=Path, default=Path('out/benchmarks'), help='folder written')
     asked = parser.parse_args(arguments)
     unknown = set(asked.parts) - set(PARTS)

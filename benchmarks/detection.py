@@ -52,7 +52,7 @@ class Counts:
     others: int
 
 
-FULL = Counts(curve=104, asked=404, empty=8_400, others=25)
+FULL = Counts(curve=64, asked=404, empty=8_400, others=15)
 QUICK = Counts(curve=16, asked=44, empty=200, others=4)
 
 

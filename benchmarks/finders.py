@@ -59,7 +59,7 @@ def largest_contour(lit: Pixels, unlit: Pixels) -> Place | None:
 
 def blob_in_difference(lit: Pixels, unlit: Pixels) -> Place | None:
     """Return the brightest blob that SimpleBlobDetector finds in the positive difference."""
-    return _brightest_blob(cv2.subtract(lit, unlit), CUT * NOISE)
+    return _brightest_blob(np.asarray(cv2.subtract(lit, unlit), lit.dtype), CUT * NOISE)
 
 
 def blob_in_lit_frame(lit: Pixels, unlit: Pixels) -> Place | None:
@@ -86,7 +86,7 @@ def _brightest_blob(image: Pixels, lowest: float) -> Place | None:
     found = cv2.SimpleBlobDetector.create(settings).detect(image)
     if not found:
         return None
-    smooth = cv2.GaussianBlur(image, (0, 0), 1.0)
+    smooth = np.asarray(cv2.GaussianBlur(image, (0, 0), 1.0))
     x, y = max((key.pt for key in found), key=lambda at: smooth[round(at[1]), round(at[0])])
     return float(x), float(y)
 

@@ -21,7 +21,7 @@ DEPTHS = {'uint8': 255, 'uint16': 4095}  # full scale, DN
 POOL = 32  # frames in memory: 10 MB of the smallest, more than stays in a core's own cache
 SNR, SIGMA = 30.0, 2.0
 LOST, ACQUIRED, LOCKED = 'lost: no target', 'lost: a target appears', 'locked'
-COMPONENTS = 'subtract + compare + connectedComponentsWithStats'
+COMPONENTS = 'subtract + threshold + connectedComponentsWithStats'
 WARM = 64  # frames after which the segmenter has locked, if it ever does
 CUT = 5.0  # noise sigma above which a pixel belongs to a component
 
@@ -217,4 +217,4 @@ def _subtract_and_search(lit: Pixels, unlit: Pixels, rise: Pixels) -> object:
 
 def _components(lit: Pixels, unlit: Pixels, rise: Pixels, cut: float) -> object:
     cv2.subtract(lit, unlit, dst=rise)
-    return cv2.connectedComponentsWithStats(cv2.compare(rise, cut, cv2.CMP_GT))
+    return cv2.connectedComponentsWithStats((rise > cut).astype(np.uint8))

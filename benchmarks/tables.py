@@ -317,7 +317,7 @@ def _detection_cell(rows: Sequence[DetectionRow]) -> str:
     frames = sum(row.frames for row in rows)
     if not frames:
         return ''
-    return f'{100 * share(rows):.2f} ({100 * sum(row.false for row in rows) / frames:.2f})'
+    return f'{100 * share(rows):.2f} ({100 * sum(row.false for row in rows) / frames:.1f})'
 
 
 def _search_cell(row: SearchRow) -> str:

@@ -69,4 +69,5 @@ def test_unknown_part(capsys):
     """Refuse a part that is not there, and list those that are."""
     with pytest.raises(SystemExit, match='2'):
         __main__.main(['sped'])
-    assert 'no part sped; there is accuracy, speed, real, detection, search, motion' in capsys.readouterr().err
+    parts = 'accuracy, speed, real, detection, search, motion'
+    assert f'no part sped; there is {parts}' in capsys.readouterr().err

@@ -2,7 +2,10 @@
 
 from benchmarks.accuracy import compare, nees, Row, TARGET
 from benchmarks.bearing import Row as BearingRow
+from benchmarks.detection import OURS as OUR_SEGMENTER, Row as DetectionRow
+from benchmarks.motion import Row as MotionRow
 from benchmarks.report import Report
+from benchmarks.search import ACQUIRED, COMPONENTS, LOCKED, LOST, Row as SearchRow
 from benchmarks.speed import Pace, PAIRED, REFERENCE
 from benchmarks.targets import against_peers, Comparison, judge, speed_targets, Target
 import numpy as np
@@ -102,3 +105,50 @@ def test_nees_of_normal_errors():
     # Standard error 2 / sqrt(20,000) = 0.014.
     assert nees(errors, stated) == pytest.approx(2.0, abs=0.045)
     assert nees(errors, stated / 2) == pytest.approx(4.0, abs=0.09)
+
+
+def seen(scene, found, false=0, *, snr=8.0, contender=OUR_SEGMENTER):
+    """Return a row of a thousand lit frames, or of a hundred thousand empty ones."""
+    if np.isnan(snr):
+        return DetectionRow(contender, scene, snr, snr, 0, 0, 100_000, false)
+    return DetectionRow(contender, scene, 1.0, snr, 1000, found, 2000, false)
+
+
+def test_detection_is_judged_at_the_snr_asked_for():
+    """Pool the scenes at SNR 8; the others and the other SNRs do not count."""
+    rows = [
+        seen('a', 1000), seen('b', 998), seen('b', 0, snr=6.0), seen('a', 0, 9, contender='peer'),
+        seen('a', 0, 1, snr=float('nan')),
+    ]
+    found, empty, aimed = judge(Report(detection=rows), OURS)
+    assert found.met and found.measured == pytest.approx(99.9)
+    assert 'b, sigma 1' in found.where
+    assert empty.met and empty.measured == 1.0
+    assert aimed.met and aimed.measured == 0.0
+    worse = judge(Report(detection=[*rows, seen('a', 998, 1)]), OURS)
+    assert not worse[0].met and not worse[2].met
+
+
+def test_search_is_judged_by_its_worst():
+    """The ratio of both lost paths in 8 bits, and the longest locked frame in any."""
+    rows = [
+        SearchRow('640 x 480', 'uint8', LOST, 50e-6, 20e-6, 2.5, 0.0),
+        SearchRow('640 x 480', 'uint8', ACQUIRED, 50e-6, 20e-6, 2.9, 1.0),
+        SearchRow('640 x 480', 'uint16', LOST, 50e-6, 20e-6, 9.9, 0.0),
+        SearchRow('640 x 480', 'uint8', LOCKED, 50e-6, 20e-6, 2.5, 1.0),
+        SearchRow('640 x 480', 'uint16', LOCKED, 61e-6, 20e-6, 3.5, 1.0),
+        SearchRow('640 x 480', 'uint8', COMPONENTS, 1.0, 20e-6, 100.0, 0.0),
+    ]
+    whole, locked = judge(Report(search=rows), OURS)
+    assert whole.met and whole.measured == 2.9
+    assert not locked.met and locked.measured == pytest.approx(61.0)
+
+
+@pytest.mark.parametrize(('ratio', 'met'), [(1.2, True), (1.21, False), (float('nan'), False)])
+def test_motion_is_judged_by_its_worst(ratio, met):
+    """A registration under which nothing was placed is the worst."""
+    rows = [
+        MotionRow('affine', 10.0, 0.1, 0.1, each, 0.02, 100, 100, 100) for each in (1.0, ratio)
+    ]
+    (target,) = judge(Report(motion=rows), OURS)
+    assert target.met is met

@@ -36,7 +36,7 @@ def test_their_number_and_brightness_are_those_asked_for() -> None:
 
 
 def test_they_stay_in_their_region() -> None:
-    """Groups have their middle in the lowest fifth; spread and streaks reach out of it a little."""
+    """Groups have their middle in the lowest fifth; they reach out of it a little."""
     glints = Glints(rate=1.0, spread=3.0, streaks=0.0, region=(0.0, 0.8, 1.0, 1.0))
     total = sum(drawn(glints, index) for index in range(300))
     assert total[:150].max() < 1e-3 < total[200:].max()
@@ -51,8 +51,8 @@ def test_streaks_are_long() -> None:
         picture = drawn(glints, index).astype(float)
         if picture.max() > 1.0:
             total = picture.sum()
-            deviations = np.stack([x - (picture * x).sum() / total, y - (picture * y).sum() / total])
-            spread = np.einsum('ihw,jhw,hw->ij', deviations, deviations, picture) / total
+            apart = np.stack([each - (picture * each).sum() / total for each in (x, y)])
+            spread = np.einsum('ihw,jhw,hw->ij', apart, apart, picture) / total
             least, greatest = np.linalg.eigvalsh(spread)
             ratios.append(np.sqrt(greatest / least))
     assert len(ratios) > 5

@@ -74,8 +74,9 @@ def test_wall_moves_by_parts_of_a_pixel_without_a_trace() -> None:
     shift = np.exp(2j * np.pi * np.fft.fftfreq(256) * 0.5)
     back = np.fft.ifft(np.fft.fft(moved * np.hanning(256), axis=1) * shift, axis=1).real
     want = still * np.interp(np.arange(256) + 0.5, np.arange(256), np.hanning(256))
-    # Texture of 800 DN; the finest of it, 1 px wide, is what interpolation would smooth.
-    assert np.std((back - want)[:, 20:-20]) < 0.01 * 800.0
+    # Texture of 800 DN. Interpolated between whole pixels the finest of it, 1 px wide, would be
+    # smoothed by 9 DN.
+    assert np.std((back - want)[:, 20:-20]) < 3.0
 
 
 def test_noise_is_that_of_the_sensor_and_new_in_every_frame() -> None:
