@@ -21,8 +21,8 @@ OURS = 'blob_tracker'
 SNRS = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0, 50.0)
 SIGMAS = (1.0, 2.0, 4.0)  # px
 ASKED_SNR = 8.0  # at which the target must be found, and more frames are looked at
-FIRST = 4  # frames of a sequence that do not count: the flash has not been seen yet
-MIN_SNR, MAX_PAIR_INTERVAL = 8.0, 0.1  # those of config/tracker.yaml
+FIRST = 12  # frames of a sequence that do not count: in clutter five flashes confirm a light
+MAX_PAIR_INTERVAL = 0.1  # s, that of config/tracker.yaml
 EMPTY_PARTS = 2  # sequences of a scene without a target
 SPACING = 100_000  # indices between sequences: other noise, glints and places
 WORKERS = 2
@@ -163,7 +163,6 @@ def look_at(take: Take) -> list[Row]:
     segmenter = Segmenter(
         flash=flash_by_name(
             'alternate',
-            min_snr=MIN_SNR,
             max_pair_interval=MAX_PAIR_INTERVAL,
             registration=setting.registration,
         )

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from benchmarks.accuracy import compare
 from benchmarks.clutter import HEIGHT, RATE, with_target, WIDTH
-from benchmarks.detection import contains, FIRST, MAX_PAIR_INTERVAL, MIN_SNR
+from benchmarks.detection import contains, FIRST, MAX_PAIR_INTERVAL
 from blob_tracker.location import locate
 from blob_tracker.segmentation import flash_by_name, Segmenter
 from blob_tracker.simulation import Drifting, Scene
@@ -88,7 +88,6 @@ def errors(scene: Scene, registration: str, count: int) -> NDArray[np.float64]:
     segmenter = Segmenter(
         flash=flash_by_name(
             'alternate',
-            min_snr=MIN_SNR,
             max_pair_interval=MAX_PAIR_INTERVAL,
             registration=registration,
         )

@@ -22,7 +22,8 @@ MOST_TRACKS = 32
 FIRST = 3  # pairs of frames in which a single light is taken for the target at once
 REGION = 16  # px about the prediction, and as many sigma as FLANK says
 # False alarms: at most so many by chance in a frame, at the rate at which new things light up.
-CHANCE = 1e-6
+CHANCE = 3e-6
+CLUSTERED = 5.0  # times denser than if they were spread evenly: glints, leaves, a street's lamps
 LEAST_MEMORY, MOST_MEMORY = 16, 128  # frames over which that rate is the mean
 FIRST_RATE = 0.05  # before anything was seen
 MOST_FLASHES = 5  # are always enough
@@ -227,7 +228,7 @@ class Confirmation:
     def _needed(self, shape: tuple[int, int]) -> int:
         """Return after how many flashes chance cannot have made a track."""
         # Half of what lights up within reach is as bright as what lit up there before.
-        near = 0.5 * math.pi / (shape[0] * shape[1])
+        near = 0.5 * CLUSTERED * math.pi / (shape[0] * shape[1])
         first = self._rate * min(near * self.gate**2, 1.0)
         later = self._rate * min(near * (FOLLOWED * self.gate) ** 2, 1.0)
         chance, flashes = self._rate * first, 2
