@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections import deque
 from typing import NamedTuple
 
 from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.segmentation.box import Box, box_about
 from blob_tracker.segmentation.candidate import falls_beside, reject, suppress_connected
 from blob_tracker.segmentation.flash import Flash, Flashed
+from blob_tracker.segmentation.look import Candidate, Look
 from blob_tracker.segmentation.looks import FULL, sum_looks
 from blob_tracker.segmentation.sigma_window import Extent, measure_extent
 from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
 from blob_tracker.types import Frame, Window
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 MOST_CANDIDATES = 8  # peaks of a frame that are looked at, the highest first
 SUPPRESSED = 6  # px about a peak that are its own flank, and as many sigma of its blob
@@ -64,11 +67,19 @@ class Segmenter:
         flash: Flash | None = None,
         threshold: Threshold | None = None,
         max_blob: int = 128,
+        looks: int = 1,
+        mask: NDArray[np.generic] | None = None,
     ) -> None:
         self.flash = flash or Alternate(min_snr=8.0, max_pair_interval=0.1)
         self.threshold = threshold or threshold_by_name('sigma_window', sigmas=3.0, extension=2)
         self.max_blob = max_blob
+        self.looks = looks
+        self.mask = mask
         self.reason = 'no frame yet'
+        self.look: Look | None = None
+        self._previous: Frame | None = None
+        self._pairs: deque[Flashed] = deque(maxlen=looks)
+        self._candidates: list[Candidate] = []
 
     def update(self, frame: Frame) -> Window | None:
         """
@@ -100,16 +111,47 @@ class Segmenter:
             jumped back or the size, crop or depth changed (this frame starts afresh).
 
         """
-        found = []
+        found: list[Sighting] = []
+        boxes: dict[str, Box] = {}
+        unlit, self._previous = self._previous, frame
+        self._candidates = []
         flashes = self.flash.update(frame)
         reason = '' if flashes else self.flash.reason
         for flashed in flashes:
+            if self.mask is not None and flashed.search is not None:
+                flashed.search[self.mask == 0] = 0
             box, why = self._choose(flashed)
             if box is None:
                 reason = why
-            else:
-                found.append(Sighting(flashed.name, _cut(flashed, box)))
+                continue
+            if self.looks > 1:
+                self._pairs.append(flashed)
+                if len(self._pairs) < self.looks:
+                    reason = f'look {len(self._pairs)} of {self.looks}'
+                    continue
+                flashed = flashed._replace(
+                    lit=tuple(image for each in self._pairs for image in each.lit),
+                    unlit=tuple(image for each in self._pairs for image in each.unlit),
+                )
+                self._pairs.clear()
+            boxes[flashed.name] = box
+            found.append(Sighting(flashed.name, _cut(flashed, box)))
         self.reason = '' if found else reason
+        contrast = flashes[0].contrast if flashes else None
+        height, width = frame.image.shape
+        if contrast is None and unlit is not None and unlit.image.shape != frame.image.shape:
+            unlit = None
+        self.look = Look(
+            lit=contrast.lit if contrast else frame.image,
+            unlit=contrast.unlit if contrast else unlit.image if unlit else None,
+            background=contrast.background if contrast else 0.0,
+            noise=contrast.noise if contrast else 1.0,
+            region=Box(0, 0, width, height),
+            candidates=tuple(self._candidates),
+            windows=boxes,
+            state='lost',
+            reason=self.reason,
+        )
         return found
 
     def _choose(self, flashed: Flashed) -> tuple[Box | None, str]:
@@ -124,7 +166,12 @@ class Segmenter:
         for _ in range(MOST_CANDIDATES):
             extent = measure_extent(flashed.contrast, column, row, LARGEST_EXTENT)
             box, why = self._window(flashed, extent, column, row, height)
+            if self.mask is not None and not self.mask[row, column]:
+                box, why = None, 'masked'
             reason = reason or why
+            if extent is not None:
+                x, y, *sigmas, snr = extent
+                self._candidates.append(Candidate(x, y, *sigmas, snr, height, why))
             if box is not None and extent is not None and extent.snr > best_snr:
                 best, best_snr = box, extent.snr
             if flashed.search is None:
@@ -180,4 +227,5 @@ def _cut(flashed: Flashed, box: Box) -> Window:
         stamp_ns=frame.stamp_ns,
         saturation=FULL if several else frame.saturation,
         binning=frame.binning,
+        looks=len(flashed.lit),
     )
