@@ -170,8 +170,7 @@ class Segmenter:
                 box, why = None, 'masked'
             reason = reason or why
             if extent is not None:
-                x, y, *sigmas, snr = extent
-                self._candidates.append(Candidate(x, y, *sigmas, snr, height, why))
+                self._candidates.append(Candidate(*extent, height, why))
             if box is not None and extent is not None and extent.snr > best_snr:
                 best, best_snr = box, extent.snr
             if flashed.search is None:
