@@ -1,7 +1,10 @@
 """Frame ... -> Window: find the flash, and cut out the pixels that hold it."""
 
+from blob_tracker.segmentation.exposure import exposure_fault
 from blob_tracker.segmentation.flash_modes import codes_from_text, flash_by_name, FLASH_MODES
 from blob_tracker.segmentation.history import FrameError
+from blob_tracker.segmentation.look import Look
+from blob_tracker.segmentation.looks import most_looks
 from blob_tracker.segmentation.registration import REGISTRATIONS
 from blob_tracker.segmentation.segmenter import Segmenter, Sighting
 from blob_tracker.segmentation.sigma_window import compile_ahead
@@ -10,12 +13,15 @@ from blob_tracker.segmentation.thresholds import threshold_by_name, THRESHOLDS
 __all__ = [
     'FLASH_MODES',
     'FrameError',
+    'Look',
     'REGISTRATIONS',
     'Segmenter',
     'Sighting',
     'THRESHOLDS',
     'codes_from_text',
     'compile_ahead',
+    'exposure_fault',
     'flash_by_name',
+    'most_looks',
     'threshold_by_name',
 ]
