@@ -30,6 +30,7 @@ INSET = 144  # px of the side of a zoomed window
 LARGEST_CIRCLE = 80  # px of radius
 MOST_INSETS = 3  # windows that are zoomed
 AROUND = 3  # px of the frame about a zoomed window
+LEAST_NOISE, MOST = 0.01, 65535.0  # DN that can be
 STRETCH = 8.0  # standard deviations of the noise from grey to white
 DIMMEST = 64.0  # DN of white, at least: the noise of a dark frame must not look like a scene
 SAMPLES = 64  # pixels along either axis from which the brightness of the frame is told
@@ -82,8 +83,8 @@ def draw(look: Look) -> Picture:
     whole = Box(0, 0, shape[1], shape[0])
     zoom = _Zoom(whole, _scale(*shape))
     brightest = _brightest(look.lit)
-    rise = _rise(look, whole)
-    noise = look.noise if 0.0 < look.noise < math.inf else 1.0
+    noise = _within(look.noise, LEAST_NOISE, MOST, 1.0)
+    rise = _rise(look, _within(look.background, -MOST, MOST, 0.0))
     frame = _panel(
         _shown(look.lit, 0.0, brightest, zoom.scale),
         f'frame {shape[1]} x {shape[0]} px, white is {brightest:.0f} DN',
@@ -125,12 +126,17 @@ def _brightest(image: NDArray[Any]) -> float:
     return max(value, DIMMEST) if math.isfinite(value) else DIMMEST
 
 
-def _rise(look: Look, box: Box) -> NDArray[np.float32]:
-    """Return lit less unlit less background within a box, DN."""
-    lit = look.lit[box.slices].astype(np.float32)
+def _within(value: float, least: float, most: float, otherwise: float) -> float:
+    """Return a value within its bounds, or another for NaN."""
+    return otherwise if math.isnan(value) else min(max(value, least), most)
+
+
+def _rise(look: Look, background: float) -> NDArray[np.float32]:
+    """Return lit less unlit less background, DN."""
+    lit = look.lit.astype(np.float32)
     if look.unlit is not None and look.unlit.shape == look.lit.shape:
-        lit -= look.unlit[box.slices]
-    lit -= look.background
+        lit -= look.unlit
+    lit -= background
     return np.nan_to_num(lit)
 
 
@@ -323,4 +329,4 @@ def _overlap(one: tuple[int, int, int, int], other: tuple[int, int, int, int]) -
 
 def _whole(value: float) -> int:
     """Return the nearest whole number, of those that OpenCV can draw at; 0 for none."""
-    return round(min(max(value, -FARTHEST), FARTHEST)) if not math.isnan(value) else 0
+    return round(_within(value, -FARTHEST, FARTHEST, 0.0))
