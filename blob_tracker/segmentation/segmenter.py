@@ -8,6 +8,7 @@ from typing import NamedTuple
 from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.segmentation.box import Box, box_about
 from blob_tracker.segmentation.candidate import falls_beside, reject, suppress_connected
+from blob_tracker.segmentation.difference import strongest_rise
 from blob_tracker.segmentation.flash import Flash, Flashed
 from blob_tracker.segmentation.look import Candidate, Look
 from blob_tracker.segmentation.looks import FULL, sum_looks
@@ -145,7 +146,9 @@ class Segmenter:
             lit=contrast.lit if contrast else frame.image,
             unlit=contrast.unlit if contrast else unlit.image if unlit else None,
             background=contrast.background if contrast else 0.0,
-            noise=contrast.noise if contrast else 1.0,
+            noise=contrast.noise if contrast else strongest_rise(
+                frame.image, unlit.image if unlit else frame.image
+            ).noise,
             region=Box(0, 0, width, height),
             candidates=tuple(self._candidates),
             windows=boxes,
