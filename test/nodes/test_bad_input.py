@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Callable, Iterator
 from math import nan
 
@@ -132,6 +133,8 @@ def _focal_length(value: float) -> Callable[[CameraInfo], None]:
     'change, sentence',
     [
         (_set(encoding='rgb8'), "the encoding is 'rgb8'; it must be mono8"),
+        (_set(encoding='32FC1', data=array('f', [nan]).tobytes() * 160 * 120, step=640),
+         "the encoding is '32FC1'; it must be mono8"),
         (_set(width=0), 'neither may be 0'),
         (_set(height=0), 'neither may be 0'),
         (_set(step=10), 'step is 10 bytes; 160 px of mono8 need 160'),
@@ -212,6 +215,58 @@ def test_a_camera_that_stops_turns_visible_false(tracker: Tracker) -> None:
         tracker.send(index)
     tracker.node.spin_until(lambda: tracker.visible and tracker.visible[-1].data, 5.0)
     tracker.node.spin_until(lambda: not tracker.visible[-1].data, 5.0)
+
+
+def _filled(level: int) -> Callable[[Image], None]:
+    """Return a function that makes an image even."""
+
+    def change(image: Image) -> None:
+        image.data = array('B', [level] * len(image.data))
+
+    return change
+
+
+@pytest.mark.parametrize('change, sentence', [
+    (_filled(0), 'no target: the brightest pixel is 0 DN of 255: is the lens cap on?'),
+    (_filled(255), 'no target: 100 % of the pixels are clipped at 255 DN'),
+])
+def test_frames_that_show_nothing_are_named(
+    tracker: Tracker, change: Callable[[Image], None], sentence: str
+) -> None:
+    """The lens cap, or the sun: a WARN, not the silence of a light that is off."""
+    for index in range(1, 60):
+        tracker.send(index, change)
+    tracker.expect(sentence, DiagnosticStatus.WARN)
+    assert not tracker.bearings
+
+
+@pytest.mark.parametrize('indices', [
+    pytest.param((1, 3, 5, 7), id='never on'),
+    pytest.param((2, 2, 2, 2), id='always on'),
+])
+def test_a_light_that_does_not_flash_is_said_to_be_missing(
+    tracker: Tracker, indices: tuple[int, ...]
+) -> None:
+    """Frames in order that hold nothing to follow: a sentence, and no bearing."""
+    tracker.stamp_ns += 10**9
+    for _ in range(40):
+        for index in indices:
+            tracker.send(index)
+    tracker.expect('no target: nothing lit up', DiagnosticStatus.OK)
+    assert not tracker.bearings
+
+
+def test_an_exposure_that_jumps_gives_nothing(tracker: Tracker) -> None:
+    """Half as much light again in every other frame, and none of it from a target."""
+
+    def brighter(image: Image) -> None:
+        image.data = array('B', [min(level + level // 2, 255) for level in image.data])
+
+    tracker.stamp_ns += 10**9
+    for count in range(120):
+        tracker.send(2 * count + 1, brighter if count % 2 else lambda image: None)
+    tracker.expect('no target: ', DiagnosticStatus.OK)
+    assert not tracker.bearings
 
 
 def test_a_lost_target_turns_visible_false(tracker: Tracker) -> None:
