@@ -125,6 +125,7 @@ class Segmenter:
             if box is None:
                 reason = why
                 continue
+            boxes[flashed.name] = box
             if self.looks > 1:
                 self._pairs.append(flashed)
                 if len(self._pairs) < self.looks:
@@ -135,7 +136,6 @@ class Segmenter:
                     unlit=tuple(image for each in self._pairs for image in each.unlit),
                 )
                 self._pairs.clear()
-            boxes[flashed.name] = box
             found.append(Sighting(flashed.name, _cut(flashed, box)))
         self.reason = '' if found else reason
         contrast = flashes[0].contrast if flashes else None
