@@ -27,6 +27,7 @@ from blob_tracker.segmentation import (
     threshold_by_name,
     THRESHOLDS,
 )
+from blob_tracker.segmentation.periodic import HIGHEST
 from blob_tracker.types import Frame
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -167,7 +168,8 @@ PARAMETERS = (
     Parameter(
         'lost_after',
         0.2,
-        'Time without a target, by the stamps, after which target/visible turns false.',
+        'Time without a target, by the stamps, after which target/visible turns false. A coded '
+        'light must rise meanwhile; a block of a periodic one is always waited for.',
         least=0.001,
         most=60.0,
         unit='s',
@@ -223,10 +225,16 @@ class SegmenterNode(Node):
         topics = {'': 'target'}
         if settings['flash.mode'] == 'coded':
             topics = {name: f'target/{name}' for name in codes}
-        lost_after_ns = int(1e9 * settings['lost_after'])
+        lost_after = settings['lost_after']
+        if settings['flash.mode'] == 'periodic':
+            # So long a block of the slowest camera that shows the light lasts, and a tenth more.
+            block = HIGHEST * settings['flash.frames'] / settings['flash.frequency']
+            lost_after = max(lost_after, 1.1 * block)
+        lost_after_ns = int(1e9 * lost_after)
         self._targets = {
             name: TargetTopics(self, topic, lost_after_ns) for name, topic in topics.items()
         }
+        self._look: Look | None = None
         self._debug_image = DebugImage(self)
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._good_frame = self._steady.now()
@@ -250,20 +258,23 @@ class SegmenterNode(Node):
             self._targets[name].publish(window, image.header.frame_id, info)
             self._health.count('windows')
             self._health.show('frames summed in a window', window.looks)
+        # A frame that is only gathered, or begins afresh, leaves the look as it was.
+        previous, self._look = self._look, self._segmenter.look
+        look = None if self._look is previous else self._look
+        # Of several looks that are summed each has the target in view, the last one has the window.
+        seen = look.windows if look else {}
         visible = [
-            target.visible(frame.stamp_ns, name in found)
+            target.visible(frame.stamp_ns, name in seen)
             for name, target in self._targets.items()
         ]
         self._health.count('frames')
-        if found:
+        if seen:
             self._health.ok('target in view')
         elif not any(visible):
             self._say_why(frame)
-        if self._segmenter.look is not None:
-            self._describe(self._segmenter.look)
-            self._debug_image.offer(
-                self._segmenter.look, frame.stamp_ns, image.header.frame_id
-            )
+        if look:
+            self._describe(look)
+            self._debug_image.offer(look, frame.stamp_ns, image.header.frame_id)
 
     def _check(self, frame: Frame) -> None:
         """Refuse frames for which the parameters were not made."""

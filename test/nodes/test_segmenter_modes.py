@@ -73,8 +73,10 @@ def test_each_coded_light_has_topics_of_its_own(domain: int) -> None:
         with start('segmenter', domain, flash__mode='coded', flash__codes=codes):
             play(node, scene, lambda: all(len(windows[name]) >= 4 for name in CODES))
             node.spin(0.3)
+            assert all(visible[name][-1].data for name in CODES)
+            # The camera has stopped: no light is in view any more.
+            node.spin_until(lambda: not any(visible[name][-1].data for name in CODES))
     for name, (x, y) in places.items():
-        assert visible[name][-1].data is True
         assert {m.encoding for m in windows[name]} == {'8UC2'}
         for info in infos[name]:
             assert abs(info.roi.x_offset + (info.roi.width - 1) / 2 - x) <= 1.5
@@ -89,11 +91,15 @@ def test_periodic_windows_are_sums_of_16_bits(domain: int) -> None:
     with probe(domain) as node:
         windows = node.record(Image, 'target/window/image_raw')
         infos = node.record(CameraInfo, 'target/window/camera_info')
+        visible = node.record(Bool, 'target/visible', STATE)
         diagnostics = node.record(DiagnosticArray, '/diagnostics')
         with start(
             'segmenter', domain, flash__mode='periodic', flash__frequency=0.31 * RATE
         ):
-            play(node, scene, lambda: len(windows) >= 2 and len(infos) >= 2)
+            play(node, scene, lambda: len(windows) >= 3 and len(infos) >= 3)
+            # From the first block on it is in view, also while the next one is gathered.
+            assert [m.data for m in visible][-1] is True
+            assert [m.data for m in visible].count(True) == 1
             node.spin_until(lambda: 'frames summed in a window' in values(diagnostics))
     # Of 16 frames half are lit; one may be cut by an edge.
     assert values(diagnostics)['frames summed in a window'] == '7'

@@ -17,6 +17,13 @@ NOISE = SensorNoise(gain=40.0, read_noise=0.7)
 TITLE = 19  # px of the line above a panel
 
 
+def candidate(**changes):
+    """Return something that may be the target at (100, 60)."""
+    fields = dict.fromkeys(Candidate._fields, 0.0)
+    fields |= {'x': 100.0, 'y': 60.0, 'sigma_major': 2.0, 'sigma_minor': 1.9, 'snr': 80.0}
+    return Candidate(**{**fields, 'height': 100.0, 'refused': '', **changes})
+
+
 def look(width=640, height=480, saturation=255, **changes):
     """Return a look at a light at (100, 60), or the middle of what is smaller."""
     random = np.random.default_rng(1)
@@ -29,7 +36,7 @@ def look(width=640, height=480, saturation=255, **changes):
         'background': 0.0,
         'noise': 1.5,
         'region': Box(0, 0, width, height),
-        'candidates': (Candidate(x, y, 2.0, 2.0, 2.0, 2.0, 80.0, 100.0, ''),),
+        'candidates': (candidate(x=x, y=y),),
         'windows': {'': Box(x - 6, y - 6, x + 7, y + 7)},
         'state': 'locked',
         'reason': '',
@@ -87,9 +94,8 @@ def test_candidates_and_region_have_colours_of_their_own():
     # The line of text that says the reason is orange as well: panels only.
     plain = draw(one)[TITLE:TITLE + 480]
     assert not any(has(plain, colour) for colour in (ACCEPTED, REFUSED, REGION))
-    candidate = look().candidates[0]
     picture = draw(one._replace(
-        candidates=(candidate, candidate._replace(x=300.0, refused='a lone pixel')),
+        candidates=(candidate(), candidate(x=300.0, refused='a lone pixel')),
         region=Box(50, 40, 400, 300),
     ))[TITLE:TITLE + 480]
     assert all(has(picture, colour) for colour in (ACCEPTED, REFUSED, REGION))
@@ -97,9 +103,8 @@ def test_candidates_and_region_have_colours_of_their_own():
 
 def test_long_text_stays_inside():
     """Sentences are wrapped, and candidates that find no line are counted."""
-    candidate = look().candidates[0]
     many = tuple(
-        candidate._replace(x=7.0 * index, refused='a rise that is none, and that at length ' * 4)
+        candidate(x=7.0 * index, refused='a rise that is none, and that at length ' * 4)
         for index in range(90)
     )
     picture = draw(look(candidates=many, reason='why it is no target ' * 30, windows={}))
@@ -110,7 +115,9 @@ def test_long_text_stays_inside():
 
 numbers = st.floats(allow_nan=True, allow_infinity=True)
 candidates = st.builds(
-    Candidate, *[numbers] * 8, st.sampled_from(['', 'no', 'ein schräger\nGrund ' * 9])
+    candidate,
+    **dict.fromkeys(['x', 'y', 'sigma_major', 'sigma_minor', 'snr', 'height'], numbers),
+    refused=st.sampled_from(['', 'no', 'ein schräger\nGrund ' * 9]),
 )
 whole = st.integers(-3000, 3000)
 
@@ -147,6 +154,6 @@ def test_a_target_at_the_edge(noise):
     picture = draw(look(
         noise=noise,
         windows={'': Box(-4, -5, 9, 8)},
-        candidates=(Candidate(-0.4, -0.3, 2.0, 2.0, 2.0, 2.0, 80.0, 100.0, ''),),
+        candidates=(candidate(x=-0.4, y=-0.3),),
     ))
     assert has(picture[TITLE:TITLE + 480], WINDOW)
