@@ -261,7 +261,7 @@ class SegmenterNode(Node):
         # A frame that is only gathered, or begins afresh, leaves the look as it was.
         previous, self._look = self._look, self._segmenter.look
         look = None if self._look is previous else self._look
-        # Of several looks that are summed each has the target in view, the last one has the window.
+        # Each of several looks has the target in view; the last one has the window of their sum.
         seen = look.windows if look else {}
         visible = [
             target.visible(frame.stamp_ns, name in seen)
