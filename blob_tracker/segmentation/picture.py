@@ -99,7 +99,11 @@ def draw(look: Look) -> Picture:
             zoom.outline(panel, look.region, REGION)
         for box in look.windows.values():
             zoom.outline(panel, box, WINDOW)
-    _mark(difference[LINE:], look.candidates, zoom)
+    taken = [
+        (*zoom.place(box.x0, box.y0), *zoom.place(box.x1, box.y1))
+        for box in look.windows.values()
+    ]
+    _mark(difference[LINE:], look.candidates, zoom, taken)
     panels = np.hstack([frame, _blank(frame.shape[0], GAP), difference])
     insets = _insets(look, rise, noise)
     words = panels.shape[1] - insets.shape[1] - GAP
@@ -159,22 +163,20 @@ def _panel(shown: Picture, title: str) -> Picture:
     return panel
 
 
-def _mark(panel: Picture, candidates: Sequence[Candidate], zoom: _Zoom) -> None:
-    """Circle and number the candidates; a number that finds no room of its own is left out."""
-    taken: list[tuple[int, int, int, int]] = []
+def _mark(
+    panel: Picture,
+    candidates: Sequence[Candidate],
+    zoom: _Zoom,
+    taken: list[tuple[int, int, int, int]],
+) -> None:
+    """Circle and number the candidates; a number that finds no free place is left out."""
     for number, candidate in enumerate(candidates, 1):
         colour = REFUSED if candidate.refused else ACCEPTED
         x, y = zoom.place(candidate.x, candidate.y)
         radius = min(max(_whole(3.0 * candidate.sigma_major * zoom.scale), 6), LARGEST_CIRCLE)
         cv2.circle(panel, (x, y), radius, colour, 1, cv2.LINE_AA)
-        width = _width(str(number))
-        for left, top in (
-            (x + radius + 2, y - LINE // 2),
-            (x - radius - 2 - width, y - LINE // 2),
-            (x - width // 2, y - radius - LINE),
-            (x - width // 2, y + radius),
-        ):
-            label = (left, top, left + width, top + LINE)
+        for left, top in _places(x, y, radius, _width(str(number))):
+            label = (left, top, left + _width(str(number)), top + LINE)
             inside = left >= 0 and top >= 0 and label[2] <= panel.shape[1] and (
                 label[3] <= panel.shape[0]
             )
@@ -182,6 +184,20 @@ def _mark(panel: Picture, candidates: Sequence[Candidate], zoom: _Zoom) -> None:
                 taken.append(label)
                 _write(panel, str(number), left, top, colour, outlined=True)
                 break
+
+
+def _places(x: int, y: int, radius: int, width: int) -> list[tuple[int, int]]:
+    """Return where a number may stand by its circle, the best first: left and top, px."""
+    return [
+        place
+        for reach in (radius + 2, 2 * radius + 2)
+        for place in (
+            (x + reach, y - LINE // 2),
+            (x - reach - width, y - LINE // 2),
+            (x - width // 2, y - reach - LINE),
+            (x - width // 2, y + reach),
+        )
+    ]
 
 
 def _insets(look: Look, rise: NDArray[np.float32], noise: float) -> Picture:
