@@ -211,7 +211,7 @@ def test_more_looks_than_16_bits_hold_are_named(domain: int) -> None:
 
 @pytest.mark.parametrize('parameters, sentence', [
     ({'mask_url': '/no/mask.png'}, "'mask_url': there is no file /no/mask.png"),
-    ({'mask_url': __file__}, "test_segmenter_modes.py is no image"),
+    ({'mask_url': __file__}, 'test_segmenter_modes.py is no image'),
     ({'looks': 0}, "'looks' is 0; it must be an integer from 1 to 256"),
     ({'flash__mode': 'disco'}, "'flash.mode' is 'disco'; it must be one of alternate"),
     ({'flash__mode': 'coded'}, 'there is no code'),
