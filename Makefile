@@ -61,8 +61,9 @@ install/.built: .venv/.run $(SOURCES)
 	@rm -rf build install  # colcon leaves behind what a source tree no longer has
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/colcon build --paths . \
 	  --event-handlers console_direct-
-	@# The fits are compiled now, into the installed package, rather than when a node first starts.
-	@$(ENVIRONMENT) && cd .venv && python -c 'import blob_tracker.location as l; l.compile_ahead()'
+	@# The kernels are compiled now, into the installed package, not when a node first starts.
+	@$(ENVIRONMENT) && cd .venv && python -c 'from blob_tracker import location, segmentation; \
+	  location.compile_ahead(); segmentation.compile_ahead()'
 	@touch $@
 
 clean:

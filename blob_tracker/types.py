@@ -105,7 +105,8 @@ class Window:
     binning : (int, int)
         Sensor pixels per window pixel along x and y.
     looks : int
-        Frames that were summed into `lit`, and as many into `unlit`: each adds its read noise.
+        Frames that are summed in `lit`, and as many in `unlit`; 1 or more. The pixels are their
+        sum, not their mean, and their read noise that of so many frames.
 
     """
 
@@ -117,6 +118,10 @@ class Window:
     saturation: float | None = None
     binning: tuple[int, int] = (1, 1)
     looks: int = 1
+
+    def __post_init__(self) -> None:
+        if self.looks < 1:
+            raise ValueError(f'a window is the sum of {self.looks} frames; it must be 1 or more')
 
 
 @dataclass(frozen=True)

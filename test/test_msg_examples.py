@@ -20,6 +20,7 @@ TOPICS = {
     'target_bearing': 'geometry_msgs/msg/Vector3Stamped',
     'target_centroid': 'geometry_msgs/msg/PointStamped',
     'target_ray': 'geometry_msgs/msg/PoseWithCovarianceStamped',
+    'segmenter_debug_image': 'sensor_msgs/msg/Image',
     'simulator_truth_centroid': 'geometry_msgs/msg/PointStamped',
     'simulator_truth_bearing': 'geometry_msgs/msg/Vector3Stamped',
     'diagnostics': 'diagnostic_msgs/msg/DiagnosticArray',

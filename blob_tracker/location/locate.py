@@ -13,6 +13,7 @@ from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_line
 from blob_tracker.location.maximum_likelihood import maximum_likelihood
 from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm
 from blob_tracker.location.multi_gaussian_simplex import multi_gaussian_simplex
+from blob_tracker.location.noise import noise_of_sum
 from blob_tracker.location.skew import centroid_skew_corrected
 from blob_tracker.types import Location, LocationError, SensorNoise, Window
 import numpy as np
@@ -131,7 +132,7 @@ def locate(
     method : str
         A key of `METHODS`.
     noise : SensorNoise
-        Gain and read noise of a pixel.
+        Gain and read noise of a pixel in one frame, also where the window is the sum of several.
     **options
         Passed on to the method.
 
@@ -149,7 +150,12 @@ def locate(
     lit = _numbers(window.lit, 'lit')[None]
     unlit = None if window.unlit is None else _numbers(window.unlit, 'unlit')[None]
     found = locate_batch(
-        lit, unlit, method=method, noise=noise, saturation=window.saturation, **options
+        lit,
+        unlit,
+        method=method,
+        noise=noise_of_sum(noise, window.looks),
+        saturation=window.saturation,
+        **options,
     )
     if not found.ok[0]:
         raise LocationError(REASONS[Failure(found.failure[0])])

@@ -55,6 +55,14 @@ PARAMETERS = (
         unit='DN',
     ),
     Parameter(
+        'looks',
+        1,
+        'Frames that are summed in a window, as the segmenter says in its diagnostics: their read '
+        'noise is in the covariance as often.',
+        least=1,
+        most=256,
+    ),
+    Parameter(
         'saturation',
         0,
         'Level at which a pixel is clipped; 0 is full scale of the encoding. Set 4095 for 12 bits '
@@ -82,6 +90,7 @@ class LocatorNode(Node):
             self._options['elliptical'] = True
         compile_ahead([self._method])
         self._saturation = settings['saturation']
+        self._looks = settings['looks']
         self._noise = SensorNoise(settings['noise.gain'], settings['noise.read_noise'])
         self._health = Health(self, 'no window arrives; is the segmenter running?')
         self._calibration: tuple[object, ...] = ()
@@ -100,7 +109,7 @@ class LocatorNode(Node):
         """Place the blob of a window and publish its direction, or nothing at all."""
         try:
             camera_model = self._model(info)
-            window = to_window(image, info, self._saturation)
+            window = to_window(image, info, self._saturation, self._looks)
             location = locate(
                 window, method=self._method, noise=self._noise, **self._options
             )

@@ -4,29 +4,33 @@ from __future__ import annotations
 
 import sys
 
-from blob_tracker.ros.camera_info import of_window, stamped
+from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
-from blob_tracker.ros.image import from_window, to_frame
+from blob_tracker.ros.image import to_frame
+from blob_tracker.ros.mask import read_mask
 from blob_tracker.ros.pairing import subscribe
 from blob_tracker.ros.parameters import declare, Parameter
 from blob_tracker.ros.process import run
-from blob_tracker.ros.qos import IMAGE_OUT, overridable, STATE
+from blob_tracker.ros.target_topics import TargetTopics
 from blob_tracker.segmentation import (
     codes_from_text,
     compile_ahead,
+    exposure_fault,
     flash_by_name,
     FLASH_MODES,
     FrameError,
+    Look,
     REGISTRATIONS,
     Segmenter,
     threshold_by_name,
     THRESHOLDS,
 )
-from blob_tracker.types import Window
+from blob_tracker.segmentation.periodic import HIGHEST
+from blob_tracker.types import Frame
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
-from std_msgs.msg import Bool
 
 PARAMETERS = (
     Parameter(
@@ -82,10 +86,9 @@ PARAMETERS = (
     ),
     Parameter(
         'min_snr',
-        8.0,
-        'Least SNR of the target: of its matched filter in the mode alternate, of its brightest '
-        'pixel or amplitude in the others. Below 6 the noise of a whole frame reaches it by '
-        'itself.',
+        7.0,
+        'Least SNR of the target in a filter matched to its width. Below 6 the noise of a whole '
+        'frame reaches it by itself; about the predicted place 0.85 of it is enough.',
         least=3.0,
         most=1000.0,
     ),
@@ -105,6 +108,15 @@ PARAMETERS = (
         'moves between the two: translation follows a shift, affine a turn as well. Either costs '
         'milliseconds a frame, and needs a scene with texture.',
         choices=tuple(REGISTRATIONS),
+    ),
+    Parameter(
+        'gate',
+        24.0,
+        'Greatest way of the target in the picture from one flash to the next, while its motion '
+        'is not known yet. In the mode alternate it tells what flashes again from what is new.',
+        least=1.0,
+        most=1000.0,
+        unit='px',
     ),
     Parameter(
         'threshold.method',
@@ -138,62 +150,40 @@ PARAMETERS = (
         unit='px',
     ),
     Parameter(
+        'looks',
+        1,
+        'Pairs of a still target that are summed in one window; the thesis has 5. Give the '
+        'locator the same number.',
+        least=1,
+        most=256,
+    ),
+    Parameter(
+        'mask_url',
+        '',
+        'Image of 8 bits and of the size of the frames, white where the target may be: a path, '
+        'file:// or package:// URL. Empty searches everywhere.',
+    ),
+    Parameter(
+        'saturation',
+        0,
+        'Level at which a pixel is clipped; 0 is full scale of the encoding. Set 4095 for 12 bits '
+        'in 16.',
+        least=0,
+        most=65535,
+        unit='DN',
+    ),
+    Parameter(
         'lost_after',
         0.2,
-        'Time without a target, by the stamps, after which target/visible turns false.',
+        'Time without a target, by the stamps, after which target/visible turns false. A coded '
+        'light must rise meanwhile; a block of a periodic one is always waited for.',
         least=0.001,
         most=60.0,
         unit='s',
     ),
 )
-
-
-class Target:
-    """
-    The topics of one light.
-
-    Parameters
-    ----------
-    node : Node
-        Publishes them.
-    topic : str
-        What their names begin with: target, or target/<name>.
-    lost_after_ns : int
-        Time without the light, by the stamps, after which it is no longer visible.
-
-    """
-
-    def __init__(self, node: Node, topic: str, lost_after_ns: int) -> None:
-        self._lost_after_ns = lost_after_ns
-        self._windows, self._infos, self._visible = (
-            node.create_publisher(
-                kind, f'{topic}/{name}', qos, qos_overriding_options=overridable()
-            )
-            for kind, name, qos in (
-                (Image, 'window/image_raw', IMAGE_OUT),
-                (CameraInfo, 'window/camera_info', IMAGE_OUT),
-                (Bool, 'visible', STATE),
-            )
-        )
-        self._seen_ns: int | None = None
-        self._said_visible: bool | None = None
-
-    def publish(self, window: Window, frame_id: str, info: CameraInfo) -> None:
-        """Publish the window; it is sent first: its receiver works while the rest follows."""
-        self._windows.publish(from_window(window, frame_id))
-        self._infos.publish(stamped(of_window(info, window), window.stamp_ns, frame_id))
-
-    def visible(self, stamp_ns: int, seen: bool) -> bool:
-        """Tell whether the light is in view at a frame's stamp, and publish it on change."""
-        if seen:
-            self._seen_ns = stamp_ns
-        visible = self._seen_ns is not None and 0 <= (
-            stamp_ns - self._seen_ns
-        ) <= self._lost_after_ns
-        if visible is not self._said_visible:
-            self._visible.publish(Bool(data=visible))
-            self._said_visible = visible
-        return visible
+CHECK = 0.25  # s between two looks at whether frames still come
+SILENCE = 1.0  # s of wall time without a good frame; slow bags and cameras pause for less
 
 
 class SegmenterNode(Node):
@@ -206,9 +196,9 @@ class SegmenterNode(Node):
             codes = codes_from_text(settings['flash.codes'])
             flash = flash_by_name(
                 settings['flash.mode'],
-                min_snr=settings['min_snr'],
                 max_pair_interval=settings['max_pair_interval'],
                 registration=settings['registration'],
+                gate=settings['gate'],
                 frequency=settings['flash.frequency'],
                 duty=settings['flash.duty'],
                 frames=settings['flash.frames'],
@@ -223,8 +213,18 @@ class SegmenterNode(Node):
             sigmas=settings['threshold.sigmas'],
             extension=settings['threshold.extension'],
         )
+        try:
+            mask = read_mask(settings['mask_url'])
+        except ParameterError as error:
+            raise ParameterError(f"parameter 'mask_url': {error}") from None
+        self._saturation = settings['saturation']
         self._segmenter = Segmenter(
-            flash=flash, threshold=threshold, max_blob=settings['max_blob']
+            flash=flash,
+            threshold=threshold,
+            min_snr=settings['min_snr'],
+            max_blob=settings['max_blob'],
+            looks=settings['looks'],
+            mask=mask,
         )
         self._health = Health(
             self, 'no frames arrive; is a camera publishing camera/image_raw and camera_info?'
@@ -232,16 +232,26 @@ class SegmenterNode(Node):
         topics = {'': 'target'}
         if settings['flash.mode'] == 'coded':
             topics = {name: f'target/{name}' for name in codes}
-        lost_after_ns = int(1e9 * settings['lost_after'])
+        lost_after = settings['lost_after']
+        if settings['flash.mode'] == 'periodic':
+            # So long a block of the slowest camera that shows the light lasts, and a tenth more.
+            block = HIGHEST * settings['flash.frames'] / settings['flash.frequency']
+            lost_after = max(lost_after, 1.1 * block)
+        lost_after_ns = int(1e9 * lost_after)
         self._targets = {
-            name: Target(self, topic, lost_after_ns) for name, topic in topics.items()
+            name: TargetTopics(self, topic, lost_after_ns) for name, topic in topics.items()
         }
+        self._look: Look | None = None
+        self._debug_image = DebugImage(self)
+        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._good_frame = self._steady.now()
         subscribe(self, 'camera', self._health, self._segment)
+        self.create_timer(CHECK, self._check_silence, clock=self._steady)
 
     def _segment(self, image: Image, info: CameraInfo) -> None:
         """Look for the lights in the next frame; publish the window of each that is there."""
         try:
-            frame = to_frame(image, info)
+            frame = to_frame(image, info, self._saturation)
             found = dict(self._segmenter.sightings(frame))
         except MessageError as error:
             self._health.fault(ERROR, f'camera/image_raw: {error}')
@@ -249,22 +259,66 @@ class SegmenterNode(Node):
         except FrameError as error:
             self._health.fault(WARN, f'camera/image_raw: {error}')
             return
-        self._health.count('frames')
+        self._good_frame = self._steady.now()
         for name, window in found.items():
-            self._health.count('windows')
             self._targets[name].publish(window, image.header.frame_id, info)
-        if not found:
-            self._health.show('last frame without target', self._segmenter.reason)
+            self._health.count('windows')
+            self._health.show('frames summed in a window', window.looks)
+        # A frame that is only gathered, or begins afresh, leaves the look as it was.
+        previous, self._look = self._look, self._segmenter.look
+        look = None if self._look is previous else self._look
+        # Each of several looks has the target in view; the last one has the window of their sum.
+        seen = look.windows if look else {}
         visible = [
-            target.visible(frame.stamp_ns, name in found)
+            target.visible(frame.stamp_ns, name in seen)
             for name, target in self._targets.items()
         ]
-        if found:
+        self._health.count('frames')
+        if seen:
             self._health.ok('target in view')
         elif not any(visible):
+            self._say_why(frame)
+        if look:
+            self._describe(look)
+            self._debug_image.offer(look, frame.stamp_ns, image.header.frame_id)
+
+    def _say_why(self, frame: Frame) -> None:
+        """Say why there is no target."""
+        fault = exposure_fault(frame)
+        if fault:
+            self._health.fault(WARN, f'no target: {fault}')
+        else:
             self._health.ok(f'no target: {self._segmenter.reason}')
+
+    def _describe(self, look: Look) -> None:
+        """Show in the diagnostics what the segmenter saw."""
+        self._health.show('state', look.state)
+        self._health.show('noise (DN)', f'{look.noise:.2f}')
+        if look.reason:
+            self._health.show('last frame without target', look.reason)
+        # Of the last frame that had any: the unlit half of the frames has none.
+        if look.candidates:
+            first = look.candidates[0]
+            self._health.show('last candidates', len(look.candidates))
+            self._health.show(
+                'strongest of them',
+                f'SNR {first.snr:.1f} at ({first.x:.0f}, {first.y:.0f}): '
+                f'{first.refused or "may be the target"}',
+            )
+
+    def _check_silence(self) -> None:
+        """Say that the targets are out of view when no good frame has come for a while."""
+        if (self._steady.now() - self._good_frame).nanoseconds > 1e9 * SILENCE:
+            for target in self._targets.values():
+                target.out_of_view()
+
+
+def compile_search() -> None:
+    """Compile the search, before the first frame could wait for it."""
+    print('loading the search; the first start compiles it for half a minute', file=sys.stderr)
+    compile_ahead()
 
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(SegmenterNode, compile_ahead))
+    sys.exit(run(SegmenterNode, compile_search))

@@ -28,7 +28,7 @@ _WINDOWS = {
 }
 
 
-def to_frame(image: Image, info: CameraInfo) -> Frame:
+def to_frame(image: Image, info: CameraInfo, saturation: int = 0) -> Frame:
     """
     Return the frame that an image and its camera_info hold; the pixels are not copied.
 
@@ -38,6 +38,8 @@ def to_frame(image: Image, info: CameraInfo) -> Frame:
         mono8, mono16, 8UC1 or 16UC1.
     info : CameraInfo
         Gives hardware crop and binning.
+    saturation : int
+        DN of a clipped pixel; 0 is full scale of the encoding.
 
     Returns
     -------
@@ -56,14 +58,16 @@ def to_frame(image: Image, info: CameraInfo) -> Frame:
     return Frame(
         image=pixels,
         stamp_ns=to_ns(image.header.stamp),
-        saturation=int(np.iinfo(pixels.dtype).max),
+        saturation=saturation or int(np.iinfo(pixels.dtype).max),
         x0=int(info.roi.x_offset),
         y0=int(info.roi.y_offset),
         binning=_binning(info),
     )
 
 
-def to_window(image: Image, info: CameraInfo, saturation: int = 0) -> Window:
+def to_window(
+    image: Image, info: CameraInfo, saturation: int = 0, looks: int = 1
+) -> Window:
     """
     Return the window that target/window/image_raw and its camera_info hold.
 
@@ -74,7 +78,9 @@ def to_window(image: Image, info: CameraInfo, saturation: int = 0) -> Window:
     info : CameraInfo
         Its roi is the window's place on the sensor.
     saturation : int
-        DN of a clipped pixel; 0 is full scale of the encoding.
+        DN of a clipped pixel; 0 is full scale of the encoding, which it always is of a sum.
+    looks : int
+        Frames that are summed in it.
 
     Returns
     -------
@@ -84,12 +90,20 @@ def to_window(image: Image, info: CameraInfo, saturation: int = 0) -> Window:
     Raises
     ------
     MessageError
-        Where encoding, size, step or data are wrong, or the camera_info is that of another
-        window; says which and what would be right.
+        Where encoding, size, step or data are wrong, the camera_info is that of another window,
+        or 8 bits cannot be a sum; says which and what would be right.
 
     """
     pixels = _pixels(image, _WINDOWS)
     _check_region(image, info)
+    full = int(np.iinfo(pixels.dtype).max)
+    if looks > 1:
+        if pixels.dtype == np.uint8:
+            raise MessageError(
+                f'a window of {image.encoding} is one frame and no sum of {looks}; set looks as '
+                'the segmenter has it'
+            )
+        saturation = full
     two = pixels.ndim == 3
     return Window(
         lit=pixels[..., 0] if two else pixels,
@@ -97,8 +111,9 @@ def to_window(image: Image, info: CameraInfo, saturation: int = 0) -> Window:
         x0=int(info.roi.x_offset),
         y0=int(info.roi.y_offset),
         stamp_ns=to_ns(image.header.stamp),
-        saturation=saturation or int(np.iinfo(pixels.dtype).max),
+        saturation=saturation or full,
         binning=_binning(info),
+        looks=looks,
     )
 
 
@@ -110,8 +125,8 @@ def from_pixels(
 
     Parameters
     ----------
-    pixels : (h, w) or (h, w, 2) array of uint8 or uint16
-        DN; one channel becomes mono8 or mono16, two become 8UC2 or 16UC2.
+    pixels : (h, w) or (h, w, n) array of uint8 or uint16
+        DN; one channel becomes mono8 or mono16, n become 8UCn or 16UCn.
     stamp_ns : int
         Stamp, ns.
     frame_id : str
@@ -148,6 +163,13 @@ def from_window(window: Window, frame_id: str) -> Image:
         image.encoding = f'{8 * window.lit.dtype.itemsize}UC1'
         return image
     return from_pixels(np.dstack([window.lit, window.unlit]), window.stamp_ns, frame_id)
+
+
+def from_picture(picture: NDArray[np.uint8], stamp_ns: int, frame_id: str) -> Image:
+    """Return the message of a (h, w, 3) picture for people: bgr8."""
+    image = from_pixels(picture, stamp_ns, frame_id)
+    image.encoding = 'bgr8'
+    return image
 
 
 def _binning(info: CameraInfo) -> tuple[int, int]:

@@ -1,6 +1,7 @@
 """Frame ... -> Window: find the flash, and cut out the pixels that hold it."""
 
 from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.exposure import exposure_fault
 from blob_tracker.segmentation.flash_modes import codes_from_text, flash_by_name, FLASH_MODES
 from blob_tracker.segmentation.history import FrameError
 from blob_tracker.segmentation.look import Look
@@ -20,6 +21,8 @@ __all__ = [
     'THRESHOLDS',
     'codes_from_text',
     'compile_ahead',
+    'exposure_fault',
     'flash_by_name',
+    'most_looks',
     'threshold_by_name',
 ]

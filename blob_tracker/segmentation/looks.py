@@ -9,6 +9,7 @@ from typing import NamedTuple
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.history import FrameError
 from blob_tracker.types import Frame, Pixels, Window
 import numpy as np
 
@@ -74,7 +75,19 @@ class Looks:
         box : Box
             Its window in them.
 
+        Raises
+        ------
+        FrameError
+            Where the sum does not fit into 16 bits.
+
         """
+        frames, saturation = self.count * len(contrast.lit_looks), contrast.frame.saturation
+        if frames > most_looks(saturation):
+            raise FrameError(
+                f'{frames} frames of up to {saturation} DN do not fit into the 16 bits of a '
+                f"window, {most_looks(saturation)} would; sum fewer looks, or set the camera's "
+                'true full scale (saturation)'
+            )
         look = _Pair(
             candidate.x, candidate.y, contrast.frame, contrast.lit_looks, contrast.unlit_looks
         )
@@ -139,19 +152,9 @@ def sum_looks(looks: Sequence[Pixels], saturation: int) -> Pixels:
     (h, w) uint16 array
         DN; 65535 where a pixel was clipped in any of the looks. Their one look where n is 1.
 
-    Raises
-    ------
-    ValueError
-        Where the sum does not fit into 16 bits.
-
     """
     if len(looks) == 1:
         return looks[0]
-    if len(looks) > most_looks(saturation):
-        raise ValueError(
-            f'{len(looks)} looks of up to {saturation} DN do not fit into 16 bits; '
-            f'at most {most_looks(saturation)} do'
-        )
     total = np.zeros(looks[0].shape, dtype=np.uint16)
     clipped = np.zeros(looks[0].shape, dtype=bool)
     for look in looks:

@@ -14,7 +14,7 @@ from blob_tracker.segmentation.look import Look
 from blob_tracker.segmentation.looks import Looks
 from blob_tracker.segmentation.search import ANYWHERE, Found, search
 from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
-from blob_tracker.types import Frame, Pixels, Window
+from blob_tracker.types import Frame, Window
 import numpy as np
 from numpy.typing import NDArray
 
@@ -113,8 +113,8 @@ class Segmenter:
         ------
         FrameError
             Where the stamp is not later than the last one (that frame is left out), the stamps
-            jumped back or the size, crop or depth changed (this frame starts afresh), or the mask
-            is of another size.
+            jumped back or the size, crop or depth changed (this frame starts afresh), the mask is
+            of another size, or the looks do not fit into 16 bits.
 
         """
         if self._mask.size > 0 and self._mask.shape != frame.image.shape:
@@ -142,7 +142,7 @@ class Segmenter:
             self.reason = found.reason
         else:
             chosen = self.flash.choose(contrast, found.candidates)
-            self.reason = '' if chosen else self._why(contrast, found)
+            self.reason = '' if chosen else self._why(found)
             for name, candidate in chosen:
                 box = self._window(contrast, candidate)
                 if box is None:
@@ -179,23 +179,12 @@ class Segmenter:
             return None
         return box
 
-    def _why(self, contrast: Contrast, found: Found) -> str:
+    def _why(self, found: Found) -> str:
         """Return why nothing was chosen."""
         if self.flash.reason:
             return self.flash.reason
-        why = (
+        return (
             f'nothing lit up: the strongest rise is {found.strongest:.0f} DN, '
             f'{found.strongest / found.noise:.1f} times the noise; the SNR asked for in the '
             f'matched filter is {self.min_snr:g} (min_snr)'
         )
-        return why + _blind(contrast.lit, contrast.saturation)
-
-
-def _blind(image: Pixels, saturation: int) -> str:
-    """Return what is wrong with a frame in which nothing can be seen."""
-    coarse = image[::8, ::8]
-    if coarse.max() == 0:
-        return '; the frame is black: is the lens cap on?'
-    if coarse.min() >= saturation:
-        return '; the whole frame is clipped: shorten the exposure'
-    return ''

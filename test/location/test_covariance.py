@@ -2,8 +2,10 @@
 
 from dataclasses import replace
 
-from blob_tracker.location import METHODS
-from blob_tracker.types import SensorNoise
+from blob_tracker.location import locate, METHODS
+from blob_tracker.location.pulse import integrated_profile
+from blob_tracker.simulation import expose
+from blob_tracker.types import SensorNoise, Window
 import numpy as np
 import pytest
 
@@ -136,3 +138,35 @@ def test_nees_behind_random_texture(scene):
         found = shots.locate('maximum_likelihood')
         # The share is estimated from one window: its own scatter is not in the covariance.
         assert 1.75 < nees(shots.errors(found), found.covariance[found.ok]) < 2.5
+
+
+@pytest.mark.parametrize('method', ['maximum_likelihood', 'multi_gaussian_lm'])
+@pytest.mark.parametrize('unlit', [False, True])
+def test_nees_of_summed_frames(nees_bounds, unlit, method):
+    """Lie in the 95 % bounds for sums of 5 frames whose noise is nearly all read noise."""
+    looks, count, size, sigma = 5, 4000, 9, 1.3
+    noise = SensorNoise(gain=40.0, read_noise=2.0)
+    random = np.random.default_rng(9)
+    errors, covariances = [], []
+    for x, y in 4.0 + random.uniform(-0.5, 0.5, (count, 2)):
+        pulse = 60.0 * np.outer(
+            integrated_profile(size, y, sigma)[0], integrated_profile(size, x, sigma)[0]
+        )
+        lit, dark = (
+            expose(np.broadcast_to(mean, (looks, size, size)), noise, random).sum(axis=0)
+            for mean in (20.0 + pulse, 20.0 + 0.0 * pulse)
+        )
+        window = Window(lit, dark if unlit else None, looks=looks)
+        found = locate(window, method=method, noise=noise)
+        errors.append((found.x - x, found.y - y))
+        covariances.append(found.covariance)
+    # Told of one frame, multi_gaussian_lm has 5.5; maximum_likelihood, which sees its chi2 of 3
+    # and grows the covariance by it, has 1.8 and, with the unlit window, 2.7.
+    low, high = nees_bounds(count)
+    assert low < nees(np.array(errors), np.array(covariances)) < high
+
+
+def test_a_window_is_the_sum_of_one_frame_or_more():
+    """The number of frames is named where it cannot be."""
+    with pytest.raises(ValueError, match='the sum of 0 frames'):
+        Window(np.zeros((7, 7)), looks=0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Callable, Iterator
 from math import nan
 
@@ -9,6 +10,7 @@ from blob_tracker.camera import CameraModel
 from blob_tracker.ros.camera_info import from_camera_model, stamped
 from blob_tracker.ros.image import from_pixels
 from blob_tracker.ros.qos import IMAGE_OUT, STATE
+from blob_tracker.ros.stamp import to_ns
 from blob_tracker.simulation import FlashingLight
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Vector3Stamped
@@ -82,11 +84,16 @@ class Tracker:
     def expect_life(self) -> None:
         """Expect both nodes to run and a flash pair to give a bearing again."""
         assert all(process.running for process in self.processes)
-        before = len(self.bearings)
         self.stamp_ns += 10**9  # nothing pairs with what came before
-        for index in (1, 2):
+        self.flash()
+
+    def flash(self) -> None:
+        """Send flashes enough to be sure of the target, and wait for the bearing of the last."""
+        for index in range(1, 9):
             self.send(index)
-        self.node.spin_until(lambda: len(self.bearings) > before, 5.0)
+        self.node.spin_until(
+            lambda: self.bearings and to_ns(self.bearings[-1].header.stamp) == self.stamp_ns, 5.0
+        )
 
 
 @pytest.fixture(scope='module')
@@ -132,6 +139,8 @@ def _focal_length(value: float) -> Callable[[CameraInfo], None]:
     'change, sentence',
     [
         (_set(encoding='rgb8'), "the encoding is 'rgb8'; it must be mono8"),
+        (_set(encoding='32FC1', data=array('f', [nan]).tobytes() * 160 * 120, step=640),
+         "the encoding is '32FC1'; it must be mono8"),
         (_set(width=0), 'neither may be 0'),
         (_set(height=0), 'neither may be 0'),
         (_set(step=10), 'step is 10 bytes; 160 px of mono8 need 160'),
@@ -183,8 +192,9 @@ def test_repeated_and_old_frames_are_named_and_left_out(tracker: Tracker) -> Non
     tracker.expect('its stamp is repeated', DiagnosticStatus.WARN)
     tracker.send(6, step_ns=-STEP_NS)
     tracker.stamp_ns += STEP_NS
-    tracker.send(2)
-    tracker.node.spin_until(lambda: len(tracker.bearings) == 1, 5.0)
+    for index in range(2, 9):
+        tracker.send(index)
+    tracker.node.spin_until(lambda: tracker.bearings, 5.0)
 
 
 def test_a_change_of_resolution_starts_afresh(tracker: Tracker) -> None:
@@ -193,9 +203,9 @@ def test_a_change_of_resolution_starts_afresh(tracker: Tracker) -> None:
     tracker.send(1)
     tracker.send(2, scene=scene)
     tracker.expect('changed from 160 x 120', DiagnosticStatus.WARN)
-    for index in (3, 4):
+    for index in range(3, 9):
         tracker.send(index, scene=scene)
-    tracker.node.spin_until(lambda: len(tracker.bearings) == 1, 5.0)
+    tracker.node.spin_until(lambda: tracker.bearings, 5.0)
 
 
 def test_a_camera_info_of_another_size_is_named(tracker: Tracker) -> None:
@@ -208,16 +218,66 @@ def test_a_camera_info_of_another_size_is_named(tracker: Tracker) -> None:
 
 def test_a_camera_that_stops_turns_visible_false(tracker: Tracker) -> None:
     """No frame at all: false within a second or two, for whoever listens later as well."""
-    for index in (1, 2):
-        tracker.send(index)
+    tracker.flash()
     tracker.node.spin_until(lambda: tracker.visible and tracker.visible[-1].data, 5.0)
     tracker.node.spin_until(lambda: not tracker.visible[-1].data, 5.0)
 
 
+def _filled(level: int) -> Callable[[Image], None]:
+    """Return a function that makes an image even."""
+
+    def change(image: Image) -> None:
+        image.data = array('B', [level] * len(image.data))
+
+    return change
+
+
+@pytest.mark.parametrize('change, sentence', [
+    (_filled(0), 'no target: the brightest pixel is 0 DN of 255: is the lens cap on?'),
+    (_filled(255), 'no target: 100 % of the pixels are clipped at 255 DN'),
+])
+def test_frames_that_show_nothing_are_named(
+    tracker: Tracker, change: Callable[[Image], None], sentence: str
+) -> None:
+    """The lens cap, or the sun: a WARN, not the silence of a light that is off."""
+    for index in range(1, 60):
+        tracker.send(index, change)
+    tracker.expect(sentence, DiagnosticStatus.WARN)
+    assert not tracker.bearings
+
+
+@pytest.mark.parametrize('indices', [
+    pytest.param((1, 3, 5, 7), id='never on'),
+    pytest.param((2, 2, 2, 2), id='always on'),
+])
+def test_a_light_that_does_not_flash_is_said_to_be_missing(
+    tracker: Tracker, indices: tuple[int, ...]
+) -> None:
+    """Frames in order that hold nothing to follow: a sentence, and no bearing."""
+    tracker.stamp_ns += 10**9
+    for _ in range(40):
+        for index in indices:
+            tracker.send(index)
+    tracker.expect('no target: nothing lit up', DiagnosticStatus.OK)
+    assert not tracker.bearings
+
+
+def test_an_exposure_that_jumps_gives_nothing(tracker: Tracker) -> None:
+    """Half as much light again in every other frame, and none of it from a target."""
+
+    def brighter(image: Image) -> None:
+        image.data = array('B', [min(level + level // 2, 255) for level in image.data])
+
+    tracker.stamp_ns += 10**9
+    for count in range(120):
+        tracker.send(2 * count + 1, brighter if count % 2 else lambda image: None)
+    tracker.expect('no target: ', DiagnosticStatus.OK)
+    assert not tracker.bearings
+
+
 def test_a_lost_target_turns_visible_false(tracker: Tracker) -> None:
     """The light stays off: false once, after lost_after; true again when it returns."""
-    for index in (1, 2):
-        tracker.send(index)
+    tracker.flash()
     tracker.node.spin_until(lambda: tracker.visible and tracker.visible[-1].data, 5.0)
     tracker.visible.clear()
     for _ in range(150):  # more than a second: a diagnostic that is all of this

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+import itertools
+from pathlib import Path
+import time
+
 from blob_tracker.camera import CameraModel
 from blob_tracker.ros.camera_info import from_camera_model, stamped
 from blob_tracker.ros.image import from_pixels
 from blob_tracker.ros.qos import IMAGE_OUT, STATE
 from blob_tracker.ros.stamp import to_ns
-from blob_tracker.simulation import coded, Light, periodic, Scene
+from blob_tracker.simulation import coded, in_step, Light, periodic, Scene
+from blob_tracker.types import SensorNoise
+import cv2
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped
+import numpy as np
 from processes import PATIENCE, probe, start
 import pytest
+from scipy.stats import chi2
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Bool
 
@@ -18,28 +28,48 @@ MODEL = CameraModel.from_field_of_view(160, 120, 40.0)
 CODES = {'port': '1101000', 'starboard': '1111010'}
 
 
-def before_a_wall(*lights: Light, exposure: float = 0.5) -> Scene:
+def before_a_wall(
+    *lights: Light, exposure: float = 0.5, read_noise: float = 0.7, saturation: int = 255
+) -> Scene:
     """Return a scene of these lights."""
     return Scene(
-        elements=lights, width=160, height=120, rate=RATE, exposure=exposure, texture=0.0
+        elements=lights,
+        width=160,
+        height=120,
+        rate=RATE,
+        exposure=exposure,
+        texture=0.0,
+        noise=SensorNoise(gain=40.0, read_noise=read_noise),
+        saturation=saturation,
     )
 
 
-def play(node, scene: Scene, until) -> None:
+def play(node, scene: Scene, until, timeout: float = PATIENCE) -> None:
     """Publish the frames of a scene until something has come of them."""
     images = node.create_publisher(Image, 'camera/image_raw', IMAGE_OUT)
     infos = node.create_publisher(CameraInfo, 'camera/camera_info', IMAGE_OUT)
-    index = 0
-
-    def step() -> bool:
-        nonlocal index
+    end = time.monotonic() + timeout
+    for index in itertools.count():
         stamp_ns = scene.stamp_ns(index)
         images.publish(from_pixels(scene.frame(index), stamp_ns, 'optical'))
         infos.publish(stamped(from_camera_model(MODEL, 160, 120), stamp_ns, 'optical'))
-        index += 1
-        return until()
+        node.spin(0.01)
+        if until():
+            break
+        assert time.monotonic() < end, f'not within {timeout} s'
+    node.destroy_publisher(images)
+    node.destroy_publisher(infos)
 
-    node.spin_until(step)
+
+def alternate(x: float, y: float, amplitude: float) -> Light:
+    """Return a light that is on in every other frame."""
+    return Light(x, y, 2.0, amplitude, in_step(RATE))
+
+
+def values(diagnostics: list[DiagnosticArray]) -> dict[str, str]:
+    """Return the values of the segmenter's last diagnostics; empty where there are none."""
+    said = [a.status[0] for a in diagnostics if a.status[0].name.startswith('/segmenter')]
+    return {pair.key: pair.value for pair in said[-1].values} if said else {}
 
 
 def test_each_coded_light_has_topics_of_its_own(domain: int) -> None:
@@ -59,8 +89,10 @@ def test_each_coded_light_has_topics_of_its_own(domain: int) -> None:
         with start('segmenter', domain, flash__mode='coded', flash__codes=codes):
             play(node, scene, lambda: all(len(windows[name]) >= 4 for name in CODES))
             node.spin(0.3)
+            assert all(visible[name][-1].data for name in CODES)
+            # The camera has stopped: no light is in view any more.
+            node.spin_until(lambda: not any(visible[name][-1].data for name in CODES))
     for name, (x, y) in places.items():
-        assert visible[name][-1].data is True
         assert {m.encoding for m in windows[name]} == {'8UC2'}
         for info in infos[name]:
             assert abs(info.roi.x_offset + (info.roi.width - 1) / 2 - x) <= 1.5
@@ -73,10 +105,18 @@ def test_periodic_windows_are_sums_of_16_bits(domain: int) -> None:
     with probe(domain) as node:
         windows = node.record(Image, 'target/window/image_raw')
         infos = node.record(CameraInfo, 'target/window/camera_info')
+        visible = node.record(Bool, 'target/visible', STATE)
+        diagnostics = node.record(DiagnosticArray, '/diagnostics')
         with start(
             'segmenter', domain, flash__mode='periodic', flash__frequency=0.31 * RATE
         ):
-            play(node, scene, lambda: len(windows) >= 2 and len(infos) >= 2)
+            play(node, scene, lambda: len(windows) >= 3 and len(infos) >= 3)
+            # From the first block on it is in view, also while the next one is gathered.
+            assert [m.data for m in visible][-1] is True
+            assert [m.data for m in visible].count(True) == 1
+            node.spin_until(lambda: 'frames summed in a window' in values(diagnostics))
+    # Of 16 frames half are lit; one may be cut by an edge.
+    assert values(diagnostics)['frames summed in a window'] == '7'
     assert {m.encoding for m in windows} == {'16UC2'}
     assert {to_ns(m.header.stamp) for m in windows} & {to_ns(m.header.stamp) for m in infos}
 
@@ -91,7 +131,100 @@ def test_steady_windows_have_one_channel(domain: int) -> None:
     assert {m.encoding for m in windows} == {'8UC1'}
 
 
+def test_the_covariance_of_summed_looks_is_true(domain: int) -> None:
+    """Segmenter and locator with 5 looks: the NEES of bearings whose noise is read noise."""
+    place = np.array([71.3, 52.6])
+    scene = before_a_wall(alternate(*place, 60.0), read_noise=3.0)
+    # Of the methods this one takes the noise as it is told: maximum_likelihood would see from its
+    # residuals that there is more.
+    locator = {'method': 'multi_gaussian_lm', 'noise__gain': 40.0, 'noise__read_noise': 3.0}
+    with probe(domain) as node:
+        windows = node.record(Image, 'target/window/image_raw')
+        centroids = node.record(PointStamped, 'target/centroid')
+        rays = node.record(PoseWithCovarianceStamped, 'target/ray')
+        with (
+            start('segmenter', domain, looks=5),
+            start('locator', domain, looks=5, **locator),
+        ):
+            play(node, scene, lambda: min(len(rays), len(centroids)) >= 40, timeout=60.0)
+    assert {m.encoding for m in windows} == {'16UC2'}
+    covariance = {to_ns(m.header.stamp): m.pose.covariance for m in rays}
+    focal_length = MODEL.matrix[0, 0]
+    squares = []
+    for message in centroids:
+        if to_ns(message.header.stamp) in covariance:
+            error = (np.array([message.point.x, message.point.y]) - place) / focal_length
+            # About y is azimuth, about x elevation; within a few degrees of the axis and so few
+            # hundredths of their correlation they are the errors along x and y in rad.
+            variance = np.array(covariance[to_ns(message.header.stamp)])[[28, 21]]
+            squares.append(float((error**2 / variance).sum()))
+    assert len(squares) >= 35
+    # One run in a million is outside; the read noise of one frame would make it 5 times 2.
+    low, high = chi2.ppf([5e-7, 1 - 5e-7], 2 * len(squares)) / len(squares)
+    assert low < np.mean(squares) < high
+
+
+def test_a_mask_hides_the_brighter_light(domain: int, tmp_path: Path) -> None:
+    """White about the fainter one; of another size it is an ERROR and no window comes."""
+    scene = before_a_wall(alternate(40, 30, 150.0), alternate(110, 80, 80.0))
+    mask = np.zeros((120, 160), np.uint8)
+    mask[60:100, 90:130] = 255
+    cv2.imwrite(str(tmp_path / 'mask.png'), mask)
+    cv2.imwrite(str(tmp_path / 'small.png'), mask[60:])
+    with probe(domain) as node:
+        infos = node.record(CameraInfo, 'target/window/camera_info')
+        with start('segmenter', domain, mask_url=tmp_path / 'mask.png'):
+            play(node, scene, lambda: len(infos) >= 5)
+        for info in infos:
+            assert abs(info.roi.x_offset + (info.roi.width - 1) / 2 - 110) <= 1.5
+        node.spin_until(lambda: 'segmenter' not in node.get_node_names())
+        infos.clear()
+        diagnostics = node.record(DiagnosticArray, '/diagnostics')
+        sentence = 'the mask is 160 x 60 px and the frame 160 x 120'
+        with start('segmenter', domain, mask_url=f'file://{tmp_path}/small.png'):
+            play(node, scene, lambda: any(sentence in a.status[0].message for a in diagnostics))
+        assert not infos
+
+
+def test_the_debug_image_and_the_diagnostics_show_the_look(domain: int) -> None:
+    """A picture for whoever subscribes; state, candidates and noise for all."""
+    scene = before_a_wall(alternate(71.3, 52.6, 60.0))
+    with probe(domain) as node:
+        windows = node.record(Image, 'target/window/image_raw')
+        pictures = node.record(Image, 'segmenter/debug_image')
+        diagnostics = node.record(DiagnosticArray, '/diagnostics')
+        with start('segmenter', domain):
+            play(node, scene, lambda: len(windows) >= 8 and len(pictures) >= 2)
+            node.spin_until(lambda: 'strongest of them' in values(diagnostics))
+    assert {m.encoding for m in pictures} == {'bgr8'}
+    assert all(m.width >= 900 and len(m.data) == m.height * m.step for m in pictures)
+    shown = values(diagnostics)
+    assert shown['state'] in ('locked', 'lost')
+    assert shown['strongest of them'].endswith('at (71, 53): may be the target')
+    # Two frames of 0.7 DN read noise, 1 DN shot noise and rounding; three digits are for people.
+    assert 1.2 < float(shown['noise (DN)']) < 2.2
+
+
+def test_more_looks_than_16_bits_hold_are_named(domain: int) -> None:
+    """A camera of 16 bits whose full scale is not said."""
+    scene = before_a_wall(alternate(71.3, 52.6, 600.0), saturation=4095)
+    with probe(domain) as node:
+        windows = node.record(Image, 'target/window/image_raw')
+        diagnostics = node.record(DiagnosticArray, '/diagnostics')
+        sentence = '5 frames of up to 65535 DN do not fit'
+        with start('segmenter', domain, looks=5):
+            play(node, scene, lambda: any(sentence in a.status[0].message for a in diagnostics))
+        assert not windows
+        node.spin_until(lambda: 'segmenter' not in node.get_node_names())
+        with start('segmenter', domain, looks=5, saturation=4095):
+            play(node, scene, lambda: windows)
+    assert windows[0].encoding == '16UC2'
+
+
 @pytest.mark.parametrize('parameters, sentence', [
+    ({'mask_url': '/no/mask.png'}, "'mask_url': there is no file /no/mask.png"),
+    ({'mask_url': __file__}, 'test_segmenter_modes.py is no image'),
+    ({'looks': 0}, "'looks' is 0; it must be an integer from 1 to 256"),
     ({'flash__mode': 'disco'}, "'flash.mode' is 'disco'; it must be one of alternate"),
     ({'flash__mode': 'coded'}, 'there is no code'),
     ({'flash__codes': 'a:1100,a:1010'}, "two codes are called 'a'"),

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import signal
+import subprocess
+import sys
 import time
 
 from processes import PATIENCE, probe, start
@@ -40,7 +42,7 @@ def test_ends_on_a_signal_without_a_trace(name: str, number: int, domain: int) -
         ('camera', {'camera_info_url': 'http://x/y'}, "'camera_info_url': http://x/y: write"),
         ('camera', {'pixel_format': 'RGB9'}, "'RGB9'; it must be one of '', GREY"),
         ('segmenter', {'min_snrr': 9.0}, "no parameter 'min_snrr'; did you mean 'min_snr'?"),
-        ('segmenter', {'typo': 1}, "no parameter 'typo'; there is min_snr"),
+        ('segmenter', {'typo': 1}, "no parameter 'typo'; there is flash.mode"),
         (
             'segmenter',
             {'qos_overrides./camera/image_raw.subscription.reliability': 'magic'},
@@ -51,6 +53,7 @@ def test_ends_on_a_signal_without_a_trace(name: str, number: int, domain: int) -
         ('locator', {'method': 'magic'}, "'method' is 'magic'; it must be one of "),
         ('locator', {'method': 'centroid', 'elliptical': True}, "'centroid' has no such form"),
         ('locator', {'noise__gain': 0.0}, "'noise.gain' is 0.0"),
+        ('locator', {'looks': 0}, "'looks' is 0; it must be an integer from 1 to 256"),
         ('simulator', {'width': 5}, "'width' is 5; it must be an integer from 16 to 8192 px"),
     ],
 )
@@ -74,6 +77,13 @@ def test_ctrl_c_while_loading_leaves_no_trace(name: str, pause: float, domain: i
         time.sleep(pause)
         assert process.end(signal.SIGINT) in (0, -signal.SIGINT)
     assert 'Traceback' not in process.output
+
+
+@pytest.mark.parametrize('name', ['camera', 'simulator', 'replay', 'demo'])
+def test_what_fits_nothing_does_not_load_the_compiler(name: str) -> None:
+    """Numba takes as long to load as all the rest."""
+    code = f'import sys, blob_tracker.nodes.{name}; sys.exit("numba" in sys.modules)'
+    assert subprocess.run([sys.executable, '-c', code], check=False).returncode == 0
 
 
 def test_wrong_ros_arguments_end_with_a_sentence(domain: int) -> None:

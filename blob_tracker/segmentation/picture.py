@@ -1,0 +1,349 @@
+"""A picture of what a segmenter saw in one frame, for people."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+import math
+from typing import Any, NamedTuple
+
+from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.look import Look
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Picture = NDArray[np.uint8]
+Colour = tuple[int, int, int]  # blue, green, red
+
+PAPER: Colour = (32, 32, 32)
+TEXT: Colour = (230, 230, 230)
+ACCEPTED: Colour = (90, 230, 90)
+REFUSED: Colour = (40, 150, 255)
+WINDOW: Colour = (0, 255, 255)
+REGION: Colour = (255, 170, 70)
+
+FONT, FONT_SIZE = cv2.FONT_HERSHEY_SIMPLEX, 0.45
+LINE = 19  # px from one line of text to the next
+GAP = 8  # px between the parts
+NARROWEST, WIDEST, HIGHEST = 480, 800, 720  # px of a panel: small frames grow, large ones shrink
+INSET = 144  # px of the side of a zoomed window
+LARGEST_CIRCLE = 80  # px of radius
+MOST_INSETS = 3  # windows that are zoomed
+AROUND = 3  # px of the frame about a zoomed window
+LEAST_NOISE, MOST = 0.01, 65535.0  # DN that can be
+STRETCH = 8.0  # standard deviations of the noise from grey to white
+DIMMEST = 64.0  # DN of white, at least: the noise of a dark frame must not look like a scene
+SAMPLES = 64  # pixels along either axis from which the brightness of the frame is told
+FARTHEST = 10_000.0  # px: where OpenCV still draws
+
+
+class _Zoom(NamedTuple):
+    """A part of the frame as it is drawn: its box, and picture pixels to one of the frame."""
+
+    box: Box
+    scale: float
+
+    def place(self, x: float, y: float) -> tuple[int, int]:
+        """Return the pixel of the picture for a place in the frame; far outside is cut."""
+        return (
+            _whole((x - self.box.x0 + 0.5) * self.scale - 0.5),
+            _whole((y - self.box.y0 + 0.5) * self.scale - 0.5),
+        )
+
+    def outline(self, picture: Picture, box: Box, colour: Colour) -> None:
+        """Draw the border of a box, its pixels inside."""
+        half = 0.5 - 0.5 / self.scale  # from the centre of a pixel to its last picture pixel
+        first = self.place(box.x0 - half, box.y0 - half)
+        last = self.place(box.x1 - 1 + half, box.y1 - 1 + half)
+        cv2.rectangle(picture, first, last, colour, 1)
+
+
+def draw(look: Look) -> Picture:
+    """
+    Draw a look: frame, difference, what lit up and why it was refused, window and state.
+
+    On the left the frame with the searched region (blue) and the windows (yellow); on the right
+    lit less unlit, grey where nothing changed and white or black at +-8 standard deviations of the
+    noise, with the candidates numbered: green where they may be the target, orange where they were
+    refused. Below them the state, the windows zoomed (lit, unlit, difference), or what is about
+    the strongest candidate where there is no window, and the candidates in words.
+
+    Parameters
+    ----------
+    look : Look
+        What the segmenter saw, in a frame of any size and depth.
+
+    Returns
+    -------
+    (h, w, 3) uint8 array
+        Blue, green and red; 984 to 1624 px wide, whatever the frame.
+
+    """
+    shape = look.lit.shape
+    whole = Box(0, 0, shape[1], shape[0])
+    zoom = _Zoom(whole, _scale(*shape))
+    brightest = _brightest(look.lit)
+    noise = _within(look.noise, LEAST_NOISE, MOST, 1.0)
+    rise = _rise(look, _within(look.background, -MOST, MOST, 0.0))
+    frame = _panel(
+        _shown(look.lit, 0.0, brightest, zoom.scale),
+        f'frame {shape[1]} x {shape[0]} px, white is {brightest:.0f} DN',
+    )
+    difference = _panel(
+        _shown(rise, -STRETCH * noise, STRETCH * noise, zoom.scale),
+        f'{"frame less its background" if look.unlit is None else "lit less unlit"}, '
+        f'grey to white is {STRETCH:g} x the noise of {noise:.2f} DN',
+    )
+    for panel in (frame[LINE:], difference[LINE:]):
+        if look.region != whole:
+            zoom.outline(panel, look.region, REGION)
+        for box in look.windows.values():
+            zoom.outline(panel, box, WINDOW)
+    taken = [
+        (*zoom.place(box.x0, box.y0), *zoom.place(box.x1, box.y1))
+        for box in look.windows.values()
+    ]
+    _mark(difference[LINE:], look.candidates, zoom, taken)
+    panels = np.hstack([frame, _blank(frame.shape[0], GAP), difference])
+    insets = _insets(look, rise, noise)
+    words = panels.shape[1] - insets.shape[1] - GAP
+    room = max(insets.shape[0] // LINE, 3)
+    state = f'{look.state}: {look.reason or "target in view"}'
+    below = _beside(insets, _lines(_in_words(look.candidates, words, room), words))
+    colour = ACCEPTED if look.windows else REFUSED
+    parts = [panels, _lines([(state, colour)], panels.shape[1]), below]
+    return np.pad(_stacked(parts), [(0, 0), (GAP, GAP), (0, 0)], constant_values=PAPER[0])
+
+
+def _scale(height: int, width: int) -> float:
+    """Return how many pixels of a panel are one of the frame."""
+    most = min(WIDEST / width, HIGHEST / height)
+    if most < 1.0:
+        return most
+    return float(min(max(math.ceil(NARROWEST / width), 1), math.floor(most)))
+
+
+def _brightest(image: NDArray[Any]) -> float:
+    """Return the DN that is shown white, but for a few pixels the brightest in the frame."""
+    step = [max(side // SAMPLES, 1) for side in image.shape]
+    value = float(np.percentile(image[::step[0], ::step[1]], 99.9))
+    return max(value, DIMMEST) if math.isfinite(value) else DIMMEST
+
+
+def _within(value: float, least: float, most: float, otherwise: float) -> float:
+    """Return a value within its bounds, or another for NaN."""
+    return otherwise if math.isnan(value) else min(max(value, least), most)
+
+
+def _rise(look: Look, background: float) -> NDArray[np.float32]:
+    """Return lit less unlit less background, DN."""
+    lit = look.lit.astype(np.float32)
+    if look.unlit is not None and look.unlit.shape == look.lit.shape:
+        lit -= look.unlit
+    lit -= background
+    return np.nan_to_num(lit)
+
+
+def _shown(image: NDArray[Any], black: float, white: float, scale: float) -> Picture:
+    """Return an image in grey, larger or smaller."""
+    size = [max(round(scale * side), 1) for side in image.shape]
+    way = cv2.INTER_NEAREST if scale >= 1.0 else cv2.INTER_AREA
+    image = cv2.resize(np.ascontiguousarray(image), (size[1], size[0]), interpolation=way)
+    grey = (image.astype(np.float32) - black) * (255.0 / max(white - black, 1e-9))
+    shades = np.clip(np.nan_to_num(grey), 0.0, 255.0).astype(np.uint8)
+    return np.asarray(cv2.cvtColor(shades, cv2.COLOR_GRAY2BGR), dtype=np.uint8)
+
+
+def _panel(shown: Picture, title: str) -> Picture:
+    """Return a picture with a line of text above it, as wide as a panel is at least."""
+    height, width = shown.shape[:2]
+    panel = _blank(LINE + height, max(width, NARROWEST))
+    _write(panel, title, 0, 0, TEXT)
+    panel[LINE:, :width] = shown
+    return panel
+
+
+def _mark(
+    panel: Picture,
+    candidates: Sequence[Candidate],
+    zoom: _Zoom,
+    taken: list[tuple[int, int, int, int]],
+) -> None:
+    """Circle and number the candidates; a number that finds no free place is left out."""
+    for number, candidate in enumerate(candidates, 1):
+        colour = REFUSED if candidate.refused else ACCEPTED
+        x, y = zoom.place(candidate.x, candidate.y)
+        radius = min(max(_whole(3.0 * candidate.sigma_major * zoom.scale), 6), LARGEST_CIRCLE)
+        cv2.circle(panel, (x, y), radius, colour, 1, cv2.LINE_AA)
+        for left, top in _places(x, y, radius, _width(str(number))):
+            label = (left, top, left + _width(str(number)), top + LINE)
+            inside = left >= 0 and top >= 0 and label[2] <= panel.shape[1] and (
+                label[3] <= panel.shape[0]
+            )
+            if inside and not any(_overlap(label, other) for other in taken):
+                taken.append(label)
+                _write(panel, str(number), left, top, colour, outlined=True)
+                break
+
+
+def _places(x: int, y: int, radius: int, width: int) -> list[tuple[int, int]]:
+    """Return where a number may stand by its circle, the best first: left and top, px."""
+    return [
+        place
+        for reach in (radius + 2, 2 * radius + 2)
+        for place in (
+            (x + reach, y - LINE // 2),
+            (x - reach - width, y - LINE // 2),
+            (x - width // 2, y - reach - LINE),
+            (x - width // 2, y + reach),
+        )
+    ]
+
+
+def _insets(look: Look, rise: NDArray[np.float32], noise: float) -> Picture:
+    """Return the windows zoomed, one below the other; else what the strongest candidate is."""
+    height, width = look.lit.shape
+    outline = WINDOW
+    zoomed = [
+        (f'{name or "window"} {box.x1 - box.x0} x {box.y1 - box.y0} px at ({box.x0}, {box.y0})',
+         box)
+        for name, box in look.windows.items()
+    ]
+    if not zoomed and look.candidates:
+        strongest = max(look.candidates, key=lambda candidate: candidate.snr)
+        half = min(max(_whole(4.0 * strongest.sigma_major), 3), max(height, width))
+        x, y = _whole(strongest.x), _whole(strongest.y)
+        number = look.candidates.index(strongest) + 1
+        zoomed = [(f'candidate {number}', Box(x - half, y - half, x + half + 1, y + half + 1))]
+        outline = REFUSED if strongest.refused else ACCEPTED
+    rows = []
+    for title, box in zoomed[:MOST_INSETS]:
+        around = Box(
+            max(box.x0 - AROUND, 0),
+            max(box.y0 - AROUND, 0),
+            min(box.x1 + AROUND, width),
+            min(box.y1 + AROUND, height),
+        )
+        if around.x0 >= around.x1 or around.y0 >= around.y1:
+            continue
+        lit = np.nan_to_num(look.lit[around.slices].astype(np.float32))
+        black, white = float(lit.min()), max(float(lit.max()), float(lit.min()) + STRETCH)
+        part = rise[around.slices]
+        most = max(float(np.abs(part).max()), STRETCH * noise)
+        shown: list[tuple[str, NDArray[Any], float, float]] = [
+            ('lit', lit, black, white), ('difference', part, -most, most)
+        ]
+        if look.unlit is not None and look.unlit.shape == look.lit.shape:
+            unlit = look.unlit[around.slices]
+            shown.insert(1, ('unlit', unlit, black, white))
+        zoom = _Zoom(around, INSET / max(around.x1 - around.x0, around.y1 - around.y0))
+        row = _blank(2 * LINE + INSET, len(shown) * (INSET + GAP) - GAP)
+        _write(row, title, 0, 0, TEXT)
+        for index, (name, pixels, low, high) in enumerate(shown):
+            grey = _shown(pixels, low, high, zoom.scale)
+            zoom.outline(grey, box, outline)
+            left = index * (INSET + GAP)
+            _write(row, name, left, LINE, TEXT)
+            row[2 * LINE:2 * LINE + grey.shape[0], left:left + grey.shape[1]] = (
+                grey[:INSET, :INSET]
+            )
+        rows.append(row)
+    return _stacked(rows) if rows else _blank(0, 0)
+
+
+def _in_words(
+    candidates: Sequence[Candidate], width: int, room: int
+) -> list[tuple[str, Colour]]:
+    """Return the candidates in so many lines of text at most, those that may be it first."""
+    if not candidates:
+        return [('nothing lit up', TEXT)]
+    lines: list[tuple[str, Colour]] = []
+    numbered = sorted(enumerate(candidates, 1), key=lambda item: bool(item[1].refused))
+    for count, (number, each) in enumerate(numbered):
+        text = (
+            f'{number}  SNR {each.snr:.1f}, {each.height:.0f} DN, sigma {each.sigma_major:.1f} x '
+            f'{each.sigma_minor:.1f} px at ({each.x:.1f}, {each.y:.1f}): '
+            f'{each.refused or "may be the target"}'
+        )
+        colour = REFUSED if each.refused else ACCEPTED
+        wrapped = [(line, colour) for line in _wrapped(text, width)]
+        left = len(candidates) - count
+        if len(lines) + len(wrapped) + (left > 1) > room:
+            return [*lines, (f'and {left} more', TEXT)]
+        lines += wrapped
+    return lines
+
+
+def _lines(lines: Sequence[tuple[str, Colour]], width: int) -> Picture:
+    """Return lines of text, wrapped where they are too long."""
+    wrapped = [(part, colour) for text, colour in lines for part in _wrapped(text, width)]
+    picture = _blank(LINE * len(wrapped), width)
+    for index, (text, colour) in enumerate(wrapped):
+        _write(picture, text, 0, LINE * index, colour)
+    return picture
+
+
+def _wrapped(text: str, width: int) -> list[str]:
+    """Return the text in lines of at most so many px, but for a word that is longer."""
+    lines: list[str] = []
+    for word in text.split():
+        longer = f'{lines[-1]} {word}' if lines else word
+        if lines and _width(longer) <= width:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
+
+
+def _width(text: str) -> int:
+    """Return the width of a text, px."""
+    return int(cv2.getTextSize(text, FONT, FONT_SIZE, 1)[0][0])
+
+
+def _write(
+    picture: Picture, text: str, left: int, top: int, colour: Colour, *, outlined: bool = False
+) -> None:
+    """Write a line of text with its top left corner at a pixel."""
+    foot = (left, top + LINE - 6)
+    if outlined:
+        cv2.putText(picture, text, foot, FONT, FONT_SIZE, (0, 0, 0), 3, cv2.LINE_AA)
+    cv2.putText(picture, text, foot, FONT, FONT_SIZE, colour, 1, cv2.LINE_AA)
+
+
+def _blank(height: int, width: int) -> Picture:
+    """Return an empty part of the picture."""
+    return np.full((height, width, 3), PAPER, dtype=np.uint8)
+
+
+def _stacked(parts: Sequence[Picture]) -> Picture:
+    """Return parts one below the other, with a gap under each."""
+    width = max(part.shape[1] for part in parts)
+    height = sum(part.shape[0] + GAP for part in parts)
+    picture = _blank(height, width)
+    top = 0
+    for part in parts:
+        picture[top:top + part.shape[0], :part.shape[1]] = part
+        top += part.shape[0] + GAP
+    return picture
+
+
+def _beside(left: Picture, right: Picture) -> Picture:
+    """Return two parts beside each other."""
+    height = max(left.shape[0], right.shape[0])
+    picture = _blank(height, left.shape[1] + GAP + right.shape[1])
+    picture[:left.shape[0], :left.shape[1]] = left
+    picture[:right.shape[0], left.shape[1] + GAP:] = right
+    return picture
+
+
+def _overlap(one: tuple[int, int, int, int], other: tuple[int, int, int, int]) -> bool:
+    """Tell whether two rectangles of left, top, right, bottom share a pixel."""
+    return (
+        one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
+    )
+
+
+def _whole(value: float) -> int:
+    """Return the nearest whole number, of those that OpenCV can draw at; 0 for none."""
+    return round(_within(value, -FARTHEST, FARTHEST, 0.0))
