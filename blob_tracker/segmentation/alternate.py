@@ -123,12 +123,7 @@ class Alternate:
         target = self._confirmation.choose(candidates, contrast.shape)
         if target is not None:
             return [('', target)]
-        allowed = [each for each in candidates if not each.refused]
-        refused = [each for each in candidates if each.refused]
-        if self.reason:
-            return []
-        if allowed:
-            self.reason = f'{len(allowed)} lit up; none of them flashes in step with the frames yet'
-        elif refused:
-            self.reason = refused[0].refused
+        allowed = sum(not each.refused for each in candidates)
+        if allowed and not self.reason:
+            self.reason = f'{allowed} lit up; none of them flashes in step with the frames yet'
         return []

@@ -400,11 +400,11 @@ def _fall(
     left, right = max(int(x - half_x), region[0]), min(int(x + half_x) + 1, region[2] - 1)
     top, bottom = max(int(y - half_y), region[1]), min(int(y + half_y) + 1, region[3])
     step = 1 + int(half_y / (3 * SAMPLES + 1))
-    lowest = np.int32(0)
+    lowest = np.int32(2**30)
     for j in range(top, bottom, step):
         a, b = lit[j], unlit[j]
         for i in range(np.uint64(left), np.uint64(right)):
             k = i + np.uint64(1)
             both = np.int32(a[i]) - np.int32(b[i]) + np.int32(a[k]) - np.int32(b[k])
             lowest = min(lowest, np.int32(both))
-    return level - 0.5 * lowest
+    return max(level - 0.5 * lowest, 0.0)

@@ -183,6 +183,8 @@ class Segmenter:
         """Return why nothing was chosen."""
         if self.flash.reason:
             return self.flash.reason
+        if found.candidates:
+            return found.candidates[0].refused
         return (
             f'nothing lit up: the strongest rise is {found.strongest:.0f} DN, '
             f'{found.strongest / found.noise:.1f} times the noise; the SNR asked for in the '

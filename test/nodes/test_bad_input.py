@@ -171,7 +171,7 @@ def test_an_impossible_calibration_is_named_and_gives_nothing(
     tracker: Tracker, change: Callable[[CameraInfo], None], sentence: str
 ) -> None:
     """The locator says what is wrong with the camera_info."""
-    for index in range(1, 5):
+    for index in range(1, 13):  # flashes enough to be sure of the target
         tracker.send(index, change_info=change)
     tracker.expect(sentence, DiagnosticStatus.ERROR)
     assert not tracker.bearings
