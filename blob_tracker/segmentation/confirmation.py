@@ -23,10 +23,10 @@ FIRST = 3  # pairs of frames in which a single light is taken for the target at 
 REGION = 16  # px about the prediction, and as many sigma as FLANK says
 # False alarms: at most so many by chance in a frame, at the rate at which new things light up.
 CHANCE = 3e-6
-CLUSTERED = 5.0  # times denser than if they were spread evenly: glints, leaves, a street's lamps
+CLUSTERED = 20.0  # times denser than if they were spread evenly: glints, leaves, a street's lamps
 LEAST_MEMORY, MOST_MEMORY = 16, 128  # frames over which that rate is the mean
 FIRST_RATE = 0.05  # before anything was seen
-MOST_FLASHES = 5  # are always enough
+MOST_FLASHES = 6  # are always enough
 SPOILED = 2  # more flashes are asked of a light that was once seen out of step
 
 
@@ -184,8 +184,9 @@ class Confirmation:
             return fresh
         age = self._age(nearest)
         if not self._in_step(age):
-            # The light of a target may slip by a frame; a lamp does so all the time.
-            fresh.spoiled = nearest is not self._locked
+            if nearest.flashes >= MOST_FLASHES:
+                return fresh  # something else; or the light slipped by a frame, and begins anew
+            fresh.spoiled = True
             if nearest is self._locked:
                 self._locked = None
             self._tracks = [each for each in self._tracks if each is not nearest]
@@ -229,9 +230,10 @@ class Confirmation:
         """Return after how many flashes chance cannot have made a track."""
         # Half of what lights up within reach is as bright as what lit up there before.
         near = 0.5 * CLUSTERED * math.pi / (shape[0] * shape[1])
-        first = self._rate * min(near * self.gate**2, 1.0)
-        later = self._rate * min(near * (FOLLOWED * self.gate) ** 2, 1.0)
-        chance, flashes = self._rate * first, 2
+        rate = max(self._rate - 1.0 / self._remembered, 0.0)  # the target was new once as well
+        first = rate * min(near * self.gate**2, 1.0)
+        later = rate * min(near * (FOLLOWED * self.gate) ** 2, 1.0)
+        chance, flashes = rate * first, 2
         while chance > CHANCE and flashes < MOST_FLASHES:
             chance *= later
             flashes += 1

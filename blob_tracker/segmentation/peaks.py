@@ -347,8 +347,8 @@ def _describe(
                 left_over = float(lit[j, i]) - float(unlit[j, i]) - level - amplitude * w
                 misfit += left_over * left_over
                 count += 1
-    # Less what the noise explains, and three of its standard deviations.
-    misfit -= (count + 3.0 * np.sqrt(2.0 * count)) * noise * noise
+    # Less what the noise explains, and five of its standard deviations: it is known to 10 % only.
+    misfit -= (count + 5.0 * np.sqrt(2.0 * count)) * noise * noise
     explained = amplitude * amplitude * norm
     out[0:9] = blob
     out[9], out[10], out[11] = column, row, height

@@ -11,6 +11,7 @@ LONGEST = 3.0  # times as long as wide: a moving edge, a glint's streak or a ban
 NARROWEST = 0.7  # px: below it the width is that of the pixel, and noise decides
 WORST_MISFIT = 0.5  # a clipped or a square blob leaves 0.3; half a blob, an edge or a ring more
 SAMPLED = 0.9  # px of sigma, from which on pixels draw the shape of a blob
+UNSAMPLED_MISFIT = 1.0  # below it
 # A lamp on the mains does not go dark within an exposure: more of it stands than comes. Of a
 # flash nothing is left but the background, and that is no higher than its own texture.
 STANDING = 1.0
@@ -52,7 +53,9 @@ def refuse(candidate: Candidate, followed: bool) -> str:
             f'a rise of {height:.0f} DN beside a fall of {candidate.fall:.0f} DN: '
             'something moved, or the light was on in both frames'
         )
-    if candidate.misfit > WORST_MISFIT and candidate.sigma_minor > SAMPLED:
+    if candidate.misfit > (
+        WORST_MISFIT if candidate.sigma_minor > SAMPLED else UNSAMPLED_MISFIT
+    ):
         return (
             f'a rise of {height:.0f} DN that is no blob: a Gaussian leaves '
             f'{100 * candidate.misfit:.0f} % of it'
