@@ -16,6 +16,8 @@ UNSAMPLED_MISFIT = 1.0  # below it
 # flash nothing is left but the background, and that is no higher than its own texture.
 STANDING = 1.0
 TEXTURE = 3.0  # standard deviations
+# The edge of something slow rises as little as this over the step that it makes in the scene.
+EDGE = 1.5
 FOLLOWED = 3.0  # times that: a target that is followed may pass in front of something bright
 # Two lit frames of a moving light leave a rise and an equal fall beside each other; a true flash
 # leaves no fall but noise. Half-way between the two tells them apart.
@@ -65,6 +67,11 @@ def refuse(candidate: Candidate, followed: bool) -> str:
         return (
             f'a rise of {candidate.amplitude:.0f} DN on {candidate.stood:.0f} DN that were there '
             'before: a lamp that flickers'
+        )
+    if not followed and candidate.amplitude < EDGE * candidate.texture:
+        return (
+            f'a rise of {candidate.amplitude:.0f} DN where the scene itself varies by '
+            f'{candidate.texture:.0f} DN: an edge that moved a little'
         )
     if candidate.clipped:
         return (
