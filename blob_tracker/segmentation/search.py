@@ -92,7 +92,7 @@ def search(
         return measure_peaks(
             contrast.lit,
             unlit,
-            tuple(region),
+            (region.x0, region.y0, region.x1, region.y1),
             mask,
             contrast.floor,
             _threshold(region),
