@@ -99,6 +99,7 @@ def search(
             min_snr,
             LARGEST_SIGMA,
             contrast.saturation,
+            not contrast.unlit_looks,
         )
 
     table, gains, change, level, noise, brightness, strongest = look(contrast.unlit)
