@@ -22,7 +22,7 @@ MOST_CANDIDATES, FEW_CANDIDATES = 256, 16
 FLANK = 4.0  # sigma of a blob, and as many px, within which further peaks are its own
 WINDOW = 3.0  # sigma to either side: what is compared with a Gaussian
 BAND = 0.25  # of a row above the threshold: the row is brighter, not something in it
-SMALL = 65536  # px: a region about a prediction
+SMALL = 65536  # px: a larger region is not near the prediction
 CROWDED = 32  # pixels of a tile's row above the threshold: of such only the highest is looked at
 SAMPLES = 12  # to either side of a blob on which it is compared; of wider ones pixels are left out
 
@@ -39,6 +39,7 @@ def measure_peaks(
     largest: float,
     saturation: int,
     alone: bool,
+    followed: bool,
 ) -> tuple[Array, Array, float, float, float, float, float]:
     """
     Return what rose in a region, the highest first, and the noise that it stands in.
@@ -68,6 +69,8 @@ def measure_peaks(
     alone : bool
         Whether nothing was subtracted. The level is then that of the scene, tile by tile; of a
         difference it is one for the whole region.
+    followed : bool
+        Whether the region is that about a prediction.
 
     Returns
     -------
@@ -123,7 +126,7 @@ def measure_peaks(
                 more = np.empty((MOST_CANDIDATES, FIELDS))
                 more[:found] = table
                 table = more
-    if found == 0 and (x1 - x0) * (y1 - y0) <= SMALL:
+    if found == 0 and followed and (x1 - x0) * (y1 - y0) <= SMALL:
         # Near the prediction a faint blob is worth a second look: its brightest 3 x 3 pixels.
         column, row, height = _brightest_square(lit, unlit, region, mask)
         ty = min((row - y0) // TILE, noises.shape[0] - 1)

@@ -100,6 +100,7 @@ def search(
             LARGEST_SIGMA,
             contrast.saturation,
             not contrast.unlit_looks,
+            followed,
         )
 
     table, gains, change, level, noise, brightness, strongest = look(contrast.unlit)
