@@ -23,6 +23,5 @@ __all__ = [
     'compile_ahead',
     'exposure_fault',
     'flash_by_name',
-    'most_looks',
     'threshold_by_name',
 ]

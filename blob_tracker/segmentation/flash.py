@@ -1,4 +1,4 @@
-"""What every flash mode does: say what to compare, where to look, and which light is the target."""
+"""What a flash mode does: say what to compare, where to look, and which light is the target."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ MOST_CANDIDATES, FEW_CANDIDATES = 256, 16
 FLANK = 4.0  # sigma of a blob, and as many px, within which further peaks are its own
 WINDOW = 3.0  # sigma to either side: what is compared with a Gaussian
 BAND = 0.25  # of a row above the threshold: the row is brighter, not something in it
-SMALL = 65536  # px: a region about a prediction
+SMALL = 65536  # px: a larger region is not near the prediction
 CROWDED = 32  # pixels of a tile's row above the threshold: of such only the highest is looked at
 SAMPLES = 12  # to either side of a blob on which it is compared; of wider ones pixels are left out
 
@@ -38,6 +38,8 @@ def measure_peaks(
     least: float,
     largest: float,
     saturation: int,
+    alone: bool,
+    followed: bool,
 ) -> tuple[Array, Array, float, float, float, float, float]:
     """
     Return what rose in a region, the highest first, and the noise that it stands in.
@@ -64,6 +66,11 @@ def measure_peaks(
         Greatest sigma, px.
     saturation : int
         The DN at which a pixel is clipped.
+    alone : bool
+        Whether nothing was subtracted. The level is then that of the scene, tile by tile; of a
+        difference it is one for the whole region.
+    followed : bool
+        Whether the region is that about a prediction.
 
     Returns
     -------
@@ -83,16 +90,18 @@ def measure_peaks(
     gains, change = row_gains(lit, unlit, y0, y1)
     levels, noises, bright = tile_noise(lit, unlit, x0, y0, x1, y1, floor)
     level = np.median(levels)
+    if not alone:
+        levels[:] = level
     room = FEW_PEAKS
     peaks = np.empty((room, 3))
-    count, strongest = _peaks(lit, unlit, region, mask, level, noises, threshold, peaks)
+    count, strongest = _peaks(lit, unlit, region, mask, levels, noises, threshold, peaks)
     while count > room:
         if room < MOST_PEAKS:
             room = MOST_PEAKS
             peaks = np.empty((room, 3))
         else:
             threshold *= 2.0
-        count, strongest = _peaks(lit, unlit, region, mask, level, noises, threshold, peaks)
+        count, strongest = _peaks(lit, unlit, region, mask, levels, noises, threshold, peaks)
     table = np.empty((FEW_CANDIDATES, FIELDS))
     found = 0
     for index in np.argsort(-peaks[:count, 2]):
@@ -102,10 +111,12 @@ def measure_peaks(
         ty = min((row - y0) // TILE, noises.shape[0] - 1)
         tx = min((column - x0) // TILE, noises.shape[1] - 1)
         noise = noises[ty, tx]
-        blob = measure(lit, unlit, region, column, row, level, noise, least, largest)
+        blob = measure(
+            lit, unlit, region, column, row, levels[ty, tx], noise, least, largest
+        )
         if blob[7] >= least:
             _describe(
-                table[found], lit, unlit, region, saturation, blob, column, row, noise,
+                table[found], lit, unlit, region, saturation, alone, blob, column, row, noise,
                 peaks[index, 2],
             )
             found += 1
@@ -115,17 +126,17 @@ def measure_peaks(
                 more = np.empty((MOST_CANDIDATES, FIELDS))
                 more[:found] = table
                 table = more
-    if found == 0 and (x1 - x0) * (y1 - y0) <= SMALL:
+    if found == 0 and followed and (x1 - x0) * (y1 - y0) <= SMALL:
         # Near the prediction a faint blob is worth a second look: its brightest 3 x 3 pixels.
         column, row, height = _brightest_square(lit, unlit, region, mask)
-        noise = noises[
-            min((row - y0) // TILE, noises.shape[0] - 1),
-            min((column - x0) // TILE, noises.shape[1] - 1),
-        ]
-        blob = measure(lit, unlit, region, column, row, level, noise, least, largest)
+        ty = min((row - y0) // TILE, noises.shape[0] - 1)
+        tx = min((column - x0) // TILE, noises.shape[1] - 1)
+        noise, under = noises[ty, tx], levels[ty, tx]
+        blob = measure(lit, unlit, region, column, row, under, noise, least, largest)
         if blob[7] >= least:
             _describe(
-                table[0], lit, unlit, region, saturation, blob, column, row, noise, height - level
+                table[0], lit, unlit, region, saturation, alone, blob, column, row, noise,
+                height - under,
             )
             found = 1
     return table[:found], gains, change, level, np.median(noises), np.median(bright), strongest
@@ -137,7 +148,7 @@ def _peaks(
     unlit: Pixels,
     region: tuple[int, int, int, int],
     mask: NDArray[np.uint8],
-    level: float,
+    levels: Array,
     noises: Array,
     threshold: float,
     peaks: Array,
@@ -152,22 +163,22 @@ def _peaks(
     count, strongest = 0, 0.0
     lowest = np.empty(down)
     for ty in range(down):
-        lowest[ty] = threshold * noises[ty].min()
+        lowest[ty] = (levels[ty] + threshold * noises[ty]).min()
     # Most rows hold nothing: one look at each whole row, with the least of its thresholds.
     rises = np.empty(y1 - y0)
     for j in range(y0, y1):
         rises[j - y0] = _greatest_rise(lit[j], unlit[j], x0, x1)
     for j in range(y0, y1):
         ty = min((j - y0) // TILE, down - 1)
-        highest = rises[j - y0] - level
-        strongest = max(strongest, highest)
-        if highest <= lowest[ty]:
+        strongest = max(strongest, rises[j - y0] - levels[ty].min())
+        if rises[j - y0] <= lowest[ty]:
             continue
         a, b = lit[j], unlit[j]
         brighter = -1.0
         for tx in range(across):
             left = x0 + tx * TILE
             right = x1 if tx == across - 1 else left + TILE
+            level = levels[ty, tx]
             highest = float(_greatest_rise(a, b, left, right)) - level
             least = threshold * noises[ty, tx]
             if highest <= least:
@@ -303,6 +314,7 @@ def _describe(
     unlit: Pixels,
     region: tuple[int, int, int, int],
     saturation: int,
+    alone: bool,
     blob: tuple[float, float, float, float, float, float, float, float, float],
     column: int,
     row: int,
@@ -355,7 +367,10 @@ def _describe(
     out[12] = amplitude
     out[13] = np.sqrt(max(misfit, 0.0) / explained) if explained > 0.0 else 0.0
     out[14] = _beside(lit, unlit, region, column, row, level) / max(height, noise)
-    out[15] = _fall(lit, unlit, region, x, y, 3.0 * half_x, 3.0 * half_y, level)
+    # In one frame by itself nothing fell: what is darker beside it is the scene.
+    out[15] = 0.0
+    if not alone:
+        out[15] = _fall(lit, unlit, region, x, y, 3.0 * half_x, 3.0 * half_y, level)
     out[16] = stood / total if total > 0.0 else 0.0
     out[17] = texture
     out[18] = clipped

@@ -92,13 +92,15 @@ def search(
         return measure_peaks(
             contrast.lit,
             unlit,
-            tuple(region),
+            (region.x0, region.y0, region.x1, region.y1),
             mask,
             contrast.floor,
             _threshold(region),
             min_snr,
             LARGEST_SIGMA,
             contrast.saturation,
+            not contrast.unlit_looks,
+            followed,
         )
 
     table, gains, change, level, noise, brightness, strongest = look(contrast.unlit)

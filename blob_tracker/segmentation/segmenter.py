@@ -18,7 +18,6 @@ from blob_tracker.types import Frame, Window
 import numpy as np
 from numpy.typing import NDArray
 
-
 GATED = 0.85  # of the SNR that is asked for is enough where the target is expected
 
 
@@ -172,7 +171,9 @@ class Segmenter:
         """Return the window of the target, or None with the reason why there is none."""
         box = self.threshold(contrast, candidate, self.max_blob)
         if box is None or max(box.x1 - box.x0, box.y1 - box.y0) > 2 * self.max_blob + 1:
-            self.reason = f'what lit up is no blob of at most {2 * self.max_blob + 1} px (max_blob)'
+            self.reason = (
+                f'what lit up is no blob of at most {2 * self.max_blob + 1} px (max_blob)'
+            )
             return None
         if box.cut_through(*candidate.peak, contrast.shape):
             self.reason = "the target is cut by the frame's edge"

@@ -12,6 +12,9 @@ from blob_tracker.types import Frame, Pixels
 import numpy as np
 
 ROUNDING = float(np.sqrt(1 / 12))  # DN, of one frame
+# Standard deviations of a pixel, the scene's texture among them. A texture is not white: a wide
+# filter sums it up as it does the light, so that its SNR alone does not tell them apart.
+LEAST_HEIGHT = 5.0
 
 
 class Steady:
@@ -58,9 +61,20 @@ class Steady:
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
-        """Return the candidate of the highest SNR, under the empty name."""
+        """Return the candidate of the highest SNR that the scene does not explain."""
         self.reason = ''
-        return strongest(candidates)
+        found = strongest([
+            each for each in candidates if each.amplitude >= LEAST_HEIGHT * each.noise
+        ])
+        below = strongest(candidates)
+        if not found and below:
+            _, light = below[0]
+            self.reason = (
+                f'the best blob stands {light.amplitude:.0f} DN above the scene, '
+                f'{light.amplitude / light.noise:.1f} times its noise and texture; a light that '
+                f'does not flash must be {LEAST_HEIGHT:g} times as high as they are'
+            )
+        return found
 
 
 def strongest(candidates: Sequence[Candidate]) -> list[tuple[str, Candidate]]:

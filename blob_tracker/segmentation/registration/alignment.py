@@ -39,7 +39,6 @@ STILL_WITHIN = 0.02  # px at the corners: such a motion is none, and nothing is 
 DOUBT = 3.0  # standard deviations of the map, within which a motion is none either
 
 
-
 class _Points(NamedTuple):
     """
     Places in the unlit frame, and what they show.

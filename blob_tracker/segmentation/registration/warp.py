@@ -71,8 +71,9 @@ def laid_over(
             unlit[top:bottom].astype(np.float32), (start, slope, shear), _WEIGHTS, rows
         )
         start = back[1] @ (box.x0, box.y0, 1.0) - top
-        _along_rows(cv2.transpose(rows), (start, back[1, 1], back[1, 0]), _WEIGHTS, columns)
-        _round(cv2.transpose(columns), np.iinfo(out.dtype).max, out)
+        turned = np.asarray(cv2.transpose(rows), np.float32)
+        _along_rows(turned, (start, back[1, 1], back[1, 0]), _WEIGHTS, columns)
+        _round(np.asarray(cv2.transpose(columns), np.float32), np.iinfo(out.dtype).max, out)
     return out
 
 
