@@ -15,11 +15,14 @@ from numpy.typing import NDArray
 
 FIELDS = 20  # of a candidate
 # Of a frame; where there are more peaks only the higher ones are looked at, and of these the
-# highest are measured: a field of stars has a hundred. Most frames need no more than FEW, and room
+# highest are measured: a field of stars has hundreds. Most frames need no more than FEW, and room
 # for more would cost more time than the search.
 MOST_PEAKS, FEW_PEAKS = 2048, 128
-MOST_CANDIDATES, FEW_CANDIDATES = 256, 16
-FLANK = 4.0  # sigma of a blob, and as many px, within which further peaks are its own
+MOST_CANDIDATES, FEW_CANDIDATES = 1024, 16
+FLANK = 4.0  # sigma of a blob within which further peaks are its own
+# And as many px further out those that have such a part of its height: the wings of the lens, the
+# ringing of a codec. What is brighter is another light beside it.
+WING = 0.1
 WINDOW = 3.0  # sigma to either side: what is compared with a Gaussian
 BAND = 0.25  # of a row above the threshold: the row is brighter, not something in it
 SMALL = 65536  # px: a region about a prediction
@@ -103,14 +106,12 @@ def measure_peaks(
     found = 0
     for index in np.argsort(-peaks[:count, 2]):
         column, row = int(peaks[index, 0]), int(peaks[index, 1])
-        if _on_flank(table[:found], column, row):
+        if _on_flank(table[:found], column, row, peaks[index, 2]):
             continue
         ty = min((row - y0) // TILE, noises.shape[0] - 1)
         tx = min((column - x0) // TILE, noises.shape[1] - 1)
-        noise = noises[ty, tx]
-        blob = measure(
-            lit, unlit, region, column, row, levels[ty, tx], noise, least, largest
-        )
+        noise, under = noises[ty, tx], _level_at(levels, column - x0, row - y0)
+        blob = measure(lit, unlit, region, column, row, under, noise, least, largest)
         if blob[7] >= least:
             _describe(
                 table[found], lit, unlit, region, saturation, alone, blob, column, row, noise,
@@ -128,7 +129,7 @@ def measure_peaks(
         column, row, height = _brightest_square(lit, unlit, region, mask)
         ty = min((row - y0) // TILE, noises.shape[0] - 1)
         tx = min((column - x0) // TILE, noises.shape[1] - 1)
-        noise, under = noises[ty, tx], levels[ty, tx]
+        noise, under = noises[ty, tx], _level_at(levels, column - x0, row - y0)
         blob = measure(lit, unlit, region, column, row, under, noise, least, largest)
         if blob[7] >= least:
             _describe(
@@ -159,15 +160,18 @@ def _peaks(
     down, across = noises.shape
     count, strongest = 0, 0.0
     lowest = np.empty(down)
+    floors = np.empty((down, across))
     for ty in range(down):
-        lowest[ty] = (levels[ty] + threshold * noises[ty]).min()
+        for tx in range(across):
+            floors[ty, tx] = _lowest_level(levels, tx, ty)
+        lowest[ty] = (floors[ty] + threshold * noises[ty]).min()
     # Most rows hold nothing: one look at each whole row, with the least of its thresholds.
     rises = np.empty(y1 - y0)
     for j in range(y0, y1):
         rises[j - y0] = _greatest_rise(lit[j], unlit[j], x0, x1)
     for j in range(y0, y1):
         ty = min((j - y0) // TILE, down - 1)
-        strongest = max(strongest, rises[j - y0] - levels[ty].min())
+        strongest = max(strongest, rises[j - y0] - floors[ty].min())
         if rises[j - y0] <= lowest[ty]:
             continue
         a, b = lit[j], unlit[j]
@@ -175,7 +179,7 @@ def _peaks(
         for tx in range(across):
             left = x0 + tx * TILE
             right = x1 if tx == across - 1 else left + TILE
-            level = levels[ty, tx]
+            level = floors[ty, tx]
             highest = float(_greatest_rise(a, b, left, right)) - level
             least = threshold * noises[ty, tx]
             if highest <= least:
@@ -198,12 +202,38 @@ def _peaks(
                     continue
                 if mask.size > 0 and mask[j, i] == 0:
                     continue
+                height = rise - _level_at(levels, i - x0, j - y0)
+                if height <= threshold * noises[ty, tx]:
+                    continue
                 if count < peaks.shape[0]:
-                    peaks[count, 0], peaks[count, 1], peaks[count, 2] = i, j, rise - level
+                    peaks[count, 0], peaks[count, 1], peaks[count, 2] = i, j, height
                 count += 1
                 if crowded:
                     break
     return count, strongest
+
+
+@kernel
+def _level_at(levels: Array, x: float, y: float) -> float:
+    """Return the level at a place, px from the first tile: on planes between the tiles' middles."""
+    down, across = levels.shape
+    v, u = y / TILE - 0.5, x / TILE - 0.5
+    top, left = max(min(int(v), down - 2), 0), max(min(int(u), across - 2), 0)
+    under, beside = min(top + 1, down - 1), min(left + 1, across - 1)
+    v, u = v - top, u - left
+    upper = levels[top, left] + u * (levels[top, beside] - levels[top, left])
+    lower = levels[under, left] + u * (levels[under, beside] - levels[under, left])
+    return upper + v * (lower - upper)
+
+
+@kernel
+def _lowest_level(levels: Array, tx: int, ty: int) -> float:
+    """Return the least level at the four corners of a tile."""
+    lowest = levels[ty, tx]
+    for y in (ty, ty + 1):
+        for x in (tx, tx + 1):
+            lowest = min(lowest, _level_at(levels, float(x * TILE), float(y * TILE)))
+    return lowest
 
 
 @kernel
@@ -287,12 +317,15 @@ def _is_peak(
 
 
 @kernel
-def _on_flank(table: Array, column: int, row: int) -> bool:
-    """Tell whether a peak lies on a blob that was measured."""
+def _on_flank(table: Array, column: int, row: int, height: float) -> bool:
+    """Tell whether a peak lies on a blob that was measured, or in its wings."""
     for k in range(table.shape[0]):
         dx, dy = column - table[k, 0], row - table[k, 1]
-        margin = FLANK / max(min(table[k, 2], table[k, 3]), 0.5)
-        if _distance2(dx, dy, table[k, 2], table[k, 3], table[k, 6]) < (FLANK + margin) ** 2:
+        q = np.sqrt(_distance2(dx, dy, table[k, 2], table[k, 3], table[k, 6]))
+        if q < FLANK:
+            return True
+        outside = np.sqrt(dx * dx + dy * dy) * (1.0 - FLANK / q)
+        if outside < FLANK and height < WING * table[k, 11]:
             return True
     return False
 
