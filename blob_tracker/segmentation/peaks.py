@@ -8,12 +8,12 @@ from __future__ import annotations
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.adaptive_moments import measure
 from blob_tracker.segmentation.illumination import row_gains
-from blob_tracker.segmentation.tile_noise import TILE, tile_noise
+from blob_tracker.segmentation.tile_noise import median, TILE, tile_noise
 from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
 
-FIELDS = 20  # of a candidate
+FIELDS = 21  # of a candidate
 # Of a frame; where there are more peaks only the higher ones are looked at, and of these the
 # highest are measured: a field of stars has hundreds. Most frames need no more than FEW, and room
 # for more would cost more time than the search.
@@ -27,6 +27,7 @@ WINDOW = 3.0  # sigma to either side: what is compared with a Gaussian
 BAND = 0.25  # of a row above the threshold: the row is brighter, not something in it
 SMALL = 65536  # px: a region about a prediction
 CROWDED = 32  # pixels of a tile's row above the threshold: of such only the highest is looked at
+FROM_MEAN = np.sqrt(0.5 * np.pi)  # sigma over the mean |d| of a Gaussian deviate
 SAMPLES = 12  # to either side of a blob on which it is compared; of wider ones pixels are left out
 
 
@@ -74,7 +75,7 @@ def measure_peaks(
 
     Returns
     -------
-    table : (n, 20) array
+    table : (n, 21) array
         A row for each peak of at least that SNR: the fields of `Candidate` in their order.
     gains : (n, 2) array
         How the light on the scene changed, see `row_gains`.
@@ -112,7 +113,8 @@ def measure_peaks(
         tx = min((column - x0) // TILE, noises.shape[1] - 1)
         noise, under = noises[ty, tx], _level_at(levels, column - x0, row - y0)
         blob = measure(lit, unlit, region, column, row, under, noise, least, largest)
-        if blob[7] >= least:
+        # A faint peak in the reach of a brighter light ends in it, or half-way to it.
+        if blob[7] >= least and not _wandered(table[:found], blob, column, row):
             _describe(
                 table[found], lit, unlit, region, saturation, alone, blob, column, row, noise,
                 peaks[index, 2],
@@ -331,6 +333,26 @@ def _on_flank(table: Array, column: int, row: int, height: float) -> bool:
 
 
 @kernel
+def _wandered(
+    table: Array,
+    blob: tuple[float, float, float, float, float, float, float, float, float],
+    column: int,
+    row: int,
+) -> bool:
+    """Tell whether what was measured is not at its peak, or is a blob that was measured before."""
+    x, y, sigma_x, sigma_y, _, _, correlation, _, _ = blob
+    margin = 1.0 / min(sigma_x, sigma_y)
+    away = np.sqrt(_distance2(column - x, row - y, sigma_x, sigma_y, correlation))
+    if away > WINDOW + margin:
+        return True
+    for k in range(table.shape[0]):
+        dx, dy = x - table[k, 0], y - table[k, 1]
+        if _distance2(dx, dy, table[k, 2], table[k, 3], table[k, 6]) < 1.0:
+            return True
+    return False
+
+
+@kernel
 def _distance2(dx: float, dy: float, sigma_x: float, sigma_y: float, correlation: float) -> float:
     """Return the squared Mahalanobis distance."""
     u, v = dx / sigma_x, dy / sigma_y
@@ -405,6 +427,7 @@ def _describe(
     out[17] = texture
     out[18] = clipped
     out[19] = noise
+    out[20] = _unrest(lit, unlit, region, x, y, half_x, half_y, level)
 
 
 @kernel
@@ -453,3 +476,50 @@ def _fall(
             both = np.int32(a[i]) - np.int32(b[i]) + np.int32(a[k]) - np.int32(b[k])
             lowest = min(lowest, np.int32(both))
     return level - 0.5 * lowest
+
+
+@kernel
+def _unrest(
+    lit: Pixels,
+    unlit: Pixels,
+    region: tuple[int, int, int, int],
+    x: float,
+    y: float,
+    half_x: float,
+    half_y: float,
+    level: float,
+) -> float:
+    """
+    Return the standard deviation of lit less unlit about a blob, DN.
+
+    It is that of the rows of a box three times as large, without the box itself, and of the rows
+    the median: another light is on few of them.
+    """
+    left, right = max(int(x - 3.0 * half_x), region[0]), min(int(x + 3.0 * half_x) + 1, region[2])
+    top, bottom = max(int(y - 3.0 * half_y), region[1]), min(int(y + 3.0 * half_y) + 1, region[3])
+    first, last = max(int(x - half_x), left), min(int(x + half_x) + 2, right)
+    step = 1 + int(half_y / (SAMPLES + 1))
+    rows = np.empty((bottom - top + step - 1) // step)
+    count = 0
+    middle = np.float32(level)
+    for j in range(top, bottom, step):
+        inside = abs(j - y) <= half_y
+        size = right - left - (last - first if inside else 0)
+        if size <= 0:
+            continue
+        a, b = lit[j], unlit[j]
+        total = _departure(a, b, left, first if inside else right, middle)
+        if inside:
+            total += _departure(a, b, last, right, middle)
+        rows[count] = total / size
+        count += 1
+    return FROM_MEAN * median(rows, count) if count > 0 else 0.0
+
+
+@kernel
+def _departure(a: Pixels, b: Pixels, left: int, right: int, level: float) -> float:
+    """Return the sum of |a - b - level| from left to right."""
+    total = np.float32(0.0)
+    for i in range(np.uint64(left), np.uint64(right)):
+        total += abs(np.float32(np.int32(a[i]) - np.int32(b[i])) - level)
+    return float(total)
