@@ -18,6 +18,10 @@ BINNING = 4  # by which they are: from 8 px to 2, well sampled still
 HALVES = (6, 12, int(REACH * COARSEST))
 STEPS = 20  # the moments settle in 3 to 6
 SETTLED = 0.02  # change of sigma and of place, in sigma, at which they have
+# Of the weight's variance: what has more of it along one axis and less across is four times as long
+# as wide, or longer. It is no blob, and a weight that grew with it would only gather what is near.
+LINE_ALONG, LINE_ACROSS = 0.8, 0.2
+LINE_SIGMA = 1.1  # px of the weight, from which on the pixel is not what makes it wide
 RING_AGAIN = 0.15  # change of sigma, in sigma, after which the background is taken anew
 
 # What `measure` returns: the SNR is 0 where there is no blob.
@@ -50,7 +54,8 @@ def measure(
 
         c <- c + <d> (1 + s^2 / sigma^2),   1 / sigma^2 <- 1 / <dd> - 1 / s^2,   s <- sigma.
 
-    The background is the median of the pixels at 4 s. Blobs wider than 8 px are measured on
+    What turns out to be a line is left as the weight sees it, with a long axis of 2 s. The
+    background is the median of the pixels at 4 s. Blobs wider than 8 px are measured on
     binned pixels, so that the time hardly depends on the width.
 
     Parameters
@@ -168,7 +173,7 @@ def _settle(
     best = -1.0
     scale = sigma
     while scale <= coarsest:
-        flux, norm, dx, dy, _, _, _ = _moments(pixels, x, y, scale, level)
+        flux, norm, dx, dy, mxx, myy, mxy = _moments(pixels, x, y, scale, level)
         snr = flux / (noise * np.sqrt(norm))
         if snr <= best:
             break
@@ -176,6 +181,8 @@ def _settle(
         if flux > 0.0:
             x += min(max(dx, -scale), scale)
             y += min(max(dy, -scale), scale)
+        if _is_line(mxx, myy, mxy, scale):
+            break
         scale *= 2.0
     if scale > coarsest and best > 0.0:
         return x, y, coarsest, coarsest, coarsest, coarsest, 0.0, best, level
@@ -195,6 +202,9 @@ def _settle(
         if best <= 0.0:
             return x, y, sigma, sigma, sigma, sigma, 0.0, 0.0, level
         weight = sigma * sigma
+        if _is_line(mxx, myy, mxy, sigma):
+            xx, yy = _unweighted(mxx, weight), _unweighted(myy, weight)
+            break
         # A step is at most a doubling: what the moments say far from the blob is not exact.
         xx = _unweighted(mxx, weight)
         yy = _unweighted(myy, weight)
@@ -219,6 +229,18 @@ def _settle(
         correlation = min(max(correlation, -0.95), 0.95)
     return (
         x, y, np.sqrt(xx), np.sqrt(yy), np.sqrt(major), np.sqrt(minor), correlation, best, level
+    )
+
+
+@kernel
+def _is_line(mxx: float, myy: float, mxy: float, sigma: float) -> bool:
+    """Tell whether the moments under a weight of that sigma are those of a line."""
+    mean, half = 0.5 * (mxx + myy), np.sqrt(0.25 * (mxx - myy) ** 2 + mxy * mxy)
+    weight = sigma * sigma
+    return (
+        sigma > LINE_SIGMA
+        and mean + half > LINE_ALONG * weight
+        and mean - half < LINE_ACROSS * weight
     )
 
 

@@ -43,6 +43,8 @@ class Candidate(NamedTuple):
         Whether pixels were clipped there before; 0 or 1.
     noise : float
         Standard deviation of lit less unlit in that part of the frame, DN.
+    unrest : float
+        Standard deviation of lit less unlit within 9 sigma about it, DN.
     refused : str
         Why it is no target; empty where it may be one.
 
@@ -68,6 +70,7 @@ class Candidate(NamedTuple):
     texture: float
     clipped: float
     noise: float
+    unrest: float = 0.0
     refused: str = ''
 
     @property

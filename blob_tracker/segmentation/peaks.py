@@ -8,22 +8,26 @@ from __future__ import annotations
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.adaptive_moments import measure
 from blob_tracker.segmentation.illumination import row_gains
-from blob_tracker.segmentation.tile_noise import TILE, tile_noise
+from blob_tracker.segmentation.tile_noise import median, TILE, tile_noise
 from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
 
-FIELDS = 20  # of a candidate
+FIELDS = 21  # of a candidate
 # Of a frame; where there are more peaks only the higher ones are looked at, and of these the
-# highest are measured: a field of stars has a hundred. Most frames need no more than FEW, and room
+# highest are measured: a field of stars has hundreds. Most frames need no more than FEW, and room
 # for more would cost more time than the search.
 MOST_PEAKS, FEW_PEAKS = 2048, 128
-MOST_CANDIDATES, FEW_CANDIDATES = 256, 16
-FLANK = 4.0  # sigma of a blob, and as many px, within which further peaks are its own
+MOST_CANDIDATES, FEW_CANDIDATES = 1024, 16
+FLANK = 4.0  # sigma of a blob within which further peaks are its own
+# And as many px further out those that have such a part of its height: the wings of the lens, the
+# ringing of a codec. What is brighter is another light beside it.
+WING = 0.1
 WINDOW = 3.0  # sigma to either side: what is compared with a Gaussian
 BAND = 0.25  # of a row above the threshold: the row is brighter, not something in it
 SMALL = 65536  # px: a larger region is not near the prediction
 CROWDED = 32  # pixels of a tile's row above the threshold: of such only the highest is looked at
+FROM_MEAN = np.sqrt(0.5 * np.pi)  # sigma over the mean |d| of a Gaussian deviate
 SAMPLES = 12  # to either side of a blob on which it is compared; of wider ones pixels are left out
 
 
@@ -74,7 +78,7 @@ def measure_peaks(
 
     Returns
     -------
-    table : (n, 20) array
+    table : (n, 21) array
         A row for each peak of at least that SNR: the fields of `Candidate` in their order.
     gains : (n, 2) array
         How the light on the scene changed, see `row_gains`.
@@ -106,15 +110,14 @@ def measure_peaks(
     found = 0
     for index in np.argsort(-peaks[:count, 2]):
         column, row = int(peaks[index, 0]), int(peaks[index, 1])
-        if _on_flank(table[:found], column, row):
+        if _on_flank(table[:found], column, row, peaks[index, 2]):
             continue
         ty = min((row - y0) // TILE, noises.shape[0] - 1)
         tx = min((column - x0) // TILE, noises.shape[1] - 1)
-        noise = noises[ty, tx]
-        blob = measure(
-            lit, unlit, region, column, row, levels[ty, tx], noise, least, largest
-        )
-        if blob[7] >= least:
+        noise, under = noises[ty, tx], _level_at(levels, column - x0, row - y0)
+        blob = measure(lit, unlit, region, column, row, under, noise, least, largest)
+        # A faint peak in the reach of a brighter light ends in it, or half-way to it.
+        if blob[7] >= least and not _wandered(table[:found], blob, column, row):
             _describe(
                 table[found], lit, unlit, region, saturation, alone, blob, column, row, noise,
                 peaks[index, 2],
@@ -131,7 +134,7 @@ def measure_peaks(
         column, row, height = _brightest_square(lit, unlit, region, mask)
         ty = min((row - y0) // TILE, noises.shape[0] - 1)
         tx = min((column - x0) // TILE, noises.shape[1] - 1)
-        noise, under = noises[ty, tx], levels[ty, tx]
+        noise, under = noises[ty, tx], _level_at(levels, column - x0, row - y0)
         blob = measure(lit, unlit, region, column, row, under, noise, least, largest)
         if blob[7] >= least:
             _describe(
@@ -162,15 +165,18 @@ def _peaks(
     down, across = noises.shape
     count, strongest = 0, 0.0
     lowest = np.empty(down)
+    floors = np.empty((down, across))
     for ty in range(down):
-        lowest[ty] = (levels[ty] + threshold * noises[ty]).min()
+        for tx in range(across):
+            floors[ty, tx] = _lowest_level(levels, tx, ty)
+        lowest[ty] = (floors[ty] + threshold * noises[ty]).min()
     # Most rows hold nothing: one look at each whole row, with the least of its thresholds.
     rises = np.empty(y1 - y0)
     for j in range(y0, y1):
         rises[j - y0] = _greatest_rise(lit[j], unlit[j], x0, x1)
     for j in range(y0, y1):
         ty = min((j - y0) // TILE, down - 1)
-        strongest = max(strongest, rises[j - y0] - levels[ty].min())
+        strongest = max(strongest, rises[j - y0] - floors[ty].min())
         if rises[j - y0] <= lowest[ty]:
             continue
         a, b = lit[j], unlit[j]
@@ -178,7 +184,7 @@ def _peaks(
         for tx in range(across):
             left = x0 + tx * TILE
             right = x1 if tx == across - 1 else left + TILE
-            level = levels[ty, tx]
+            level = floors[ty, tx]
             highest = float(_greatest_rise(a, b, left, right)) - level
             least = threshold * noises[ty, tx]
             if highest <= least:
@@ -201,12 +207,38 @@ def _peaks(
                     continue
                 if mask.size > 0 and mask[j, i] == 0:
                     continue
+                height = rise - _level_at(levels, i - x0, j - y0)
+                if height <= threshold * noises[ty, tx]:
+                    continue
                 if count < peaks.shape[0]:
-                    peaks[count, 0], peaks[count, 1], peaks[count, 2] = i, j, rise - level
+                    peaks[count, 0], peaks[count, 1], peaks[count, 2] = i, j, height
                 count += 1
                 if crowded:
                     break
     return count, strongest
+
+
+@kernel
+def _level_at(levels: Array, x: float, y: float) -> float:
+    """Return the level at a place, px from the first tile: on planes between the tiles' middles."""
+    down, across = levels.shape
+    v, u = y / TILE - 0.5, x / TILE - 0.5
+    top, left = max(min(int(v), down - 2), 0), max(min(int(u), across - 2), 0)
+    under, beside = min(top + 1, down - 1), min(left + 1, across - 1)
+    v, u = v - top, u - left
+    upper = levels[top, left] + u * (levels[top, beside] - levels[top, left])
+    lower = levels[under, left] + u * (levels[under, beside] - levels[under, left])
+    return upper + v * (lower - upper)
+
+
+@kernel
+def _lowest_level(levels: Array, tx: int, ty: int) -> float:
+    """Return the least level at the four corners of a tile."""
+    lowest = levels[ty, tx]
+    for y in (ty, ty + 1):
+        for x in (tx, tx + 1):
+            lowest = min(lowest, _level_at(levels, float(x * TILE), float(y * TILE)))
+    return lowest
 
 
 @kernel
@@ -290,12 +322,35 @@ def _is_peak(
 
 
 @kernel
-def _on_flank(table: Array, column: int, row: int) -> bool:
-    """Tell whether a peak lies on a blob that was measured."""
+def _on_flank(table: Array, column: int, row: int, height: float) -> bool:
+    """Tell whether a peak lies on a blob that was measured, or in its wings."""
     for k in range(table.shape[0]):
         dx, dy = column - table[k, 0], row - table[k, 1]
-        margin = FLANK / max(min(table[k, 2], table[k, 3]), 0.5)
-        if _distance2(dx, dy, table[k, 2], table[k, 3], table[k, 6]) < (FLANK + margin) ** 2:
+        q = np.sqrt(_distance2(dx, dy, table[k, 2], table[k, 3], table[k, 6]))
+        if q < FLANK:
+            return True
+        outside = np.sqrt(dx * dx + dy * dy) * (1.0 - FLANK / q)
+        if outside < FLANK and height < WING * table[k, 11]:
+            return True
+    return False
+
+
+@kernel
+def _wandered(
+    table: Array,
+    blob: tuple[float, float, float, float, float, float, float, float, float],
+    column: int,
+    row: int,
+) -> bool:
+    """Tell whether what was measured is not at its peak, or is a blob that was measured before."""
+    x, y, sigma_x, sigma_y, _, _, correlation, _, _ = blob
+    margin = 1.0 / min(sigma_x, sigma_y)
+    away = np.sqrt(_distance2(column - x, row - y, sigma_x, sigma_y, correlation))
+    if away > WINDOW + margin:
+        return True
+    for k in range(table.shape[0]):
+        dx, dy = x - table[k, 0], y - table[k, 1]
+        if _distance2(dx, dy, table[k, 2], table[k, 3], table[k, 6]) < 1.0:
             return True
     return False
 
@@ -375,6 +430,7 @@ def _describe(
     out[17] = texture
     out[18] = clipped
     out[19] = noise
+    out[20] = _unrest(lit, unlit, region, x, y, half_x, half_y, level)
 
 
 @kernel
@@ -423,3 +479,50 @@ def _fall(
             both = np.int32(a[i]) - np.int32(b[i]) + np.int32(a[k]) - np.int32(b[k])
             lowest = min(lowest, np.int32(both))
     return max(level - 0.5 * lowest, 0.0)
+
+
+@kernel
+def _unrest(
+    lit: Pixels,
+    unlit: Pixels,
+    region: tuple[int, int, int, int],
+    x: float,
+    y: float,
+    half_x: float,
+    half_y: float,
+    level: float,
+) -> float:
+    """
+    Return the standard deviation of lit less unlit about a blob, DN.
+
+    It is that of the rows of a box three times as large, without the box itself, and of the rows
+    the median: another light is on few of them.
+    """
+    left, right = max(int(x - 3.0 * half_x), region[0]), min(int(x + 3.0 * half_x) + 1, region[2])
+    top, bottom = max(int(y - 3.0 * half_y), region[1]), min(int(y + 3.0 * half_y) + 1, region[3])
+    first, last = max(int(x - half_x), left), min(int(x + half_x) + 2, right)
+    step = 1 + int(half_y / (SAMPLES + 1))
+    rows = np.empty((bottom - top + step - 1) // step)
+    count = 0
+    middle = np.float32(level)
+    for j in range(top, bottom, step):
+        inside = abs(j - y) <= half_y
+        size = right - left - (last - first if inside else 0)
+        if size <= 0:
+            continue
+        a, b = lit[j], unlit[j]
+        total = _departure(a, b, left, first if inside else right, middle)
+        if inside:
+            total += _departure(a, b, last, right, middle)
+        rows[count] = total / size
+        count += 1
+    return FROM_MEAN * median(rows, count) if count > 0 else 0.0
+
+
+@kernel
+def _departure(a: Pixels, b: Pixels, left: int, right: int, level: float) -> float:
+    """Return the sum of |a - b - level| from left to right."""
+    total = np.float32(0.0)
+    for i in range(np.uint64(left), np.uint64(right)):
+        total += abs(np.float32(np.int32(a[i]) - np.int32(b[i])) - level)
+    return float(total)

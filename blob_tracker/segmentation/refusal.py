@@ -25,7 +25,7 @@ LARGEST_FALL = 0.5
 NOISE_FALL = 6.0  # standard deviations; no pixel of a window falls so far by noise alone
 
 
-def refuse(candidate: Candidate, followed: bool) -> str:
+def refuse(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
     """
     Say why a candidate is no target.
 
@@ -35,6 +35,8 @@ def refuse(candidate: Candidate, followed: bool) -> str:
         What lit up.
     followed : bool
         Whether it is where a target is expected, by what was seen before.
+    min_snr : float
+        Least SNR in the matched filter.
 
     Returns
     -------
@@ -61,6 +63,11 @@ def refuse(candidate: Candidate, followed: bool) -> str:
         return (
             f'a rise of {height:.0f} DN that is no blob: a Gaussian leaves '
             f'{100 * candidate.misfit:.0f} % of it'
+        )
+    if candidate.snr * candidate.noise < min_snr * candidate.unrest:
+        return (
+            f'a rise of {height:.0f} DN where all about it changes by {candidate.unrest:.1f} DN: '
+            "the scene's own, or the codec's"
         )
     standing = max(STANDING * candidate.amplitude, TEXTURE * candidate.texture)
     if candidate.stood > standing * (FOLLOWED if followed else 1.0):

@@ -27,7 +27,7 @@ JUMP_GLARE = 0.15  # of the strongest rise, which a wide blob may add to the lev
 FELT = 0.75
 IN_DN = [
     Candidate._fields.index(name)
-    for name in ('background', 'height', 'amplitude', 'fall', 'stood', 'texture', 'noise')
+    for name in ('background', 'height', 'amplitude', 'fall', 'stood', 'texture', 'noise', 'unrest')
 ]
 
 
@@ -123,7 +123,7 @@ def search(
     candidates = []
     for row in table.tolist():
         candidate = Candidate(*row)
-        why = refuse(candidate, followed)
+        why = refuse(candidate, followed, min_snr)
         candidates.append(candidate._replace(refused=why) if why else candidate)
     return Found(tuple(candidates), level, noise, strongest, reason)
 
