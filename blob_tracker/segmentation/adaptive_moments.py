@@ -212,11 +212,14 @@ def _settle(
         return x, y, coarsest, coarsest, coarsest, coarsest, 0.0, best, level
     mean, half = 0.5 * (mxx + myy), np.sqrt(0.25 * (mxx - myy) ** 2 + mxy * mxy)
     major, minor = _unweighted(mean + half, weight), _unweighted(mean - half, weight)
+    middle, apart = 0.5 * (major + minor), 0.5 * (major - minor)
+    xx = yy = middle
     correlation = 0.0
     if half > 0.0:
         # The axes of the blob are those of its weighted moments.
-        correlation = (major - minor) * (0.5 * mxy / half) / np.sqrt(xx * yy)
-        correlation = min(max(correlation, -0.95), 0.95)
+        cosine, sine = 0.5 * (mxx - myy) / half, mxy / half
+        xx, yy = middle + apart * cosine, middle - apart * cosine
+        correlation = apart * sine / np.sqrt(xx * yy)
     return (
         x, y, np.sqrt(xx), np.sqrt(yy), np.sqrt(major), np.sqrt(minor), correlation, best, level
     )
