@@ -206,8 +206,8 @@ def _settle(
             xx, yy = _unweighted(mxx, weight), _unweighted(myy, weight)
             break
         # A step is at most a doubling: what the moments say far from the blob is not exact.
-        xx = _unweighted(mxx, weight)
-        yy = _unweighted(myy, weight)
+        xx = max(_unweighted(mxx, weight), 0.25 * weight)
+        yy = max(_unweighted(myy, weight), 0.25 * weight)
         new = np.sqrt(0.5 * (xx + yy))
         gain = 1.0 + weight / (new * new)
         dx = min(max(gain * dx, -sigma), sigma)
@@ -222,11 +222,14 @@ def _settle(
         return x, y, coarsest, coarsest, coarsest, coarsest, 0.0, best, level
     mean, half = 0.5 * (mxx + myy), np.sqrt(0.25 * (mxx - myy) ** 2 + mxy * mxy)
     major, minor = _unweighted(mean + half, weight), _unweighted(mean - half, weight)
+    middle, apart = 0.5 * (major + minor), 0.5 * (major - minor)
+    xx = yy = middle
     correlation = 0.0
     if half > 0.0:
         # The axes of the blob are those of its weighted moments.
-        correlation = (major - minor) * (0.5 * mxy / half) / np.sqrt(xx * yy)
-        correlation = min(max(correlation, -0.95), 0.95)
+        cosine, sine = 0.5 * (mxx - myy) / half, mxy / half
+        xx, yy = middle + apart * cosine, middle - apart * cosine
+        correlation = apart * sine / np.sqrt(xx * yy)
     return (
         x, y, np.sqrt(xx), np.sqrt(yy), np.sqrt(major), np.sqrt(minor), correlation, best, level
     )
@@ -249,7 +252,7 @@ def _unweighted(moment: float, weight: float) -> float:
     """Return the variance of a Gaussian whose second moment under a Gaussian weight is given."""
     if moment >= 0.8 * weight:
         return 4.0 * weight
-    return max(1.0 / (1.0 / max(moment, 0.05) - 1.0 / weight), 0.25 * weight, 0.1)
+    return max(1.0 / (1.0 / max(moment, 0.05) - 1.0 / weight), 0.1)
 
 
 @kernel

@@ -13,7 +13,6 @@ FRAMES = 40  # two blocks of the periodic mode, four codes
 SCENE = FlashingLight(width=160, height=120, period=3.0)
 DARK = FlashingLight(width=160, height=120, period=3.0, background=1.0, texture=0.3)
 OPTIONS = {
-    'min_snr': 8.0,
     'max_pair_interval': 0.1,
     'frequency': 15.0,
     'duty': 0.5,

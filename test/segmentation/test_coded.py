@@ -34,7 +34,6 @@ def lights(codes: dict[str, str], frames_per_bit: int = 1) -> Scene:
 def flash(codes: dict[str, str], frames_per_bit: int = 1, bit_errors: int = 0) -> Segmenter:
     """Return a segmenter for the codes."""
     return Segmenter(flash=Coded(
-        min_snr=7.0,
         max_pair_interval=0.1,
         codes=codes,
         frames_per_bit=frames_per_bit,

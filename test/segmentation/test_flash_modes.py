@@ -4,8 +4,9 @@ from blob_tracker.segmentation import codes_from_text, flash_by_name, FLASH_MODE
 import pytest
 
 OPTIONS = {
-    'min_snr': 7.0,
     'max_pair_interval': 0.1,
+    'registration': 'none',
+    'gate': 24.0,
     'frequency': 15.0,
     'duty': 0.5,
     'frames': 16,

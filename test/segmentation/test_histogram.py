@@ -7,6 +7,7 @@ from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.histogram import histogram, histogram_threshold
 from blob_tracker.segmentation.histogram_extended import histogram_extended
 from blob_tracker.segmentation.histogram_shortened import histogram_shortened
+from contrasts import candidate_at, contrast_of
 import numpy as np
 import pytest
 
@@ -29,16 +30,16 @@ def test_threshold_is_before_the_first_gap(count: dict[int, int], threshold: flo
 
 def test_nearly_empty_grows_with_the_pixels() -> None:
     """Of 100,000 pixels, ten in a bin are a ten-thousandth."""
-    tail = {level: 10 for level in range(11, 16)}
+    tail = dict.fromkeys(range(11, 16), 10)
     assert histogram_threshold(levels({10: 100_000, **tail, 60: 500})) == 10.5
-    tail = {level: 12 for level in range(11, 16)}
+    tail = dict.fromkeys(range(11, 16), 12)
     assert histogram_threshold(levels({10: 100_000, **tail, 60: 500})) == 15.5
 
 
 def test_no_gap_gives_no_threshold() -> None:
     """A histogram that ends near its mode, or never has a gap, parts nothing."""
     assert histogram_threshold(levels({10: 50, 11: 20})) is None
-    assert histogram_threshold(levels({level: 5 for level in range(40)})) is None
+    assert histogram_threshold(levels(dict.fromkeys(range(40), 5))) is None
 
 
 def test_coarse_bins_bridge_the_gaps_of_a_wide_noise() -> None:
@@ -58,29 +59,30 @@ def blob() -> Contrast:
     lit[18:23, 18:25] = 120
     lit[20, 22] = 180
     lit[18:23, 30:33] = 150
-    return Contrast(lit, unlit, 0.0, 1.0)
+    return contrast_of(lit, unlit)
 
 
 def test_window_is_what_hangs_together_with_the_peak() -> None:
     """The foot at 5 to 6 counts and the other blob does not."""
     # Bins 0 and 1 are the background, 2 to 4 empty, 5 and 6 the foot, then the gap.
-    assert histogram(blob(), 22, 20, 16) == Box(18, 18, 25, 23)
+    assert histogram(blob(), candidate_at(22, 20), 16) == Box(18, 18, 25, 23)
 
 
 def test_extended_window_has_n_pixels_more() -> None:
     """On each side, but for the border of the frame."""
-    assert histogram_extended(blob(), 22, 20, 16, extension=3) == Box(15, 15, 28, 26)
-    assert histogram_extended(blob(), 22, 20, 16, extension=20) == Box(0, 0, 45, 40)
+    assert histogram_extended(blob(), candidate_at(22, 20), 16, extension=3) == Box(15, 15, 28, 26)
+    assert histogram_extended(blob(), candidate_at(22, 20), 16, extension=20) == Box(0, 0, 45, 40)
 
 
 def test_shortened_window_ends_one_pixel_past_the_peak() -> None:
     """Its last column is that right of the maximum; the left side stays."""
-    assert histogram_shortened(blob(), 22, 20, 16) == Box(18, 18, 24, 23)
+    assert histogram_shortened(blob(), candidate_at(22, 20), 16) == Box(18, 18, 24, 23)
 
 
 @pytest.mark.parametrize('method', [histogram, histogram_shortened])
 def test_a_slope_gives_no_window(method) -> None:
     """All levels alike have no background to part from."""
     slope = np.tile(np.arange(60, dtype=np.uint8), (40, 1))
-    assert method(Contrast(slope, None, 0.0, 1.0), 59, 20, 64) is None
-    assert histogram_extended(Contrast(slope, None, 0.0, 1.0), 59, 20, 64, extension=2) is None
+    contrast, peak = contrast_of(slope), candidate_at(59, 20)
+    assert method(contrast, peak, 64) is None
+    assert histogram_extended(contrast, peak, 64, extension=2) is None

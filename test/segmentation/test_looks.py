@@ -1,8 +1,33 @@
-"""Looks are summed; clipped pixels stay clipped."""
+"""Looks are summed; clipped pixels stay clipped, and a target that moves begins them anew."""
 
-from blob_tracker.segmentation.looks import FULL, most_looks, sum_looks
+from __future__ import annotations
+
+from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.history import FrameError
+from blob_tracker.segmentation.looks import FULL, Looks, most_looks, sum_looks
+from blob_tracker.types import Frame, Window
+from contrasts import candidate_at, contrast_of
 import numpy as np
 import pytest
+
+BOX = Box(3, 2, 10, 9)
+
+
+def add(
+    looks: Looks,
+    x: float,
+    *,
+    level: int = 50,
+    stamp_ns: int = 0,
+    saturation: int = 255,
+    kind: type = np.uint8,
+    name: str = '',
+) -> Window | None:
+    """Give a look at a light at this column."""
+    lit = np.full((20, 30), level, kind)
+    contrast = contrast_of(lit, lit // kind(2), saturation)
+    contrast = contrast._replace(frame=Frame(lit, stamp_ns, saturation))
+    return looks.add(name, contrast, candidate_at(6, 5, x=x, sigma_minor=2.0), BOX)
 
 
 def test_looks_are_summed_beyond_their_own_type() -> None:
@@ -24,11 +49,64 @@ def test_one_look_is_left_as_it_is() -> None:
     assert sum_looks([look], 255) is look
 
 
+def test_every_kth_look_gives_the_window_of_all() -> None:
+    """Lit and unlit pixels are summed, the stamp is the mean, and they do not overlap."""
+    looks = Looks(3)
+    given = [add(looks, 6.0, level=50 + k, stamp_ns=1000 + 7 * k) for k in range(6)]
+    assert [window is not None for window in given] == [False, False, True] * 2
+    window = given[2]
+    assert (window.lit == 50 + 51 + 52).all() and (window.unlit == 25 + 25 + 26).all()
+    assert window.lit.dtype == np.uint16 and window.lit.shape == (7, 7)
+    assert (window.stamp_ns, window.saturation, window.looks) == (1007, FULL, 3)
+    assert (window.x0, window.y0) == (3, 2)
+    assert given[5].stamp_ns == 1000 + 7 * 4
+
+
+def test_what_is_waited_for_is_told() -> None:
+    """With the count."""
+    looks = Looks(5)
+    assert add(looks, 6.0) is None
+    assert looks.reason == 'look 1 of the 5 that are summed'
+
+
+def test_a_target_that_moves_begins_anew() -> None:
+    """Half a sigma and half a pixel are still: 1.5 px of a blob of 2 px."""
+    looks = Looks(2)
+    assert add(looks, 6.0) is None
+    assert add(looks, 7.6) is None
+    assert add(looks, 9.0) is not None
+
+
+@pytest.mark.parametrize('change', [{'kind': np.uint16}], ids=['depth'])
+def test_other_frames_begin_anew(change: dict[str, type]) -> None:
+    """Pixels of two kinds are not summed."""
+    looks = Looks(2)
+    assert add(looks, 6.0) is None
+    assert add(looks, 6.0, **change) is None
+    assert add(looks, 6.0, **change) is not None
+
+
+def test_lights_are_summed_by_their_names() -> None:
+    """Two lights in turn do not end each other's looks."""
+    looks = Looks(2)
+    assert add(looks, 6.0, name='port') is None
+    assert add(looks, 60.0, name='starboard') is None
+    assert add(looks, 6.0, name='port') is not None
+    assert add(looks, 60.0, name='starboard') is not None
+
+
 @pytest.mark.parametrize('saturation, most', [(255, 258), (4095, 16), (65535, 1)])
 def test_what_does_not_fit_is_refused(saturation: int, most: int) -> None:
     """The greatest sum of unclipped pixels stays below the level that says clipped."""
     assert most_looks(saturation) == most
     assert most * (saturation - 1) < FULL
-    looks = [np.zeros((2, 3), np.uint16)] * (most + 1)
-    with pytest.raises(ValueError, match=f'at most {most} do'):
-        sum_looks(looks, saturation)
+    kind = np.uint8 if saturation == 255 else np.uint16
+    with pytest.raises(FrameError, match=f"16 bits of a window, {most} would; .*saturation"):
+        add(Looks(most + 1), 6.0, saturation=saturation, kind=kind)
+    add(Looks(most), 6.0, saturation=saturation, kind=kind)
+
+
+def test_looks_are_one_or_more() -> None:
+    """None is no window."""
+    with pytest.raises(ValueError, match='0 looks; there must be 1 or more'):
+        Looks(0)

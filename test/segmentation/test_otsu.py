@@ -1,9 +1,9 @@
 """Otsu's threshold and its growing window, on pixels with a known answer."""
 
 from blob_tracker.segmentation.box import Box
-from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.otsu import otsu_threshold, otsu_window
 from blob_tracker.simulation import pixel_integrated_gaussian
+from contrasts import candidate_at, contrast_of
 import numpy as np
 import pytest
 
@@ -36,7 +36,7 @@ def test_threshold_of_equal_pixels_is_refused() -> None:
 def test_window_holds_the_bright_part_of_the_blob(sigma: float) -> None:
     """The box is centred on the blob and one to two sigma wide to either side."""
     rise = np.rint(200 * pixel_integrated_gaussian((120, 160), 80.0, 60.0, sigma))
-    box = otsu_window(Contrast(rise.astype(np.uint8), None, 0.0, 1.0), 80, 60, 64)
+    box = otsu_window(contrast_of(rise.astype(np.uint8)), candidate_at(80, 60), 64)
     assert box is not None
     assert box.x0 + box.x1 - 1 == 160
     assert box.y0 + box.y1 - 1 == 120
@@ -49,7 +49,7 @@ def test_a_second_blob_near_by_is_left_out() -> None:
     rise = np.zeros((40, 60), dtype=np.uint8)
     rise[18:23, 18:23] = 200
     rise[18:23, 25:28] = 150
-    assert otsu_window(Contrast(rise, None, 0.0, 1.0), 20, 20, 32) == Box(18, 18, 23, 23)
+    assert otsu_window(contrast_of(rise), candidate_at(20, 20), 32) == Box(18, 18, 23, 23)
 
 
 def test_what_went_dark_is_background() -> None:
@@ -58,10 +58,10 @@ def test_what_went_dark_is_background() -> None:
     unlit = lit.copy()
     lit[18:23, 18:23] = 100
     lit[18:23, 25:28] = 0
-    assert otsu_window(Contrast(lit, unlit, 0.0, 1.0), 20, 20, 32) == Box(18, 18, 23, 23)
+    assert otsu_window(contrast_of(lit, unlit), candidate_at(20, 20), 32) == Box(18, 18, 23, 23)
 
 
 def test_brightening_without_background_is_no_blob() -> None:
     """A whole picture that brightens gives no window."""
     rise = np.full((480, 640), 30, dtype=np.uint8)
-    assert otsu_window(Contrast(rise, None, 0.0, 1.0), 300, 200, 64) is None
+    assert otsu_window(contrast_of(rise), candidate_at(300, 200), 64) is None

@@ -10,7 +10,7 @@ from blob_tracker.segmentation import Segmenter
 from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.registration import affine, laid_over, translation
-from blob_tracker.simulation import FlashingLight, MovingCamera
+from blob_tracker.simulation import FlashingLight, in_step, Light, Scene, Stepping
 from blob_tracker.simulation.light import pixel_integrated_gaussian
 from blob_tracker.simulation.sensor import expose
 from blob_tracker.types import Frame, SensorNoise
@@ -25,6 +25,7 @@ NOISE = SensorNoise(gain=40.0, read_noise=0.7)  # 1.6 DN at 90 DN
 SIGMA = 2.0  # px of the lights
 SHIFTS = [(0.0, 0.0), (0.5, -0.5), (2.5, 1.2), (5.0, 0.0), (8.0, -8.0), (-5.7, 5.7)]
 SCENE = FlashingLight(width=WIDTH, height=HEIGHT, texture=15.0)
+LIGHT = Light(160.0, 120.0, SIGMA, 150.0, in_step(60.0), reach_x=100.0, reach_y=70.0)
 STEP_NS = 16_666_667
 
 
@@ -267,12 +268,12 @@ def test_the_light_is_placed_as_from_a_still_camera(method, true: np.ndarray) ->
     assert np.mean(nees) < 2.6
 
 
-def located(camera: MovingCamera, registration: str, lit: range) -> list[float]:
+def located(camera: Scene, registration: str, lit: range) -> list[float]:
     """Return the errors in x and y, px, of the pairs that gave a window."""
     errors = []
     for index in lit:
         segmenter = Segmenter(
-            flash=Alternate(min_snr=7.0, max_pair_interval=0.1, registration=registration)
+            flash=Alternate(registration=registration)
         )
         segmenter.update(Frame(camera.frame(index - 1), 1, 255))
         window = segmenter.update(Frame(camera.frame(index), STEP_NS, 255))
@@ -283,15 +284,14 @@ def located(camera: MovingCamera, registration: str, lit: range) -> list[float]:
 
 
 @pytest.mark.parametrize('registration, camera', [
-    ('translation', MovingCamera(SCENE, 5.0, 0.0)),
-    ('affine', MovingCamera(SCENE, 3.0, 4.0)),
-    ('affine', MovingCamera(SCENE, 8.0, 0.0, 1.0)),
+    ('translation', Stepping(5.0, 0.0)),
+    ('affine', Stepping(3.0, 4.0)),
+    ('affine', Stepping(8.0, 0.0, 1.0)),
 ], ids=['translation', 'affine', 'affine with a turn'])
-def test_the_light_is_placed_from_a_moving_camera(
-    registration: str, camera: MovingCamera
-) -> None:
+def test_the_light_is_placed_from_a_moving_camera(registration: str, camera: Stepping) -> None:
     """Every pair gives a window, and the light is within the thesis' 0.05 px rms."""
-    errors = located(camera, registration, range(2, 42, 2))
+    scene = Scene(LIGHT, camera=camera, width=WIDTH, height=HEIGHT, texture=15.0)
+    errors = located(scene, registration, range(2, 42, 2))
     assert len(errors) == 2 * 20
     assert np.sqrt(np.mean(np.square(errors))) < 0.05
 
@@ -299,13 +299,13 @@ def test_the_light_is_placed_from_a_moving_camera(
 def test_an_unknown_registration_is_named() -> None:
     """With those that there are."""
     with pytest.raises(ValueError, match="no registration 'best'; there is none, translation"):
-        Alternate(min_snr=7.0, max_pair_interval=0.1, registration='best')
+        Alternate(registration='best')
 
 
 def test_frames_with_nothing_in_common_give_a_reason() -> None:
     """A lens cap between two frames."""
     segmenter = Segmenter(
-        flash=Alternate(min_snr=7.0, max_pair_interval=0.1, registration='affine')
+        flash=Alternate(registration='affine')
     )
     segmenter.update(Frame(np.zeros((240, 320), np.uint8), 1, 255))
     assert segmenter.update(Frame(SCENE.frame(2), STEP_NS, 255)) is None

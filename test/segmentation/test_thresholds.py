@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from blob_tracker.location import locate
 from blob_tracker.segmentation import Segmenter, threshold_by_name, THRESHOLDS
-from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.simulation import FlashingLight, pixel_integrated_gaussian
 from blob_tracker.types import Frame
+from contrasts import candidate_at, contrast_of
 import numpy as np
 import pytest
 
@@ -30,10 +30,10 @@ def test_each_method_finds_the_light(method: str) -> None:
 def test_options_reach_their_methods() -> None:
     """More sigma or more pixels make a larger window."""
     light = np.rint(200 * pixel_integrated_gaussian((120, 160), 80.0, 60.0, 3.0)).astype(np.uint8)
-    contrast = Contrast(light, None, 0.0, 0.4)
+    contrast, peak = contrast_of(light), candidate_at(80, 60, sigma_x=3.0, sigma_y=3.0)
     for method in ('sigma_window', 'histogram_extended'):
-        small = threshold_by_name(method, sigmas=2.0, extension=1)(contrast, 80, 60, 50)
-        large = threshold_by_name(method, sigmas=4.0, extension=7)(contrast, 80, 60, 50)
+        small = threshold_by_name(method, sigmas=2.0, extension=1)(contrast, peak, 50)
+        large = threshold_by_name(method, sigmas=4.0, extension=7)(contrast, peak, 50)
         assert small is not None and large is not None
         assert (large.x1 - large.x0) - (small.x1 - small.x0) == 12
 

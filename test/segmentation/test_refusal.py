@@ -1,0 +1,210 @@
+"""What lights up beside the target and is not it: refused with its reason, its twin is not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+import re
+
+from blob_tracker.segmentation import Candidate, Segmenter
+from blob_tracker.segmentation.refusal import refuse
+from blob_tracker.simulation import expose, pixel_integrated_gaussian
+from blob_tracker.types import Frame, SensorNoise, Window
+from contrasts import candidate_at, contrast_of, searched
+import cv2
+import numpy as np
+import pytest
+
+SHAPE = (240, 320)
+NOISE = SensorNoise(gain=40.0, read_noise=0.7)
+X, Y = 230.3, 160.6  # of the target
+Scene = Callable[[np.ndarray, np.ndarray], None]
+
+
+def blob(x: float, y: float, sigma: float, sigma_y: float | None = None) -> np.ndarray:
+    """Return a blob of height 1."""
+    return pixel_integrated_gaussian(SHAPE, x, y, sigma, sigma_y)
+
+
+def hot_pixel(unlit: np.ndarray, lit: np.ndarray) -> None:
+    """Let one pixel jump."""
+    lit[60, 80] += 190
+
+
+def moving_edge(unlit: np.ndarray, lit: np.ndarray) -> None:
+    """Let a bright wall, slanted, come three pixels further into the picture."""
+    rows, columns = np.mgrid[:SHAPE[0], :SHAPE[1]]
+    for image, place in ((unlit, 90), (lit, 93)):
+        image += 150 * (columns + 0.4 * rows < place)
+
+
+def flickering_lamp(unlit: np.ndarray, lit: np.ndarray) -> None:
+    """Let a lamp on the mains give 15 % more light in the lit frame."""
+    unlit += 170 * blob(80, 60, 3.0)
+    lit += 195 * blob(80, 60, 3.0)
+
+
+def moving_glint(unlit: np.ndarray, lit: np.ndarray) -> None:
+    """Let a small bright spot go from one place to the next."""
+    unlit += 200 * blob(80, 60, 1.2)
+    lit += 200 * blob(84, 62, 1.2)
+
+
+def rolling_band(unlit: np.ndarray, lit: np.ndarray) -> None:
+    """Brighten by lamps on the mains thirty rows of the lit frame."""
+    lit[40:70] += 60
+
+
+def sun(unlit: np.ndarray, lit: np.ndarray) -> None:
+    """Move a clipped disc of 25 px by two pixels."""
+    for image, x in ((unlit, 80), (lit, 82)):
+        image += 2000 * cv2.circle(np.zeros(SHAPE), (x, 60), 25, 1.0, -1)
+
+
+CLUTTER = [hot_pixel, moving_edge, flickering_lamp, moving_glint, rolling_band, sun]
+
+
+def segmented(scene: Scene, amplitude: float, seed: int) -> tuple[Window | None, str]:
+    """Return the window, and the reason, of a pair with this clutter and a target."""
+    random = np.random.default_rng(seed)
+    unlit, lit = np.full(SHAPE, 30.0), np.full(SHAPE, 30.0)
+    scene(unlit, lit)
+    lit += amplitude * blob(X, Y, 2.0)
+    segmenter = Segmenter()
+    window = None
+    # Four flashes: beside a band, more things light up than a target.
+    for index, mean in enumerate(4 * (unlit, lit)):
+        window = segmenter.update(Frame(expose(mean, NOISE, random), 1 + index * 10**7, 255))
+    return window, segmenter.reason
+
+
+@pytest.mark.parametrize('scene', CLUTTER)
+@pytest.mark.parametrize('seed', range(3))
+def test_clutter_alone_gives_no_window(scene: Scene, seed: int) -> None:
+    """And a reason, though it comes and goes in step with the frames."""
+    window, reason = segmented(scene, 0.0, seed)
+    assert window is None
+    assert reason
+
+
+@pytest.mark.parametrize('scene', CLUTTER)
+@pytest.mark.parametrize('seed', range(3))
+def test_the_target_is_found_beside_clutter(scene: Scene, seed: int) -> None:
+    """Though the clutter rises higher than it."""
+    window, reason = segmented(scene, 60.0, seed)
+    assert window is not None, reason
+    height, width = window.lit.shape
+    assert abs(window.x0 + (width - 1) / 2 - X) <= 1.5
+    assert abs(window.y0 + (height - 1) / 2 - Y) <= 1.5
+
+
+@pytest.mark.parametrize('scene, words', [
+    (hot_pixel, 'a lone pixel rose'),
+    (flickering_lamp, 'a lamp that flickers'),
+    (moving_glint, 'something moved'),
+])
+def test_the_reason_names_the_clutter(scene: Scene, words: str) -> None:
+    """So that an operator knows what to cover."""
+    assert words in segmented(scene, 0.0, 1)[1]
+
+
+def one(unlit: np.ndarray, lit: np.ndarray) -> Candidate:
+    """Return the highest of what lit up near (80, 60)."""
+    random = np.random.default_rng(1)
+    found = searched(contrast_of(expose(lit, NOISE, random), expose(unlit, NOISE, random)))
+    near = [each for each in found.candidates if abs(each.x - 80) < 20 and abs(each.y - 60) < 20]
+    return near[0]
+
+
+def even() -> np.ndarray:
+    """Return a scene of 30 DN."""
+    return np.full(SHAPE, 30.0)
+
+
+def pixel_of(beside: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a pixel that rose by 150 DN, and its four neighbours by a part of it."""
+    lit = even()
+    lit[60, 80] += 150
+    for row, column in ((59, 80), (61, 80), (60, 79), (60, 81)):
+        lit[row, column] += 150 * beside
+    return even(), lit
+
+
+def bar_of(sigma_x: float, sigma_y: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a rise that is longer than wide."""
+    return even(), even() + 100 * blob(80.3, 60.2, sigma_x, sigma_y)
+
+
+def light_that_moved(part: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a light that came, and one of this part of its height that went beside it."""
+    return even() + 100 * part * blob(89.0, 62.0, 2.0), even() + 100 * blob(80.3, 60.2, 2.0)
+
+
+def ring_of(radius: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a rise on a ring."""
+    y, x = np.mgrid[:SHAPE[0], :SHAPE[1]]
+    return even(), even() + 100 * np.exp(-((np.hypot(x - 80.3, y - 60.2) - radius) / 3.0) ** 2)
+
+
+def lamp_of(standing: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a rise of 60 DN on a light that was there before."""
+    light = blob(80.3, 60.2, 2.5)
+    return even() + standing * light, even() + (standing + 60) * light
+
+
+def beside_the_clipped(level: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a blob beside a few pixels of this level."""
+    unlit = even()
+    unlit[57:59, 83:85] = level
+    return unlit, unlit + 40 * blob(80.3, 60.2, 2.0)
+
+
+@pytest.mark.parametrize('make, target, clutter, words', [
+    # The four neighbours of a blob of 0.6 px have 0.3 of its peak.
+    (pixel_of, 0.3, 0.0, r'a lone pixel rose by 1\d\d DN'),
+    (lambda length: bar_of(length, 2.0), 5.0, 8.0, r'\d.\d px long and \d.\d px wide'),
+    (light_that_moved, 0.3, 0.8, 'something moved, or the light was on in both frames'),
+    (ring_of, 0.0, 10.0, 'that is no blob: a Gaussian leaves'),
+    (lamp_of, 40.0, 100.0, r'on \d+ DN that were there before: a lamp that flickers'),
+    (beside_the_clipped, 120.0, 300.0, 'clipped before: the rim of the sun'),
+], ids=['hot pixel', 'edge', 'moving light', 'ring', 'lamp', 'rim'])
+def test_each_rule_has_its_pixels(make, target: float, clutter: float, words: str) -> None:
+    """The same pixels, but for what the rule asks for, may be a target."""
+    assert one(*make(target)).refused == ''
+    found = one(*make(clutter))
+    assert found.refused
+    assert re.search(words, found.refused), found.refused
+
+
+@pytest.mark.parametrize('changes, words', [
+    ({'beside': 0.09}, 'a lone pixel'),
+    ({'sigma_major': 6.1}, 'an edge that moved, or a band'),
+    ({'fall': 51.0}, 'something moved'),
+    ({'misfit': 0.51}, 'no blob: a Gaussian leaves 51 %'),
+    ({'stood': 101.0}, 'a lamp that flickers'),
+    ({'clipped': 1.0}, 'the rim of the sun'),
+])
+def test_each_limit_is_where_it_is_said_to_be(changes: dict[str, float], words: str) -> None:
+    """Two hundredths below it nothing is refused."""
+    assert words in refuse(candidate_at(80, 60, **changes), False)
+    (name, value), = changes.items()
+    within = {'beside': 0.11, 'clipped': 0.0}.get(name, 0.98 * value)
+    assert refuse(candidate_at(80, 60, **{name: within}), False) == ''
+
+
+def test_noise_and_pixels_are_allowed_for() -> None:
+    """A faint blob has falls beside it, a small one no shape, a textured scene heights."""
+    faint = candidate_at(80, 60, height=8.0, amplitude=8.0, fall=5.9)
+    assert refuse(faint, False) == ''
+    assert 'beside a fall' in refuse(faint._replace(fall=6.1), False)
+    small = candidate_at(80, 60, sigma_minor=0.6, sigma_major=2.0, misfit=0.9)
+    assert refuse(small, False) == ''
+    assert 'px long' in refuse(small._replace(sigma_major=2.2), False)
+    textured = candidate_at(80, 60, stood=140.0, texture=50.0)
+    assert refuse(textured, False) == ''
+
+
+def test_a_target_that_is_followed_may_pass_in_front_of_something_bright() -> None:
+    """Three times as bright as it."""
+    assert refuse(candidate_at(80, 60, stood=290.0), False)
+    assert refuse(candidate_at(80, 60, stood=290.0), True) == ''
+    assert refuse(candidate_at(80, 60, stood=310.0), True)
