@@ -6,12 +6,13 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from benchmarks import accuracy, bearing, detection, motion, real_pixels, search, speed
+from benchmarks import accuracy, bearing, detection, motion, real_frames, real_pixels, search, speed
 from benchmarks.accuracy import Bias, Row
 from benchmarks.bearing import Row as BearingRow
 from benchmarks.contender import Contender
 from benchmarks.detection import Counts, Row as DetectionRow
 from benchmarks.motion import Row as MotionRow
+from benchmarks.real_frames import Row as FrameRow
 from benchmarks.real_pixels import Row as RealRow
 from benchmarks.search import Row as SearchRow
 from benchmarks.speed import Pace
@@ -56,6 +57,7 @@ class Report:
     bearing: list[BearingRow] = field(default_factory=list)
     speed: list[Pace] = field(default_factory=list)
     real: list[RealRow] = field(default_factory=list)
+    frames: list[FrameRow] = field(default_factory=list)
     detection: list[DetectionRow] = field(default_factory=list)
     search: list[SearchRow] = field(default_factory=list)
     motion: list[MotionRow] = field(default_factory=list)
@@ -66,7 +68,7 @@ def steps(parts: Collection[str]) -> int:
     each = {
         'accuracy': accuracy.steps() + bearing.steps(),
         'speed': speed.steps(),
-        'real': 2,
+        'real': 3,
         'detection': detection.steps(),
         'search': search.steps(),
         'motion': motion.steps(),
@@ -91,6 +93,8 @@ def measure(
         report.speed.extend(speed.run(contenders, sizes.stack, sizes.repeats, tick))
     if 'real' in parts and data is not None:
         report.real.extend(real_pixels.run(contenders, data, tick))
+        tick('real frames')
+        report.frames.extend(real_frames.run(data))
     if 'detection' in parts:
         report.detection.extend(detection.run(sizes.detection, tick))
     if 'search' in parts:

@@ -11,6 +11,7 @@ from benchmarks.contender import Contender
 from benchmarks.detection import ASKED_SNR, OURS, Row as DetectionRow, share, SNRS
 from benchmarks.finders import FINDERS
 from benchmarks.motion import Row as MotionRow
+from benchmarks.real_frames import Row as FrameRow
 from benchmarks.real_pixels import Row as RealRow
 from benchmarks.report import Report
 from benchmarks.search import Row as SearchRow
@@ -54,6 +55,7 @@ def figures(report: Report, ours: Sequence[str]) -> list[Table]:
             for paired in (False, True)
         ]
     tables += [real(report.real)] if report.real else []
+    tables += [frames(report.frames)] if report.frames else []
     tables += detection(report.detection) if report.detection else []
     tables += [search(report.search)] if report.search else []
     tables += [motion(report.motion)] if report.motion else []
@@ -156,6 +158,32 @@ def real(rows: Sequence[RealRow]) -> Table:
             f'{row.harmonic:.4f}',
             f'{row.phase_rms:.4f}',
             f'{row.found} of {row.total}',
+        )
+    return table
+
+
+def frames(rows: Sequence[FrameRow]) -> Table:
+    """Return what the segmenter finds in whole real frames."""
+    table = Table(
+        'frames',
+        'of',
+        'found',
+        'others not refused',
+        'SNR of the strongest of them',
+        'windows on them',
+        'why no window',
+        title='Real frames: the laser line of each pair, the stars above peak SNR 8',
+        caption='others: off the line, by its colour; not in the catalogue, most of them stars',
+    )
+    for row in rows:
+        table.add_row(
+            row.kind,
+            row.name,
+            f'{row.found} of {row.total}',
+            str(row.others),
+            f'{row.strongest_other:.0f}',
+            str(row.windows),
+            row.reason,
         )
     return table
 

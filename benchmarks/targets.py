@@ -12,6 +12,7 @@ from benchmarks.bearing import Row as BearingRow
 from benchmarks.detection import ASKED_SNR, OURS, Row as DetectionRow, share
 from benchmarks.motion import Row as MotionRow
 from benchmarks.ours import CHAMPION, DIFFERENCE, LIT_ONLY
+from benchmarks.real_frames import LASER, Row as FrameRow, STARS
 from benchmarks.report import Report
 from benchmarks.search import ACQUIRED, LOCKED, LOST, Row as SearchRow
 from benchmarks.speed import Pace, PAIRED, REFERENCE
@@ -93,6 +94,7 @@ def judge(report: Report, ours: Sequence[str]) -> list[Target]:
     judged = accuracy_targets(report.accuracy, report.bias, ours) if report.accuracy else []
     judged += [_bearing_target(report.bearing)] if report.bearing else []
     judged += speed_targets(report.speed) if report.speed else []
+    judged += frame_targets(report.frames) if report.frames else []
     judged += detection_targets(report.detection) if report.detection else []
     judged += search_targets(report.search) if report.search else []
     return judged + ([_motion_target(report.motion)] if report.motion else [])
@@ -133,6 +135,23 @@ def speed_targets(paces: Sequence[Pace]) -> list[Target]:
     call = slowest.single * 1e6
     targets.append(Target('one locate()', 50.0, call, unit=' us', where=slowest.scene))
     return targets
+
+
+def frame_targets(rows: Sequence[FrameRow]) -> list[Target]:
+    """Return the targets that whole real frames decide."""
+    laser = [row for row in rows if row.kind == LASER]
+    stars = [row for row in rows if row.kind == STARS]
+    return [
+        _found_target('line picked, of all pairs', laser),
+        Target('windows off the line', 0, sum(row.windows for row in laser)),
+        _found_target('stars found above peak SNR 8', stars),
+    ]
+
+
+def _found_target(name: str, rows: Sequence[FrameRow]) -> Target:
+    found, total = sum(row.found for row in rows), sum(row.total for row in rows)
+    share = 100.0 * found / total if total else float('nan')
+    return Target(name, 100.0, share, floor=True, unit=' %', where=f'{found} of {total}')
 
 
 def detection_targets(rows: Sequence[DetectionRow]) -> list[Target]:

@@ -22,7 +22,7 @@ FOLLOWED = 3.0  # times that: a target that is followed may pass in front of som
 # Two lit frames of a moving light leave a rise and an equal fall beside each other; a true flash
 # leaves no fall but noise. Half-way between the two tells them apart.
 LARGEST_FALL = 0.5
-NOISE_FALL = 6.0  # standard deviations; no pixel of a window falls so far by noise alone
+NOISE_FALL = 4.0  # standard deviations: by noise alone two neighbours fall by 3 at most
 
 
 def refuse(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
