@@ -164,19 +164,20 @@ def _peaks(
     x0, y0, x1, y1 = region
     down, across = noises.shape
     count, strongest = 0, 0.0
-    lowest = np.empty(down)
+    lowest, darkest = np.empty(down), np.empty(down)  # of each row of tiles
     floors = np.empty((down, across))
     for ty in range(down):
         for tx in range(across):
             floors[ty, tx] = _lowest_level(levels, tx, ty)
         lowest[ty] = (floors[ty] + threshold * noises[ty]).min()
+        darkest[ty] = floors[ty].min()
     # Most rows hold nothing: one look at each whole row, with the least of its thresholds.
     rises = np.empty(y1 - y0)
     for j in range(y0, y1):
         rises[j - y0] = _greatest_rise(lit[j], unlit[j], x0, x1)
     for j in range(y0, y1):
         ty = min((j - y0) // TILE, down - 1)
-        strongest = max(strongest, rises[j - y0] - floors[ty].min())
+        strongest = max(strongest, rises[j - y0] - darkest[ty])
         if rises[j - y0] <= lowest[ty]:
             continue
         a, b = lit[j], unlit[j]
