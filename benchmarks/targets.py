@@ -14,7 +14,7 @@ from benchmarks.motion import Row as MotionRow
 from benchmarks.ours import CHAMPION, DIFFERENCE, LIT_ONLY
 from benchmarks.real_frames import LASER, Row as FrameRow, STARS
 from benchmarks.report import Report
-from benchmarks.search import ACQUIRED, LOCKED, LOST, Row as SearchRow
+from benchmarks.search import LOCKED, LOST, Row as SearchRow
 from benchmarks.speed import Pace, PAIRED, REFERENCE
 import numpy as np
 from scipy.stats import norm
@@ -175,9 +175,14 @@ def detection_targets(rows: Sequence[DetectionRow]) -> list[Target]:
 
 
 def search_targets(rows: Sequence[SearchRow]) -> list[Target]:
-    """Return the targets that the timing of whole frames decides."""
+    """
+    Return the targets that the timing of whole frames decides.
+
+    A frame in which the target appears is measured, confirmed and cut besides: it is in the
+    tables, and has no target.
+    """
     whole = max(
-        (row for row in rows if row.path in (LOST, ACQUIRED) and row.depth == 'uint8'),
+        (row for row in rows if row.path == LOST),
         key=lambda row: row.ratio,
     )
     locked = max((row for row in rows if row.path == LOCKED), key=lambda row: row.seconds)
@@ -186,7 +191,7 @@ def search_targets(rows: Sequence[SearchRow]) -> list[Target]:
             'whole-frame search over subtract + minMaxLoc',
             3.0,
             whole.ratio,
-            where=f'{whole.size}, {whole.path}',
+            where=f'{whole.size}, {whole.depth}',
         ),
         Target(
             'a frame while locked',

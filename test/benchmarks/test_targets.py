@@ -130,11 +130,11 @@ def test_detection_is_judged_at_the_snr_asked_for():
 
 
 def test_search_is_judged_by_its_worst():
-    """The ratio of both lost paths in 8 bits, and the longest locked frame in any."""
+    """The greatest ratio without a target, and the longest locked frame, in any depth."""
     rows = [
         SearchRow('640 x 480', 'uint8', LOST, 50e-6, 20e-6, 2.5, 0.0),
-        SearchRow('640 x 480', 'uint8', ACQUIRED, 50e-6, 20e-6, 2.9, 1.0),
-        SearchRow('640 x 480', 'uint16', LOST, 50e-6, 20e-6, 9.9, 0.0),
+        SearchRow('640 x 480', 'uint8', ACQUIRED, 90e-6, 20e-6, 4.5, 1.0),
+        SearchRow('640 x 480', 'uint16', LOST, 58e-6, 20e-6, 2.9, 0.0),
         SearchRow('640 x 480', 'uint8', LOCKED, 50e-6, 20e-6, 2.5, 1.0),
         SearchRow('640 x 480', 'uint16', LOCKED, 61e-6, 20e-6, 3.5, 1.0),
         SearchRow('640 x 480', 'uint8', COMPONENTS, 1.0, 20e-6, 100.0, 0.0),
