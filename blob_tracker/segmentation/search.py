@@ -104,17 +104,19 @@ def search(
         )
 
     table, gains, change, level, noise, brightness, strongest = look(contrast.unlit)
-    jump = EXPOSURE_JUMP * brightness + JUMP_NOISE * noise + JUMP_GLARE * strongest
     reason = ''
     if contrast.unlit_looks:
-        if abs(level) > jump:
-            reason = (
-                f'the whole scene changed by {level:+.0f} DN from {brightness:.0f} DN between the '
-                'two frames: switch auto-exposure off'
-            )
+        step = level
         if change > FELT * noise:
             table, _, _, level, noise, _, strongest = look(
                 relit(contrast.unlit, gains, contrast.saturation)
+            )
+        # In the new light: before, what the scene's texture gained or lost passes for noise.
+        jump = EXPOSURE_JUMP * brightness + JUMP_NOISE * noise + JUMP_GLARE * strongest
+        if abs(step) > jump:
+            reason = (
+                f'the whole scene changed by {step:+.0f} DN from {brightness:.0f} DN between the '
+                'two frames: switch auto-exposure off'
             )
     unit = contrast.unit
     if unit != 1.0:
