@@ -43,7 +43,7 @@ class Row:
     strongest_other : float
         SNR in the matched filter of the strongest of them, 0 where there is none.
     windows : int
-        Windows off the line, or off any star of the catalogue.
+        Windows off the line; of stars, windows in all.
     reason : str
         Why there is no window.
 
@@ -152,11 +152,9 @@ def _stars(path: Path) -> Row:
         if not each.refused
         and np.hypot(table['x0'] - each.x, table['y0'] - each.y).min() >= NEAR
     ]
-    centres = [((box.x0 + box.x1 - 1) / 2, (box.y0 + box.y1 - 1) / 2)
-               for box in look.windows.values()]
-    windows = sum(np.hypot(table['x0'] - x, table['y0'] - y).min() >= NEAR for x, y in centres)
     return Row(
-        STARS, path.stem, found, len(bright), len(others), _strongest(others), int(windows), reason
+        STARS, path.stem, found, len(bright), len(others), _strongest(others), len(look.windows),
+        reason,
     )
 
 
