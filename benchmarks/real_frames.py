@@ -43,7 +43,7 @@ class Row:
     strongest_other : float
         SNR in the matched filter of the strongest of them, 0 where there is none.
     windows : int
-        Windows off the line, or off any star of the catalogue.
+        Windows off the line; of stars, windows in all.
     reason : str
         Why there is no window.
 
@@ -126,7 +126,7 @@ def _laser(path: Path) -> Row:
     segmenter = Segmenter(flash=flash_by_name('alternate'), min_snr=MIN_SNR)
     windows = 0
     for index, picture in enumerate((unlit, lit)):
-        grey = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
+        grey = np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), np.uint8)
         window = segmenter.update(Frame(grey, index * INTERVAL_NS, SATURATION))
         if window is not None:
             height, width = window.lit.shape
@@ -152,11 +152,9 @@ def _stars(path: Path) -> Row:
         if not each.refused
         and np.hypot(table['x0'] - each.x, table['y0'] - each.y).min() >= NEAR
     ]
-    centres = [((box.x0 + box.x1 - 1) / 2, (box.y0 + box.y1 - 1) / 2)
-               for box in look.windows.values()]
-    windows = sum(np.hypot(table['x0'] - x, table['y0'] - y).min() >= NEAR for x, y in centres)
     return Row(
-        STARS, path.stem, found, len(bright), len(others), _strongest(others), int(windows), reason
+        STARS, path.stem, found, len(bright), len(others), _strongest(others), len(look.windows),
+        reason,
     )
 
 
@@ -166,7 +164,8 @@ def _sky(path: Path) -> tuple[NDArray[np.void], Look, str]:
     if frame is None:
         raise FileNotFoundError(f'{path} has no frame {path.stem}.png beside it')
     segmenter = Segmenter(flash=flash_by_name('steady'), min_snr=MIN_SNR)
-    segmenter.update(Frame(frame // 16, 0, FULL_SCALE))  # 12 bits in the high bits of 16
+    image = np.asarray(frame // 16, np.uint16)  # 12 bits in the high bits of 16
+    segmenter.update(Frame(image, 0, FULL_SCALE))
     assert segmenter.look is not None
     return np.genfromtxt(path, delimiter=',', names=True), segmenter.look, segmenter.reason
 

@@ -6,7 +6,9 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from benchmarks import accuracy, bearing, detection, motion, real_frames, real_pixels, search, speed
+from benchmarks import (
+    accuracy, bearing, detection, motion, real_frames, real_pixels, search, speed,
+)
 from benchmarks.accuracy import Bias, Row
 from benchmarks.bearing import Row as BearingRow
 from benchmarks.contender import Contender

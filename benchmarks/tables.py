@@ -170,7 +170,7 @@ def frames(rows: Sequence[FrameRow]) -> Table:
         'found',
         'others not refused',
         'SNR of the strongest of them',
-        'windows on them',
+        'windows, of lines those off it',
         'why no window',
         title='Real frames: the laser line of each pair, the stars above peak SNR 8',
         caption='others: off the line, by its colour; not in the catalogue, most of them stars',

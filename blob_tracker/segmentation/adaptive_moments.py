@@ -18,10 +18,10 @@ BINNING = 4  # by which they are: from 8 px to 2, well sampled still
 HALVES = (6, 12, int(REACH * COARSEST))
 STEPS = 20  # the moments settle in 3 to 6
 SETTLED = 0.02  # change of sigma and of place, in sigma, at which they have
-# Of the weight's variance: what has more of it along one axis and less across is six times as long
-# as wide, or longer. It is no blob, and a weight that grew with it would only gather what is near.
-LINE_ALONG, LINE_ACROSS = 0.9, 0.2
-LINE_SIGMA = 1.1  # px of the weight, from which on the pixel is not what makes it wide
+# Of the weight's variance: what has more of it along one axis and less across is four times as
+# long as wide, or longer: no blob, and a weight that grew with it would only gather what is near.
+LINE_ALONG, LINE_ACROSS = 0.8, 0.2
+LINE_SIGMA = 1.9  # px of the weight: below it pixels and noise have a part in what is long
 RING_AGAIN = 0.15  # change of sigma, in sigma, after which the background is taken anew
 
 # What `measure` returns: the SNR is 0 where there is no blob.

@@ -221,7 +221,7 @@ def _peaks(
 
 @kernel
 def _level_at(levels: Array, x: float, y: float) -> float:
-    """Return the level at a place, px from the first tile: on planes between the tiles' middles."""
+    """Return the level at a place, px from the first tile, between the tiles' middles."""
     down, across = levels.shape
     v, u = y / TILE - 0.5, x / TILE - 0.5
     top, left = max(min(int(v), down - 2), 0), max(min(int(u), across - 2), 0)
