@@ -1,0 +1,268 @@
+"""What flashes in step is confirmed and followed; what does not is never taken for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from blob_tracker.segmentation.box import Box, whole
+from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.confirmation import Confirmation, FORGOTTEN
+from contrasts import candidate_at
+import numpy as np
+import pytest
+
+SHAPE = (480, 640)
+STEP_NS = 16_666_667
+GATE = 24.0
+NOISE_PEAK = candidate_at(20, 20, height=9.0)
+
+
+class Camera:
+    """Frames in which this or that lights up."""
+
+    def __init__(self, shape: tuple[int, int] = SHAPE) -> None:
+        self.shape = shape
+        self.confirmation = Confirmation(GATE)
+
+    def see(self, index: float, *candidates: Candidate) -> Candidate | None:
+        """Take the frame of this index; return what is chosen in it."""
+        self.confirmation.push(10**9 + round(index * STEP_NS))
+        return self.confirmation.choose(candidates, self.shape)
+
+    def warm_up(self) -> int:
+        """Take frames of an empty scene, so that no light is the first one; return the next."""
+        for index in range(4):
+            assert self.see(index) is None
+        return 4
+
+
+def light(index: float, speed: float = 0.0) -> Candidate:
+    """Return a light at a constant speed, px a frame."""
+    x = 200.0 + speed * index
+    return candidate_at(round(x), 100, x=x)
+
+
+def test_a_single_light_is_trusted_at_once() -> None:
+    """In the first three pairs, where nothing speaks against it."""
+    camera = Camera()
+    assert camera.see(1) is None
+    assert camera.see(2, light(2)) is not None
+    assert camera.confirmation.locked
+
+
+def test_a_light_among_others_must_flash_again() -> None:
+    """Two that light up in the first frame: neither is known."""
+    camera = Camera()
+    assert camera.see(1, light(1), candidate_at(500, 300)) is None
+    assert not camera.confirmation.locked
+
+
+@pytest.mark.parametrize('first, empty, needed', [(0, 4, 3), (1, 4, 3), (0, 600, 2), (1, 600, 2)])
+def test_locks_in_either_phase(first: int, empty: int, needed: int) -> None:
+    """At the third flash, at the second where nothing lit up for ten seconds, and on."""
+    camera = Camera()
+    for index in range(empty + first):
+        assert camera.see(index) is None
+    start = empty + first
+    found = [
+        index for index in range(start, start + 20)
+        if camera.see(index, *([light(index)] if (index - start) % 2 == 0 else [])) is not None
+    ]
+    assert found == list(range(start + 2 * (needed - 1), start + 20, 2))
+
+
+def confirmed(lights: Callable[[int], bool], frames: int = 120) -> int:
+    """Return how often a light that is on where this says is chosen."""
+    camera = Camera()
+    start = camera.warm_up()
+    found = 0
+    for index in range(start, start + frames):
+        found += camera.see(index, *([light(index)] if lights(index) else [])) is not None
+    return found
+
+
+@pytest.mark.parametrize('lights, name', [
+    (lambda index: True, 'every frame'),
+    (lambda index: index % 3 == 0, 'every third'),
+    (lambda index: index % 3 != 0, 'two of three: 100 Hz at 60 frames a second'),
+    (lambda index: index % 5 in (0, 2), 'two of five: 120 Hz at 50 frames a second'),
+], ids=['every frame', 'every third', 'two of three', 'two of five'])
+def test_what_lights_up_out_of_step_is_never_confirmed(lights, name: str) -> None:
+    """Though two flashes of some of these are two frames apart."""
+    assert confirmed(lights) == 0, name
+
+
+def test_what_is_refused_in_the_other_phase_speaks_against_a_light() -> None:
+    """A lamp of which one phase passes for a blob, and the other for a lamp."""
+    camera = Camera()
+    start = camera.warm_up()
+    for index in range(start, start + 6):
+        seen = light(index)
+        if index % 2:
+            seen = seen._replace(refused='a lamp that flickers')
+        assert camera.see(index, seen) is None
+
+
+@pytest.mark.parametrize('lost', [[10], [11], [10, 11], [10, 11, 12], [9, 12]])
+def test_dropped_frames_cost_themselves(lost: list[int]) -> None:
+    """The stamps tell how many there were."""
+    camera = Camera()
+    found = [
+        index for index in range(1, 30)
+        if index not in lost
+        and camera.see(index, *([light(index, 2.0)] if index % 2 == 0 else [])) is not None
+    ]
+    assert found == [index for index in range(2, 30, 2) if index not in lost]
+
+
+def test_stamps_that_tremble_are_still_in_step() -> None:
+    """By a fifth of the time between frames, either way."""
+    random = np.random.default_rng(2)
+    camera = Camera()
+    found = sum(
+        camera.see(
+            index + random.uniform(-0.1, 0.1), *([light(index)] if index % 2 == 0 else [])
+        ) is not None
+        for index in range(1, 61)
+    )
+    assert found == 30
+
+
+def test_a_slip_is_followed_by_a_new_lock() -> None:
+    """The light is on in the odd frames from here on: confirmed again at its third flash."""
+    camera = Camera()
+    for index in range(1, 11):
+        camera.see(index, *([light(index)] if index % 2 == 0 else []))
+    found = [
+        index for index in range(11, 31)
+        if camera.see(index, *([light(index)] if index % 2 == 1 else [])) is not None
+    ]
+    assert found[0] <= 15
+    assert found == list(range(found[0], 31, 2))
+
+
+@pytest.mark.parametrize('speed', [0.0, 3.0, 10.0])
+def test_the_region_follows_a_constant_speed(speed: float) -> None:
+    """The light stays in the middle of it, and it is far smaller than the frame."""
+    camera = Camera()
+    for index in range(1, 41):
+        camera.confirmation.push(10**9 + index * STEP_NS)
+        region = camera.confirmation.region(SHAPE)
+        seen = light(index, speed)
+        if index > 4:
+            assert region.size < 0.03 * SHAPE[0] * SHAPE[1]
+            assert (region.x0 + region.x1 - 1) / 2 == pytest.approx(seen.x, abs=1.0)
+        camera.confirmation.choose([seen] if index % 2 == 0 else [], SHAPE)
+
+
+def test_the_region_grows_when_flashes_are_missed_and_ends_in_the_whole() -> None:
+    """It doubles with each of them; the track ends after eight frames."""
+    camera = Camera()
+    for index in range(1, 11):
+        camera.see(index, *([light(index)] if index % 2 == 0 else []))
+    sides = []
+    for index in range(11, 21):
+        camera.confirmation.push(10**9 + index * STEP_NS)
+        region = camera.confirmation.region(SHAPE)
+        sides.append(region.x1 - region.x0)
+        assert camera.confirmation.locked is (index - 10 <= FORGOTTEN)
+        camera.confirmation.choose([], SHAPE)
+    assert sides == sorted(sides)
+    # Frame 12 is the first in which it is expected, 14 the first after it was missed.
+    assert sides[0] == sides[1] and sides[2] == pytest.approx(2 * sides[1], abs=2)
+    assert region == whole(SHAPE)
+
+
+def test_the_region_is_within_the_frame() -> None:
+    """A light that leaves it has its region at the border."""
+    camera = Camera()
+    for index in range(1, 41):
+        camera.confirmation.push(10**9 + index * STEP_NS)
+        region = camera.confirmation.region(SHAPE)
+        assert region.size > 0
+        assert region == Box(
+            max(region.x0, 0), max(region.y0, 0), min(region.x1, 640), min(region.y1, 480)
+        )
+        seen = light(index, 15.0)
+        camera.confirmation.choose(
+            [seen] if index % 2 == 0 and seen.x < 639 else [], SHAPE
+        )
+
+
+def test_a_light_that_jumps_beyond_the_gate_is_another() -> None:
+    """What is too far from it begins anew."""
+    camera = Camera()
+    for index in range(600):
+        camera.see(index)
+    chosen = [
+        camera.see(index, *([candidate_at(200 + jump, 100)] if index % 2 == 0 else []))
+        for index, jump in enumerate((0, 0, 60, 0, 60, 0, 60), 600)
+    ]
+    # New things that light up are counted on: the third flash of the other one confirms it.
+    assert [each is not None for each in chosen] == 6 * [False] + [True]
+
+
+def test_a_light_of_another_brightness_is_another() -> None:
+    """Three times as bright as two frames ago."""
+    camera = Camera()
+    for index in range(600):
+        camera.see(index)
+    chosen = [
+        camera.see(index, *([light(0)._replace(height=height)] if index % 2 == 0 else []))
+        for index, height in enumerate((100.0, 0.0, 300.0, 0.0, 300.0, 0.0, 300.0), 600)
+    ]
+    assert [each is not None for each in chosen] == 6 * [False] + [True]
+
+
+def flashes_needed(rate: float, seed: int) -> int:
+    """Return how many flashes it takes in a scene where so many things light up a frame."""
+    random = np.random.default_rng(seed)
+    camera = Camera()
+
+    def clutter() -> list[Candidate]:
+        return [
+            candidate_at(int(random.integers(640)), int(random.integers(300, 480)))
+            for _ in range(random.poisson(rate))
+        ]
+
+    for index in range(1, 100):
+        camera.see(index, *clutter())
+    for flash in range(1, 20):
+        chosen = camera.see(98 + 2 * flash, light(0), *clutter())
+        camera.see(99 + 2 * flash, *clutter())
+        if chosen is not None and chosen.row == 100:
+            return flash
+    return 20
+
+
+def test_a_busy_scene_asks_for_more_flashes() -> None:
+    """Chance must not confirm what it makes."""
+    needed = [max(flashes_needed(rate, seed) for seed in range(3)) for rate in (0.0, 0.5, 6.0)]
+    assert needed == sorted(needed)
+    assert needed[0] <= 3 < needed[2]
+
+
+def test_chance_confirms_nothing_in_a_busy_scene() -> None:
+    """Glints anywhere, two a frame, in 3000 frames: one chosen at most."""
+    random = np.random.default_rng(8)
+    camera = Camera()
+    chosen = 0
+    for index in range(3000):
+        # None is alone in the first frames, where it would be trusted.
+        count = random.poisson(2.0) if index > 3 else 2
+        places = random.integers(0, (640, 480), (count, 2))
+        chosen += camera.see(index, *(candidate_at(int(x), int(y)) for x, y in places)) is not None
+    assert chosen <= 1
+
+
+def test_of_two_flashes_the_greater_snr_is_taken() -> None:
+    """And kept, whatever comes after it."""
+    camera = Camera()
+    start = camera.warm_up()
+    other = candidate_at(500, 300, snr=150.0)
+    for index in range(start, start + 11):
+        chosen = camera.see(index, *([light(0), other] if (index - start) % 2 == 0 else []))
+    assert chosen is not None and chosen.peak == (500, 300)
+    camera.see(start + 11)
+    chosen = camera.see(start + 12, light(0)._replace(snr=400.0), other)
+    assert chosen is not None and chosen.peak == (500, 300)
