@@ -97,12 +97,12 @@ class Alternate:
         return Contrast(lit, unlit, frame.saturation, frame, (lit,), (unlit,))
 
     def _registered(self, lit: Pixels, unlit: Pixels) -> Pixels:
-        """Return the unlit frame laid over the lit one, in the region; it is cut to what both see."""
+        """Return the unlit frame laid over the lit one in the region, cut to what both see."""
         assert self._register is not None
         found = self._register(lit, unlit)
         if found is None:
             # Little texture leaves little to lay over; what a wrong pair makes is not in step.
-            self.reason = 'the unlit frame has too little in common with the lit one to lay it over'
+            self.reason = 'too little in common with the unlit frame to lay it over the lit one'
             return unlit
         seen = overlap(found, (lit.shape[0], lit.shape[1]))
         self._region = common(self._region, seen)

@@ -27,6 +27,7 @@ CLUSTERED = 20.0  # times denser than if they were spread evenly: glints, leaves
 LEAST_MEMORY, MOST_MEMORY = 16, 128  # frames over which that rate is the mean
 FIRST_RATE = 0.05  # before anything was seen
 MOST_FLASHES = 6  # are always enough
+SETTLED = 3  # flashes of the target after which one that comes a frame late is still it
 SPOILED = 2  # more flashes are asked of a light that was once seen out of step
 
 
@@ -184,8 +185,14 @@ class Confirmation:
             return fresh
         age = self._age(nearest)
         if not self._in_step(age):
-            if nearest.flashes >= MOST_FLASHES:
-                return fresh  # something else; or the light slipped by a frame, and begins anew
+            if nearest.flashes >= MOST_FLASHES and age < PERIOD:
+                return fresh  # right after a flash that was expected: something else
+            if nearest is self._locked and nearest.flashes >= SETTLED and age > PERIOD:
+                # It missed its flash and comes a frame late: the light slipped.
+                fresh.trusted = True
+                self._locked = fresh
+                self._tracks = [each for each in self._tracks if each is not nearest]
+                return fresh
             fresh.spoiled = True
             if nearest is self._locked:
                 self._locked = None
@@ -202,8 +209,8 @@ class Confirmation:
         return fresh
 
     def _spoil(self, candidate: Candidate) -> None:
-        """Mark the young tracks at whose place something lights up out of step."""
-        for track in self._tracks:
+        """Mark the young track that is followed, and end all others, where it is out of step."""
+        for track in list(self._tracks):
             age = self._age(track)
             x, y = track.at(age)
             near = FLANK * (track.sigma + 1.0)
@@ -214,6 +221,8 @@ class Confirmation:
                 and track.height < ALIKE * candidate.height
             ):
                 track.spoiled = True
+                if track is not self._locked:
+                    self._tracks.remove(track)
 
     def _age(self, track: _Track) -> float:
         """Return the time since a track was seen, in frames."""

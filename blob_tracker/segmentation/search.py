@@ -27,7 +27,9 @@ JUMP_GLARE = 0.15  # of the strongest rise, which a wide blob may add to the lev
 FELT = 0.75
 IN_DN = [
     Candidate._fields.index(name)
-    for name in ('background', 'height', 'amplitude', 'fall', 'stood', 'texture', 'noise', 'unrest')
+    for name in (
+        'background', 'height', 'amplitude', 'fall', 'stood', 'texture', 'noise', 'unrest',
+    )
 ]
 
 

@@ -29,11 +29,11 @@ def test_a_window_must_be_about_the_target():
 
 
 def test_a_bright_target_is_found_on_a_plain_wall():
-    """In every frame but the first four, and nothing else."""
+    """In every frame but the first twelve, and nothing else."""
     rows = look_at(Take('plain', 2.0, 30.0, 1000, 44, 5))
     ours = rows[0]
     assert ours.contender == OURS
-    assert (ours.lit, ours.found, ours.frames, ours.false) == (20, 20, 40, 0)
+    assert (ours.lit, ours.found, ours.frames, ours.false) == (16, 16, 32, 0)
     assert {(row.lit, row.frames) for row in rows[1:]} == {(5, 5)}
     assert len(rows) == 1 + len(detection.FINDERS)
 
@@ -42,14 +42,14 @@ def test_without_a_target_every_window_is_false(monkeypatch):
     """And nobody else is asked."""
     monkeypatch.setattr(detection.Segmenter, 'update', lambda *_: WINDOW)
     (row,) = look_at(Take('plain', float('nan'), float('nan'), 0, 24, 0))
-    assert (row.lit, row.found, row.frames, row.false) == (0, 0, 20, 20)
+    assert (row.lit, row.found, row.frames, row.false) == (0, 0, 12, 12)
 
 
 def test_a_window_elsewhere_is_false(monkeypatch):
     """With a target there are windows that miss it, and windows of the dark frames."""
     monkeypatch.setattr(detection.Segmenter, 'update', lambda *_: WINDOW)
     row = look_at(Take('plain', 2.0, 30.0, 0, 24, 0))[0]
-    assert (row.lit, row.found, row.frames, row.false) == (10, 0, 20, 20)
+    assert (row.lit, row.found, row.frames, row.false) == (6, 0, 12, 12)
 
 
 def test_full_run_is_large_enough():
@@ -68,10 +68,10 @@ def test_full_run_is_large_enough():
 def test_processes_give_the_rows_in_their_order(monkeypatch):
     """Whoever is first."""
     monkeypatch.setattr(detection, 'takes', lambda counts: [
-        Take('plain', 2.0, 30.0, 0, 12, 1), Take('plain', float('nan'), float('nan'), 0, 8, 0)
+        Take('plain', 2.0, 30.0, 0, 20, 1), Take('plain', float('nan'), float('nan'), 0, 16, 0)
     ])
     ticks = []
-    rows = detection.run(Counts(12, 12, 8, 1), ticks.append, workers=1)
+    rows = detection.run(Counts(20, 20, 16, 1), ticks.append, workers=1)
     assert [row.frames for row in rows if row.contender == OURS] == [8, 4]
     assert ticks == ['detection plain'] * 2
 

@@ -22,7 +22,7 @@ def test_camera_moves_as_fast_as_said():
 def test_still_errors_are_those_of_the_noise():
     """About sqrt(2 / pi) / 50 = 0.016 px, the bound of a well-sampled blob at SNR 50."""
     errors = motion.errors(SCENE, 'none', 44)
-    assert errors.shape == (20, 2)
+    assert errors.shape == (16, 2)
     assert np.isfinite(errors).all()
     assert 0.005 < np.sqrt((errors**2).mean()) < 0.03
 

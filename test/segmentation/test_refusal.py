@@ -193,9 +193,9 @@ def test_each_limit_is_where_it_is_said_to_be(changes: dict[str, float], words: 
 
 def test_noise_and_pixels_are_allowed_for() -> None:
     """A faint blob has falls beside it, a small one no shape, a textured scene heights."""
-    faint = candidate_at(80, 60, height=8.0, amplitude=8.0, fall=5.9)
+    faint = candidate_at(80, 60, height=7.0, amplitude=7.0, fall=3.9)
     assert refuse(faint, False) == ''
-    assert 'beside a fall' in refuse(faint._replace(fall=6.1), False)
+    assert 'beside a fall' in refuse(faint._replace(fall=4.1), False)
     small = candidate_at(80, 60, sigma_minor=0.6, sigma_major=2.0, misfit=0.9)
     assert refuse(small, False) == ''
     assert 'px long' in refuse(small._replace(sigma_major=2.2), False)

