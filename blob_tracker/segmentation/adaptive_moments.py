@@ -206,8 +206,8 @@ def _settle(
             xx, yy = _unweighted(mxx, weight), _unweighted(myy, weight)
             break
         # A step is at most a doubling: what the moments say far from the blob is not exact.
-        xx = max(_unweighted(mxx, weight), 0.25 * weight)
-        yy = max(_unweighted(myy, weight), 0.25 * weight)
+        xx = _unweighted(mxx, weight)
+        yy = _unweighted(myy, weight)
         new = np.sqrt(0.5 * (xx + yy))
         gain = 1.0 + weight / (new * new)
         dx = min(max(gain * dx, -sigma), sigma)
@@ -252,7 +252,7 @@ def _unweighted(moment: float, weight: float) -> float:
     """Return the variance of a Gaussian whose second moment under a Gaussian weight is given."""
     if moment >= 0.8 * weight:
         return 4.0 * weight
-    return max(1.0 / (1.0 / max(moment, 0.05) - 1.0 / weight), 0.1)
+    return max(1.0 / (1.0 / max(moment, 0.05) - 1.0 / weight), 0.25 * weight, 0.1)
 
 
 @kernel

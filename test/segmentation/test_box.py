@@ -1,6 +1,6 @@
 """Boxes: cut at borders, and told when too much is cut off."""
 
-from blob_tracker.segmentation.box import Box, box_about, component_box
+from blob_tracker.segmentation.box import Box, box_about, common, component_box, whole
 import numpy as np
 import pytest
 
@@ -36,3 +36,21 @@ def test_component_is_connected_across_corners() -> None:
     mask[2, 2] = mask[3, 3] = mask[8, 8] = True
     place = Box(100, 50, 110, 60)
     assert component_box(mask, 102, 52, place) == Box(102, 52, 104, 54)
+
+
+def test_whole_has_all_pixels() -> None:
+    """Of a (h, w) image."""
+    assert whole((20, 30)) == Box(0, 0, 30, 20)
+    assert whole((20, 30)).size == 600
+
+
+@pytest.mark.parametrize('other, shared', [
+    (Box(5, 4, 40, 50), Box(5, 4, 20, 10)),
+    (Box(12, 3, 15, 6), Box(12, 3, 15, 6)),
+    (Box(20, 0, 30, 10), Box(20, 0, 20, 10)),  # they touch
+    (Box(50, 60, 70, 80), Box(50, 60, 50, 60)),
+])
+def test_common_pixels_of_two_boxes(other: Box, shared: Box) -> None:
+    """Whichever is named first; none where they are apart."""
+    box = Box(0, 0, 20, 10)
+    assert common(box, other) == common(other, box) == shared

@@ -129,9 +129,11 @@ def pixel_of(beside: float) -> tuple[np.ndarray, np.ndarray]:
     return even(), lit
 
 
-def bar_of(sigma_x: float, sigma_y: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return a rise that is longer than wide."""
-    return even(), even() + 100 * blob(80.3, 60.2, sigma_x, sigma_y)
+def bar_of(length: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a rise that is longer than wide, and slanted."""
+    y, x = np.mgrid[:SHAPE[0], :SHAPE[1]]
+    along, across = (x - 80.3 + y - 60.2) / np.sqrt(2), (y - 60.2 - x + 80.3) / np.sqrt(2)
+    return even(), even() + 100 * np.exp(-0.5 * ((along / length) ** 2 + (across / 2.0) ** 2))
 
 
 def light_that_moved(part: float) -> tuple[np.ndarray, np.ndarray]:
@@ -161,7 +163,7 @@ def beside_the_clipped(level: float) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize('make, target, clutter, words', [
     # The four neighbours of a blob of 0.6 px have 0.3 of its peak.
     (pixel_of, 0.3, 0.0, r'a lone pixel rose by 1\d\d DN'),
-    (lambda length: bar_of(length, 2.0), 5.0, 8.0, r'\d.\d px long and \d.\d px wide'),
+    (bar_of, 4.0, 9.0, r'\d.\d px long and \d.\d px wide'),
     (light_that_moved, 0.3, 0.8, 'something moved, or the light was on in both frames'),
     (ring_of, 0.0, 10.0, 'that is no blob: a Gaussian leaves'),
     (lamp_of, 40.0, 100.0, r'on \d+ DN that were there before: a lamp that flickers'),

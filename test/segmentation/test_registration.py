@@ -9,7 +9,7 @@ from blob_tracker.location import locate, locate_batch
 from blob_tracker.segmentation import Segmenter
 from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.segmentation.box import Box
-from blob_tracker.segmentation.registration import affine, laid_over, translation
+from blob_tracker.segmentation.registration import affine, laid_over, overlap, translation
 from blob_tracker.simulation import FlashingLight, in_step, Light, Scene, Stepping
 from blob_tracker.simulation.light import pixel_integrated_gaussian
 from blob_tracker.simulation.sensor import expose
@@ -227,6 +227,20 @@ def test_where_the_unlit_frame_did_not_reach_nothing_rises() -> None:
     assert (laid[2:-3, 7:-3] == 30).all()
     far = np.array([[1.0, 0.0, 500.0], [0.0, 1.0, 500.0]])
     np.testing.assert_array_equal(laid_over(lit, unlit, far), lit)
+
+
+@pytest.mark.parametrize('true', [
+    motion(0.0, 0.0), motion(8.0, -8.0), motion(-5.5, 3.2), motion(0.0, 0.0, 1.0),
+    motion(8.0, 8.0, -1.0), motion(500.0, 0.0),
+], ids=['still', 'right and up', 'left and down', 'turn', 'turn and shift', 'far'])
+def test_the_overlap_is_where_both_frames_were(true: np.ndarray) -> None:
+    """In it all is interpolated, and a pixel or three further on each side not all of it is."""
+    lit, unlit = np.full((HEIGHT, WIDTH), 255, np.uint8), np.full((HEIGHT, WIDTH), 30, np.uint8)
+    seen = overlap(true, (HEIGHT, WIDTH))
+    from_unlit = laid_over(lit, unlit, true) == 30
+    assert from_unlit[seen.slices].all()
+    assert from_unlit.sum() - seen.size <= 2 * 8 * (WIDTH + HEIGHT)  # a turn leaves wedges
+    assert (seen.size == 0) == (true[0, 2] > WIDTH)
 
 
 @pytest.mark.parametrize('method, true', [

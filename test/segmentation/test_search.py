@@ -195,14 +195,15 @@ def test_a_faint_target_on_texture_is_not_refused(sigma: float) -> None:
 
 
 def test_a_faint_blob_is_looked_at_twice_about_a_prediction() -> None:
-    """A peak SNR of 3.5 and a width of 3 px: no pixel stands out, the matched filter has 19."""
+    """At a peak SNR of 2 and a width of 3 px few pixels stand out; the matched filter has 11."""
     seen = {True: 0, False: 0}
     for seed in range(10):
-        contrast = noisy_blob((480, 640), 320.3, 240.4, 3.0, 3.0 * DEVIATION, seed=seed)
+        contrast = noisy_blob((480, 640), 320.3, 240.4, 3.0, 2.0 * DEVIATION, seed=seed)
         for followed in seen:
             found = searched(contrast, Box(290, 210, 351, 271), followed=followed)
             seen[followed] += len(found.candidates) > 0
-    assert seen[True] == 10
+    assert seen[True] >= 9
+    assert seen[False] <= 0.7 * seen[True]
 
 
 def test_an_exposure_jump_is_named() -> None:
