@@ -7,7 +7,9 @@ from blob_tracker.segmentation.candidate import Candidate
 # The four neighbours of the peak pixel have a third of its height where sigma is 0.6 px, and more
 # where it is wider; those of a hot pixel have none but noise.
 LONE = 0.1
-LONGEST = 3.0  # times as long as wide: a moving edge, a glint's streak or a band is longer
+# Times as long as wide: a moving edge, a glint's streak or a band is longer, as far as adaptive
+# moments follow (2.6).
+LONGEST = 2.5
 NARROWEST = 0.7  # px: below it the width is that of the pixel, and noise decides
 WORST_MISFIT = 0.5  # a clipped or a square blob leaves 0.3; half a blob, an edge or a ring more
 SAMPLED = 0.9  # px of sigma, from which on pixels draw the shape of a blob

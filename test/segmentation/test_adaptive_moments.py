@@ -46,7 +46,7 @@ def test_sigma_place_and_snr_are_measured(sigma: float) -> None:
     """From the brightest pixel, at a peak SNR of 100."""
     contrast = noisy_blob(SHAPE, X, Y, sigma, 150.0)
     found = measured(contrast, *brightest(contrast))
-    # The pixel adds its own width, 1/12 px^2, to the light's; binning adds 3 % at the largest.
+    # The pixel adds its own width, 1/12 px^2, to the light's.
     expected = np.hypot(sigma, 0.29)
     assert found['sigma_x'] == pytest.approx(expected, rel=0.03, abs=0.1)
     assert found['sigma_y'] == pytest.approx(expected, rel=0.03, abs=0.1)
@@ -54,8 +54,6 @@ def test_sigma_place_and_snr_are_measured(sigma: float) -> None:
     # The light of the whole blob, 2 pi sigma^2 A, in the filter that has the blob's own width.
     peak = 150.0 * (sigma / expected) ** 2
     snr = peak * np.sqrt(np.pi) * expected / DEVIATION
-    # Of blobs of 30 px and more every fourth pixel along rows and columns is looked at.
-    snr /= 4.0 if sigma > 30.0 else 1.0
     # Below 1 px the sum over the pixels is not the integral.
     assert found['snr'] == pytest.approx(snr, rel=0.15 if sigma < 1.0 else 0.05)
 
@@ -71,10 +69,10 @@ def test_a_faint_blob_is_not_taken_for_its_brightest_noise(sigma: float) -> None
 
 
 def test_each_axis_has_its_own_width() -> None:
-    """A blob twice as wide as high; binned pixels are 1.1 px wide, added in squares."""
+    """A blob twice as wide as high: the width of the binned pixels is taken off again."""
     found = measured(noisy_blob(SHAPE, X, Y, 6.0, 150.0, sigma_y=3.0))
     for name, true in (('x', 6.0), ('y', 3.0), ('major', 6.0), ('minor', 3.0)):
-        assert found[f'sigma_{name}'] == pytest.approx(np.hypot(true, 1.1), rel=0.03)
+        assert found[f'sigma_{name}'] == pytest.approx(true, rel=0.03)
 
 
 def test_a_slanted_blob_has_its_axes_and_their_correlation() -> None:

@@ -129,16 +129,17 @@ def test_stamps_that_tremble_are_still_in_step() -> None:
 
 
 def test_a_slip_is_followed_by_a_new_lock() -> None:
-    """The light is on in the odd frames from here on: confirmed again at its third flash."""
+    """The light is on in the frame 11 as well and from there in the odd ones; 13 rises again."""
     camera = Camera()
     for index in range(1, 11):
         camera.see(index, *([light(index)] if index % 2 == 0 else []))
     found = [
         index for index in range(11, 31)
-        if camera.see(index, *([light(index)] if index % 2 == 1 else [])) is not None
+        if camera.see(
+            index, *([light(index)] if index % 2 == 1 and index > 11 else [])
+        ) is not None
     ]
-    assert found[0] <= 15
-    assert found == list(range(found[0], 31, 2))
+    assert found == list(range(13, 31, 2))
 
 
 @pytest.mark.parametrize('speed', [0.0, 3.0, 10.0])
