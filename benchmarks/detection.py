@@ -168,7 +168,7 @@ def look_at(take: Take) -> list[Row]:
         )
     )
     names = [OURS, *(finder.name for finder in FINDERS)]
-    lit, found, frames, false = ({name: 0 for name in names} for _ in range(4))
+    lit, found, frames, false = (dict.fromkeys(names, 0) for _ in range(4))
     unlit = None
     for index in range(take.first, take.first + take.count):
         image, truth = scene.frame(index), scene.truth(index)

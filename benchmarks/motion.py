@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from benchmarks.accuracy import compare
-from benchmarks.clutter import HEIGHT, RATE, with_target, WIDTH
+from benchmarks.clutter import HEIGHT, RATE, WIDTH, with_target
 from benchmarks.detection import contains, FIRST, MAX_PAIR_INTERVAL
 from blob_tracker.location import locate
 from blob_tracker.segmentation import flash_by_name, Segmenter

@@ -101,7 +101,7 @@ def test_what_does_not_fit_is_refused(saturation: int, most: int) -> None:
     assert most_looks(saturation) == most
     assert most * (saturation - 1) < FULL
     kind = np.uint8 if saturation == 255 else np.uint16
-    with pytest.raises(FrameError, match=f"16 bits of a window, {most} would; .*saturation"):
+    with pytest.raises(FrameError, match=f'16 bits of a window, {most} would; .*saturation'):
         add(Looks(most + 1), 6.0, saturation=saturation, kind=kind)
     add(Looks(most), 6.0, saturation=saturation, kind=kind)
 

@@ -198,7 +198,7 @@ def test_noise_and_pixels_are_allowed_for() -> None:
     faint = candidate_at(80, 60, height=7.0, amplitude=7.0, fall=3.9)
     assert refuse(faint, False) == ''
     assert 'beside a fall' in refuse(faint._replace(fall=4.1), False)
-    small = candidate_at(80, 60, sigma_minor=0.6, sigma_major=2.0, misfit=0.9)
+    small = candidate_at(80, 60, sigma_minor=0.6, sigma_major=1.7, misfit=0.9)
     assert refuse(small, False) == ''
     assert 'px long' in refuse(small._replace(sigma_major=2.2), False)
     textured = candidate_at(80, 60, stood=140.0, texture=50.0)

@@ -2,13 +2,9 @@
 
 import os
 from pathlib import Path
-import sys
 
+from benchmarks import real_frames
 import pytest
-
-# Truth and figures are those of the benchmarks, which are not installed.
-sys.path.append(str(Path(__file__).parents[2]))
-from benchmarks import real_frames  # noqa: E402
 
 DATA = os.environ.get('BLOB_TRACKER_DATA', '')
 pytestmark = pytest.mark.skipif(
