@@ -19,7 +19,7 @@ UNSAMPLED_MISFIT = 1.0  # below it
 STANDING = 1.0
 TEXTURE = 3.0  # standard deviations
 # The edge of something slow rises as little as this over the step that it makes in the scene.
-EDGE = 1.5
+EDGE = 1.0
 FOLLOWED = 3.0  # times that: a target that is followed may pass in front of something bright
 # Two lit frames of a moving light leave a rise and an equal fall beside each other; a true flash
 # leaves no fall but noise. Half-way between the two tells them apart.
