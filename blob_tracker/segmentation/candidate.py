@@ -34,7 +34,7 @@ class Candidate(NamedTuple):
     beside : float
         Mean rise of the four neighbours of the peak, as a part of the peak's.
     fall : float
-        Greatest loss of light in two neighbouring pixels within 9 sigma, DN.
+        Greatest loss of light in a square of 2 sigma within 9 sigma of it, DN.
     stood : float
         Height of the blob that was there before it lit up, DN.
     texture : float

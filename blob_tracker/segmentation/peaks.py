@@ -426,7 +426,8 @@ def _describe(
     # In one frame by itself nothing fell: what is darker beside it is the scene.
     out[15] = 0.0
     if not alone:
-        out[15] = _fall(lit, unlit, region, x, y, 3.0 * half_x, 3.0 * half_y, level)
+        size = 2.0 * min(sigma_x, sigma_y)
+        out[15] = _fall(lit, unlit, region, x, y, 3.0 * half_x, 3.0 * half_y, size, level)
     out[16] = stood / total if total > 0.0 else 0.0
     out[17] = texture
     out[18] = clipped
@@ -461,25 +462,49 @@ def _fall(
     y: float,
     half_x: float,
     half_y: float,
+    size: float,
     level: float,
 ) -> float:
     """
     Return the greatest fall below the level near a place, DN.
 
-    It is that of two neighbours together: a single pixel may be hot. Of wide blobs not every
-    row is looked at.
+    It is the mean over a square of the blob's size, 2 x 2 px at least: what moved away was as
+    large as what came, and a pixel may be hot. Of wide blobs not every pixel is looked at.
     """
-    left, right = max(int(x - half_x), region[0]), min(int(x + half_x) + 1, region[2] - 1)
+    left, right = max(int(x - half_x), region[0]), min(int(x + half_x) + 1, region[2])
     top, bottom = max(int(y - half_y), region[1]), min(int(y + half_y) + 1, region[3])
-    step = 1 + int(half_y / (3 * SAMPLES + 1))
+    step = 1 + int(max(half_x, half_y) / (3 * SAMPLES + 1))
+    side = max(int(size / step), 2)
+    width = (right - left + step - 1) // step
+    columns = np.zeros(width, np.int32)  # sums over the last rows, as many as the square has
     lowest = np.int32(2**30)
+    row = 0
     for j in range(top, bottom, step):
-        a, b = lit[j], unlit[j]
-        for i in range(np.uint64(left), np.uint64(right)):
-            k = i + np.uint64(1)
-            both = np.int32(a[i]) - np.int32(b[i]) + np.int32(a[k]) - np.int32(b[k])
-            lowest = min(lowest, np.int32(both))
-    return max(level - 0.5 * lowest, 0.0)
+        _add_row(columns, lit[j], unlit[j], left, step, 1)
+        if row >= side:
+            before = j - side * step
+            _add_row(columns, lit[before], unlit[before], left, step, -1)
+        row += 1
+        if row < side:
+            continue
+        total = np.int32(0)
+        for i in range(width):
+            total += columns[i]
+            if i >= side:
+                total -= columns[i - side]
+            if i >= side - 1:
+                lowest = min(lowest, total)
+    return max(level - lowest / (side * side), 0.0) if lowest < 2**30 else 0.0
+
+
+@kernel
+def _add_row(
+    columns: NDArray[np.int32], a: Pixels, b: Pixels, left: int, step: int, sign: int
+) -> None:
+    """Add a row of a - b, or take it away, every so many pixels."""
+    for i in range(np.uint64(columns.size)):
+        k = np.uint64(left) + i * np.uint64(step)
+        columns[i] += np.int32(sign * (np.int32(a[k]) - np.int32(b[k])))
 
 
 @kernel

@@ -24,7 +24,7 @@ FOLLOWED = 3.0  # times that: a target that is followed may pass in front of som
 # Two lit frames of a moving light leave a rise and an equal fall beside each other; a true flash
 # leaves no fall but noise. Half-way between the two tells them apart.
 LARGEST_FALL = 0.5
-NOISE_FALL = 4.0  # standard deviations: by noise alone two neighbours fall by 3 at most
+NOISE_FALL = 4.0  # standard deviations: the mean of 2 x 2 pixels falls by 2.5 at most by noise
 
 
 def refuse(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:

@@ -60,12 +60,16 @@ def test_fields_of_a_blob_are_those_of_its_pixels() -> None:
     assert found.snr == pytest.approx(98.0 * np.sqrt(np.pi) * 2.02 / FLOOR, rel=0.03)
 
 
-def test_fall_is_that_of_two_neighbours_near_by() -> None:
-    """A single dark pixel is a hot one that went out; what is 20 px away is something else."""
-    for columns, fall in (((68,), 15.0), ((68, 69), 30.0), ((90, 91), 0.0)):
-        lit = lit_by(60.0, 40.0, 2.0, 100.0)
-        lit[40, list(columns)] = 10
-        assert peaks(lit)[0].fall == fall
+@pytest.mark.parametrize('place, fall', [
+    (np.s_[38:42, 69:73], 30.0),  # as large as the light, 4 x 4 px
+    (np.s_[40:41, 70:71], 30.0 / 16.0),  # a single pixel: a hot one that went out
+    (np.s_[38:42, 89:93], 0.0),  # 30 px away: something else
+])
+def test_fall_is_that_of_what_is_as_large(place: tuple[slice, slice], fall: float) -> None:
+    """From 40 to 10 DN beside a light of sigma 2 px."""
+    lit = lit_by(60.0, 40.0, 2.0, 100.0)
+    lit[place] = 10
+    assert peaks(lit)[0].fall == fall
 
 
 def test_what_stood_there_before_is_measured() -> None:
