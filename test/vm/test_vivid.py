@@ -78,9 +78,12 @@ def results(scene, tmp_path_factory) -> Path:
         'NUMBA_CPU_FEATURES': '',
         'NUMBA_CACHE_DIR': str(CACHE / 'numba'),
     }
-    compile_fits = 'import blob_tracker.location as l; l.compile_ahead(["maximum_likelihood"])'
+    compile_kernels = (
+        'import blob_tracker.location as l, blob_tracker.segmentation as s; '
+        's.compile_ahead(); l.compile_ahead(["maximum_likelihood"])'
+    )
     subprocess.run(
-        [sys.executable, '-c', compile_fits], env=os.environ | fits, cwd=folder, check=True
+        [sys.executable, '-c', compile_kernels], env=os.environ | fits, cwd=folder, check=True
     )
     environment |= fits
     python = shlex.quote(sys.executable)
