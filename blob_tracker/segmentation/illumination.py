@@ -10,7 +10,9 @@ from blob_tracker.segmentation.tile_noise import median
 from blob_tracker.types import Pixels
 import numpy as np
 
-ROWS = 32  # of a region that are sampled; between them a band is on a straight line
+# Of a region so many rows are sampled, and so far apart at least: between them a band is on a
+# straight line.
+ROWS, APART = 32, 8
 PARTS = 5  # of a row, whose median it is: a target or a lamp is in two of them at most
 DARK = 4.0  # DN: of less the ratio says nothing
 
@@ -35,7 +37,7 @@ def row_gains(lit: Pixels, unlit: Pixels, y0: int, y1: int) -> tuple[Array, floa
         How much brighter or darker it is, rms over the rows, DN.
 
     """
-    count = min(ROWS, y1 - y0)
+    count = max(min(ROWS, (y1 - y0) // APART), 1)
     gains = np.empty((count, 2))
     ratios = np.empty(PARTS)
     width = lit.shape[1] // PARTS
