@@ -12,7 +12,7 @@ import numpy as np
 
 # Of a region so many rows are sampled, and so far apart at least: between them a band is on a
 # straight line.
-ROWS, APART = 32, 8
+ROWS, APART = 32, 4
 PARTS = 5  # of a row, whose median it is: a target or a lamp is in two of them at most
 DARK = 4.0  # DN: of less the ratio says nothing
 
