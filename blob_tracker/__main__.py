@@ -1,4 +1,4 @@
-"""The command line: python -m blob_tracker demo | replay."""
+"""The command line: python -m blob_tracker calibrate | demo | optics | replay."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from importlib import import_module
 import sys
 
 COMMANDS = {
+    'calibrate': ('blob_tracker.nodes.calibrate', 'measure a camera: lens, noise, line jitter'),
     'demo': ('blob_tracker.nodes.demo', 'track a simulated light, or a camera, and show it live'),
     'replay': ('blob_tracker.nodes.replay', 'publish the messages of a bag, without ros2 bag'),
 }

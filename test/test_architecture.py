@@ -29,15 +29,18 @@ ROOMS = {
     'segmentation': {'kernel'},
     'location': {'kernel'},
     'camera': set(),
+    'calibration': {'segmentation', 'location', 'camera'},
     'pipeline': {'capture', 'segmentation', 'location', 'camera'},
     'simulation': {'capture', 'segmentation', 'location', 'camera', 'pipeline'},
-    'studies': {'capture', 'segmentation', 'location', 'camera', 'pipeline', 'simulation'},
-    'ros': {'capture', 'segmentation', 'location', 'camera', 'pipeline'},
-    'nodes': {
-        'capture', 'segmentation', 'location', 'camera', 'pipeline', 'simulation', 'studies',
-        'ros', 'resources',
+    'studies': {
+        'capture', 'segmentation', 'location', 'camera', 'calibration', 'pipeline', 'simulation',
     },
-    '__main__': {'nodes'},
+    'ros': {'capture', 'segmentation', 'location', 'camera', 'calibration', 'pipeline'},
+    'nodes': {
+        'capture', 'segmentation', 'location', 'camera', 'calibration', 'pipeline', 'simulation',
+        'studies', 'ros', 'resources',
+    },
+    '__main__': {'nodes', 'studies'},
     '__init__': {'camera', 'pipeline'},
 }
 

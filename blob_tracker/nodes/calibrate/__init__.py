@@ -1,0 +1,38 @@
+"""The calibrations of `python -m blob_tracker calibrate`, one file for each."""
+
+from __future__ import annotations
+
+import argparse
+from importlib import import_module
+from types import ModuleType
+
+CALIBRATIONS: dict[str, str] = {}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the calibrations and the options of each."""
+    kinds = parser.add_subparsers(dest='calibration', metavar='WHAT', required=True)
+    for name, summary in CALIBRATIONS.items():
+        _module(name).add_arguments(kinds.add_parser(name, help=summary, description=summary))
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """
+    Calibrate.
+
+    Parameters
+    ----------
+    arguments : Namespace
+        Of the parser that `add_arguments` filled.
+
+    Returns
+    -------
+    int
+        Exit code: 0 done, 1 failed, 2 called wrongly, 130 after Ctrl-C.
+
+    """
+    return int(_module(arguments.calibration).main(arguments))
+
+
+def _module(name: str) -> ModuleType:
+    return import_module(f'blob_tracker.nodes.calibrate.{name}')
