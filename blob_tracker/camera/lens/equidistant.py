@@ -13,14 +13,17 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import cos, hypot, inf, pi, sin
+from typing import TypeVar
 
 from blob_tracker.camera.lens.definition import Coefficients, Derivative, Vector
 import numpy as np
 from numpy.typing import NDArray
-from numpy.polynomial import Polynomial
 
 MOST_STEPS = 100  # six or so do; bisection, at the fold, takes 55
 ROUNDING = 2e-16
+LOOKS = 1800  # angles at which a fold is looked for
+
+Value = TypeVar('Value', float, NDArray[np.float64])
 
 
 def image(rays: NDArray[np.float64], coefficients: Coefficients) -> NDArray[np.float64]:
@@ -68,7 +71,7 @@ def ray(x: float, y: float, coefficients: Coefficients) -> tuple[Vector, Derivat
     )
 
 
-def _distance(theta: float, coefficients: Coefficients) -> tuple[float, float]:
+def _distance(theta: Value, coefficients: Coefficients) -> tuple[Value, Value]:
     """Return r and d r / d theta."""
     k1, k2, k3, k4 = coefficients or (0.0, 0.0, 0.0, 0.0)
     t = theta * theta
@@ -81,8 +84,15 @@ def _distance(theta: float, coefficients: Coefficients) -> tuple[float, float]:
 @lru_cache(maxsize=8)
 def _fold_angle(coefficients: Coefficients) -> float:
     """Return the least theta at which r no longer grows, pi at most."""
-    factors = np.arange(1, 2 * len(coefficients) + 2, 2) * np.array([1.0, *coefficients])
-    roots = Polynomial(factors).roots()
-    # A double root is a turning point without a turn, or nearly so: both are refused from there.
-    turns = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0.0)]
-    return float(min(np.sqrt(turns).min(initial=inf), pi))
+    angles = np.linspace(0.0, pi, LOOKS + 1)
+    turns = np.flatnonzero(_distance(angles, coefficients)[1] <= 0.0)
+    if not turns.size:
+        return pi
+    low, high = float(angles[turns[0] - 1]), float(angles[turns[0]])
+    for _ in range(MOST_STEPS):
+        middle = 0.5 * (low + high)
+        if _distance(middle, coefficients)[1] > 0.0:
+            low = middle
+        else:
+            high = middle
+    return low
