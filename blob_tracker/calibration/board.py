@@ -34,6 +34,7 @@ INTRINSICS = ('fx', 'fy', 'cx', 'cy')
 LEAST_VIEWS = 3
 CRITERIA = (cv2.TERM_CRITERIA_MAX_ITER | cv2.TERM_CRITERIA_EPS, 200, 1e-12)
 OUTLIER = 3.0  # times the median rms of the views: noise alone does not reach 2
+HARMLESS = 0.1  # px: a view this good is not at fault where the others are better still
 DOT_PASSES = 2  # the offsets of dots hang on the camera a little
 
 Array = NDArray[np.float64]
@@ -80,22 +81,22 @@ class BoardCalibration:
 
     @property
     def values(self) -> Array:
-        """The parameters, in the order of `names`."""
+        """Return the parameters, in the order of `names`."""
         return _parameters(self.model)
 
     @property
     def sigmas(self) -> Array:
-        """Standard deviation of each parameter."""
+        """Return the standard deviation of each parameter."""
         return np.sqrt(np.diag(self.covariance))
 
     @property
     def view_rms(self) -> Array:
-        """Rms distance of each view, (M,), px."""
+        """Return the rms distance of each view, (M,), px."""
         return np.array([_rms(residual) for residual in self.residuals])
 
     @property
     def normals(self) -> Array:
-        """Direction of the board's normal, away from the camera, in its optical frame, (M, 3)."""
+        """Return the board's normal, away from the camera, in the optical frame, (M, 3)."""
         normals = np.array([cv2.Rodrigues(rotation)[0][:, 2] for rotation in self.rotations])
         return np.asarray(normals * np.where(normals[:, 2:] < 0.0, -1.0, 1.0))
 
@@ -136,7 +137,7 @@ def calibrate_board(
     """
     Find the camera that sees a board as these views show it.
 
-    A view whose rms is three times the median of all is left out, and told of. Dots are moved
+    A view whose rms is beyond 0.1 px and three times the median is left out, and told of. Dots are moved
     from the centroids of their pictures onto the pictures of their centres.
 
     Parameters
@@ -165,12 +166,14 @@ def calibrate_board(
             'least, and 10 or more, each tilted another way, for a good calibration'
         )
     check_sizes(views)
-    used, left_out = list(views), []
+    used = list(views)
+    left_out: list[tuple[View, float]] = []
     while True:
         found = _refined(used, distortion_model, name)
         rms = found.view_rms
         worst = int(np.argmax(rms))
-        if rms[worst] <= OUTLIER * np.median(rms) or len(used) <= LEAST_VIEWS:
+        limit = max(OUTLIER * float(np.median(rms)), HARMLESS)
+        if rms[worst] <= limit or len(used) <= LEAST_VIEWS:
             return replace(found, left_out=tuple(left_out))
         left_out.append((used.pop(worst), float(rms[worst])))
 
@@ -219,9 +222,14 @@ def project(
             points[:, None], rotation, translation, model.matrix, distortion
         )
         # Its order: focal lengths, principal point, coefficients, rotation, translation, skew.
-        return places.reshape(-1, 2), jacobian[:, :8], jacobian[:, 8:14]
-    places, jacobian = cv2.projectPoints(points, rotation, translation, model.matrix, distortion)
-    return places.reshape(-1, 2), jacobian[:, 6:10 + len(distortion)], jacobian[:, :6]
+        by_camera, by_pose = jacobian[:, :8], jacobian[:, 8:14]
+    else:
+        places, jacobian = cv2.projectPoints(
+            points, rotation, translation, model.matrix, distortion
+        )
+        by_camera, by_pose = jacobian[:, 6:10 + len(distortion)], jacobian[:, :6]
+    flat = np.asarray(places, dtype=float).reshape(-1, 2)
+    return flat, np.asarray(by_camera, dtype=float), np.asarray(by_pose, dtype=float)
 
 
 def _refined(views: Sequence[View], distortion_model: str, name: str) -> BoardCalibration:

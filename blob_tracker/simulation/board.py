@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 from blob_tracker.camera import CameraModel
 from blob_tracker.simulation.sensor import expose
@@ -91,13 +92,14 @@ def charuco_print(
 
     The outer corner of the first square is the board's origin, as it is OpenCV's.
     """
-    known = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, dictionary))
+    aruco: Any = cv2.aruco  # its two interfaces
+    known = aruco.getPredefinedDictionary(getattr(aruco, dictionary))
     size = (columns * FINENESS, rows * FINENESS)
-    if hasattr(cv2.aruco, 'CharucoDetector'):
-        board = cv2.aruco.CharucoBoard((columns, rows), square, marker, known)
+    if hasattr(aruco, 'CharucoDetector'):
+        board = aruco.CharucoBoard((columns, rows), square, marker, known)
         picture = board.generateImage(size, marginSize=0)
     else:  # OpenCV before 4.7
-        board = cv2.aruco.CharucoBoard_create(columns, rows, square, marker, known)
+        board = aruco.CharucoBoard_create(columns, rows, square, marker, known)
         picture = board.draw(size, marginSize=0)
     margin = FINENESS // 2
     picture = cv2.copyMakeBorder(
@@ -278,7 +280,7 @@ def _rays(lens: _Lens, count: int) -> tuple[NDArray[np.float32], NDArray[np.floa
         rays = cv2.fisheye.undistortPoints(pixels, matrix, distortion, criteria=criteria)
     else:
         # OpenCV 4 calls what takes criteria by another name.
-        undistort = getattr(cv2, 'undistortPointsIter', cv2.undistortPoints)
+        undistort: Any = getattr(cv2, 'undistortPointsIter', cv2.undistortPoints)
         rays = undistort(pixels, matrix, distortion, R=np.eye(3), P=np.eye(3), criteria=criteria)
     shape = (height * count, width * count)
     u, v = np.moveaxis(np.asarray(rays, dtype=np.float32).reshape(*shape, 2), -1, 0)

@@ -48,7 +48,7 @@ class Board(Protocol):
 
     @property
     def description(self) -> str:
-        """What is looked for, for a sentence: 'chessboard of 9 x 6 inner corners'."""
+        """Return what is looked for, for a sentence: 'chessboard of 9 x 6 inner corners'."""
 
     def outline(self) -> NDArray[np.float64]:
         """Return the four outermost points in their order around the board, (4, 2), mm."""

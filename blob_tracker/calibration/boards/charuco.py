@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from blob_tracker.calibration.boards.board import (
     BoardError, check_grid, eight_bits, grid, View,
@@ -64,7 +65,7 @@ class CharucoBoard:
 
     @property
     def description(self) -> str:
-        """What is looked for."""
+        """Return what is looked for, for a sentence."""
         return (
             f'ChArUco board of {self.columns} x {self.rows} squares with markers of '
             f'{self.dictionary}'
@@ -110,20 +111,21 @@ class CharucoBoard:
     ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
         """Return the corners (N, 2), px, to about a pixel, and their identities (N,)."""
         size, markers = (self.columns, self.rows), self._markers()
-        if not hasattr(cv2.aruco, 'CharucoDetector'):  # OpenCV before 4.7: Ubuntu 24.04
-            board = cv2.aruco.CharucoBoard_create(*size, self.square, self.marker, markers)
-            seen, names, _ = cv2.aruco.detectMarkers(image, markers)
+        aruco: Any = cv2.aruco  # its two interfaces
+        if not hasattr(aruco, 'CharucoDetector'):  # OpenCV before 4.7: Ubuntu 24.04
+            board = aruco.CharucoBoard_create(*size, self.square, self.marker, markers)
+            seen, names, _ = aruco.detectMarkers(image, markers)
             corners = identities = None
             if len(seen):
-                _, corners, identities = cv2.aruco.interpolateCornersCharuco(
+                _, corners, identities = aruco.interpolateCornersCharuco(
                     seen, names, image, board
                 )
             return _as_arrays(corners, identities)
-        board = cv2.aruco.CharucoBoard(size, self.square, self.marker, markers)
-        corners, identities, seen, _ = cv2.aruco.CharucoDetector(board).detectBoard(image)
+        board = aruco.CharucoBoard(size, self.square, self.marker, markers)
+        corners, identities, seen, _ = aruco.CharucoDetector(board).detectBoard(image)
         if identities is None and len(seen):  # as OpenCV printed even rows before 4.6
             board.setLegacyPattern(True)
-            corners, identities, _, _ = cv2.aruco.CharucoDetector(board).detectBoard(image)
+            corners, identities, _, _ = aruco.CharucoDetector(board).detectBoard(image)
         return _as_arrays(corners, identities)
 
 

@@ -42,7 +42,7 @@ class Chessboard:
 
     @property
     def description(self) -> str:
-        """What is looked for."""
+        """Return what is looked for, for a sentence."""
         return f'chessboard of {self.columns} x {self.rows} inner corners'
 
     def outline(self) -> NDArray[np.float64]:

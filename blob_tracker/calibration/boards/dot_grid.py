@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from blob_tracker.calibration.boards.board import check_grid, eight_bits, grid, View
 from blob_tracker.types import Pixels
@@ -52,7 +53,7 @@ class DotGrid:
 
     @property
     def description(self) -> str:
-        """What is looked for."""
+        """Return what is looked for, for a sentence."""
         kind = 'asymmetric' if self.asymmetric else 'symmetric'
         return f'{kind} grid of {self.columns} x {self.rows} dots'
 
@@ -84,7 +85,8 @@ class DotGrid:
 
     def _grid(self, image: NDArray[np.uint8]) -> Array | None:
         """Return the centres of dark dots to about a pixel, (N, 2), in the order of `points`."""
-        settings = cv2.SimpleBlobDetector_Params()
+        opencv: Any = cv2  # whose types leave the blob detector out
+        settings = opencv.SimpleBlobDetector_Params()
         settings.minArea = LEAST_AREA
         settings.maxArea = image.size / (self.columns * self.rows)
         settings.minDistBetweenBlobs = 4.0
@@ -95,7 +97,7 @@ class DotGrid:
                 image,
                 (self.columns, self.rows),
                 flags=flags,
-                blobDetector=cv2.SimpleBlobDetector_create(settings),
+                blobDetector=opencv.SimpleBlobDetector_create(settings),
             )
             if found:
                 return np.asarray(centres, dtype=float).reshape(-1, 2)
@@ -107,10 +109,11 @@ class DotGrid:
         reach = 0.5 * self.spacing * (np.sqrt(2.0) if self.asymmetric else 1.0)
         areas = np.empty(len(points))
         for _ in range(PASSES):
-            onto, _ = cv2.findHomography(points, centres)
-            if onto is None:
+            homography, _ = cv2.findHomography(points, centres)
+            if homography is None:
                 return None
-            back = np.linalg.inv(onto)
+            onto = np.asarray(homography, dtype=np.float64)
+            back = np.asarray(np.linalg.inv(onto), dtype=np.float64)
             placed = centres.copy()
             for index, (point, centre) in enumerate(zip(points, centres)):
                 found = _centroid(image, point, centre, onto, back, reach)

@@ -54,7 +54,8 @@ def place_saddles(
     reach = int(np.clip(radius, LEAST_RADIUS, MOST_RADIUS))
     height, width = image.shape
     whole = np.rint(places).astype(int)
-    inside = (whole >= reach).all(axis=1) & (whole < (width - reach, height - reach)).all(axis=1)
+    last = np.array([width, height]) - reach
+    inside = np.asarray(((whole >= reach) & (whole < last)).all(axis=1), dtype=np.bool_)
     placed = places.copy()
     if not inside.any():
         return placed, inside
