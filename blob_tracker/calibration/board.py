@@ -7,16 +7,18 @@ projections least (Zhang, IEEE Trans. PAMI 22 (2000) 1330). Their covariance is
     Cov = s^2 (J^T J)^-1,   s^2 = sum of squared residuals / (2 N - parameters)
 
 with J the derivative of all projections by all parameters, the poses of the board included, which
-are then left out. OpenCV's own standard deviations are the same from some version after 4.6 on; in
-4.6 they are sqrt(2) and more too large.
+are then left out. OpenCV's own standard deviations are the same in 4.14 and 5.0, and sqrt(2) or
+more too large in 4.6, that of Ubuntu 24.04; it never tells the correlations.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from blob_tracker.calibration.boards import View
+from blob_tracker.calibration.bundle import adjust, Bundle, information, project, residuals
 from blob_tracker.calibration.dot_centres import centre_offsets
 from blob_tracker.camera import CalibrationError, CameraModel
 from blob_tracker.camera.model import MRAD
@@ -35,6 +37,10 @@ LEAST_VIEWS = 3
 CRITERIA = (cv2.TERM_CRITERIA_MAX_ITER | cv2.TERM_CRITERIA_EPS, 200, 1e-12)
 OUTLIER = 3.0  # times the median rms of the views: noise alone does not reach 2
 HARMLESS = 0.1  # px: a view this good is not at fault where the others are better still
+# Sigma to which the coefficients k4 k5 k6 of the rational model's denominator are held about 0, as
+# part of the covariance: without it numerator and denominator find a common root inside of the
+# image now and then, and bend the picture there to fit the noise.
+DENOMINATOR = 1.0
 DOT_PASSES = 2  # the offsets of dots hang on the camera a little
 
 Array = NDArray[np.float64]
@@ -82,7 +88,7 @@ class BoardCalibration:
     @property
     def values(self) -> Array:
         """Return the parameters, in the order of `names`."""
-        return _parameters(self.model)
+        return Bundle(self.model, self.rotations, self.translations).parameters
 
     @property
     def sigmas(self) -> Array:
@@ -137,8 +143,8 @@ def calibrate_board(
     """
     Find the camera that sees a board as these views show it.
 
-    A view whose rms is beyond 0.1 px and three times the median is left out, and told of. Dots are moved
-    from the centroids of their pictures onto the pictures of their centres.
+    A view whose rms is beyond 0.1 px and three times the median is left out, and told of. Dots
+    are moved from the centroids of their pictures onto the pictures of their centres.
 
     Parameters
     ----------
@@ -194,44 +200,6 @@ def check_sizes(views: Sequence[View]) -> None:
         )
 
 
-def project(
-    points: Array, rotation: Array, translation: Array, model: CameraModel
-) -> tuple[Array, Array, Array]:
-    """
-    Image the points of a board, with all derivatives.
-
-    Parameters
-    ----------
-    points : (N, 3) array
-        mm on the board.
-    rotation, translation : (3,) array
-        Of the board.
-    model : CameraModel
-        The camera.
-
-    Returns
-    -------
-    (N, 2) array, (2 N, n) array, (2 N, 6) array
-        Places in px; their derivatives by fx, fy, cx, cy and the distortion coefficients, and
-        by rotation and translation.
-
-    """
-    distortion = np.asarray(model.distortion, dtype=float)
-    if model.distortion_model == 'equidistant':
-        places, jacobian = cv2.fisheye.projectPoints(
-            points[:, None], rotation, translation, model.matrix, distortion
-        )
-        # Its order: focal lengths, principal point, coefficients, rotation, translation, skew.
-        by_camera, by_pose = jacobian[:, :8], jacobian[:, 8:14]
-    else:
-        places, jacobian = cv2.projectPoints(
-            points, rotation, translation, model.matrix, distortion
-        )
-        by_camera, by_pose = jacobian[:, 6:10 + len(distortion)], jacobian[:, :6]
-    flat = np.asarray(places, dtype=float).reshape(-1, 2)
-    return flat, np.asarray(by_camera, dtype=float), np.asarray(by_pose, dtype=float)
-
-
 def _refined(views: Sequence[View], distortion_model: str, name: str) -> BoardCalibration:
     """Calibrate; with dots, as often as it takes to know the pictures of their centres."""
     found = _fitted(views, distortion_model, name)
@@ -251,64 +219,60 @@ def _refined(views: Sequence[View], distortion_model: str, name: str) -> BoardCa
 
 def _fitted(views: Sequence[View], distortion_model: str, name: str) -> BoardCalibration:
     """Calibrate with all of these views."""
-    points = [np.column_stack([view.points, np.zeros(len(view.points))]) for view in views]
-    size = views[0].size
     fault = (
         'the views do not tell the camera: the board must be tilted by 20 to 45 degrees in most '
         'of them, to the left, to the right, up and down'
     )
-    try:
-        matrix, distortion, rotations, translations = _estimate(
-            points, [view.places for view in views], size, distortion_model
-        )
-        model = CameraModel(*size, matrix, distortion, distortion_model, name)
-    except (cv2.error, CalibrationError):
-        raise CalibrationError(fault) from None
-    if distortion_model == 'equidistant' and not _all_in_front(points, rotations, translations):
-        raise CalibrationError(fault)
-    normal = np.zeros((4 + len(distortion),) * 2)
-    residuals = []
-    for view, on_board, rotation, translation in zip(views, points, rotations, translations):
-        places, by_camera, by_pose = project(on_board, rotation, translation, model)
-        residuals.append(view.places - places)
-        # What a change of pose cannot make up for (the Schur complement of the poses).
-        beyond = by_camera - by_pose @ np.linalg.lstsq(by_pose, by_camera, rcond=None)[0]
-        normal += beyond.T @ beyond
-    squares = sum(float((residual**2).sum()) for residual in residuals)
     count = sum(len(view.points) for view in views)
-    freedom = 2 * count - len(normal) - 6 * len(views)
+    names = INTRINSICS + COEFFICIENTS[distortion_model]
+    freedom = 2 * count - len(names) - 6 * len(views)
     if freedom < 1:
         raise CalibrationError('there are fewer points than parameters; take more images')
+    prior = np.zeros(len(names))
+    try:
+        if distortion_model == 'rational_polynomial':
+            bundle = _estimate(views, 'plumb_bob', name)
+            squares = sum(float((each**2).sum()) for each in residuals(views, bundle))
+            prior[-3:] = squares / freedom / DENOMINATOR**2
+            distortion = np.append(bundle.model.distortion, np.zeros(3))
+            model = replace(
+                bundle.model, distortion=distortion, distortion_model=distortion_model
+            )
+            bundle = adjust(views, replace(bundle, model=model), prior)
+        else:
+            bundle = _estimate(views, distortion_model, name)
+    except (cv2.error, CalibrationError, np.linalg.LinAlgError):
+        raise CalibrationError(fault) from None
+    left = residuals(views, bundle)
+    normal = information(views, bundle) + np.diag(prior)
     scale = np.sqrt(np.diag(normal))
-    if not np.isfinite(normal).all() or (scale == 0.0).any():
+    if not np.isfinite(normal).all() or (scale == 0.0).any() or not _all_in_front(views, bundle):
         raise CalibrationError(fault)
+    squares = sum(float((each**2).sum()) for each in left)
     # Scaled: focal lengths in px and coefficients of r^6 differ by many powers of ten.
     inverse = np.linalg.pinv(normal / np.outer(scale, scale), rcond=1e-15, hermitian=True)
     covariance = squares / freedom * inverse / np.outer(scale, scale)
     return BoardCalibration(
-        model=model,
-        names=INTRINSICS + COEFFICIENTS[distortion_model],
+        model=bundle.model,
+        names=names,
         covariance=covariance,
         rms=float(np.sqrt(squares / count)),
         sigma=float(np.sqrt(squares / freedom)),
         views=tuple(views),
-        residuals=tuple(residuals),
-        rotations=rotations,
-        translations=translations,
+        residuals=tuple(left),
+        rotations=bundle.rotations,
+        translations=bundle.translations,
     )
 
 
-def _estimate(
-    points: Sequence[Array],
-    places: Sequence[Array],
-    size: tuple[int, int],
-    distortion_model: str,
-) -> tuple[Array, Array, Array, Array]:
-    """Return K (3, 3), the coefficients (n,), rotations (M, 3) and translations (M, 3)."""
+def _estimate(views: Sequence[View], distortion_model: str, name: str) -> Bundle:
+    """Return what OpenCV finds."""
+    points = [np.column_stack([view.points, np.zeros(len(view.points))]) for view in views]
+    size = views[0].size
     if distortion_model == 'equidistant':
         _, matrix, distortion, rotations, translations = cv2.fisheye.calibrate(
             [each[None] for each in points],
-            [each[None] for each in places],
+            [view.places[None] for view in views],
             size,
             np.eye(3),
             np.zeros(4),
@@ -316,38 +280,30 @@ def _estimate(
             criteria=CRITERIA,
         )
     else:
-        _, matrix, distortion, rotations, translations = cv2.calibrateCamera(
+        # Without a start OpenCV makes one: its typed interface asks for one nevertheless.
+        calibrate: Any = cv2.calibrateCamera
+        _, matrix, distortion, rotations, translations = calibrate(
             [each.astype(np.float32) for each in points],
-            [each.astype(np.float32) for each in places],
+            [view.places.astype(np.float32) for view in views],
             size,
             None,
             None,
-            flags=cv2.CALIB_RATIONAL_MODEL if distortion_model == 'rational_polynomial' else 0,
             criteria=CRITERIA,
         )
     coefficients = np.ravel(distortion)[: len(COEFFICIENTS[distortion_model])].astype(float)
-    return (
-        np.asarray(matrix, dtype=float),
-        coefficients,
+    return Bundle(
+        CameraModel(*size, np.asarray(matrix, dtype=float), coefficients, distortion_model, name),
         np.array(rotations, dtype=float).reshape(-1, 3),
         np.array(translations, dtype=float).reshape(-1, 3),
     )
 
 
-def _all_in_front(
-    points: Sequence[Array], rotations: Array, translations: Array
-) -> bool:
-    """Tell whether all points lie before the camera: a fish-eye's fit may put them behind."""
+def _all_in_front(views: Sequence[View], bundle: Bundle) -> bool:
+    """Tell whether the board lies before the camera: a fit without tilts may put it behind."""
     return all(
-        float((on_board @ cv2.Rodrigues(rotation)[0].T + translation)[:, 2].min()) > 0.0
-        for on_board, rotation, translation in zip(points, rotations, translations)
+        float((view.points @ cv2.Rodrigues(rotation)[0][2, :2] + translation[2]).min()) > 0.0
+        for view, rotation, translation in zip(views, bundle.rotations, bundle.translations)
     )
-
-
-def _parameters(model: CameraModel) -> Array:
-    matrix = model.matrix
-    focal = [matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]]
-    return np.concatenate([focal, np.asarray(model.distortion, dtype=float)])
 
 
 def _rms(residual: Array) -> float:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 ENOUGH_VIEWS = 10
 TILT = np.radians(15.0)  # of a view that tells the focal length from the distance
 TILTED_VIEWS = 2  # each way at least: one alone may be a bad one
+BORDERS = (0.25, 0.75)  # of the fields, as parts of width and height
 COLUMNS, ROWS = ('left', 'middle', 'right'), ('top', 'middle', 'bottom')
 UNKNOWN_FOCAL_LENGTH = 0.01  # of itself
 
@@ -69,10 +70,10 @@ def _tilts(found: BoardCalibration) -> list[str]:
 
 
 def _coverage(found: BoardCalibration) -> list[str]:
-    """Name the ninths of the image in which there was no point."""
+    """Name the fields of the image in which there was no point."""
     places = np.vstack([view.places for view in found.views])
     size = np.array([found.model.width, found.model.height])
-    cells = np.clip(((places + 0.5) / size * 3.0).astype(int), 0, 2)
+    cells = np.searchsorted(BORDERS, ((places + 0.5) / size).ravel()).reshape(-1, 2)
     seen = {(int(x), int(y)) for x, y in cells}
     missing = [
         f'{ROWS[y]} {COLUMNS[x]}' if (x, y) != (1, 1) else 'middle'

@@ -1,11 +1,11 @@
-"""A board's calibration as a picture: where the points were, how the board stood, what is left."""
+"""A board's calibration as a picture: where the points were, the tilts, what is left."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from blob_tracker.calibration.board import BoardCalibration
-from blob_tracker.calibration.board_advice import tilts
+from blob_tracker.calibration.board_advice import BORDERS, tilts
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -64,12 +64,12 @@ def _frame(axes: Axes, found: BoardCalibration, title: str) -> None:
 
 
 def _coverage(axes: Axes, found: BoardCalibration) -> None:
-    """Draw all points over the image, and the ninths that each should hold some."""
+    """Draw all points over the image, and the fields that should each hold some."""
     places = np.vstack([view.places for view in found.views])
-    _frame(axes, found, f'{len(places)} points: every ninth of the image needs some')
-    for part in (1, 2):
-        axes.axvline(part * found.model.width / 3 - 0.5, color='0.8', zorder=0)
-        axes.axhline(part * found.model.height / 3 - 0.5, color='0.8', zorder=0)
+    _frame(axes, found, f'{len(places)} points: each of the nine fields needs some')
+    for part in BORDERS:
+        axes.axvline(part * found.model.width - 0.5, color='0.8', zorder=0)
+        axes.axhline(part * found.model.height - 0.5, color='0.8', zorder=0)
     axes.plot(*places.T, '.', color=POINT, markersize=4, alpha=0.6)
     principal = float(found.values[2]), float(found.values[3])
     axes.plot(*principal, '+', color=ARROW, markersize=16, markeredgewidth=2)
@@ -102,7 +102,8 @@ def _tilts(axes: Axes, found: BoardCalibration) -> None:
         axes.plot(radius * np.cos(turn), radius * np.sin(turn), color='0.85', zorder=0)
         axes.annotate(f'{radius:.0f}°', (0.0, radius), color='0.5', ha='center', va='bottom')
     dots = axes.scatter(
-        turned[:, 0], turned[:, 1], c=1e3 * found.view_rms, s=60, cmap='viridis', edgecolor=LINE, linewidth=0.6
+        turned[:, 0], turned[:, 1], c=1e3 * found.view_rms, s=60, cmap='viridis', edgecolor=LINE,
+        linewidth=0.6,
     )
     axes.figure.colorbar(dots, ax=axes, label='rms of the view (0.001 px)')
     axes.set(

@@ -229,7 +229,7 @@ def _report(console: Console, found: BoardCalibration) -> None:
     for heading in ('place', 'azimuth', 'elevation'):
         table.add_column(heading, justify='left' if heading == 'place' else 'right')
     for place, sigmas in _bearing_sigmas(found).items():
-        table.add_row(place, *(('no ray',) * 2 if sigmas is None else map('{:.3f}'.format, sigmas)))
+        table.add_row(place, *(['no ray'] * 2 if sigmas is None else map('{:.3f}'.format, sigmas)))
     console.print(table)
     table = Table(title='views')
     for heading in ('image', 'points', 'rms (px)'):
