@@ -271,7 +271,7 @@ def _rays(lens: _Lens, count: int) -> tuple[NDArray[np.float32], NDArray[np.floa
     width, height = lens.size
     # A lens is smooth: a cubic spline over every fourth pixel is true to 1e-6 px, and ten times
     # faster than as many rays as there are.
-    x, y = np.arange(-KNOTS, width + 2 * KNOTS, KNOTS), np.arange(-KNOTS, height + 2 * KNOTS, KNOTS)
+    x, y = (np.arange(-KNOTS, side + 2 * KNOTS, KNOTS) for side in (width, height))
     knots = _undistorted(np.stack(np.meshgrid(x, y), axis=-1).astype(float), lens)
     shift = (np.arange(count) + 0.5) / count
     rays = []

@@ -100,7 +100,7 @@ def test_each_lens_model_is_recovered_within_its_uncertainty(draws, part: str) -
 
 @pytest.mark.parametrize('board', [CHARUCO, DOTS, ASYMMETRIC])
 def test_every_kind_recovers_the_camera(board) -> None:
-    """ChArUco and both grids of dots, from images: chi-square of the intrinsics stays likely."""
+    """Markers and both grids of dots, from images: the intrinsics err as they say."""
     random = np.random.default_rng(22)
     chi = []
     for _ in range(3):

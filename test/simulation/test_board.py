@@ -45,7 +45,7 @@ def test_area_and_levels_are_those_of_the_board() -> None:
 
 
 def test_noise_is_the_sensor_s_and_the_seed_repeats_it() -> None:
-    """The same generator state gives the same bits; the scatter is what gain and read noise say."""
+    """The same generator state gives the same bits; the scatter is that of the sensor."""
     model = camera(np.random.default_rng(3))
     scene = BoardScene(printed(CHESSBOARD), model, noise=SensorNoise(5.0, 1.0))
     first = scene.frame(SQUARE_ON, np.random.default_rng(4))

@@ -60,7 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--views', type=int, default=LIVE_VIEWS,
-        help='of a topic or a bag: end with so many that differ (%(default)s)',
+        help='of a topic: end with so many that differ (%(default)s)',
     )
     parser.add_argument(
         '--out', type=Path, default=Path('camera_info.yaml'), help='calibration (%(default)s)'
@@ -166,7 +166,7 @@ def _views(arguments: argparse.Namespace, board: Board) -> list[View]:
                     completed=len(every) if live else count,
                     description=f'{len(every)} views in {count} images',
                 )
-                if choice is not None and len(every) >= arguments.views:
+                if live and len(every) >= arguments.views:
                     break
         except KeyboardInterrupt:
             if not live:
