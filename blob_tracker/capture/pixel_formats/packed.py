@@ -19,17 +19,17 @@ Words = NDArray[np.unsignedinteger]
 
 def mipi10(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.uint16]:
     """Return the samples of RAW10: four in five bytes."""
-    return _mipi(_groups(data, width, height, stride, 4, 5), _RAW10)[:, :width]
+    return _cut(_mipi(_groups(data, width, height, stride, 4, 5), _RAW10), width)
 
 
 def mipi12(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.uint16]:
     """Return the samples of RAW12: two in three bytes."""
-    return _mipi(_groups(data, width, height, stride, 2, 3), _RAW12)[:, :width]
+    return _cut(_mipi(_groups(data, width, height, stride, 2, 3), _RAW12), width)
 
 
 def mipi14(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.uint16]:
     """Return the samples of RAW14: four in seven bytes."""
-    return _mipi(_groups(data, width, height, stride, 4, 7), _RAW14)[:, :width]
+    return _cut(_mipi(_groups(data, width, height, stride, 4, 7), _RAW14), width)
 
 
 def bits10(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.uint16]:
@@ -38,7 +38,7 @@ def bits10(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.
     found = _BITS10[0][groups[..., 0]]
     for place in range(1, 5):
         found |= _BITS10[place][groups[..., place]]
-    return found.view(np.uint16)[:, :width]
+    return _cut(found.view(np.uint16), width)
 
 
 def _groups(
@@ -59,6 +59,11 @@ def _mipi(groups: NDArray[np.uint8], tables: list[Words]) -> NDArray[np.uint16]:
     for place, table in enumerate(tables, count):
         found |= table[groups[..., place]]
     return samples
+
+
+def _cut(samples: NDArray[np.uint16], width: int) -> NDArray[np.uint16]:
+    """Leave out what fills the last group."""
+    return np.ascontiguousarray(samples[:, :width])
 
 
 def _table(shift: int, first: int, step: int, bits: int, samples: int) -> Words:
