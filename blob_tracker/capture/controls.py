@@ -232,7 +232,7 @@ def _menu(ioctl: Ioctl, query: videodev2.QueryExtCtrl) -> dict[int, str]:
 # --- values ---
 
 
-def _must_be(control: Control) -> str:
+def must_be(control: Control) -> str:
     """Return in words what a control may be."""
     if control.kind == 'boolean':
         return 'true or false'
@@ -250,7 +250,7 @@ def _must_be(control: Control) -> str:
 
 
 def _wrong(control: Control, value: object) -> ControlError:
-    return ControlError(f"control '{control.name}' is {value!r}; it must be {_must_be(control)}")
+    return ControlError(f"control '{control.name}' is {value!r}; it must be {must_be(control)}")
 
 
 def _checked(control: Control, value: int | bool | float | str) -> int:
@@ -319,5 +319,5 @@ def _why(control: Control, error: OSError, verb: str) -> str:
     if error.errno == errno.EBUSY:
         return ' now: the driver locks it while frames are streaming or another program holds it'
     if error.errno in (errno.EINVAL, errno.ERANGE):
-        return f': the driver refuses the value; it must be {_must_be(control)}'
+        return f': the driver refuses the value; it must be {must_be(control)}'
     return f': {error.strerror}'

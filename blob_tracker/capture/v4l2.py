@@ -58,6 +58,9 @@ class V4l2Camera:
         Frames/s; 0 leaves it as the driver has it. The driver takes the nearest it can.
     buffers : int
         Kernel buffers, 2 to 32.
+    prepare : function
+        Called with the camera when its format is set and no frame has come yet: drivers lock some
+        controls while they stream.
 
     Attributes
     ----------
@@ -89,6 +92,7 @@ class V4l2Camera:
         pixel_format: str = '',
         frame_rate: float = 0.0,
         buffers: int = 4,
+        prepare: Callable[[V4l2Camera], None] = lambda camera: None,
     ) -> None:
         if not 2 <= buffers <= 32:
             raise CaptureError(f'buffers is {buffers}; it must be 2 to 32')
@@ -107,6 +111,7 @@ class V4l2Camera:
             self._lock_to_signal()
             self._set_format(width, height, pixel_format)
             self.frame_rate = self._set_frame_rate(frame_rate)
+            prepare(self)
             self._map_buffers(buffers)
             self._call(videodev2.STREAMON, ctypes.c_int32(videodev2.BUF_TYPE_VIDEO_CAPTURE))
             self._streaming = True
@@ -179,9 +184,9 @@ class V4l2Camera:
         """
         return self._control(lambda: controls.controls(self._call))
 
-    def get_control(self, name: str) -> int | str:
+    def get_control(self, name: str | Control) -> int | str:
         """
-        Return the value of a control.
+        Return the value of a control; one of `controls` is not looked up again.
 
         Raises
         ------
@@ -230,7 +235,9 @@ class V4l2Camera:
         if self._fd < 0:
             raise CaptureError(f'{self.device}: the camera is closed; open it again')
 
-    def _named(self, name: str) -> Control:
+    def _named(self, name: str | Control) -> Control:
+        if isinstance(name, Control):
+            return name
         found = controls.controls(self._call)
         if name not in found:
             there_are = ', '.join(sorted(found)) or 'none'
