@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import ctypes
 import errno
 from fractions import Fraction
 import mmap
 import os
 import select
+import threading
 import time
 from types import TracebackType
+from typing import TypeVar
 
-from blob_tracker.capture import videodev2
+from blob_tracker.capture import controls, videodev2
 from blob_tracker.capture.clock import RealtimeClock
+from blob_tracker.capture.controls import Control, ControlError
 from blob_tracker.capture.device import busy, open_capture_device
 from blob_tracker.capture.errors import CaptureError, NoFrameError
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 from blob_tracker.types import Frame
+
+Result = TypeVar('Result')
 
 _NO_SIGNAL = (videodev2.IN_ST_NO_POWER | videodev2.IN_ST_NO_SIGNAL
               | videodev2.IN_ST_NO_H_LOCK | videodev2.IN_ST_NO_SYNC)
@@ -52,6 +58,9 @@ class V4l2Camera:
         Frames/s; 0 leaves it as the driver has it. The driver takes the nearest it can.
     buffers : int
         Kernel buffers, 2 to 32.
+    prepare : function
+        Called with the camera when its format is set and no frame has come yet: drivers lock some
+        controls while they stream.
 
     Attributes
     ----------
@@ -83,6 +92,7 @@ class V4l2Camera:
         pixel_format: str = '',
         frame_rate: float = 0.0,
         buffers: int = 4,
+        prepare: Callable[[V4l2Camera], None] = lambda camera: None,
     ) -> None:
         if not 2 <= buffers <= 32:
             raise CaptureError(f'buffers is {buffers}; it must be 2 to 32')
@@ -94,12 +104,14 @@ class V4l2Camera:
         self._memory: list[mmap.mmap] = []
         self._streaming = False
         self._clock = RealtimeClock()
+        self._open = threading.Lock()  # held by whom the device must not be closed under
         self._fd = open_capture_device(device)
         try:
             self._input = self._selected_input()
             self._lock_to_signal()
             self._set_format(width, height, pixel_format)
             self.frame_rate = self._set_frame_rate(frame_rate)
+            prepare(self)
             self._map_buffers(buffers)
             self._call(videodev2.STREAMON, ctypes.c_int32(videodev2.BUF_TYPE_VIDEO_CAPTURE))
             self._streaming = True
@@ -142,8 +154,7 @@ class V4l2Camera:
             The device is gone or has stopped; it has to be opened again.
 
         """
-        if self._fd < 0:
-            raise CaptureError(f'{self.device}: the camera is closed; open it again')
+        self._check_open()
         deadline = time.monotonic() + timeout
         waited = False
         while True:
@@ -160,22 +171,91 @@ class V4l2Camera:
             if frame is not None:
                 return frame
 
+    @property
+    def controls(self) -> dict[str, Control]:
+        """
+        Return the device's controls as the driver has them now: name -> control.
+
+        Raises
+        ------
+        CaptureError
+            The device is gone, or closed.
+
+        """
+        return self._control(lambda: controls.controls(self._call))
+
+    def get_control(self, name: str | Control) -> int | str:
+        """
+        Return the value of a control; one of `controls` is not looked up again.
+
+        Raises
+        ------
+        ControlError
+            There is no such control, or it cannot be read.
+        CaptureError
+            The device is gone, or closed.
+
+        """
+        return self._control(lambda: controls.get_control(self._call, self._named(name)))
+
+    def set_control(self, name: str, value: int | bool | float | str) -> None:
+        """
+        Set a control; see `blob_tracker.capture.controls.set_control` for the values.
+
+        Raises
+        ------
+        ControlError
+            There is no such control, it may not have this value, or not now.
+        CaptureError
+            The device is gone, or closed.
+
+        """
+        self._control(lambda: controls.set_control(self._call, self._named(name), value))
+
     def close(self) -> None:
         """Stop streaming and give the device back; a second time does nothing."""
+        with self._open:
+            if self._fd < 0:
+                return
+            try:
+                if self._streaming:
+                    self._call(
+                        videodev2.STREAMOFF, ctypes.c_int32(videodev2.BUF_TYPE_VIDEO_CAPTURE))
+            except OSError:
+                pass  # unplugged: there is nothing left to stop
+            finally:
+                self._streaming = False
+                for memory in self._memory:
+                    memory.close()
+                self._memory.clear()
+                os.close(self._fd)
+                self._fd = -1
+
+    def _check_open(self) -> None:
         if self._fd < 0:
-            return
-        try:
-            if self._streaming:
-                self._call(videodev2.STREAMOFF, ctypes.c_int32(videodev2.BUF_TYPE_VIDEO_CAPTURE))
-        except OSError:
-            pass  # unplugged: there is nothing left to stop
-        finally:
-            self._streaming = False
-            for memory in self._memory:
-                memory.close()
-            self._memory.clear()
-            os.close(self._fd)
-            self._fd = -1
+            raise CaptureError(f'{self.device}: the camera is closed; open it again')
+
+    def _named(self, name: str | Control) -> Control:
+        if isinstance(name, Control):
+            return name
+        found = controls.controls(self._call)
+        if name not in found:
+            there_are = ', '.join(sorted(found)) or 'none'
+            raise ControlError(
+                f"there is no control '{name}'; the controls of {self.device} are {there_are}")
+        return found[name]
+
+    def _control(self, action: Callable[[], Result]) -> Result:
+        """Do something with a control while the device cannot be closed by another thread."""
+        with self._open:
+            self._check_open()
+            try:
+                return action()
+            except OSError as error:
+                if error.errno == errno.ENODEV:
+                    raise CaptureError(self._unplugged()) from error
+                raise CaptureError(
+                    f'{self.device}: its controls cannot be queried: {error.strerror}') from error
 
     def _call(self, number: int, argument: object) -> None:
         videodev2.ioctl(self._fd, number, argument)

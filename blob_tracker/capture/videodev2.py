@@ -9,7 +9,8 @@ struct, so a wrong layout gives a wrong number.
 from __future__ import annotations
 
 import ctypes
-from ctypes import c_char, c_int32, c_long, c_uint16, c_uint32, c_uint64, c_uint8, c_ulong
+from ctypes import (
+    c_char, c_int32, c_int64, c_long, c_uint16, c_uint32, c_uint64, c_uint8, c_ulong, c_void_p)
 import fcntl
 from typing import Any
 
@@ -54,6 +55,38 @@ IN_ST_NO_POWER = 0x00000001
 IN_ST_NO_SIGNAL = 0x00000002
 IN_ST_NO_H_LOCK = 0x00000100
 IN_ST_NO_SYNC = 0x00010000
+
+
+# v4l2_query_ext_ctrl.id: the next control that is neither an array nor of a compound type
+CTRL_FLAG_NEXT_CTRL = 0x80000000
+
+# v4l2_query_ext_ctrl.type
+CTRL_TYPE_INTEGER = 1
+CTRL_TYPE_BOOLEAN = 2
+CTRL_TYPE_MENU = 3
+CTRL_TYPE_BUTTON = 4
+CTRL_TYPE_INTEGER64 = 5
+CTRL_TYPE_STRING = 7
+CTRL_TYPE_BITMASK = 8
+CTRL_TYPE_INTEGER_MENU = 9
+
+# v4l2_query_ext_ctrl.flags
+CTRL_FLAG_DISABLED = 0x0001
+CTRL_FLAG_GRABBED = 0x0002
+CTRL_FLAG_READ_ONLY = 0x0004
+CTRL_FLAG_INACTIVE = 0x0010
+CTRL_FLAG_WRITE_ONLY = 0x0040
+CTRL_FLAG_VOLATILE = 0x0080
+
+# Controls by number, as their names differ between versions of the kernel
+CID_EXPOSURE = 0x00980911
+CID_AUTOGAIN = 0x00980912
+CID_GAIN = 0x00980913
+CID_EXPOSURE_AUTO = 0x009a0901
+CID_EXPOSURE_ABSOLUTE = 0x009a0902
+CID_HBLANK = 0x009e0902
+CID_ANALOGUE_GAIN = 0x009e0903
+CID_PIXEL_RATE = 0x009f0902
 
 
 class Fract(ctypes.Structure):
@@ -335,6 +368,77 @@ class Buffer(ctypes.Structure):
     ]
 
 
+class QueryExtCtrl(ctypes.Structure):
+    """v4l2_query_ext_ctrl."""
+
+    _fields_ = [
+        ('id', c_uint32),
+        ('type', c_uint32),
+        ('name', c_char * 32),
+        ('minimum', c_int64),
+        ('maximum', c_int64),
+        ('step', c_uint64),
+        ('default_value', c_int64),
+        ('flags', c_uint32),
+        ('elem_size', c_uint32),
+        ('elems', c_uint32),
+        ('nr_of_dims', c_uint32),
+        ('dims', c_uint32 * 4),
+        ('reserved', c_uint32 * 32),
+    ]
+
+
+class _MenuItem(ctypes.Union):
+    """The item of a menu or of an integer menu: the union of v4l2_querymenu."""
+
+    _pack_ = 1
+    _fields_ = [('name', c_char * 32), ('value', c_int64)]
+
+
+class QueryMenu(ctypes.Structure):
+    """v4l2_querymenu."""
+
+    _pack_ = 1
+    _fields_ = [
+        ('id', c_uint32),
+        ('index', c_uint32),
+        ('item', _MenuItem),
+        ('reserved', c_uint32),
+    ]
+
+
+class _ControlValue(ctypes.Union):
+    """A control's value: the union of v4l2_ext_control."""
+
+    _pack_ = 1
+    _fields_ = [('value', c_int32), ('value64', c_int64), ('string', c_void_p)]
+
+
+class ExtControl(ctypes.Structure):
+    """v4l2_ext_control."""
+
+    _pack_ = 1
+    _fields_ = [
+        ('id', c_uint32),
+        ('size', c_uint32),
+        ('reserved2', c_uint32),
+        ('value', _ControlValue),
+    ]
+
+
+class ExtControls(ctypes.Structure):
+    """v4l2_ext_controls."""
+
+    _fields_ = [
+        ('which', c_uint32),
+        ('count', c_uint32),
+        ('error_idx', c_uint32),
+        ('request_fd', c_int32),
+        ('reserved', c_uint32),
+        ('controls', ctypes.POINTER(ExtControl)),
+    ]
+
+
 _WRITE, _READ = 1, 2  # as seen from the program
 
 
@@ -356,12 +460,16 @@ STREAMOFF = _ioc(_WRITE, 19, c_int32)
 G_PARM = _ioc(_READ | _WRITE, 21, StreamParm)
 S_PARM = _ioc(_READ | _WRITE, 22, StreamParm)
 ENUMINPUT = _ioc(_READ | _WRITE, 26, Input)
+QUERYMENU = _ioc(_READ | _WRITE, 37, QueryMenu)
 G_INPUT = _ioc(_READ, 38, c_int32)
-G_SELECTION = _ioc(_READ | _WRITE, 94, Selection)
-S_SELECTION = _ioc(_READ | _WRITE, 95, Selection)
+G_EXT_CTRLS = _ioc(_READ | _WRITE, 71, ExtControls)
+S_EXT_CTRLS = _ioc(_READ | _WRITE, 72, ExtControls)
 ENUM_FRAMESIZES = _ioc(_READ | _WRITE, 74, FrameSizeEnum)
 S_DV_TIMINGS = _ioc(_READ | _WRITE, 87, DvTimings)
+G_SELECTION = _ioc(_READ | _WRITE, 94, Selection)
+S_SELECTION = _ioc(_READ | _WRITE, 95, Selection)
 QUERY_DV_TIMINGS = _ioc(_READ, 99, DvTimings)
+QUERY_EXT_CTRL = _ioc(_READ | _WRITE, 103, QueryExtCtrl)
 
 
 def ioctl(fd: int, number: int, argument: Any) -> None:
