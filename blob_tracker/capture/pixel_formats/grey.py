@@ -27,4 +27,6 @@ def big_endian_words(
 
 def high_words(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.uint16]:
     """Return the samples of Y012: the upper 12 bits of a little-endian word each."""
-    return words(data, width, height, stride) >> 4
+    samples = words(data, width, height, stride)
+    samples >>= 4
+    return samples

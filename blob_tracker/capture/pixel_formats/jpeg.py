@@ -37,7 +37,7 @@ def jpeg(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.ui
     )
     if luma is None or luma.shape != (height, width):
         raise ValueError('the JPEG cannot be decoded')
-    return luma
+    return np.asarray(luma, np.uint8)
 
 
 def _end(picture: bytes, width: int, height: int) -> int:

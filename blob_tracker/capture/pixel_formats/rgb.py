@@ -35,17 +35,22 @@ def bgrx32(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.
 
 def xrgb32(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.uint8]:
     """Return the luma of RGB4, BA24 and BX24: one byte of alpha or nothing and R G B."""
-    return _luma(_pixels(data, width, height, stride) >> 8, cv2.COLOR_RGBA2GRAY)
+    return _luma(_pixels(data, width, height, stride, 8), cv2.COLOR_RGBA2GRAY)
 
 
 def xbgr32(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.uint8]:
     """Return the luma of RA24 and RX24: one byte of alpha or nothing and B G R."""
-    return _luma(_pixels(data, width, height, stride) >> 8, cv2.COLOR_BGRA2GRAY)
+    return _luma(_pixels(data, width, height, stride, 8), cv2.COLOR_BGRA2GRAY)
 
 
-def _pixels(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.uint32]:
-    """Return (height, width) words of four bytes, the first of them the lowest."""
-    return lines(data, 4 * width, height, stride).view('<u4').astype(np.uint32)
+def _pixels(
+    data: PixelData, width: int, height: int, stride: int, leading: int = 0
+) -> NDArray[np.uint32]:
+    """Return (height, width) words, the first byte lowest, without their `leading` bits."""
+    pixels = lines(data, 4 * width, height, stride).view('<u4').astype(np.uint32)
+    if leading:
+        pixels >>= leading
+    return pixels
 
 
 def _four(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.uint32]:
@@ -58,7 +63,8 @@ def _four(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.u
 def _luma(pixels: NDArray[np.uint32], conversion: int) -> NDArray[np.uint8]:
     """Return the luma of (height, width) words whose low three bytes are the colours."""
     height, width = pixels.shape
-    luma = cv2.cvtColor(pixels.view(np.uint8).reshape(height, width, 4), conversion)
+    colours = pixels.view(np.uint8).reshape(height, width, 4)
+    luma = np.asarray(cv2.cvtColor(colours, conversion), np.uint8)
     # Any byte of 255 leaves its top bit: the test for a byte of zero in a word, on ~pixels.
     clipped = (~pixels - np.uint32(0x010101)) & pixels & np.uint32(0x808080)
     luma[clipped != 0] = 255
