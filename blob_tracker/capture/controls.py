@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 import ctypes
 from dataclasses import dataclass
 import errno
+from math import isfinite
 import re
 from types import MappingProxyType
 from typing import Any, Literal
@@ -236,7 +237,7 @@ def _menu(ioctl: Ioctl, query: videodev2.QueryExtCtrl) -> dict[int, str]:
 # --- values ---
 
 
-def _must_be(control: Control) -> str:
+def must_be(control: Control) -> str:
     """Return in words what a control may be."""
     if control.kind == 'boolean':
         return 'true or false'
@@ -254,13 +255,13 @@ def _must_be(control: Control) -> str:
 
 
 def _wrong(control: Control, value: object) -> ControlError:
-    return ControlError(f"control '{control.name}' is {value!r}; it must be {_must_be(control)}")
+    return ControlError(f"control '{control.name}' is {value!r}; it must be {must_be(control)}")
 
 
 def _checked(control: Control, value: int | bool | float | str) -> int:
     """Return the number that the driver takes for a value."""
     number = next((item for item, text in control.menu.items() if text == value), value)
-    if isinstance(number, str) or number != number or number in (float('inf'), float('-inf')):
+    if not isinstance(number, (int, float)) or not isfinite(number):
         raise _wrong(control, value)
     whole = int(number)
     if control.kind in ('boolean', 'button'):
@@ -311,5 +312,5 @@ def _why(control: Control, error: OSError, verb: str) -> str:
     if error.errno == errno.EBUSY:
         return ' now: the driver locks it while frames are streaming or another program holds it'
     if error.errno in (errno.EINVAL, errno.ERANGE):
-        return f': the driver refuses the value; it must be {_must_be(control)}'
+        return f': the driver refuses the value; it must be {must_be(control)}'
     return f': {error.strerror}'
