@@ -40,6 +40,7 @@ def guests(folder: Path) -> list[list[str]]:
     """Return the guest scripts with their arguments, in the order in which they run."""
     return [
         ['guest_capture.py', str(folder)],
+        ['guest_formats.py', str(folder)],
         ['guest_track.py', str(folder), str(executable('camera').parent)],
     ]
 

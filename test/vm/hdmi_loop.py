@@ -50,8 +50,12 @@ def playing(
     """
     # A copy in memory, as the folder may be the host's.
     copy = shutil.copy(scene, '/run')
+    # The driver keeps the region of an earlier, smaller picture.
+    region = f'left=0,top=0,width={width},height={height}'
     v4l2_ctl(output, f'--set-fmt-video-out=width={width},height={height},'
-                     f'pixelformat={pixel_format}')
+                     f'pixelformat={pixel_format}',
+             f'--set-selection-output=target=compose,{region}',
+             f'--set-selection-output=target=crop,{region}')
     player = subprocess.Popen(
         ['v4l2-ctl', '-d', output, '--stream-out-mmap=4', f'--stream-from={copy}',
          '--stream-loop'], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
