@@ -64,6 +64,13 @@ def capabilities(fd: int) -> tuple[int, str]:
     return flags, capability.card.decode(errors='replace')
 
 
+def driver(fd: int) -> str:
+    """Return the name of the driver of an open device node."""
+    capability = videodev2.Capability()
+    videodev2.ioctl(fd, videodev2.QUERYCAP, capability)
+    return capability.driver.decode(errors='replace')
+
+
 def capture_devices() -> dict[str, str]:
     """Return the capture devices of this machine that can be opened: path -> name."""
     found = {}
