@@ -13,10 +13,12 @@ import stat
 from blob_tracker.capture import videodev2
 from blob_tracker.capture.errors import CaptureError
 
+CAPTURES = videodev2.CAP_VIDEO_CAPTURE | videodev2.CAP_VIDEO_CAPTURE_MPLANE
+
 
 def open_capture_device(path: str) -> int:
     """
-    Open a device that captures single-planar video by streaming.
+    Open a device that captures video by streaming.
 
     Parameters
     ----------
@@ -71,6 +73,14 @@ def driver(fd: int) -> str:
     return capability.driver.decode(errors='replace')
 
 
+def buffer_type(fd: int) -> int:
+    """Return the type of buffers that an open capture device fills: single- or multi-planar."""
+    flags, _ = capabilities(fd)
+    if flags & videodev2.CAP_VIDEO_CAPTURE:
+        return videodev2.BUF_TYPE_VIDEO_CAPTURE
+    return videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE
+
+
 def capture_devices() -> dict[str, str]:
     """Return the capture devices of this machine that can be opened: path -> name."""
     found = {}
@@ -82,7 +92,7 @@ def capture_devices() -> dict[str, str]:
             continue
         try:
             flags, card = capabilities(fd)
-            if flags & videodev2.CAP_VIDEO_CAPTURE and flags & videodev2.CAP_STREAMING:
+            if flags & CAPTURES and flags & videodev2.CAP_STREAMING:
                 found[path] = card
         except OSError:
             pass
@@ -152,7 +162,6 @@ def _not_v4l2(path: str) -> str:
 
 
 _KINDS = (
-    (videodev2.CAP_VIDEO_CAPTURE_MPLANE, 'a multi-planar device (frames in one plane are needed)'),
     (videodev2.CAP_VIDEO_M2M | videodev2.CAP_VIDEO_M2M_MPLANE, 'a memory-to-memory device'),
     (videodev2.CAP_VIDEO_OUTPUT | videodev2.CAP_VIDEO_OUTPUT_MPLANE, 'an output device'),
     (videodev2.CAP_META_CAPTURE, 'a metadata device'),
@@ -166,7 +175,7 @@ def _check_captures(path: str, fd: int) -> None:
         if error.errno in (errno.ENOTTY, errno.EINVAL):
             raise CaptureError(_not_v4l2(path)) from error
         raise CaptureError(f'{path}: cannot be queried: {error.strerror}') from error
-    if not flags & videodev2.CAP_VIDEO_CAPTURE:
+    if not flags & CAPTURES:
         kind = next((name for flag, name in _KINDS if flags & flag), 'another kind of device')
         raise CaptureError(
             f'{path}: this is {kind}, not a capture device; {_there_are()}')

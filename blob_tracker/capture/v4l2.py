@@ -17,9 +17,11 @@ from typing import TypeVar
 from blob_tracker.capture import controls, videodev2
 from blob_tracker.capture.clock import RealtimeClock
 from blob_tracker.capture.controls import Control, ControlError
-from blob_tracker.capture.device import busy, driver, open_capture_device
+from blob_tracker.capture.device import buffer_type, busy, driver, open_capture_device
 from blob_tracker.capture.errors import CaptureError, NoFrameError
+from blob_tracker.capture.format import set_format
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
+from blob_tracker.capture.selection import sensor_region
 from blob_tracker.capture.stamps import Exposure, ExposureControls, MidExposure, source_of
 from blob_tracker.types import Frame
 
@@ -54,7 +56,7 @@ class V4l2Camera:
         px; 0 leaves it as the driver has it.
     pixel_format : str
         Four-character code, one of `PIXEL_FORMATS`; '' takes the first of these that the device
-        offers.
+        offers, a compressed one only where there is no other.
     frame_rate : float
         Frames/s; 0 leaves it as the driver has it. The driver takes the nearest it can.
     buffers : int
@@ -71,13 +73,18 @@ class V4l2Camera:
     Attributes
     ----------
     width, height : int
-        px, as the driver gives it.
+        Size that the driver gives, px; frames of a Bayer format are half as wide and high.
+    sensor_size : (int, int)
+        Width and height of the full, unbinned sensor, px, as far as the driver tells; otherwise
+        those of its pictures. `Frame.x0`, `y0` and `binning` are the place in it.
     frame_rate : float
         Frames/s, as the driver gives it; 0 where it does not say.
     pixel_format : str
         Four-character code in use.
     drops : int
-        Frames lost between those read, from the gaps in the driver's numbers.
+        Frames lost between those read, from the gaps in the driver's numbers; error frames too.
+    error_frames : int
+        Pictures that the driver marked as spoilt or that were cut short.
     sequence : int
         The driver's number of the frame read last.
 
@@ -107,6 +114,7 @@ class V4l2Camera:
                 raise CaptureError(f'{name} is {seconds} s; it must be 0 or more')
         self.device = device
         self.drops = 0
+        self.error_frames = 0
         self.sequence = -1
         self._first = (0, 0)  # sequence and stamp of the first frame
         self._interval_ns = 0
@@ -118,7 +126,14 @@ class V4l2Camera:
         try:
             self._input = self._selected_input()
             self._lock_to_signal()
-            self._set_format(width, height, pixel_format)
+            self._format = set_format(
+                self._call, device, buffer_type(self._fd), width, height, pixel_format)
+            self.pixel_format = self._format.pixel_format
+            self.width, self.height = self._format.width, self._format.height
+            self._region = sensor_region(self._call, device, self.width, self.height)
+            self.sensor_size = self._region.sensor_size
+            decoder = PIXEL_FORMATS[self.pixel_format].binning
+            self._binning = self._region.binning[0] * decoder, self._region.binning[1] * decoder
             self.frame_rate = self._set_frame_rate(frame_rate)
             self._map_buffers(buffers)
             self._exposure = ExposureControls(
@@ -127,7 +142,7 @@ class V4l2Camera:
             self._middle = MidExposure(
                 source_of(self._buffer_flags, driver(self._fd)), self._exposure.read())
             prepare(self)
-            self._call(videodev2.STREAMON, ctypes.c_int32(videodev2.BUF_TYPE_VIDEO_CAPTURE))
+            self._call(videodev2.STREAMON, ctypes.c_int32(self._format.buffer_type))
             self._streaming = True
         except OSError as error:
             self.close()
@@ -190,6 +205,12 @@ class V4l2Camera:
     def stamp_place(self) -> str:
         """Return in words the instant that a frame's stamp names, with the controls as set."""
         return self._middle.place
+
+    @property
+    def exposure_time(self) -> float | None:
+        """Return how long a frame is exposed, s, with the controls as set; None if unknown."""
+        time_ns = self._middle.exposure.time_ns
+        return None if time_ns is None else time_ns / 1e9
 
     @property
     def exposure_unit(self) -> float | None:
@@ -256,8 +277,7 @@ class V4l2Camera:
                 return
             try:
                 if self._streaming:
-                    self._call(
-                        videodev2.STREAMOFF, ctypes.c_int32(videodev2.BUF_TYPE_VIDEO_CAPTURE))
+                    self._call(videodev2.STREAMOFF, ctypes.c_int32(self._format.buffer_type))
             except OSError:
                 pass  # unplugged: there is nothing left to stop
             finally:
@@ -339,88 +359,9 @@ class V4l2Camera:
                  * (bt.height + bt.vfrontporch + bt.vsync + bt.vbackporch))
         self._timings_rate = bt.pixelclock / total if total else 0.0
 
-    def _offered_formats(self) -> list[str]:
-        """Return the codes of the device's pixel formats in its own order."""
-        names: list[str] = []
-        while True:
-            description = videodev2.FmtDesc(
-                index=len(names), type=videodev2.BUF_TYPE_VIDEO_CAPTURE)
-            try:
-                self._call(videodev2.ENUM_FMT, description)
-            except OSError as error:
-                if error.errno != errno.EINVAL:
-                    raise
-                return names
-            names.append(videodev2.fourcc_name(description.pixelformat))
-
-    def _offered_sizes(self, pixel_format: str) -> str:
-        """Return the device's picture sizes in words; '' where it does not list them."""
-        sizes: list[str] = []
-        while True:
-            size = videodev2.FrameSizeEnum(
-                index=len(sizes), pixel_format=videodev2.fourcc(pixel_format))
-            try:
-                self._call(videodev2.ENUM_FRAMESIZES, size)
-            except OSError as error:
-                if error.errno not in (errno.EINVAL, errno.ENOTTY, errno.ENODATA):
-                    raise
-                break
-            if size.type == videodev2.FRMSIZE_TYPE_DISCRETE:
-                sizes.append(f'{size.min_width}x{size.max_width}')
-            else:
-                sizes.append(f'{size.min_width}x{size.min_height} to '
-                             f'{size.max_width}x{size.max_height} in steps of '
-                             f'{size.step_width}x{size.step_height}')
-                break
-        return ', '.join(sizes)
-
-    def _chosen_format(self, wanted: str) -> str:
-        if wanted and wanted not in PIXEL_FORMATS:
-            raise CaptureError(f'pixel_format {wanted!r} cannot be decoded; choose one of '
-                               + ', '.join(PIXEL_FORMATS))
-        offered = self._offered_formats()
-        usable = [name for name in offered if name in PIXEL_FORMATS]
-        if not usable:
-            raise CaptureError(
-                f'{self.device}: none of its pixel formats ({", ".join(offered)}) can be decoded; '
-                f'one of {", ".join(PIXEL_FORMATS)} is needed')
-        if wanted and wanted not in usable:
-            raise CaptureError(
-                f'{self.device}: pixel_format {wanted!r} is not offered; of the formats that this '
-                f'device offers, {", ".join(usable)} can be decoded')
-        return wanted or usable[0]
-
-    def _set_format(self, width: int, height: int, pixel_format: str) -> None:
-        self.pixel_format = self._chosen_format(pixel_format)
-        wanted = videodev2.Format(type=videodev2.BUF_TYPE_VIDEO_CAPTURE)
-        self._call(videodev2.G_FMT, wanted)
-        pix = wanted.pix
-        pix.width = width or pix.width
-        pix.height = height or pix.height
-        pix.pixelformat = videodev2.fourcc(self.pixel_format)
-        pix.field = videodev2.FIELD_NONE
-        pix.bytesperline = 0  # the driver's choice
-        width, height = pix.width, pix.height
-        self._call(videodev2.S_FMT, wanted)
-        if (pix.width, pix.height) != (width, height):
-            sizes = self._offered_sizes(self.pixel_format)
-            raise CaptureError(
-                f'{self.device}: {width}x{height} is not offered; the driver gives '
-                f'{pix.width}x{pix.height} instead' + (f', and has {sizes}' if sizes else ''))
-        if pix.pixelformat != videodev2.fourcc(self.pixel_format):
-            raise CaptureError(
-                f'{self.device}: the driver gives {videodev2.fourcc_name(pix.pixelformat)} at '
-                f'{width}x{height} instead of {self.pixel_format}; choose another size or format')
-        if pix.field != videodev2.FIELD_NONE:
-            raise CaptureError(
-                f'{self.device}: the driver gives interlaced fields at {width}x{height}; choose a '
-                'size or input with whole (progressive) pictures')
-        self.width, self.height = width, height
-        self._stride = pix.bytesperline
-
     def _set_frame_rate(self, wanted: float) -> float:
         """Ask for a frame rate; return the one that the driver gives, frames/s, 0 if unknown."""
-        parameters = videodev2.StreamParm(type=videodev2.BUF_TYPE_VIDEO_CAPTURE)
+        parameters = videodev2.StreamParm(type=self._format.buffer_type)
         try:
             self._call(videodev2.G_PARM, parameters)
             if wanted > 0.0 and parameters.capability & videodev2.CAP_TIMEPERFRAME:
@@ -440,7 +381,7 @@ class V4l2Camera:
 
     def _map_buffers(self, count: int) -> None:
         request = videodev2.RequestBuffers(
-            count=count, type=videodev2.BUF_TYPE_VIDEO_CAPTURE, memory=videodev2.MEMORY_MMAP)
+            count=count, type=self._format.buffer_type, memory=videodev2.MEMORY_MMAP)
         self._call(videodev2.REQBUFS, request)
         if request.count < 2:
             raise CaptureError(f'{self.device}: the driver has no memory for two buffers; choose '
@@ -448,7 +389,12 @@ class V4l2Camera:
         for index in range(request.count):
             buffer = self._buffer(index)
             self._call(videodev2.QUERYBUF, buffer)
-            self._memory.append(mmap.mmap(self._fd, buffer.length, offset=buffer.m.offset))
+            if buffer.type == videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE:
+                plane = buffer.m.planes[0]  # the luma, whatever the format
+                length, offset = plane.length, plane.m.mem_offset
+            else:
+                length, offset = buffer.length, buffer.m.offset
+            self._memory.append(mmap.mmap(self._fd, length, offset=offset))
             self._call(videodev2.QBUF, buffer)
         flags = buffer.flags
         if flags & videodev2.BUF_FLAG_TIMESTAMP_MASK != videodev2.BUF_FLAG_TIMESTAMP_MONOTONIC:
@@ -459,10 +405,13 @@ class V4l2Camera:
 
     # --- streaming ---
 
-    @staticmethod
-    def _buffer(index: int = 0) -> videodev2.Buffer:
-        return videodev2.Buffer(
-            index=index, type=videodev2.BUF_TYPE_VIDEO_CAPTURE, memory=videodev2.MEMORY_MMAP)
+    def _buffer(self, index: int = 0) -> videodev2.Buffer:
+        buffer = videodev2.Buffer(
+            index=index, type=self._format.buffer_type, memory=videodev2.MEMORY_MMAP)
+        if buffer.type == videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE:
+            buffer.m.planes = (videodev2.Plane * videodev2.MAX_PLANES)()
+            buffer.length = videodev2.MAX_PLANES
+        return buffer
 
     def _dequeue(self) -> videodev2.Buffer | None:
         """Return the oldest buffer that the driver has filled, None where there is none."""
@@ -521,12 +470,16 @@ class V4l2Camera:
     def _frame(self, buffer: videodev2.Buffer) -> Frame | None:
         """Return the picture in a buffer and count the frames lost before it; None if spoilt."""
         if buffer.flags & videodev2.BUF_FLAG_ERROR:
+            self.error_frames += 1
             return None
-        pixel_format = PIXEL_FORMATS[self.pixel_format]
-        filled = memoryview(self._memory[buffer.index])[:buffer.bytesused]
+        begin, end = 0, buffer.bytesused
+        if buffer.type == videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE:
+            begin, end = buffer.m.planes[0].data_offset, buffer.m.planes[0].bytesused
+        filled = memoryview(self._memory[buffer.index])[begin:end]
         try:
-            image = pixel_format.luma(filled, self.width, self.height, self._stride)
+            image = self._format.luma(filled)
         except ValueError:
+            self.error_frames += 1
             return None  # cut short
         finally:
             filled.release()
@@ -539,7 +492,9 @@ class V4l2Camera:
             except OSError as error:
                 raise self._lost(error) from error
         middle_ns = self._middle.middle(stamp_ns, time.monotonic_ns())
-        return Frame(image, self._clock.from_monotonic(middle_ns), pixel_format.saturation)
+        return Frame(
+            image, self._clock.from_monotonic(middle_ns), self._format.saturation,
+            self._region.x0, self._region.y0, self._binning)
 
     def _count(self, sequence: int, stamp_ns: int) -> None:
         """Count the frames lost before this one and keep the mean interval of frames."""

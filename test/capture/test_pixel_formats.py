@@ -1,6 +1,6 @@
 """Luma of each pixel format, with and without padded lines."""
 
-from blob_tracker.capture.pixel_formats import grey, PIXEL_FORMATS, yuyv
+from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 import numpy as np
 import pytest
 
