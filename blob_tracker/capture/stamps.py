@@ -279,4 +279,3 @@ class ExposureControls:
         except ControlError:
             return None
         return value if isinstance(value, int) else None
-

@@ -173,8 +173,8 @@ class V4l2Camera:
         Return the next complete frame; wait for it for `timeout` seconds at most.
 
         Its stamp is the middle of its exposure in ROS time, as far as that can be known (see
-        `stamp_place` and `blob_tracker.capture.stamps`). Pictures that the driver marks as spoilt and
-        pictures that are cut short are left out.
+        `stamp_place` and `blob_tracker.capture.stamps`). Pictures that the driver marks as spoilt
+        and pictures that are cut short are left out.
 
         Raises
         ------
@@ -428,7 +428,10 @@ class V4l2Camera:
         try:
             self._call(videodev2.QBUF, buffer)
         except OSError as error:
-            raise self._lost(error) from error
+            if error.errno == errno.ENODEV:
+                raise self._lost(error) from error
+            raise CaptureError(f'{self.device}: the driver does not take a buffer back: '
+                               f'{error.strerror}; open it again') from error
 
     def _lost(self, error: OSError) -> CaptureError:
         if error.errno == errno.ENODEV:
