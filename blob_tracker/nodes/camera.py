@@ -9,7 +9,7 @@ import time
 
 from blob_tracker.camera import CalibrationError, CameraModel, write_calibration
 from blob_tracker.capture import (
-    CaptureError, Grabber, NoFrameError, PIXEL_FORMATS, V4l2Camera,
+    CaptureError, ControlError, Grabber, NoFrameError, PIXEL_FORMATS, V4l2Camera,
 )
 from blob_tracker.ros.camera_info import from_camera_model, stamped, to_camera_model
 from blob_tracker.ros.control_parameters import ControlParameters
@@ -22,9 +22,12 @@ from blob_tracker.ros.qos import IMAGE_OUT, overridable
 from blob_tracker.ros.url import DEFAULT_CALIBRATION_URL, to_path
 from blob_tracker.types import Frame
 import rclpy
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.node import Node
+from rclpy.task import Future
 from sensor_msgs.msg import CameraInfo, Image
 from sensor_msgs.srv import SetCameraInfo
+from std_srvs.srv import Trigger
 
 PARAMETERS = (
     Parameter(
@@ -128,6 +131,8 @@ class CameraNode(Node):
             settings[name] = settings[name] or None
         self._settings = settings
         self._sensor_size: tuple[int, int] | None = None
+        self._image = Image()
+        self._info: tuple[CameraModel | None, CameraInfo] | None = None
         self._health = Health(self, 'no frame arrives from the camera')
         self._controls = ControlParameters(self, undeclared(self), self._health)
         self._images = self.create_publisher(
@@ -137,6 +142,13 @@ class CameraNode(Node):
             CameraInfo, 'camera/camera_info', IMAGE_OUT, qos_overriding_options=overridable()
         )
         self.create_service(SetCameraInfo, 'camera/set_camera_info', self._set_camera_info)
+        # In a group of its own, for the others go on while it waits for the frames.
+        self.create_service(
+            Trigger, 'camera/find_exposure', self._find_exposure,
+            callback_group=MutuallyExclusiveCallbackGroup(),
+        )
+        self._search: Future | None = None
+        self._awake = self.create_guard_condition(lambda: None)
         self._stop = threading.Event()
         # A daemon: an interrupt before the node is whole must not leave it running alone.
         self._thread = threading.Thread(target=self._capture, name='publish', daemon=True)
@@ -168,6 +180,7 @@ class CameraNode(Node):
                 again = time.monotonic() + pause
                 while time.monotonic() < again and not self._stop.is_set():
                     self._health.fault(ERROR, str(error))  # it holds until it is gone
+                    self._answer(False, str(error))
                     self._stop.wait(FIRST_PAUSE)
                 pause = min(2.0 * pause, LONGEST_PAUSE)
             except RuntimeError:  # of rclpy's C layer: a signal ended the context meanwhile
@@ -176,35 +189,61 @@ class CameraNode(Node):
                 return
 
     def _stream(self, camera: V4l2Camera, grabber: Grabber) -> None:
-        """Publish the newest frame, again and again, with its camera_info."""
-        image = Image()
-        info: CameraInfo | None = None
-        model = None
+        """Publish the newest frame, again and again; search for the exposure when asked to."""
         self.get_logger().info(
             f'streaming {camera.width} x {camera.height} px at {camera.frame_rate:g} Hz '
             f'from {camera.device}; stamps: {camera.stamp_place}'
         )
-        last = time.monotonic()
+        self._info = None
+        while not self._stop.is_set():
+            self._publish_next(camera, grabber)
+            if self._search is None:
+                continue
+            try:
+                outcome = self._controls.adjust_exposure(
+                    camera, lambda: self._publish_next(camera, grabber)
+                )
+                self._answer(outcome.found, outcome.words)
+            except ControlError as error:
+                self._answer(False, str(error))
+
+    def _publish_next(self, camera: V4l2Camera, grabber: Grabber) -> Frame:
+        """Publish the next frame with its camera_info, and return it."""
+        frame = self._next(grabber)
+        model = self._camera_model  # set_camera_info may change it at any time
+        if self._info is None or self._info[0] is not model:
+            self._info = model, self._info_of(model, frame)
+        info = self._info[1]
+        image = from_pixels(frame.image, frame.stamp_ns, self._frame_id, self._image)
+        self._images.publish(image)
+        self._infos.publish(stamped(info, frame.stamp_ns, self._frame_id))
+        self._report(camera, grabber, bool(info.k[0]))
+        return frame
+
+    def _next(self, grabber: Grabber) -> Frame:
+        """
+        Return the next frame, whenever it comes.
+
+        Raises
+        ------
+        CaptureError
+            There will be none: the device fails, is silent for too long, or the node ends.
+
+        """
+        begin = time.monotonic()
         while not self._stop.is_set():
             try:
-                frame = grabber.newest(FRAME_TIMEOUT)
+                return grabber.newest(FRAME_TIMEOUT)
             except NoFrameError as error:
                 # A slow or triggered camera is no broken one: only a long silence opens it anew.
-                silence = time.monotonic() - last
+                silence = time.monotonic() - begin
                 if silence > LONGEST_SILENCE:
                     raise
                 if silence > QUIET:
                     self._health.fault(ERROR, str(error))
-                continue
-            last = time.monotonic()
-            if info is None or model is not self._camera_model:  # set_camera_info has changed it
-                model = self._camera_model
-                info = self._info(model, frame)
-            self._images.publish(from_pixels(frame.image, frame.stamp_ns, self._frame_id, image))
-            self._infos.publish(stamped(info, frame.stamp_ns, self._frame_id))
-            self._report(camera, grabber, bool(info.k[0]))
+        raise CaptureError('the node ends')
 
-    def _info(self, model: CameraModel | None, frame: Frame) -> CameraInfo:
+    def _info_of(self, model: CameraModel | None, frame: Frame) -> CameraInfo:
         """Return the camera_info of frames such as this one."""
         assert self._sensor_size is not None
         if model is None and self._field_of_view > 0.0:
@@ -221,7 +260,10 @@ class CameraNode(Node):
         self._health.show('drops', camera.drops)
         self._health.show('overruns', grabber.overruns)
         self._health.show('error frames', camera.error_frames)
-        self._health.show('exposure time', f'{camera.exposure_time * 1e3:.3g} ms')
+        seconds = camera.exposure_time
+        self._health.show(
+            'exposure time', 'unknown' if seconds is None else f'{1e3 * seconds:.4g} ms'
+        )
         self._health.show('stamp', camera.stamp_place)
         if not calibrated:
             self._health.fault(
@@ -241,8 +283,8 @@ class CameraNode(Node):
             model = replace(to_camera_model(request.camera_info), name=self._name)
             if self._sensor_size not in (None, (model.width, model.height)):
                 raise MessageError(
-                    'camera_info: the calibration is for {} x {} px and the sensor has {} x {} px; '
-                    'calibrate this size'.format(model.width, model.height, *self._sensor_size)
+                    f'camera_info: the calibration is for {model.width} x {model.height} px and '
+                    'the sensor has {} x {} px; calibrate that size'.format(*self._sensor_size)
                 )
             write_calibration(self._calibration, model)
         except (MessageError, CalibrationError) as error:
@@ -255,6 +297,22 @@ class CameraNode(Node):
         response.status_message = f'stored in {self._calibration} and in use'
         self.get_logger().info(f'calibration {response.status_message}')
         return response
+
+    async def _find_exposure(
+        self, request: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
+        """Have the publishing thread search for the exposure; wait for it without blocking."""
+        self._search = Future()
+        response.success, response.message = await self._search
+        self.get_logger().info(f'find_exposure: {response.message}')
+        return response
+
+    def _answer(self, found: bool, words: str) -> None:
+        """Give the outcome of a search to whoever asked for one, if anybody did."""
+        search, self._search = self._search, None
+        if search is not None:
+            search.set_result((found, words))
+            self._awake.trigger()
 
 
 def main() -> None:

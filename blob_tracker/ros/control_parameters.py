@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from blob_tracker.capture import CaptureError, Control, ControlError, V4l2Camera
 from blob_tracker.capture.auto_modes import off, still_on
 from blob_tracker.capture.controls import must_be
+from blob_tracker.capture.exposure import adjust_exposure, Outcome
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.health import Health
 from blob_tracker.ros.parameters import unknown
+from blob_tracker.types import Frame
 from rcl_interfaces.msg import (
     IntegerRange, ParameterDescriptor, ParameterType, SetParametersResult,
 )
@@ -110,7 +112,8 @@ def set_in_order(
             continue
         if name in known and known[name].inactive:
             yield name, ControlError(
-                f"control '{name}' is inactive: an automatic mode governs it; switch that off first"
+                f"control '{name}' is inactive: an automatic mode governs it; switch that off "
+                'first'
             )
         else:
             yield name, _refusal(camera, name, values[name])
@@ -225,10 +228,30 @@ class ControlParameters:
         self._camera = None
         self.warnings = ()
 
-    def keep(self, values: Mapping[str, int | str]) -> None:
-        """Keep what was set on the camera itself as if the user had set it."""
-        self._wanted = self._wanted | dict(values)
+    def adjust_exposure(self, camera: V4l2Camera, read: Callable[[], Frame]) -> Outcome:
+        """
+        Search for the exposure and gain of a lit target; keep what was found as if it were set.
+
+        Parameters
+        ----------
+        camera : V4l2Camera
+            Open and streaming.
+        read : function
+            Returns its next frame.
+
+        Raises
+        ------
+        CaptureError
+            The camera has neither control, or fails meanwhile.
+
+        """
+        before = _values(camera, camera.controls)
+        outcome = adjust_exposure(camera, read)
+        after = _values(camera, before)
+        changed = {name: after[name] for name in after if after[name] != before[name]}
+        self._wanted = self._wanted | changed
         self._changed.trigger()
+        return outcome
 
     # --- called by the executor ---
 
@@ -243,7 +266,7 @@ class ControlParameters:
                             'there; see /diagnostics')
         try:
             before = _values(camera, values)
-            done = {}
+            done: dict[str, Any] = {}
             for name, error in set_in_order(camera, values):
                 if error is not None:
                     for _ in set_in_order(camera, done):

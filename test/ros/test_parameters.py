@@ -44,7 +44,7 @@ def test_what_is_declared_cannot_be_set_while_running(context: Context) -> None:
 def test_an_unknown_name_is_an_error_with_a_hint(context: Context) -> None:
     """Unless the node has more than it knows of so far."""
     given = {'width': 320, 'frame_rat': 15.0}
-    with pytest.raises(ParameterError, match="no parameter 'frame_rat'; did you mean 'frame_rate'"):
+    with pytest.raises(ParameterError, match="'frame_rat'; did you mean 'frame_rate'"):
         declare(node(context, **given), PARAMETERS)
     patient = node(context, **given)
     declare(patient, PARAMETERS, complete=False)
