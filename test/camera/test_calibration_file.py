@@ -102,7 +102,9 @@ def test_file_of_the_ros_calibrator_is_read(tmp_path: Path) -> None:
     path.write_text(OF_ROS)
     model = CameraModel.from_yaml(path)
     assert (model.width, model.height, model.name) == (640, 480, 'narrow_stereo')
-    assert model.matrix.ravel().tolist() == [504.10382, 0, 321.80917, 0, 505.91447, 240.34672, 0, 0, 1]
+    assert model.matrix.tolist() == [
+        [504.10382, 0.0, 321.80917], [0.0, 505.91447, 240.34672], [0.0, 0.0, 1.0]
+    ]
     assert model.distortion.tolist() == [0.176832, -0.313041, 1e-5, -0.000812, 0.0]
     assert model.rectification is not None and (model.rectification == np.eye(3)).all()
     assert model.projection is not None and model.projection[1, 1] == 521.45001
