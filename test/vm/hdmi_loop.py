@@ -23,23 +23,26 @@ def v4l2_ctl(device: str, *options: str) -> None:
                    stdout=subprocess.DEVNULL)
 
 
-def control(**settings: int) -> None:
-    """Set controls of the capture device."""
-    v4l2_ctl(CAPTURE, '-c', ','.join(f'{name}={value}' for name, value in settings.items()))
+def control(device: str = CAPTURE, **settings: int) -> None:
+    """Set controls of a capture device."""
+    v4l2_ctl(device, '-c', ','.join(f'{name}={value}' for name, value in settings.items()))
 
 
-def close_loop() -> None:
+def close_loop(capture: str = CAPTURE, output: str = OUTPUT) -> None:
     """Give both ends the same timings and join them; vivid writes no text into the picture."""
-    for device in (OUTPUT, CAPTURE):
+    for device in (output, capture):
         v4l2_ctl(device, f'--set-dv-bt-timings={TIMINGS}')
-    v4l2_ctl(OUTPUT, '-c', 'enable_output_scaler=0')
+    v4l2_ctl(output, '-c', 'enable_output_scaler=0')
     # Stamps at the start of the frame: those at its end lie 0.9 frames ahead of the delivery,
     # as vivid has the picture ready when the frame begins.
-    control(enable_capture_scaler=0, loop_video=1, osd_text_mode=2, timestamp_source=1)
+    control(
+        capture, enable_capture_scaler=0, loop_video=1, osd_text_mode=2, timestamp_source=1)
 
 
 @contextmanager
-def playing(scene: Path, pixel_format: str) -> Iterator[None]:
+def playing(
+    scene: Path, pixel_format: str, output: str = OUTPUT, width: int = WIDTH, height: int = HEIGHT
+) -> Iterator[None]:
     """
     Play a raw file into the output device, again and again.
 
@@ -47,10 +50,10 @@ def playing(scene: Path, pixel_format: str) -> Iterator[None]:
     """
     # A copy in memory, as the folder may be the host's.
     copy = shutil.copy(scene, '/run')
-    v4l2_ctl(OUTPUT, f'--set-fmt-video-out=width={WIDTH},height={HEIGHT},'
+    v4l2_ctl(output, f'--set-fmt-video-out=width={width},height={height},'
                      f'pixelformat={pixel_format}')
     player = subprocess.Popen(
-        ['v4l2-ctl', '-d', OUTPUT, '--stream-out-mmap=4', f'--stream-from={copy}',
+        ['v4l2-ctl', '-d', output, '--stream-out-mmap=4', f'--stream-from={copy}',
          '--stream-loop'], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         yield
