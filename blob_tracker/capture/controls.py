@@ -126,10 +126,12 @@ def get_control(ioctl: Ioctl, control: Control) -> int | str:
         raise ControlError(f"control '{control.name}' cannot be read: it is a button, without a "
                            'value')
     argument = videodev2.ExtControl(id=control.id)
-    text = _attach_text(argument, control)
-    _transfer(ioctl, videodev2.G_EXT_CTRLS, argument, control, 'read')
     if control.kind == 'string':
+        text = ctypes.create_string_buffer(control.maximum + 1)
+        argument.size, argument.value.string = len(text), ctypes.addressof(text)
+        _transfer(ioctl, videodev2.G_EXT_CTRLS, argument, control, 'read')
         return text.value.decode(errors='replace')
+    _transfer(ioctl, videodev2.G_EXT_CTRLS, argument, control, 'read')
     if control.kind == 'integer64':
         return int(argument.value.value64)
     value = int(argument.value.value)
@@ -162,7 +164,9 @@ def set_control(ioctl: Ioctl, control: Control, value: int | bool | float | str)
         raise ControlError(f"control '{control.name}' is read-only: the driver alone changes it")
     argument = videodev2.ExtControl(id=control.id)
     if control.kind == 'string':
-        _attach_text(argument, control, _checked_text(control, value))
+        # Kept until the driver has read it: the struct holds a bare address.
+        text = ctypes.create_string_buffer(_checked_text(control, value), control.maximum + 1)
+        argument.size, argument.value.string = len(text), ctypes.addressof(text)
     elif control.kind == 'integer64':
         argument.value.value64 = _checked(control, value)
     else:
@@ -283,18 +287,6 @@ def _checked_text(control: Control, value: object) -> bytes:
             and (len(text) - control.minimum) % control.step == 0 and b'\0' not in text):
         raise _wrong(control, value)
     return text
-
-
-def _attach_text(
-    argument: videodev2.ExtControl, control: Control, text: bytes = b'',
-) -> ctypes.Array[ctypes.c_char]:
-    """Return the memory of a string control; keep it for as long as the driver may use it."""
-    memory = ctypes.create_string_buffer(text, control.maximum + 1)
-    if control.kind == 'string':
-        argument.size = len(memory)
-        argument.value.string = ctypes.addressof(memory)
-        argument._memory = memory  # the struct holds a bare address
-    return memory
 
 
 def _transfer(

@@ -66,6 +66,13 @@ def capabilities(fd: int) -> tuple[int, str]:
     return flags, capability.card.decode(errors='replace')
 
 
+def driver(fd: int) -> str:
+    """Return the name of the driver of an open device node."""
+    capability = videodev2.Capability()
+    videodev2.ioctl(fd, videodev2.QUERYCAP, capability)
+    return capability.driver.decode(errors='replace')
+
+
 def buffer_type(fd: int) -> int:
     """Return the type of buffers that an open capture device fills: single- or multi-planar."""
     flags, _ = capabilities(fd)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from types import TracebackType
 
 from blob_tracker.capture.errors import CaptureError, NoFrameError
@@ -18,7 +19,13 @@ class Grabber:
 
     The thread and the reader share one slot: a frame that nobody took is replaced by the next and
     counted in `overruns`. So a reader that stalls finds a new frame, and the driver's ring never
-    runs full. The reader is woken by the frame itself.
+    runs full. A frame that waited for longer than the ring is long, as the driver went quiet
+    after it, is an overrun too. The reader is woken by the frame itself.
+
+    A flash is seen in the difference of neighbours, which the reader tells by their stamps: a
+    reader that is a little too slow loses single frames, and the pairs that they belong to. One
+    that takes as long as two frames gets every second one, and of a light that flashes at half
+    the frame rate it never sees a pair: `overruns` that keep growing say so.
 
     Parameters
     ----------
@@ -36,6 +43,7 @@ class Grabber:
         self.overruns = 0
         self._camera = camera
         self._slot: Frame | None = None
+        self._filled_at = 0.0
         self._error: BaseException | None = None
         self._silence: NoFrameError | None = None
         self._changed = threading.Condition()
@@ -72,6 +80,9 @@ class Grabber:
 
         """
         with self._changed:
+            if self._slot is not None and self._stale():
+                self._slot = None
+                self.overruns += 1
             self._changed.wait_for(self._something, timeout)
             frame, self._slot = self._slot, None
             if frame is not None:
@@ -93,6 +104,9 @@ class Grabber:
     def _something(self) -> bool:
         return self._slot is not None or self._error is not None or self._stop
 
+    def _stale(self) -> bool:
+        return 0.0 < self._camera.longest_wait < time.monotonic() - self._filled_at
+
     def _run(self) -> None:
         """Fill the slot until the grabber is closed or the camera fails."""
         while not self._stop:
@@ -111,4 +125,5 @@ class Grabber:
                 if self._slot is not None:
                     self.overruns += 1
                 self._slot = frame
+                self._filled_at = time.monotonic()
                 self._changed.notify_all()

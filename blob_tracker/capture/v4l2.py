@@ -17,11 +17,12 @@ from typing import TypeVar
 from blob_tracker.capture import controls, videodev2
 from blob_tracker.capture.clock import RealtimeClock
 from blob_tracker.capture.controls import Control, ControlError
-from blob_tracker.capture.device import buffer_type, busy, open_capture_device
+from blob_tracker.capture.device import buffer_type, busy, driver, open_capture_device
 from blob_tracker.capture.errors import CaptureError, NoFrameError
 from blob_tracker.capture.format import set_format
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 from blob_tracker.capture.selection import sensor_region
+from blob_tracker.capture.stamps import Exposure, ExposureControls, MidExposure, source_of
 from blob_tracker.types import Frame
 
 Result = TypeVar('Result')
@@ -60,9 +61,14 @@ class V4l2Camera:
         Frames/s; 0 leaves it as the driver has it. The driver takes the nearest it can.
     buffers : int
         Kernel buffers, 2 to 32.
+    exposure_time : float or None
+        s; of a camera whose controls do not tell.
+    readout_time : float or None
+        s from the end of the exposure to the end of the transfer, of a camera whose driver
+        stamps the latter and whose controls do not tell.
     prepare : function
-        Called with the camera when its format is set and no frame has come yet: drivers lock some
-        controls while they stream.
+        Called with the camera when it is set up and before it streams: drivers lock some controls
+        then.
 
     Attributes
     ----------
@@ -75,10 +81,10 @@ class V4l2Camera:
         Frames/s, as the driver gives it; 0 where it does not say.
     pixel_format : str
         Four-character code in use.
-    stamps_start : bool
-        Whether the driver stamps the start of a frame's exposure; otherwise its end of transfer.
     drops : int
-        Frames lost between those read, from the gaps in the driver's numbers.
+        Frames lost between those read, from the gaps in the driver's numbers; error frames too.
+    error_frames : int
+        Pictures that the driver marked as spoilt or that were cut short.
     sequence : int
         The driver's number of the frame read last.
 
@@ -97,12 +103,18 @@ class V4l2Camera:
         pixel_format: str = '',
         frame_rate: float = 0.0,
         buffers: int = 4,
+        exposure_time: float | None = None,
+        readout_time: float | None = None,
         prepare: Callable[[V4l2Camera], None] = lambda camera: None,
     ) -> None:
         if not 2 <= buffers <= 32:
             raise CaptureError(f'buffers is {buffers}; it must be 2 to 32')
+        for name, seconds in (('exposure_time', exposure_time), ('readout_time', readout_time)):
+            if seconds is not None and not 0.0 <= seconds < float('inf'):
+                raise CaptureError(f'{name} is {seconds} s; it must be 0 or more')
         self.device = device
         self.drops = 0
+        self.error_frames = 0
         self.sequence = -1
         self._first = (0, 0)  # sequence and stamp of the first frame
         self._interval_ns = 0
@@ -123,8 +135,13 @@ class V4l2Camera:
             decoder = PIXEL_FORMATS[self.pixel_format].binning
             self._binning = self._region.binning[0] * decoder, self._region.binning[1] * decoder
             self.frame_rate = self._set_frame_rate(frame_rate)
-            prepare(self)
             self._map_buffers(buffers)
+            self._exposure = ExposureControls(
+                self._call, controls.controls(self._call), self.width, self.height,
+                Exposure(_ns(exposure_time), _ns(readout_time)))
+            self._middle = MidExposure(
+                source_of(self._buffer_flags, driver(self._fd)), self._exposure.read())
+            prepare(self)
             self._call(videodev2.STREAMON, ctypes.c_int32(self._format.buffer_type))
             self._streaming = True
         except OSError as error:
@@ -155,8 +172,9 @@ class V4l2Camera:
         """
         Return the next complete frame; wait for it for `timeout` seconds at most.
 
-        Its stamp is the driver's, in ROS time. Pictures that the driver marks as spoilt and
-        pictures that are cut short are left out.
+        Its stamp is the middle of its exposure in ROS time, as far as that can be known (see
+        `stamp_place` and `blob_tracker.capture.stamps`). Pictures that the driver marks as spoilt
+        and pictures that are cut short are left out.
 
         Raises
         ------
@@ -182,6 +200,28 @@ class V4l2Camera:
                 self._queue(buffer)
             if frame is not None:
                 return frame
+
+    @property
+    def stamp_place(self) -> str:
+        """Return in words the instant that a frame's stamp names, with the controls as set."""
+        return self._middle.place
+
+    @property
+    def exposure_time(self) -> float | None:
+        """Return how long a frame is exposed, s, with the controls as set; None if unknown."""
+        time_ns = self._middle.exposure.time_ns
+        return None if time_ns is None else time_ns / 1e9
+
+    @property
+    def exposure_unit(self) -> float | None:
+        """Return one unit of the exposure control, s; None where it is unknown."""
+        unit_ns = self._control(self._exposure.unit_ns)
+        return None if unit_ns is None else unit_ns / 1e9
+
+    @property
+    def longest_wait(self) -> float:
+        """Return how long a frame may wait and still be new, s; 0 while that is unknown."""
+        return len(self._memory) * self._interval_ns / 1e9
 
     @property
     def controls(self) -> dict[str, Control]:
@@ -222,7 +262,13 @@ class V4l2Camera:
             The device is gone, or closed.
 
         """
-        self._control(lambda: controls.set_control(self._call, self._named(name), value))
+        def change() -> None:
+            control = self._named(name)
+            controls.set_control(self._call, control, value)
+            if self._exposure.governed_by(control):
+                self._middle.changed(time.monotonic_ns(), self._exposure.read())
+
+        self._control(change)
 
     def close(self) -> None:
         """Stop streaming and give the device back; a second time does nothing."""
@@ -355,8 +401,7 @@ class V4l2Camera:
             raise CaptureError(
                 f'{self.device}: its driver does not stamp frames with the monotonic clock, so '
                 'their time is unknown; use a driver that does')
-        source = flags & videodev2.BUF_FLAG_TSTAMP_SRC_MASK
-        self.stamps_start = source == videodev2.BUF_FLAG_TSTAMP_SRC_SOE
+        self._buffer_flags = flags
 
     # --- streaming ---
 
@@ -383,7 +428,10 @@ class V4l2Camera:
         try:
             self._call(videodev2.QBUF, buffer)
         except OSError as error:
-            raise self._lost(error) from error
+            if error.errno == errno.ENODEV:
+                raise self._lost(error) from error
+            raise CaptureError(f'{self.device}: the driver does not take a buffer back: '
+                               f'{error.strerror}; open it again') from error
 
     def _lost(self, error: OSError) -> CaptureError:
         if error.errno == errno.ENODEV:
@@ -419,12 +467,13 @@ class V4l2Camera:
         return ''
 
     def _stale(self, buffer: videodev2.Buffer) -> bool:
-        age = time.monotonic_ns() - _stamp_ns(buffer)
-        return 0 < len(self._memory) * self._interval_ns < age
+        age = (time.monotonic_ns() - _stamp_ns(buffer)) / 1e9
+        return 0.0 < self.longest_wait < age
 
     def _frame(self, buffer: videodev2.Buffer) -> Frame | None:
         """Return the picture in a buffer and count the frames lost before it; None if spoilt."""
         if buffer.flags & videodev2.BUF_FLAG_ERROR:
+            self.error_frames += 1
             return None
         begin, end = 0, buffer.bytesused
         if buffer.type == videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE:
@@ -433,13 +482,21 @@ class V4l2Camera:
         try:
             image = self._format.luma(filled)
         except ValueError:
+            self.error_frames += 1
             return None  # cut short
         finally:
             filled.release()
         stamp_ns = _stamp_ns(buffer)
         self._count(buffer.sequence, stamp_ns)
+        since_ns = self._exposure.changed_elsewhere()
+        if since_ns is not None:
+            try:
+                self._middle.changed(since_ns, self._exposure.read())
+            except OSError as error:
+                raise self._lost(error) from error
+        middle_ns = self._middle.middle(stamp_ns, time.monotonic_ns())
         return Frame(
-            image, self._clock.from_monotonic(stamp_ns), self._format.saturation,
+            image, self._clock.from_monotonic(middle_ns), self._format.saturation,
             self._region.x0, self._region.y0, self._binning)
 
     def _count(self, sequence: int, stamp_ns: int) -> None:
@@ -458,3 +515,7 @@ class V4l2Camera:
 
 def _stamp_ns(buffer: videodev2.Buffer) -> int:
     return buffer.timestamp.tv_sec * 1_000_000_000 + buffer.timestamp.tv_usec * 1000
+
+
+def _ns(seconds: float | None) -> int | None:
+    return None if seconds is None else round(seconds * 1e9)

@@ -78,6 +78,9 @@ CTRL_FLAG_INACTIVE = 0x0010
 CTRL_FLAG_WRITE_ONLY = 0x0040
 CTRL_FLAG_VOLATILE = 0x0080
 
+# v4l2_event.type: a control has changed
+EVENT_CTRL = 3
+
 # Controls by number, as their names differ between versions of the kernel
 CID_EXPOSURE = 0x00980911
 CID_AUTOGAIN = 0x00980912
@@ -439,6 +442,38 @@ class ExtControls(ctypes.Structure):
     ]
 
 
+class Timespec(ctypes.Structure):
+    """timespec."""
+
+    _fields_ = [('tv_sec', c_long), ('tv_nsec', c_long)]
+
+
+class Event(ctypes.Structure):
+    """v4l2_event."""
+
+    _fields_ = [
+        ('type', c_uint32),
+        ('_alignment', c_uint32),
+        ('_union', c_uint8 * 64),
+        ('pending', c_uint32),
+        ('sequence', c_uint32),
+        ('timestamp', Timespec),
+        ('id', c_uint32),
+        ('reserved', c_uint32 * 8),
+    ]
+
+
+class EventSubscription(ctypes.Structure):
+    """v4l2_event_subscription."""
+
+    _fields_ = [
+        ('type', c_uint32),
+        ('id', c_uint32),
+        ('flags', c_uint32),
+        ('reserved', c_uint32 * 5),
+    ]
+
+
 _WRITE, _READ = 1, 2  # as seen from the program
 
 
@@ -466,6 +501,8 @@ G_EXT_CTRLS = _ioc(_READ | _WRITE, 71, ExtControls)
 S_EXT_CTRLS = _ioc(_READ | _WRITE, 72, ExtControls)
 ENUM_FRAMESIZES = _ioc(_READ | _WRITE, 74, FrameSizeEnum)
 S_DV_TIMINGS = _ioc(_READ | _WRITE, 87, DvTimings)
+DQEVENT = _ioc(_READ, 89, Event)
+SUBSCRIBE_EVENT = _ioc(_WRITE, 90, EventSubscription)
 G_SELECTION = _ioc(_READ | _WRITE, 94, Selection)
 S_SELECTION = _ioc(_READ | _WRITE, 95, Selection)
 QUERY_DV_TIMINGS = _ioc(_READ, 99, DvTimings)

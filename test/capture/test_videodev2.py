@@ -23,6 +23,8 @@ import pytest
     (videodev2.QueryMenu, 44),
     (videodev2.ExtControl, 20),
     (videodev2.ExtControls, 32),
+    (videodev2.Event, 136),
+    (videodev2.EventSubscription, 32),
 ])
 def test_struct_size(struct, size):
     assert ctypes.sizeof(struct) == size
@@ -48,6 +50,8 @@ def test_struct_size(struct, size):
     (videodev2.QueryMenu, 'item', 8),
     (videodev2.ExtControl, 'value', 12),
     (videodev2.ExtControls, 'controls', 24),
+    (videodev2.Event, 'timestamp', 80),
+    (videodev2.Event, 'id', 96),
 ])
 def test_field_offset(struct, field, offset):
     assert getattr(struct, field).offset == offset
@@ -73,6 +77,8 @@ def test_field_offset(struct, field, offset):
     ('S_EXT_CTRLS', 0xc0205648),
     ('ENUM_FRAMESIZES', 0xc02c564a),
     ('S_DV_TIMINGS', 0xc0845657),
+    ('DQEVENT', 0x80885659),
+    ('SUBSCRIBE_EVENT', 0x4020565a),
     ('QUERY_DV_TIMINGS', 0x80845663),
     ('QUERY_EXT_CTRL', 0xc0e85667),
 ])
