@@ -15,7 +15,7 @@ import subprocess
 import sys
 
 from blob_tracker.resources import config_path
-from hdmi_loop import HEIGHT, WIDTH
+from hdmi_loop import SIGNAL
 import machine
 from processes import executable
 import pytest
@@ -25,8 +25,8 @@ HERE = Path(__file__).parent
 CACHE = HERE.parents[1] / '.cache/vm'
 LONGEST = 340.0  # s from power-on to power-off; 90 s on two quiet cores
 CAMERA_INFO = f"""\
-image_width: {WIDTH}
-image_height: {HEIGHT}
+image_width: {SIGNAL[0]}
+image_height: {SIGNAL[1]}
 camera_name: vivid
 distortion_model: plumb_bob
 camera_matrix: {{rows: 3, cols: 3, data: [{FX}, 0, {CX}, 0, {FY}, {CY}, 0, 0, 1]}}

@@ -18,7 +18,7 @@ from typing import Any
 
 from blob_tracker.capture import CaptureError, V4l2Camera, videodev2
 from blob_tracker.types import Frame
-from hdmi_loop import CAPTURE, close_loop, control, OUTPUT, playing, v4l2_ctl
+from hdmi_loop import CAPTURE, close_loop, control, OUTPUT, playing, SIGNAL, v4l2_ctl
 import numpy as np
 from numpy.typing import NDArray
 
@@ -87,27 +87,27 @@ def bayer(first: int, bits: int) -> Callable[[int, int], tuple[Picture, Picture]
 
 # name -> devices, size, what is played
 FORMATS: dict[str, tuple[tuple[str, str], int, int, Any]] = {
-    'Y10': (PLANAR, 320, 240, words(10)),
+    'Y10': (PLANAR, 160, 120, words(10)),
     'Y12': (PLANAR, 324, 242, words(12)),
     'Y16': (PLANAR, 640, 480, words(16)),
     'Y16-BE': (PLANAR, 320, 180, words(16, '>')),
-    'YVYU': (PLANAR, 320, 240, yuv422(0)),
+    'YVYU': (PLANAR, 160, 120, yuv422(0)),
     'UYVY': (PLANAR, 640, 360, yuv422(1)),
     'NV12': (PLANAR, 320, 240, yuv420),
-    'YU12': (PLANAR, 320, 240, yuv420),
-    'RGB3': (PLANAR, 320, 240, rgb(0, 1, 2, size=3)),
-    'BGR4': (PLANAR, 320, 240, rgb(2, 1, 0, size=4)),
-    'BX24': (PLANAR, 320, 240, rgb(1, 2, 3, size=4)),
-    'RGGB': (PLANAR, 320, 240, bayer(1, 8)),
-    'GB10': (PLANAR, 320, 240, bayer(0, 10)),
-    'BG12': (PLANAR, 320, 240, bayer(1, 12)),
-    'GR16': (PLANAR, 320, 240, bayer(0, 16)),
+    'YU12': (PLANAR, 160, 120, yuv420),
+    'RGB3': (PLANAR, 160, 120, rgb(0, 1, 2, size=3)),
+    'BGR4': (PLANAR, 160, 120, rgb(2, 1, 0, size=4)),
+    'BX24': (PLANAR, 160, 120, rgb(1, 2, 3, size=4)),
+    'RGGB': (PLANAR, 160, 120, bayer(1, 8)),
+    'GB10': (PLANAR, 160, 120, bayer(0, 10)),
+    'BG12': (PLANAR, 160, 120, bayer(1, 12)),
+    'GR16': (PLANAR, 160, 120, bayer(0, 16)),
 }
 MULTI_PLANAR_FORMATS: dict[str, tuple[tuple[str, str], int, int, Any]] = {
-    'Y16': (MULTI_PLANAR, 320, 240, words(16)),
+    'Y16': (MULTI_PLANAR, 160, 120, words(16)),
     'NV12': (MULTI_PLANAR, 320, 240, yuv420),
     'NM12': (MULTI_PLANAR, 640, 480, yuv420),
-    'YM12': (MULTI_PLANAR, 320, 240, yuv420),
+    'YM12': (MULTI_PLANAR, 160, 120, yuv420),
 }
 
 
@@ -196,7 +196,7 @@ def selections() -> dict[str, Any]:
             V4l2Camera(CAPTURE, 304, 240, 'GREY').close()
         except CaptureError as error:
             found['not_whole'] = str(error)
-        crop(0, 0, 1280, 720)
+        crop(0, 0, *SIGNAL)
         found['whole'] = geometry(400, 240, 'GREY')
         found['halved'] = geometry(640, 360, 'GREY')
         found['halved_bayer'] = geometry(640, 360, 'RGGB')

@@ -10,6 +10,7 @@ import subprocess
 
 CAPTURE, OUTPUT = '/dev/video0', '/dev/video1'
 WIDTH, HEIGHT = 320, 240
+SIGNAL = 1280, 720  # px
 # CTA-861 format 60, 1280x720p24: the slowest there is, for the sake of the emulated processors.
 # Without its scalers the driver sends and takes the top left WIDTH x HEIGHT of it.
 TIMINGS = ('width=1280,height=720,interlaced=0,polarities=3,pixelclock=59400000,'

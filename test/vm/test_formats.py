@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from hdmi_loop import SIGNAL
 import pytest
 
 pytestmark = pytest.mark.timeout(600)  # the boot, and the kernel's download before it
@@ -16,7 +17,7 @@ SATURATION = {
     'YVYU': 235, 'UYVY': 235, 'NV12': 235, 'YU12': 235,
     'RGB3': 255, 'BGR4': 255, 'BX24': 255, **BAYER,
 }
-SENSOR = [1280, 720]  # the signal on the HDMI input
+SENSOR = list(SIGNAL)  # of which the frames are a part
 
 
 @pytest.fixture(scope='module')
