@@ -20,7 +20,7 @@ from typing import Any
 
 from blob_tracker.capture import Grabber, V4l2Camera, videodev2
 from blob_tracker.capture.clock import RealtimeClock
-from blob_tracker.capture.format import Format
+from blob_tracker.capture.format import StreamFormat
 from blob_tracker.capture.selection import SensorRegion
 from blob_tracker.capture.stamps import Exposure, ExposureControls, MidExposure
 import numpy as np
@@ -73,7 +73,7 @@ class PipeCamera(V4l2Camera):
         self._open = threading.Lock()
         self._input = videodev2.Input()
         self._clock = RealtimeClock()
-        self._format = Format(
+        self._format = StreamFormat(
             videodev2.BUF_TYPE_VIDEO_CAPTURE, 'GREY', width, height, width, 255)
         self._region = SensorRegion(0, 0, (1, 1), (width, height))
         self._binning = (1, 1)
@@ -136,7 +136,8 @@ def run(repeats: int, tick: Tick) -> list[Row]:
 def measure(width: int, height: int, repeats: int, frames: int) -> Row:
     """Return the row of one size; copies and frames take turns by the repeat."""
     ours, copies = [], []
-    with PipeCamera(width, height) as camera, Grabber(camera) as grabber:
+    camera = PipeCamera(width, height)
+    with camera, Grabber(camera) as grabber:
         for _ in range(repeats):
             took = []
             for _ in range(frames):

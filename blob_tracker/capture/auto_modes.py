@@ -1,4 +1,4 @@
-"""Modes in which a camera changes its exposure and gain by itself, and how they are switched off."""
+"""Modes in which a camera changes its exposure and gain by itself, and their ends."""
 
 from __future__ import annotations
 

@@ -121,7 +121,12 @@ class MidExposure:
     @property
     def place(self) -> str:
         """Return in words the instant that stamps name."""
-        return place(self._source, self._changes[-1][1])
+        return place(self._source, self.exposure)
+
+    @property
+    def exposure(self) -> Exposure:
+        """Return the exposure that was set last."""
+        return self._changes[-1][1]
 
     def changed(self, since_ns: int, exposure: Exposure) -> None:
         """Take another exposure for frames that begin at `since_ns`, monotonic, or later."""

@@ -82,7 +82,9 @@ class V4l2Camera:
     pixel_format : str
         Four-character code in use.
     drops : int
-        Frames lost between those read, from the gaps in the driver's numbers.
+        Frames lost between those read, from the gaps in the driver's numbers; error frames too.
+    error_frames : int
+        Pictures that the driver marked as spoilt or that were cut short.
     sequence : int
         The driver's number of the frame read last.
 
@@ -112,6 +114,7 @@ class V4l2Camera:
                 raise CaptureError(f'{name} is {seconds} s; it must be 0 or more')
         self.device = device
         self.drops = 0
+        self.error_frames = 0
         self.sequence = -1
         self._first = (0, 0)  # sequence and stamp of the first frame
         self._interval_ns = 0
@@ -206,6 +209,12 @@ class V4l2Camera:
     def stamp_place(self) -> str:
         """Return in words the instant that a frame's stamp names, with the controls as set."""
         return self._middle.place
+
+    @property
+    def exposure_time(self) -> float | None:
+        """Return how long a frame is exposed, s, with the controls as set; None if unknown."""
+        time_ns = self._middle.exposure.time_ns
+        return None if time_ns is None else time_ns / 1e9
 
     @property
     def exposure_unit(self) -> float | None:
@@ -468,6 +477,7 @@ class V4l2Camera:
     def _frame(self, buffer: videodev2.Buffer) -> Frame | None:
         """Return the picture in a buffer and count the frames lost before it; None if spoilt."""
         if buffer.flags & videodev2.BUF_FLAG_ERROR:
+            self.error_frames += 1
             return None
         begin, end = 0, buffer.bytesused
         if buffer.type == videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE:
@@ -476,6 +486,7 @@ class V4l2Camera:
         try:
             image = self._format.luma(filled)
         except ValueError:
+            self.error_frames += 1
             return None  # cut short
         finally:
             filled.release()
