@@ -41,6 +41,7 @@ def guests(folder: Path) -> list[list[str]]:
     return [
         ['guest_capture.py', str(folder)],
         ['guest_track.py', str(folder), str(executable('camera').parent)],
+        ['guest_node.py', str(folder), str(executable('camera').parent)],
     ]
 
 
