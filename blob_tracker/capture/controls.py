@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 import ctypes
 from dataclasses import dataclass
 import errno
+from math import isfinite
 import re
 from types import MappingProxyType
 from typing import Any, Literal
@@ -260,7 +261,7 @@ def _wrong(control: Control, value: object) -> ControlError:
 def _checked(control: Control, value: int | bool | float | str) -> int:
     """Return the number that the driver takes for a value."""
     number = next((item for item, text in control.menu.items() if text == value), value)
-    if isinstance(number, str) or number != number or number in (float('inf'), float('-inf')):
+    if not isinstance(number, (int, float)) or not isfinite(number):
         raise _wrong(control, value)
     whole = int(number)
     if control.kind in ('boolean', 'button'):

@@ -14,7 +14,7 @@ from math import log, sqrt
 import time
 from typing import Protocol
 
-from blob_tracker.capture import videodev2
+from blob_tracker.capture import auto_modes, videodev2
 from blob_tracker.capture.controls import Control, ControlError
 from blob_tracker.types import Frame, Pixels
 import cv2
@@ -29,7 +29,6 @@ FASTEST = 8.0  # the most that a faint peak, which is mostly noise, multiplies t
 # A pulse of sigma 0.74 px that falls onto the middle of a pixel has 0.4 of it beside it, a hot
 # pixel nothing.
 ABOVE_NEIGHBOUR = 2.5
-MANUAL = 1  # V4L2_EXPOSURE_MANUAL
 
 
 @dataclass(frozen=True)
@@ -272,7 +271,7 @@ def adjust_exposure(
     """
     Search on a streaming camera, and leave its controls at the outcome.
 
-    Automatic exposure and gain are switched off. The target has to be in view and the brightest
+    Automatic exposure and gain are switched off first. The target has to be in view and the brightest
     thing there: the lit peak is the greatest `lit_peak` of a row of frames.
 
     Parameters
@@ -310,7 +309,9 @@ def adjust_exposure(
 
     """
     found = camera.controls
-    _switch_automatics_off(camera, found)
+    for name, value in auto_modes.off(found).items():
+        if camera.get_control(name) != value:
+            camera.set_control(name, value)
     exposures = _control(found, exposure, videodev2.CID_EXPOSURE_ABSOLUTE, videodev2.CID_EXPOSURE)
     gains = _control(found, gain, videodev2.CID_ANALOGUE_GAIN, videodev2.CID_GAIN)
     if exposures is None and gains is None:
@@ -336,14 +337,6 @@ def adjust_exposure(
         outcome: Outcome = end.value
     _apply(camera, exposures, gains, (outcome.exposure, outcome.gain))
     return outcome
-
-
-def _switch_automatics_off(camera: Adjustable, found: dict[str, Control]) -> None:
-    for number, manual in (
-            (videodev2.CID_EXPOSURE_AUTO, MANUAL), (videodev2.CID_AUTOGAIN, 0)):
-        control = _control(found, '', number)
-        if control is not None and camera.get_control(control.name) != manual:
-            camera.set_control(control.name, manual)
 
 
 def _control(found: dict[str, Control], name: str, *numbers: int) -> Control | None:

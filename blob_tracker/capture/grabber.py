@@ -84,13 +84,13 @@ class Grabber:
                 self._slot = None
                 self.overruns += 1
             self._changed.wait_for(self._something, timeout)
+            if self._stop:
+                raise CaptureError(f'{self._camera.device}: the grabber is closed')
             frame, self._slot = self._slot, None
             if frame is not None:
                 return frame
             if self._error is not None:
                 raise self._error
-            if self._stop:
-                raise CaptureError(f'{self._camera.device}: the grabber is closed')
             raise self._silence or NoFrameError(
                 f'{self._camera.device}: no frame for {timeout:.1f} s')
 

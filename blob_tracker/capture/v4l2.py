@@ -67,8 +67,8 @@ class V4l2Camera:
         s from the end of the exposure to the end of the transfer, of a camera whose driver
         stamps the latter and whose controls do not tell.
     prepare : function
-        Called with the camera when it is set up and before it streams: drivers lock some controls
-        then.
+        Called with the camera when its format is set and no frame has come yet: drivers lock some
+        controls while they stream.
 
     Attributes
     ----------
@@ -123,6 +123,7 @@ class V4l2Camera:
         self._clock = RealtimeClock()
         self._open = threading.Lock()  # held by whom the device must not be closed under
         self._fd = open_capture_device(device)
+        step = 'take these settings'
         try:
             self._input = self._selected_input()
             self._lock_to_signal()
@@ -135,13 +136,15 @@ class V4l2Camera:
             decoder = PIXEL_FORMATS[self.pixel_format].binning
             self._binning = self._region.binning[0] * decoder, self._region.binning[1] * decoder
             self.frame_rate = self._set_frame_rate(frame_rate)
+            prepare(self)
+            step = 'give its buffers'
             self._map_buffers(buffers)
+            step = 'begin to stream'
             self._exposure = ExposureControls(
                 self._call, controls.controls(self._call), self.width, self.height,
                 Exposure(_ns(exposure_time), _ns(readout_time)))
             self._middle = MidExposure(
                 source_of(self._buffer_flags, driver(self._fd)), self._exposure.read())
-            prepare(self)
             self._call(videodev2.STREAMON, ctypes.c_int32(self._format.buffer_type))
             self._streaming = True
         except OSError as error:
@@ -150,7 +153,8 @@ class V4l2Camera:
                 raise CaptureError(busy(device)) from error
             if error.errno == errno.ENODEV:
                 raise CaptureError(self._unplugged()) from error
-            raise CaptureError(f'{device}: cannot be set up: {error.strerror}') from error
+            raise CaptureError(f'{device}: the driver does not {step}: {error.strerror}; open it '
+                               "again, and if that does not help see what 'dmesg' says") from error
         except BaseException:
             self.close()
             raise
@@ -250,9 +254,11 @@ class V4l2Camera:
         """
         return self._control(lambda: controls.get_control(self._call, self._named(name)))
 
-    def set_control(self, name: str, value: int | bool | float | str) -> None:
+    def set_control(self, name: str | Control, value: int | bool | float | str) -> None:
         """
         Set a control; see `blob_tracker.capture.controls.set_control` for the values.
+
+        One of `controls` is not looked up again.
 
         Raises
         ------
@@ -265,7 +271,7 @@ class V4l2Camera:
         def change() -> None:
             control = self._named(name)
             controls.set_control(self._call, control, value)
-            if self._exposure.governed_by(control):
+            if self._streaming and self._exposure.governed_by(control):
                 self._middle.changed(time.monotonic_ns(), self._exposure.read())
 
         self._control(change)

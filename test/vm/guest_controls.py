@@ -20,9 +20,11 @@ from typing import Any
 from blob_tracker.capture import CaptureError, Grabber, stamps, V4l2Camera, videodev2
 from blob_tracker.capture.exposure import adjust_exposure
 from hdmi_loop import CAPTURE, close_loop, control, HEIGHT, v4l2_ctl, WIDTH
+import numpy as np
 
 SETTINGS: dict[str, Any] = {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT,
                             'pixel_format': 'GREY'}
+READOUT = 0.05  # s, longer than 0.9 frames
 # name -> values to set; what is read back is written down
 ROUND_TRIPS: dict[str, list[Any]] = {
     'brightness': [0, 255, 77.0],
@@ -127,7 +129,9 @@ def exposures() -> dict[str, Any]:
     """Change the exposure while frames come, from here and from another program."""
     found: dict[str, Any] = {'changes': []}
     seen: list[list[int]] = []
-    with brightness_as_exposure(), V4l2Camera(**SETTINGS) as camera:
+    # The driver's end of a frame lies 0.9 frames ahead of its delivery (see `stamps`).
+    control(timestamp_source=0)
+    with brightness_as_exposure(), V4l2Camera(**SETTINGS, readout_time=READOUT) as camera:
         camera.set_control('brightness', 100)
         place = camera.stamp_place
         middle_of = camera._middle.middle
@@ -147,7 +151,7 @@ def exposures() -> dict[str, Any]:
             change()
             found['changes'].append([before, time.monotonic_ns()])
             frames += [camera.read(5.0).stamp_ns for _ in range(12)]
-        found |= {'units': [100, 200, 50, 150], 'place': place, 'seen': seen, 'frames': frames}
+        found |= {'readout_s': READOUT, 'units': [100, 200, 50, 150], 'place': place, 'seen': seen, 'frames': frames}
         camera.set_control('brightness', 128)
     for name, source, arguments in (
             ('start', 1, {}), ('start_known', 1, {'exposure_time': 0.01}), ('end', 0, {}),
@@ -182,6 +186,11 @@ def grabbing() -> dict[str, Any]:
                 grabber.newest(5.0)
                 latencies.append(time.monotonic_ns() - dequeued[-1])
             found['latency_us'] = sorted(latency / 1e3 for latency in latencies)
+            image = np.zeros((HEIGHT, WIDTH), np.uint8)
+            began = time.monotonic_ns()
+            for _ in range(100):
+                image.copy()
+            found['copy_us'] = (time.monotonic_ns() - began) / 1e5
             stamps_ns = []
             for _ in range(10):
                 time.sleep(0.1)
@@ -259,19 +268,24 @@ def injections() -> dict[str, Any]:
 def search() -> dict[str, Any]:
     """Search on the driver's picture, to which brightness and contrast add and multiply."""
     with V4l2Camera(**SETTINGS) as camera:
-        camera.set_control('brightness', 0)
         found: dict[str, Any] = {}
-        for pattern in ('100% White', '100% Black'):
+        for name, pattern, exposure, gain in (
+                ('found', '100% White', 'contrast', 'brightness'),
+                # Neither makes a difference to grey.
+                ('too bright', '100% White', 'saturation', 'hue'),
+                ('too dark', '100% Black', 'saturation', 'hue')):
             camera.set_control('test_pattern', pattern)
             outcome = adjust_exposure(
-                camera, lambda: camera.read(5.0), exposure='brightness', gain='contrast',
-                frames=2, settling=1)
-            found[pattern] = dataclasses.asdict(outcome) | {
-                'left': [camera.get_control('brightness'), camera.get_control('contrast')],
+                camera, lambda: camera.read(5.0), exposure=exposure, gain=gain, frames=2,
+                settling=1)
+            found[name] = dataclasses.asdict(outcome) | {
+                'left': [camera.get_control(exposure), camera.get_control(gain)],
                 'seen': float(camera.read(5.0).image.max()) / 255}
+            for changed in ('brightness', 'contrast'):
+                camera.set_control(changed, camera.controls[changed].default)
         camera.set_control('test_pattern', 0)
-        camera.set_control('brightness', 128)
-        camera.set_control('contrast', 128)
+        camera.set_control('saturation', 128)
+        camera.set_control('hue', 0)
         camera.set_control('gain_automatic', True)
     return found
 
