@@ -15,7 +15,7 @@ import subprocess
 import sys
 
 from blob_tracker.resources import config_path
-from hdmi_loop import HEIGHT, WIDTH
+from hdmi_loop import SIGNAL
 import machine
 from processes import executable
 import pytest
@@ -27,8 +27,8 @@ LONGEST = 340.0  # s from power-on to power-off; 90 s on two quiet cores
 # s of streaming at full rate; make soak gives it 300
 SOAK = float(os.environ.get('SOAK_SECONDS', 45))
 CAMERA_INFO = f"""\
-image_width: {WIDTH}
-image_height: {HEIGHT}
+image_width: {SIGNAL[0]}
+image_height: {SIGNAL[1]}
 camera_name: vivid
 distortion_model: plumb_bob
 camera_matrix: {{rows: 3, cols: 3, data: [{FX}, 0, {CX}, 0, {FY}, {CY}, 0, 0, 1]}}
@@ -44,6 +44,7 @@ def guests(folder: Path) -> list[list[str]]:
         ['guest_capture.py', str(folder)],
         ['guest_controls.py', str(folder)],
         ['guest_soak.py', str(folder), str(SOAK)],
+        ['guest_formats.py', str(folder)],
         ['guest_track.py', str(folder), str(executable('camera').parent)],
         ['guest_node.py', str(folder), str(executable('camera').parent)],
     ]

@@ -19,7 +19,7 @@ import time
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from hdmi_loop import CAPTURE, close_loop, control, HEIGHT, v4l2_ctl, WIDTH
+from hdmi_loop import CAPTURE, close_loop, control, HEIGHT, SIGNAL, v4l2_ctl, WIDTH
 from rcl_interfaces.srv import (
     DescribeParameters, GetParameters, ListParameters, SetParameters, SetParametersAtomically,
 )
@@ -130,9 +130,9 @@ def read(name: str) -> str:
     return text.partition(':')[2].split('(')[0].strip(" \n'")
 
 
-def calibration(width: int = WIDTH) -> CameraInfo:
-    """Return the calibration that the service is given."""
-    return CameraInfo(width=width, height=HEIGHT, distortion_model='plumb_bob', d=[0.0] * 5,
+def calibration(width: int, height: int) -> CameraInfo:
+    """Return a calibration of this size that the service is given."""
+    return CameraInfo(width=width, height=height, distortion_model='plumb_bob', d=[0.0] * 5,
                       k=[400.5, 0.0, 160.0, 0.0, 401.5, 120.0, 0.0, 0.0, 1.0])
 
 
@@ -174,10 +174,10 @@ def parameters(probe: Probe) -> dict[str, Any]:
 def services(probe: Probe, folder: Path) -> dict[str, Any]:
     """Give the node calibrations and let it search for the exposure."""
     found: dict[str, Any] = {}
-    answer = probe.ask(SetCameraInfo, 'camera/set_camera_info', camera_info=calibration(640))
+    answer = probe.ask(SetCameraInfo, 'camera/set_camera_info', camera_info=calibration(WIDTH, HEIGHT))
     found['other_size'] = [answer.success, answer.status_message]
     found['uncalibrated'] = list(probe.infos[-1].k)
-    answer = probe.ask(SetCameraInfo, 'camera/set_camera_info', camera_info=calibration())
+    answer = probe.ask(SetCameraInfo, 'camera/set_camera_info', camera_info=calibration(*SIGNAL))
     found['calibrated'] = [answer.success, answer.status_message]
     found['takes_effect'] = probe.until(lambda: probe.infos[-1].k[0] == 400.5)
     found['stored'] = (folder / 'ros_home/camera_info/camera.yaml').exists()

@@ -10,6 +10,7 @@ import subprocess
 
 CAPTURE, OUTPUT = '/dev/video0', '/dev/video1'
 WIDTH, HEIGHT = 320, 240
+SIGNAL = 1280, 720  # px
 # CTA-861 format 60, 1280x720p24: the slowest there is, for the sake of the emulated processors.
 # Without its scalers the driver sends and takes the top left WIDTH x HEIGHT of it.
 TIMINGS = ('width=1280,height=720,interlaced=0,polarities=3,pixelclock=59400000,'
@@ -50,8 +51,12 @@ def playing(
     """
     # A copy in memory, as the folder may be the host's.
     copy = shutil.copy(scene, '/run')
+    # The driver keeps the region of an earlier, smaller picture.
+    region = f'left=0,top=0,width={width},height={height}'
     v4l2_ctl(output, f'--set-fmt-video-out=width={width},height={height},'
-                     f'pixelformat={pixel_format}')
+                     f'pixelformat={pixel_format}',
+             f'--set-selection-output=target=compose,{region}',
+             f'--set-selection-output=target=crop,{region}')
     player = subprocess.Popen(
         ['v4l2-ctl', '-d', output, '--stream-out-mmap=4', f'--stream-from={copy}',
          '--stream-loop'], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

@@ -117,7 +117,10 @@ def test_an_automatic_gain_is_warned_of_and_governs_the_gain(parameters):
 def test_a_calibration_of_another_size_is_refused(node):
     success, words = node['services']['other_size']
     assert not success
-    assert words.startswith('camera_info: the calibration is for 640 x 240 px and the sensor has ')
+    # That of the frames, which are a crop.
+    assert words == (
+        'camera_info: the calibration is for 320 x 240 px and the sensor has 1280 x 720 px; '
+        'calibrate that size')
     assert node['services']['uncalibrated'] == [0.0] * 9
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from blob_tracker.capture import PIXEL_FORMATS
 from hdmi_loop import FRAME_RATE, HEIGHT, WIDTH
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from scene import CX, CY, FRAMES, FX, FY
 # Per axis: six of the 0.013 px that the noise of the scene leaves to a fit at its bound. Lit
 # places are 18 px apart and more: no other place can pass.
 TOLERANCE = 0.08  # px
+DEVICES = '/dev/video0 (vivid), /dev/video2 (vivid)'
 
 pytestmark = pytest.mark.timeout(600)  # the boot, and the kernel's download before it
 
@@ -55,7 +57,8 @@ def test_size_and_rate_are_the_drivers(recording):
     assert recording['size'] == [WIDTH, HEIGHT]
     assert recording['shape'] == [HEIGHT, WIDTH]
     assert recording['dtype'] == 'uint8'
-    assert recording['saturation'] == 255
+    # vivid's levels of YUV are of limited range.
+    assert recording['saturation'] == (255 if recording['pixel_format'] == 'GREY' else 235)
     assert recording['frame_rate'] == pytest.approx(FRAME_RATE, rel=1e-6)
 
 
@@ -111,14 +114,13 @@ def test_the_place_of_the_stamp_is_known(capture):
 
 
 @pytest.mark.parametrize(('case', 'sentence'), [
-    ('missing', '/dev/video7: there is no such device; capture devices here: /dev/video0 (vivid)'),
+    ('missing', '/dev/video7: there is no such device; capture devices here: ' + DEVICES),
     ('output', '/dev/video1: this is an output device, not a capture device; '
-               'capture devices here: /dev/video0 (vivid)'),
+               'capture devices here: ' + DEVICES),
     ('media', '/dev/media0: this is not a V4L2 device; '
-              'capture devices here: /dev/video0 (vivid)'),
-    ('format_unknown', "pixel_format 'GREI' cannot be decoded; choose one of GREY, YUYV"),
-    ('format_not_offered', "/dev/video0: pixel_format 'MJPG' is not offered; of the formats that "
-                           'this device offers, YUYV, GREY can be decoded'),
+              'capture devices here: ' + DEVICES),
+    ('format_unknown', "pixel_format 'GREI' cannot be decoded; choose one of "
+                       + ', '.join(PIXEL_FORMATS)),
     ('size', '/dev/video0: 20000x240 is not offered; the driver gives 16384x240 instead'),
     ('busy', '/dev/video0: the device is busy: another program streams from it; end that program '
              "('fuser -v /dev/video0' names it)"),
@@ -134,6 +136,15 @@ def test_the_place_of_the_stamp_is_known(capture):
 ])
 def test_a_device_that_cannot_be_used_is_named_with_the_remedy(capture, case, sentence):
     assert capture['sentences'][case] == sentence
+
+
+def test_a_format_that_is_not_offered_is_refused_with_those_that_are(capture):
+    sentence = capture['sentences']['format_not_offered']
+    begin = ("/dev/video0: pixel_format 'MJPG' is not offered; of the formats that this device "
+             'offers, ')
+    assert sentence.startswith(begin)
+    names = sentence.removeprefix(begin).removesuffix(' can be decoded').split(', ')
+    assert {'GREY', 'YUYV', 'Y16-BE', 'NV12', 'RGB3', 'BYR2'} < set(names) < set(PIXEL_FORMATS)
 
 
 @pytest.mark.parametrize('case', ['link', 'free_again', 'plugged_again'])
