@@ -24,6 +24,8 @@ from scene import CX, CY, flashing_scene, FX, FY, packed_yuyv, Scene
 HERE = Path(__file__).parent
 CACHE = HERE.parents[1] / '.cache/vm'
 LONGEST = 340.0  # s from power-on to power-off; 90 s on two quiet cores
+# s of streaming at full rate; make soak gives it 300
+SOAK = float(os.environ.get('SOAK_SECONDS', 45))
 CAMERA_INFO = f"""\
 image_width: {SIGNAL[0]}
 image_height: {SIGNAL[1]}
@@ -41,6 +43,8 @@ def guests(folder: Path) -> list[list[str]]:
     return [
         ['guest_capture.py', str(folder)],
         ['guest_formats.py', str(folder)],
+        ['guest_controls.py', str(folder)],
+        ['guest_soak.py', str(folder), str(SOAK)],
         ['guest_track.py', str(folder), str(executable('camera').parent)],
     ]
 
@@ -91,5 +95,5 @@ def results(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
     commands = [f'export {name}={shlex.quote(value)}' for name, value in environment.items()]
     for script, *arguments in guests(folder):
         commands.append(shlex.join([sys.executable, str(HERE / script), *arguments]))
-    machine.run(machine.build(CACHE), commands, folder, LONGEST)
+    machine.run(machine.build(CACHE), commands, folder, LONGEST + SOAK)
     return folder
