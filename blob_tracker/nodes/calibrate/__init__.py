@@ -6,7 +6,9 @@ import argparse
 from importlib import import_module
 from types import ModuleType
 
-CALIBRATIONS: dict[str, str] = {}
+CALIBRATIONS: dict[str, str] = {
+    'board': 'lens, from images of a chessboard, a ChArUco board or a grid of dots',
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
