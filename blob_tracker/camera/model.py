@@ -31,6 +31,11 @@ class CameraModel:
         plumb_bob or rational_polynomial.
     name : str
         Name of the camera.
+    rectification : (3, 3) array, optional
+        R of a stereo pair, which no bearing needs; identity where it is left out.
+    projection : (3, 4) array, optional
+        P of the rectified images, which no bearing needs; K and a zero column where it is left
+        out.
 
     Raises
     ------
@@ -45,6 +50,8 @@ class CameraModel:
     distortion: NDArray[np.float64] = field(default_factory=lambda: np.zeros(5))
     distortion_model: str = 'plumb_bob'
     name: str = 'camera'
+    rectification: NDArray[np.float64] | None = None
+    projection: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         if self.width <= 0 or self.height <= 0:
@@ -123,6 +130,37 @@ class CameraModel:
             raise CalibrationError(f'the field of view is {degrees} degrees; it must be 0 to 180')
         focal_length = 0.5 * width / np.tan(0.5 * np.radians(degrees))
         return cls(width, height, pinhole_matrix(focal_length, width, height))
+
+    @property
+    def rectification_matrix(self) -> NDArray[np.float64]:
+        """R, (3, 3): identity unless the calibration has another."""
+        return np.eye(3) if self.rectification is None else self.rectification
+
+    @property
+    def projection_matrix(self) -> NDArray[np.float64]:
+        """P, (3, 4): K and a zero column unless the calibration has another."""
+        if self.projection is None:
+            return np.hstack([self.matrix, np.zeros((3, 1))])
+        return self.projection
+
+    def project(self, rays: NDArray[np.float64]) -> NDArray[np.float64]:
+        """
+        Image rays, or points, of the optical frame.
+
+        Parameters
+        ----------
+        rays : (N, 3) array
+            X right, Y down, Z forward, of any length and unit.
+
+        Returns
+        -------
+        (N, 2) array
+            px on the full, unbinned sensor, which may lie outside of the image; NaN where the
+            lens has no picture of the ray: behind a pinhole camera, or beyond the angle at which
+            the distortion model folds over.
+
+        """
+        raise NotImplementedError
 
     def angles(
         self, x: float, y: float
