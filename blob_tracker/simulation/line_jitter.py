@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from blob_tracker.location.pulse import integrated_profile
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import erf
@@ -11,7 +12,9 @@ SETTLED = 150  # lines of a field after which most of it is over (thesis, 2.2.4)
 REMAINDER = 0.05  # px, what is left from frame to frame: 1/20 (Lenz and Fritsch)
 
 
-def line_offsets(height: int, *, fields: int = 2, between_fields: float = 0.02) -> NDArray[np.float64]:
+def line_offsets(
+    height: int, *, fields: int = 2, between_fields: float = 0.02
+) -> NDArray[np.float64]:
     """
     Return the mean horizontal offset of each line, as thesis Figure 2.4 shows it.
 
@@ -109,13 +112,5 @@ def draw_pulse(
 
     """
     height, width = shape
-    down = _mean_over_pixels(np.arange(height + 1) - 0.5 - y, sigma)
-    across = _mean_over_pixels(np.arange(width + 1) - 0.5 - np.reshape(places, (-1, 1)), sigma)
-    return amplitude * down[:, None] * across
-
-
-def _mean_over_pixels(borders: NDArray[np.float64], sigma: float) -> NDArray[np.float64]:
-    """Return the mean of a unit Gaussian between neighbouring borders one pixel apart."""
-    return np.asarray(
-        np.sqrt(np.pi / 2.0) * sigma * np.diff(erf(borders / (np.sqrt(2.0) * sigma)), axis=-1)
-    )
+    down = integrated_profile(height, y, sigma)[0]
+    return amplitude * down[:, None] * integrated_profile(width, places, sigma)[0]
