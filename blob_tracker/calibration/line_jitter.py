@@ -89,7 +89,9 @@ def measure_line_jitter(
         Where there are too few frames, they differ in size, or there is no vertical edge.
 
     """
-    found, variances, width = [], [], 0.0
+    found: list[NDArray[np.float64]] = []
+    variances: list[NDArray[np.float64]] = []
+    width = 0.0
     for frame in frames:
         pixels = np.asarray(frame, dtype=float)
         if not found:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 LEAST_STATIONS = 4
+MOVES = 3.0  # times the scatter, by which a control point moves at least
 BENT = 3.3  # standard deviations: one in a thousand straight paths looks so bent
 TABLE = (1.00, 0.10, 0.05)  # px, the shifts of thesis Table 5.1
 MRAD = 1000.0
@@ -185,15 +186,18 @@ def calibrate_slide(
     middle = slide.mean()
     offset = slide - middle
     line = np.polyfit(offset, pixels, 1)  # (2, 2): scale, then start
-    if not hypot(*line[0]) > 0.0:
-        raise SlideError('the control point does not move in the picture while the slide does')
+    rest = pixels - line[1] - offset[:, None] * line[0]
+    if not hypot(*line[0]) * np.ptp(slide) > MOVES * sqrt(float((rest**2).mean())) + 1e-9:
+        raise SlideError(
+            'the control point does not move with the slide, or by no more than its scatter'
+        )
     if pixel_sigma is not None:
         variances = np.asarray(pixel_sigma, dtype=float) ** 2
     elif slide_sigma > 0.0:
         # The slide moves the point along its path only: what it does across is the pixels' own.
         across = np.array([-line[0, 1], line[0, 0]]) / hypot(*line[0])
-        rest = (pixels - line[1] - offset[:, None] * line[0]) @ across
-        variances = np.full(pixels.shape, max(rest @ rest / (len(slide) - 2), 1e-12))
+        sideways = rest @ across
+        variances = np.full(pixels.shape, max(sideways @ sideways / (len(slide) - 2), 1e-12))
         known = True
     else:
         variances = np.ones(pixels.shape)

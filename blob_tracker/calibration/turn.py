@@ -17,10 +17,10 @@ ROUNDS = 3  # of the fit, each with the weights of the one before
 STEP = 1e-6  # rad, of the differences by the servo's angles
 SINGULAR = 1e-9  # of the Jacobian's singular values, columns scaled to one
 ASTRAY = 0.1  # of the width: so far off is no scatter but another camera
+COARSE = 0.5  # px rms: centroids and servos are better
 FAR = 1e6  # px: residual of a ray that the lens does not see
 VAGUE_FOCAL, VAGUE_CENTRE = 0.02, 0.05  # of the focal length, of the width
 WIDEST, NARROWEST = 0.3, 60.0  # focal lengths in widths of the picture: 120 and 1 degrees across
-GUESSED = 4.0  # times the focal length of a first guess: no guess is so far off
 NAMES = (
     'fx', 'fy', 'cx', 'cy', 'k1', 'azimuth', 'elevation', 'yaw', 'pitch', 'roll',
 )  # px, px, px, px, -, and rad
@@ -244,7 +244,7 @@ def calibrate_turn(
         )
         root = _whitening(pixels, pixel_sigma, step_sigma, by_servo)
         fit = least_squares(
-            whitened, solution, jac='3-point', x_scale='jac', xtol=1e-12, ftol=1e-12, gtol=1e-12
+            whitened, solution, method='lm', x_scale='jac', xtol=1e-12, ftol=1e-12, gtol=1e-12
         )
         solution = fit.x
     residuals = pixels - predicted(solution, pan, tilt)
@@ -263,7 +263,7 @@ def calibrate_turn(
     sigmas |= dict(zip(fitted, np.sqrt(np.diag(covariance)).tolist()))
     if 'fy' not in free:
         values['fy'], sigmas['fy'] = values['fx'], sigmas['fx']
-    notes += _vague(values, sigmas, guess)
+    notes += _vague(values, sigmas, residuals, guess)
     return TurnCalibration(
         model=_camera(guess, values),
         values=values,
@@ -421,25 +421,29 @@ def _covariance(jacobian: NDArray[np.float64], fitted: tuple[str, ...]) -> NDArr
 
 
 def _vague(
-    values: dict[str, float], sigmas: dict[str, float], guess: CameraModel
+    values: dict[str, float],
+    sigmas: dict[str, float],
+    residuals: NDArray[np.float64],
+    guess: CameraModel,
 ) -> list[str]:
     """Say what the stations tell too little of."""
-    notes = []
+    notes: list[str] = []
     for name in ('fx', 'fy'):
         if sigmas[name] > VAGUE_FOCAL * values[name] and not (name == 'fy' and notes):
             notes.append(
                 f'{name} is known to {sigmas[name]:.3g} px only: the steps span too little of the '
                 'picture; turn further'
             )
+    rms = float(np.sqrt((residuals**2).mean()))
+    if rms > COARSE:
+        notes.append(
+            f'the residuals are {rms:.1f} px rms, far above the scatter of a centroid: are the '
+            'angles in the unit that their columns say, and is the distortion right?'
+        )
     centre = max(sigmas['cx'], sigmas['cy'])
     if centre > VAGUE_CENTRE * guess.width:
         notes.append(
             f'the principal point is known to {centre:.3g} px only: turn further, or keep it '
             'in its place with --fix-centre'
-        )
-    ratio = values['fx'] / guess.matrix[0, 0]
-    if not 1.0 / GUESSED < ratio < GUESSED:
-        notes.append(
-            f'fx is {ratio:.2g} times that of the first guess: is the unit of the angles right?'
         )
     return notes

@@ -166,13 +166,12 @@ class LineJitter:
         shot = location.amplitude / gain
         unlit = max((location.amplitude / location.snr) ** 2 - shot, 1.0 / 12.0)
         across = np.exp(-0.5 * _ACROSS**2)
-        weights = down**2 * ((_ACROSS * across) ** 2 / (unlit + shot * np.outer(down, across))).sum(
-            axis=1
-        )
+        variance = unlit + shot * np.outer(down, across)
+        weights = down**2 * ((_ACROSS * across) ** 2 / variance).sum(axis=1)
         weights /= weights.sum()
-        variances = self.sigma[lines] ** 2 + self.sigma_from_frame_to_frame**2 / looks
+        spread = self.sigma[lines] ** 2 + self.sigma_from_frame_to_frame**2 / looks
         covariance = location.covariance.copy()
-        covariance[0, 0] += weights**2 @ variances
+        covariance[0, 0] += weights**2 @ spread
         return replace(
             location, x=location.x - float(weights @ self.offsets[lines]), covariance=covariance
         )

@@ -104,15 +104,13 @@ class LiveCentroids:
             rclpy.spin_once(self._node, timeout_sec=LISTEN)
         self._centroids.clear()
         self._angles.clear()
-        missing, since = (count, 1), time.monotonic()
-        while (left := (count - len(self._centroids), not self._angles and len(self._joints))) > (
-            0, 0
-        ) and (left[0] > 0 or left[1]):
-            if left != missing:
-                missing, since = left, time.monotonic()
-            if time.monotonic() - since > PATIENCE:
-                raise NoCentroidsError(self._missing())
+        came, since = 0, time.monotonic()
+        while len(self._centroids) < count or len(self._angles) < bool(self._joints):
             rclpy.spin_once(self._node, timeout_sec=LISTEN)
+            if len(self._centroids) > came:
+                came, since = len(self._centroids), time.monotonic()
+            if time.monotonic() - since > PATIENCE:
+                raise NoCentroidsError(self._missing(count))
         places = np.array(self._centroids[:count])
         angles = np.array(self._angles).reshape(-1, len(self._joints))
         return (
@@ -129,12 +127,12 @@ class LiveCentroids:
         if all(name in angles for name in self._joints):
             self._angles.append(tuple(angles[name] for name in self._joints))
 
-    def _missing(self) -> str:
+    def _missing(self, count: int) -> str:
         """Say what does not come."""
-        if not self._centroids:
+        if len(self._centroids) < count:
             return (
-                f"no centroid came on '{self._topic}' within {PATIENCE:.0f} s: is the locator "
-                'running, and the target in view?'
+                f"no more centroids came on '{self._topic}' within {PATIENCE:.0f} s: is the "
+                'locator running, and the target in view?'
             )
         return (
             f"no joints {', '.join(self._joints)} came on '{self._joint_topic}' within "

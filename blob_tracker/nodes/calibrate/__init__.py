@@ -6,7 +6,11 @@ import argparse
 from importlib import import_module
 from types import ModuleType
 
-CALIBRATIONS: dict[str, str] = {}
+CALIBRATIONS: dict[str, str] = {
+    'jitter': 'line offsets of an analogue grabber, from frames of a vertical edge',
+    'slide': 'pixels per millimetre, from a camera on a slide',
+    'turn': "focal length and principal point, from the servo's own steps",
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -41,12 +41,12 @@ class Quantity:
 
     @property
     def unit(self) -> str:
-        """The unit of new files."""
+        """Return the unit of new files."""
         return next(iter(self.units))
 
     @property
     def column(self) -> str:
-        """The column of new files."""
+        """Return the column of new files."""
         return f'{self.name}_{self.unit}'
 
 
@@ -226,7 +226,8 @@ def _columns(
 
 
 def _header(quantities: Sequence[Quantity]) -> str:
-    return ','.join([*(quantity.column for quantity in quantities), *PIXELS]) + '[,sigma_x,sigma_y]'
+    names = [*(quantity.column for quantity in quantities), *PIXELS]
+    return ','.join(names) + '[,sigma_x,sigma_y]'
 
 
 def _number(path: Path, line: int, column: str, word: str) -> float:
@@ -235,7 +236,9 @@ def _number(path: Path, line: int, column: str, word: str) -> float:
     except ValueError:
         value = float('nan')
     if not isfinite(value):
-        raise StationsError(f'{path}, line {line}: {column} is {word.strip()!r}; it must be a number')
+        raise StationsError(
+            f'{path}, line {line}: {column} is {word.strip()!r}; it must be a number'
+        )
     if column in SIGMAS and value <= 0.0:
         raise StationsError(f'{path}, line {line}: {column} is {value:g} px; it must be above 0')
     return value
@@ -268,11 +271,14 @@ def _measure(arguments: argparse.Namespace, quantities: Sequence[Quantity]) -> N
             if file.tell() == 0:
                 file.write(','.join(columns) + '\n')
             for settings in _visits(arguments, quantities, done, measured=bool(joints)):
-                try:
-                    mean, sigma, angles = centroids.mean(arguments.count)
-                except NoCentroidsError as error:
-                    console.print(f'[red]{error}[/red] Nothing is written for this station.')
-                    continue
+                while True:
+                    try:
+                        mean, sigma, angles = centroids.mean(arguments.count)
+                        break
+                    except NoCentroidsError as error:
+                        console.print(f'[red]{error}[/red]')
+                        if _ask('Enter tries this station again, q ends: '):
+                            return
                 if joints:
                     settings = [
                         angle / quantity.units[quantity.unit]
@@ -316,24 +322,24 @@ def _visits(
         return
     names = ' and '.join(f'{quantity.name} ({quantity.unit})' for quantity in quantities)
     while True:
-        done += 1
         if measured:
-            if _ask(f'station {done}: Enter when it stands, q ends: '):
+            if _ask(f'station {done + 1}: Enter when it stands, q ends: '):
                 return
+            done += 1
             yield []
             continue
-        answer = _ask(f'station {done}: {names} where it stands, Enter alone ends: ')
+        answer = _ask(f'station {done + 1}: {names} where it stands, Enter alone ends: ')
         if answer in ('', 'q'):
             return
         try:
-            settings = [float(word) for word in answer.replace(',', ' ').split()]
+            typed = [float(word) for word in answer.replace(',', ' ').split()]
         except ValueError:
-            settings = []
-        if len(settings) != len(quantities) or not np.isfinite(settings).all():
+            typed = []
+        if len(typed) == len(quantities) and np.isfinite(typed).all():
+            done += 1
+            yield typed
+        else:
             print(f'{answer!r} is not {len(quantities)} number(s): {names}')
-            done -= 1
-            continue
-        yield settings
 
 
 def _ask(question: str) -> str:
