@@ -12,7 +12,7 @@ LEAST_LINES = 0.5  # of the picture's, in which the edge must be found
 LEAST_SNR = 5.0  # contrast over noise: below it the place of an edge is guessed
 STEEPEST = 0.5  # px per line: a steeper edge is not vertical
 ROUNDS = 12
-CLOSE_ENOUGH = 1e-7  # px
+CLOSE_ENOUGH = 1e-5  # px: a thousandth of the noise
 NARROWEST, WIDEST = 0.3, 4.0  # px, of the blur
 
 
@@ -133,9 +133,8 @@ def edge_places(
             parameters, sigma, moved = _step(pixels, parameters, sigma, weights)
             if moved < CLOSE_ENOUGH:
                 break
-        mean, shape, _ = _model(pixels.shape[1], parameters, sigma)
         if weighting == 0:
-            variance = _variance(pixels - mean, shape, parameters)
+            variance = _variance(pixels, parameters, sigma)
             weights = 1.0 / variance
     information = _normal(_derivatives(pixels.shape[1], parameters, sigma)[:, :, :3], weights)
     with np.errstate(all='ignore'):
@@ -177,7 +176,7 @@ def _derivatives(
 
 def _normal(derivatives: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the (h, p, p) matrices of the normal equations."""
-    return np.einsum('hkp,hk,hkq->hpq', derivatives, weights, derivatives, optimize=True)
+    return np.asarray(derivatives.transpose(0, 2, 1) @ (weights[:, :, None] * derivatives))
 
 
 def _step(
@@ -205,14 +204,16 @@ def _step(
 
 
 def _variance(
-    residuals: NDArray[np.float64],
-    step: NDArray[np.float64],
-    parameters: NDArray[np.float64],
+    pixels: NDArray[np.float64], parameters: NDArray[np.float64], sigma: float
 ) -> NDArray[np.float64]:
     """Return the variance of each pixel, linear between the dark side and the bright one."""
-    count = residuals.shape[1]
+    mean, step, _ = _model(pixels.shape[1], parameters, sigma)
+    own = _derivatives(pixels.shape[1], parameters, sigma)[:, :, :3]
+    normal = _normal(own, np.ones_like(pixels)) + 1e-9 * np.eye(3)
+    # What the fit itself took of the scatter of each pixel.
+    leverage = np.einsum('hkp,hpk->hk', own, np.linalg.solve(normal, own.transpose(0, 2, 1)))
     level = np.where(parameters[:, 1:2] >= 0.0, step, 1.0 - step)  # 0 dark, 1 bright
-    squares = residuals**2 * count / (count - 3.0)
+    squares = (pixels - mean) ** 2 / np.maximum(1.0 - leverage, 0.1)
     # The medians over lines: a mark on the edge must not count as noise.
     dark, bright = (
         np.median(squares[side]) / 0.455  # chi-square of one degree: its median

@@ -123,10 +123,9 @@ def measure_line_jitter(
     scatter = float((residuals[used] ** 2).sum() / freedom)
     jitter = float(np.sqrt(max(scatter - noise, 0.0)))
     with np.errstate(divide='ignore', invalid='ignore'):
-        # max: where the fits' own variance is all there is, it is what each line has.
-        sigma = np.sqrt(
-            np.maximum(scatter - noise, 0.0) + np.where(used, variance, 0.0).sum(axis=0) / counts
-        ) / np.sqrt(counts)
+        own = np.where(used, variance, 0.0).sum(axis=0) / counts
+        # Where there is no jitter the difference is either side of 0: its mean must stay so.
+        sigma = np.sqrt(np.maximum(scatter - noise + own, 0.25 * own) / counts)
     lines = np.arange(len(offsets))
     slope, start = np.polyfit(lines[measured], offsets[measured], 1)
     offsets = offsets - start - slope * lines

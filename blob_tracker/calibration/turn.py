@@ -326,13 +326,18 @@ def _first_look(
     turned: tuple[bool, bool],
 ) -> tuple[int, int, float]:
     """Return the signs of both axes and the focal length, px, by a linear fit of the pixels."""
+    if not any(turned):
+        raise TurnError(
+            f'pan turned by {MRAD * np.ptp(pan):.2g} mrad in all and tilt by '
+            f'{MRAD * np.ptp(tilt):.2g}: too little. Is the unit right? The column says it: '
+            'pan_mrad, pan_deg or pan_rad'
+        )
     columns = [np.ones_like(pan)]
     columns += [angle - angle.mean() for angle, moved in zip((pan, tilt), turned) if moved]
     design = np.stack(columns, axis=1)
-    if not any(turned) or np.linalg.matrix_rank(design, tol=1e-6 * len(pan)) < len(columns):
+    if np.linalg.matrix_rank(design / np.linalg.norm(design, axis=0), tol=1e-3) < len(columns):
         raise TurnError(
-            'pan and tilt were always turned together, or not at all: turn each while the other '
-            'stands still'
+            'pan and tilt were always turned together: turn each while the other stands still'
         )
     slopes = np.linalg.lstsq(design, pixels, rcond=None)[0][1:]
     axes = [axis for axis, moved in enumerate(turned) if moved]

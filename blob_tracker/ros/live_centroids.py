@@ -112,11 +112,10 @@ class LiveCentroids:
             if time.monotonic() - since > PATIENCE:
                 raise NoCentroidsError(self._missing(count))
         places = np.array(self._centroids[:count])
-        angles = np.array(self._angles).reshape(-1, len(self._joints))
         return (
             places.mean(axis=0),
             places.std(axis=0, ddof=1) / np.sqrt(len(places)),
-            angles.mean(axis=0) if len(angles) else np.empty(0),
+            np.mean(self._angles, axis=0) if self._joints else np.empty(0),
         )
 
     def _take_centroid(self, message: PointStamped) -> None:

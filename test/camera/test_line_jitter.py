@@ -28,24 +28,21 @@ def located(
     noise: SensorNoise,
     *,
     sigma: float = 1.5,
-    count: int = 1500,
+    count: int = 1000,
     corrected: bool = True,
     looks: int = 1,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return errors and covariances of blobs at the top of frames that jitter."""
     errors, covariances = [], []
-    offsets = jitter.offsets + jitter.sigma * random.standard_normal(HEIGHT)  # the true ones
-    for index in range(count):
-        if index % 20 == 0:
-            # The error of a calibration is fixed: its covariance is that over calibrations.
-            offsets = jitter.offsets + jitter.sigma * random.standard_normal(HEIGHT)
+    for _ in range(count):
         x, y = (SIZE - 1) / 2 + random.uniform(-0.5, 0.5, 2)
         top = int(random.integers(0, 60))
+        part = slice(top, top + SIZE)
+        # The true offsets. A calibration's error is fixed: its covariance is over calibrations.
+        offsets = jitter.offsets[part] + jitter.sigma[part] * random.standard_normal(SIZE)
         lit = np.zeros((SIZE, SIZE), np.uint16)
         for _ in range(looks):
-            lines = offsets[top:top + SIZE] + (
-                jitter.sigma_from_frame_to_frame * random.standard_normal(SIZE)
-            )
+            lines = offsets + jitter.sigma_from_frame_to_frame * random.standard_normal(SIZE)
             mean = 10.0 + draw_pulse((SIZE, SIZE), x + lines, y, sigma, 150.0)
             lit += expose(mean, noise, random, saturation=4095)
         location = locate(Window(lit, y0=top, x0=100, looks=looks), noise=noise)
