@@ -5,7 +5,8 @@ from __future__ import annotations
 from inspect import signature
 import sys
 
-from blob_tracker.camera import CameraModel, LensError
+from blob_tracker.camera import CalibrationError, CameraModel, LensError
+from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import compile_ahead, locate, METHODS
 from blob_tracker.ros.camera_info import to_camera_model
 from blob_tracker.ros.errors import MessageError, ParameterError
@@ -16,6 +17,7 @@ from blob_tracker.ros.parameters import declare, Parameter
 from blob_tracker.ros.process import run
 from blob_tracker.ros.qos import overridable, RESULT
 from blob_tracker.ros.target import bearing_message, centroid_message, ray_message
+from blob_tracker.ros.url import to_path
 from blob_tracker.types import LocationError, SensorNoise
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
 from rclpy.node import Node
@@ -71,6 +73,12 @@ PARAMETERS = (
         most=65535,
         unit='DN',
     ),
+    Parameter(
+        'line_jitter_url',
+        '',
+        'Line offsets of an analogue grabber, as `calibrate jitter` writes them, to be taken off '
+        'each location: path, file:// or package://. Empty for a digital camera.',
+    ),
 )
 
 
@@ -92,6 +100,7 @@ class LocatorNode(Node):
         self._saturation = settings['saturation']
         self._looks = settings['looks']
         self._noise = SensorNoise(settings['noise.gain'], settings['noise.read_noise'])
+        self._line_jitter = _line_jitter(settings['line_jitter_url'])
         self._health = Health(self, 'no window arrives; is the segmenter running?')
         self._calibration: tuple[object, ...] = ()
         self._camera_model: CameraModel | None = None
@@ -113,9 +122,17 @@ class LocatorNode(Node):
             location = locate(
                 window, method=self._method, noise=self._noise, **self._options
             )
+            if self._line_jitter is not None:
+                self._line_jitter.check_height(camera_model.height)
+                location = self._line_jitter.corrected(
+                    location, gain=self._noise.gain, looks=self._looks
+                )
             bearing = camera_model.bearing(location)
         except MessageError as error:
             self._health.fault(ERROR, f'target/window: {error}')
+            return
+        except CalibrationError as error:
+            self._health.fault(ERROR, f'line_jitter_url: {error}')
             return
         except (LocationError, LensError) as error:
             self._health.fault(WARN, f'target not located: {error}')
@@ -138,6 +155,16 @@ class LocatorNode(Node):
             self._camera_model = to_camera_model(info)
             self._calibration = calibration
         return self._camera_model
+
+
+def _line_jitter(url: str) -> LineJitter | None:
+    """Return the line jitter of the parameter; None where it is empty."""
+    if not url:
+        return None
+    try:
+        return LineJitter.from_yaml(to_path(url))
+    except CalibrationError as error:
+        raise ParameterError(f"parameter 'line_jitter_url': {error}") from None
 
 
 def compile_default() -> None:
