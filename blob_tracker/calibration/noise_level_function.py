@@ -245,29 +245,29 @@ def tiles_of(
     inner = slice(REACH, -REACH)
     shape = (first.shape[0], HEIGHT * WIDTH)
     whole = 0.5 * (first + second)
-    # float64 where tens of thousands of DN are squared; the tiles are few.
-    mean = whole[:, inner, inner].reshape(shape).astype(np.float64)
-    level = mean.mean(axis=1)
-    centred = mean - level[:, None]
-    difference = (first - second)[:, inner, inner].reshape(shape).astype(np.float64)
+    mean = whole[:, inner, inner].reshape(shape)
+    level = mean.mean(axis=1, dtype=np.float64)
+    centred = mean - level[:, None].astype(np.float32)
+    difference = (first - second)[:, inner, inner].reshape(shape)
     along_x, along_y = (each.reshape(shape) for each in _gradient(whole))
-    design = np.stack([np.ones(shape), centred, along_x, along_y], axis=1)
-    gram = design @ design.swapaxes(1, 2)
-    # Alike in size, and solvable where a tile is all of one value.
-    gram[:, range(UNKNOWNS), range(UNKNOWNS)] *= 1.0 + 1e-9
-    gram[:, range(UNKNOWNS), range(UNKNOWNS)] += 1e-9
-    right = (design @ difference[:, :, None])[:, :, 0]
+    design = np.stack([np.ones_like(mean), centred, along_x, along_y], axis=1)
+    gram = (design @ design.swapaxes(1, 2)).astype(np.float64)
+    # Solvable where a tile is all of one value.
+    gram[:, range(UNKNOWNS), range(UNKNOWNS)] *= 1.0 + 1e-7
+    gram[:, range(UNKNOWNS), range(UNKNOWNS)] += 1e-6
     inverse = np.linalg.inv(gram)
-    found = (inverse @ right[:, :, None])[:, :, 0]
-    rest = difference - (found[:, None, :] @ design)[:, 0]
-    squares = np.maximum((rest**2).sum(axis=1), 1e-12)
+    right = (design @ difference[:, :, None]).astype(np.float64)
+    found = (inverse @ right)[:, :, 0]
+    rest = difference - (found[:, None, :].astype(np.float32) @ design)[:, 0]
+    rest_squared = rest * rest
+    squares = np.maximum(rest_squared.sum(axis=1, dtype=np.float64), 1e-12)
     dof = shape[1] - UNKNOWNS
     variance = 0.5 * squares / dof
-    kurtosis = (rest**4).sum(axis=1) * shape[1] / squares**2
+    kurtosis = np.einsum('ij,ij->i', rest_squared, rest_squared) * shape[1] / squares**2
 
     picture = rest.reshape(-1, HEIGHT, WIDTH)
-    right_of = (picture[:, :, 1:] * picture[:, :, :-1]).sum(axis=(1, 2)) / squares
-    below = (picture[:, 1:] * picture[:, :-1]).sum(axis=(1, 2)) / squares
+    right_of = np.einsum('ijk,ijk->i', picture[:, :, 1:], picture[:, :, :-1]) / squares
+    below = np.einsum('ijk,ijk->i', picture[:, 1:], picture[:, :-1]) / squares
     chance = 1.0 / sqrt(dof)
     good = (np.abs(right_of) < WHITE * chance) & (np.abs(below) < WHITE * chance)
     good &= np.abs(kurtosis - 3.0) < TAILS * sqrt(24.0 / dof)
@@ -284,7 +284,7 @@ def tiles_of(
         # Together the tiles show what none of them does: this pair is not of one scene.
         if good.any() and abs(each[good].mean()) > POOLED * chance / sqrt(good.sum()):
             good[:] = False
-    spread = (centred**2).mean(axis=1)
+    spread = gram[:, 1, 1] / shape[1]
     return Tiles(level[good], variance[good], kurtosis[good], spread[good])
 
 
@@ -317,7 +317,8 @@ def _beyond_first_order(
     rough_y = 0.5 * (tiles[:, 3:-1, inner] - tiles[:, 1:-3, inner])
     left = np.zeros(tiles.shape[0])
     for motion, ours, rough in zip(motions.T, (along_x, along_y), (rough_x, rough_y)):
-        detail = ((ours - rough.reshape(ours.shape)) ** 2).mean(axis=1)
+        apart = ours - rough.reshape(ours.shape)
+        detail = np.einsum('ij,ij->i', apart, apart) / apart.shape[1]
         left += motion**2 * (0.25 * motion**4 + MISSED**2) * detail
     return left
 

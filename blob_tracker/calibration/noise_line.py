@@ -13,7 +13,7 @@ from scipy import stats
 QUANTISATION = 1.0 / 12.0  # DN^2, of rounding to whole DN
 ITERATIONS = 8  # the weights follow the line; after 4 it stands still to 1e-6 of its sigma
 MISFIT = 0.01  # probability below which points beside the line are no chance
-SEPARABLE = 0.25  # sigma of a slope over the slope, beyond which it tells no gain
+SEPARABLE = 0.1  # sigma of a slope over the slope, beyond which it tells no gain
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 import math
 
 from blob_tracker.types import SensorNoise
@@ -55,3 +56,20 @@ def noise_of_sum(noise: SensorNoise, looks: int) -> SensorNoise:
     return SensorNoise(
         noise.gain, math.sqrt(looks * noise.read_noise**2 + (looks - 1) / 12.0)
     )
+
+
+def variance_ratio(levels: Sequence[float], first: SensorNoise, second: SensorNoise) -> float:
+    """
+    Return the variance by one noise over that by another, where they differ most.
+
+    Parameters
+    ----------
+    levels : sequence of float
+        Mean signals at which they are compared, DN.
+    first, second : SensorNoise
+        Above and below in the ratio.
+
+    """
+    means = np.asarray(levels, dtype=np.float64)
+    ratios = pixel_variance(means, first) / pixel_variance(means, second)
+    return float(ratios[np.abs(np.log(ratios)).argmax()])
