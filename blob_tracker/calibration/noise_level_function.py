@@ -155,28 +155,34 @@ class NoiseLevelFunction:
         np.add.at(self._sums, np.minimum(bins.astype(int), BINS - 1), rows)
         return int(found.level.size)
 
-    def line(self) -> NoiseLine | None:
+    def points(self) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
         """
-        Return the noise line; None where the scene does not tell it, with the reason in `reason`.
+        Return level, variance, its scatter, and whether the noise shows, of each bin with any.
 
-        Bins in which rounding hides the noise are left out, as in `photon_transfer`.
+        Level in DN, variance in DN^2, the scatter as in `fit_noise_line`. Where rounding hides the
+        noise, as in `photon_transfer`, the bin has no part in the line.
         """
         sums = self._sums[self._sums[:, 0] > 0.0]
         weight = sums[:, 0]
-        if (weight**2).sum() == 0.0 or weight.sum() ** 2 / sums[:, 1].sum() < LEAST_DOF:
-            self.reason = (
-                'too little of the scene stands still between unlit frames to measure its noise'
-                if self._last_ns is not None else 'no pair of unlit frames yet'
-            )
-            return None
         level, square, variance, kurtosis, spread = (sums[:, 2:] / weight[:, None]).T
         spread = spread + square - level**2
         shows = (variance > LEAST_VARIANCE) & (variance - QUANTISATION + spread > LEAST_SPREAD)
-        scatter = (kurtosis - 1.0) * sums[:, 1] / weight**2
+        return level, variance, (kurtosis - 1.0) * sums[:, 1] / weight**2, shows
+
+    def line(self) -> NoiseLine | None:
+        """Return the noise line, or None where the scene does not tell it; `reason` says why."""
+        weights = self._sums[:, 0]
+        if not weights.any() or weights.sum() ** 2 / self._sums[:, 1].sum() < LEAST_DOF:
+            self.reason = 'no pair of unlit frames yet' if self._last_ns is None else (
+                'too little plain noise between the unlit frames: the scene moves, is too dark or '
+                'clipped, or the frames were compressed or cleared of noise'
+            )
+            return None
+        level, variance, scatter, shows = self.points()
         if not shows.any():
             self.reason = (
-                f'the noise, {np.average(variance, weights=weight):.2f} DN^2, hides in the '
-                'rounding; a higher gain of the camera shows it'
+                f'the noise, {variance.min():.2f} DN^2 and more, hides in the rounding; a higher '
+                'gain of the camera shows it'
             )
             return None
         level, variance, scatter = level[shows], variance[shows], scatter[shows]

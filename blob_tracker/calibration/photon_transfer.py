@@ -242,7 +242,7 @@ def photon_transfer(pairs: Sequence[Pair], saturation: int | None = None) -> Pho
     if not bright:
         raise PhotonTransferError('there are no bright frames; photon transfer needs some')
     warnings = _of_processing(pairs)
-    full, seen = _clipped_level(pairs, saturation)
+    full, seen = clipped_level(pairs, saturation)
     peak, falls = _peak(bright, full)
     if peak is None:
         raise PhotonTransferError(
@@ -339,8 +339,18 @@ def _of_processing(pairs: Sequence[Pair]) -> list[str]:
     return warnings
 
 
-def _clipped_level(pairs: Sequence[Pair], given: int | None) -> tuple[int, bool]:
-    """Return the DN of a clipped pixel, and whether such pixels were seen."""
+def clipped_level(pairs: Sequence[Pair], given: int | None = None) -> tuple[int, bool]:
+    """
+    Return the DN of a clipped pixel, and whether such pixels were seen.
+
+    Parameters
+    ----------
+    pairs : sequence of Pair
+        Where there is no pixel clipped, their highest one tells how many bits there are.
+    given : int, optional
+        The level, where it is known.
+
+    """
     highest = max(each.highest for each in pairs)
     if given is not None:
         return given, highest >= given
@@ -380,7 +390,10 @@ def _black_level(
     own = np.sqrt(sum(each.variance / (2.0 * each.count) for each in sound)) / means.size
     scatter = means.std(ddof=1) / sqrt(means.size) if means.size > 1 else 0.0
     level = (float(means.mean()), float(max(own, scatter)))
-    return level, {each.exposure or 0.0: each.mean for each in sound}
+    exposures = np.array([each.exposure or 0.0 for each in sound])
+    return level, {
+        float(each): float(means[exposures == each].mean()) for each in np.unique(exposures)
+    }
 
 
 def _above(pair: Pair, black: float, black_of: dict[float, float]) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 import math
 
 from blob_tracker.types import SensorNoise
@@ -58,18 +57,19 @@ def noise_of_sum(noise: SensorNoise, looks: int) -> SensorNoise:
     )
 
 
-def variance_ratio(levels: Sequence[float], first: SensorNoise, second: SensorNoise) -> float:
+def variance_ratio(
+    levels: NDArray[np.float64], first: SensorNoise, second: SensorNoise
+) -> float:
     """
     Return the variance by one noise over that by another, where they differ most.
 
     Parameters
     ----------
-    levels : sequence of float
+    levels : (n,) array
         Mean signals at which they are compared, DN.
     first, second : SensorNoise
         Above and below in the ratio.
 
     """
-    means = np.asarray(levels, dtype=np.float64)
-    ratios = pixel_variance(means, first) / pixel_variance(means, second)
+    ratios = pixel_variance(levels, first) / pixel_variance(levels, second)
     return float(ratios[np.abs(np.log(ratios)).argmax()])

@@ -24,6 +24,7 @@ from blob_tracker.ros.target import (
 )
 from blob_tracker.types import Location, LocationError, SensorNoise
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
+import numpy as np
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 
@@ -168,8 +169,8 @@ class LocatorNode(Node):
         """Warn where the configured noise is not the measured one at the target's levels."""
         if self._noise is self._configured:
             return
-        levels = (location.background, location.background + location.amplitude)
-        ratio = variance_ratio(levels, self._configured, self._noise)
+        levels = np.array([location.background, location.background + location.amplitude])
+        ratio = variance_ratio(levels / self._looks, self._configured, self._noise)
         if not 1.0 / DIFFERENT <= ratio <= DIFFERENT:
             self._health.fault(
                 WARN,

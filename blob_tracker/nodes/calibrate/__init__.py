@@ -6,7 +6,9 @@ import argparse
 from importlib import import_module
 from types import ModuleType
 
-CALIBRATIONS: dict[str, str] = {}
+CALIBRATIONS: dict[str, str] = {
+    'noise': 'gain, read noise and saturation: photon transfer',
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
