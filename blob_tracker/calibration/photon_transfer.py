@@ -21,6 +21,7 @@ LEAST_VARIANCE = 0.24  # DN^2, below which rounding hides the noise (EMVA 1288, 
 # 1/12 is then right to 2 exp(-2 pi^2 0.45) = 0.3 %.
 LEAST_SPREAD = 0.45
 CORRELATED = 0.05  # between neighbours' noise; row noise and crosstalk of good sensors is below
+GROWS = 3.0  # standard deviations of the slope, that it must be above 0
 BENT = 0.15  # slope gained or lost over the range, relative
 NONLINEAR = 0.02  # mean relative deviation of the level from a line over the exposure
 BOX = 5  # px, of the box filter that takes off what the light is uneven by (EMVA 1288, 8.1)
@@ -278,7 +279,7 @@ def photon_transfer(pairs: Sequence[Pair], saturation: int | None = None) -> Pho
     variances = np.array([each.variance for each in points])
     scatters = np.array([each.scatter for each in points])
     line = fit_noise_line(levels, variances, scatters)
-    if not line.separates:
+    if line.slope < GROWS * sqrt(line.covariance[0, 0]):
         raise PhotonTransferError(
             f'the variance does not grow with the level: {variances[levels.argmin()]:.2f} DN^2 at '
             f'{levels.min():.0f} DN above black, {variances[levels.argmax()]:.2f} DN^2 at '
@@ -411,6 +412,11 @@ def _of_the_line(
 ) -> list[str]:
     """Warn of points that do not lie on a line."""
     warnings = []
+    if not line.separates:
+        warnings.append(
+            'shot noise is so little of the variance that the gain is known to '
+            f'{sqrt(line.covariance[0, 0]) / line.slope:.0%}; more frames tell it better'
+        )
     if not line.fits:
         off = variances / (line.foot + line.slope * levels) - 1.0
         warnings.append(
