@@ -116,8 +116,11 @@ def _why_not_open(path: str, error: OSError) -> str:
         return f'{path}: there is no device behind this node any more; {_there_are()}'
     if error.errno == errno.EBUSY:
         return busy(path)
-    if error.errno in (errno.EACCES, errno.EPERM):
+    if error.errno == errno.EACCES:
         return _no_permission(path)
+    if error.errno == errno.EPERM:  # whoever one is, and whatever the mode: a device cgroup
+        return (f'{path}: the system keeps this device from the program, as for a container: '
+                f'start the container with --device={path}')
     if error.errno == errno.EISDIR:
         return _not_v4l2(path)
     return f'{path}: cannot be opened: {error.strerror}; {_there_are()}'

@@ -254,9 +254,11 @@ class V4l2Camera:
         """
         return self._control(lambda: controls.get_control(self._call, self._named(name)))
 
-    def set_control(self, name: str, value: int | bool | float | str) -> None:
+    def set_control(self, name: str | Control, value: int | bool | float | str) -> None:
         """
         Set a control; see `blob_tracker.capture.controls.set_control` for the values.
+
+        One of `controls` is not looked up again.
 
         Raises
         ------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 from blob_tracker.capture import CaptureError, Control, ControlError, V4l2Camera
@@ -79,7 +79,7 @@ def descriptor(control: Control, value: bool | int | str) -> ParameterDescriptor
 
 
 def set_in_order(
-    camera: V4l2Camera, values: Mapping[str, Any]
+    camera: V4l2Camera, known: Mapping[str, Control], values: Mapping[str, Any]
 ) -> Iterator[tuple[str, ControlError | None]]:
     """
     Set controls one after the other, the modes before what they make active.
@@ -88,6 +88,8 @@ def set_in_order(
     ----------
     camera : V4l2Camera
         Open.
+    known : mapping of str to Control
+        Its controls by name, as they are now.
     values : mapping
         Value by the control's name.
 
@@ -102,26 +104,24 @@ def set_in_order(
         The camera is gone.
 
     """
-    known = camera.controls
     modes = [name for name in values if name in known and known[name].kind in _MODES]
+    others = [name for name in values if name not in modes]
     for name in modes:
-        yield name, _refusal(camera, name, values[name])
-    known = camera.controls
-    for name in values:
-        if name in modes:
-            continue
-        if name in known and known[name].inactive:
-            yield name, ControlError(
-                f"control '{name}' is inactive: an automatic mode governs it; switch that off "
-                'first'
-            )
-        else:
-            yield name, _refusal(camera, name, values[name])
+        yield name, _refusal(camera, known[name], values[name])
+    if modes and others:
+        known = camera.controls
+    for name in others:
+        yield name, _refusal(camera, known.get(name, name), values[name])
 
 
-def _refusal(camera: V4l2Camera, name: str, value: Any) -> ControlError | None:
+def _refusal(camera: V4l2Camera, control: Control | str, value: Any) -> ControlError | None:
+    if isinstance(control, Control) and control.inactive:
+        return ControlError(
+            f"control '{control.name}' is inactive: an automatic mode governs it; switch that off "
+            'first'
+        )
     try:
-        camera.set_control(name, value)
+        camera.set_control(control, value)
     except ControlError as error:
         return error
     return None
@@ -202,7 +202,7 @@ class ControlParameters:
                     raise unknown(name, [*self._own, *known])
             refused = []
             fixed = {name: value for name, value in off(known).items() if name not in wanted}
-            for name, error in set_in_order(camera, fixed | wanted):
+            for name, error in set_in_order(camera, known, fixed | wanted):
                 if error is None or (self._met and name in known and known[name].inactive):
                     continue
                 if name in wanted and not self._met:
@@ -245,10 +245,11 @@ class ControlParameters:
             The camera has neither control, or fails meanwhile.
 
         """
-        before = _values(camera, camera.controls)
+        settable = [each for each in camera.controls.values() if not each.read_only]
+        before = _values(camera, settable)
         outcome = adjust_exposure(camera, read)
-        after = _values(camera, before)
-        changed = {name: after[name] for name in after if after[name] != before[name]}
+        after = _values(camera, settable)
+        changed = {name: after[name] for name in after if after[name] != before.get(name)}
         self._wanted = self._wanted | changed
         self._changed.trigger()
         return outcome
@@ -265,11 +266,12 @@ class ControlParameters:
             return _refused(f"'{next(iter(values))}' is a control of the camera, which is not "
                             'there; see /diagnostics')
         try:
-            before = _values(camera, values)
+            known = camera.controls
+            before = _values(camera, [known[name] for name in values if name in known])
             done: dict[str, Any] = {}
-            for name, error in set_in_order(camera, values):
+            for name, error in set_in_order(camera, known, values):
                 if error is not None:
-                    for _ in set_in_order(camera, done):
+                    for _ in set_in_order(camera, camera.controls, done):
                         pass
                     return _refused(str(error))
                 if name in before:  # a button cannot be released
@@ -289,7 +291,7 @@ class ControlParameters:
             return
         try:
             controls = camera.controls
-            values = _values(camera, controls)
+            values = _values(camera, controls.values())
         except CaptureError:
             return  # whoever captures meets it as well, and says it
         self._mirroring = True
@@ -329,13 +331,12 @@ def _unread(control: Control) -> int | str:
     return '' if control.kind == 'string' else 0 if control.kind == 'button' else control.default
 
 
-def _values(camera: V4l2Camera, names: Mapping[str, Any]) -> dict[str, int | str]:
+def _values(camera: V4l2Camera, controls: Iterable[Control]) -> dict[str, int | str]:
     """Return the values of those controls that can be read."""
     found = {}
-    for name, control in camera.controls.items():
-        if name in names and control.kind != 'button':
-            try:
-                found[name] = camera.get_control(control)
-            except ControlError:
-                pass  # write-only
+    for control in controls:
+        try:
+            found[control.name] = camera.get_control(control)
+        except ControlError:
+            pass  # a button, or write-only
     return found

@@ -46,6 +46,7 @@ def guests(folder: Path) -> list[list[str]]:
         ['guest_controls.py', str(folder)],
         ['guest_soak.py', str(folder), str(SOAK)],
         ['guest_track.py', str(folder), str(executable('camera').parent)],
+        ['guest_node.py', str(folder), str(executable('camera').parent)],
     ]
 
 
