@@ -156,7 +156,8 @@ def parameters(probe: Probe) -> dict[str, Any]:
     found['all_or_none'] = probe.change(('brightness', 11), ('menu', 2), at_once=True)
     found['none'] = read('brightness')
     # The mode comes first, whatever the order in the request.
-    found['mode_and_governed'] = probe.change(('gain', 44), ('gain_automatic', False), at_once=True)
+    found['mode_and_governed'] = probe.change(
+        ('gain', 44), ('gain_automatic', False), at_once=True)
     found['gain'] = read('gain')
 
     control(contrast=12)  # another program
