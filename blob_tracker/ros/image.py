@@ -9,6 +9,7 @@ from typing import Any
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.stamp import from_ns, to_ns
 from blob_tracker.types import Frame, Pixels, Window
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo, Image
@@ -19,6 +20,12 @@ _FRAMES = {
     '8UC1': (np.uint8, 1),
     'mono16': (np.uint16, 1),
     '16UC1': (np.uint16, 1),
+}
+_COLOURS = {  # and how OpenCV turns it into luma
+    'rgb8': (np.uint8, 3, cv2.COLOR_RGB2GRAY),
+    'bgr8': (np.uint8, 3, cv2.COLOR_BGR2GRAY),
+    'rgba8': (np.uint8, 4, cv2.COLOR_RGBA2GRAY),
+    'bgra8': (np.uint8, 4, cv2.COLOR_BGRA2GRAY),
 }
 _WINDOWS = {
     '8UC1': (np.uint8, 1),
@@ -115,6 +122,33 @@ def to_window(
         binning=_binning(info),
         looks=looks,
     )
+
+
+def to_pixels(image: Image) -> Pixels:
+    """
+    Return the pixels of an image without its camera_info, those of a colour camera as luma.
+
+    Parameters
+    ----------
+    image : Image
+        mono8, mono16, 8UC1, 16UC1, rgb8, bgr8, rgba8 or bgra8; of rclpy or of rosbags.
+
+    Returns
+    -------
+    (h, w) array of uint8 or uint16
+        Raw DN; luma where the image has colours.
+
+    Raises
+    ------
+    MessageError
+        Where encoding, size, step or data are wrong; says which and what would be right.
+
+    """
+    encodings = _FRAMES | {name: (kind, n) for name, (kind, n, _) in _COLOURS.items()}
+    pixels = _pixels(image, encodings)
+    if pixels.ndim == 2:
+        return pixels
+    return np.asarray(cv2.cvtColor(pixels, _COLOURS[image.encoding][2]), dtype=pixels.dtype)
 
 
 def from_pixels(

@@ -42,9 +42,9 @@ def guests(folder: Path) -> list[list[str]]:
     """Return the guest scripts with their arguments, in the order in which they run."""
     return [
         ['guest_capture.py', str(folder)],
+        ['guest_formats.py', str(folder)],
         ['guest_controls.py', str(folder)],
         ['guest_soak.py', str(folder), str(SOAK)],
-        ['guest_formats.py', str(folder)],
         ['guest_track.py', str(folder), str(executable('camera').parent)],
         ['guest_node.py', str(folder), str(executable('camera').parent)],
     ]

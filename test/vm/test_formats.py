@@ -10,12 +10,12 @@ import pytest
 
 pytestmark = pytest.mark.timeout(600)  # the boot, and the kernel's download before it
 
-BAYER = {'RGGB': 510, 'GB10': 2046, 'BG12': 8190, 'GR16': 65535}
+BAYER = {'RGGB': 510, 'GB10': 2046, 'GR16': 65535}
 SATURATION = {
-    'Y10': 1023, 'Y12': 4095, 'Y16': 65535, 'Y16-BE': 65535,
+    'Y10': 1023, 'Y16': 65535, 'Y16-BE': 65535,
     # vivid has the default quantisation, which is limited range for YUV
-    'YVYU': 235, 'UYVY': 235, 'NV12': 235, 'YU12': 235,
-    'RGB3': 255, 'BGR4': 255, 'BX24': 255, **BAYER,
+    'UYVY': 235, 'NV12': 235,
+    'RGB3': 255, 'BGR4': 255, **BAYER,
 }
 SENSOR = list(SIGNAL)  # of which the frames are a part
 
@@ -48,7 +48,7 @@ def test_several_sizes(formats):
     assert len({tuple(found['size']) for found in formats['planar'].values()}) >= 5
 
 
-@pytest.mark.parametrize('name', ['Y16', 'NV12', 'NM12', 'YM12'])
+@pytest.mark.parametrize('name', ['Y16', 'NV12', 'NM12'])
 def test_a_multi_planar_device(formats, name):
     assert_seen(formats['multi_planar'][name])
 

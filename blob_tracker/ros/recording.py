@@ -1,0 +1,92 @@
+"""The images of a rosbag2 bag, mcap or sqlite3."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from blob_tracker.ros.errors import MessageError
+from blob_tracker.ros.image import to_pixels
+from blob_tracker.types import Pixels
+
+if TYPE_CHECKING:
+    from rosbags.highlevel import AnyReader
+    from rosbags.interfaces import Connection
+
+IMAGE = 'sensor_msgs/msg/Image'
+
+
+class RecordingError(ValueError):
+    """A bag that holds no such images; the message says what is wrong and what would be right."""
+
+
+def recorded_images(bag: Path, topic: str) -> Iterator[tuple[float, Pixels]]:
+    """
+    Yield the images of a topic in the order in which they were recorded.
+
+    Parameters
+    ----------
+    bag : Path
+        Folder of the bag.
+    topic : str
+        Name of the topic; a slash in front does not matter.
+
+    Yields
+    ------
+    float, (h, w) array
+        Time since the bag began, s, and the pixels as `to_pixels` gives them.
+
+    Raises
+    ------
+    RecordingError
+        Where the bag cannot be read, or has no images on that topic.
+
+    """
+    with _opened(bag, topic) as (reader, connections):
+        for connection, stamp_ns, data in reader.messages(connections):
+            seconds = (stamp_ns - reader.start_time) / 1e9
+            try:
+                image = reader.deserialize(data, connection.msgtype)
+                yield seconds, to_pixels(image)
+            except MessageError as error:
+                raise RecordingError(f'{bag}, {topic} at {seconds:.3f} s: {error}') from None
+
+
+def recorded_count(bag: Path, topic: str) -> int:
+    """Return how many images `recorded_images` will yield; raises as it does."""
+    with _opened(bag, topic) as (_, connections):
+        return sum(connection.msgcount for connection in connections)
+
+
+@contextmanager
+def _opened(bag: Path, topic: str) -> Iterator[tuple[AnyReader, list[Connection]]]:
+    """Open a bag and find the connections of an image topic."""
+    try:
+        from rosbags.highlevel import AnyReader, AnyReaderError
+        from rosbags.typesys import get_typestore, Stores
+    except ImportError:
+        raise RecordingError(
+            'rosbags is not installed: pip install rosbags, or play the bag with `ros2 bag play` '
+            'and give the name of the topic'
+        ) from None
+    reader = None
+    try:
+        # Bags of distributions before Jazzy do not tell their types.
+        reader = AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_JAZZY))
+        reader.open()
+    except (AnyReaderError, OSError) as error:
+        raise RecordingError(f'{bag} is not a bag that can be read: {error}') from None
+    try:
+        images = [each for each in reader.connections if each.msgtype == IMAGE and each.msgcount]
+        connections = [each for each in images if each.topic.strip('/') == topic.strip('/')]
+        if not connections:
+            there = ', '.join(sorted({each.topic for each in images}))
+            raise RecordingError(
+                f'{bag} has no images on {topic}'
+                + (f': set --topic to one of {there}' if there else ', nor on any other topic')
+            )
+        yield reader, connections
+    finally:
+        reader.close()
