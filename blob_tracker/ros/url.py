@@ -44,7 +44,8 @@ def to_path(url: str, camera_name: str = 'camera') -> Path:
 
     def value(found: re.Match[str]) -> str:
         if found[1] not in values:
-            raise ParameterError(f'{url}: {found[0]} is not known; there is ${{NAME}}, ${{ROS_HOME}}')
+            names = ', '.join(f'${{{name}}}' for name in values)
+            raise ParameterError(f'{url}: {found[0]} is not known; there is {names}')
         return values[found[1]]
 
     scheme, separator, rest = re.sub(r'\$\{([^}]*)\}', value, url).partition('://')
@@ -58,6 +59,6 @@ def to_path(url: str, camera_name: str = 'camera') -> Path:
         name, _, inside = rest.partition('/')
         try:
             return Path(get_package_share_directory(name)) / inside
-        except (PackageNotFoundError, ValueError):
+        except (PackageNotFoundError, ValueError, OSError):  # OSError: no package is, at all
             raise ParameterError(f"{url}: no package '{name}' is installed") from None
     raise ParameterError(f'{url}: write a path, file:// or package://, not {scheme}://')
