@@ -47,7 +47,8 @@ def test_above_a_black_level_is_the_same_line() -> None:
 def test_no_read_noise_has_a_finite_sigma() -> None:
     """A foot below 1/12 is a read noise of 0, with a sigma."""
     line = fit_noise_line(LEVELS[1:], TRUE[1:] - 2.0, SCATTERS[1:])
-    assert line.noise == SensorNoise(pytest.approx(4.0), 0.0)
+    assert line.gain == pytest.approx(4.0)
+    assert line.noise == SensorNoise(line.gain, 0.0)
     assert 0.0 < line.noise_covariance[1, 1] < 1.0
 
 

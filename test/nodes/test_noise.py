@@ -50,14 +50,13 @@ def test_measured_noise_reaches_the_locator(domain: int) -> None:
 
 
 def test_an_even_wall_is_said_to_be_one(domain: int) -> None:
-    """Nothing is published, the diagnostics have the reason, and the locator its own values."""
+    """Nothing is published, the diagnostics say why, and the locator keeps its own values."""
     with probe(domain) as node:
         noises = node.record(Vector3Stamped, 'target/noise', STATE)
         node.record(DiagnosticArray, '/diagnostics')
         with (
             start('segmenter', domain, noise__measure=True),
             start('locator', domain, noise__online=True),
-            # Of 2 DN, in which noise hides no more than in any other.
             start(
                 'simulator', domain, width=320, height=240, background=4.0, texture=0.0,
                 noise__gain=100.0, noise__read_noise=1.5,
