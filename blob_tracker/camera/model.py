@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
+from math import atan2, sqrt
 from pathlib import Path
 
 from blob_tracker.camera.calibration_file import CalibrationError, read_calibration
-from blob_tracker.camera.lens import DISTORTION_MODELS, unproject
+from blob_tracker.camera.lens import LensError, LENSES
+from blob_tracker.camera.lens.definition import Coefficients, Derivative, Vector
 from blob_tracker.types import Bearing, Location
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +29,17 @@ class CameraModel:
     matrix : (3, 3) array
         Camera matrix K: focal lengths and principal point, px.
     distortion : (n,) array
-        Coefficients in the order k1 k2 p1 p2 k3 ...; empty or all zero is an ideal lens.
+        Coefficients in the order of OpenCV: k1 k2 p1 p2 k3 ..., of an equidistant lens k1 k2 k3
+        k4; empty is the same as all zero.
     distortion_model : str
-        plumb_bob or rational_polynomial.
+        plumb_bob, rational_polynomial or equidistant.
     name : str
         Name of the camera.
+    rectification : (3, 3) array, optional
+        R of a stereo pair, which no bearing needs; identity where it is left out.
+    projection : (3, 4) array, optional
+        P of the rectified images, which no bearing needs; K and a zero column where it is left
+        out.
 
     Raises
     ------
@@ -45,6 +54,8 @@ class CameraModel:
     distortion: NDArray[np.float64] = field(default_factory=lambda: np.zeros(5))
     distortion_model: str = 'plumb_bob'
     name: str = 'camera'
+    rectification: NDArray[np.float64] | None = None
+    projection: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         if self.width <= 0 or self.height <= 0:
@@ -58,14 +69,23 @@ class CameraModel:
                 f'the focal lengths are {self.matrix[0, 0]:g} and {self.matrix[1, 1]:g} px; both '
                 'must be above 0 (a camera that is not calibrated has 0: set camera_info_url)'
             )
-        if self.distortion_model not in DISTORTION_MODELS:
-            names = ', '.join(name for name in DISTORTION_MODELS if name)
+        below = self.matrix[1, 0], self.matrix[2, 0], self.matrix[2, 1], self.matrix[2, 2]
+        if below != (0.0, 0.0, 0.0, 1.0):
+            raise CalibrationError('K must be 0 below its diagonal and end in 1')
+        for name, value, shape in (
+            ('R', self.rectification, (3, 3)),
+            ('P', self.projection, (3, 4)),
+        ):
+            if value is not None and (np.shape(value) != shape or not np.isfinite(value).all()):
+                raise CalibrationError(f'{name} must be {shape[0]} x {shape[1]} finite numbers')
+        if self.distortion_model not in LENSES:
+            names = ', '.join(name for name in LENSES if name)
             raise CalibrationError(
                 f"no distortion model '{self.distortion_model}'; there is {names}"
             )
         if not np.isfinite(self.distortion).all():
             raise CalibrationError('the distortion coefficients must be finite')
-        allowed = DISTORTION_MODELS[self.distortion_model]
+        allowed = LENSES[self.distortion_model].counts
         if len(self.distortion) not in allowed:
             raise CalibrationError(
                 f'{self.distortion_model} has {" or ".join(map(str, allowed))} coefficients, '
@@ -124,15 +144,105 @@ class CameraModel:
         focal_length = 0.5 * width / np.tan(0.5 * np.radians(degrees))
         return cls(width, height, pinhole_matrix(focal_length, width, height))
 
+    @classmethod
+    def from_data_sheet(
+        cls, width: int, height: int, focal_length_mm: float, pixel_um: float
+    ) -> CameraModel:
+        """
+        Return an ideal lens of this focal length before pixels of this pitch.
+
+        How far its bearings can be trusted, `blob_tracker.camera.DataSheet` tells.
+
+        Parameters
+        ----------
+        width, height : int
+            Size of the full sensor, px.
+        focal_length_mm : float
+            mm, above 0.
+        pixel_um : float
+            Pitch of the square pixels, um, above 0.
+
+        Raises
+        ------
+        CalibrationError
+            Where a length or the size cannot be.
+
+        """
+        for name, value, unit in (
+            ('focal length', focal_length_mm, 'mm'), ('pixel size', pixel_um, 'um')
+        ):
+            if not 0.0 < value < np.inf:
+                raise CalibrationError(f'the {name} is {value:g} {unit}; it must be above 0')
+        return cls(width, height, pinhole_matrix(1e3 * focal_length_mm / pixel_um, width, height))
+
+    @property
+    def rectification_matrix(self) -> NDArray[np.float64]:
+        """R, (3, 3): identity unless the calibration has another."""
+        return np.eye(3) if self.rectification is None else self.rectification
+
+    @property
+    def projection_matrix(self) -> NDArray[np.float64]:
+        """P, (3, 4): K and a zero column unless the calibration has another."""
+        if self.projection is None:
+            return np.hstack([self.matrix, np.zeros((3, 1))])
+        return self.projection
+
+    def project(self, rays: NDArray[np.float64]) -> NDArray[np.float64]:
+        """
+        Image rays, or points, of the optical frame.
+
+        Parameters
+        ----------
+        rays : (N, 3) array
+            X right, Y down, Z forward, of any length and unit.
+
+        Returns
+        -------
+        (N, 2) array
+            px on the full, unbinned sensor, which may lie outside of the image; NaN where the
+            lens has no picture of the ray: behind a pinhole camera, or beyond the angle at which
+            the distortion model folds over.
+
+        """
+        rays = np.asarray(rays, dtype=float).reshape(-1, 3)
+        places = LENSES[self.distortion_model].image(rays, self._coefficients)
+        return np.asarray(places @ self.matrix[:2, :2].T + self.matrix[:2, 2])
+
+    def unproject(
+        self, x: float, y: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """
+        Return the ray that is imaged on a pixel: the way back of `project`.
+
+        Parameters
+        ----------
+        x, y : float
+            px on the full, unbinned sensor.
+
+        Returns
+        -------
+        (3,) array, (3, 2) array
+            The ray (X, Y, Z), of any length, and its derivative by x and y, 1/px.
+
+        Raises
+        ------
+        LensError
+            Where the distortion model leads no ray to that pixel.
+
+        """
+        ray, derivative = self._ray(x, y)
+        inverse = np.linalg.inv(self.matrix[:2, :2])
+        return np.array(ray), np.asarray(np.array(derivative) @ inverse)
+
     def angles(
         self, x: float, y: float
     ) -> tuple[float, float, NDArray[np.float64]]:
         """
         Return the direction in which a pixel looks, and how it turns with the pixel.
 
-        With the ray (x', y', 1) through the pixel and h^2 = 1 + x'^2,
+        With the ray (X, Y, Z) through the pixel and h^2 = X^2 + Z^2,
 
-            azimuth = atan2(x', 1),  elevation = atan2(-y', h)
+            azimuth = atan2(X, Z),  elevation = atan2(-Y, h)
 
         Parameters
         ----------
@@ -147,20 +257,32 @@ class CameraModel:
         Raises
         ------
         LensError
-            Where the distortion model leads no ray to that pixel.
+            Where the distortion model leads no ray to that pixel, or one straight up or down,
+            which has no azimuth.
 
         """
-        distortion = np.asarray(self.distortion, dtype=float)
-        (x, y), by_pixel = unproject(np.array([x, y]), self.matrix, distortion)
-        h = np.hypot(1.0, x)
-        by_ray = np.array(
+        (ray_x, ray_y, ray_z), derivative = self._ray(x, y)
+        h2 = ray_x * ray_x + ray_z * ray_z
+        if h2 == 0.0:
+            raise LensError(f'the pixel ({x:.1f}, {y:.1f}) looks straight up or down: no azimuth')
+        h, length2 = sqrt(h2), h2 + ray_y * ray_y
+        # The derivative of both angles by the ray, times that of the ray by the place.
+        turn_x, turn_z = MRAD * ray_z / h2, -MRAD * ray_x / h2
+        lift = MRAD * ray_y / (h * length2)
+        lift_x, lift_y, lift_z = lift * ray_x, -MRAD * h / length2, lift * ray_z
+        (xx, xy), (yx, yy), (zx, zy) = derivative
+        azimuth_x, azimuth_y = turn_x * xx + turn_z * zx, turn_x * xy + turn_z * zy
+        elevation_x = lift_x * xx + lift_y * yx + lift_z * zx
+        elevation_y = lift_x * xy + lift_y * yy + lift_z * zy
+        focal_x, focal_y, skew, _, _ = self._intrinsics
+        slant = skew / (focal_x * focal_y)
+        by_pixel = np.array(
             [
-                [1.0 / h**2, 0.0],
-                [x * y / (h * (h**2 + y**2)), -h / (h**2 + y**2)],
+                [azimuth_x / focal_x, azimuth_y / focal_y - azimuth_x * slant],
+                [elevation_x / focal_x, elevation_y / focal_y - elevation_x * slant],
             ]
         )
-        azimuth, elevation = MRAD * np.arctan2(x, 1.0), MRAD * np.arctan2(-y, h)
-        return float(azimuth), float(elevation), MRAD * by_ray @ by_pixel
+        return MRAD * atan2(ray_x, ray_z), MRAD * atan2(-ray_y, h), by_pixel
 
     def bearing(self, location: Location) -> Bearing:
         """
@@ -179,7 +301,7 @@ class CameraModel:
         Raises
         ------
         LensError
-            Where the distortion model leads no ray to that pixel.
+            As `angles` does.
 
         """
         azimuth, elevation, derivative = self.angles(location.x, location.y)
@@ -189,6 +311,30 @@ class CameraModel:
             covariance=derivative @ location.covariance @ derivative.T,
             stamp_ns=location.stamp_ns,
         )
+
+    @cached_property
+    def _coefficients(self) -> Coefficients:
+        """Return the distortion, hashable."""
+        return tuple(float(value) for value in self.distortion)
+
+    @cached_property
+    def _intrinsics(self) -> tuple[float, float, float, float, float]:
+        """Return focal lengths, skew and principal point, px."""
+        (focal_x, skew, centre_x), (_, focal_y, centre_y), _ = self.matrix.tolist()
+        return focal_x, focal_y, skew, centre_x, centre_y
+
+    def _ray(self, x: float, y: float) -> tuple[Vector, Derivative]:
+        """Return the ray onto a pixel, and its derivative by the place in focal lengths."""
+        focal_x, focal_y, skew, centre_x, centre_y = self._intrinsics
+        place_y = (y - centre_y) / focal_y
+        place_x = (x - centre_x - skew * place_y) / focal_x
+        found = LENSES[self.distortion_model].ray(place_x, place_y, self._coefficients)
+        if found is None:
+            raise LensError(
+                f'no ray leads to the pixel ({x:.1f}, {y:.1f}): '
+                'the distortion coefficients do not hold there'
+            )
+        return found
 
 
 def pinhole_matrix(focal_length: float, width: int, height: int) -> NDArray[np.float64]:

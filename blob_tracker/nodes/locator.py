@@ -5,7 +5,8 @@ from __future__ import annotations
 from inspect import signature
 import sys
 
-from blob_tracker.camera import CameraModel, LensError
+from blob_tracker.camera import CalibrationError, CameraModel, LensError
+from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import compile_ahead, locate, METHODS
 from blob_tracker.location.noise import variance_ratio
 from blob_tracker.ros.camera_info import to_camera_model
@@ -22,6 +23,7 @@ from blob_tracker.ros.target import (
     ray_message,
     to_noise,
 )
+from blob_tracker.ros.url import to_path
 from blob_tracker.types import Location, LocationError, SensorNoise
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
 import numpy as np
@@ -84,6 +86,12 @@ PARAMETERS = (
         most=65535,
         unit='DN',
     ),
+    Parameter(
+        'line_jitter_url',
+        '',
+        'Line offsets of an analogue grabber, as `calibrate jitter` writes them, to be taken off '
+        'each location: path, file:// or package://. Empty for a digital camera.',
+    ),
 )
 
 
@@ -109,6 +117,7 @@ class LocatorNode(Node):
         self._looks = settings['looks']
         self._noise = SensorNoise(settings['noise.gain'], settings['noise.read_noise'])
         self._configured = self._noise
+        self._line_jitter = _line_jitter(settings['line_jitter_url'])
         self._health = Health(self, 'no window arrives; is the segmenter running?')
         self._calibration: tuple[object, ...] = ()
         self._camera_model: CameraModel | None = None
@@ -148,9 +157,17 @@ class LocatorNode(Node):
             location = locate(
                 window, method=self._method, noise=self._noise, **self._options
             )
+            if self._line_jitter is not None:
+                self._line_jitter.check_height(camera_model.height)
+                location = self._line_jitter.corrected(
+                    location, gain=self._noise.gain, looks=self._looks
+                )
             bearing = camera_model.bearing(location)
         except MessageError as error:
             self._health.fault(ERROR, f'target/window: {error}')
+            return
+        except CalibrationError as error:
+            self._health.fault(ERROR, f'line_jitter_url: {error}')
             return
         except (LocationError, LensError) as error:
             self._health.fault(WARN, f'target not located: {error}')
@@ -188,6 +205,16 @@ class LocatorNode(Node):
             self._camera_model = to_camera_model(info)
             self._calibration = calibration
         return self._camera_model
+
+
+def _line_jitter(url: str) -> LineJitter | None:
+    """Return the line jitter of the parameter; None where it is empty."""
+    if not url:
+        return None
+    try:
+        return LineJitter.from_yaml(to_path(url))
+    except CalibrationError as error:
+        raise ParameterError(f"parameter 'line_jitter_url': {error}") from None
 
 
 def _in_words(noise: SensorNoise) -> str:

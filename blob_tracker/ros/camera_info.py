@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.camera import CalibrationError, CameraModel
+from blob_tracker.camera.lens import FORMER_NAMES
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.stamp import from_ns
 from blob_tracker.types import Window
@@ -17,7 +18,8 @@ def to_camera_model(info: CameraInfo) -> CameraModel:
     Parameters
     ----------
     info : CameraInfo
-        K, D and the distortion model count; R and P belong to rectified images.
+        Of any crop and binning: K and D are those of the full, unbinned sensor (REP 104). R and P
+        belong to rectified images and are carried along.
 
     Returns
     -------
@@ -36,15 +38,29 @@ def to_camera_model(info: CameraInfo) -> CameraModel:
             height=int(info.height),
             matrix=np.array(info.k, dtype=float).reshape(3, 3),
             distortion=np.array(info.d, dtype=float),
-            distortion_model=info.distortion_model,
+            distortion_model=FORMER_NAMES.get(info.distortion_model, info.distortion_model),
+            # All zero is how a driver leaves them that does not rectify.
+            rectification=np.array(info.r).reshape(3, 3) if np.any(info.r) else None,
+            projection=np.array(info.p).reshape(3, 4) if np.any(info.p) else None,
         )
     except CalibrationError as error:
         raise MessageError(f'camera_info: {error}') from None
 
 
-def from_camera_model(model: CameraModel | None, width: int, height: int) -> CameraInfo:
+def from_camera_model(
+    model: CameraModel | None,
+    width: int,
+    height: int,
+    *,
+    x0: int = 0,
+    y0: int = 0,
+    binning: tuple[int, int] = (1, 1),
+    sensor_size: tuple[int, int] | None = None,
+) -> CameraInfo:
     """
-    Return the camera_info of a camera that gives full frames of this size.
+    Return the camera_info of images of this size, crop and binning (REP 104).
+
+    Its width, height and K are those of the full, unbinned sensor; its roi is in such pixels.
 
     Parameters
     ----------
@@ -52,6 +68,13 @@ def from_camera_model(model: CameraModel | None, width: int, height: int) -> Cam
         The calibration; None leaves K at 0, which says that the camera is not calibrated.
     width, height : int
         Size of the images, px.
+    x0, y0 : int
+        Place of an image's first pixel on the sensor (`Frame.x0`, `Frame.y0`), px.
+    binning : (int, int)
+        Sensor pixels per image pixel along x and y (`Frame.binning`).
+    sensor_size : (int, int), optional
+        Width and height of the full sensor, px; where it is left out, the images reach to its
+        right and lower edge.
 
     Returns
     -------
@@ -61,22 +84,28 @@ def from_camera_model(model: CameraModel | None, width: int, height: int) -> Cam
     Raises
     ------
     CalibrationError
-        Where the calibration is for another size: to scale it silently could be wrong.
+        Where the calibration is for another size than the sensor's: to scale it silently could
+        be wrong.
 
     """
-    info = CameraInfo(width=width, height=height)
+    region = width * binning[0], height * binning[1]
+    if sensor_size is None:
+        sensor_size = x0 + region[0], y0 + region[1]
+    info = CameraInfo(width=sensor_size[0], height=sensor_size[1])
+    info.binning_x, info.binning_y = binning
+    whole = sensor_size[0] // binning[0], sensor_size[1] // binning[1]
+    if (x0, y0, width, height) != (0, 0, *whole):
+        info.roi.x_offset, info.roi.y_offset = x0, y0
+        info.roi.width, info.roi.height = region
     if model is None:
         return info
-    if (model.width, model.height) != (width, height):
-        raise CalibrationError(
-            f'the calibration is for {model.width} x {model.height} px and the camera gives '
-            f'{width} x {height} px; calibrate this size or set width and height to that one'
-        )
+    if (model.width, model.height) != sensor_size:
+        raise CalibrationError(_other_size(model, sensor_size, (width, height), binning))
     info.distortion_model = model.distortion_model
     info.d = [float(value) for value in model.distortion]
     info.k = model.matrix.ravel()
-    info.r = np.eye(3).ravel()
-    info.p = np.hstack([model.matrix, np.zeros((3, 1))]).ravel()
+    info.r = model.rectification_matrix.ravel()
+    info.p = model.projection_matrix.ravel()
     return info
 
 
@@ -95,3 +124,29 @@ def of_window(info: CameraInfo, window: Window) -> CameraInfo:
     info.roi.width = width * window.binning[0]
     info.roi.height = height * window.binning[1]
     return info
+
+
+def _other_size(
+    model: CameraModel,
+    sensor_size: tuple[int, int],
+    image_size: tuple[int, int],
+    binning: tuple[int, int],
+) -> str:
+    """Say that a calibration is for another size, and what would be right."""
+    sizes = (
+        f'the calibration is for {model.width} x {model.height} px and the camera gives '
+        f'{sensor_size[0]} x {sensor_size[1]} px'
+    )
+    if sensor_size == image_size:
+        return f'{sizes}; calibrate this size or set width and height to that one'
+    binned = sensor_size[0] // binning[0], sensor_size[1] // binning[1]
+    if binning != (1, 1) and (model.width, model.height) == binned:
+        return (
+            f'the calibration is for the binned size, {model.width} x {model.height} px, and '
+            f'camera_info speaks of the sensor without binning, {sensor_size[0]} x '
+            f'{sensor_size[1]} px (REP 104); calibrate with binning off'
+        )
+    return (
+        f'{sizes} without crop and binning, of which the images are {image_size[0]} x '
+        f'{image_size[1]} px; calibrate the whole sensor with binning off'
+    )

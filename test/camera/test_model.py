@@ -8,7 +8,7 @@ from math import atan2, hypot
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.resources import config_path
 from blob_tracker.types import Location
-from camera_models import MODELS, PINHOLE, PLUMB_BOB
+from camera_models import MODELS, PINHOLE, rays_at
 import numpy as np
 import pytest
 
@@ -37,29 +37,46 @@ def test_pinhole_angles_are_exact() -> None:
 
 @pytest.mark.parametrize('name', MODELS)
 def test_derivative_is_the_limit_of_differences(name: str) -> None:
-    """Central differences of 0.01 px agree to their own error."""
+    """The inverse of that of the way forward, taken by differences of the sixth order."""
     model = MODELS[name]
-    step = 0.01
-    for x, y in ((30.0, 40.0), (320.0, 240.0), (601.5, 433.25)):
-        derivative = model.angles(x, y)[2]
-        by_x = np.subtract(model.angles(x + step, y)[:2], model.angles(x - step, y)[:2])
-        by_y = np.subtract(model.angles(x, y + step)[:2], model.angles(x, y - step)[:2])
-        numeric = np.column_stack([by_x, by_y]) / (2 * step)
-        np.testing.assert_allclose(derivative, numeric, rtol=1e-5, atol=1e-6)
+    # h^6 f^(7) / 140 and the rounding of a pixel over h are both below 1e-10 of the derivative.
+    step = 2e-3  # rad
+    weights = np.array([-1.0, 9.0, -45.0, 45.0, -9.0, 1.0]) / (60.0 * step)
+    offsets = step * np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0])
+    for pixel in ((-0.5, -0.5), (30.0, 40.0), (320.0, 240.0), (601.5, 433.25), (639.5, 0.0)):
+        azimuth, elevation, derivative = model.angles(*pixel)
+        azimuth, elevation = 1e-3 * azimuth, 1e-3 * elevation
+        still = np.zeros(6)
+        by_azimuth = weights @ model.project(rays_at(azimuth + offsets, elevation + still))
+        by_elevation = weights @ model.project(rays_at(azimuth + still, elevation + offsets))
+        product = 1e-3 * derivative @ np.column_stack([by_azimuth, by_elevation])
+        np.testing.assert_allclose(product, np.eye(2), rtol=0, atol=1e-9)
 
 
-def test_covariance_follows_the_derivative() -> None:
+# A corner of each, where the distortion is strongest.
+@pytest.mark.parametrize('name', MODELS)
+def test_covariance_follows_the_derivative(name: str) -> None:
     """The scatter of bearings of scattered pixels is the covariance: NEES of 2 in the mean."""
     random = np.random.default_rng(11)
     covariance = np.array([[0.04, 0.01], [0.01, 0.02]])
     count = 4000
-    centre = PLUMB_BOB.bearing(location(560.0, 60.0, covariance))
-    pixels = random.multivariate_normal([560.0, 60.0], covariance, count)
-    angles = np.array([PLUMB_BOB.angles(*pixel)[:2] for pixel in pixels])
+    model, corner = MODELS[name], (635.0, 3.0)
+    centre = model.bearing(location(*corner, covariance))
+    pixels = random.multivariate_normal(corner, covariance, count)
+    angles = np.array([model.angles(*pixel)[:2] for pixel in pixels])
     errors = angles - [centre.azimuth, centre.elevation]
     nees = np.einsum('ni,ij,nj->n', errors, np.linalg.inv(centre.covariance), errors).mean()
     # chi-square of 2 n degrees of freedom over n: 95 % within 1.96 * 2 / sqrt(n).
     assert abs(nees - 2.0) < 1.96 * 2.0 / np.sqrt(count)
+
+
+def test_corners_are_strongly_distorted() -> None:
+    """So the corner of the test above is one: 20 px or more from where the ideal lens has it."""
+    for name in ('plumb_bob', 'rational', 'prism', 'tilted', 'skewed', 'equidistant'):
+        ideal = dataclasses.replace(MODELS[name], distortion=np.zeros(0), distortion_model='')
+        ray, _ = MODELS[name].unproject(635.0, 3.0)
+        moved = ideal.project(ray[None])[0] - [635.0, 3.0]
+        assert not np.hypot(*moved) < 20.0, name  # NaN: the ideal lens cannot see it at all
 
 
 def test_field_of_view_of_the_thesis() -> None:
@@ -78,6 +95,11 @@ def test_field_of_view_of_the_thesis() -> None:
         ({'matrix': np.diag([-600.0, 600.0, 1.0])}, 'must be above 0'),
         ({'matrix': np.diag([np.nan, 600.0, 1.0])}, 'finite'),
         ({'matrix': np.eye(2)}, '3 x 3'),
+        ({'matrix': 600.0 * np.eye(3)}, 'end in 1'),
+        ({'matrix': np.tri(3)}, 'K must be 0 below its diagonal'),
+        ({'rectification': np.eye(2)}, 'R must be 3 x 3'),
+        ({'projection': np.full((3, 4), np.nan)}, 'P must be 3 x 4 finite'),
+        ({'distortion_model': 'equidistant'}, '0 or 4 coefficients, not 5'),
         ({'distortion': np.full(5, np.nan)}, 'finite'),
         ({'distortion': np.zeros(3)}, 'coefficients, not 3'),
         ({'distortion_model': 'fancy'}, "no distortion model 'fancy'; there is plumb_bob"),

@@ -18,7 +18,7 @@ import sys
 import time
 from typing import Any
 
-from blob_tracker.capture import CaptureError, PIXEL_FORMATS, V4l2Camera
+from blob_tracker.capture import CaptureError, V4l2Camera
 from hdmi_loop import CAPTURE, close_loop, control, HEIGHT, OUTPUT, playing, v4l2_ctl, WIDTH
 import numpy as np
 
@@ -116,11 +116,9 @@ def sentences() -> dict[str, str]:
         'output': refusal(device=OUTPUT),
         'media': refusal(device='/dev/media0'),
         'format_unknown': refusal(pixel_format='GREI'),
+        'format_not_offered': refusal(pixel_format='MJPG'),
         'size': refusal(width=20000),
     }
-    PIXEL_FORMATS['MJPG'] = PIXEL_FORMATS['GREY']  # decoded, say, but not offered by vivid
-    found['format_not_offered'] = refusal(pixel_format='MJPG')
-    del PIXEL_FORMATS['MJPG']
     link = Path('/run/usb-camera-index0')
     link.symlink_to(CAPTURE)
     found['link'] = refusal(device=str(link))

@@ -1,0 +1,311 @@
+"""
+The camera from views of a board: focal lengths, principal point, distortion, and how well each.
+
+OpenCV finds the parameters that make the sum of squared distances between the points and their
+projections least (Zhang, IEEE Trans. PAMI 22 (2000) 1330). Their covariance is
+
+    Cov = s^2 (J^T J)^-1,   s^2 = sum of squared residuals / (2 N - parameters)
+
+with J the derivative of all projections by all parameters, the poses of the board included, which
+are then left out. OpenCV's own standard deviations are the same in 4.14 and 5.0, and sqrt(2) or
+more too large in 4.6, that of Ubuntu 24.04; it never tells the correlations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from blob_tracker.calibration.boards import View
+from blob_tracker.calibration.bundle import adjust, Bundle, information, project, residuals
+from blob_tracker.calibration.dot_centres import centre_offsets
+from blob_tracker.camera import CalibrationError, CameraModel
+from blob_tracker.camera.model import MRAD
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+# Model: names of its coefficients, in OpenCV's order.
+COEFFICIENTS = {
+    'equidistant': ('k1', 'k2', 'k3', 'k4'),
+    'plumb_bob': ('k1', 'k2', 'p1', 'p2', 'k3'),
+    'rational_polynomial': ('k1', 'k2', 'p1', 'p2', 'k3', 'k4', 'k5', 'k6'),
+}
+INTRINSICS = ('fx', 'fy', 'cx', 'cy')
+LEAST_VIEWS = 3
+CRITERIA = (cv2.TERM_CRITERIA_MAX_ITER | cv2.TERM_CRITERIA_EPS, 200, 1e-12)
+OUTLIER = 3.0  # times the median rms of the views: noise alone does not reach 2
+HARMLESS = 0.1  # px: a view this good is not at fault where the others are better still
+# Sigma to which the coefficients k4 k5 k6 of the rational model's denominator are held about 0, as
+# part of the covariance: without it numerator and denominator find a common root inside of the
+# image now and then, and bend the picture there to fit the noise.
+DENOMINATOR = 1.0
+DOT_PASSES = 2  # the offsets of dots hang on the camera a little
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BoardCalibration:
+    """
+    A camera, as views of a board tell it.
+
+    Parameters
+    ----------
+    model : CameraModel
+        The camera.
+    names : tuple of str
+        Of the parameters: fx, fy, cx, cy in px, then the distortion coefficients.
+    covariance : (n, n) array
+        Of the parameters in that order.
+    rms : float
+        Root of the mean squared distance between a point and its projection, px.
+    sigma : float
+        Standard deviation of one coordinate of one point, px, as the residuals tell it.
+    views : tuple of View
+        Those that took part; dots moved onto the pictures of their centres.
+    residuals : tuple of (N, 2) arrays
+        Of each view: place less projection, px.
+    rotations, translations : (M, 3) arrays
+        Of the board in each view: rotation vector, rad, and place of its origin, mm.
+    left_out : tuple of (View, float)
+        Views that do not fit the others, with their rms, px.
+
+    """
+
+    model: CameraModel
+    names: tuple[str, ...]
+    covariance: Array
+    rms: float
+    sigma: float
+    views: tuple[View, ...]
+    residuals: tuple[Array, ...]
+    rotations: Array
+    translations: Array
+    left_out: tuple[tuple[View, float], ...] = ()
+
+    @property
+    def values(self) -> Array:
+        """Return the parameters, in the order of `names`."""
+        return Bundle(self.model, self.rotations, self.translations).parameters
+
+    @property
+    def sigmas(self) -> Array:
+        """Return the standard deviation of each parameter."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def view_rms(self) -> Array:
+        """Return the rms distance of each view, (M,), px."""
+        return np.array([_rms(residual) for residual in self.residuals])
+
+    @property
+    def normals(self) -> Array:
+        """Return the board's normal, away from the camera, in the optical frame, (M, 3)."""
+        normals = np.array([cv2.Rodrigues(rotation)[0][:, 2] for rotation in self.rotations])
+        return np.asarray(normals * np.where(normals[:, 2:] < 0.0, -1.0, 1.0))
+
+    def bearing_covariance(self, x: float, y: float) -> Array:
+        """
+        Return the covariance that the calibration alone gives the bearing of a pixel.
+
+        The derivative of a bearing by a parameter is that by the pixel times, with its sign
+        turned, that of the projection by the parameter: the light still comes in along its ray.
+
+        Parameters
+        ----------
+        x, y : float
+            px.
+
+        Returns
+        -------
+        (2, 2) array
+            mrad^2, order azimuth, elevation, of the direction in the camera's optical frame.
+
+        Raises
+        ------
+        LensError
+            Where no ray leads to that pixel.
+
+        """
+        azimuth, elevation, by_pixel = self.model.angles(x, y)
+        across = np.tan(azimuth / MRAD)
+        ray = np.array([across, -np.tan(elevation / MRAD) * np.hypot(1.0, across), 1.0])
+        _, by_parameter, _ = project(ray[None], np.zeros(3), np.zeros(3), self.model)
+        derivative = by_pixel @ by_parameter
+        return np.asarray(derivative @ self.covariance @ derivative.T)
+
+
+def calibrate_board(
+    views: Sequence[View], distortion_model: str = 'plumb_bob', name: str = 'camera'
+) -> BoardCalibration:
+    """
+    Find the camera that sees a board as these views show it.
+
+    A view whose rms is beyond 0.1 px and three times the median is left out, and told of. Dots
+    are moved from the centroids of their pictures onto the pictures of their centres.
+
+    Parameters
+    ----------
+    views : sequence of View
+        Three or more, of images of one size.
+    distortion_model : str
+        plumb_bob, rational_polynomial or equidistant.
+    name : str
+        Of the camera.
+
+    Returns
+    -------
+    BoardCalibration
+        Camera, covariance, residuals and poses.
+
+    Raises
+    ------
+    CalibrationError
+        Where the views are too few, of several sizes, or do not tell the camera.
+
+    """
+    if len(views) < LEAST_VIEWS:
+        raise CalibrationError(
+            f'the board was found in {len(views)} images; it takes {LEAST_VIEWS} at the very '
+            'least, and 10 or more, each tilted another way, for a good calibration'
+        )
+    check_sizes(views)
+    used = list(views)
+    left_out: list[tuple[View, float]] = []
+    while True:
+        found = _refined(used, distortion_model, name)
+        rms = found.view_rms
+        worst = int(np.argmax(rms))
+        limit = max(OUTLIER * float(np.median(rms)), HARMLESS)
+        if rms[worst] <= limit or len(used) <= LEAST_VIEWS:
+            return replace(found, left_out=tuple(left_out))
+        left_out.append((used.pop(worst), float(rms[worst])))
+
+
+def check_sizes(views: Sequence[View]) -> None:
+    """Raise CalibrationError where the images are not all of one size."""
+    sizes: dict[tuple[int, int], list[str]] = {}
+    for view in views:
+        sizes.setdefault(view.size, []).append(view.name)
+    if len(sizes) > 1:
+        groups = ', '.join(
+            f'{len(names)} of {width} x {height} px ({names[0]})'
+            for (width, height), names in sorted(sizes.items(), key=lambda each: -len(each[1]))
+        )
+        raise CalibrationError(
+            f'the images have several sizes: {groups}; a calibration is for one: leave the others '
+            'out'
+        )
+
+
+def _refined(views: Sequence[View], distortion_model: str, name: str) -> BoardCalibration:
+    """Calibrate; with dots, as often as it takes to know the pictures of their centres."""
+    found = _fitted(views, distortion_model, name)
+    diameter = float(np.median([view.diameter for view in views]))
+    if not diameter:
+        return found
+    for _ in range(DOT_PASSES):
+        centred = [
+            replace(view, places=view.places - centre_offsets(
+                view.points, diameter, rotation, translation, found.model
+            ))
+            for view, rotation, translation in zip(views, found.rotations, found.translations)
+        ]
+        found = _fitted(centred, distortion_model, name)
+    return found
+
+
+def _fitted(views: Sequence[View], distortion_model: str, name: str) -> BoardCalibration:
+    """Calibrate with all of these views."""
+    fault = (
+        'the views do not tell the camera: the board must be tilted by 20 to 45 degrees in most '
+        'of them, to the left, to the right, up and down'
+    )
+    count = sum(len(view.points) for view in views)
+    names = INTRINSICS + COEFFICIENTS[distortion_model]
+    freedom = 2 * count - len(names) - 6 * len(views)
+    if freedom < 1:
+        raise CalibrationError('there are fewer points than parameters; take more images')
+    prior = np.zeros(len(names))
+    try:
+        if distortion_model == 'rational_polynomial':
+            bundle = _estimate(views, 'plumb_bob', name)
+            squares = sum(float((each**2).sum()) for each in residuals(views, bundle))
+            prior[-3:] = squares / freedom / DENOMINATOR**2
+            distortion = np.append(bundle.model.distortion, np.zeros(3))
+            model = replace(
+                bundle.model, distortion=distortion, distortion_model=distortion_model
+            )
+            bundle = adjust(views, replace(bundle, model=model), prior)
+        else:
+            bundle = _estimate(views, distortion_model, name)
+    except (cv2.error, CalibrationError, np.linalg.LinAlgError):
+        raise CalibrationError(fault) from None
+    left = residuals(views, bundle)
+    normal = information(views, bundle) + np.diag(prior)
+    scale = np.sqrt(np.diag(normal))
+    if not np.isfinite(normal).all() or (scale == 0.0).any() or not _all_in_front(views, bundle):
+        raise CalibrationError(fault)
+    squares = sum(float((each**2).sum()) for each in left)
+    # Scaled: focal lengths in px and coefficients of r^6 differ by many powers of ten.
+    inverse = np.linalg.pinv(normal / np.outer(scale, scale), rcond=1e-15, hermitian=True)
+    covariance = squares / freedom * inverse / np.outer(scale, scale)
+    return BoardCalibration(
+        model=bundle.model,
+        names=names,
+        covariance=covariance,
+        rms=float(np.sqrt(squares / count)),
+        sigma=float(np.sqrt(squares / freedom)),
+        views=tuple(views),
+        residuals=tuple(left),
+        rotations=bundle.rotations,
+        translations=bundle.translations,
+    )
+
+
+def _estimate(views: Sequence[View], distortion_model: str, name: str) -> Bundle:
+    """Return what OpenCV finds."""
+    points = [np.column_stack([view.points, np.zeros(len(view.points))]) for view in views]
+    size = views[0].size
+    if distortion_model == 'equidistant':
+        _, matrix, distortion, rotations, translations = cv2.fisheye.calibrate(
+            [each[None] for each in points],
+            [view.places[None] for view in views],
+            size,
+            np.eye(3),
+            np.zeros(4),
+            flags=cv2.fisheye.CALIB_RECOMPUTE_EXTRINSIC | cv2.fisheye.CALIB_FIX_SKEW,
+            criteria=CRITERIA,
+        )
+    else:
+        # Without a start OpenCV makes one: its typed interface asks for one nevertheless.
+        calibrate: Any = cv2.calibrateCamera
+        _, matrix, distortion, rotations, translations = calibrate(
+            [each.astype(np.float32) for each in points],
+            [view.places.astype(np.float32) for view in views],
+            size,
+            None,
+            None,
+            criteria=CRITERIA,
+        )
+    coefficients = np.ravel(distortion)[: len(COEFFICIENTS[distortion_model])].astype(float)
+    return Bundle(
+        CameraModel(*size, np.asarray(matrix, dtype=float), coefficients, distortion_model, name),
+        np.array(rotations, dtype=float).reshape(-1, 3),
+        np.array(translations, dtype=float).reshape(-1, 3),
+    )
+
+
+def _all_in_front(views: Sequence[View], bundle: Bundle) -> bool:
+    """Tell whether the board lies before the camera: a fit without tilts may put it behind."""
+    return all(
+        float((view.points @ cv2.Rodrigues(rotation)[0][2, :2] + translation[2]).min()) > 0.0
+        for view, rotation, translation in zip(views, bundle.rotations, bundle.translations)
+    )
+
+
+def _rms(residual: Array) -> float:
+    """Return the rms length of (N, 2) vectors."""
+    return float(np.sqrt((residual**2).sum(axis=1).mean()))
