@@ -16,7 +16,9 @@ def test_scatter_of_the_fits_is_their_covariance() -> None:
     """Over 2,000 draws, and on the mean."""
     random = np.random.default_rng(1)
     fits = [
-        fit_noise_line(LEVELS, TRUE * (1 + np.sqrt(SCATTERS) * random.standard_normal(5)), SCATTERS)
+        fit_noise_line(
+            LEVELS, TRUE * (1 + np.sqrt(SCATTERS) * random.standard_normal(5)), SCATTERS
+        )
         for _ in range(2000)
     ]
     found = np.array([(each.slope, each.foot) for each in fits])
