@@ -22,18 +22,11 @@ from blob_tracker.capture.errors import CaptureError, NoFrameError
 from blob_tracker.capture.format import set_format
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 from blob_tracker.capture.selection import sensor_region
+from blob_tracker.capture.signal import Signal
 from blob_tracker.capture.stamps import Exposure, ExposureControls, MidExposure, source_of
 from blob_tracker.types import Frame
 
 Result = TypeVar('Result')
-
-_NO_SIGNAL = (videodev2.IN_ST_NO_POWER | videodev2.IN_ST_NO_SIGNAL
-              | videodev2.IN_ST_NO_H_LOCK | videodev2.IN_ST_NO_SYNC)
-_TIMINGS_ERRORS = {
-    errno.ENOLINK: 'no signal: connect the source and switch it on',
-    errno.ENOLCK: 'a signal it cannot lock to: check the cable and the source',
-    errno.ERANGE: 'a signal out of its range: choose a lower resolution or rate at the source',
-}
 
 
 class V4l2Camera:
@@ -125,8 +118,8 @@ class V4l2Camera:
         self._fd = open_capture_device(device)
         step = 'take these settings'
         try:
-            self._input = self._selected_input()
-            self._lock_to_signal()
+            self._signal = Signal(self._call)
+            self._signal.lock(device)
             self._format = set_format(
                 self._call, device, buffer_type(self._fd), width, height, pixel_format)
             self.pixel_format = self._format.pixel_format
@@ -328,43 +321,6 @@ class V4l2Camera:
 
     # --- set-up ---
 
-    def _selected_input(self) -> videodev2.Input:
-        """Return the selected input; an empty one where the driver knows no inputs."""
-        selected = videodev2.Input()
-        try:
-            index = ctypes.c_int32()
-            self._call(videodev2.G_INPUT, index)
-            selected.index = index.value
-            self._call(videodev2.ENUMINPUT, selected)
-        except OSError as error:
-            if error.errno not in (errno.ENOTTY, errno.EINVAL):
-                raise
-        return selected
-
-    def _lock_to_signal(self) -> None:
-        """Set an input with digital timings to those of its signal."""
-        self._timings_rate = 0.0
-        if not self._input.capabilities & videodev2.IN_CAP_DV_TIMINGS:
-            return
-        timings = videodev2.DvTimings()
-        name = self._input.name.decode(errors='replace')
-        try:
-            self._call(videodev2.QUERY_DV_TIMINGS, timings)
-        except OSError as error:
-            if error.errno not in _TIMINGS_ERRORS:
-                raise
-            raise CaptureError(
-                f'{self.device}: input {name} has {_TIMINGS_ERRORS[error.errno]}') from error
-        if timings.bt.interlaced:
-            raise CaptureError(
-                f'{self.device}: the signal on input {name} is interlaced; the source must send '
-                'whole (progressive) pictures')
-        self._call(videodev2.S_DV_TIMINGS, timings)
-        bt = timings.bt
-        total = ((bt.width + bt.hfrontporch + bt.hsync + bt.hbackporch)
-                 * (bt.height + bt.vfrontporch + bt.vsync + bt.vbackporch))
-        self._timings_rate = bt.pixelclock / total if total else 0.0
-
     def _set_frame_rate(self, wanted: float) -> float:
         """Ask for a frame rate; return the one that the driver gives, frames/s, 0 if unknown."""
         parameters = videodev2.StreamParm(type=self._format.buffer_type)
@@ -379,10 +335,10 @@ class V4l2Camera:
         except OSError as error:
             if error.errno not in (errno.ENOTTY, errno.EINVAL):
                 raise
-            return self._timings_rate
+            return self._signal.frame_rate
         interval = parameters.timeperframe
         if not (interval.numerator and interval.denominator):
-            return self._timings_rate
+            return self._signal.frame_rate
         return interval.denominator / interval.numerator
 
     def _map_buffers(self, count: int) -> None:
@@ -443,34 +399,19 @@ class V4l2Camera:
         if error.errno == errno.ENODEV:
             return CaptureError(self._unplugged())
         return CaptureError(
-            f'{self.device}: the driver stopped streaming: {error.strerror}{self._signal()}; open '
-            'it again')
+            f'{self.device}: the driver stopped streaming: {error.strerror}'
+            f'{self._signal.trouble()}; open it again')
 
     def _wait(self, deadline: float, timeout: float) -> None:
         ready = self._poll.poll(max(0.0, deadline - time.monotonic()) * 1e3)
         if not ready:
-            raise NoFrameError(f'{self.device}: no frame for {timeout:.1f} s{self._signal()}')
+            raise NoFrameError(
+                f'{self.device}: no frame for {timeout:.1f} s{self._signal.trouble()}')
         if not ready[0][1] & select.POLLIN:
             # An error alone; a driver that knows its number gives it with the next buffer.
             self._dequeue()
-            raise CaptureError(f'{self.device}: the driver stopped streaming{self._signal()}; '
-                               'open it again')
-
-    def _signal(self) -> str:
-        """Return what is known about the signal of a camera that has gone quiet, in words."""
-        name = self._input.name.decode(errors='replace')
-        try:
-            self._call(videodev2.ENUMINPUT, self._input)
-            if self._input.status & _NO_SIGNAL:
-                return f': input {name} has {_TIMINGS_ERRORS[errno.ENOLINK]}'
-            if self._input.capabilities & videodev2.IN_CAP_DV_TIMINGS:
-                self._call(videodev2.QUERY_DV_TIMINGS, videodev2.DvTimings())
-        except OSError as error:
-            if error.errno == errno.ENODEV:
-                return ': the device is gone (unplugged?)'
-            if error.errno in _TIMINGS_ERRORS:
-                return f': input {name} has {_TIMINGS_ERRORS[error.errno]}'
-        return ''
+            raise CaptureError(f'{self.device}: the driver stopped streaming'
+                               f'{self._signal.trouble()}; open it again')
 
     def _stale(self, buffer: videodev2.Buffer) -> bool:
         age = (time.monotonic_ns() - _stamp_ns(buffer)) / 1e9
