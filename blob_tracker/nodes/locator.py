@@ -213,7 +213,7 @@ def _line_jitter(url: str) -> LineJitter | None:
         return None
     try:
         return LineJitter.from_yaml(to_path(url))
-    except CalibrationError as error:
+    except (CalibrationError, ParameterError) as error:
         raise ParameterError(f"parameter 'line_jitter_url': {error}") from None
 
 

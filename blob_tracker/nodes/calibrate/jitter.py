@@ -19,6 +19,7 @@ from rich.console import Console
 from rich.progress import track
 
 WARM = 0.05  # px from frame to frame: a warm camera's (Lenz and Fritsch; thesis, 2.2.4)
+COLD = 2.0 * WARM
 LIVE_FRAMES = 100  # of a topic, which does not end by itself
 TOGETHER = 0.3  # correlation of neighbouring lines: half a blob's lines then count no longer
 OFF_AXIS = 0.1  # of the width, from the middle, where lenses bend straight edges visibly
@@ -93,16 +94,16 @@ def _report(console: Console, measurement: LineJitterMeasurement, width: int) ->
     ]
     lines, count = len(jitter.offsets), len(measurement.places)
     console.print(results_table(f'line jitter, {lines} lines, {count} frames', rows))
-    if jitter.sigma_from_frame_to_frame > WARM:
+    if jitter.sigma_from_frame_to_frame > COLD:
         console.print(
-            f'- the lines move by more than {WARM} px from frame to frame, a warm camera\'s '
-            'figure: leave it on for half an hour and measure again'
+            f'- the lines move by more than {COLD} px from frame to frame, a warm camera\'s by '
+            f'{WARM}: leave it on for half an hour and measure again'
         )
     if measurement.between_neighbours > TOGETHER:
         console.print(
             '- neighbouring lines move together (correlation '
-            f'{measurement.between_neighbours:.2f}): the jitter from frame to frame averages out less over a blob than its covariance '
-            'will say'
+            f'{measurement.between_neighbours:.2f}): the jitter from frame to frame averages '
+            'out less over a blob than its covariance will say'
         )
     if abs(middle - 0.5 * width) > OFF_AXIS * width:
         console.print(

@@ -36,7 +36,7 @@ def results_table(title: str, rows: Sequence[Row]) -> Table:
 def row(quantity: str, value: float, sigma: float | None, unit: str) -> Row:
     """Return a row with as many digits as the standard deviation leaves a meaning."""
     if sigma is None or not sigma > 0.0:
-        return quantity, f'{value:.6g}', 'not fitted' if sigma == 0.0 else '', unit
+        return quantity, f'{value:.4g}', 'not fitted' if sigma == 0.0 else '', unit
     digits = max(0, 1 - int(f'{sigma:e}'.partition('e')[2]))
     return quantity, f'{value:.{digits}f}', f'{sigma:.{digits}f}', unit
 
