@@ -70,7 +70,7 @@ def recording(folder: Path, pixel_format: str, known: dict[str, int]) -> dict[st
                 'sequence': camera.sequence, 'drops': camera.drops})
         return {
             'count': COUNT, 'size': [camera.width, camera.height], 'frame_rate': camera.frame_rate,
-            'pixel_format': camera.pixel_format, 'stamps_start': camera.stamps_start,
+            'pixel_format': camera.pixel_format,
             'shape': frame.image.shape, 'dtype': str(frame.image.dtype),
             'saturation': frame.saturation, 'frames': frames}
 
@@ -164,10 +164,6 @@ def main(folder: Path) -> None:
     known = {digest(frame): index for index, frame in enumerate(scene)}
     found = {name: recording(folder, name, known) for name in ('GREY', 'YUYV')}
     found['losses'] = losses()
-    control(timestamp_source=0)
-    with V4l2Camera(**SETTINGS) as camera:
-        found['stamps_end'] = {'stamps_start': camera.stamps_start}
-    control(timestamp_source=1)
     found['sentences'] = sentences()
     (folder / 'capture.json').write_text(json.dumps(found, indent=1))
 

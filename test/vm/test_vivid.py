@@ -108,11 +108,6 @@ def test_silence_is_told_and_does_not_end_the_camera(capture):
     assert capture['losses']['after_quiet'] == ''
 
 
-def test_the_place_of_the_stamp_is_known(capture):
-    assert capture['GREY']['stamps_start'] is True
-    assert capture['stamps_end']['stamps_start'] is False
-
-
 @pytest.mark.parametrize(('case', 'sentence'), [
     ('missing', '/dev/video7: there is no such device; capture devices here: ' + DEVICES),
     ('output', '/dev/video1: this is an output device, not a capture device; '
