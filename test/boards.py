@@ -71,7 +71,7 @@ def poses(
         still = Pose(rotation, np.zeros(3))
         pose = Pose(rotation, place - still.matrix @ np.array([*middle, 0.0]))
         corners = scene.truth(outline, pose)
-        margin = 0.03 * model.width
+        margin = 0.06 * model.width  # for the squares and dots about the outermost points
         if (corners > margin).all() and (corners < size - margin).all():
             count -= 1
             yield pose

@@ -56,7 +56,7 @@ def test_corners_are_nearer_than_those_of_corner_sub_pix() -> None:
         image = scene.frame(pose, random)
         view = CHESSBOARD.find(image)
         assert view is not None
-        start = view.places.astype(np.float32)[:, None]
+        start = np.ascontiguousarray(view.places[:, None], dtype=np.float32)
         criteria = (cv2.TERM_CRITERIA_MAX_ITER | cv2.TERM_CRITERIA_EPS, 50, 1e-4)
         other = cv2.cornerSubPix(image, start, (5, 5), (-1, -1), criteria)[:, 0]
         truth = min(

@@ -51,7 +51,7 @@ class Board(Protocol):
         """Return what is looked for, for a sentence: 'chessboard of 9 x 6 inner corners'."""
 
     def outline(self) -> NDArray[np.float64]:
-        """Return the four outermost points in their order around the board, (4, 2), mm."""
+        """Return the corners of the rectangle about the points, in turn, (4, 2), mm."""
 
     def find(self, image: Pixels, name: str = '') -> View | None:
         """
@@ -93,3 +93,9 @@ def grid(columns: int, rows: int, spacing: float) -> NDArray[np.float64]:
     """Return the (N, 2) points of a square grid, mm, row by row, the first at (0, 0)."""
     y, x = np.divmod(np.arange(columns * rows), columns)
     return spacing * np.column_stack([x, y]).astype(float)
+
+
+def rectangle(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the corners of the rectangle about (N, 2) points, in turn, (4, 2)."""
+    (left, top), (right, bottom) = points.min(axis=0), points.max(axis=0)
+    return np.array([[left, top], [right, top], [right, bottom], [left, bottom]])

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from blob_tracker.calibration.boards.board import (
-    BoardError, check_grid, eight_bits, grid, View,
+    BoardError, check_grid, eight_bits, grid, rectangle, View,
 )
 from blob_tracker.calibration.boards.saddle import place_saddles
 from blob_tracker.types import Pixels
@@ -73,8 +73,7 @@ class CharucoBoard:
 
     def outline(self) -> NDArray[np.float64]:
         """Return the four outermost corners, (4, 2), mm."""
-        points = self._points().reshape(self.rows - 1, self.columns - 1, 2)
-        return points[[0, 0, -1, -1], [0, -1, -1, 0]]
+        return rectangle(self._points())
 
     def find(self, image: Pixels, name: str = '') -> View | None:
         """Find what is in sight of the board, six corners or more; see `Board.find`."""

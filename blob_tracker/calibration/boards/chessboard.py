@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from blob_tracker.calibration.boards.board import check_grid, eight_bits, grid, View
+from blob_tracker.calibration.boards.board import check_grid, eight_bits, grid, rectangle, View
 from blob_tracker.calibration.boards.saddle import place_saddles
 from blob_tracker.types import Pixels
 import cv2
@@ -51,7 +51,7 @@ class Chessboard:
 
     def outline(self) -> NDArray[np.float64]:
         """Return the four outermost corners, (4, 2), mm."""
-        return self._points().reshape(self.rows, self.columns, 2)[[0, 0, -1, -1], [0, -1, -1, 0]]
+        return rectangle(self._points())
 
     def find(self, image: Pixels, name: str = '') -> View | None:
         """Find all corners, or none; see `Board.find`."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from blob_tracker.calibration.boards.board import check_grid, eight_bits, grid, View
+from blob_tracker.calibration.boards.board import check_grid, eight_bits, grid, rectangle, View
 from blob_tracker.types import Pixels
 import cv2
 import numpy as np
@@ -66,8 +66,8 @@ class DotGrid:
         return self.spacing * points
 
     def outline(self) -> Array:
-        """Return the four outermost dots, (4, 2), mm."""
-        return self.points().reshape(self.rows, self.columns, 2)[[0, 0, -1, -1], [0, -1, -1, 0]]
+        """Return the corners of the rectangle about the centres, (4, 2), mm."""
+        return rectangle(self.points())
 
     def find(self, image: Pixels, name: str = '') -> View | None:
         """Find all dots, or none; see `Board.find`."""
