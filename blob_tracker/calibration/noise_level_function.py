@@ -70,8 +70,8 @@ class NoiseLevelFunction:
     A tile is left out where what remains is not white (neighbours correlated), has heavy tails,
     or stands beside the line that the medians of all tiles make; where the motion times the
     detail leaves more than 0.2 % to the third order; and where pixels come near 0 DN or
-    saturation. A pair is left out where the neighbours of all tiles together are correlated. What is left is summed
-    by level with the weight exp(-age / memory).
+    saturation. A pair is left out where the neighbours of all tiles together are correlated.
+    What is left is summed by level with the weight exp(-age / memory).
 
     The idea to read the noise off the frames of a scene is that of the noise level function (Liu
     et al., CVPR 2006); from differences in time it needs no model of the scene.
@@ -302,7 +302,7 @@ def _gradient(
     x, y = tiles[:, inner], tiles[:, :, inner]
     along_x = (8.0 * (x[:, :, 3:-1] - x[:, :, 1:-3]) - (x[:, :, 4:] - x[:, :, :-4])) / 12.0
     along_y = (8.0 * (y[:, 3:-1] - y[:, 1:-3]) - (y[:, 4:] - y[:, :-4])) / 12.0
-    return along_x, along_y
+    return np.asarray(along_x, np.float32), np.asarray(along_y, np.float32)
 
 
 def _beyond_first_order(

@@ -60,7 +60,7 @@ class NoiseLine:
 
     @property
     def read_noise(self) -> float:
-        """Standard deviation at 0 DN before quantisation, DN; 0 where the foot is below 1/12."""
+        """Read noise at 0 DN, before quantisation: DN, 0 where the foot is below 1/12."""
         return sqrt(max(self.foot - QUANTISATION, 0.0))
 
     @property
@@ -86,11 +86,6 @@ class NoiseLine:
         """Return the variance of a pixel at a level, DN^2, and its standard deviation."""
         row = np.array([level, 1.0])
         return self.foot + self.slope * level, sqrt(row @ self.covariance @ row)
-
-    @property
-    def known_level(self) -> float:
-        """The level at which the variance is known best, DN: that of the points."""
-        return float(-self.covariance[0, 1] / self.covariance[0, 0])
 
     def above(self, black_level: float) -> NoiseLine:
         """

@@ -141,7 +141,7 @@ class PhotonTransfer:
 
     @property
     def in_dn(self) -> NoiseLine:
-        """The line over the level as the camera gives it: what `SensorNoise` is about."""
+        """Line over the level as the camera gives it: what `SensorNoise` is about."""
         return self.line.above(-self.black_level[0])
 
     @property

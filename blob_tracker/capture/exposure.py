@@ -271,8 +271,8 @@ def adjust_exposure(
     """
     Search on a streaming camera, and leave its controls at the outcome.
 
-    Automatic exposure and gain are switched off first. The target has to be in view and the brightest
-    thing there: the lit peak is the greatest `lit_peak` of a row of frames.
+    Automatic exposure and gain are switched off first. The target has to be in view and the
+    brightest thing there: the lit peak is the greatest `lit_peak` of a row of frames.
 
     Parameters
     ----------

@@ -64,7 +64,8 @@ class FlatField:
         response = 1.0 + self.prnu * own.standard_normal(shape)
         black = self.black_level + self.dsnu * own.standard_normal(shape)
         charge = signal * response
-        charge += np.sqrt(np.maximum(charge, 0.0) / self.noise.gain) * random.standard_normal(shape)
+        shot_noise = np.sqrt(np.maximum(charge, 0.0) / self.noise.gain)
+        charge += shot_noise * random.standard_normal(shape)
         # What is left is read out: its noise comes after the well.
         read_out = SensorNoise(inf, self.noise.read_noise)
         return expose(

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
+from blob_tracker import CameraModel, Frame, Pipeline
 from blob_tracker.calibration.noise_level_function import NoiseLevelFunction
-from blob_tracker.simulation import AmbientLight, Drifting, expose, PassingObject, Scene, sinusoid
+from blob_tracker.simulation import (
+    AmbientLight, Drifting, expose, in_step, Light, PassingObject, Scene, sinusoid,
+)
 from blob_tracker.types import SensorNoise
 import cv2
 import numpy as np
@@ -177,3 +181,48 @@ def test_bad_pairs_are_named() -> None:
         found.add(np.zeros((40, 40), np.uint8), np.zeros((40, 41), np.uint8), 255, 0)
     with pytest.raises(ValueError, match='36 x 20 px is the least'):
         found.add(np.zeros((10, 40), np.uint8), np.zeros((10, 40), np.uint8), 255, 0)
+
+
+def tracked_nees(method: str, noise: SensorNoise, *, online: bool) -> tuple[float, int]:
+    """Return the mean NEES of the bearings from 4 s on, and how many there are."""
+    light = Light(120.3, 90.2, 2.0, 80.0, in_step(60.0), reach_x=30.0, reach_y=20.0)
+    scene = replace(SCENE, target=light, width=240, height=180, background=60.0)
+    model = CameraModel.from_field_of_view(240, 180, 40.0)
+    pipeline = Pipeline(model, noise=noise, method=method)
+    measured = NoiseLevelFunction()
+    seconds = set()
+
+    def frames() -> Iterator[Frame]:
+        for index in range(900):
+            stamp_ns = scene.stamp_ns(index)
+            yield Frame(scene.frame(index), stamp_ns, 255)
+            pair = pipeline.segmenter.unlit_pair
+            if online and pair is not None and stamp_ns // SECOND not in seconds:
+                seconds.add(stamp_ns // SECOND)
+                measured.add(*pair, 255, stamp_ns)
+                line = measured.line()
+                pipeline.noise = noise if line is None else line.noise
+
+    nees = []
+    for bearing in pipeline.run(frames()):
+        index = round((bearing.stamp_ns - scene.stamp_ns(0)) * 60 / SECOND)
+        truth = scene.truth(index)
+        azimuth, elevation, _ = model.angles(truth.x, truth.y)
+        error = np.array([bearing.azimuth - azimuth, bearing.elevation - elevation])
+        if index >= 240:
+            nees.append(error @ np.linalg.solve(bearing.covariance, error))
+    return float(np.mean(nees)), len(nees)
+
+
+@pytest.mark.parametrize(('method', 'factor'), [
+    # Maximum likelihood grows its covariance by its own chi2, so that it can only be too wide.
+    ('multi_gaussian_lm', 4.0), ('multi_gaussian_lm', 0.25), ('maximum_likelihood', 0.25),
+])
+def test_the_covariance_is_true_whatever_gain_is_configured(method: str, factor: float) -> None:
+    """Four times off, the NEES is far from 2; with the noise measured on the way it is 2."""
+    wrong = SensorNoise(factor * NOISE.gain, NOISE.read_noise)
+    blind, _ = tracked_nees(method, wrong, online=False)
+    assert blind > 4.0 or blind < 1.0
+    told, count = tracked_nees(method, wrong, online=True)
+    assert count >= 300
+    assert abs(told - 2.0) < 1.96 * 2.0 / np.sqrt(count)  # 95 % of means

@@ -183,7 +183,7 @@ def test_what_cannot_be_is_said() -> None:
     reason='BLOB_TRACKER_DATA does not name a folder with emva_001/',
 )
 def test_real_sensor() -> None:
-    """EMVA's own set 001: K 0.280 DN/e-, dark noise 3.07 DN, PRNU 0.26 %."""
+    """Set 001 of EMVA 1288: K 0.280 DN/e-, dark noise 3.07 DN, PRNU 0.26 %."""
     pairs = []
     for step in range(0, 45, 5):
         for kind in 'bd':

@@ -15,6 +15,10 @@ import pytest
     (videodev2.FrameSizeEnum, 44),
     (videodev2.PixFormat, 48),
     (videodev2.Format, 208),
+    (videodev2.PlanePixFormat, 20),
+    (videodev2.PixFormatMplane, 192),
+    (videodev2.Rect, 16),
+    (videodev2.Selection, 64),
     (videodev2.StreamParm, 204),
     (videodev2.RequestBuffers, 20),
     (videodev2.Timecode, 16),
@@ -38,6 +42,13 @@ def test_struct_size(struct, size):
     (videodev2.DvTimings, 'bt', 4),
     (videodev2.FrameSizeEnum, 'min_width', 12),
     (videodev2.Format, 'pix', 8),
+    (videodev2.Format, 'pix_mp', 8),
+    (videodev2.PixFormatMplane, 'plane_fmt', 20),
+    (videodev2.PixFormatMplane, 'num_planes', 180),
+    (videodev2.PixFormatMplane, 'quantization', 183),
+    (videodev2.Selection, 'r', 12),
+    (videodev2.Plane, 'm', 8),
+    (videodev2.Plane, 'data_offset', 16),
     (videodev2.StreamParm, 'timeperframe', 12),
     (videodev2.Buffer, 'timestamp', 24),
     (videodev2.Buffer, 'timecode', 40),
@@ -77,6 +88,8 @@ def test_field_offset(struct, field, offset):
     ('S_EXT_CTRLS', 0xc0205648),
     ('ENUM_FRAMESIZES', 0xc02c564a),
     ('S_DV_TIMINGS', 0xc0845657),
+    ('G_SELECTION', 0xc040565e),
+    ('S_SELECTION', 0xc040565f),
     ('DQEVENT', 0x80885659),
     ('SUBSCRIBE_EVENT', 0x4020565a),
     ('QUERY_DV_TIMINGS', 0x80845663),
@@ -97,4 +110,5 @@ def test_fourcc_both_ways(name, number):
 
 
 def test_big_endian_format_is_told_from_its_twin():
-    assert videodev2.fourcc_name(0xa0363159) == 'Y16 -BE'.replace(' ', '')
+    assert videodev2.fourcc_name(0xa0363159) == 'Y16-BE'
+    assert videodev2.fourcc('Y16-BE') == 0xa0363159

@@ -132,7 +132,6 @@ def exposures() -> dict[str, Any]:
     # The driver's end of a frame lies 0.9 frames ahead of its delivery (see `stamps`).
     control(timestamp_source=0)
     with brightness_as_exposure(), V4l2Camera(**SETTINGS, readout_time=READOUT) as camera:
-        camera.set_control('brightness', 100)
         place = camera.stamp_place
         middle_of = camera._middle.middle
 
@@ -151,7 +150,8 @@ def exposures() -> dict[str, Any]:
             change()
             found['changes'].append([before, time.monotonic_ns()])
             frames += [camera.read(5.0).stamp_ns for _ in range(12)]
-        found |= {'readout_s': READOUT, 'units': [100, 200, 50, 150], 'place': place, 'seen': seen, 'frames': frames}
+        found |= {'readout_s': READOUT, 'units': [128, 200, 50, 150], 'place': place,
+                  'seen': seen, 'frames': frames}
         camera.set_control('brightness', 128)
     for name, source, arguments in (
             ('start', 1, {}), ('start_known', 1, {'exposure_time': 0.01}), ('end', 0, {}),

@@ -207,6 +207,10 @@ def main(folder: Path) -> None:
         found['planar'][name] = played(name, *case)
     for name, case in MULTI_PLANAR_FORMATS.items():
         found['multi_planar'][name] = played(name, *case)
+    control(quantization=1)
+    with V4l2Camera(CAPTURE, 160, 120, 'YUYV') as camera:
+        found['full_range_saturation'] = camera.read(5.0).saturation
+    control(quantization=0)
     with padded(48):
         found['padded'] = played('GREY', PLANAR, 320, 240, grey)
     found['selections'] = selections()

@@ -72,7 +72,7 @@ class Probe(Node):
             rclpy.spin_once(self, timeout_sec=0.2)
         return bool(done())
 
-    def set(self, *parameters: tuple[str, Any], at_once: bool = False) -> str:
+    def change(self, *parameters: tuple[str, Any], at_once: bool = False) -> str:
         """Set parameters; return why they were refused, '' if they were not."""
         messages = [Parameter(name, value=value).to_parameter_msg() for name, value in parameters]
         if at_once:
@@ -149,14 +149,15 @@ def parameters(probe: Probe) -> dict[str, Any]:
         each.name: [each.type, each.description, [
             [part.from_value, part.to_value, part.step] for part in each.integer_range]]
         for each in answer.descriptors}
-    found['sets'] = [[name, value, probe.set((name, value))] for name, value in SETS]
+    found['sets'] = [[name, value, probe.change((name, value))] for name, value in SETS]
     found['after'] = {name: read(name) for name in
                       ('brightness', 'integer_64_bits', 'string', 'boolean', 'menu', 'bitmask')}
     found['springs_back'] = probe.until(lambda: probe.get('button') == {'button': False})
-    found['all_or_none'] = probe.set(('brightness', 11), ('menu', 2), at_once=True)
+    found['all_or_none'] = probe.change(('brightness', 11), ('menu', 2), at_once=True)
     found['none'] = read('brightness')
     # The mode comes first, whatever the order in the request.
-    found['mode_and_governed'] = probe.set(('gain', 44), ('gain_automatic', False), at_once=True)
+    found['mode_and_governed'] = probe.change(
+        ('gain', 44), ('gain_automatic', False), at_once=True)
     found['gain'] = read('gain')
 
     control(contrast=12)  # another program
@@ -164,17 +165,18 @@ def parameters(probe: Probe) -> dict[str, Any]:
     found['not_fought'] = read('contrast')
 
     warned = probe.said(1, "'gain_automatic' is true: ")
-    found['automatic'] = probe.set(('gain_automatic', True))
+    found['automatic'] = probe.change(('gain_automatic', True))
     found['warned'] = probe.until(warned)
-    found['inactive'] = probe.set(('gain', 45))
-    found['manual'] = probe.set(('gain_automatic', False))
+    found['inactive'] = probe.change(('gain', 45))
+    found['manual'] = probe.change(('gain_automatic', False))
     return found
 
 
 def services(probe: Probe, folder: Path) -> dict[str, Any]:
     """Give the node calibrations and let it search for the exposure."""
     found: dict[str, Any] = {}
-    answer = probe.ask(SetCameraInfo, 'camera/set_camera_info', camera_info=calibration(WIDTH, HEIGHT))
+    answer = probe.ask(
+        SetCameraInfo, 'camera/set_camera_info', camera_info=calibration(WIDTH, HEIGHT))
     found['other_size'] = [answer.success, answer.status_message]
     found['uncalibrated'] = list(probe.infos[-1].k)
     answer = probe.ask(SetCameraInfo, 'camera/set_camera_info', camera_info=calibration(*SIGNAL))
@@ -192,7 +194,7 @@ def services(probe: Probe, folder: Path) -> dict[str, Any]:
 def unplugged(probe: Probe) -> dict[str, Any]:
     """Unplug the camera, change its controls behind the node's back, and plug it in again."""
     found: dict[str, Any] = {}
-    found['before'] = probe.set(('brightness', 77), ('string', 'xyz'))
+    found['before'] = probe.change(('brightness', 77), ('string', 'xyz'))
     # So long as there is no signal the node cannot take the device up again.
     control(dv_timings_signal_mode=1)
     gone = probe.said(2, 'the device is gone (unplugged?)')
@@ -200,7 +202,7 @@ def unplugged(probe: Probe) -> dict[str, Any]:
     v4l2_ctl(CAPTURE, '-c', 'disconnect=1')
     found['gone'] = probe.until(gone)
     found['waits'] = probe.until(waits)
-    found['refused'] = probe.set(('brightness', 78))
+    found['refused'] = probe.change(('brightness', 78))
     answer = probe.ask(Trigger, 'camera/find_exposure')
     found['exposure'] = [answer.success, answer.message]
     control(brightness=5, contrast=5, string='ab', gain_automatic=1)

@@ -16,11 +16,13 @@ from typing import Any
 
 from blob_tracker.capture import Grabber, NoFrameError, V4l2Camera
 from hdmi_loop import CAPTURE, close_loop, control, HEIGHT, WIDTH
+import numpy as np
 
 SETTINGS: dict[str, Any] = {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT,
                             'pixel_format': 'GREY', 'buffers': 4}
 BEGIN = 5.0  # s until the interpreter and its allocator have what they need
 EVERY = 1.0  # s
+LONGEST = 999  # ms, and above
 
 
 def held() -> dict[str, int]:
@@ -36,6 +38,7 @@ def stream(seconds: float) -> dict[str, Any]:
     """Take every frame for so long."""
     samples: list[dict[str, int]] = []
     lags = [0] * 1000  # frames by ms; nothing in here may grow by itself
+    best = LONGEST
     frames = silent = 0
     with V4l2Camera(**SETTINGS) as camera, Grabber(camera) as grabber:
         grabber.newest(5.0)
@@ -52,15 +55,19 @@ def stream(seconds: float) -> dict[str, Any]:
             frames += 1
             ordered &= last_ns < frame.stamp_ns
             last_ns = frame.stamp_ns
-            lags[min(999, max(0, (time.time_ns() - frame.stamp_ns) // 1_000_000))] += 1
+            lag = min(LONGEST, max(0, (time.time_ns() - frame.stamp_ns) // 1_000_000))
+            lags[lag] += 1
+            best = min(best, lag)
             if time.monotonic() > sample_at:
-                samples.append(held())
+                samples.append(held() | {'best_lag_ms': best})
+                best = LONGEST
                 sample_at += EVERY
         took = time.monotonic() - began
         return {
             'frames': frames, 'numbers': camera.sequence - first, 'drops': grabber.drops,
             'overruns': grabber.overruns, 'silent': silent, 'ordered': ordered, 'seconds': took,
             'frame_rate': camera.frame_rate, 'ring_s': camera.longest_wait,
+            'median_lag_ms': int(np.searchsorted(np.cumsum(lags), frames / 2)),
             'lags_ms': {ms: count for ms, count in enumerate(lags) if count},
             'samples': samples}
 

@@ -44,7 +44,7 @@ def test_a_control_that_start_up_named_is_set_and_automatic_gain_is_off(paramete
      'Brightness: a whole number from 0 to 255; 128 by default.', [[0, 255, 1]]),
     ('menu', ParameterType.PARAMETER_INTEGER,
      'Menu: one of 1 (Menu Item 1), 3 (Menu Item 3), 4 (Menu Item 4); 3 by default.',
-     [[0, 4, 1]]),
+     [[1, 4, 1]]),
     ('string', ParameterType.PARAMETER_STRING, 'String: a text of 2 to 4 bytes', []),
     ('integer_64_bits', ParameterType.PARAMETER_INTEGER,
      'Integer 64 Bits: a whole number from -9223372036854775808 to 9223372036854775807; 0 by '
@@ -52,7 +52,7 @@ def test_a_control_that_start_up_named_is_set_and_automatic_gain_is_off(paramete
     ('button', ParameterType.PARAMETER_BOOL, 'Button: true presses it.', []),
     ('boolean', ParameterType.PARAMETER_BOOL, 'Boolean: true or false; true by default.', []),
     ('bitmask', ParameterType.PARAMETER_INTEGER,
-     'Bitmask: a whole number whose bits are among those of 0x80402010; 2151686160 by default.',
+     'Bitmask: a whole number whose bits are among those of 0x80402010; 2147491840 by default.',
      [[0, 0x80402010, 1]]),
 ])
 def test_a_parameter_has_the_type_the_range_and_the_words_of_its_control(
@@ -91,7 +91,7 @@ def test_a_parameter_is_set_while_frames_come_or_refused_with_the_reason(
 def test_what_was_set_is_on_the_device(parameters):
     assert parameters['after'] == {
         'brightness': '200', 'integer_64_bits': str(-2**40), 'string': 'abc', 'boolean': '0',
-        'menu': '4', 'bitmask': '0x80000000'}
+        'menu': '4', 'bitmask': str(-2**31)}  # v4l2-ctl takes the top bit for a sign
     assert parameters['springs_back']
 
 

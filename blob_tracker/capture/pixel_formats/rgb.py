@@ -66,6 +66,10 @@ def _luma(pixels: NDArray[np.uint32], conversion: int) -> NDArray[np.uint8]:
     colours = pixels.view(np.uint8).reshape(height, width, 4)
     luma = np.asarray(cv2.cvtColor(colours, conversion), np.uint8)
     # Any byte of 255 leaves its top bit: the test for a byte of zero in a word, on ~pixels.
-    clipped = (~pixels - np.uint32(0x010101)) & pixels & np.uint32(0x808080)
-    luma[clipped != 0] = 255
+    clipped = ~pixels
+    clipped -= np.uint32(0x010101)
+    clipped &= pixels
+    clipped &= np.uint32(0x808080)
+    if clipped.any():
+        luma[clipped != 0] = 255
     return luma
