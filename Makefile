@@ -3,8 +3,10 @@
 #      CAMERA_INFO=file.yaml   its calibration
 # make test               all tests
 #      PYTEST='-k segmenter'   a part of them
+# make soak               the camera driver's tests with 300 s of streaming in place of 45
+#      SOAK_SECONDS=3600   another time
 # make bench              beside other people's methods, a quarter of an hour, out/benchmarks
-#      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion), less of it
+#      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion, capture), less of it
 #      BLOB_TRACKER_DATA=folder   where the real pixels are
 # PYTHON=python3.12       another interpreter, 3.10 to 3.13, after `make clean`
 
@@ -15,6 +17,7 @@ PYTHON ?= python3
 DEVICE ?=
 CAMERA_INFO ?=
 OUT ?= out
+SOAK_SECONDS ?= 300
 
 BIN := .venv/bin
 SOURCES := $(shell find blob_tracker config launch resource -type f -not -name '*.pyc') \
@@ -22,7 +25,7 @@ SOURCES := $(shell find blob_tracker config launch resource -type f -not -name '
 ENVIRONMENT := source install/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH" \
 	FASTRTPS_DEFAULT_PROFILES_FILE="$(CURDIR)/config/fastdds.xml"
 
-.PHONY: help demo test bench clean
+.PHONY: help demo test soak bench clean
 help:
 	@grep '^# ' Makefile | cut -c3-
 
@@ -33,6 +36,10 @@ demo: install/.built
 test: install/.built .venv/.test
 	@# pytest alone, not python -m: what colcon installed is tested, not what lies here.
 	@$(ENVIRONMENT) && pytest $(PYTEST)
+
+soak: export SOAK_SECONDS := $(SOAK_SECONDS)
+soak: install/.built .venv/.test
+	@$(ENVIRONMENT) && pytest test/vm/test_controls.py $(PYTEST)
 
 bench: .venv/.bench  # reads the package from the source tree: it needs neither ROS nor a build
 	@OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks --out $(OUT)/benchmarks $(BENCH)

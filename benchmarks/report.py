@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from benchmarks import (
-    accuracy, bearing, detection, motion, real_frames, real_pixels, search, speed,
+    accuracy, bearing, capture, detection, motion, real_frames, real_pixels, search, speed,
 )
 from benchmarks.accuracy import Bias, Row
 from benchmarks.bearing import Row as BearingRow
+from benchmarks.capture import Row as CaptureRow
 from benchmarks.contender import Contender
 from benchmarks.detection import Counts, Row as DetectionRow
 from benchmarks.motion import Row as MotionRow
@@ -19,7 +20,7 @@ from benchmarks.real_pixels import Row as RealRow
 from benchmarks.search import Row as SearchRow
 from benchmarks.speed import Pace
 
-PARTS = ('accuracy', 'speed', 'real', 'detection', 'search', 'motion')
+PARTS = ('accuracy', 'speed', 'real', 'detection', 'search', 'motion', 'capture')
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,7 @@ class Report:
     detection: list[DetectionRow] = field(default_factory=list)
     search: list[SearchRow] = field(default_factory=list)
     motion: list[MotionRow] = field(default_factory=list)
+    capture: list[CaptureRow] = field(default_factory=list)
 
 
 def steps(parts: Collection[str]) -> int:
@@ -74,6 +76,7 @@ def steps(parts: Collection[str]) -> int:
         'detection': detection.steps(),
         'search': search.steps(),
         'motion': motion.steps(),
+        'capture': capture.steps(),
     }
     return sum(each[part] for part in parts)
 
@@ -103,4 +106,6 @@ def measure(
         report.search.extend(search.run(sizes.repeats, tick))
     if 'motion' in parts:
         report.motion.extend(motion.run(sizes.motion, tick))
+    if 'capture' in parts:
+        report.capture.extend(capture.run(sizes.repeats, tick))
     return report

@@ -7,6 +7,7 @@ from math import isnan
 
 from benchmarks.accuracy import Bias, Row, TARGET
 from benchmarks.bearing import Row as BearingRow
+from benchmarks.capture import Row as CaptureRow
 from benchmarks.contender import Contender
 from benchmarks.detection import ASKED_SNR, OURS, Row as DetectionRow, share, SNRS
 from benchmarks.finders import FINDERS
@@ -58,6 +59,7 @@ def figures(report: Report, ours: Sequence[str]) -> list[Table]:
     tables += [frames(report.frames)] if report.frames else []
     tables += detection(report.detection) if report.detection else []
     tables += [search(report.search)] if report.search else []
+    tables += [capture(report.capture)] if report.capture else []
     tables += [motion(report.motion)] if report.motion else []
     return tables
 
@@ -208,6 +210,20 @@ def search(rows: Sequence[SearchRow]) -> Table:
     for path in dict.fromkeys(row.path for row in rows):
         found = {(row.size, row.depth): row for row in rows if row.path == path}
         table.add_row(path, *(_search_cell(found[kind]) for kind in kinds))
+    return table
+
+
+def capture(rows: Sequence[CaptureRow]) -> Table:
+    """Return microseconds from the driver's buffer to the reader, and of a copy."""
+    table = Table(
+        'GREY', 'frame at the reader, us', 'one copy, us', 'ratio',
+        title='After DQBUF: decoding, stamp, capture thread to the reader',
+    )
+    for row in rows:
+        table.add_row(
+            row.size, f'{row.seconds * 1e6:,.0f}', f'{row.reference * 1e6:,.0f}',
+            f'{row.ratio:.2f}',
+        )
     return table
 
 

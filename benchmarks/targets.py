@@ -9,6 +9,7 @@ from statistics import geometric_mean
 
 from benchmarks.accuracy import Bias, Row, TARGET
 from benchmarks.bearing import Row as BearingRow
+from benchmarks.capture import Row as CaptureRow
 from benchmarks.detection import ASKED_SNR, OURS, Row as DetectionRow, share
 from benchmarks.motion import Row as MotionRow
 from benchmarks.ours import CHAMPION, DIFFERENCE, LIT_ONLY
@@ -97,7 +98,8 @@ def judge(report: Report, ours: Sequence[str]) -> list[Target]:
     judged += frame_targets(report.frames) if report.frames else []
     judged += detection_targets(report.detection) if report.detection else []
     judged += search_targets(report.search) if report.search else []
-    return judged + ([_motion_target(report.motion)] if report.motion else [])
+    judged += [_motion_target(report.motion)] if report.motion else []
+    return judged + ([_capture_target(report.capture)] if report.capture else [])
 
 
 def accuracy_targets(
@@ -172,6 +174,18 @@ def detection_targets(rows: Sequence[DetectionRow]) -> list[Target]:
         _false_target('without a target', [row for row in ours if isnan(row.snr)]),
         _false_target('with a target', [row for row in ours if not isnan(row.snr)]),
     ]
+
+
+def _capture_target(rows: Sequence[CaptureRow]) -> Target:
+    """Return the target that the way of a frame to its reader decides."""
+    (row,) = (row for row in rows if row.size == '640 x 480')
+    return Target(
+        "a frame from the driver's buffer to the reader",
+        300.0,
+        row.seconds * 1e6,
+        unit=' us',
+        where=row.size,
+    )
 
 
 def search_targets(rows: Sequence[SearchRow]) -> list[Target]:

@@ -9,6 +9,7 @@ import sys
 COMMANDS = {
     'calibrate': ('blob_tracker.nodes.calibrate', 'measure a camera: lens, noise, line jitter'),
     'demo': ('blob_tracker.nodes.demo', 'track a simulated light, or a camera, and show it live'),
+    'optics': ('blob_tracker.studies.optics', 'what a lens sees and resolves, by its data sheet'),
     'replay': ('blob_tracker.nodes.replay', 'publish the messages of a bag, without ros2 bag'),
 }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
+from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import locate, METHODS
 from blob_tracker.segmentation import FrameError, Segmenter
 from blob_tracker.types import Bearing, Frame, LocationError, SensorNoise
@@ -25,11 +26,15 @@ class Pipeline:
     segmenter : Segmenter, optional
         Finds the flash; one with default settings where it is left out. Its `reason` tells why
         the last frame gave no bearing.
+    line_jitter : LineJitter, optional
+        Offsets of the lines of an analogue grabber, to be taken off each location.
 
     Raises
     ------
     ValueError
         Where there is no such method.
+    CalibrationError
+        Where the line jitter is for a picture of another height.
 
     """
 
@@ -40,13 +45,17 @@ class Pipeline:
         noise: SensorNoise,
         method: str = 'maximum_likelihood',
         segmenter: Segmenter | None = None,
+        line_jitter: LineJitter | None = None,
     ) -> None:
         if method not in METHODS:
             raise ValueError(f"no method '{method}'; there is {', '.join(METHODS)}")
+        if line_jitter is not None:
+            line_jitter.check_height(camera_model.height)
         self.camera_model = camera_model
         self.noise = noise
         self.method = method
         self.segmenter = segmenter or Segmenter()
+        self.line_jitter = line_jitter
 
     def run(self, frames: Iterable[Frame]) -> Iterator[Bearing]:
         """
@@ -74,6 +83,10 @@ class Pipeline:
                 window = self.segmenter.update(frame)
                 if window is not None:
                     location = locate(window, method=self.method, noise=self.noise)
+                    if self.line_jitter is not None:
+                        location = self.line_jitter.corrected(
+                            location, gain=self.noise.gain, looks=window.looks
+                        )
                     yield self.camera_model.bearing(location)
             except (FrameError, LocationError, LensError) as error:
                 self.segmenter.reason = str(error)  # silence, never a wrong angle

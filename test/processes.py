@@ -108,6 +108,14 @@ class Probe(Node):
         self.create_subscription(kind, topic, messages.append, qos)
         return messages
 
+    def call(self, kind: Any, service: str, request: Any) -> Any:
+        """Wait for a service, call it and return its answer."""
+        client = self.create_client(kind, service)
+        self.spin_until(client.service_is_ready)
+        future = client.call_async(request)
+        self.spin_until(future.done)
+        return future.result()
+
     def spin(self, seconds: float) -> None:
         """Take what arrives in this time."""
         end = time.monotonic() + seconds

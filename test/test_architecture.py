@@ -19,6 +19,7 @@ ROS_MODULES = {
     'rosgraph_msgs',
     'sensor_msgs',
     'std_msgs',
+    'std_srvs',
 }
 # Each room may import the rooms named here, besides itself and types.
 ROOMS = {

@@ -19,6 +19,7 @@ TOPICS = {
     'target_visible': 'std_msgs/msg/Bool',
     'target_bearing': 'geometry_msgs/msg/Vector3Stamped',
     'target_centroid': 'geometry_msgs/msg/PointStamped',
+    'target_noise': 'geometry_msgs/msg/Vector3Stamped',
     'target_ray': 'geometry_msgs/msg/PoseWithCovarianceStamped',
     'segmenter_debug_image': 'sensor_msgs/msg/Image',
     'simulator_truth_centroid': 'geometry_msgs/msg/PointStamped',

@@ -2,6 +2,7 @@
 
 from blob_tracker import CameraModel, Frame, Pipeline
 from blob_tracker.camera import CalibrationError
+from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.resources import config_path
 from blob_tracker.simulation import FlashingLight
 import numpy as np
@@ -49,3 +50,23 @@ def test_no_flash_is_silence() -> None:
     model = CameraModel.from_field_of_view(160, 120, 50.0)
     dark = [Frame(scene.frame(1), 1, 255), Frame(scene.frame(3), 10**7, 255)]
     assert list(Pipeline(model, noise=scene.noise).run(dark)) == []
+
+
+def test_line_jitter_is_taken_off() -> None:
+    """Bearings turn by the offset of their lines; jitter of another height is an error."""
+    scene = FlashingLight(width=160, height=120)
+    model = CameraModel.from_field_of_view(160, 120, 50.0)
+    frames = [Frame(scene.frame(k), 1 + k * 10**7, 255) for k in range(4)]
+    jitter = LineJitter(np.full(120, 0.25), np.zeros(120), 0.0)
+    plain, corrected = (
+        list(Pipeline(model, noise=scene.noise, line_jitter=each).run(frames))
+        for each in (None, jitter)
+    )
+    assert len(plain) == len(corrected) > 0
+    for without, taken_off in zip(plain, corrected):
+        # d azimuth / dx is f / (f^2 + x^2): within 22 % of 1 / f at 25 degrees.
+        expected = -1e3 * 0.25 / model.matrix[0, 0]
+        assert taken_off.azimuth - without.azimuth == pytest.approx(expected, rel=0.22)
+    with pytest.raises(CalibrationError, match='is for 120 lines and the picture has 240'):
+        larger = CameraModel.from_field_of_view(320, 240, 50.0)
+        Pipeline(larger, noise=scene.noise, line_jitter=jitter)

@@ -1,7 +1,15 @@
 """Location -> Bearing: from pixels to milliradians."""
 
 from blob_tracker.camera.calibration_file import CalibrationError, write_calibration
+from blob_tracker.camera.data_sheet import DataSheet
 from blob_tracker.camera.lens import LensError
 from blob_tracker.camera.model import CameraModel, pinhole_matrix
 
-__all__ = ['CalibrationError', 'CameraModel', 'LensError', 'pinhole_matrix', 'write_calibration']
+__all__ = [
+    'CalibrationError',
+    'CameraModel',
+    'DataSheet',
+    'LensError',
+    'pinhole_matrix',
+    'write_calibration',
+]

@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
+from blob_tracker.camera.lens import FORMER_NAMES
 import numpy as np
 from numpy.typing import NDArray
 import yaml
@@ -49,12 +50,13 @@ def read_calibration(path: str | Path) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise CalibrationError(f'{path} is not a camera calibration: it holds no named values')
     try:
+        distortion_model = str(content.get('distortion_model', 'plumb_bob'))
         return {
             'width': _whole(content['image_width']),
             'height': _whole(content['image_height']),
             'matrix': _matrix(content['camera_matrix']).reshape(3, 3),
             'distortion': _matrix(content['distortion_coefficients']).ravel(),
-            'distortion_model': str(content.get('distortion_model', 'plumb_bob')),
+            'distortion_model': FORMER_NAMES.get(distortion_model, distortion_model),
             'name': str(content.get('camera_name', 'camera')),
             'rectification': _optional_matrix(content, 'rectification_matrix', (3, 3)),
             'projection': _optional_matrix(content, 'projection_matrix', (3, 4)),

@@ -144,6 +144,37 @@ class CameraModel:
         focal_length = 0.5 * width / np.tan(0.5 * np.radians(degrees))
         return cls(width, height, pinhole_matrix(focal_length, width, height))
 
+    @classmethod
+    def from_data_sheet(
+        cls, width: int, height: int, focal_length_mm: float, pixel_um: float
+    ) -> CameraModel:
+        """
+        Return an ideal lens of this focal length before pixels of this pitch.
+
+        How far its bearings can be trusted, `blob_tracker.camera.DataSheet` tells.
+
+        Parameters
+        ----------
+        width, height : int
+            Size of the full sensor, px.
+        focal_length_mm : float
+            mm, above 0.
+        pixel_um : float
+            Pitch of the square pixels, um, above 0.
+
+        Raises
+        ------
+        CalibrationError
+            Where a length or the size cannot be.
+
+        """
+        for name, value, unit in (
+            ('focal length', focal_length_mm, 'mm'), ('pixel size', pixel_um, 'um')
+        ):
+            if not 0.0 < value < np.inf:
+                raise CalibrationError(f'the {name} is {value:g} {unit}; it must be above 0')
+        return cls(width, height, pinhole_matrix(1e3 * focal_length_mm / pixel_um, width, height))
+
     @property
     def rectification_matrix(self) -> NDArray[np.float64]:
         """R, (3, 3): identity unless the calibration has another."""
@@ -283,12 +314,12 @@ class CameraModel:
 
     @cached_property
     def _coefficients(self) -> Coefficients:
-        """The distortion, hashable."""
+        """Return the distortion, hashable."""
         return tuple(float(value) for value in self.distortion)
 
     @cached_property
     def _intrinsics(self) -> tuple[float, float, float, float, float]:
-        """Focal lengths, skew and principal point, px."""
+        """Return focal lengths, skew and principal point, px."""
         (focal_x, skew, centre_x), (_, focal_y, centre_y), _ = self.matrix.tolist()
         return focal_x, focal_y, skew, centre_x, centre_y
 

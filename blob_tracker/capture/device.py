@@ -13,10 +13,12 @@ import stat
 from blob_tracker.capture import videodev2
 from blob_tracker.capture.errors import CaptureError
 
+CAPTURES = videodev2.CAP_VIDEO_CAPTURE | videodev2.CAP_VIDEO_CAPTURE_MPLANE
+
 
 def open_capture_device(path: str) -> int:
     """
-    Open a device that captures single-planar video by streaming.
+    Open a device that captures video by streaming.
 
     Parameters
     ----------
@@ -64,6 +66,21 @@ def capabilities(fd: int) -> tuple[int, str]:
     return flags, capability.card.decode(errors='replace')
 
 
+def driver(fd: int) -> str:
+    """Return the name of the driver of an open device node."""
+    capability = videodev2.Capability()
+    videodev2.ioctl(fd, videodev2.QUERYCAP, capability)
+    return capability.driver.decode(errors='replace')
+
+
+def buffer_type(fd: int) -> int:
+    """Return the type of buffers that an open capture device fills: single- or multi-planar."""
+    flags, _ = capabilities(fd)
+    if flags & videodev2.CAP_VIDEO_CAPTURE:
+        return videodev2.BUF_TYPE_VIDEO_CAPTURE
+    return videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE
+
+
 def capture_devices() -> dict[str, str]:
     """Return the capture devices of this machine that can be opened: path -> name."""
     found = {}
@@ -75,7 +92,7 @@ def capture_devices() -> dict[str, str]:
             continue
         try:
             flags, card = capabilities(fd)
-            if flags & videodev2.CAP_VIDEO_CAPTURE and flags & videodev2.CAP_STREAMING:
+            if flags & CAPTURES and flags & videodev2.CAP_STREAMING:
                 found[path] = card
         except OSError:
             pass
@@ -99,8 +116,11 @@ def _why_not_open(path: str, error: OSError) -> str:
         return f'{path}: there is no device behind this node any more; {_there_are()}'
     if error.errno == errno.EBUSY:
         return busy(path)
-    if error.errno in (errno.EACCES, errno.EPERM):
+    if error.errno == errno.EACCES:
         return _no_permission(path)
+    if error.errno == errno.EPERM:  # whoever one is, and whatever the mode: a device cgroup
+        return (f'{path}: the system keeps this device from the program, as for a container: '
+                f'start the container with --device={path}')
     if error.errno == errno.EISDIR:
         return _not_v4l2(path)
     return f'{path}: cannot be opened: {error.strerror}; {_there_are()}'
@@ -145,7 +165,6 @@ def _not_v4l2(path: str) -> str:
 
 
 _KINDS = (
-    (videodev2.CAP_VIDEO_CAPTURE_MPLANE, 'a multi-planar device (frames in one plane are needed)'),
     (videodev2.CAP_VIDEO_M2M | videodev2.CAP_VIDEO_M2M_MPLANE, 'a memory-to-memory device'),
     (videodev2.CAP_VIDEO_OUTPUT | videodev2.CAP_VIDEO_OUTPUT_MPLANE, 'an output device'),
     (videodev2.CAP_META_CAPTURE, 'a metadata device'),
@@ -159,7 +178,7 @@ def _check_captures(path: str, fd: int) -> None:
         if error.errno in (errno.ENOTTY, errno.EINVAL):
             raise CaptureError(_not_v4l2(path)) from error
         raise CaptureError(f'{path}: cannot be queried: {error.strerror}') from error
-    if not flags & videodev2.CAP_VIDEO_CAPTURE:
+    if not flags & CAPTURES:
         kind = next((name for flag, name in _KINDS if flags & flag), 'another kind of device')
         raise CaptureError(
             f'{path}: this is {kind}, not a capture device; {_there_are()}')

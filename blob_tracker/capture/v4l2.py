@@ -2,29 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import ctypes
 import errno
 from fractions import Fraction
 import mmap
 import os
 import select
+import threading
 import time
 from types import TracebackType
+from typing import TypeVar
 
-from blob_tracker.capture import videodev2
+from blob_tracker.capture import controls, videodev2
 from blob_tracker.capture.clock import RealtimeClock
-from blob_tracker.capture.device import busy, open_capture_device
+from blob_tracker.capture.controls import Control, ControlError
+from blob_tracker.capture.device import buffer_type, busy, driver, open_capture_device
 from blob_tracker.capture.errors import CaptureError, NoFrameError
+from blob_tracker.capture.format import set_format
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
+from blob_tracker.capture.selection import sensor_region
+from blob_tracker.capture.signal import Signal
+from blob_tracker.capture.stamps import Exposure, ExposureControls, MidExposure, source_of
 from blob_tracker.types import Frame
 
-_NO_SIGNAL = (videodev2.IN_ST_NO_POWER | videodev2.IN_ST_NO_SIGNAL
-              | videodev2.IN_ST_NO_H_LOCK | videodev2.IN_ST_NO_SYNC)
-_TIMINGS_ERRORS = {
-    errno.ENOLINK: 'no signal: connect the source and switch it on',
-    errno.ENOLCK: 'a signal it cannot lock to: check the cable and the source',
-    errno.ERANGE: 'a signal out of its range: choose a lower resolution or rate at the source',
-}
+Result = TypeVar('Result')
 
 
 class V4l2Camera:
@@ -47,24 +49,35 @@ class V4l2Camera:
         px; 0 leaves it as the driver has it.
     pixel_format : str
         Four-character code, one of `PIXEL_FORMATS`; '' takes the first of these that the device
-        offers.
+        offers, a compressed one only where there is no other.
     frame_rate : float
         Frames/s; 0 leaves it as the driver has it. The driver takes the nearest it can.
     buffers : int
         Kernel buffers, 2 to 32.
+    exposure_time : float or None
+        s; of a camera whose controls do not tell.
+    readout_time : float or None
+        s from the end of the exposure to the end of the transfer, of a camera whose driver
+        stamps the latter and whose controls do not tell.
+    prepare : function
+        Called with the camera when its format is set and no frame has come yet: drivers lock some
+        controls while they stream.
 
     Attributes
     ----------
     width, height : int
-        px, as the driver gives it.
+        Size that the driver gives, px; frames of a Bayer format are half as wide and high.
+    sensor_size : (int, int)
+        Width and height of the full, unbinned sensor, px, as far as the driver tells; otherwise
+        those of its pictures. `Frame.x0`, `y0` and `binning` are the place in it.
     frame_rate : float
         Frames/s, as the driver gives it; 0 where it does not say.
     pixel_format : str
         Four-character code in use.
-    stamps_start : bool
-        Whether the driver stamps the start of a frame's exposure; otherwise its end of transfer.
     drops : int
-        Frames lost between those read, from the gaps in the driver's numbers.
+        Frames lost between those read, from the gaps in the driver's numbers; error frames too.
+    error_frames : int
+        Pictures that the driver marked as spoilt or that were cut short.
     sequence : int
         The driver's number of the frame read last.
 
@@ -83,25 +96,49 @@ class V4l2Camera:
         pixel_format: str = '',
         frame_rate: float = 0.0,
         buffers: int = 4,
+        exposure_time: float | None = None,
+        readout_time: float | None = None,
+        prepare: Callable[[V4l2Camera], None] = lambda camera: None,
     ) -> None:
         if not 2 <= buffers <= 32:
             raise CaptureError(f'buffers is {buffers}; it must be 2 to 32')
+        for name, seconds in (('exposure_time', exposure_time), ('readout_time', readout_time)):
+            if seconds is not None and not 0.0 <= seconds < float('inf'):
+                raise CaptureError(f'{name} is {seconds} s; it must be 0 or more')
         self.device = device
         self.drops = 0
+        self.error_frames = 0
         self.sequence = -1
         self._first = (0, 0)  # sequence and stamp of the first frame
         self._interval_ns = 0
         self._memory: list[mmap.mmap] = []
         self._streaming = False
         self._clock = RealtimeClock()
+        self._open = threading.Lock()  # held by whom the device must not be closed under
         self._fd = open_capture_device(device)
+        step = 'take these settings'
         try:
-            self._input = self._selected_input()
-            self._lock_to_signal()
-            self._set_format(width, height, pixel_format)
+            self._signal = Signal(self._call)
+            self._signal.lock(device)
+            self._format = set_format(
+                self._call, device, buffer_type(self._fd), width, height, pixel_format)
+            self.pixel_format = self._format.pixel_format
+            self.width, self.height = self._format.width, self._format.height
+            self._region = sensor_region(self._call, device, self.width, self.height)
+            self.sensor_size = self._region.sensor_size
+            decoder = PIXEL_FORMATS[self.pixel_format].binning
+            self._binning = self._region.binning[0] * decoder, self._region.binning[1] * decoder
             self.frame_rate = self._set_frame_rate(frame_rate)
+            prepare(self)
+            step = 'give its buffers'
             self._map_buffers(buffers)
-            self._call(videodev2.STREAMON, ctypes.c_int32(videodev2.BUF_TYPE_VIDEO_CAPTURE))
+            step = 'begin to stream'
+            self._exposure = ExposureControls(
+                self._call, controls.controls(self._call), self.width, self.height,
+                Exposure(_ns(exposure_time), _ns(readout_time)))
+            self._middle = MidExposure(
+                source_of(self._buffer_flags, driver(self._fd)), self._exposure.read())
+            self._call(videodev2.STREAMON, ctypes.c_int32(self._format.buffer_type))
             self._streaming = True
         except OSError as error:
             self.close()
@@ -109,7 +146,8 @@ class V4l2Camera:
                 raise CaptureError(busy(device)) from error
             if error.errno == errno.ENODEV:
                 raise CaptureError(self._unplugged()) from error
-            raise CaptureError(f'{device}: cannot be set up: {error.strerror}') from error
+            raise CaptureError(f'{device}: the driver does not {step}: {error.strerror}; open it '
+                               "again, and if that does not help see what 'dmesg' says") from error
         except BaseException:
             self.close()
             raise
@@ -131,8 +169,9 @@ class V4l2Camera:
         """
         Return the next complete frame; wait for it for `timeout` seconds at most.
 
-        Its stamp is the driver's, in ROS time. Pictures that the driver marks as spoilt and
-        pictures that are cut short are left out.
+        Its stamp is the middle of its exposure in ROS time, as far as that can be known (see
+        `stamp_place` and `blob_tracker.capture.stamps`). Pictures that the driver marks as spoilt
+        and pictures that are cut short are left out.
 
         Raises
         ------
@@ -142,8 +181,7 @@ class V4l2Camera:
             The device is gone or has stopped; it has to be opened again.
 
         """
-        if self._fd < 0:
-            raise CaptureError(f'{self.device}: the camera is closed; open it again')
+        self._check_open()
         deadline = time.monotonic() + timeout
         waited = False
         while True:
@@ -160,22 +198,120 @@ class V4l2Camera:
             if frame is not None:
                 return frame
 
+    @property
+    def stamp_place(self) -> str:
+        """Return in words the instant that a frame's stamp names, with the controls as set."""
+        return self._middle.place
+
+    @property
+    def exposure_time(self) -> float | None:
+        """Return how long a frame is exposed, s, with the controls as set; None if unknown."""
+        time_ns = self._middle.exposure.time_ns
+        return None if time_ns is None else time_ns / 1e9
+
+    @property
+    def exposure_unit(self) -> float | None:
+        """Return one unit of the exposure control, s; None where it is unknown."""
+        unit_ns = self._control(self._exposure.unit_ns)
+        return None if unit_ns is None else unit_ns / 1e9
+
+    @property
+    def longest_wait(self) -> float:
+        """Return how long a frame may wait and still be new, s; 0 while that is unknown."""
+        return len(self._memory) * self._interval_ns / 1e9
+
+    @property
+    def controls(self) -> dict[str, Control]:
+        """
+        Return the device's controls as the driver has them now: name -> control.
+
+        Raises
+        ------
+        CaptureError
+            The device is gone, or closed.
+
+        """
+        return self._control(lambda: controls.controls(self._call))
+
+    def get_control(self, name: str | Control) -> int | str:
+        """
+        Return the value of a control; one of `controls` is not looked up again.
+
+        Raises
+        ------
+        ControlError
+            There is no such control, or it cannot be read.
+        CaptureError
+            The device is gone, or closed.
+
+        """
+        return self._control(lambda: controls.get_control(self._call, self._named(name)))
+
+    def set_control(self, name: str | Control, value: int | bool | float | str) -> None:
+        """
+        Set a control; see `blob_tracker.capture.controls.set_control` for the values.
+
+        One of `controls` is not looked up again.
+
+        Raises
+        ------
+        ControlError
+            There is no such control, it may not have this value, or not now.
+        CaptureError
+            The device is gone, or closed.
+
+        """
+        def change() -> None:
+            control = self._named(name)
+            controls.set_control(self._call, control, value)
+            if self._streaming and self._exposure.governed_by(control):
+                self._middle.changed(time.monotonic_ns(), self._exposure.read())
+
+        self._control(change)
+
     def close(self) -> None:
         """Stop streaming and give the device back; a second time does nothing."""
+        with self._open:
+            if self._fd < 0:
+                return
+            try:
+                if self._streaming:
+                    self._call(videodev2.STREAMOFF, ctypes.c_int32(self._format.buffer_type))
+            except OSError:
+                pass  # unplugged: there is nothing left to stop
+            finally:
+                self._streaming = False
+                for memory in self._memory:
+                    memory.close()
+                self._memory.clear()
+                os.close(self._fd)
+                self._fd = -1
+
+    def _check_open(self) -> None:
         if self._fd < 0:
-            return
-        try:
-            if self._streaming:
-                self._call(videodev2.STREAMOFF, ctypes.c_int32(videodev2.BUF_TYPE_VIDEO_CAPTURE))
-        except OSError:
-            pass  # unplugged: there is nothing left to stop
-        finally:
-            self._streaming = False
-            for memory in self._memory:
-                memory.close()
-            self._memory.clear()
-            os.close(self._fd)
-            self._fd = -1
+            raise CaptureError(f'{self.device}: the camera is closed; open it again')
+
+    def _named(self, name: str | Control) -> Control:
+        if isinstance(name, Control):
+            return name
+        found = controls.controls(self._call)
+        if name not in found:
+            there_are = ', '.join(sorted(found)) or 'none'
+            raise ControlError(
+                f"there is no control '{name}'; the controls of {self.device} are {there_are}")
+        return found[name]
+
+    def _control(self, action: Callable[[], Result]) -> Result:
+        """Do something with a control while the device cannot be closed by another thread."""
+        with self._open:
+            self._check_open()
+            try:
+                return action()
+            except OSError as error:
+                if error.errno == errno.ENODEV:
+                    raise CaptureError(self._unplugged()) from error
+                raise CaptureError(
+                    f'{self.device}: its controls cannot be queried: {error.strerror}') from error
 
     def _call(self, number: int, argument: object) -> None:
         videodev2.ioctl(self._fd, number, argument)
@@ -185,125 +321,9 @@ class V4l2Camera:
 
     # --- set-up ---
 
-    def _selected_input(self) -> videodev2.Input:
-        """Return the selected input; an empty one where the driver knows no inputs."""
-        selected = videodev2.Input()
-        try:
-            index = ctypes.c_int32()
-            self._call(videodev2.G_INPUT, index)
-            selected.index = index.value
-            self._call(videodev2.ENUMINPUT, selected)
-        except OSError as error:
-            if error.errno not in (errno.ENOTTY, errno.EINVAL):
-                raise
-        return selected
-
-    def _lock_to_signal(self) -> None:
-        """Set an input with digital timings to those of its signal."""
-        self._timings_rate = 0.0
-        if not self._input.capabilities & videodev2.IN_CAP_DV_TIMINGS:
-            return
-        timings = videodev2.DvTimings()
-        name = self._input.name.decode(errors='replace')
-        try:
-            self._call(videodev2.QUERY_DV_TIMINGS, timings)
-        except OSError as error:
-            if error.errno not in _TIMINGS_ERRORS:
-                raise
-            raise CaptureError(
-                f'{self.device}: input {name} has {_TIMINGS_ERRORS[error.errno]}') from error
-        if timings.bt.interlaced:
-            raise CaptureError(
-                f'{self.device}: the signal on input {name} is interlaced; the source must send '
-                'whole (progressive) pictures')
-        self._call(videodev2.S_DV_TIMINGS, timings)
-        bt = timings.bt
-        total = ((bt.width + bt.hfrontporch + bt.hsync + bt.hbackporch)
-                 * (bt.height + bt.vfrontporch + bt.vsync + bt.vbackporch))
-        self._timings_rate = bt.pixelclock / total if total else 0.0
-
-    def _offered_formats(self) -> list[str]:
-        """Return the codes of the device's pixel formats in its own order."""
-        names: list[str] = []
-        while True:
-            description = videodev2.FmtDesc(
-                index=len(names), type=videodev2.BUF_TYPE_VIDEO_CAPTURE)
-            try:
-                self._call(videodev2.ENUM_FMT, description)
-            except OSError as error:
-                if error.errno != errno.EINVAL:
-                    raise
-                return names
-            names.append(videodev2.fourcc_name(description.pixelformat))
-
-    def _offered_sizes(self, pixel_format: str) -> str:
-        """Return the device's picture sizes in words; '' where it does not list them."""
-        sizes: list[str] = []
-        while True:
-            size = videodev2.FrameSizeEnum(
-                index=len(sizes), pixel_format=videodev2.fourcc(pixel_format))
-            try:
-                self._call(videodev2.ENUM_FRAMESIZES, size)
-            except OSError as error:
-                if error.errno not in (errno.EINVAL, errno.ENOTTY, errno.ENODATA):
-                    raise
-                break
-            if size.type == videodev2.FRMSIZE_TYPE_DISCRETE:
-                sizes.append(f'{size.min_width}x{size.max_width}')
-            else:
-                sizes.append(f'{size.min_width}x{size.min_height} to '
-                             f'{size.max_width}x{size.max_height} in steps of '
-                             f'{size.step_width}x{size.step_height}')
-                break
-        return ', '.join(sizes)
-
-    def _chosen_format(self, wanted: str) -> str:
-        if wanted and wanted not in PIXEL_FORMATS:
-            raise CaptureError(f'pixel_format {wanted!r} cannot be decoded; choose one of '
-                               + ', '.join(PIXEL_FORMATS))
-        offered = self._offered_formats()
-        usable = [name for name in offered if name in PIXEL_FORMATS]
-        if not usable:
-            raise CaptureError(
-                f'{self.device}: none of its pixel formats ({", ".join(offered)}) can be decoded; '
-                f'one of {", ".join(PIXEL_FORMATS)} is needed')
-        if wanted and wanted not in usable:
-            raise CaptureError(
-                f'{self.device}: pixel_format {wanted!r} is not offered; of the formats that this '
-                f'device offers, {", ".join(usable)} can be decoded')
-        return wanted or usable[0]
-
-    def _set_format(self, width: int, height: int, pixel_format: str) -> None:
-        self.pixel_format = self._chosen_format(pixel_format)
-        wanted = videodev2.Format(type=videodev2.BUF_TYPE_VIDEO_CAPTURE)
-        self._call(videodev2.G_FMT, wanted)
-        pix = wanted.pix
-        pix.width = width or pix.width
-        pix.height = height or pix.height
-        pix.pixelformat = videodev2.fourcc(self.pixel_format)
-        pix.field = videodev2.FIELD_NONE
-        pix.bytesperline = 0  # the driver's choice
-        width, height = pix.width, pix.height
-        self._call(videodev2.S_FMT, wanted)
-        if (pix.width, pix.height) != (width, height):
-            sizes = self._offered_sizes(self.pixel_format)
-            raise CaptureError(
-                f'{self.device}: {width}x{height} is not offered; the driver gives '
-                f'{pix.width}x{pix.height} instead' + (f', and has {sizes}' if sizes else ''))
-        if pix.pixelformat != videodev2.fourcc(self.pixel_format):
-            raise CaptureError(
-                f'{self.device}: the driver gives {videodev2.fourcc_name(pix.pixelformat)} at '
-                f'{width}x{height} instead of {self.pixel_format}; choose another size or format')
-        if pix.field != videodev2.FIELD_NONE:
-            raise CaptureError(
-                f'{self.device}: the driver gives interlaced fields at {width}x{height}; choose a '
-                'size or input with whole (progressive) pictures')
-        self.width, self.height = width, height
-        self._stride = pix.bytesperline
-
     def _set_frame_rate(self, wanted: float) -> float:
         """Ask for a frame rate; return the one that the driver gives, frames/s, 0 if unknown."""
-        parameters = videodev2.StreamParm(type=videodev2.BUF_TYPE_VIDEO_CAPTURE)
+        parameters = videodev2.StreamParm(type=self._format.buffer_type)
         try:
             self._call(videodev2.G_PARM, parameters)
             if wanted > 0.0 and parameters.capability & videodev2.CAP_TIMEPERFRAME:
@@ -315,15 +335,15 @@ class V4l2Camera:
         except OSError as error:
             if error.errno not in (errno.ENOTTY, errno.EINVAL):
                 raise
-            return self._timings_rate
+            return self._signal.frame_rate
         interval = parameters.timeperframe
         if not (interval.numerator and interval.denominator):
-            return self._timings_rate
+            return self._signal.frame_rate
         return interval.denominator / interval.numerator
 
     def _map_buffers(self, count: int) -> None:
         request = videodev2.RequestBuffers(
-            count=count, type=videodev2.BUF_TYPE_VIDEO_CAPTURE, memory=videodev2.MEMORY_MMAP)
+            count=count, type=self._format.buffer_type, memory=videodev2.MEMORY_MMAP)
         self._call(videodev2.REQBUFS, request)
         if request.count < 2:
             raise CaptureError(f'{self.device}: the driver has no memory for two buffers; choose '
@@ -331,22 +351,29 @@ class V4l2Camera:
         for index in range(request.count):
             buffer = self._buffer(index)
             self._call(videodev2.QUERYBUF, buffer)
-            self._memory.append(mmap.mmap(self._fd, buffer.length, offset=buffer.m.offset))
+            if buffer.type == videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE:
+                plane = buffer.m.planes[0]  # the luma, whatever the format
+                length, offset = plane.length, plane.m.mem_offset
+            else:
+                length, offset = buffer.length, buffer.m.offset
+            self._memory.append(mmap.mmap(self._fd, length, offset=offset))
             self._call(videodev2.QBUF, buffer)
         flags = buffer.flags
         if flags & videodev2.BUF_FLAG_TIMESTAMP_MASK != videodev2.BUF_FLAG_TIMESTAMP_MONOTONIC:
             raise CaptureError(
                 f'{self.device}: its driver does not stamp frames with the monotonic clock, so '
                 'their time is unknown; use a driver that does')
-        source = flags & videodev2.BUF_FLAG_TSTAMP_SRC_MASK
-        self.stamps_start = source == videodev2.BUF_FLAG_TSTAMP_SRC_SOE
+        self._buffer_flags = flags
 
     # --- streaming ---
 
-    @staticmethod
-    def _buffer(index: int = 0) -> videodev2.Buffer:
-        return videodev2.Buffer(
-            index=index, type=videodev2.BUF_TYPE_VIDEO_CAPTURE, memory=videodev2.MEMORY_MMAP)
+    def _buffer(self, index: int = 0) -> videodev2.Buffer:
+        buffer = videodev2.Buffer(
+            index=index, type=self._format.buffer_type, memory=videodev2.MEMORY_MMAP)
+        if buffer.type == videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE:
+            buffer.m.planes = (videodev2.Plane * videodev2.MAX_PLANES)()
+            buffer.length = videodev2.MAX_PLANES
+        return buffer
 
     def _dequeue(self) -> videodev2.Buffer | None:
         """Return the oldest buffer that the driver has filled, None where there is none."""
@@ -363,60 +390,61 @@ class V4l2Camera:
         try:
             self._call(videodev2.QBUF, buffer)
         except OSError as error:
-            raise self._lost(error) from error
+            if error.errno == errno.ENODEV:
+                raise self._lost(error) from error
+            raise CaptureError(f'{self.device}: the driver does not take a buffer back: '
+                               f'{error.strerror}; open it again') from error
 
     def _lost(self, error: OSError) -> CaptureError:
         if error.errno == errno.ENODEV:
             return CaptureError(self._unplugged())
         return CaptureError(
-            f'{self.device}: the driver stopped streaming: {error.strerror}{self._signal()}; open '
-            'it again')
+            f'{self.device}: the driver stopped streaming: {error.strerror}'
+            f'{self._signal.trouble()}; open it again')
 
     def _wait(self, deadline: float, timeout: float) -> None:
         ready = self._poll.poll(max(0.0, deadline - time.monotonic()) * 1e3)
         if not ready:
-            raise NoFrameError(f'{self.device}: no frame for {timeout:.1f} s{self._signal()}')
+            raise NoFrameError(
+                f'{self.device}: no frame for {timeout:.1f} s{self._signal.trouble()}')
         if not ready[0][1] & select.POLLIN:
             # An error alone; a driver that knows its number gives it with the next buffer.
             self._dequeue()
-            raise CaptureError(f'{self.device}: the driver stopped streaming{self._signal()}; '
-                               'open it again')
-
-    def _signal(self) -> str:
-        """Return what is known about the signal of a camera that has gone quiet, in words."""
-        name = self._input.name.decode(errors='replace')
-        try:
-            self._call(videodev2.ENUMINPUT, self._input)
-            if self._input.status & _NO_SIGNAL:
-                return f': input {name} has {_TIMINGS_ERRORS[errno.ENOLINK]}'
-            if self._input.capabilities & videodev2.IN_CAP_DV_TIMINGS:
-                self._call(videodev2.QUERY_DV_TIMINGS, videodev2.DvTimings())
-        except OSError as error:
-            if error.errno == errno.ENODEV:
-                return ': the device is gone (unplugged?)'
-            if error.errno in _TIMINGS_ERRORS:
-                return f': input {name} has {_TIMINGS_ERRORS[error.errno]}'
-        return ''
+            raise CaptureError(f'{self.device}: the driver stopped streaming'
+                               f'{self._signal.trouble()}; open it again')
 
     def _stale(self, buffer: videodev2.Buffer) -> bool:
-        age = time.monotonic_ns() - _stamp_ns(buffer)
-        return 0 < len(self._memory) * self._interval_ns < age
+        age = (time.monotonic_ns() - _stamp_ns(buffer)) / 1e9
+        return 0.0 < self.longest_wait < age
 
     def _frame(self, buffer: videodev2.Buffer) -> Frame | None:
         """Return the picture in a buffer and count the frames lost before it; None if spoilt."""
         if buffer.flags & videodev2.BUF_FLAG_ERROR:
+            self.error_frames += 1
             return None
-        pixel_format = PIXEL_FORMATS[self.pixel_format]
-        filled = memoryview(self._memory[buffer.index])[:buffer.bytesused]
+        begin, end = 0, buffer.bytesused
+        if buffer.type == videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE:
+            begin, end = buffer.m.planes[0].data_offset, buffer.m.planes[0].bytesused
+        filled = memoryview(self._memory[buffer.index])[begin:end]
         try:
-            image = pixel_format.luma(filled, self.width, self.height, self._stride)
+            image = self._format.luma(filled)
         except ValueError:
+            self.error_frames += 1
             return None  # cut short
         finally:
             filled.release()
         stamp_ns = _stamp_ns(buffer)
         self._count(buffer.sequence, stamp_ns)
-        return Frame(image, self._clock.from_monotonic(stamp_ns), pixel_format.saturation)
+        since_ns = self._exposure.changed_elsewhere()
+        if since_ns is not None:
+            try:
+                self._middle.changed(since_ns, self._exposure.read())
+            except OSError as error:
+                raise self._lost(error) from error
+        middle_ns = self._middle.middle(stamp_ns, time.monotonic_ns())
+        return Frame(
+            image, self._clock.from_monotonic(middle_ns), self._format.saturation,
+            self._region.x0, self._region.y0, self._binning)
 
     def _count(self, sequence: int, stamp_ns: int) -> None:
         """Count the frames lost before this one and keep the mean interval of frames."""
@@ -434,3 +462,7 @@ class V4l2Camera:
 
 def _stamp_ns(buffer: videodev2.Buffer) -> int:
     return buffer.timestamp.tv_sec * 1_000_000_000 + buffer.timestamp.tv_usec * 1000
+
+
+def _ns(seconds: float | None) -> int | None:
+    return None if seconds is None else round(seconds * 1e9)

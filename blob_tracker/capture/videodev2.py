@@ -9,7 +9,8 @@ struct, so a wrong layout gives a wrong number.
 from __future__ import annotations
 
 import ctypes
-from ctypes import c_char, c_int32, c_long, c_uint32, c_uint64, c_uint8, c_ulong
+from ctypes import (
+    c_char, c_int32, c_int64, c_long, c_uint16, c_uint32, c_uint64, c_uint8, c_ulong, c_void_p)
 import fcntl
 from typing import Any
 
@@ -25,9 +26,18 @@ CAP_STREAMING = 0x04000000
 CAP_DEVICE_CAPS = 0x80000000
 
 BUF_TYPE_VIDEO_CAPTURE = 1
+BUF_TYPE_VIDEO_CAPTURE_MPLANE = 9
 MEMORY_MMAP = 1
 FIELD_NONE = 1
 FRMSIZE_TYPE_DISCRETE = 1
+FMT_FLAG_COMPRESSED = 0x0001
+COLORSPACE_JPEG = 7
+QUANTIZATION_DEFAULT = 0
+QUANTIZATION_FULL_RANGE = 1
+SEL_TGT_CROP = 0x0000
+SEL_TGT_CROP_DEFAULT = 0x0001
+SEL_TGT_COMPOSE = 0x0100
+MAX_PLANES = 8
 
 # v4l2_captureparm.capability
 CAP_TIMEPERFRAME = 0x1000
@@ -45,6 +55,41 @@ IN_ST_NO_POWER = 0x00000001
 IN_ST_NO_SIGNAL = 0x00000002
 IN_ST_NO_H_LOCK = 0x00000100
 IN_ST_NO_SYNC = 0x00010000
+
+
+# v4l2_query_ext_ctrl.id: the next control that is neither an array nor of a compound type
+CTRL_FLAG_NEXT_CTRL = 0x80000000
+
+# v4l2_query_ext_ctrl.type
+CTRL_TYPE_INTEGER = 1
+CTRL_TYPE_BOOLEAN = 2
+CTRL_TYPE_MENU = 3
+CTRL_TYPE_BUTTON = 4
+CTRL_TYPE_INTEGER64 = 5
+CTRL_TYPE_STRING = 7
+CTRL_TYPE_BITMASK = 8
+CTRL_TYPE_INTEGER_MENU = 9
+
+# v4l2_query_ext_ctrl.flags
+CTRL_FLAG_DISABLED = 0x0001
+CTRL_FLAG_GRABBED = 0x0002
+CTRL_FLAG_READ_ONLY = 0x0004
+CTRL_FLAG_INACTIVE = 0x0010
+CTRL_FLAG_WRITE_ONLY = 0x0040
+CTRL_FLAG_VOLATILE = 0x0080
+
+# v4l2_event.type: a control has changed
+EVENT_CTRL = 3
+
+# Controls by number, as their names differ between versions of the kernel
+CID_EXPOSURE = 0x00980911
+CID_AUTOGAIN = 0x00980912
+CID_GAIN = 0x00980913
+CID_EXPOSURE_AUTO = 0x009a0901
+CID_EXPOSURE_ABSOLUTE = 0x009a0902
+CID_HBLANK = 0x009e0902
+CID_ANALOGUE_GAIN = 0x009e0903
+CID_PIXEL_RATE = 0x009f0902
 
 
 class Fract(ctypes.Structure):
@@ -168,14 +213,65 @@ class PixFormat(ctypes.Structure):
     ]
 
 
+class PlanePixFormat(ctypes.Structure):
+    """v4l2_plane_pix_format."""
+
+    _pack_ = 1
+    _fields_ = [
+        ('sizeimage', c_uint32),
+        ('bytesperline', c_uint32),
+        ('reserved', c_uint16 * 6),
+    ]
+
+
+class PixFormatMplane(ctypes.Structure):
+    """v4l2_pix_format_mplane."""
+
+    _pack_ = 1
+    _fields_ = [
+        ('width', c_uint32),
+        ('height', c_uint32),
+        ('pixelformat', c_uint32),
+        ('field', c_uint32),
+        ('colorspace', c_uint32),
+        ('plane_fmt', PlanePixFormat * MAX_PLANES),
+        ('num_planes', c_uint8),
+        ('flags', c_uint8),
+        ('ycbcr_enc', c_uint8),
+        ('quantization', c_uint8),
+        ('xfer_func', c_uint8),
+        ('reserved', c_uint8 * 7),
+    ]
+
+
+class _AnyFormat(ctypes.Union):
+    """The 200-byte union of v4l2_format."""
+
+    _fields_ = [('pix', PixFormat), ('pix_mp', PixFormatMplane), ('_raw', c_uint8 * 200)]
+
+
 class Format(ctypes.Structure):
-    """v4l2_format with the single-planar member of its 200-byte, 8-byte-aligned union."""
+    """v4l2_format; its union is aligned to 8 bytes."""
+
+    _anonymous_ = ('_fmt',)
+    _fields_ = [('type', c_uint32), ('_alignment', c_uint32), ('_fmt', _AnyFormat)]
+
+
+class Rect(ctypes.Structure):
+    """v4l2_rect."""
+
+    _fields_ = [('left', c_int32), ('top', c_int32), ('width', c_uint32), ('height', c_uint32)]
+
+
+class Selection(ctypes.Structure):
+    """v4l2_selection."""
 
     _fields_ = [
         ('type', c_uint32),
-        ('_alignment', c_uint32),
-        ('pix', PixFormat),
-        ('_union', c_uint8 * (200 - ctypes.sizeof(PixFormat))),
+        ('target', c_uint32),
+        ('flags', c_uint32),
+        ('r', Rect),
+        ('reserved', c_uint32 * 9),
     ]
 
 
@@ -226,10 +322,33 @@ class Timecode(ctypes.Structure):
     ]
 
 
+class _PlanePlace(ctypes.Union):
+    """Where a plane's memory is: the union `m` of v4l2_plane."""
+
+    _fields_ = [('mem_offset', c_uint32), ('userptr', c_ulong), ('fd', c_int32)]
+
+
+class Plane(ctypes.Structure):
+    """v4l2_plane; `bytesused` counts the bytes before `data_offset` too."""
+
+    _fields_ = [
+        ('bytesused', c_uint32),
+        ('length', c_uint32),
+        ('m', _PlanePlace),
+        ('data_offset', c_uint32),
+        ('reserved', c_uint32 * 11),
+    ]
+
+
 class _Place(ctypes.Union):
     """Where a buffer's memory is: the union `m` of v4l2_buffer."""
 
-    _fields_ = [('offset', c_uint32), ('userptr', c_ulong), ('fd', c_int32)]
+    _fields_ = [
+        ('offset', c_uint32),
+        ('userptr', c_ulong),
+        ('planes', ctypes.POINTER(Plane)),
+        ('fd', c_int32),
+    ]
 
 
 class Buffer(ctypes.Structure):
@@ -249,6 +368,109 @@ class Buffer(ctypes.Structure):
         ('length', c_uint32),
         ('reserved2', c_uint32),
         ('request_fd', c_int32),
+    ]
+
+
+class QueryExtCtrl(ctypes.Structure):
+    """v4l2_query_ext_ctrl."""
+
+    _fields_ = [
+        ('id', c_uint32),
+        ('type', c_uint32),
+        ('name', c_char * 32),
+        ('minimum', c_int64),
+        ('maximum', c_int64),
+        ('step', c_uint64),
+        ('default_value', c_int64),
+        ('flags', c_uint32),
+        ('elem_size', c_uint32),
+        ('elems', c_uint32),
+        ('nr_of_dims', c_uint32),
+        ('dims', c_uint32 * 4),
+        ('reserved', c_uint32 * 32),
+    ]
+
+
+class _MenuItem(ctypes.Union):
+    """The item of a menu or of an integer menu: the union of v4l2_querymenu."""
+
+    _pack_ = 1
+    _fields_ = [('name', c_char * 32), ('value', c_int64)]
+
+
+class QueryMenu(ctypes.Structure):
+    """v4l2_querymenu."""
+
+    _pack_ = 1
+    _fields_ = [
+        ('id', c_uint32),
+        ('index', c_uint32),
+        ('item', _MenuItem),
+        ('reserved', c_uint32),
+    ]
+
+
+class _ControlValue(ctypes.Union):
+    """A control's value: the union of v4l2_ext_control."""
+
+    _pack_ = 1
+    _fields_ = [('value', c_int32), ('value64', c_int64), ('string', c_void_p)]
+
+
+class ExtControl(ctypes.Structure):
+    """v4l2_ext_control."""
+
+    _pack_ = 1
+    _fields_ = [
+        ('id', c_uint32),
+        ('size', c_uint32),
+        ('reserved2', c_uint32),
+        ('value', _ControlValue),
+    ]
+
+
+class ExtControls(ctypes.Structure):
+    """v4l2_ext_controls."""
+
+    _fields_ = [
+        ('which', c_uint32),
+        ('count', c_uint32),
+        ('error_idx', c_uint32),
+        ('request_fd', c_int32),
+        ('reserved', c_uint32),
+        ('controls', ctypes.POINTER(ExtControl)),
+    ]
+
+
+class Timespec(ctypes.Structure):
+    """timespec."""
+
+    _fields_ = [('tv_sec', c_long), ('tv_nsec', c_long)]
+
+
+class Event(ctypes.Structure):
+    """v4l2_event."""
+
+    _fields_ = [
+        ('type', c_uint32),
+        ('_alignment', c_uint32),
+        ('_union', c_uint8 * 64),
+        ('pending', c_uint32),
+        ('sequence', c_uint32),
+        ('timestamp', Timespec),
+        ('id', c_uint32),
+        ('reserved', c_uint32 * 8),
+    ]
+
+
+class EventSubscription(ctypes.Structure):
+    """v4l2_event_subscription."""
+
+    _fields_ = [
+        ('type', c_uint32),
+        ('id', c_uint32),
+        ('flags', c_uint32),
+        ('reserved', c_uint32 * 5),
     ]
 
 
@@ -273,10 +495,18 @@ STREAMOFF = _ioc(_WRITE, 19, c_int32)
 G_PARM = _ioc(_READ | _WRITE, 21, StreamParm)
 S_PARM = _ioc(_READ | _WRITE, 22, StreamParm)
 ENUMINPUT = _ioc(_READ | _WRITE, 26, Input)
+QUERYMENU = _ioc(_READ | _WRITE, 37, QueryMenu)
 G_INPUT = _ioc(_READ, 38, c_int32)
+G_EXT_CTRLS = _ioc(_READ | _WRITE, 71, ExtControls)
+S_EXT_CTRLS = _ioc(_READ | _WRITE, 72, ExtControls)
 ENUM_FRAMESIZES = _ioc(_READ | _WRITE, 74, FrameSizeEnum)
 S_DV_TIMINGS = _ioc(_READ | _WRITE, 87, DvTimings)
+DQEVENT = _ioc(_READ, 89, Event)
+SUBSCRIBE_EVENT = _ioc(_WRITE, 90, EventSubscription)
+G_SELECTION = _ioc(_READ | _WRITE, 94, Selection)
+S_SELECTION = _ioc(_READ | _WRITE, 95, Selection)
 QUERY_DV_TIMINGS = _ioc(_READ, 99, DvTimings)
+QUERY_EXT_CTRL = _ioc(_READ | _WRITE, 103, QueryExtCtrl)
 
 
 def ioctl(fd: int, number: int, argument: Any) -> None:
@@ -297,13 +527,18 @@ def ioctl(fd: int, number: int, argument: Any) -> None:
             continue
 
 
+_BIG_ENDIAN = '-BE'  # as v4l2-ctl writes it
+
+
 def fourcc(name: str) -> int:
-    """Return the number of a four-character pixel format; 'Y16' means 'Y16 '."""
-    return int.from_bytes(name.ljust(4).encode('ascii'), 'little')
+    """Return the number of a pixel format as `fourcc_name` gives it; 'Y16' means 'Y16 '."""
+    little = name.removesuffix(_BIG_ENDIAN)
+    number = int.from_bytes(little.ljust(4).encode('ascii'), 'little')
+    return number | (little != name) << 31
 
 
 def fourcc_name(number: int) -> str:
     """Return the four characters of a pixel format's number, without trailing spaces."""
     # The top bit marks the big-endian twin of a format.
     name = (number & 0x7fffffff).to_bytes(4, 'little').decode('ascii', 'replace').rstrip()
-    return name + ('-BE' if number >> 31 else '')
+    return name + (_BIG_ENDIAN if number >> 31 else '')

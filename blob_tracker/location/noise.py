@@ -55,3 +55,21 @@ def noise_of_sum(noise: SensorNoise, looks: int) -> SensorNoise:
     return SensorNoise(
         noise.gain, math.sqrt(looks * noise.read_noise**2 + (looks - 1) / 12.0)
     )
+
+
+def variance_ratio(
+    levels: NDArray[np.float64], first: SensorNoise, second: SensorNoise
+) -> float:
+    """
+    Return the variance by one noise over that by another, where they differ most.
+
+    Parameters
+    ----------
+    levels : (n,) array
+        Mean signals at which they are compared, DN.
+    first, second : SensorNoise
+        Above and below in the ratio.
+
+    """
+    ratios = pixel_variance(levels, first) / pixel_variance(levels, second)
+    return float(ratios[np.abs(np.log(ratios)).argmax()])

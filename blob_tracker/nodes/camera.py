@@ -2,26 +2,39 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 import sys
 import threading
 import time
 
-from blob_tracker.camera import CalibrationError, CameraModel
-from blob_tracker.capture import CaptureError, NoFrameError, PIXEL_FORMATS, V4l2Camera
-from blob_tracker.ros.camera_info import from_camera_model, stamped
-from blob_tracker.ros.errors import ParameterError
+from blob_tracker.camera import CalibrationError, CameraModel, write_calibration
+from blob_tracker.capture import (
+    CaptureError, ControlError, Grabber, NoFrameError, PIXEL_FORMATS, V4l2Camera,
+)
+from blob_tracker.ros.camera_info import from_camera_model, stamped, to_camera_model
+from blob_tracker.ros.control_parameters import ControlParameters
+from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import from_pixels
-from blob_tracker.ros.parameters import declare, Parameter
+from blob_tracker.ros.parameters import declare, Parameter, undeclared
 from blob_tracker.ros.process import run
 from blob_tracker.ros.qos import IMAGE_OUT, overridable
-from blob_tracker.ros.url import to_path
+from blob_tracker.ros.url import DEFAULT_CALIBRATION_URL, to_path
+from blob_tracker.types import Frame
 import rclpy
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.node import Node
+from rclpy.task import Future
 from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.srv import SetCameraInfo
+from std_srvs.srv import Trigger
 
 PARAMETERS = (
-    Parameter('device', '/dev/video0', 'The camera: its path, or a link in /dev/v4l/by-id.'),
+    Parameter(
+        'device',
+        '/dev/video0',
+        'The camera: its path, or a link in /dev/v4l/by-id or by-path, followed at each opening.',
+    ),
     Parameter(
         'width', 0, 'Width of the frames; 0 leaves the driver its own.', 0, 16384, unit='px'
     ),
@@ -49,12 +62,34 @@ PARAMETERS = (
         least=2,
         most=32,
     ),
+    Parameter(
+        'exposure_time',
+        0.0,
+        'Exposure of a camera without a control that tells it, to put the stamp into its middle; '
+        '0 is unknown.',
+        least=0.0,
+        most=100.0,
+        unit='s',
+    ),
+    Parameter(
+        'readout_time',
+        0.0,
+        'From the end of the exposure to that of the transfer, of a camera whose driver stamps '
+        'the latter; 0 is unknown.',
+        least=0.0,
+        most=100.0,
+        unit='s',
+    ),
     Parameter('frame_id', 'camera_optical_frame', 'Name of the optical frame.'),
+    Parameter(
+        'camera_name', 'camera', 'Name of the camera in its calibration, and ${NAME} in its URL.'
+    ),
     Parameter(
         'camera_info_url',
         '',
-        'Calibration: a path, file:// or package:// URL. Without one, and without field_of_view, '
-        'K is 0 and no bearing can be computed.',
+        'Calibration: a path, file:// or package:// URL of a file that is there. Empty is '
+        f'{DEFAULT_CALIBRATION_URL}, which set_camera_info may write first. Without a '
+        'calibration, and without field_of_view, K is 0 and no bearing can be computed.',
     ),
     Parameter(
         'field_of_view',
@@ -66,39 +101,61 @@ PARAMETERS = (
         unit='degrees',
     ),
 )
-READ_TIMEOUT = 0.5  # s: the longest that the end of the node waits for the capture thread
-LONGEST_SILENCE = 10.0  # s without a frame after which the device is opened again
+FRAME_TIMEOUT = 0.1  # s: how soon the end of the node is noticed while no frame comes
+QUIET, LONGEST_SILENCE = 1.0, 10.0  # s without a frame: is told; opens the device again
 FIRST_PAUSE, LONGEST_PAUSE = 0.5, 5.0  # s between attempts to open the device
 
 
 class CameraNode(Node):
-    """See the module's first line; the work is `blob_tracker.capture.v4l2.V4l2Camera`'s."""
+    """
+    See the module's first line; the work is `blob_tracker.capture`'s.
+
+    Three threads: the grabber's reads the device, one of the node's publishes the newest frame,
+    and the executor's handles parameters and services. None of them waits for another's work.
+    """
 
     def __init__(self) -> None:
         super().__init__('camera')
-        settings = declare(self, PARAMETERS)
+        settings = declare(self, PARAMETERS, complete=False)
         self._frame_id = settings.pop('frame_id')
         self._field_of_view = settings.pop('field_of_view')
-        url = settings.pop('camera_info_url')
+        self._name = settings.pop('camera_name')
+        self._url = settings.pop('camera_info_url')
         try:
-            self._camera_model = CameraModel.from_yaml(to_path(url)) if url else None
-        except (CalibrationError, ValueError) as error:
+            self._calibration = to_path(self._url or DEFAULT_CALIBRATION_URL, self._name)
+            there = self._url or self._calibration.exists()
+            self._camera_model = CameraModel.from_yaml(self._calibration) if there else None
+        except (CalibrationError, ParameterError) as error:
             raise ParameterError(f"parameter 'camera_info_url': {error}") from None
+        for name in ('exposure_time', 'readout_time'):
+            settings[name] = settings[name] or None
         self._settings = settings
+        self._sensor_size: tuple[int, int] | None = None
+        self._image = Image()
+        self._info: tuple[CameraModel | None, CameraInfo] | None = None
         self._health = Health(self, 'no frame arrives from the camera')
+        self._controls = ControlParameters(self, undeclared(self), self._health)
         self._images = self.create_publisher(
             Image, 'camera/image_raw', IMAGE_OUT, qos_overriding_options=overridable()
         )
         self._infos = self.create_publisher(
             CameraInfo, 'camera/camera_info', IMAGE_OUT, qos_overriding_options=overridable()
         )
+        self.create_service(SetCameraInfo, 'camera/set_camera_info', self._set_camera_info)
+        # In a group of its own, for the others go on while it waits for the frames.
+        self.create_service(
+            Trigger, 'camera/find_exposure', self._find_exposure,
+            callback_group=MutuallyExclusiveCallbackGroup(),
+        )
+        self._search: Future | None = None
+        self._awake = self.create_guard_condition(lambda: None)
         self._stop = threading.Event()
         # A daemon: an interrupt before the node is whole must not leave it running alone.
-        self._thread = threading.Thread(target=self._capture, name='capture', daemon=True)
+        self._thread = threading.Thread(target=self._capture, name='publish', daemon=True)
         self._thread.start()
 
     def destroy_node(self) -> None:
-        """End the capture thread, which frees the device, and then the node."""
+        """End the capture, which frees the device, and then the node."""
         self._stop.set()
         self._thread.join()
         super().destroy_node()
@@ -108,13 +165,22 @@ class CameraNode(Node):
         pause = FIRST_PAUSE
         while not self._stop.is_set():
             try:
-                with V4l2Camera(**self._settings) as camera:
+                with (
+                    V4l2Camera(**self._settings, prepare=self._controls.prepare) as camera,
+                    Grabber(camera) as grabber,
+                ):
                     pause = FIRST_PAUSE
-                    self._stream(camera)
+                    self._sensor_size = camera.sensor_size
+                    self._controls.attach(camera)
+                    self._stream(camera, grabber)
+            except ParameterError:
+                return  # the executor ends the node with it
             except (CaptureError, CalibrationError) as error:
+                self._controls.detach()
                 again = time.monotonic() + pause
                 while time.monotonic() < again and not self._stop.is_set():
                     self._health.fault(ERROR, str(error))  # it holds until it is gone
+                    self._answer(False, str(error))
                     self._stop.wait(FIRST_PAUSE)
                 pause = min(2.0 * pause, LONGEST_PAUSE)
             except RuntimeError:  # of rclpy's C layer: a signal ended the context meanwhile
@@ -122,43 +188,131 @@ class CameraNode(Node):
                     raise
                 return
 
-    def _stream(self, camera: V4l2Camera) -> None:
-        """Publish each frame with its camera_info."""
-        model = self._camera_model
-        if model is None and self._field_of_view > 0.0:
-            model = CameraModel.from_field_of_view(
-                camera.width, camera.height, self._field_of_view
-            )
-        info = from_camera_model(model, camera.width, camera.height)
-        image = Image()
+    def _stream(self, camera: V4l2Camera, grabber: Grabber) -> None:
+        """Publish the newest frame, again and again; search for the exposure when asked to."""
         self.get_logger().info(
             f'streaming {camera.width} x {camera.height} px at {camera.frame_rate:g} Hz '
-            f'from {self._settings["device"]}'
+            f'from {camera.device}; stamps: {camera.stamp_place}'
         )
-        silence = 0.0
+        self._info = None
+        while not self._stop.is_set():
+            self._publish_next(camera, grabber)
+            if self._search is None:
+                continue
+            try:
+                outcome = self._controls.adjust_exposure(
+                    camera, lambda: self._publish_next(camera, grabber)
+                )
+                self._answer(outcome.found, outcome.words)
+            except ControlError as error:
+                self._answer(False, str(error))
+
+    def _publish_next(self, camera: V4l2Camera, grabber: Grabber) -> Frame:
+        """Publish the next frame with its camera_info, and return it."""
+        frame = self._next(grabber)
+        model = self._camera_model  # set_camera_info may change it at any time
+        if self._info is None or self._info[0] is not model:
+            self._info = model, self._info_of(model, frame)
+        info = self._info[1]
+        image = from_pixels(frame.image, frame.stamp_ns, self._frame_id, self._image)
+        self._images.publish(image)
+        self._infos.publish(stamped(info, frame.stamp_ns, self._frame_id))
+        self._report(camera, grabber, bool(info.k[0]))
+        return frame
+
+    def _next(self, grabber: Grabber) -> Frame:
+        """
+        Return the next frame, whenever it comes.
+
+        Raises
+        ------
+        CaptureError
+            There will be none: the device fails, is silent for too long, or the node ends.
+
+        """
+        begin = time.monotonic()
         while not self._stop.is_set():
             try:
-                frame = camera.read(timeout=READ_TIMEOUT)
+                return grabber.newest(FRAME_TIMEOUT)
             except NoFrameError as error:
                 # A slow or triggered camera is no broken one: only a long silence opens it anew.
-                silence += READ_TIMEOUT
+                silence = time.monotonic() - begin
                 if silence > LONGEST_SILENCE:
                     raise
-                if silence > 1.0:
+                if silence > QUIET:
                     self._health.fault(ERROR, str(error))
-                continue
-            silence = 0.0
-            self._images.publish(from_pixels(frame.image, frame.stamp_ns, self._frame_id, image))
-            self._infos.publish(stamped(info, frame.stamp_ns, self._frame_id))
-            self._health.count('frames')
-            self._health.show('drops', camera.drops)
-            if model is None:
-                self._health.fault(
-                    WARN,
-                    'the camera is not calibrated: K is 0 and there will be no bearing; '
-                    'set camera_info_url',
+        raise CaptureError('the node ends')
+
+    def _info_of(self, model: CameraModel | None, frame: Frame) -> CameraInfo:
+        """Return the camera_info of frames such as this one."""
+        assert self._sensor_size is not None
+        if model is None and self._field_of_view > 0.0:
+            model = CameraModel.from_field_of_view(*self._sensor_size, self._field_of_view)
+        height, width = frame.image.shape
+        return from_camera_model(
+            model, width, height, x0=frame.x0, y0=frame.y0, binning=frame.binning,
+            sensor_size=self._sensor_size,
+        )
+
+    def _report(self, camera: V4l2Camera, grabber: Grabber, calibrated: bool) -> None:
+        """Tell the diagnostics of a frame."""
+        self._health.count('frames')
+        self._health.show('drops', camera.drops)
+        self._health.show('overruns', grabber.overruns)
+        self._health.show('error frames', camera.error_frames)
+        seconds = camera.exposure_time
+        self._health.show(
+            'exposure time', 'unknown' if seconds is None else f'{1e3 * seconds:.4g} ms'
+        )
+        self._health.show('stamp', camera.stamp_place)
+        if not calibrated:
+            self._health.fault(
+                WARN,
+                f'the camera is not calibrated: there is no {self._calibration}, K is 0 and '
+                'there will be no bearing; calibrate it or set field_of_view',
+            )
+        for warning in self._controls.warnings:
+            self._health.fault(WARN, warning)
+        self._health.ok('streaming')
+
+    def _set_camera_info(
+        self, request: SetCameraInfo.Request, response: SetCameraInfo.Response
+    ) -> SetCameraInfo.Response:
+        """Take a calibration, store it and use it from the next frame on."""
+        try:
+            model = replace(to_camera_model(request.camera_info), name=self._name)
+            if self._sensor_size not in (None, (model.width, model.height)):
+                raise MessageError(
+                    f'camera_info: the calibration is for {model.width} x {model.height} px and '
+                    'the sensor has {} x {} px; calibrate that size'.format(*self._sensor_size)
                 )
-            self._health.ok('streaming')
+            write_calibration(self._calibration, model)
+        except (MessageError, CalibrationError) as error:
+            response.status_message = str(error)
+            if self._url.startswith('package://') and isinstance(error, CalibrationError):
+                response.status_message += '; set camera_info_url to a file:// that you may write'
+            return response
+        self._camera_model = model
+        response.success = True
+        response.status_message = f'stored in {self._calibration} and in use'
+        self.get_logger().info(f'calibration {response.status_message}')
+        return response
+
+    async def _find_exposure(
+        self, request: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
+        """Have the publishing thread search for the exposure; wait for it without blocking."""
+        self._search = Future()
+        response.success, response.message = await self._search
+        self.get_logger().info(f'find_exposure: {response.message}')
+        return response
+
+    def _answer(self, found: bool, words: str) -> None:
+        """Give the outcome of a search to whoever asked for one, if anybody did."""
+        search, self._search = self._search, None
+        if search is not None:
+            search.set_result((found, words))
+            self._awake.trigger()
 
 
 def main() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 
+from blob_tracker.calibration.noise_level_function import NoiseLevelFunction
 from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
@@ -12,6 +13,8 @@ from blob_tracker.ros.mask import read_mask
 from blob_tracker.ros.pairing import subscribe
 from blob_tracker.ros.parameters import declare, Parameter
 from blob_tracker.ros.process import run
+from blob_tracker.ros.qos import overridable, STATE
+from blob_tracker.ros.target import noise_message
 from blob_tracker.ros.target_topics import TargetTopics
 from blob_tracker.segmentation import (
     codes_from_text,
@@ -28,6 +31,7 @@ from blob_tracker.segmentation import (
 )
 from blob_tracker.segmentation.periodic import HIGHEST
 from blob_tracker.types import Frame
+from geometry_msgs.msg import Vector3Stamped
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
@@ -173,6 +177,13 @@ PARAMETERS = (
         unit='DN',
     ),
     Parameter(
+        'noise.measure',
+        False,
+        'Measure gain and read noise of the camera from the unlit frames, once a second, and '
+        'publish them on target/noise. It needs a scene of more than one brightness that stands '
+        'nearly still, and raw pixels.',
+    ),
+    Parameter(
         'lost_after',
         0.2,
         'Time without a target, by the stamps, after which target/visible turns false. A coded '
@@ -182,6 +193,7 @@ PARAMETERS = (
         unit='s',
     ),
 )
+NOISE_PERIOD_NS = 10**9  # by the stamps, between two pairs that are measured
 CHECK = 0.25  # s between two looks at whether frames still come
 SILENCE = 1.0  # s of wall time without a good frame; slow bags and cameras pause for less
 
@@ -241,6 +253,13 @@ class SegmenterNode(Node):
         self._targets = {
             name: TargetTopics(self, topic, lost_after_ns) for name, topic in topics.items()
         }
+        self._noise: NoiseLevelFunction | None = None
+        self._noise_ns = 0
+        if settings['noise.measure']:
+            self._noise = NoiseLevelFunction()
+            self._noises = self.create_publisher(
+                Vector3Stamped, 'target/noise', STATE, qos_overriding_options=overridable()
+            )
         self._look: Look | None = None
         self._debug_image = DebugImage(self)
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -281,6 +300,8 @@ class SegmenterNode(Node):
         if look:
             self._describe(look)
             self._debug_image.offer(look, frame.stamp_ns, image.header.frame_id)
+        if self._noise is not None:
+            self._measure_noise(self._noise, frame, image.header.frame_id)
 
     def _say_why(self, frame: Frame) -> None:
         """Say why there is no target."""
@@ -289,6 +310,28 @@ class SegmenterNode(Node):
             self._health.fault(WARN, f'no target: {fault}')
         else:
             self._health.ok(f'no target: {self._segmenter.reason}')
+
+    def _measure_noise(self, measured: NoiseLevelFunction, frame: Frame, frame_id: str) -> None:
+        """Take the last pair of unlit frames, once a second; publish the noise if it is known."""
+        pair = self._segmenter.unlit_pair
+        if pair is None or 0 <= frame.stamp_ns - self._noise_ns < NOISE_PERIOD_NS:
+            return
+        self._noise_ns = frame.stamp_ns
+        try:
+            tiles = measured.add(*pair, frame.saturation, frame.stamp_ns)
+        except ValueError as error:
+            self._health.fault(WARN, f'noise.measure: {error}')
+            return
+        line = measured.line()
+        gain = read_noise = f'unknown: {measured.reason}'
+        if line is not None:
+            self._noises.publish(noise_message(line.noise, frame.stamp_ns, frame_id))
+            sigma = line.noise_covariance.diagonal() ** 0.5
+            gain = f'{line.gain:.4g} +- {sigma[0]:.2g} e-/DN'
+            read_noise = f'{line.read_noise:.3g} +- {sigma[1]:.2g} DN'
+        self._health.show('measured gain', gain)
+        self._health.show('measured read noise', read_noise)
+        self._health.show('tiles of the last unlit pair', tiles)
 
     def _describe(self, look: Look) -> None:
         """Show in the diagnostics what the segmenter saw."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
@@ -70,9 +70,11 @@ class Parameter:
         return descriptor
 
 
-def declare(node: Node, parameters: Sequence[Parameter]) -> dict[str, Any]:
+def declare(
+    node: Node, parameters: Sequence[Parameter], complete: bool = True
+) -> dict[str, Any]:
     """
-    Declare parameters on a node and return their values.
+    Declare parameters on a node and return their values; they are read-only from then on.
 
     Parameters
     ----------
@@ -80,6 +82,8 @@ def declare(node: Node, parameters: Sequence[Parameter]) -> dict[str, Any]:
         The node.
     parameters : sequence of Parameter
         What it has.
+    complete : bool
+        Whether it has no others; False where their names are known later: see `undeclared`.
 
     Returns
     -------
@@ -90,7 +94,7 @@ def declare(node: Node, parameters: Sequence[Parameter]) -> dict[str, Any]:
     ------
     ParameterError
         Where a value that was given at start-up has the wrong type or lies outside its range, or
-        the name of one is unknown.
+        nothing has the name of one.
 
     """
     values = {}
@@ -104,13 +108,28 @@ def declare(node: Node, parameters: Sequence[Parameter]) -> dict[str, Any]:
         if parameter.choices and value not in parameter.choices:
             raise _refused(node, parameter)
         values[parameter.name] = value
-    # What rclpy was told at start-up is not public; nothing else knows of a misspelt name.
-    for name in node._parameter_overrides:
-        if not node.has_parameter(name) and not name.startswith('qos_overrides.'):
-            near = get_close_matches(name, values, n=1)
-            hint = f"did you mean '{near[0]}'?" if near else f'there is {", ".join(values)}'
-            raise ParameterError(f"no parameter '{name}'; {hint}")
+    if complete:
+        for name in undeclared(node):
+            raise unknown(name, values)
     return values
+
+
+def undeclared(node: Node) -> dict[str, Any]:
+    """Return the values that start-up gave to parameters that the node does not have so far."""
+    # What rclpy was told at start-up is not public; nothing else knows of a misspelt name.
+    return {
+        name: parameter.value
+        for name, parameter in node._parameter_overrides.items()
+        if not node.has_parameter(name) and not name.startswith('qos_overrides.')
+    }
+
+
+def unknown(name: str, names: Iterable[str]) -> ParameterError:
+    """Return the error for the name of a parameter that is none of these."""
+    names = list(names)
+    near = get_close_matches(name, names, n=1)
+    hint = f"did you mean '{near[0]}'?" if near else f'there is {", ".join(names)}'
+    return ParameterError(f"no parameter '{name}'; {hint}")
 
 
 def _refused(node: Node, parameter: Parameter) -> ParameterError:

@@ -53,6 +53,9 @@ def run(create: Callable[[], Node], prepare: Callable[[], None] = lambda: None) 
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except ParameterError as error:  # only the camera knows what its controls may be
+        print(error, file=sys.stderr)
+        return WRONG_USE
     except RuntimeError:  # of rclpy's C layer: the signal came between two of its calls
         if rclpy.ok():
             raise

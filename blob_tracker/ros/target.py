@@ -1,11 +1,12 @@
-"""Location and Bearing to the messages on target/..."""
+"""Location, Bearing and SensorNoise to the messages on target/..., and noise back."""
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from math import cos, isfinite, pi, sin
 
+from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.stamp import from_ns
-from blob_tracker.types import Bearing, Location
+from blob_tracker.types import Bearing, Location, SensorNoise
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
 
 MRAD = 1e-3  # rad
@@ -58,3 +59,32 @@ def ray_message(bearing: Bearing, frame_id: str) -> PoseWithCovarianceStamped:
     covariance[5 * 6 + 5] = ROLL_VARIANCE
     message.pose.covariance = covariance
     return message
+
+
+def noise_message(noise: SensorNoise, stamp_ns: int, frame_id: str) -> Vector3Stamped:
+    """Return target/noise: x gain in electrons per DN, y read noise in DN, z 0."""
+    message = Vector3Stamped()
+    message.header.stamp = from_ns(stamp_ns)
+    message.header.frame_id = frame_id
+    message.vector.x = noise.gain
+    message.vector.y = noise.read_noise
+    return message
+
+
+def to_noise(message: Vector3Stamped) -> SensorNoise:
+    """
+    Return the noise of a message on target/noise.
+
+    Raises
+    ------
+    MessageError
+        Where it holds no gain above 0 or a read noise below 0.
+
+    """
+    gain, read_noise = message.vector.x, message.vector.y
+    if not (isfinite(gain) and gain > 0.0 and isfinite(read_noise) and read_noise >= 0.0):
+        raise MessageError(
+            f'gain (x) is {gain} electrons per DN and read noise (y) {read_noise} DN; both must '
+            'be finite, the gain above 0 and the read noise 0 or more'
+        )
+    return SensorNoise(gain, read_noise)

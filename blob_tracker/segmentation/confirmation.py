@@ -190,23 +190,24 @@ class Confirmation:
             if nearest is self._locked and nearest.flashes >= SETTLED and age > PERIOD:
                 # It missed its flash and comes a frame late: the light slipped.
                 fresh.trusted = True
-                self._locked = fresh
-                self._tracks = [each for each in self._tracks if each is not nearest]
+                self._replace(nearest, fresh)
                 return fresh
             fresh.spoiled = True
-            if nearest is self._locked:
-                self._locked = None
-            self._tracks = [each for each in self._tracks if each is not nearest]
+            self._replace(nearest, None)
             return fresh
         fresh.speed_x = (candidate.x - nearest.x) / age
         fresh.speed_y = (candidate.y - nearest.y) / age
         fresh.flashes = nearest.flashes + 1
         fresh.spoiled = nearest.spoiled
         fresh.trusted = nearest.trusted
-        if nearest is self._locked:
-            self._locked = fresh
-        self._tracks = [each for each in self._tracks if each is not nearest]
+        self._replace(nearest, fresh)
         return fresh
+
+    def _replace(self, track: _Track, by: _Track | None) -> None:
+        """End a track; where it was the one that is followed, another is from now on, or none."""
+        if track is self._locked:
+            self._locked = by
+        self._tracks = [each for each in self._tracks if each is not track]
 
     def _spoil(self, candidate: Candidate) -> None:
         """Mark the young track that is followed, and end all others, where it is out of step."""
@@ -222,7 +223,7 @@ class Confirmation:
             ):
                 track.spoiled = True
                 if track is not self._locked:
-                    self._tracks.remove(track)
+                    self._replace(track, None)
 
     def _age(self, track: _Track) -> float:
         """Return the time since a track was seen, in frames."""

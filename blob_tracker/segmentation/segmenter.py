@@ -14,11 +14,12 @@ from blob_tracker.segmentation.look import Look
 from blob_tracker.segmentation.looks import Looks
 from blob_tracker.segmentation.search import ANYWHERE, Found, search
 from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
-from blob_tracker.types import Frame, Window
+from blob_tracker.types import Frame, Pixels, Window
 import numpy as np
 from numpy.typing import NDArray
 
 GATED = 0.85  # of the SNR that is asked for is enough where the target is expected
+UNLIT_APART = 10**9  # ns between two unlit frames of a pair, at most
 
 
 class Sighting(NamedTuple):
@@ -63,6 +64,9 @@ class Segmenter:
         Why the last frame gave no window; empty where it gave one.
     look : Look or None
         What was seen in the last frame that was compared with others.
+    unlit_pair : (array, array) or None
+        Raw pixels of the last two frames without a light, where the last frame is one of them or
+        ended a block that holds them. What differs in them is noise, or moved.
 
     """
 
@@ -82,6 +86,8 @@ class Segmenter:
         self.max_blob = max_blob
         self.reason = 'no frame yet'
         self.look: Look | None = None
+        self.unlit_pair: tuple[Pixels, Pixels] | None = None
+        self._unlit: Frame | None = None
         self._looks = Looks(looks)
         self._mask = ANYWHERE if mask is None else np.ascontiguousarray(mask != 0, dtype=np.uint8)
 
@@ -121,6 +127,7 @@ class Segmenter:
                 f'the mask is {self._mask.shape[1]} x {self._mask.shape[0]} px and the frame '
                 f'{frame.image.shape[1]} x {frame.image.shape[0]}; they must be of one size'
             )
+        before, self._unlit, self.unlit_pair = self._unlit, None, None
         contrast = self.flash.contrast(frame)
         if contrast is None:
             self.reason = self.flash.reason
@@ -154,6 +161,7 @@ class Segmenter:
                     sightings.append(Sighting(name, window))
         if sightings:
             self.reason = ''
+        self._keep_unlit(frame, contrast, before, lit=bool(windows))
         self.look = Look(
             contrast.lit,
             contrast.unlit if contrast.unlit_looks else None,
@@ -166,6 +174,19 @@ class Segmenter:
             self.reason,
         )
         return sightings
+
+    def _keep_unlit(
+        self, frame: Frame, contrast: Contrast, before: Frame | None, *, lit: bool
+    ) -> None:
+        """Pair this frame with the unlit one before it, or take the unlit ones of a block."""
+        if len(contrast.unlit_looks) > 1:
+            self.unlit_pair = contrast.unlit_looks[-2], contrast.unlit_looks[-1]
+        elif lit:
+            self._unlit = before
+        else:
+            self._unlit = frame
+            if before is not None and frame.stamp_ns - before.stamp_ns <= UNLIT_APART:
+                self.unlit_pair = before.image, frame.image
 
     def _window(self, contrast: Contrast, candidate: Candidate) -> Box | None:
         """Return the window of the target, or None with the reason why there is none."""

@@ -3,6 +3,7 @@
 from blob_tracker.simulation.ambient_light import AmbientLight
 from blob_tracker.simulation.camera_motion import Drifting, Stepping
 from blob_tracker.simulation.flashing_light import FlashingLight
+from blob_tracker.simulation.flat_field import FlatField
 from blob_tracker.simulation.glints import Glints
 from blob_tracker.simulation.hot_pixels import HotPixels
 from blob_tracker.simulation.light import pixel_integrated_gaussian
@@ -18,6 +19,7 @@ __all__ = [
     'AmbientLight',
     'Drifting',
     'FlashingLight',
+    'FlatField',
     'Glints',
     'HotPixels',
     'Light',

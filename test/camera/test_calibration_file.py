@@ -96,13 +96,28 @@ def test_impossible_value_names_the_file(tmp_path: Path) -> None:
         CameraModel.from_yaml(path)
 
 
-def test_file_of_the_ros_calibrator_is_read(tmp_path: Path) -> None:
+# What camera_calibration_parsers may put at the end; it says nothing of K.
+OF_THE_MESSAGE = """binning_x: 0
+binning_y: 0
+roi:
+  x_offset: 0
+  y_offset: 0
+  height: 0
+  width: 0
+  do_rectify: false
+"""
+
+
+@pytest.mark.parametrize('more', ['', OF_THE_MESSAGE])
+def test_file_of_the_ros_calibrator_is_read(more: str, tmp_path: Path) -> None:
     """Every number of it, R and P included."""
     path = tmp_path / 'ost.yaml'
-    path.write_text(OF_ROS)
+    path.write_text(OF_ROS + more)
     model = CameraModel.from_yaml(path)
     assert (model.width, model.height, model.name) == (640, 480, 'narrow_stereo')
-    assert model.matrix.ravel().tolist() == [504.10382, 0, 321.80917, 0, 505.91447, 240.34672, 0, 0, 1]
+    assert model.matrix.tolist() == [
+        [504.10382, 0.0, 321.80917], [0.0, 505.91447, 240.34672], [0.0, 0.0, 1.0]
+    ]
     assert model.distortion.tolist() == [0.176832, -0.313041, 1e-5, -0.000812, 0.0]
     assert model.rectification is not None and (model.rectification == np.eye(3)).all()
     assert model.projection is not None and model.projection[1, 1] == 521.45001
@@ -128,7 +143,7 @@ def test_what_ros_can_do_without_may_be_missing(name: str, tmp_path: Path) -> No
 @pytest.mark.parametrize(
     'model, count',
     [('plumb_bob', 4), ('plumb_bob', 5), ('rational_polynomial', 8), ('rational_polynomial', 12),
-     ('rational_polynomial', 14), ('equidistant', 4)],
+     ('rational_polynomial', 14), ('equidistant', 4), ('fisheye', 4)],
 )
 @pytest.mark.parametrize('upright', [True, False])
 def test_coefficients_of_each_number(
@@ -142,7 +157,10 @@ def test_coefficients_of_each_number(
     content['distortion_coefficients'] = {'rows': rows, 'cols': columns, 'data': values}
     path = tmp_path / 'camera.yaml'
     path.write_text(yaml.safe_dump(content))
-    assert CameraModel.from_yaml(path).distortion.tolist() == values
+    read = CameraModel.from_yaml(path)
+    assert read.distortion.tolist() == values
+    # Some releases of ROS' calibrator call it fisheye; nothing else in ROS does.
+    assert read.distortion_model == model.replace('fisheye', 'equidistant')
 
 
 @pytest.mark.parametrize('name', MODELS)

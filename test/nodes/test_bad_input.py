@@ -163,7 +163,7 @@ def test_a_broken_image_is_named_and_gives_nothing(
     [
         (_focal_length(nan), 'K must be 3 x 3 finite numbers'),
         (_focal_length(0.0), 'not calibrated has 0: set camera_info_url'),
-        (_set(distortion_model='fisheye'), "no distortion model 'fisheye'"),
+        (_set(distortion_model='fov'), "no distortion model 'fov'"),
         (_set(d=[0.1, nan, 0.0, 0.0, 0.0]), 'distortion coefficients must be finite'),
     ],
 )

@@ -37,6 +37,13 @@ def test_every_lens_survives(name: str) -> None:
         assert back.angles(*pixel)[:2] == MODELS[name].angles(*pixel)[:2]
 
 
+def test_fisheye_is_equidistant() -> None:
+    """The name that some releases of ROS' calibrator give to set_camera_info."""
+    info = from_camera_model(MODELS['equidistant'], 640, 480)
+    info.distortion_model = 'fisheye'
+    assert to_camera_model(info).distortion_model == 'equidistant'
+
+
 def test_rectification_is_carried_along() -> None:
     """R and P of a calibration reach camera_info and come back; where all is 0 there is none."""
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])

@@ -1,7 +1,14 @@
 """The result messages: units, signs, and a turn that takes z onto the ray."""
 
-from blob_tracker.ros.target import bearing_message, centroid_message, ray_message
-from blob_tracker.types import Bearing, Location
+from blob_tracker.ros.errors import MessageError
+from blob_tracker.ros.target import (
+    bearing_message,
+    centroid_message,
+    noise_message,
+    ray_message,
+    to_noise,
+)
+from blob_tracker.types import Bearing, Location, SensorNoise
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -38,3 +45,15 @@ def test_ray_covariance_is_in_rad2_about_x_and_y() -> None:
     np.testing.assert_allclose(covariance[3:5, 3:5], [[9e-8, 1e-8], [1e-8, 4e-8]])
     assert covariance[5, 5] == pytest.approx(np.pi**2 / 3)
     assert (covariance[:3] == 0).all()
+
+
+def test_noise_there_and_back() -> None:
+    """Gain in x, read noise in y, and what is no noise is refused."""
+    message = noise_message(SensorNoise(3.5, 1.2), 1_500_000_000, 'optical')
+    assert (message.vector.x, message.vector.y, message.vector.z) == (3.5, 1.2, 0.0)
+    assert to_noise(message) == SensorNoise(3.5, 1.2)
+    for field, value in (('x', 0.0), ('x', np.inf), ('x', np.nan), ('y', -1.0), ('y', np.nan)):
+        wrong = noise_message(SensorNoise(3.5, 1.2), 1, 'optical')
+        setattr(wrong.vector, field, value)
+        with pytest.raises(MessageError, match='must be finite, the gain above 0'):
+            to_noise(wrong)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from blob_tracker.segmentation.candidate import Candidate
-from blob_tracker.segmentation.peaks import FIELDS, measure_peaks
+from blob_tracker.segmentation.description import FIELDS
+from blob_tracker.segmentation.peaks import measure_peaks
 from blob_tracker.segmentation.search import ANYWHERE
 from blob_tracker.simulation import pixel_integrated_gaussian
 import numpy as np

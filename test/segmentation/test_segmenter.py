@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from blob_tracker.segmentation import FrameError, Segmenter
+from blob_tracker.segmentation import flash_by_name, FrameError, Segmenter
 from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.simulation import FlashingLight
 from blob_tracker.types import Frame, Window
@@ -208,3 +208,30 @@ def test_crop_and_binning_place_the_window_on_the_sensor() -> None:
     assert window is not None and binned is not None
     assert (binned.x0, binned.y0) == (100 + 2 * window.x0, 40 + 4 * window.y0)
     assert binned.binning == (2, 4)
+
+
+def test_unlit_pairs_are_raw_and_hold_no_light() -> None:
+    """Once the light is followed, each unlit frame comes with the unlit one before it."""
+    segmenter = Segmenter()
+    for index in range(20):
+        segmenter.update(frame(index))
+        pair = segmenter.unlit_pair
+        if index >= 6:
+            assert (pair is not None) == (index % 2 == 1)
+        if index >= 6 and pair is not None:
+            np.testing.assert_array_equal(pair[0], SCENE.frame(index - 2))
+            np.testing.assert_array_equal(pair[1], SCENE.frame(index))
+
+
+def test_unlit_pairs_of_a_block_and_across_gaps() -> None:
+    """A free-running light gives those of its block; frames far apart are no pair."""
+    scene = FlashingLight(width=160, height=120, amplitude=0.0)
+    periodic = Segmenter(flash=flash_by_name('periodic', frequency=15.0, frames=16))
+    for index in range(16):
+        assert periodic.unlit_pair is None
+        periodic.update(Frame(scene.frame(index), 10**9 + STEP_NS * index, 255))
+    assert periodic.unlit_pair is not None
+    slow = Segmenter()
+    for index in range(4):
+        slow.update(Frame(scene.frame(index), 10**9 * (1 + 2 * index), 255))
+        assert slow.unlit_pair is None

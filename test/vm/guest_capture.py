@@ -18,7 +18,7 @@ import sys
 import time
 from typing import Any
 
-from blob_tracker.capture import CaptureError, PIXEL_FORMATS, V4l2Camera
+from blob_tracker.capture import CaptureError, V4l2Camera
 from hdmi_loop import CAPTURE, close_loop, control, HEIGHT, OUTPUT, playing, v4l2_ctl, WIDTH
 import numpy as np
 
@@ -70,7 +70,7 @@ def recording(folder: Path, pixel_format: str, known: dict[str, int]) -> dict[st
                 'sequence': camera.sequence, 'drops': camera.drops})
         return {
             'count': COUNT, 'size': [camera.width, camera.height], 'frame_rate': camera.frame_rate,
-            'pixel_format': camera.pixel_format, 'stamps_start': camera.stamps_start,
+            'pixel_format': camera.pixel_format,
             'shape': frame.image.shape, 'dtype': str(frame.image.dtype),
             'saturation': frame.saturation, 'frames': frames}
 
@@ -116,11 +116,9 @@ def sentences() -> dict[str, str]:
         'output': refusal(device=OUTPUT),
         'media': refusal(device='/dev/media0'),
         'format_unknown': refusal(pixel_format='GREI'),
+        'format_not_offered': refusal(pixel_format='MJPG'),
         'size': refusal(width=20000),
     }
-    PIXEL_FORMATS['MJPG'] = PIXEL_FORMATS['GREY']  # decoded, say, but not offered by vivid
-    found['format_not_offered'] = refusal(pixel_format='MJPG')
-    del PIXEL_FORMATS['MJPG']
     link = Path('/run/usb-camera-index0')
     link.symlink_to(CAPTURE)
     found['link'] = refusal(device=str(link))
@@ -166,10 +164,6 @@ def main(folder: Path) -> None:
     known = {digest(frame): index for index, frame in enumerate(scene)}
     found = {name: recording(folder, name, known) for name in ('GREY', 'YUYV')}
     found['losses'] = losses()
-    control(timestamp_source=0)
-    with V4l2Camera(**SETTINGS) as camera:
-        found['stamps_end'] = {'stamps_start': camera.stamps_start}
-    control(timestamp_source=1)
     found['sentences'] = sentences()
     (folder / 'capture.json').write_text(json.dumps(found, indent=1))
 

@@ -10,6 +10,7 @@ import subprocess
 
 CAPTURE, OUTPUT = '/dev/video0', '/dev/video1'
 WIDTH, HEIGHT = 320, 240
+SIGNAL = 1280, 720  # px
 # CTA-861 format 60, 1280x720p24: the slowest there is, for the sake of the emulated processors.
 # Without its scalers the driver sends and takes the top left WIDTH x HEIGHT of it.
 TIMINGS = ('width=1280,height=720,interlaced=0,polarities=3,pixelclock=59400000,'
@@ -23,23 +24,26 @@ def v4l2_ctl(device: str, *options: str) -> None:
                    stdout=subprocess.DEVNULL)
 
 
-def control(**settings: int) -> None:
-    """Set controls of the capture device."""
-    v4l2_ctl(CAPTURE, '-c', ','.join(f'{name}={value}' for name, value in settings.items()))
+def control(device: str = CAPTURE, **settings: int) -> None:
+    """Set controls of a capture device."""
+    v4l2_ctl(device, '-c', ','.join(f'{name}={value}' for name, value in settings.items()))
 
 
-def close_loop() -> None:
+def close_loop(capture: str = CAPTURE, output: str = OUTPUT) -> None:
     """Give both ends the same timings and join them; vivid writes no text into the picture."""
-    for device in (OUTPUT, CAPTURE):
+    for device in (output, capture):
         v4l2_ctl(device, f'--set-dv-bt-timings={TIMINGS}')
-    v4l2_ctl(OUTPUT, '-c', 'enable_output_scaler=0')
+    v4l2_ctl(output, '-c', 'enable_output_scaler=0')
     # Stamps at the start of the frame: those at its end lie 0.9 frames ahead of the delivery,
     # as vivid has the picture ready when the frame begins.
-    control(enable_capture_scaler=0, loop_video=1, osd_text_mode=2, timestamp_source=1)
+    control(
+        capture, enable_capture_scaler=0, loop_video=1, osd_text_mode=2, timestamp_source=1)
 
 
 @contextmanager
-def playing(scene: Path, pixel_format: str) -> Iterator[None]:
+def playing(
+    scene: Path, pixel_format: str, output: str = OUTPUT, width: int = WIDTH, height: int = HEIGHT
+) -> Iterator[None]:
     """
     Play a raw file into the output device, again and again.
 
@@ -47,10 +51,14 @@ def playing(scene: Path, pixel_format: str) -> Iterator[None]:
     """
     # A copy in memory, as the folder may be the host's.
     copy = shutil.copy(scene, '/run')
-    v4l2_ctl(OUTPUT, f'--set-fmt-video-out=width={WIDTH},height={HEIGHT},'
-                     f'pixelformat={pixel_format}')
+    # The driver keeps the region of an earlier, smaller picture.
+    region = f'left=0,top=0,width={width},height={height}'
+    v4l2_ctl(output, f'--set-fmt-video-out=width={width},height={height},'
+                     f'pixelformat={pixel_format}',
+             f'--set-selection-output=target=compose,{region}',
+             f'--set-selection-output=target=crop,{region}')
     player = subprocess.Popen(
-        ['v4l2-ctl', '-d', OUTPUT, '--stream-out-mmap=4', f'--stream-from={copy}',
+        ['v4l2-ctl', '-d', output, '--stream-out-mmap=4', f'--stream-from={copy}',
          '--stream-loop'], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         yield

@@ -23,6 +23,8 @@ BACKGROUND = 20.0  # DN
 NOISE = SensorNoise(gain=20.0, read_noise=0.7)
 CENTRE = np.array([162.4, 116.8])  # px: the path crosses all four quadrants of the picture
 RADII = np.array([61.3, 44.7])  # px
+# The camera that looks at it, px: nothing equal, nothing in the middle.
+FX, FY, CX, CY = 411.0, 397.0, 165.2, 113.7
 
 
 @dataclass(frozen=True)

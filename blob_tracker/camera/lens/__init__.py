@@ -12,5 +12,7 @@ LENSES = {
     ),
     'equidistant': Lens((0, 4), equidistant.image, equidistant.ray),
 }
+# What some releases of ROS' own calibrator write: today's name.
+FORMER_NAMES = {'fisheye': 'equidistant'}
 
-__all__ = ['Lens', 'LensError', 'LENSES']
+__all__ = ['FORMER_NAMES', 'Lens', 'LensError', 'LENSES']

@@ -8,6 +8,10 @@ from types import ModuleType
 
 CALIBRATIONS: dict[str, str] = {
     'board': 'lens, from images of a chessboard, a ChArUco board or a grid of dots',
+    'jitter': 'line offsets of an analogue grabber, from frames of a vertical edge',
+    'noise': 'gain, read noise and saturation: photon transfer',
+    'slide': 'pixels per millimetre, from a camera on a slide',
+    'turn': "focal length and principal point, from the servo's own steps",
 }
 
 

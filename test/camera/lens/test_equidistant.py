@@ -29,7 +29,7 @@ def test_pixels_are_those_of_opencv() -> None:
 
 
 def test_without_coefficients_the_angle_is_the_distance() -> None:
-    """r = theta, past 90 degrees as before; four zeros are the same."""
+    """It is r = theta, past 90 degrees as before; four zeros are the same."""
     np.testing.assert_allclose(lens(), np.radians(np.arange(180.0)), rtol=1e-14)
     np.testing.assert_array_equal(lens(0.0, 0.0, 0.0, 0.0), lens())
 
@@ -54,10 +54,10 @@ def test_no_picture_beyond_the_fold() -> None:
     focal_length=strategies.floats(150.0, 2000.0),
 )
 def test_way_back(coefficients: tuple[float, ...], focal_length: float) -> None:
-    """Ray -> pixel -> ray -> pixel below 1e-9 px and 1e-8, wherever the lens sees."""
+    """Ray -> pixel -> ray -> pixel below 1e-9 px, wherever the lens sees."""
     model = dataclasses.replace(
         EQUIDISTANT,
-        matrix=np.array([[focal_length, 0.4, 330.0], [0.0, 1.01 * focal_length, 225.0], [0, 0, 1]]),
+        matrix=np.array([[focal_length, 0.4, 330.0], [0, 1.01 * focal_length, 225.0], [0, 0, 1]]),
         distortion=np.array(coefficients),
     )
     theta, phi = np.meshgrid(np.radians(np.linspace(0.0, 140.0, 15)), np.linspace(-3.1, 3.1, 7))

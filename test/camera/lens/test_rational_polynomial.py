@@ -117,7 +117,7 @@ def folded(distortion: list[float], distortion_model: str = 'plumb_bob') -> NDAr
     ],
 )
 def test_no_picture_beyond_the_fold(distortion: list[float], name: str, degrees: float) -> None:
-    """NaN from where the picture turns back or runs away, and outwards all the way to there."""
+    """It is NaN from where the picture turns back or runs away, and grows all the way to it."""
     offsets = folded(distortion, name)
     angles = np.linspace(0.0, 80.0, 801)
     assert np.isfinite(offsets[angles < degrees - 1e-6]).all()

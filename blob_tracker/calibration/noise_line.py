@@ -1,0 +1,161 @@
+"""The line of variance against level: its slope is 1 / gain, its foot the read noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, sqrt
+
+from blob_tracker.types import SensorNoise
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+QUANTISATION = 1.0 / 12.0  # DN^2, of rounding to whole DN
+ITERATIONS = 8  # the weights follow the line; after 4 it stands still to 1e-6 of its sigma
+MISFIT = 0.01  # probability below which points beside the line are no chance
+SEPARABLE = 0.1  # sigma of a slope over the slope, beyond which it tells no gain
+
+
+@dataclass(frozen=True)
+class NoiseLine:
+    """
+    Temporal variance of a pixel over its level, v(m) = foot + slope m.
+
+    Parameters
+    ----------
+    slope : float
+        K, DN per electron.
+    foot : float
+        v(0), DN^2: read_noise^2 + 1/12. Negative noise of the fit, or a black level above 0 DN,
+        can take it below that.
+    covariance : (2, 2) array
+        Of slope and foot.
+    chi2 : float
+        Squared residuals over their variance, of all points.
+    dof : int
+        Points less 2.
+
+    """
+
+    slope: float
+    foot: float
+    covariance: NDArray[np.float64]
+    chi2: float
+    dof: int
+
+    @property
+    def fits(self) -> bool:
+        """Whether the points lie on a line as far as chance lets them; else sigmas have grown."""
+        return self.dof < 1 or bool(stats.chi2.sf(self.chi2, self.dof) >= MISFIT)
+
+    @property
+    def separates(self) -> bool:
+        """Whether the levels span enough to tell the gain from the read noise."""
+        return self.slope > 0.0 and sqrt(self.covariance[0, 0]) < SEPARABLE * self.slope
+
+    @property
+    def gain(self) -> float:
+        """1 / K, electrons per DN; infinite where the slope is not above 0."""
+        return 1.0 / self.slope if self.slope > 0.0 else inf
+
+    @property
+    def read_noise(self) -> float:
+        """Read noise at 0 DN, before quantisation: DN, 0 where the foot is below 1/12."""
+        return sqrt(max(self.foot - QUANTISATION, 0.0))
+
+    @property
+    def noise(self) -> SensorNoise:
+        """Gain and read noise as the locator takes them."""
+        return SensorNoise(self.gain, self.read_noise)
+
+    @property
+    def noise_covariance(self) -> NDArray[np.float64]:
+        """
+        (2, 2) covariance of gain, e-/DN, and read noise, DN.
+
+        To first order, J C J^T with d gain / d slope = -gain^2 and d read_noise / d foot =
+        1 / (2 read_noise). Towards no read noise at all that grows without end, and the finite
+        step sqrt(r^2 + s) - r per s, with s the sigma of the foot, stands in for it.
+        """
+        s = sqrt(self.covariance[1, 1])
+        step = sqrt(self.read_noise**2 + s) - self.read_noise
+        jacobian = np.diag([-self.gain**2, step / s if s > 0.0 else 0.0])
+        return np.asarray(jacobian @ self.covariance @ jacobian.T)
+
+    def variance(self, level: float) -> tuple[float, float]:
+        """Return the variance of a pixel at a level, DN^2, and its standard deviation."""
+        row = np.array([level, 1.0])
+        return self.foot + self.slope * level, sqrt(row @ self.covariance @ row)
+
+    def above(self, black_level: float) -> NoiseLine:
+        """
+        Return the same line over the level less a black level: its foot is the dark variance.
+
+        The black level must be known far better than the foot over the slope.
+        """
+        shift = np.array([[1.0, 0.0], [black_level, 1.0]])
+        return NoiseLine(
+            self.slope,
+            self.foot + self.slope * black_level,
+            shift @ self.covariance @ shift.T,
+            self.chi2,
+            self.dof,
+        )
+
+
+def fit_noise_line(
+    levels: NDArray[np.float64],
+    variances: NDArray[np.float64],
+    scatters: NDArray[np.float64],
+) -> NoiseLine:
+    """
+    Fit v = foot + slope m, each point weighted by the known variance of a variance.
+
+    The variance of a sample variance s^2 over n values is (kurtosis - 1) sigma^4 / n, for Gaussian
+    noise 2 sigma^4 / n. The sigma^4 in it is that of the line, not of the point: a point that is
+    low by chance must not weigh more. Where the points do not lie on a line (chi2 beyond its 99 %
+    bound) the covariance is scaled by chi2 per degree of freedom.
+
+    Parameters
+    ----------
+    levels, variances : (n,) arrays
+        DN and DN^2.
+    scatters : (n,) array
+        Variance of each variance over its own square: (kurtosis - 1) / n.
+
+    Returns
+    -------
+    NoiseLine
+        The line.
+
+    Raises
+    ------
+    ValueError
+        Where there are fewer than two levels that differ.
+
+    """
+    if levels.size < 2 or not np.ptp(levels) > 0.0:
+        raise ValueError(f'{levels.size} points at one level; a line needs two levels or more')
+    expected = variances
+    covariance = np.empty((2, 2))
+    line = np.empty(2)
+    for _ in range(ITERATIONS):
+        weights = 1.0 / (scatters * np.maximum(expected, 0.5 * QUANTISATION) ** 2)
+        # About the mean level slope and height are apart: nothing is lost to a large level.
+        middle = float(np.average(levels, weights=weights))
+        away = levels - middle
+        slope = float((weights * away * variances).sum() / (weights * away**2).sum())
+        height = float(np.average(variances, weights=weights))
+        line = np.array([slope, height - slope * middle])
+        apart = np.diag([1.0 / (weights * away**2).sum(), 1.0 / weights.sum()])
+        back = np.array([[1.0, 0.0], [-middle, 1.0]])
+        covariance = back @ apart @ back.T
+        expected = line[1] + line[0] * levels
+    weights = 1.0 / (scatters * np.maximum(expected, 0.5 * QUANTISATION) ** 2)
+    chi2 = float((weights * (variances - expected) ** 2).sum())
+    found = NoiseLine(float(line[0]), float(line[1]), covariance, chi2, levels.size - 2)
+    if found.fits:
+        return found
+    return NoiseLine(
+        found.slope, found.foot, covariance * chi2 / found.dof, chi2, found.dof
+    )

@@ -1,0 +1,511 @@
+"""Photon transfer: gain, dark noise, saturation and non-uniformity from pairs of flat frames."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import sqrt
+
+from blob_tracker.calibration.noise_line import fit_noise_line, NoiseLine, QUANTISATION
+from blob_tracker.types import Pixels, SensorNoise
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+RANGE = 0.7  # of saturation, up to which the line is fitted (EMVA 1288, section 6.5)
+CLIPPED = 0.0005  # part of the pixels at 0 DN that takes as much of the variance; more is too much
+PILED_UP = 0.01  # part of the pixels at the highest value of all that makes it the clipped level
+FALL = 0.9  # of the variance before it: the transfer curve has passed its peak
+LEAST_VARIANCE = 0.24  # DN^2, below which rounding hides the noise (EMVA 1288, section 6.6)
+# DN^2 of noise and non-uniformity together that spread the pixels over the steps of rounding: the
+# 1/12 is then right to 2 exp(-2 pi^2 0.45) = 0.3 %.
+LEAST_SPREAD = 0.45
+CORRELATED = 0.05  # between neighbours' noise; row noise and crosstalk of good sensors is below
+GROWS = 3.0  # standard deviations of the slope, that it must be above 0
+BENT = 0.15  # slope gained or lost over the range, relative
+NONLINEAR = 0.02  # mean relative deviation of the level from a line over the exposure
+BOX = 5  # px, of the box filter that takes off what the light is uneven by (EMVA 1288, 8.1)
+
+
+class PhotonTransferError(ValueError):
+    """Frames that give no photon transfer; the message says why and what would."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """
+    Statistics of two frames of the same light.
+
+    Parameters
+    ----------
+    dark : bool
+        Whether there was none.
+    exposure : float or None
+        What the light is proportional to: photons, or time; None where it is not known.
+    mean : float
+        DN.
+    variance : float
+        Temporal, DN^2: half the variance of the difference of the two (EMVA 1288, eq. 18 to 20,
+        in which the change of the mean drops out).
+    kurtosis : float
+        Of the difference; 3 where the noise is Gaussian.
+    spatial_variance : float
+        DN^2, of the mean of many frames, without what is smooth over 5 px.
+    correlation : float
+        Of a pixel's noise with that of its neighbour, the worse of right and below.
+    highest : int
+        DN of the brightest pixel.
+    at_highest, at_zero : float
+        Part of the pixels that are at `highest`, and at 0 DN.
+    count : int
+        Pixels.
+    step : int
+        Greatest common divisor of the pixels' values, DN.
+
+    """
+
+    dark: bool
+    exposure: float | None
+    mean: float
+    variance: float
+    kurtosis: float
+    spatial_variance: float
+    correlation: float
+    highest: int
+    at_highest: float
+    at_zero: float
+    count: int
+    step: int
+
+    @property
+    def scatter(self) -> float:
+        """Variance of the variance over its square."""
+        return max(self.kurtosis - 1.0, 0.5) / self.count
+
+    @property
+    def shows_noise(self) -> bool:
+        """Whether rounding and 0 DN leave the noise as it is."""
+        spread = self.variance - QUANTISATION + self.spatial_variance
+        return (
+            self.at_zero < CLIPPED and self.variance > LEAST_VARIANCE and spread > LEAST_SPREAD
+        )
+
+
+@dataclass(frozen=True)
+class PhotonTransfer:
+    """
+    What photon transfer tells of a camera, each figure with its standard deviation.
+
+    Parameters
+    ----------
+    line : NoiseLine
+        Variance over the level above black: its foot is the temporal dark variance.
+    black_level : (float, float)
+        DN; 0 and 0 where it is not known because dark pixels are clipped at 0 DN.
+    saturation : int
+        DN of a clipped pixel.
+    saturation_seen : bool
+        Whether clipped pixels were seen; else `saturation` is what the values suggest.
+    saturation_level : (float, float)
+        Mean at the peak of the transfer curve, DN.
+    capacity : (float, float)
+        The same above black, electrons.
+    prnu : (float, float) or None
+        Photo response non-uniformity, part of the signal.
+    dsnu : (float, float) or None
+        Dark signal non-uniformity, electrons; None without usable dark frames.
+    linearity_error : (float, float) or None
+        Mean relative deviation of the level from a line over the exposure; None where fewer than
+        three exposures between 5 and 95 % of saturation are known.
+    pairs : tuple of Pair
+        All, in order of their level.
+    used : (n,) bool array
+        Those that the line was fitted to.
+    warnings : tuple of str
+        What to know before one relies on it.
+
+    """
+
+    line: NoiseLine
+    black_level: tuple[float, float]
+    saturation: int
+    saturation_seen: bool
+    saturation_level: tuple[float, float]
+    capacity: tuple[float, float]
+    prnu: tuple[float, float] | None
+    dsnu: tuple[float, float] | None
+    linearity_error: tuple[float, float] | None
+    pairs: tuple[Pair, ...]
+    used: NDArray[np.bool_]
+    warnings: tuple[str, ...]
+
+    @property
+    def in_dn(self) -> NoiseLine:
+        """Line over the level as the camera gives it: what `SensorNoise` is about."""
+        return self.line.above(-self.black_level[0])
+
+    @property
+    def noise(self) -> SensorNoise:
+        """Gain and read noise for the locator, which counts a pixel's level from 0 DN."""
+        return self.in_dn.noise
+
+
+def pair_of(
+    first: Pixels, second: Pixels, *, dark: bool = False, exposure: float | None = None
+) -> Pair:
+    """
+    Return the statistics of two frames of the same light.
+
+    Parameters
+    ----------
+    first, second : (h, w) uint8 or uint16 arrays
+        DN.
+    dark : bool
+        Whether there was no light.
+    exposure : float, optional
+        What the light is proportional to.
+
+    Raises
+    ------
+    PhotonTransferError
+        Where the two differ in size or type.
+
+    """
+    if first.shape != second.shape or first.dtype != second.dtype or first.size < 256:
+        raise PhotonTransferError(
+            f'a pair is {first.shape[1]} x {first.shape[0]} {first.dtype} and '
+            f'{second.shape[1]} x {second.shape[0]} {second.dtype}; both frames must be of one '
+            'size and depth, and of 256 pixels or more'
+        )
+    a, b = first.astype(np.float64), second.astype(np.float64)
+    difference = a - b
+    difference -= difference.mean()
+    square = float((difference**2).mean())
+    kurtosis, correlation = 3.0, 0.0
+    if square > 0.0:
+        kurtosis = float((difference**4).mean()) / square**2
+        right = float((difference[:, 1:] * difference[:, :-1]).mean()) / square
+        below = float((difference[1:] * difference[:-1]).mean()) / square
+        correlation = max(right, below, key=abs)
+    # White non-uniformity loses 1 / 25 of its variance to the box.
+    flat_a, flat_b = (each - cv2.blur(each, (BOX, BOX)) for each in (a, b))
+    spatial = float((flat_a * flat_b).mean()) / (1.0 - 1.0 / BOX**2)
+    highest = int(max(first.max(), second.max()))
+    return Pair(
+        dark=dark,
+        exposure=0.0 if dark and exposure is None else exposure,
+        mean=0.5 * float(a.mean() + b.mean()),
+        variance=0.5 * square * a.size / (a.size - 1),
+        kurtosis=kurtosis,
+        spatial_variance=spatial,
+        correlation=correlation,
+        highest=highest,
+        at_highest=0.5 * float((first == highest).mean() + (second == highest).mean()),
+        at_zero=0.5 * float((first == 0).mean() + (second == 0).mean()),
+        count=a.size,
+        step=int(np.gcd.reduce(first, axis=None)),
+    )
+
+
+def photon_transfer(pairs: Sequence[Pair], saturation: int | None = None) -> PhotonTransfer:
+    """
+    Return gain, noise, saturation and non-uniformity from pairs at several levels.
+
+    All pairs from dark to 70 % of saturation share the line
+
+        s^2 = s_dark^2 + K (mean - mean_dark),
+
+    EMVA 1288, eq. 15, fitted with the known variance of a variance as weight. The dark pairs are
+    points of it at 0, so that their noise is taken off the others' and is part of the covariance.
+    Where rounding or clipping at 0 DN hides the noise of a pair, that pair is left out; without a
+    dark mean to trust, the black level counts as 0 DN.
+
+    Parameters
+    ----------
+    pairs : sequence of Pair
+        See `pair_of`; bright ones at two levels or more, or at one and dark ones.
+    saturation : int, optional
+        DN of a clipped pixel, where it is known.
+
+    Returns
+    -------
+    PhotonTransfer
+        What they tell.
+
+    Raises
+    ------
+    PhotonTransferError
+        Where the pairs are all clipped, all of one level, or their variance does not grow.
+
+    """
+    pairs = tuple(sorted(pairs, key=lambda each: (not each.dark, each.mean)))
+    bright = [each for each in pairs if not each.dark]
+    if not bright:
+        raise PhotonTransferError('there are no bright frames; photon transfer needs some')
+    warnings = _of_processing(pairs)
+    full, seen = clipped_level(pairs, saturation)
+    peak, falls = _peak(bright, full)
+    if peak is None:
+        raise PhotonTransferError(
+            f'every bright pair is clipped at {full} DN; expose shorter or dim the light'
+        )
+    if falls and not (seen or saturation):
+        # The well is full below the converter's range: pixels are wrong from there on.
+        full, seen = round(peak.mean), True
+    if not (seen or saturation):
+        warnings.append(
+            f'no pixel is clipped; the saturation of {full} DN is what the values suggest'
+        )
+    darks = [each for each in pairs if each.dark]
+    black, black_of = _black_level(darks, warnings)
+    above = np.array([_above(each, black[0], black_of) for each in pairs])
+    most = peak.mean if falls else float(full)
+    used = np.array([
+        each.shows_noise and level <= RANGE * (most - black[0]) and each.highest < full
+        for each, level in zip(pairs, above)
+    ])
+    if darks and not used[:len(darks)].any() and black_of:
+        warnings.append(
+            'rounding hides the noise of the dark frames; the dark noise is that of the line'
+        )
+    points = [each for each, taken in zip(pairs, used) if taken]
+    levels = above[used]
+    if len(points) < 2 or np.ptp(levels) < 0.02 * most:
+        raise PhotonTransferError(
+            f'{len(points)} of {len(pairs)} pairs show their noise below {RANGE:.0%} of the '
+            f'saturation of {full} DN, all at one level; take pairs at several exposures, or of '
+            'several brightnesses'
+        )
+    variances = np.array([each.variance for each in points])
+    scatters = np.array([each.scatter for each in points])
+    line = fit_noise_line(levels, variances, scatters)
+    if line.slope < GROWS * sqrt(line.covariance[0, 0]):
+        raise PhotonTransferError(
+            f'the variance does not grow with the level: {variances[levels.argmin()]:.2f} DN^2 at '
+            f'{levels.min():.0f} DN above black, {variances[levels.argmax()]:.2f} DN^2 at '
+            f'{levels.max():.0f} DN; a camera that applies a gamma curve or takes out noise has '
+            'no photon transfer, switch that off'
+        )
+    warnings += _of_the_line(line, levels, variances, scatters)
+    linearity = _linearity(bright, black[0], most)
+    if linearity is not None and linearity[0] > NONLINEAR:
+        warnings.append(
+            f'the level is off a line over the exposure by {linearity[0]:.1%}; is there a gamma '
+            'curve, or did the light change?'
+        )
+    if line.above(-black[0]).foot < QUANTISATION:
+        over = QUANTISATION - line.above(-black[0]).foot
+        warnings.append(
+            f'the black level of {black[0]:.1f} DN is above what the read noise makes up for: '
+            f"with no read noise at all the locator's variance is still {over:.2f} DN^2 too high; "
+            "lower the camera's black level"
+        )
+    electrons, capacity_sigma = _capacity(peak.mean - black[0], line)
+    below_next = [each.mean for each in bright if each.mean > peak.mean]
+    step = (below_next[0] - peak.mean) if below_next else float(full) - peak.mean
+    return PhotonTransfer(
+        line=line,
+        black_level=black,
+        saturation=full,
+        saturation_seen=seen,
+        # It lies somewhere up to the next exposure.
+        saturation_level=(peak.mean, max(step, 0.0) / sqrt(12.0)),
+        capacity=(electrons, sqrt(capacity_sigma**2 + (step * line.gain) ** 2 / 12.0)),
+        prnu=_prnu(bright, darks if black_of else [], black[0], most),
+        dsnu=_dsnu(darks if black_of else [], line),
+        linearity_error=linearity,
+        pairs=pairs,
+        used=used,
+        warnings=tuple(warnings),
+    )
+
+
+def _of_processing(pairs: Sequence[Pair]) -> list[str]:
+    """Warn of pixels that are not as the sensor gave them."""
+    warnings = []
+    worst = max((each for each in pairs if each.at_highest < PILED_UP),
+                key=lambda each: abs(each.correlation), default=None)
+    if worst is not None and abs(worst.correlation) > max(CORRELATED, 5.0 / sqrt(worst.count)):
+        warnings.append(
+            f"neighbours' noise is correlated ({worst.correlation:+.2f} at {worst.mean:.0f} DN): "
+            'the frames were compressed, demosaiced, sharpened or cleared of noise, and no noise '
+            'model holds for them; take raw frames'
+        )
+    step = int(np.gcd.reduce([each.step for each in pairs]))
+    if step > 1:
+        warnings.append(
+            f'all values are multiples of {step}: the camera puts its bits into the upper ones, '
+            'or stretched them; its rounding is coarser than the 1/12 DN^2 that is taken out'
+        )
+    return warnings
+
+
+def clipped_level(pairs: Sequence[Pair], given: int | None = None) -> tuple[int, bool]:
+    """
+    Return the DN of a clipped pixel, and whether such pixels were seen.
+
+    Parameters
+    ----------
+    pairs : sequence of Pair
+        Where there is no pixel clipped, their highest one tells how many bits there are.
+    given : int, optional
+        The level, where it is known.
+
+    """
+    highest = max(each.highest for each in pairs)
+    if given is not None:
+        return given, highest >= given
+    if any(each.highest == highest and each.at_highest > PILED_UP for each in pairs):
+        return highest, True
+    bits = next(bits for bits in (8, 10, 12, 14, 16) if highest < 2**bits)
+    return 2**bits - 1, False
+
+
+def _peak(bright: Sequence[Pair], full: int) -> tuple[Pair | None, bool]:
+    """Return the pair at the peak of the transfer curve, and whether the curve falls after it."""
+    whole = [each for each in bright if each.highest < full or each.at_highest < PILED_UP]
+    if not whole:
+        return None, False
+    for each, following in zip(whole, whole[1:]):
+        if following.variance < FALL * each.variance and each.mean > 0.3 * full:
+            return each, True
+    return whole[-1], len(whole) < len(bright)
+
+
+def _black_level(
+    darks: Sequence[Pair], warnings: list[str]
+) -> tuple[tuple[float, float], dict[float, float]]:
+    """Return mean and sigma of the dark level, DN, and the level for each exposure."""
+    sound = [each for each in darks if each.at_zero < CLIPPED]
+    if len(sound) < len(darks):
+        worst = max(each.at_zero for each in darks)
+        warnings.append(
+            f'{worst:.1%} of the dark pixels are clipped at 0 DN; their noise is left out. Raise '
+            "the camera's black level until none are"
+        )
+    if not sound:
+        if not darks:
+            warnings.append('no dark frames: the black level is taken as 0 DN')
+        return (0.0, 0.0), {}
+    means = np.array([each.mean for each in sound])
+    own = np.sqrt(sum(each.variance / (2.0 * each.count) for each in sound)) / means.size
+    scatter = means.std(ddof=1) / sqrt(means.size) if means.size > 1 else 0.0
+    level = (float(means.mean()), float(max(own, scatter)))
+    exposures = np.array([each.exposure or 0.0 for each in sound])
+    return level, {
+        float(each): float(means[exposures == each].mean()) for each in np.unique(exposures)
+    }
+
+
+def _above(pair: Pair, black: float, black_of: dict[float, float]) -> float:
+    """Return the level above that of the dark frames of the same exposure, or of all of them."""
+    if pair.dark:
+        return 0.0
+    return pair.mean - black_of.get(pair.exposure or 0.0, black)
+
+
+def _of_the_line(
+    line: NoiseLine,
+    levels: NDArray[np.float64],
+    variances: NDArray[np.float64],
+    scatters: NDArray[np.float64],
+) -> list[str]:
+    """Warn of points that do not lie on a line."""
+    warnings = []
+    if not line.separates:
+        warnings.append(
+            'shot noise is so little of the variance that the gain is known to '
+            f'{sqrt(line.covariance[0, 0]) / line.slope:.0%}; more frames tell it better'
+        )
+    if not line.fits:
+        off = variances / (line.foot + line.slope * levels) - 1.0
+        warnings.append(
+            f'the points lie off the line by {sqrt(float((off**2).mean())):.1%} rms, more than '
+            f'their noise (chi2 {line.chi2:.0f} for {line.dof}); the sigmas have grown by it'
+        )
+    if levels.size >= 4:
+        x = levels / levels.max()
+        sigmas = np.sqrt(scatters) * (line.foot + line.slope * levels)
+        bend, slope, _ = np.polyfit(x, variances, 2, w=1.0 / sigmas)
+        if abs(bend) > BENT * abs(slope) and not line.fits:
+            warnings.append(
+                f'the transfer curve bends: its slope changes by {2.0 * bend / slope:+.0%} over '
+                'the range. The camera is not linear (gamma?) or takes out noise'
+            )
+    return warnings
+
+
+def _linearity(
+    bright: Sequence[Pair], black: float, most: float
+) -> tuple[float, float] | None:
+    """
+    Return the mean relative deviation of the level from a line over the exposure, and its sigma.
+
+    The line has the least relative squares between 5 and 95 % of saturation (EMVA 1288, 6.7).
+    """
+    points = [
+        (each.exposure, each.mean - black, each.variance / (2.0 * each.count))
+        for each in bright
+        if each.exposure is not None
+        and 0.05 * (most - black) <= each.mean - black <= 0.95 * (most - black)
+        and each.at_highest < PILED_UP
+    ]
+    exposures, levels, variances = np.array(points, dtype=float).reshape(-1, 3).T
+    if levels.size < 3 or np.unique(exposures).size < 3:
+        return None
+    slope, offset = np.polyfit(exposures, levels, 1, w=1.0 / levels)
+    deviations = levels / (offset + slope * exposures) - 1.0
+    sigma = np.sqrt((variances / levels**2).sum()) / levels.size
+    return float(np.abs(deviations).mean()), float(sigma)
+
+
+def _spatial_sigma(pair: Pair) -> float:
+    """Return the standard deviation of a pair's spatial variance, a covariance of two frames."""
+    spatial = max(pair.spatial_variance, 0.0)
+    return sqrt(((spatial + pair.variance) ** 2 + spatial**2) / pair.count)
+
+
+def _prnu(
+    bright: Sequence[Pair], darks: Sequence[Pair], black: float, most: float
+) -> tuple[float, float] | None:
+    """Return PRNU_1288 and its sigma, of the pair nearest to half saturation (eq. 44)."""
+    pair = min(bright, key=lambda each: abs(each.mean - 0.5 * (most + black)))
+    if pair.at_highest > PILED_UP or pair.mean <= black:
+        return None
+    dark, dark_sigma = _mean_spatial(darks)
+    return _root(
+        pair.spatial_variance - dark,
+        sqrt(_spatial_sigma(pair) ** 2 + dark_sigma**2),
+        1.0 / (pair.mean - black),
+    )
+
+
+def _dsnu(darks: Sequence[Pair], line: NoiseLine) -> tuple[float, float] | None:
+    """Return DSNU_1288, electrons, and its sigma (eq. 43)."""
+    sound = [each for each in darks if each.at_zero < CLIPPED]
+    if not sound:
+        return None
+    return _root(*_mean_spatial(sound), line.gain)
+
+
+def _mean_spatial(pairs: Sequence[Pair]) -> tuple[float, float]:
+    """Return the mean spatial variance of pairs, DN^2, and its sigma."""
+    sound = [each for each in pairs if each.at_zero < CLIPPED]
+    if not sound:
+        return 0.0, 0.0
+    # The same pixels each time: the temporal noise averages out, the draw of the pixels does not.
+    return (
+        float(np.mean([each.spatial_variance for each in sound])),
+        sqrt(sum(_spatial_sigma(each) ** 2 for each in sound)) / len(sound),
+    )
+
+
+def _root(square: float, sigma: float, scale: float) -> tuple[float, float]:
+    """Return the square root of a square that may be below zero, and its sigma, both scaled."""
+    root = sqrt(max(square, 0.0))
+    return scale * root, scale * (sqrt(root**2 + sigma) - root)
+
+
+def _capacity(level: float, line: NoiseLine) -> tuple[float, float]:
+    """Return electrons at a level above black and the part of their sigma that the gain has."""
+    return level * line.gain, level * sqrt(float(line.noise_covariance[0, 0]))

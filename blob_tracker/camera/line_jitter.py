@@ -1,0 +1,177 @@
+"""Line jitter of an analogue grabber: what each line is shifted by, taken off a location."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from blob_tracker.camera.calibration_file import CalibrationError
+from blob_tracker.types import Location
+import numpy as np
+from numpy.typing import NDArray
+import yaml
+
+MOST = 10.0  # px: a line that is further off is not jitter but lost synchronisation
+REACH = 4.0  # sigma of the blob: beyond it a line holds 1e-7 of the information
+_ACROSS = np.linspace(-REACH, REACH, 33)  # steps of sigma / 4: the sums are integrals to 1e-6
+
+
+@dataclass(frozen=True)
+class LineJitter:
+    """
+    Horizontal offset of each line of a picture (thesis, 2.2.4; Lenz and Fritsch).
+
+    A point that is at x on the sensor is seen at x + offset in its line. The offsets are known
+    up to a straight line over the picture, which is the camera matrix' principal point and skew.
+
+    Parameters
+    ----------
+    offsets : (h,) array
+        Mean offset of each line, px.
+    sigma : (h,) array
+        Standard deviation of the error of each offset, px.
+    sigma_from_frame_to_frame : float
+        Standard deviation of a line about its offset, independent from line to line, px.
+
+    Raises
+    ------
+    CalibrationError
+        Where the arrays are of different length, or a value cannot be.
+
+    """
+
+    offsets: NDArray[np.float64]
+    sigma: NDArray[np.float64]
+    sigma_from_frame_to_frame: float
+
+    def __post_init__(self) -> None:
+        if self.offsets.ndim != 1 or len(self.offsets) == 0:
+            raise CalibrationError('line jitter is a list of offsets, one for each line')
+        if self.sigma.shape != self.offsets.shape:
+            raise CalibrationError(
+                f'line jitter has {len(self.offsets)} offsets and {self.sigma.size} sigmas; '
+                'it needs one of each for every line'
+            )
+        if not (np.abs(self.offsets) <= MOST).all():  # not true of NaN either
+            raise CalibrationError(f'the offsets of lines must be within {MOST:g} px of 0')
+        spread = np.append(self.sigma, self.sigma_from_frame_to_frame)
+        if not ((spread >= 0.0) & (spread <= MOST)).all():
+            raise CalibrationError(f'the sigmas of line jitter must be 0 to {MOST:g} px')
+
+    @classmethod
+    def from_yaml(cls, path: str | Path) -> LineJitter:
+        """
+        Read what `calibrate jitter` has written.
+
+        Parameters
+        ----------
+        path : str or Path
+            The YAML file.
+
+        Raises
+        ------
+        CalibrationError
+            Where the file is missing, is not such YAML, or holds impossible values.
+
+        """
+        try:
+            content = yaml.safe_load(Path(path).read_text(encoding='utf-8'))
+        except (OSError, UnicodeDecodeError) as error:
+            raise CalibrationError(f'cannot read the line jitter {path}: {error}') from None
+        except yaml.YAMLError as error:
+            raise CalibrationError(f'{path} is not YAML: {error}') from None
+        if not isinstance(content, dict):
+            raise CalibrationError(f'{path} is no line jitter: it holds no named values')
+        try:
+            height = int(content['image_height'])
+            jitter = cls(
+                offsets=np.array(content['offsets'], dtype=float),
+                sigma=np.array(content['sigma'], dtype=float),
+                sigma_from_frame_to_frame=float(content['sigma_from_frame_to_frame']),
+            )
+            jitter.check_height(height)
+        except KeyError as error:
+            raise CalibrationError(f'{path} has no {error.args[0]}') from None
+        except CalibrationError as error:
+            raise CalibrationError(f'{path}: {error}') from None
+        except (TypeError, ValueError) as error:
+            raise CalibrationError(f'{path} holds a value of the wrong form: {error}') from None
+        return jitter
+
+    def to_yaml(self, path: str | Path, comments: Sequence[str] = ()) -> None:
+        """
+        Write the file that `from_yaml` reads.
+
+        Parameters
+        ----------
+        path : str or Path
+            The YAML file.
+        comments : sequence of str
+            Lines on top of it.
+
+        """
+        content = {
+            'image_height': len(self.offsets),
+            'sigma_from_frame_to_frame': round(self.sigma_from_frame_to_frame, 6),
+            'offsets': np.round(self.offsets, 6).tolist(),
+            'sigma': np.round(self.sigma, 6).tolist(),
+        }
+        head = ''.join(f'# {line}\n' for line in comments)
+        body = yaml.safe_dump(content, default_flow_style=None, sort_keys=False, width=96)
+        Path(path).write_text(head + body, encoding='utf-8')
+
+    def check_height(self, height: int) -> None:
+        """Raise CalibrationError unless the picture has as many lines as were measured."""
+        if height != len(self.offsets):
+            raise CalibrationError(
+                f'the line jitter is for {len(self.offsets)} lines and the picture has {height}'
+            )
+
+    def corrected(self, location: Location, *, gain: float, looks: int = 1) -> Location:
+        """
+        Take the offset of the blob's lines off its x.
+
+        Shifting line k of a pulse m by d_k changes its pixels by d_k dm/dx. That is odd along
+        the line, so that of all parameters only x follows, and in maximum likelihood it does so
+        by the mean of the shifts, weighted with the information on x that each line holds:
+
+            dx = sum_k w_k d_k / sum_k w_k,    w_k = sum_j (dm_kj/dx)^2 / v_kj
+
+        For constant noise w_k is exp(-(k - y)^2 / sigma^2); where shot noise rules it is the
+        wider exp(-(k - y)^2 / 2 sigma^2). Here v = v_0 + (m - b) / gain, with v_0 from the SNR of
+        the location. The variance of x grows by that of the weighted mean: offsets and jitter
+        are independent from line to line, so that w has an effective number of lines
+        (sum w)^2 / sum w^2, sqrt(2 pi) sigma for constant noise.
+
+        Parameters
+        ----------
+        location : Location
+            As located; in full-frame px.
+        gain : float
+            Electrons per DN, as it was located with.
+        looks : int
+            Frames that were summed in the window: the jitter from frame to frame averages out.
+
+        Returns
+        -------
+        Location
+            With x and its variance changed.
+
+        """
+        sigma = np.sqrt(location.sigma**2 + 1.0 / 12.0)  # a pixel is a box: its variance adds
+        top = max(int(np.floor(location.y - REACH * sigma)), 0)
+        lines = np.arange(top, min(int(location.y + REACH * sigma) + 2, len(self.offsets)))
+        down = np.exp(-0.5 * ((lines - location.y) / sigma) ** 2)
+        shot = location.amplitude / gain
+        unlit = max((location.amplitude / location.snr) ** 2 - shot, 1.0 / 12.0)
+        across = np.exp(-0.5 * _ACROSS**2)
+        variance = unlit + shot * np.outer(down, across)
+        weights = down**2 * ((_ACROSS * across) ** 2 / variance).sum(axis=1)
+        weights /= weights.sum()
+        spread = self.sigma[lines] ** 2 + self.sigma_from_frame_to_frame**2 / looks
+        covariance = location.covariance.copy()
+        covariance[0, 0] += weights**2 @ spread
+        return replace(
+            location, x=location.x - float(weights @ self.offsets[lines]), covariance=covariance
+        )

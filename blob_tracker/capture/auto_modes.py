@@ -1,0 +1,81 @@
+"""Modes in which a camera changes its exposure and gain by itself, and their ends."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from blob_tracker.capture.controls import Control
+
+# The kernel's number of the control -> the value with which nothing moves by itself.
+_OFF = {
+    0x009a0901: 1,  # V4L2_CID_EXPOSURE_AUTO: V4L2_EXPOSURE_MANUAL
+    0x009a0903: 0,  # V4L2_CID_EXPOSURE_AUTO_PRIORITY: the frame rate is not lowered in the dark
+    0x009a0918: 0,  # V4L2_CID_ISO_SENSITIVITY_AUTO: V4L2_ISO_SENSITIVITY_MANUAL
+    0x00980912: 0,  # V4L2_CID_AUTOGAIN
+    0x00980920: 0,  # V4L2_CID_AUTOBRIGHTNESS
+}
+
+
+def off(controls: Mapping[str, Control]) -> dict[str, int]:
+    """
+    Return what switches off every mode in which the brightness of the picture moves by itself.
+
+    Such a mode answers a flash with another exposure: the lit and the unlit frame are no longer
+    comparable. A mode that has no such setting is not in the answer; see `still_on`.
+
+    Parameters
+    ----------
+    controls : mapping of str to Control
+        All controls of the camera by name.
+
+    Returns
+    -------
+    dict
+        Value by the control's name.
+
+    """
+    return {
+        name: _OFF[control.id]
+        for name, control in controls.items()
+        if control.id in _OFF
+        and not control.read_only
+        and (not control.menu or _OFF[control.id] in control.menu)
+    }
+
+
+def still_on(controls: Mapping[str, Control], values: Mapping[str, int | str]) -> dict[str, str]:
+    """
+    Return the modes that are on: the control's name -> a sentence with the remedy.
+
+    Parameters
+    ----------
+    controls : mapping of str to Control
+        All controls of the camera by name.
+    values : mapping of str to int or str
+        Their values by name.
+
+    """
+    found = {}
+    settings = off(controls)
+    for name, control in controls.items():
+        if control.id not in _OFF or values.get(name, _OFF[control.id]) == _OFF[control.id]:
+            continue
+        if control.inactive and control.id == 0x009a0903:
+            continue  # only an automatic exposure lowers the rate
+        value = int(values[name])
+        meaning = f' ({control.menu[value]})' if value in control.menu else ''
+        remedy = (
+            f"set '{name}' to {_spelled(control, settings[name])}"
+            if name in settings
+            else 'it cannot be switched off here: use a camera with a manual exposure'
+        )
+        found[name] = (
+            f"'{name}' is {_spelled(control, value)}{meaning}: the camera changes its exposure by "
+            f'itself, and lit and unlit frames do not compare; {remedy}'
+        )
+    return found
+
+
+def _spelled(control: Control, value: int) -> str:
+    """Return a value as its parameter is written."""
+    return str(bool(value)).lower() if control.kind == 'boolean' else str(value)

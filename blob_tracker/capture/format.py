@@ -1,0 +1,192 @@
+"""The format of a V4L2 stream: what is asked for, what the driver gives, and how to read it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import errno
+
+from blob_tracker.capture import videodev2
+from blob_tracker.capture.controls import Ioctl
+from blob_tracker.capture.errors import CaptureError
+from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
+from blob_tracker.capture.pixel_formats.pixel_format import PixelData
+from blob_tracker.types import Pixels
+
+
+@dataclass(frozen=True)
+class StreamFormat:
+    """
+    The format that a driver streams in.
+
+    Parameters
+    ----------
+    buffer_type : int
+        videodev2.BUF_TYPE_VIDEO_CAPTURE, or its _MPLANE twin.
+    pixel_format : str
+        Four-character code.
+    width, height : int
+        px, before any binning of the decoder.
+    stride : int
+        Distance of two lines of the first plane, bytes.
+    saturation : int
+        The DN at which a pixel of the picture is clipped.
+
+    """
+
+    buffer_type: int
+    pixel_format: str
+    width: int
+    height: int
+    stride: int
+    saturation: int
+
+    def luma(self, data: PixelData) -> Pixels:
+        """
+        Return the picture in the first plane of a buffer.
+
+        Raises
+        ------
+        ValueError
+            The picture is not whole.
+
+        """
+        decode = PIXEL_FORMATS[self.pixel_format].luma
+        return decode(data, self.width, self.height, self.stride)
+
+
+def set_format(
+    call: Ioctl, device: str, buffer_type: int, width: int, height: int, pixel_format: str
+) -> StreamFormat:
+    """
+    Set a device to a size and a pixel format.
+
+    Parameters
+    ----------
+    call : function
+        videodev2.ioctl on the open device.
+    device : str
+        Its path, for what is said.
+    buffer_type : int
+        videodev2.BUF_TYPE_VIDEO_CAPTURE, or its _MPLANE twin.
+    width, height : int
+        px; 0 leaves it as the driver has it.
+    pixel_format : str
+        Four-character code; '' takes the first of `PIXEL_FORMATS` that the device offers, a
+        compressed one only where there is no other.
+
+    Raises
+    ------
+    CaptureError
+        The device does not offer it, or what it gives instead cannot be read.
+    OSError
+        Of the driver.
+
+    """
+    name = _chosen(call, device, buffer_type, pixel_format)
+    wanted = videodev2.Format(type=buffer_type)
+    call(videodev2.G_FMT, wanted)
+    several = buffer_type == videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE
+    pix = wanted.pix_mp if several else wanted.pix
+    pix.width = width or pix.width
+    pix.height = height or pix.height
+    pix.pixelformat = videodev2.fourcc(name)
+    pix.field = videodev2.FIELD_NONE
+    # How far apart lines are is the driver's choice.
+    if several:
+        for plane in pix.plane_fmt:
+            plane.bytesperline = 0
+    else:
+        pix.bytesperline = 0
+    width, height = pix.width, pix.height
+    call(videodev2.S_FMT, wanted)
+    if (pix.width, pix.height) != (width, height):
+        sizes = _offered_sizes(call, name)
+        raise CaptureError(
+            f'{device}: {width}x{height} is not offered; the driver gives '
+            f'{pix.width}x{pix.height} instead' + (f', and has {sizes}' if sizes else ''))
+    if pix.pixelformat != videodev2.fourcc(name):
+        raise CaptureError(
+            f'{device}: the driver gives {videodev2.fourcc_name(pix.pixelformat)} at '
+            f'{width}x{height} instead of {name}; choose another size or format')
+    if pix.field != videodev2.FIELD_NONE:
+        raise CaptureError(
+            f'{device}: the driver gives interlaced fields at {width}x{height}; choose a '
+            'size or input with whole (progressive) pictures')
+    plane = pix.plane_fmt[0] if several else pix
+    found = StreamFormat(
+        buffer_type, name, width, height, plane.bytesperline,
+        _saturation(name, pix.quantization, pix.colorspace))
+    if not PIXEL_FORMATS[name].compressed:
+        try:  # now, with a sentence, what would spoil every frame
+            found.luma(bytes(plane.sizeimage))
+        except ValueError as error:
+            raise CaptureError(
+                f'{device}: its {name} at {width}x{height} cannot be read: {error}; choose '
+                'another size or format') from error
+    return found
+
+
+def _saturation(name: str, quantization: int, colorspace: int) -> int:
+    """Return where a format clips, from the range of its levels that the driver tells."""
+    pixel_format = PIXEL_FORMATS[name]
+    full = quantization == videodev2.QUANTIZATION_FULL_RANGE or (
+        quantization == videodev2.QUANTIZATION_DEFAULT
+        and colorspace == videodev2.COLORSPACE_JPEG)
+    if full and pixel_format.full_range_saturation is not None:
+        return pixel_format.full_range_saturation
+    return pixel_format.saturation
+
+
+def _chosen(call: Ioctl, device: str, buffer_type: int, wanted: str) -> str:
+    if wanted and wanted not in PIXEL_FORMATS:
+        raise CaptureError(f'pixel_format {wanted!r} cannot be decoded; choose one of '
+                           + ', '.join(PIXEL_FORMATS))
+    offered = _offered(call, buffer_type)
+    usable = sorted(
+        (name for name in offered if name in PIXEL_FORMATS),
+        key=lambda name: PIXEL_FORMATS[name].compressed)  # else in the device's own order
+    if not usable:
+        raise CaptureError(
+            f'{device}: none of its pixel formats ({", ".join(offered)}) can be decoded; '
+            f'one of {", ".join(PIXEL_FORMATS)} is needed')
+    if wanted and wanted not in usable:
+        raise CaptureError(
+            f'{device}: pixel_format {wanted!r} is not offered; of the formats that this '
+            f'device offers, {", ".join(usable)} can be decoded')
+    return wanted or usable[0]
+
+
+def _offered(call: Ioctl, buffer_type: int) -> list[str]:
+    """Return the codes of the device's pixel formats in its own order."""
+    names: list[str] = []
+    while True:
+        description = videodev2.FmtDesc(index=len(names), type=buffer_type)
+        try:
+            call(videodev2.ENUM_FMT, description)
+        except OSError as error:
+            if error.errno != errno.EINVAL:
+                raise
+            return names
+        names.append(videodev2.fourcc_name(description.pixelformat))
+
+
+def _offered_sizes(call: Ioctl, pixel_format: str) -> str:
+    """Return the device's picture sizes in words; '' where it does not list them."""
+    sizes: list[str] = []
+    while True:
+        size = videodev2.FrameSizeEnum(
+            index=len(sizes), pixel_format=videodev2.fourcc(pixel_format))
+        try:
+            call(videodev2.ENUM_FRAMESIZES, size)
+        except OSError as error:
+            if error.errno not in (errno.EINVAL, errno.ENOTTY, errno.ENODATA):
+                raise
+            break
+        if size.type == videodev2.FRMSIZE_TYPE_DISCRETE:
+            sizes.append(f'{size.min_width}x{size.max_width}')
+        else:
+            sizes.append(f'{size.min_width}x{size.min_height} to '
+                         f'{size.max_width}x{size.max_height} in steps of '
+                         f'{size.step_width}x{size.step_height}')
+            break
+    return ', '.join(sizes)

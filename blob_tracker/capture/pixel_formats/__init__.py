@@ -1,0 +1,64 @@
+"""
+Buffer of a camera -> luma in raw DN, one file for each family of pixel formats.
+
+To add a format: write its function and add its line to `PIXEL_FORMATS`.
+"""
+
+from blob_tracker.capture.pixel_formats import bayer, grey, jpeg, packed, rgb, yuv
+from blob_tracker.capture.pixel_formats.pixel_format import PixelData, PixelFormat
+
+__all__ = ['PIXEL_FORMATS', 'PixelData', 'PixelFormat']
+
+# The layouts of Bayer: bits of a sample, decoder of the samples, and the four-character codes in
+# the orders GRBG, GBRG (green in column 0 of row 0), RGGB, BGGR (green in column 1).
+_BAYER = (
+    (8, grey.grey, ('GRBG', 'GBRG', 'RGGB', 'BA81')),
+    (10, grey.words, ('BA10', 'GB10', 'RG10', 'BG10')),
+    (10, packed.mipi10, ('pgAA', 'pGAA', 'pRAA', 'pBAA')),
+    (12, grey.words, ('BA12', 'GB12', 'RG12', 'BG12')),
+    (12, packed.mipi12, ('pgCC', 'pGCC', 'pRCC', 'pBCC')),
+    (14, grey.words, ('GR14', 'GB14', 'RG14', 'BG14')),
+    (14, packed.mipi14, ('pgEE', 'pGEE', 'pREE', 'pBEE')),
+    (16, grey.words, ('GR16', 'GB16', 'RG16', 'BYR2')),
+)
+
+# The four-character code, as `v4l2-ctl --list-formats` prints it -> the format.
+PIXEL_FORMATS = {
+    'GREY': PixelFormat(grey.grey, 255),
+    'Y10': PixelFormat(grey.words, 1023),
+    'Y10P': PixelFormat(packed.mipi10, 1023),
+    'Y10B': PixelFormat(packed.bits10, 1023),
+    'Y12': PixelFormat(grey.words, 4095),
+    'Y12P': PixelFormat(packed.mipi12, 4095),
+    'Y012': PixelFormat(grey.high_words, 4095),
+    'Y14': PixelFormat(grey.words, 16383),
+    'Y14P': PixelFormat(packed.mipi14, 16383),
+    'Y16': PixelFormat(grey.words, 65535),
+    'Y16-BE': PixelFormat(grey.big_endian_words, 65535),
+    'YUYV': PixelFormat(yuv.luma_first, 235, 255),
+    'YVYU': PixelFormat(yuv.luma_first, 235, 255),
+    'UYVY': PixelFormat(yuv.luma_second, 235, 255),
+    'VYUY': PixelFormat(yuv.luma_second, 235, 255),
+    **{
+        name: PixelFormat(grey.grey, 235, 255)  # planar: the luma comes first
+        for name in (
+            'NV12', 'NV21', 'NV16', 'NV61', 'NV24', 'NV42', 'YU12', 'YV12', '422P',
+            # with a buffer for each plane
+            'NM12', 'NM21', 'NM16', 'NM61', 'YM12', 'YM21', 'YM16', 'YM61', 'YM24', 'YM42',
+        )
+    },
+    'RGB3': PixelFormat(rgb.rgb24, 255),
+    'BGR3': PixelFormat(rgb.bgr24, 255),
+    **{name: PixelFormat(rgb.rgbx32, 255) for name in ('AB24', 'XB24')},
+    **{name: PixelFormat(rgb.bgrx32, 255) for name in ('BGR4', 'AR24', 'XR24')},
+    **{name: PixelFormat(rgb.xrgb32, 255) for name in ('RGB4', 'BA24', 'BX24')},
+    **{name: PixelFormat(rgb.xbgr32, 255) for name in ('RA24', 'RX24')},
+    **{
+        name: PixelFormat(
+            bayer.green(samples, first, bits), bayer.saturation(bits), binning=2)
+        for bits, samples, names in _BAYER
+        for first, name in zip((0, 0, 1, 1), names)
+    },
+    'MJPG': PixelFormat(jpeg.jpeg, 255, compressed=True),
+    'JPEG': PixelFormat(jpeg.jpeg, 255, compressed=True),
+}

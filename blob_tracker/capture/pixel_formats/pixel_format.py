@@ -1,0 +1,44 @@
+"""What is known about one pixel format."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+import mmap
+
+from blob_tracker.types import Pixels
+
+PixelData = bytes | bytearray | memoryview | mmap.mmap
+# (data, width, height, stride) -> (height, width) array of DN
+Decoder = Callable[[PixelData, int, int, int], Pixels]
+
+
+@dataclass(frozen=True)
+class PixelFormat:
+    """
+    How a buffer of a pixel format becomes a picture.
+
+    Parameters
+    ----------
+    luma : function
+        (data, width, height, stride) -> (height // binning, width // binning) uint8 or uint16
+        array of DN, a copy. `data` is the first plane of the buffer, `stride` the distance of two
+        lines in bytes, 0 where they touch. Raises ValueError where `data` does not hold the whole
+        picture.
+    saturation : int
+        The DN at which a pixel is clipped.
+    full_range_saturation : int or None
+        The same where the driver says that its levels use the full range; None where that makes
+        no difference.
+    binning : int
+        Sensor pixels per pixel of the picture, along both axes.
+    compressed : bool
+        Whether the size of a picture in bytes is not known beforehand.
+
+    """
+
+    luma: Decoder
+    saturation: int
+    full_range_saturation: int | None = None
+    binning: int = 1
+    compressed: bool = False

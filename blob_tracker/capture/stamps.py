@@ -1,0 +1,281 @@
+"""
+The driver's stamp of a frame -> the middle of its exposure.
+
+What a driver stamps is one of three instants, and its flags do not tell all of them apart:
+
+- the start of the exposure: V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
+- the end of the frame's transfer: no such flag (EOF), most drivers;
+- the start of the transfer: `uvcvideo`, which sets the flag of the first. It takes the time when
+  the first data of a frame arrive, which a sensor can only send once it has exposed its first
+  line. (Its module option `hwtimestamps=1` makes it compute the start of the exposure from the
+  camera's own clock; the flag is true then.)
+
+`vivid` has a picture ready when its frame begins, and stamps it with an end that is still to come
+(0.9 of the interval later). No light arrives after it is read: such stamps are cut at the time
+of reading.
+
+A rolling shutter exposes each line at its own time: the middle is that of the first line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+import errno
+from pathlib import Path
+import threading
+from typing import Literal
+
+from blob_tracker.capture import videodev2
+from blob_tracker.capture.controls import Control, ControlError, get_control, Ioctl
+
+Source = Literal['exposure start', 'transfer start', 'transfer end']
+
+EXPOSURE_UNIT_NS = 100_000  # of V4L2_CID_EXPOSURE_ABSOLUTE
+AUTOMATIC = (0, 3)  # V4L2_EXPOSURE_AUTO and _APERTURE_PRIORITY: the camera chooses the time
+WATCHED = (videodev2.CID_EXPOSURE, videodev2.CID_EXPOSURE_ABSOLUTE, videodev2.CID_EXPOSURE_AUTO,
+           videodev2.CID_HBLANK, videodev2.CID_PIXEL_RATE)
+HARDWARE_STAMPS = Path('/sys/module/uvcvideo/parameters/hwtimestamps')
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """
+    How long a frame is exposed and read out; None where it is not known.
+
+    Parameters
+    ----------
+    time_ns : int or None
+        Exposure of a line, ns.
+    readout_ns : int or None
+        From the end of the first line's exposure to the end of the transfer, ns.
+
+    """
+
+    time_ns: int | None = None
+    readout_ns: int | None = None
+
+
+def source_of(buffer_flags: int, driver: str) -> Source:
+    """Return which instant a driver stamps."""
+    marked = buffer_flags & videodev2.BUF_FLAG_TSTAMP_SRC_MASK
+    if marked != videodev2.BUF_FLAG_TSTAMP_SRC_SOE:
+        return 'transfer end'
+    if driver == 'uvcvideo' and not _hardware_stamps():
+        return 'transfer start'
+    return 'exposure start'
+
+
+def _hardware_stamps() -> bool:
+    try:
+        return HARDWARE_STAMPS.read_text().strip() not in ('', '0', 'N')
+    except OSError:
+        return False
+
+
+def place(source: Source, exposure: Exposure) -> str:
+    """Return in words the instant that a stamp names, after all that is known is applied."""
+    after = {
+        'exposure start': '',
+        'transfer start': ', as far as the camera sends it at once',
+        'transfer end': '' if exposure.readout_ns is not None else
+        ', later by the time of the readout, which is unknown and taken as 0',
+    }[source]
+    if exposure.time_ns is not None:
+        return 'middle of the exposure' + after
+    if source == 'exposure start':
+        return 'start of the exposure, whose length is unknown'
+    return f'end of the exposure, whose length is unknown{after}'
+
+
+class MidExposure:
+    """
+    The middle of a frame's exposure from its stamp, while the exposure time changes.
+
+    With the exposure time t and the readout time r the middle is
+        stamp + t/2        where the start of the exposure is stamped,
+        stamp - t/2        where the start of the transfer is stamped,
+        stamp - r - t/2    where the end of the transfer is stamped.
+    What is unknown counts as 0 (see `place`).
+
+    A change holds from the first frame on whose exposure begins after it. A sensor that takes it
+    a frame or two later has the stamps of those frames off by half the change.
+
+    Middles grow from frame to frame whatever the driver says, and none is later than its reading.
+
+    Parameters
+    ----------
+    source : str
+        The instant that is stamped.
+    exposure : Exposure
+        At the first frame.
+
+    """
+
+    def __init__(self, source: Source, exposure: Exposure) -> None:
+        self._source = source
+        self._changes = [(0, exposure)]  # (since, exposure), the oldest is in use
+        self._last_ns = 0
+        self._lock = threading.Lock()
+
+    @property
+    def place(self) -> str:
+        """Return in words the instant that stamps name."""
+        return place(self._source, self.exposure)
+
+    @property
+    def exposure(self) -> Exposure:
+        """Return the exposure that was set last."""
+        return self._changes[-1][1]
+
+    def changed(self, since_ns: int, exposure: Exposure) -> None:
+        """Take another exposure for frames that begin at `since_ns`, monotonic, or later."""
+        with self._lock:
+            self._changes.append((since_ns, exposure))
+
+    def middle(self, stamp_ns: int, read_ns: int) -> int:
+        """
+        Return the middle of the exposure, monotonic ns, of the next frame.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            The driver's stamp, monotonic ns.
+        read_ns : int
+            When the frame was read, monotonic ns.
+
+        """
+        with self._lock:
+            # The newest change that was made before the exposure began; the first always was.
+            for index in range(len(self._changes) - 1, -1, -1):
+                since, exposure = self._changes[index]
+                begin, middle = self._exposed(stamp_ns, exposure)
+                if begin >= since:
+                    break
+            del self._changes[:index]
+        self._last_ns = max(self._last_ns + 1, min(middle, read_ns))
+        return self._last_ns
+
+    def _exposed(self, stamp_ns: int, exposure: Exposure) -> tuple[int, int]:
+        """Return the start and the middle of an exposure, monotonic ns."""
+        time_ns = exposure.time_ns or 0
+        if self._source == 'exposure start':
+            begin = stamp_ns
+        elif self._source == 'transfer start':
+            begin = stamp_ns - time_ns
+        else:
+            begin = stamp_ns - (exposure.readout_ns or 0) - time_ns
+        return begin, begin + time_ns // 2
+
+
+class ExposureControls:
+    """
+    The exposure as the controls of a device have it, followed while they change.
+
+    Exposure time: V4L2_CID_EXPOSURE_ABSOLUTE in units of 100 us; else V4L2_CID_EXPOSURE in lines
+    of (width + hblank) / pixel_rate seconds, which also gives the readout of `height` lines. An
+    automatic exposure is unknown, as are other units of V4L2_CID_EXPOSURE.
+
+    Parameters
+    ----------
+    ioctl : function
+        As that of `controls.controls`.
+    found : mapping of str to Control
+        The device's controls.
+    width, height : int
+        The picture that the sensor reads out, px.
+    otherwise : Exposure
+        What holds where the device does not tell.
+
+    """
+
+    def __init__(
+        self, ioctl: Ioctl, found: Mapping[str, Control], width: int, height: int,
+        otherwise: Exposure,
+    ) -> None:
+        self._ioctl = ioctl
+        self._controls = {
+            control.id: control for control in found.values() if control.id in WATCHED}
+        self._width, self._height = width, height
+        self._otherwise = otherwise
+        self._events = False
+        for number in self._controls:
+            # Without feedback: changes made by this program are known to it already.
+            subscription = videodev2.EventSubscription(type=videodev2.EVENT_CTRL, id=number)
+            try:
+                ioctl(videodev2.SUBSCRIBE_EVENT, subscription)
+                self._events = True
+            except OSError as error:
+                if error.errno not in (errno.ENOTTY, errno.EINVAL):
+                    raise
+
+    def governed_by(self, control: Control) -> bool:
+        """Return whether the exposure depends on a control."""
+        return control.id in self._controls
+
+    def changed_elsewhere(self) -> int | None:
+        """Return when another program changed the exposure, monotonic ns; None if none did."""
+        since = None
+        while self._events:
+            event = videodev2.Event()
+            try:
+                self._ioctl(videodev2.DQEVENT, event)
+            except OSError:  # ENOENT: no more; a device that is gone tells so with its frames
+                break
+            since = event.timestamp.tv_sec * 1_000_000_000 + event.timestamp.tv_nsec
+        return since
+
+    def read(self) -> Exposure:
+        """
+        Return the exposure that is set now.
+
+        Raises
+        ------
+        OSError
+            ENODEV where the device is gone.
+
+        """
+        line_ns = self._line_ns()
+        readout_ns = self._otherwise.readout_ns
+        if readout_ns is None and line_ns is not None:
+            readout_ns = round(self._height * line_ns)
+        time_ns = self._time_ns(line_ns)
+        return Exposure(self._otherwise.time_ns if time_ns is None else time_ns, readout_ns)
+
+    def unit_ns(self) -> float | None:
+        """
+        Return one unit of the control of the exposure, ns; None where it is unknown.
+
+        Raises
+        ------
+        OSError
+            ENODEV where the device is gone.
+
+        """
+        if videodev2.CID_EXPOSURE_ABSOLUTE in self._controls:
+            return EXPOSURE_UNIT_NS
+        return self._line_ns() if videodev2.CID_EXPOSURE in self._controls else None
+
+    def _time_ns(self, line_ns: float | None) -> int | None:
+        if self._value(videodev2.CID_EXPOSURE_AUTO) in AUTOMATIC:
+            return None
+        units = self._value(videodev2.CID_EXPOSURE_ABSOLUTE)
+        if units is not None:
+            return units * EXPOSURE_UNIT_NS
+        lines = self._value(videodev2.CID_EXPOSURE)
+        return None if lines is None or line_ns is None else round(lines * line_ns)
+
+    def _line_ns(self) -> float | None:
+        blanking = self._value(videodev2.CID_HBLANK)
+        rate = self._value(videodev2.CID_PIXEL_RATE)
+        return None if blanking is None or not rate else (self._width + blanking) * 1e9 / rate
+
+    def _value(self, number: int) -> int | None:
+        control = self._controls.get(number)
+        if control is None:
+            return None
+        try:
+            value = get_control(self._ioctl, control)
+        except ControlError:
+            return None
+        return value if isinstance(value, int) else None

@@ -1,0 +1,46 @@
+"""How a calibration tells what it found."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+Row = tuple[str, str, str, str]
+
+
+def results_table(title: str, rows: Sequence[Row]) -> Table:
+    """
+    Return the table of a calibration's results.
+
+    Parameters
+    ----------
+    title : str
+        What was calibrated.
+    rows : sequence of (str, str, str, str)
+        Quantity, value, standard deviation, unit.
+
+    """
+    table = Table(title=title, min_width=60)
+    table.add_column('quantity')
+    table.add_column('value', justify='right')
+    table.add_column('sigma', justify='right')
+    table.add_column('unit')
+    for row in rows:
+        table.add_row(*row)
+    return table
+
+
+def row(quantity: str, value: float, sigma: float | None, unit: str) -> Row:
+    """Return a row with as many digits as the standard deviation leaves a meaning."""
+    if sigma is None or not sigma > 0.0:
+        return quantity, f'{value:.4g}', 'not fitted' if sigma == 0.0 else '', unit
+    digits = max(0, 1 - int(f'{sigma:e}'.partition('e')[2]))
+    return quantity, f'{value:.{digits}f}', f'{sigma:.{digits}f}', unit
+
+
+def tell_of(console: Console, path: Path) -> None:
+    """Say that a file is written, and that one of its name is replaced."""
+    console.print(f'{path}{" (replaced)" if path.exists() else ""}', markup=False, soft_wrap=True)

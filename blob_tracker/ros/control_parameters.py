@@ -1,0 +1,342 @@
+"""The controls of a camera as parameters of its node."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
+
+from blob_tracker.capture import CaptureError, Control, ControlError, V4l2Camera
+from blob_tracker.capture.auto_modes import off, still_on
+from blob_tracker.capture.controls import must_be
+from blob_tracker.capture.exposure import adjust_exposure, Outcome
+from blob_tracker.ros.errors import ParameterError
+from blob_tracker.ros.health import Health
+from blob_tracker.ros.parameters import unknown
+from blob_tracker.types import Frame
+from rcl_interfaces.msg import (
+    IntegerRange, ParameterDescriptor, ParameterType, SetParametersResult,
+)
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+REFRESH = 1.0  # s between two looks at what the driver or another program has changed
+_MODES = ('boolean', 'menu', 'integer_menu')  # they may decide whether another control is active
+_TYPES = {
+    'boolean': ParameterType.PARAMETER_BOOL,
+    'button': ParameterType.PARAMETER_BOOL,
+    'string': ParameterType.PARAMETER_STRING,
+}
+
+
+def parameter_value(control: Control, value: int | str) -> bool | int | str:
+    """Return the value of a control as that of its parameter."""
+    return bool(value) if control.kind in ('boolean', 'button') else value
+
+
+def descriptor(control: Control, value: bool | int | str) -> ParameterDescriptor:
+    """
+    Return what `ros2 param describe` and rqt show of a control.
+
+    A menu is an integer, as v4l2-ctl and the other camera nodes have it, with its items in the
+    description: their texts differ from driver to driver, their numbers do not. A read-only
+    control is no read-only parameter, since those may never change and the driver changes it.
+
+    Parameters
+    ----------
+    control : Control
+        As the driver describes it.
+    value : bool, int or str
+        Its value. The range is left out where it does not hold it, as some drivers have it;
+        they judge by themselves then.
+
+    """
+    words = [f'{control.label}:', must_be(control) + ';']
+    if control.kind not in ('string', 'button'):
+        default = parameter_value(control, control.default)
+        words.append(f'{str(default).lower()} by default.')
+    elif control.kind == 'button':
+        words[-1] = 'true presses it.'
+    if control.read_only:
+        words.append('Read-only.')
+    if control.inactive:
+        words.append('Inactive: an automatic mode governs it.')
+    described = ParameterDescriptor(
+        name=control.name,
+        type=_TYPES.get(control.kind, ParameterType.PARAMETER_INTEGER),
+        description=' '.join(words).rstrip(';'),
+    )
+    if described.type == ParameterType.PARAMETER_INTEGER:
+        assert isinstance(value, int)
+        # A bitmask begins at 0, and the step of a menu says nothing of its gaps.
+        step = 1 if control.menu or control.kind == 'bitmask' else control.step
+        within = control.minimum <= value <= control.maximum
+        if within and (value == control.maximum or (value - control.minimum) % step == 0):
+            described.integer_range = [
+                IntegerRange(from_value=control.minimum, to_value=control.maximum, step=step)
+            ]
+    return described
+
+
+def set_in_order(
+    camera: V4l2Camera, known: Mapping[str, Control], values: Mapping[str, Any]
+) -> Iterator[tuple[str, ControlError | None]]:
+    """
+    Set controls one after the other, the modes before what they make active.
+
+    Parameters
+    ----------
+    camera : V4l2Camera
+        Open.
+    known : mapping of str to Control
+        Its controls by name, as they are now.
+    values : mapping
+        Value by the control's name.
+
+    Yields
+    ------
+    str, ControlError or None
+        The name of each and why the camera refused it.
+
+    Raises
+    ------
+    CaptureError
+        The camera is gone.
+
+    """
+    modes = [name for name in values if name in known and known[name].kind in _MODES]
+    others = [name for name in values if name not in modes]
+    for name in modes:
+        yield name, _refusal(camera, known[name], values[name])
+    if modes and others:
+        known = camera.controls
+    for name in others:
+        yield name, _refusal(camera, known.get(name, name), values[name])
+
+
+def _refusal(camera: V4l2Camera, control: Control | str, value: Any) -> ControlError | None:
+    if isinstance(control, Control) and control.inactive:
+        return ControlError(
+            f"control '{control.name}' is inactive: an automatic mode governs it; switch that off "
+            'first'
+        )
+    try:
+        camera.set_control(control, value)
+    except ControlError as error:
+        return error
+    return None
+
+
+class ControlParameters:
+    """
+    Parameters that are the controls of whichever camera is open.
+
+    Two threads meet here. The one that captures calls `prepare`, `attach` and `detach`; all that
+    touches the node's parameters runs in its executor, as rclpy's are not safe among threads: a
+    guard condition calls it there. Neither waits for the other, and what the executor asks of a
+    camera that is closed meanwhile ends in a CaptureError.
+
+    What was set by the user, at the start or later, is set again on each camera that is opened.
+    What a driver changes by itself, or another program, is shown and left alone.
+
+    Parameters
+    ----------
+    node : Node
+        Gets the parameters when a camera is there.
+    given : mapping
+        Values by name that start-up gave to parameters that only a camera can have.
+    health : Health
+        Shows the automatic modes.
+
+    Attributes
+    ----------
+    warnings : tuple of str
+        What is wrong with the controls now, a sentence each.
+
+    """
+
+    def __init__(self, node: Node, given: Mapping[str, Any], health: Health) -> None:
+        self.warnings: tuple[str, ...] = ()
+        self._node = node
+        self._health = health
+        self._own = node.list_parameters([], 0).names
+        self._wanted = dict(given)
+        for name, value in given.items():
+            if not isinstance(value, (bool, int, float, str)):
+                raise ParameterError(
+                    f"parameter '{name}' is {value!r}; a control of the camera has one number, "
+                    'true or false, or one text'
+                )
+        self._camera: V4l2Camera | None = None
+        self._met = False  # whether a camera has taken what start-up gave
+        self._wrong: ParameterError | None = None
+        self._refused: tuple[str, ...] = ()
+        self._shown: dict[str, ParameterDescriptor] = {}
+        self._mirroring = False
+        self._changed = node.create_guard_condition(self._mirror)
+        # Wall time, as a paused simulation does not pause a camera.
+        clock = Clock(clock_type=ClockType.STEADY_TIME)
+        self._timer = node.create_timer(REFRESH, self._mirror, clock=clock)
+        node.add_on_set_parameters_callback(self._set)
+
+    # --- called by the thread that captures ---
+
+    def prepare(self, camera: V4l2Camera) -> None:
+        """
+        Set what the user wants on a camera that was just opened; exposure and gain are fixed.
+
+        Raises
+        ------
+        ParameterError
+            The first camera lacks a control that start-up named, or refuses its value. The same
+            error ends the executor, and so the node.
+        CaptureError
+            The camera is gone.
+
+        """
+        known = camera.controls
+        wanted = dict(self._wanted)  # the executor may add to it
+        try:
+            for name in wanted:
+                if name not in known and not self._met:
+                    raise unknown(name, [*self._own, *known])
+            refused = []
+            fixed = {name: value for name, value in off(known).items() if name not in wanted}
+            for name, error in set_in_order(camera, known, fixed | wanted):
+                if error is None or (self._met and name in known and known[name].inactive):
+                    continue
+                if name in wanted and not self._met:
+                    raise ParameterError(f"parameter '{name}': {error}")
+                refused.append(str(error))
+        except ParameterError as error:
+            self._wrong = error
+            self._changed.trigger()
+            raise
+        self._refused = tuple(refused)
+        # A button is pressed once, not whenever the camera returns.
+        buttons = {name for name, control in known.items() if control.kind == 'button'}
+        self._wanted = {name: wanted[name] for name in wanted if name not in buttons}
+        self._met = True
+
+    def attach(self, camera: V4l2Camera) -> None:
+        """Make the parameters those of this camera."""
+        self._camera = camera
+        self._changed.trigger()
+
+    def detach(self) -> None:
+        """Refuse every change until the next camera is there; the parameters stay."""
+        self._camera = None
+        self.warnings = ()
+
+    def adjust_exposure(self, camera: V4l2Camera, read: Callable[[], Frame]) -> Outcome:
+        """
+        Search for the exposure and gain of a lit target; keep what was found as if it were set.
+
+        Parameters
+        ----------
+        camera : V4l2Camera
+            Open and streaming.
+        read : function
+            Returns its next frame.
+
+        Raises
+        ------
+        CaptureError
+            The camera has neither control, or fails meanwhile.
+
+        """
+        settable = [each for each in camera.controls.values() if not each.read_only]
+        before = _values(camera, settable)
+        outcome = adjust_exposure(camera, read)
+        after = _values(camera, settable)
+        changed = {name: after[name] for name in after if after[name] != before.get(name)}
+        self._wanted = self._wanted | changed
+        self._changed.trigger()
+        return outcome
+
+    # --- called by the executor ---
+
+    def _set(self, parameters: list[Parameter]) -> SetParametersResult:
+        """Set the controls among the parameters: all of them or none."""
+        values = {p.name: p.value for p in parameters if p.name in self._shown}
+        if self._mirroring or not values:
+            return SetParametersResult(successful=True)
+        camera = self._camera
+        if camera is None:
+            return _refused(f"'{next(iter(values))}' is a control of the camera, which is not "
+                            'there; see /diagnostics')
+        try:
+            known = camera.controls
+            before = _values(camera, [known[name] for name in values if name in known])
+            done: dict[str, Any] = {}
+            for name, error in set_in_order(camera, known, values):
+                if error is not None:
+                    for _ in set_in_order(camera, camera.controls, done):
+                        pass
+                    return _refused(str(error))
+                if name in before:  # a button cannot be released
+                    done[name] = before[name]
+        except CaptureError as error:
+            return _refused(str(error))
+        self._wanted = self._wanted | {name: values[name] for name in done}
+        self._changed.trigger()  # buttons spring back, and others may have changed with it
+        return SetParametersResult(successful=True)
+
+    def _mirror(self) -> None:
+        """Show the controls as the camera has them."""
+        if self._wrong is not None:
+            raise self._wrong
+        camera = self._camera
+        if camera is None:
+            return
+        try:
+            controls = camera.controls
+            values = _values(camera, controls.values())
+        except CaptureError:
+            return  # whoever captures meets it as well, and says it
+        self._mirroring = True
+        try:
+            for name in [name for name in self._shown if name not in controls]:
+                self._node.undeclare_parameter(name)
+                del self._shown[name]
+            for name, control in controls.items():
+                if name and name not in self._own:
+                    self._show(control, values.get(name, _unread(control)))
+        finally:
+            self._mirroring = False
+        automatic = still_on(controls, values)
+        self._health.show('automatic modes on', ', '.join(automatic) or 'none')
+        self.warnings = (*self._refused, *automatic.values())
+
+    def _show(self, control: Control, value: int | str) -> None:
+        """Declare the parameter of a control, or bring it up to date."""
+        name, shown = control.name, parameter_value(control, value)
+        described = descriptor(control, shown)
+        if self._shown.get(name) == described:
+            if self._node.get_parameter(name).value != shown:
+                self._node.set_parameters([Parameter(name, value=shown)])
+            return
+        if name in self._shown:
+            self._node.undeclare_parameter(name)
+        self._node.declare_parameter(name, shown, described, ignore_override=True)
+        self._shown[name] = described
+
+
+def _refused(reason: str) -> SetParametersResult:
+    return SetParametersResult(successful=False, reason=reason)
+
+
+def _unread(control: Control) -> int | str:
+    """Return what stands for the value of a control that cannot be read."""
+    return '' if control.kind == 'string' else 0 if control.kind == 'button' else control.default
+
+
+def _values(camera: V4l2Camera, controls: Iterable[Control]) -> dict[str, int | str]:
+    """Return the values of those controls that can be read."""
+    found = {}
+    for control in controls:
+        try:
+            found[control.name] = camera.get_control(control)
+        except ControlError:
+            pass  # a button, or write-only
+    return found

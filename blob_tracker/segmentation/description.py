@@ -1,0 +1,237 @@
+"""What tells a blob from other things that lit up: a row of numbers for each."""
+
+# Numba's decorators bring no types.
+# mypy: disable-error-code="untyped-decorator"
+
+from __future__ import annotations
+
+from blob_tracker.kernel import Array, kernel
+from blob_tracker.segmentation.tile_noise import median
+from blob_tracker.types import Pixels
+import numpy as np
+from numpy.typing import NDArray
+
+FIELDS = 21  # of a candidate
+WINDOW = 3.0  # sigma to either side: what is compared with a Gaussian
+FROM_MEAN = np.sqrt(0.5 * np.pi)  # sigma over the mean |d| of a Gaussian deviate
+SAMPLES = 12  # to either side of a blob on which it is compared; of wider ones pixels are left out
+
+
+@kernel
+def distance2(dx: float, dy: float, sigma_x: float, sigma_y: float, correlation: float) -> float:
+    """Return the squared Mahalanobis distance."""
+    u, v = dx / sigma_x, dy / sigma_y
+    return (u * u - 2.0 * correlation * u * v + v * v) / (1.0 - correlation * correlation)
+
+
+@kernel
+def describe(
+    out: Array,
+    lit: Pixels,
+    unlit: Pixels,
+    region: tuple[int, int, int, int],
+    saturation: int,
+    alone: bool,
+    blob: tuple[float, float, float, float, float, float, float, float, float],
+    column: int,
+    row: int,
+    noise: float,
+    height: float,
+) -> None:
+    """
+    Write one row of the table: the fields of `Candidate` in their order.
+
+    Parameters
+    ----------
+    out : (21,) array
+        The row.
+    lit, unlit : (h, w) arrays
+        DN, C-contiguous, of one type.
+    region : (int, int, int, int)
+        Columns x0 to x1 and rows y0 to y1 that may be looked at, px.
+    saturation : int
+        The DN at which a pixel is clipped.
+    alone : bool
+        Whether nothing was subtracted.
+    blob : tuple of 9 floats
+        What `adaptive_moments.measure` returns.
+    column, row : int
+        Pixel of the peak.
+    noise, height : float
+        Standard deviation of lit less unlit and height of that pixel, DN.
+
+    """
+    x, y, sigma_x, sigma_y, _, _, correlation, _, level = blob
+    half_x, half_y = max(WINDOW * sigma_x, 3.0), max(WINDOW * sigma_y, 3.0)
+    left, right = max(int(x - half_x), region[0]), min(int(x + half_x) + 2, region[2])
+    top, bottom = max(int(y - half_y), region[1]), min(int(y + half_y) + 2, region[3])
+    norm = flux = stood = around = squares = 0.0
+    outside = 0
+    clipped = False
+    weights = np.empty((bottom - top, right - left))
+    step = 1 + int(max(half_x, half_y) / (SAMPLES + 1))
+    for j in range(top, bottom, step):
+        for i in range(left, right, step):
+            q = distance2(i - x, j - y, sigma_x, sigma_y, correlation)
+            w = np.exp(-0.5 * q)
+            weights[j - top, i - left] = w
+            under = float(unlit[j, i])
+            clipped = clipped or unlit[j, i] >= saturation
+            if q > WINDOW * WINDOW:
+                around += under
+                squares += under * under
+                outside += 1
+            elif lit[j, i] < saturation:
+                norm += w * w
+                flux += w * (float(lit[j, i]) - under - level)
+    amplitude = flux / norm if norm > 0.0 else height
+    around = around / outside if outside > 0 else 0.0
+    texture = np.sqrt(max(squares / outside - around * around, 0.0)) if outside > 0 else 0.0
+    misfit, count = 0.0, 0
+    total = 0.0
+    for j in range(top, bottom, step):
+        for i in range(left, right, step):
+            w = weights[j - top, i - left]
+            stood += w * (float(unlit[j, i]) - around)
+            total += w * w
+            if lit[j, i] < saturation:
+                left_over = float(lit[j, i]) - float(unlit[j, i]) - level - amplitude * w
+                misfit += left_over * left_over
+                count += 1
+    # Less what the noise explains, and five of its standard deviations: it is known to 10 % only.
+    misfit -= (count + 5.0 * np.sqrt(2.0 * count)) * noise * noise
+    explained = amplitude * amplitude * norm
+    out[0:9] = blob
+    out[9], out[10], out[11] = column, row, height
+    out[12] = amplitude
+    out[13] = np.sqrt(max(misfit, 0.0) / explained) if explained > 0.0 else 0.0
+    out[14] = _beside(lit, unlit, region, column, row, level) / max(height, noise)
+    # In one frame by itself nothing fell: what is darker beside it is the scene.
+    out[15] = 0.0
+    if not alone:
+        size = 2.0 * min(sigma_x, sigma_y)
+        out[15] = _fall(lit, unlit, region, x, y, 3.0 * half_x, 3.0 * half_y, size, level)
+    out[16] = stood / total if total > 0.0 else 0.0
+    out[17] = texture
+    out[18] = clipped
+    out[19] = noise
+    out[20] = _unrest(lit, unlit, region, x, y, half_x, half_y, level)
+
+
+@kernel
+def _beside(
+    lit: Pixels,
+    unlit: Pixels,
+    region: tuple[int, int, int, int],
+    column: int,
+    row: int,
+    level: float,
+) -> float:
+    """Return the mean rise of the four neighbours of a pixel, DN; their own where at the edge."""
+    total, count = 0.0, 0
+    for u, v in ((column - 1, row), (column + 1, row), (column, row - 1), (column, row + 1)):
+        if region[0] <= u < region[2] and region[1] <= v < region[3]:
+            total += float(lit[v, u]) - float(unlit[v, u]) - level
+            count += 1
+    return total / count if count > 0 else 0.0
+
+
+@kernel
+def _fall(
+    lit: Pixels,
+    unlit: Pixels,
+    region: tuple[int, int, int, int],
+    x: float,
+    y: float,
+    half_x: float,
+    half_y: float,
+    size: float,
+    level: float,
+) -> float:
+    """
+    Return the greatest fall below the level near a place, DN.
+
+    It is the mean over a square of the blob's size, 2 x 2 px at least: what moved away was as
+    large as what came, and a pixel may be hot. Of wide blobs not every pixel is looked at.
+    """
+    left, right = max(int(x - half_x), region[0]), min(int(x + half_x) + 1, region[2])
+    top, bottom = max(int(y - half_y), region[1]), min(int(y + half_y) + 1, region[3])
+    step = 1 + int(max(half_x, half_y) / (3 * SAMPLES + 1))
+    side = max(int(size / step), 2)
+    width = (right - left + step - 1) // step
+    columns = np.zeros(width, np.int32)  # sums over the last rows, as many as the square has
+    lowest = np.int32(2**30)
+    row = 0
+    for j in range(top, bottom, step):
+        _add_row(columns, lit[j], unlit[j], left, step, 1)
+        if row >= side:
+            before = j - side * step
+            _add_row(columns, lit[before], unlit[before], left, step, -1)
+        row += 1
+        if row < side:
+            continue
+        total = np.int32(0)
+        for i in range(width):
+            total += columns[i]
+            if i >= side:
+                total -= columns[i - side]
+            if i >= side - 1:
+                lowest = min(lowest, total)
+    return max(level - lowest / (side * side), 0.0) if lowest < 2**30 else 0.0
+
+
+@kernel
+def _add_row(
+    columns: NDArray[np.int32], a: Pixels, b: Pixels, left: int, step: int, sign: int
+) -> None:
+    """Add a row of a - b, or take it away, every so many pixels."""
+    for i in range(np.uint64(columns.size)):
+        k = np.uint64(left) + i * np.uint64(step)
+        columns[i] += np.int32(sign * (np.int32(a[k]) - np.int32(b[k])))
+
+
+@kernel
+def _unrest(
+    lit: Pixels,
+    unlit: Pixels,
+    region: tuple[int, int, int, int],
+    x: float,
+    y: float,
+    half_x: float,
+    half_y: float,
+    level: float,
+) -> float:
+    """
+    Return the standard deviation of lit less unlit about a blob, DN.
+
+    It is that of the rows of a box three times as large, without the box itself, and of the rows
+    the median: another light is on few of them.
+    """
+    left, right = max(int(x - 3.0 * half_x), region[0]), min(int(x + 3.0 * half_x) + 1, region[2])
+    top, bottom = max(int(y - 3.0 * half_y), region[1]), min(int(y + 3.0 * half_y) + 1, region[3])
+    first, last = max(int(x - half_x), left), min(int(x + half_x) + 2, right)
+    step = 1 + int(half_y / (SAMPLES + 1))
+    rows = np.empty((bottom - top + step - 1) // step)
+    count = 0
+    middle = np.float32(level)
+    for j in range(top, bottom, step):
+        inside = abs(j - y) <= half_y
+        size = right - left - (last - first if inside else 0)
+        if size <= 0:
+            continue
+        a, b = lit[j], unlit[j]
+        total = _departure(a, b, left, first if inside else right, middle)
+        if inside:
+            total += _departure(a, b, last, right, middle)
+        rows[count] = total / size
+        count += 1
+    return FROM_MEAN * median(rows, count) if count > 0 else 0.0
+
+
+@kernel
+def _departure(a: Pixels, b: Pixels, left: int, right: int, level: float) -> float:
+    """Return the sum of |a - b - level| from left to right."""
+    total = np.float32(0.0)
+    for i in range(np.uint64(left), np.uint64(right)):
+        total += abs(np.float32(np.int32(a[i]) - np.int32(b[i])) - level)
+    return float(total)

@@ -1,0 +1,213 @@
+"""Where light rose: the local maxima of lit less unlit, tile by tile."""
+
+# Numba's decorators bring no types.
+# mypy: disable-error-code="untyped-decorator"
+
+from __future__ import annotations
+
+from blob_tracker.kernel import Array, kernel
+from blob_tracker.segmentation.tile_noise import TILE
+from blob_tracker.types import Pixels
+import numpy as np
+from numpy.typing import NDArray
+
+BAND = 0.25  # of a row above the threshold: the row is brighter, not something in it
+CROWDED = 32  # pixels of a tile's row above the threshold: of such only the highest is looked at
+
+
+@kernel
+def local_maxima(
+    lit: Pixels,
+    unlit: Pixels,
+    region: tuple[int, int, int, int],
+    mask: NDArray[np.uint8],
+    levels: Array,
+    noises: Array,
+    threshold: float,
+    peaks: Array,
+) -> tuple[int, float]:
+    """
+    Write down column, row and height of the peaks, as far as there is room.
+
+    Parameters
+    ----------
+    lit, unlit : (h, w) arrays
+        DN, C-contiguous, of one type.
+    region : (int, int, int, int)
+        Columns x0 to x1 and rows y0 to y1, px.
+    mask : (h, w) or (0, 0) array
+        0 where no peak counts; empty where each does.
+    levels, noises : (down, across) arrays
+        Level of lit less unlit and its standard deviation in each tile, DN.
+    threshold : float
+        Least height, in standard deviations of the peak's tile.
+    peaks : (n, 3) array
+        Gets column and row, px, and height above the level, DN.
+
+    Returns
+    -------
+    count : int
+        How many there are, also beyond n.
+    strongest : float
+        Greatest rise of any pixel above the level, DN.
+
+    """
+    x0, y0, x1, y1 = region
+    down, across = noises.shape
+    count, strongest = 0, 0.0
+    lowest, darkest = np.empty(down), np.empty(down)  # of each row of tiles
+    floors = np.empty((down, across))
+    for ty in range(down):
+        for tx in range(across):
+            floors[ty, tx] = _lowest_level(levels, tx, ty)
+        lowest[ty] = (floors[ty] + threshold * noises[ty]).min()
+        darkest[ty] = floors[ty].min()
+    # Most rows hold nothing: one look at each whole row, with the least of its thresholds.
+    rises = np.empty(y1 - y0)
+    for j in range(y0, y1):
+        rises[j - y0] = _greatest_rise(lit[j], unlit[j], x0, x1)
+    for j in range(y0, y1):
+        ty = min((j - y0) // TILE, down - 1)
+        strongest = max(strongest, rises[j - y0] - darkest[ty])
+        if rises[j - y0] <= lowest[ty]:
+            continue
+        a, b = lit[j], unlit[j]
+        brighter = -1.0
+        for tx in range(across):
+            left = x0 + tx * TILE
+            right = x1 if tx == across - 1 else left + TILE
+            level = floors[ty, tx]
+            highest = float(_greatest_rise(a, b, left, right)) - level
+            least = threshold * noises[ty, tx]
+            if highest <= least:
+                continue
+            crowded = _count_above(a, b, left, right, int(level + least)) > CROWDED
+            if crowded:
+                if brighter < 0.0:
+                    brighter = _level_of_band(a, b, x0, x1, level, least)
+                if highest <= brighter + least:
+                    continue
+            least = max(brighter, 0.0) + level + least
+            for i in range(left, right):
+                rise = float(np.int32(a[i]) - np.int32(b[i]))
+                if rise <= least:
+                    continue
+                if crowded:
+                    if rise < highest + level:
+                        continue
+                elif not _is_peak(lit, unlit, region, i, j, rise):
+                    continue
+                if mask.size > 0 and mask[j, i] == 0:
+                    continue
+                height = rise - level_at(levels, i - x0, j - y0)
+                if height <= threshold * noises[ty, tx]:
+                    continue
+                if count < peaks.shape[0]:
+                    peaks[count, 0], peaks[count, 1], peaks[count, 2] = i, j, height
+                count += 1
+                if crowded:
+                    break
+    return count, strongest
+
+
+@kernel
+def level_at(levels: Array, x: float, y: float) -> float:
+    """Return the level at a place, px from the first tile, between the tiles' middles."""
+    down, across = levels.shape
+    v, u = y / TILE - 0.5, x / TILE - 0.5
+    top, left = max(min(int(v), down - 2), 0), max(min(int(u), across - 2), 0)
+    under, beside = min(top + 1, down - 1), min(left + 1, across - 1)
+    v, u = v - top, u - left
+    upper = levels[top, left] + u * (levels[top, beside] - levels[top, left])
+    lower = levels[under, left] + u * (levels[under, beside] - levels[under, left])
+    return upper + v * (lower - upper)
+
+
+@kernel
+def _lowest_level(levels: Array, tx: int, ty: int) -> float:
+    """Return the least level at the four corners of a tile."""
+    lowest = levels[ty, tx]
+    for y in (ty, ty + 1):
+        for x in (tx, tx + 1):
+            lowest = min(lowest, level_at(levels, float(x * TILE), float(y * TILE)))
+    return lowest
+
+
+@kernel
+def brightest_square(
+    lit: Pixels, unlit: Pixels, region: tuple[int, int, int, int], mask: NDArray[np.uint8]
+) -> tuple[int, int, float]:
+    """Return the middle of the 3 x 3 pixels that rose most, and their mean rise, DN."""
+    x0, y0, x1, y1 = region
+    width = x1 - x0
+    columns = np.zeros((3, width), np.int32)  # sums of a row, three rows in turn
+    best = np.int32(-(2**30))
+    column, row = x0, y0
+    for j in range(y0, y1):
+        a, b = lit[j, x0:x1], unlit[j, x0:x1]
+        sums = columns[j % 3]
+        for i in range(1, width - 1):
+            sums[i] = (
+                np.int32(a[i - 1]) - np.int32(b[i - 1])
+                + np.int32(a[i]) - np.int32(b[i])
+                + np.int32(a[i + 1]) - np.int32(b[i + 1])
+            )
+        if j < y0 + 2:
+            continue
+        for i in range(1, width - 1):
+            total = columns[0, i] + columns[1, i] + columns[2, i]
+            if total > best and (mask.size == 0 or mask[j - 1, x0 + i] != 0):
+                best, column, row = total, x0 + i, j - 1
+    return column, row, best / 9.0
+
+
+@kernel
+def _greatest_rise(a: Pixels, b: Pixels, left: int, right: int) -> int:
+    """Return the maximum of a - b from left to right, 0 where all is negative."""
+    # In the type of the pixels: it is as many times faster as they are narrower than an int.
+    zero = a.dtype.type(0)
+    highest = zero
+    for i in range(np.uint64(left), np.uint64(right)):
+        highest = max(highest, a.dtype.type(max(a[i], b[i]) - b[i]))
+    return highest
+
+
+@kernel
+def _count_above(a: Pixels, b: Pixels, left: int, right: int, least: int) -> int:
+    """Return how many of a - b are above a level, from left to right."""
+    count = np.int32(0)
+    bound = np.int32(least)
+    for i in range(np.uint64(left), np.uint64(right)):
+        count += np.int32(np.int32(a[i]) - np.int32(b[i]) > bound)
+    return count
+
+
+@kernel
+def _level_of_band(
+    a: Pixels, b: Pixels, left: int, right: int, level: float, least: float
+) -> float:
+    """
+    Return by how much a whole row is brighter than the level, DN, and 0 where it is not.
+
+    A lamp that flickers lights some of the rows of a rolling shutter; a target is on a few pixels
+    of its rows only, so that their mean is not moved.
+    """
+    above, total = 0, 0.0
+    for i in range(left, right):
+        rise = float(np.int32(a[i]) - np.int32(b[i])) - level
+        above += rise > least
+        total += rise
+    return max(total / (right - left), 0.0) if above > BAND * (right - left) else 0.0
+
+
+@kernel
+def _is_peak(
+    lit: Pixels, unlit: Pixels, region: tuple[int, int, int, int], i: int, j: int, rise: float
+) -> bool:
+    """Tell whether no neighbour exceeds a pixel; of equal ones the first is the peak."""
+    for v in range(max(j - 1, region[1]), min(j + 2, region[3])):
+        for u in range(max(i - 1, region[0]), min(i + 2, region[2])):
+            other = float(np.int32(lit[v, u]) - np.int32(unlit[v, u]))
+            if other > rise or (other == rise and (v < j or (v == j and u < i))):
+                return False
+    return True

@@ -1,0 +1,116 @@
+"""Pictures of an analogue grabber, whose lines do not all begin at the same place."""
+
+from __future__ import annotations
+
+from blob_tracker.location.pulse import integrated_profile
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import erf
+
+SHIFT = 0.25  # px from the top to the bottom of a field (thesis, Figure 2.4)
+SETTLED = 150  # lines of a field after which most of it is over (thesis, 2.2.4)
+REMAINDER = 0.05  # px, what is left from frame to frame: 1/20 (Lenz and Fritsch)
+
+
+def line_offsets(
+    height: int, *, fields: int = 2, between_fields: float = 0.02
+) -> NDArray[np.float64]:
+    """
+    Return the mean horizontal offset of each line, as thesis Figure 2.4 shows it.
+
+    The lines of a field drift towards a limit, after SETTLED lines to within 5 % of SHIFT:
+
+        offset = -SHIFT exp(-3 line / SETTLED)
+
+    Parameters
+    ----------
+    height : int
+        Lines of the picture.
+    fields : int
+        2 where odd and even lines come one field after the other, 1 where they do not.
+    between_fields : float
+        Offset of the second field, px.
+
+    Returns
+    -------
+    (h,) array
+        px; a point at x is seen at x + offset.
+
+    """
+    lines = np.arange(height)
+    in_field = lines // fields
+    return -SHIFT * np.exp(-3.0 * in_field / SETTLED) + between_fields * (lines % fields)
+
+
+def draw_edge(
+    shape: tuple[int, int],
+    places: NDArray[np.float64],
+    sigma: float,
+    dark: float,
+    bright: float,
+) -> NDArray[np.float64]:
+    """
+    Return the mean signal of a blurred vertical edge, integrated over each pixel.
+
+    With G(t) the integral of the unit step blurred by a Gaussian, G(t) = t Phi(t / sigma) +
+    sigma phi(t / sigma), pixel k of a line whose edge is at x has
+
+        dark + (bright - dark) [G(k + 1/2 - x) - G(k - 1/2 - x)]
+
+    Parameters
+    ----------
+    shape : (int, int)
+        Height and width, px.
+    places : (h,) array
+        x of the edge in each line, px.
+    sigma : float
+        Standard deviation of the blur, px.
+    dark, bright : float
+        Signal to the left and to the right of the edge, DN.
+
+    Returns
+    -------
+    (h, w) array
+        DN.
+
+    """
+    height, width = shape
+    borders = np.arange(width + 1) - 0.5 - np.reshape(places, (height, 1))
+    scaled = borders / sigma
+    phi = np.exp(-0.5 * scaled**2) / np.sqrt(2.0 * np.pi)
+    integral = borders * 0.5 * (1.0 + erf(scaled / np.sqrt(2.0))) + sigma * phi
+    return dark + (bright - dark) * np.diff(integral, axis=1)
+
+
+def draw_pulse(
+    shape: tuple[int, int],
+    places: NDArray[np.float64],
+    y: float,
+    sigma: float,
+    amplitude: float,
+) -> NDArray[np.float64]:
+    """
+    Return the mean signal of a round pulse, integrated over each pixel, its lines displaced.
+
+    Parameters
+    ----------
+    shape : (int, int)
+        Height and width, px.
+    places : (h,) array
+        x of the pulse's centre in each line, px.
+    y : float
+        Its line, px.
+    sigma : float
+        Standard deviation, px.
+    amplitude : float
+        Peak, DN.
+
+    Returns
+    -------
+    (h, w) array
+        DN.
+
+    """
+    height, width = shape
+    down = integrated_profile(height, y, sigma)[0]
+    return amplitude * down[:, None] * integrated_profile(width, places, sigma)[0]

@@ -1,0 +1,170 @@
+"""From the driver's stamp to the middle of the exposure, with exposures that change."""
+
+import errno
+
+from blob_tracker.capture import Control, stamps, videodev2
+from blob_tracker.capture.stamps import Exposure, ExposureControls, MidExposure, place, source_of
+import numpy as np
+import pytest
+
+MS = 1_000_000
+LATER = 10**18
+SOE = videodev2.BUF_FLAG_TSTAMP_SRC_SOE
+
+
+@pytest.mark.parametrize(('source', 'readout_ns', 'middle'), [
+    ('exposure start', None, 104 * MS),
+    ('exposure start', 5 * MS, 104 * MS),
+    ('transfer start', None, 96 * MS),
+    ('transfer end', None, 96 * MS),
+    ('transfer end', 5 * MS, 91 * MS),
+])
+def test_the_middle_of_an_exposure_of_8_ms(source, readout_ns, middle):
+    assert MidExposure(source, Exposure(8 * MS, readout_ns)).middle(100 * MS, LATER) == middle
+
+
+@pytest.mark.parametrize('source', ['exposure start', 'transfer start', 'transfer end'])
+def test_without_exposure_the_stamp_is_the_drivers(source):
+    assert MidExposure(source, Exposure()).middle(100 * MS, LATER) == 100 * MS
+
+
+@pytest.mark.parametrize(('source', 'readout_ns', 'words'), [
+    ('exposure start', None, 'middle of the exposure'),
+    ('transfer end', 5 * MS, 'middle of the exposure'),
+    ('transfer end', None, 'middle of the exposure, later by the time of the readout, which is '
+                           'unknown and taken as 0'),
+    ('transfer start', None, 'middle of the exposure, as far as the camera sends it at once'),
+])
+def test_place_in_words(source, readout_ns, words):
+    assert place(source, Exposure(8 * MS, readout_ns)) == words
+    assert place(source, Exposure(None, readout_ns)).split(',')[0] == (
+        'start of the exposure' if source == 'exposure start' else 'end of the exposure')
+
+
+@pytest.mark.parametrize('source', ['exposure start', 'transfer start', 'transfer end'])
+def test_a_change_holds_from_the_first_exposure_that_begins_after_it(source):
+    interval, readout = 20 * MS, 6 * MS
+    exposures = {0: 16 * MS, 5: 2 * MS, 9: 10 * MS, 10: 4 * MS}  # from frame on
+    middles = MidExposure(source, Exposure(16 * MS, readout))
+    time_ns = 0
+    for number in range(15):
+        begin = 1000 * MS + number * interval
+        if number in exposures and number:
+            time_ns = exposures[number]
+            # While the frame before is still exposed, or being sent.
+            middles.changed(begin - 1 * MS, Exposure(time_ns, readout))
+        time_ns = exposures.get(number, time_ns)
+        stamp = {'exposure start': begin, 'transfer start': begin + time_ns,
+                 'transfer end': begin + time_ns + readout}[source]
+        assert middles.middle(stamp, LATER) == begin + time_ns // 2, number
+
+
+def test_a_frame_begun_before_the_change_keeps_the_old_exposure():
+    middles = MidExposure('exposure start', Exposure(8 * MS))
+    middles.changed(110 * MS, Exposure(2 * MS))
+    assert middles.middle(100 * MS, LATER) == 104 * MS
+    assert middles.middle(120 * MS, LATER) == 121 * MS
+    assert len(middles._changes) == 1  # what is over is forgotten
+
+
+@pytest.mark.parametrize('source', ['exposure start', 'transfer start', 'transfer end'])
+def test_order_is_kept_whatever_comes(source):
+    random = np.random.default_rng(4)
+    middles = MidExposure(source, Exposure(10 * MS))
+    read_ns = 1000 * MS
+    last = 0
+    for _ in range(2000):
+        read_ns += int(random.integers(1, 20 * MS))
+        if random.random() < 0.2:
+            middles.changed(read_ns, Exposure(int(random.integers(0, 40 * MS))))
+        # Late, early, and now and then from the future.
+        stamp = read_ns + int(random.normal(-5 * MS, 20 * MS))
+        middle = middles.middle(stamp, read_ns)
+        assert last < middle <= read_ns
+        last = middle
+
+
+@pytest.mark.parametrize(('flags', 'driver', 'hardware', 'source'), [
+    (SOE, 'vivid', None, 'exposure start'),
+    (0, 'vivid', None, 'transfer end'),
+    (SOE, 'uvcvideo', None, 'transfer start'),
+    (SOE, 'uvcvideo', '0\n', 'transfer start'),
+    (SOE, 'uvcvideo', '1\n', 'exposure start'),
+])
+def test_what_a_driver_stamps(flags, driver, hardware, source, tmp_path, monkeypatch):
+    option = tmp_path / 'hwtimestamps'
+    if hardware is not None:
+        option.write_text(hardware)
+    monkeypatch.setattr(stamps, 'HARDWARE_STAMPS', option)
+    assert source_of(flags, driver) == source
+
+
+class Driver:
+    """Values of controls by number, as the ioctls give them; events where there are any."""
+
+    def __init__(self, values, events=()):
+        self.values = values
+        self.events = list(events)
+
+    def __call__(self, number, argument):
+        if number == videodev2.G_EXT_CTRLS:
+            one = argument.controls[0]
+            value = self.values[one.id]
+            if value > 0x7fffffff:
+                one.value.value64 = value
+            else:
+                one.value.value = value
+        elif number == videodev2.DQEVENT:
+            if not self.events:
+                raise OSError(errno.ENOENT, 'no event')
+            argument.timestamp.tv_sec, argument.timestamp.tv_nsec = self.events.pop(0)
+        else:
+            assert number == videodev2.SUBSCRIBE_EVENT
+
+    @property
+    def controls(self):
+        return {str(number): Control(
+            number, str(number), '', 'integer64' if number == videodev2.CID_PIXEL_RATE
+            else 'integer', 0, 2**40, 1, 0, {}, False, False, False) for number in self.values}
+
+    def exposure(self, otherwise=Exposure()):
+        return ExposureControls(self, self.controls, 1280, 800, otherwise).read()
+
+
+def test_exposure_in_units_of_100_us():
+    driver = Driver({videodev2.CID_EXPOSURE_ABSOLUTE: 157, videodev2.CID_EXPOSURE_AUTO: 1})
+    assert driver.exposure() == Exposure(15_700_000, None)
+    assert driver.exposure(Exposure(1, 2)) == Exposure(15_700_000, 2)
+
+
+@pytest.mark.parametrize('automatic', [0, 3])
+def test_an_automatic_exposure_is_unknown(automatic):
+    driver = Driver({videodev2.CID_EXPOSURE_ABSOLUTE: 157,
+                     videodev2.CID_EXPOSURE_AUTO: automatic})
+    assert driver.exposure() == Exposure(None, None)
+    assert driver.exposure(Exposure(4 * MS)) == Exposure(4 * MS, None)
+
+
+def test_exposure_in_lines_gives_the_readout_too():
+    driver = Driver({videodev2.CID_EXPOSURE: 500, videodev2.CID_HBLANK: 176,
+                     videodev2.CID_PIXEL_RATE: 160_000_000})
+    line_ns = (1280 + 176) / 0.16  # 9.1 us
+    assert driver.exposure() == Exposure(round(500 * line_ns), round(800 * line_ns))
+    assert ExposureControls(driver, driver.controls, 1280, 800, Exposure()).unit_ns() == line_ns
+
+
+def test_a_pixel_rate_above_32_bits():
+    driver = Driver({videodev2.CID_EXPOSURE: 500, videodev2.CID_HBLANK: 0,
+                     videodev2.CID_PIXEL_RATE: 12_800_000_000})
+    assert driver.exposure().time_ns == 50_000
+
+
+def test_lines_of_unknown_length_are_unknown():
+    assert Driver({videodev2.CID_EXPOSURE: 500}).exposure() == Exposure()
+
+
+def test_the_last_change_by_another_program():
+    driver = Driver({videodev2.CID_EXPOSURE_ABSOLUTE: 157}, [(3, 5), (3, 900)])
+    followed = ExposureControls(driver, driver.controls, 1280, 800, Exposure())
+    assert followed.changed_elsewhere() == 3_000_000_900
+    assert followed.changed_elsewhere() is None

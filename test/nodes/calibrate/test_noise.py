@@ -1,0 +1,130 @@
+"""`calibrate noise` from end to end: folders, a scene, and what is wrong with a source."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from blob_tracker.__main__ import main
+from blob_tracker.nodes.calibrate.noise import _steps
+from blob_tracker.simulation import FlatField, Scene
+from blob_tracker.types import SensorNoise
+import cv2
+import numpy as np
+import pytest
+import yaml
+
+FIELD = FlatField(
+    SensorNoise(3.6, 3.0), black_level=20.0, prnu=0.005, dsnu=0.3, saturation=4095, width=200,
+    height=150,
+)
+SIGNALS = (0, 200, 600, 1200, 2400, 5000)  # DN above black; the last is clipped
+
+
+def write(folder: Path, name: str, image: np.ndarray) -> None:
+    """Write an image."""
+    folder.mkdir(exist_ok=True)
+    assert cv2.imwrite(str(folder / name), image)
+
+
+def indexed(folder: Path, signals=SIGNALS, shots: int = 2) -> Path:
+    """Write a folder with an index; return it."""
+    random = np.random.default_rng(1)
+    rows = []
+    for signal in signals:
+        for shot in range(shots):
+            rows.append((f's{signal}_{shot}.png', 'bright' if signal else 'dark', 10 * signal))
+            write(folder, rows[-1][0], FIELD.frame(signal, random))
+    with (folder / 'index.csv').open('w', newline='') as file:
+        csv.writer(file).writerows([('file', 'kind', 'exposure_ns'), *rows])
+    return folder
+
+
+def run(*words: object) -> int:
+    """Run the command."""
+    return main(['calibrate', 'noise', *map(str, words)])
+
+
+def parameters(path: Path, node: str) -> dict[str, float]:
+    """Return what a parameter file has for a node."""
+    return yaml.safe_load(path.read_text())[f'/**/{node}']['ros__parameters']
+
+
+def test_a_folder_with_an_index(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Table, parameter file, picture, command; a file that was there is said to be overwritten."""
+    out = tmp_path / 'noise.yaml'
+    assert run(indexed(tmp_path / 'frames'), '--out', out) == 0
+    text = capsys.readouterr().out
+    assert 'PRNU' in text and 'linearity error' in text and '--params-file' in text
+    locator = parameters(out, 'locator')
+    # 30,000 pixels at four levels tell the gain to 0.5 %; from 0 DN, 20 DN below black, the
+    # read noise is sqrt(9 - 20 / 3.6).
+    assert locator['noise.gain'] == pytest.approx(3.6, rel=0.02)
+    assert locator['noise.read_noise'] == pytest.approx(np.sqrt(9.0 - 20.0 / 3.6), rel=0.05)
+    assert locator['saturation'] == parameters(out, 'segmenter')['saturation'] == 4095
+    assert cv2.imread(str(tmp_path / 'noise.png')).shape[0] > 600
+    assert run(tmp_path / 'frames', '--out', out) == 0
+    assert 'overwritten' in capsys.readouterr().out
+
+
+def test_folders_of_bright_and_dark(tmp_path: Path) -> None:
+    """Names sorted in pairs."""
+    random = np.random.default_rng(2)
+    for index, signal in enumerate((300, 300, 1200, 1200, 2400, 2400)):
+        write(tmp_path / 'bright', f'{index}.png', FIELD.frame(signal, random))
+        write(tmp_path / 'dark', f'{index}.png', FIELD.frame(0.0, random))
+    out = tmp_path / 'noise.yaml'
+    assert run(tmp_path / 'bright', '--dark', tmp_path / 'dark', '--out', out) == 0
+    assert parameters(out, 'locator')['noise.gain'] == pytest.approx(3.6, rel=0.03)
+
+
+def test_a_still_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """No flat light, no dark frames."""
+    scene = Scene(width=320, height=240, background=90.0, noise=SensorNoise(8.0, 1.2))
+    for index in range(12):
+        write(tmp_path / 'scene', f'{index:02d}.png', scene.frame(index))
+    out = tmp_path / 'noise.yaml'
+    assert run(tmp_path / 'scene', '--scene', '--out', out) == 0
+    assert parameters(out, 'locator')['noise.gain'] == pytest.approx(8.0, rel=0.1)  # 3 sigma
+    assert 'Noise level function' in capsys.readouterr().out
+
+
+def test_steps_of_the_light_in_a_stream() -> None:
+    """The frame in which the light changed is in no pair; the darkest step is dark."""
+    random = np.random.default_rng(3)
+    images = []
+    for signal in (0.0, 400.0, 900.0):
+        images += [FIELD.frame(signal, random) for _ in range(5)]
+        images.append(FIELD.frame(signal + 200.0, random))
+    pairs = _steps(images)
+    assert [each.dark for each in pairs] == [True, True, False, False, False, False]
+    assert [round(each.mean, -1) for each in pairs] == [20, 20, 420, 420, 920, 920]
+    # A quarter of a per cent of the signal would show if a changing frame were in one.
+    assert all(each.variance < 9.0 + each.mean / 3.6 + 5.0 for each in pairs)
+
+
+def test_what_is_wrong_is_said_in_a_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """On stderr, with exit code 1, and no file is written."""
+    out = tmp_path / 'noise.yaml'
+    plain = tmp_path / 'plain'
+    write(plain, 'a.png', FIELD.frame(500, np.random.default_rng(1)))
+    for source, words, says in (
+        (indexed(tmp_path / 'odd', shots=3), (), 'is odd; each light needs two frames'),
+        (indexed(tmp_path / 'clipped', (0, 5000, 6000)), (), 'every bright pair is clipped'),
+        (indexed(tmp_path / 'dark', (0,)), (), 'no bright frames'),
+        (plain, (), 'has no index.csv; write one'),
+        (plain, ('--dark', plain), '1 frames are no whole number of pairs'),
+        (plain, ('--scene',), 'fewer than two frames'),
+    ):
+        assert run(source, *words, '--out', out) == 1
+        assert says in capsys.readouterr().err
+    (tmp_path / 'dark' / 'index.csv').write_text('name,kind\na.png,dark\n')
+    assert run(tmp_path / 'dark', '--out', out) == 1
+    assert 'it must have file and kind' in capsys.readouterr().err
+    (tmp_path / 'dark' / 'index.csv').write_text('file,kind\na.png,flat\n')
+    assert run(tmp_path / 'dark', '--out', out) == 1
+    assert "the kind of a.png is 'flat'; it must be bright or dark" in capsys.readouterr().err
+    assert run(plain, '--scene', '--dark', plain) == 2
+    assert not out.exists()

@@ -1,0 +1,149 @@
+"""A V4L2 control as a ROS parameter; on a real driver in test/vm/test_node.py."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from blob_tracker.capture import Control
+from blob_tracker.capture.auto_modes import off, still_on
+from blob_tracker.ros.control_parameters import descriptor, parameter_value
+import pytest
+from rcl_interfaces.msg import IntegerRange, ParameterType
+
+GAIN = Control(
+    id=0x00980913, name='gain', label='Gain', kind='integer', minimum=-8, maximum=254, step=2,
+    default=100, menu={}, read_only=False, inactive=False, volatile=False,
+)
+AUTO_EXPOSURE = replace(
+    GAIN, id=0x009a0901, name='auto_exposure', label='Auto Exposure', kind='menu', minimum=0,
+    maximum=3, step=1, default=3, menu={1: 'Manual Mode', 3: 'Aperture Priority Mode'},
+)
+AUTO_GAIN = replace(
+    GAIN, id=0x00980912, name='gain_automatic', label='Gain, Automatic', kind='boolean',
+    minimum=0, maximum=1, step=1, default=1,
+)
+FRAMERATE = replace(
+    AUTO_GAIN, id=0x009a0903, name='exposure_dynamic_framerate',
+    label='Exposure, Dynamic Framerate',
+)
+
+
+def control(**changes: Any) -> Control:
+    """Return the gain with something changed."""
+    return replace(GAIN, **changes)
+
+
+@pytest.mark.parametrize('kind, raw, value, ros_type', [
+    ('integer', 10, 10, ParameterType.PARAMETER_INTEGER),
+    ('integer64', 10, 10, ParameterType.PARAMETER_INTEGER),
+    ('boolean', 1, True, ParameterType.PARAMETER_BOOL),
+    ('button', 0, False, ParameterType.PARAMETER_BOOL),
+    ('bitmask', 6, 6, ParameterType.PARAMETER_INTEGER),
+    ('string', 'abc', 'abc', ParameterType.PARAMETER_STRING),
+])
+def test_each_kind_has_its_type(kind: str, raw: int | str, value: object, ros_type: int) -> None:
+    """The value has the type that the descriptor says."""
+    given = control(kind=kind)
+    shown = parameter_value(given, raw)
+    assert shown == value and type(shown) is type(value)
+    assert descriptor(given, shown).type == ros_type
+
+
+def test_an_integer_has_its_range_and_step() -> None:
+    """And its description has the driver's text, the range and the default."""
+    described = descriptor(GAIN, 10)
+    assert described.name == 'gain'
+    assert described.integer_range == [IntegerRange(from_value=-8, to_value=254, step=2)]
+    assert described.description == (
+        'Gain: a whole number from -8 to 254 in steps of 2; 100 by default.'
+    )
+    assert not described.read_only
+
+
+def test_64_bits_fit() -> None:
+    """The range of an integer64 is that of the parameter's own type."""
+    described = descriptor(control(kind='integer64', minimum=-2**63, maximum=2**63 - 1, step=1), 0)
+    assert described.integer_range == [
+        IntegerRange(from_value=-2**63, to_value=2**63 - 1, step=1)
+    ]
+
+
+@pytest.mark.parametrize('value', [-10, 256, 11])
+def test_a_range_that_does_not_hold_its_own_value_is_left_out(value: int) -> None:
+    """As rclpy refuses to declare such a parameter; the driver judges what is set."""
+    assert not descriptor(GAIN, value).integer_range
+
+
+def test_the_upper_end_may_lie_off_the_steps() -> None:
+    """Both rclpy and the kernel take it."""
+    assert descriptor(control(maximum=255), 255).integer_range
+
+
+def test_a_menu_is_an_integer_with_its_items_in_words() -> None:
+    """The numbers are those of v4l2-ctl."""
+    described = descriptor(AUTO_EXPOSURE, 3)
+    assert described.type == ParameterType.PARAMETER_INTEGER
+    assert described.integer_range == [IntegerRange(from_value=0, to_value=3, step=1)]
+    assert described.description == (
+        'Auto Exposure: one of 1 (Manual Mode), 3 (Aperture Priority Mode); 3 by default.'
+    )
+
+
+def test_a_bitmask_may_have_any_of_its_bits() -> None:
+    """Its step, which a driver leaves at 0 or 1, is no step."""
+    described = descriptor(control(kind='bitmask', minimum=0, maximum=0x80002000, step=1), 0x2000)
+    assert described.integer_range == [
+        IntegerRange(from_value=0, to_value=0x80002000, step=1)
+    ]
+
+
+@pytest.mark.parametrize('changes, words', [
+    ({'read_only': True}, 'Read-only.'),
+    ({'inactive': True}, 'Inactive: an automatic mode governs it.'),
+    ({'kind': 'button'}, 'Gain: true presses it.'),
+    ({'kind': 'string', 'minimum': 0, 'maximum': 32, 'step': 1},
+     'Gain: a text of 0 to 32 bytes'),
+])
+def test_what_is_special_is_in_the_description(changes: dict[str, Any], words: str) -> None:
+    """A parameter that the driver changes is not read-only to ROS, so the words say it."""
+    given = control(**changes)
+    described = descriptor(given, '' if given.kind == 'string' else 0)
+    assert words in described.description
+    assert not described.read_only
+
+
+def test_all_automatic_modes_are_switched_off() -> None:
+    """Exposure to manual, which is 1 in the kernel's menu; the others to 0."""
+    modes = {c.name: c for c in (GAIN, AUTO_EXPOSURE, AUTO_GAIN, FRAMERATE)}
+    assert off(modes) == {
+        'auto_exposure': 1, 'gain_automatic': 0, 'exposure_dynamic_framerate': 0
+    }
+
+
+def test_a_mode_that_cannot_be_off_is_left_and_told() -> None:
+    """No manual entry in the menu, or a control that is read-only."""
+    modes = {
+        'auto_exposure': replace(AUTO_EXPOSURE, menu={3: 'Aperture Priority Mode'}),
+        'gain_automatic': replace(AUTO_GAIN, read_only=True),
+    }
+    assert off(modes) == {}
+    told = still_on(modes, {'auto_exposure': 3, 'gain_automatic': 1})
+    assert told['auto_exposure'].startswith("'auto_exposure' is 3 (Aperture Priority Mode): ")
+    assert "'gain_automatic' is true: " in told['gain_automatic']
+    assert all('it cannot be switched off here' in sentence for sentence in told.values())
+
+
+def test_a_mode_that_is_on_is_told_with_the_remedy() -> None:
+    """The sentence has the value to set."""
+    told = still_on({'auto_exposure': AUTO_EXPOSURE}, {'auto_exposure': 3})
+    assert told['auto_exposure'].endswith("set 'auto_exposure' to 1")
+    told = still_on({'gain_automatic': AUTO_GAIN}, {'gain_automatic': 1})
+    assert told['gain_automatic'].endswith("set 'gain_automatic' to false")
+    assert not still_on({'gain_automatic': AUTO_GAIN}, {'gain_automatic': 0})
+
+
+def test_a_frame_rate_that_only_an_automatic_exposure_lowers_is_not_told() -> None:
+    """With a manual exposure drivers make that control inactive and keep its value."""
+    inactive = {FRAMERATE.name: replace(FRAMERATE, inactive=True)}
+    assert not still_on(inactive, {FRAMERATE.name: 1})
