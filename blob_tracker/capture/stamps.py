@@ -21,7 +21,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-import errno
 from pathlib import Path
 import threading
 from typing import Literal
@@ -198,32 +197,10 @@ class ExposureControls:
             control.id: control for control in found.values() if control.id in WATCHED}
         self._width, self._height = width, height
         self._otherwise = otherwise
-        self._events = False
-        for number in self._controls:
-            # Without feedback: changes made by this program are known to it already.
-            subscription = videodev2.EventSubscription(type=videodev2.EVENT_CTRL, id=number)
-            try:
-                ioctl(videodev2.SUBSCRIBE_EVENT, subscription)
-                self._events = True
-            except OSError as error:
-                if error.errno not in (errno.ENOTTY, errno.EINVAL):
-                    raise
 
-    def governed_by(self, control: Control) -> bool:
-        """Return whether the exposure depends on a control."""
-        return control.id in self._controls
-
-    def changed_elsewhere(self) -> int | None:
-        """Return when another program changed the exposure, monotonic ns; None if none did."""
-        since = None
-        while self._events:
-            event = videodev2.Event()
-            try:
-                self._ioctl(videodev2.DQEVENT, event)
-            except OSError:  # ENOENT: no more; a device that is gone tells so with its frames
-                break
-            since = event.timestamp.tv_sec * 1_000_000_000 + event.timestamp.tv_nsec
-        return since
+    def governed_by(self, number: int) -> bool:
+        """Return whether the exposure depends on the control of this number."""
+        return number in self._controls
 
     def read(self) -> Exposure:
         """

@@ -16,6 +16,7 @@ from typing import TypeVar
 
 from blob_tracker.capture import controls, videodev2
 from blob_tracker.capture.clock import RealtimeClock
+from blob_tracker.capture.control_events import ControlEvents
 from blob_tracker.capture.controls import Control, ControlError
 from blob_tracker.capture.device import buffer_type, busy, driver, open_capture_device
 from blob_tracker.capture.errors import CaptureError, NoFrameError
@@ -80,6 +81,8 @@ class V4l2Camera:
         Pictures that the driver marked as spoilt or that were cut short.
     sequence : int
         The driver's number of the frame read last.
+    control_changes : int
+        Changes of controls that others made, as far as frames were read since.
 
     Raises
     ------
@@ -109,6 +112,7 @@ class V4l2Camera:
         self.drops = 0
         self.error_frames = 0
         self.sequence = -1
+        self.control_changes = 0
         self._first = (0, 0)  # sequence and stamp of the first frame
         self._interval_ns = 0
         self._memory: list[mmap.mmap] = []
@@ -133,8 +137,10 @@ class V4l2Camera:
             step = 'give its buffers'
             self._map_buffers(buffers)
             step = 'begin to stream'
+            known = controls.controls(self._call)
+            self._events = ControlEvents(self._call, known.values())
             self._exposure = ExposureControls(
-                self._call, controls.controls(self._call), self.width, self.height,
+                self._call, known, self.width, self.height,
                 Exposure(_ns(exposure_time), _ns(readout_time)))
             self._middle = MidExposure(
                 source_of(self._buffer_flags, driver(self._fd)), self._exposure.read())
@@ -216,6 +222,11 @@ class V4l2Camera:
         return None if unit_ns is None else unit_ns / 1e9
 
     @property
+    def tells_changes(self) -> bool:
+        """Return whether `control_changes` counts: not all drivers tell."""
+        return self._events.told
+
+    @property
     def longest_wait(self) -> float:
         """Return how long a frame may wait and still be new, s; 0 while that is unknown."""
         return len(self._memory) * self._interval_ns / 1e9
@@ -264,7 +275,7 @@ class V4l2Camera:
         def change() -> None:
             control = self._named(name)
             controls.set_control(self._call, control, value)
-            if self._streaming and self._exposure.governed_by(control):
+            if self._streaming and self._exposure.governed_by(control.id):
                 self._middle.changed(time.monotonic_ns(), self._exposure.read())
 
         self._control(change)
@@ -435,16 +446,22 @@ class V4l2Camera:
             filled.release()
         stamp_ns = _stamp_ns(buffer)
         self._count(buffer.sequence, stamp_ns)
-        since_ns = self._exposure.changed_elsewhere()
-        if since_ns is not None:
-            try:
-                self._middle.changed(since_ns, self._exposure.read())
-            except OSError as error:
-                raise self._lost(error) from error
+        self._follow_controls()
         middle_ns = self._middle.middle(stamp_ns, time.monotonic_ns())
         return Frame(
             image, self._clock.from_monotonic(middle_ns), self._format.saturation,
             self._region.x0, self._region.y0, self._binning)
+
+    def _follow_controls(self) -> None:
+        """Take note of the controls that others changed, those of the exposure above all."""
+        changed = self._events.take()
+        self.control_changes += len(changed)
+        since = [at for number, at in changed.items() if self._exposure.governed_by(number)]
+        if since:
+            try:
+                self._middle.changed(max(since), self._exposure.read())
+            except OSError as error:
+                raise self._lost(error) from error
 
     def _count(self, sequence: int, stamp_ns: int) -> None:
         """Count the frames lost before this one and keep the mean interval of frames."""

@@ -172,11 +172,13 @@ class ControlParameters:
         self._wrong: ParameterError | None = None
         self._refused: tuple[str, ...] = ()
         self._shown: dict[str, ParameterDescriptor] = {}
+        self._restless: list[Control] = []  # may change without the driver's telling
+        self._seen = 0  # of the changes that the driver told of
         self._mirroring = False
         self._changed = node.create_guard_condition(self._mirror)
         # Wall time, as a paused simulation does not pause a camera.
         clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self._timer = node.create_timer(REFRESH, self._mirror, clock=clock)
+        self._timer = node.create_timer(REFRESH, self._refresh, clock=clock)
         node.add_on_set_parameters_callback(self._set)
 
     # --- called by the thread that captures ---
@@ -282,6 +284,26 @@ class ControlParameters:
         self._changed.trigger()  # buttons spring back, and others may have changed with it
         return SetParametersResult(successful=True)
 
+    def _refresh(self) -> None:
+        """Show what changed by itself: all of it takes a hundred calls of the driver."""
+        camera = self._camera
+        if camera is None:
+            return
+        if camera.control_changes != self._seen or not camera.tells_changes:
+            self._mirror()
+            return
+        try:
+            values = _values(camera, self._restless)
+        except CaptureError:
+            return  # whoever captures meets it as well, and says it
+        self._mirroring = True
+        try:
+            for control in self._restless:
+                if control.name in self._shown and control.name in values:
+                    self._show(control, values[control.name])
+        finally:
+            self._mirroring = False
+
     def _mirror(self) -> None:
         """Show the controls as the camera has them."""
         if self._wrong is not None:
@@ -289,6 +311,7 @@ class ControlParameters:
         camera = self._camera
         if camera is None:
             return
+        self._seen = camera.control_changes
         try:
             controls = camera.controls
             values = _values(camera, controls.values())
@@ -304,6 +327,9 @@ class ControlParameters:
                     self._show(control, values.get(name, _unread(control)))
         finally:
             self._mirroring = False
+        self._restless = [
+            control for control in controls.values() if control.volatile or control.inactive
+        ]
         automatic = still_on(controls, values)
         self._health.show('automatic modes on', ', '.join(automatic) or 'none')
         self.warnings = (*self._refused, *automatic.values())

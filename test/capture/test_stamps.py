@@ -1,6 +1,5 @@
 """From the driver's stamp to the middle of the exposure, with exposures that change."""
 
-import errno
 
 from blob_tracker.capture import Control, stamps, videodev2
 from blob_tracker.capture.stamps import Exposure, ExposureControls, MidExposure, place, source_of
@@ -100,26 +99,19 @@ def test_what_a_driver_stamps(flags, driver, hardware, source, tmp_path, monkeyp
 
 
 class Driver:
-    """Values of controls by number, as the ioctls give them; events where there are any."""
+    """Values of controls by number, as the ioctls give them."""
 
-    def __init__(self, values, events=()):
+    def __init__(self, values):
         self.values = values
-        self.events = list(events)
 
     def __call__(self, number, argument):
-        if number == videodev2.G_EXT_CTRLS:
-            one = argument.controls[0]
-            value = self.values[one.id]
-            if value > 0x7fffffff:
-                one.value.value64 = value
-            else:
-                one.value.value = value
-        elif number == videodev2.DQEVENT:
-            if not self.events:
-                raise OSError(errno.ENOENT, 'no event')
-            argument.timestamp.tv_sec, argument.timestamp.tv_nsec = self.events.pop(0)
+        assert number == videodev2.G_EXT_CTRLS
+        one = argument.controls[0]
+        value = self.values[one.id]
+        if value > 0x7fffffff:
+            one.value.value64 = value
         else:
-            assert number == videodev2.SUBSCRIBE_EVENT
+            one.value.value = value
 
     @property
     def controls(self):
@@ -161,10 +153,3 @@ def test_a_pixel_rate_above_32_bits():
 
 def test_lines_of_unknown_length_are_unknown():
     assert Driver({videodev2.CID_EXPOSURE: 500}).exposure() == Exposure()
-
-
-def test_the_last_change_by_another_program():
-    driver = Driver({videodev2.CID_EXPOSURE_ABSOLUTE: 157}, [(3, 5), (3, 900)])
-    followed = ExposureControls(driver, driver.controls, 1280, 800, Exposure())
-    assert followed.changed_elsewhere() == 3_000_000_900
-    assert followed.changed_elsewhere() is None
