@@ -75,6 +75,8 @@ class V4l2Camera:
         Frames/s, as the driver gives it; 0 where it does not say.
     pixel_format : str
         Four-character code in use.
+    saturation : int
+        The DN at which its pixels are clipped.
     drops : int
         Frames lost between those read, from the gaps in the driver's numbers; error frames too.
     error_frames : int
@@ -127,6 +129,7 @@ class V4l2Camera:
             self._format = set_format(
                 self._call, device, buffer_type(self._fd), width, height, pixel_format)
             self.pixel_format = self._format.pixel_format
+            self.saturation = self._format.saturation
             self.width, self.height = self._format.width, self._format.height
             self._region = sensor_region(self._call, device, self.width, self.height)
             self.sensor_size = self._region.sensor_size
@@ -449,7 +452,7 @@ class V4l2Camera:
         self._follow_controls()
         middle_ns = self._middle.middle(stamp_ns, time.monotonic_ns())
         return Frame(
-            image, self._clock.from_monotonic(middle_ns), self._format.saturation,
+            image, self._clock.from_monotonic(middle_ns), self.saturation,
             self._region.x0, self._region.y0, self._binning)
 
     def _follow_controls(self) -> None:

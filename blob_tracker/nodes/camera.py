@@ -192,7 +192,8 @@ class CameraNode(Node):
         """Publish the newest frame, again and again; search for the exposure when asked to."""
         self.get_logger().info(
             f'streaming {camera.width} x {camera.height} px at {camera.frame_rate:g} Hz '
-            f'from {camera.device}; stamps: {camera.stamp_place}'
+            f'from {camera.device}; stamps: {camera.stamp_place}; {camera.pixel_format} clips at '
+            f'{camera.saturation} DN: saturation of segmenter and locator'
         )
         self._info = None
         while not self._stop.is_set():
@@ -265,6 +266,7 @@ class CameraNode(Node):
             'exposure time', 'unknown' if seconds is None else f'{1e3 * seconds:.4g} ms'
         )
         self._health.show('stamp', camera.stamp_place)
+        self._health.show('saturation', camera.saturation)
         if not calibrated:
             self._health.fault(
                 WARN,
