@@ -1,9 +1,10 @@
 """Location -> Bearing: from pixels to milliradians."""
 
-from blob_tracker.camera.calibration_file import CalibrationError, write_calibration
+from blob_tracker.camera.calibration_file import write_calibration
 from blob_tracker.camera.data_sheet import DataSheet
 from blob_tracker.camera.lens import LensError
 from blob_tracker.camera.model import CameraModel, pinhole_matrix
+from blob_tracker.camera.yaml_file import CalibrationError
 
 __all__ = [
     'CalibrationError',

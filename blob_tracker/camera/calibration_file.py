@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-import os
 from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 from blob_tracker.camera.lens import FORMER_NAMES
+from blob_tracker.camera.yaml_file import content_of, write_content
 import numpy as np
 from numpy.typing import NDArray
-import yaml
 
 if TYPE_CHECKING:
     from blob_tracker.camera.model import CameraModel
-
-
-class CalibrationError(ValueError):
-    """A calibration that no ray can be computed with; the message says what is wrong."""
 
 
 def read_calibration(path: str | Path) -> dict[str, Any]:
@@ -41,15 +36,7 @@ def read_calibration(path: str | Path) -> dict[str, Any]:
         Where the file is missing, is not such YAML, or lacks a value.
 
     """
-    try:
-        content = yaml.safe_load(Path(path).read_text(encoding='utf-8'))
-    except (OSError, UnicodeDecodeError) as error:
-        raise CalibrationError(f'cannot read the calibration {path}: {error}') from None
-    except yaml.YAMLError as error:
-        raise CalibrationError(f'{path} is not YAML: {error}') from None
-    if not isinstance(content, dict):
-        raise CalibrationError(f'{path} is not a camera calibration: it holds no named values')
-    try:
+    with content_of(path, 'calibration') as content:
         distortion_model = str(content.get('distortion_model', 'plumb_bob'))
         return {
             'width': _whole(content['image_width']),
@@ -61,20 +48,13 @@ def read_calibration(path: str | Path) -> dict[str, Any]:
             'rectification': _optional_matrix(content, 'rectification_matrix', (3, 3)),
             'projection': _optional_matrix(content, 'projection_matrix', (3, 4)),
         }
-    except KeyError as error:
-        raise CalibrationError(f'{path} has no {error.args[0]}') from None
-    except (TypeError, ValueError) as error:
-        raise CalibrationError(f'{path} holds a value of the wrong form: {error}') from None
 
 
 def write_calibration(
     path: str | Path, model: CameraModel, comments: Sequence[str] = ()
 ) -> None:
     """
-    Write a calibration file that `read_calibration` and ROS read back, to the last digit.
-
-    The file is whole or not there: it is written beside its place and then moved. Folders that
-    are missing are made; a file of that name is replaced.
+    Write a calibration file that `read_calibration` and ROS read back; see `write_content`.
 
     Parameters
     ----------
@@ -101,25 +81,7 @@ def write_calibration(
         'rectification_matrix': _entry(model.rectification_matrix),
         'projection_matrix': _entry(model.projection_matrix),
     }
-    lines = [f'# {line}'.rstrip() for text in comments for line in text.splitlines() or ['']]
-    # Lists in one line each, as ROS writes them; PyYAML writes the repr of a double.
-    lines.append(yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=10**6))
-    place = Path(os.path.realpath(path))  # a link stays one, and what it leads to is replaced
-    beside = place.with_name(f'.{place.name}.{os.getpid()}')
-    try:
-        place.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            with beside.open('w', encoding='utf-8') as file:
-                file.write('\n'.join(lines))
-                file.flush()
-                os.fsync(file.fileno())  # else a power cut may leave the new name on no content
-            beside.replace(place)
-        finally:
-            beside.unlink(missing_ok=True)
-    except OSError as error:
-        raise CalibrationError(
-            f'cannot write the calibration {path}: {error.strerror or error}'
-        ) from None
+    write_content(path, 'calibration', content, comments)
 
 
 def _whole(entry: Any) -> int:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import atan, cos, hypot, isfinite, sin, sqrt
 
-from blob_tracker.camera.calibration_file import CalibrationError
 from blob_tracker.camera.model import CameraModel, MRAD
+from blob_tracker.camera.yaml_file import CalibrationError
 
 
 @dataclass(frozen=True)

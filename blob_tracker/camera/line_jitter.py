@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from blob_tracker.camera.calibration_file import CalibrationError
+from blob_tracker.camera.yaml_file import CalibrationError, content_of, write_content
 from blob_tracker.types import Location
 import numpy as np
 from numpy.typing import NDArray
-import yaml
 
 MOST = 10.0  # px: a line that is further off is not jitter but lost synchronisation
 REACH = 4.0  # sigma of the blob: beyond it a line holds 1e-7 of the information
@@ -75,29 +74,14 @@ class LineJitter:
             Where the file is missing, is not such YAML, or holds impossible values.
 
         """
-        try:
-            content = yaml.safe_load(Path(path).read_text(encoding='utf-8'))
-        except (OSError, UnicodeDecodeError) as error:
-            raise CalibrationError(f'cannot read the line jitter {path}: {error}') from None
-        except yaml.YAMLError as error:
-            raise CalibrationError(f'{path} is not YAML: {error}') from None
-        if not isinstance(content, dict):
-            raise CalibrationError(f'{path} is no line jitter: it holds no named values')
-        try:
-            height = int(content['image_height'])
+        with content_of(path, 'line jitter') as content:
             jitter = cls(
                 offsets=np.array(content['offsets'], dtype=float),
                 sigma=np.array(content['sigma'], dtype=float),
                 sigma_from_frame_to_frame=float(content['sigma_from_frame_to_frame']),
             )
-            jitter.check_height(height)
-        except KeyError as error:
-            raise CalibrationError(f'{path} has no {error.args[0]}') from None
-        except CalibrationError as error:
-            raise CalibrationError(f'{path}: {error}') from None
-        except (TypeError, ValueError) as error:
-            raise CalibrationError(f'{path} holds a value of the wrong form: {error}') from None
-        return jitter
+            jitter.check_height(int(content['image_height']))
+            return jitter
 
     def to_yaml(self, path: str | Path, comments: Sequence[str] = ()) -> None:
         """
@@ -110,6 +94,11 @@ class LineJitter:
         comments : sequence of str
             Lines on top of it.
 
+        Raises
+        ------
+        CalibrationError
+            Where it cannot be written there.
+
         """
         content = {
             'image_height': len(self.offsets),
@@ -117,9 +106,7 @@ class LineJitter:
             'offsets': np.round(self.offsets, 6).tolist(),
             'sigma': np.round(self.sigma, 6).tolist(),
         }
-        head = ''.join(f'# {line}\n' for line in comments)
-        body = yaml.safe_dump(content, default_flow_style=None, sort_keys=False, width=96)
-        Path(path).write_text(head + body, encoding='utf-8')
+        write_content(path, 'line jitter', content, comments)
 
     def check_height(self, height: int) -> None:
         """Raise CalibrationError unless the picture has as many lines as were measured."""

@@ -7,9 +7,10 @@ from functools import cached_property
 from math import atan2, sqrt
 from pathlib import Path
 
-from blob_tracker.camera.calibration_file import CalibrationError, read_calibration
+from blob_tracker.camera.calibration_file import read_calibration
 from blob_tracker.camera.lens import LensError, LENSES
 from blob_tracker.camera.lens.definition import Coefficients, Derivative, Vector
+from blob_tracker.camera.yaml_file import CalibrationError
 from blob_tracker.types import Bearing, Location
 import numpy as np
 from numpy.typing import NDArray

@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--progressive', action='store_true', help='the lines are not those of two fields in turn'
     )
     parser.add_argument(
-        '--output',
+        '--out',
         type=Path,
         default=Path('line_jitter.yaml'),
         help='for the parameter line_jitter_url of the locator (%(default)s); the picture beside',
@@ -58,15 +58,15 @@ def main(arguments: argparse.Namespace) -> int:
 
         measurement = measure_line_jitter(pixels(), fields=1 if arguments.progressive else 2)
         _report(console, measurement, width)
-        tell_of(console, arguments.output)
+        tell_of(console, arguments.out)
         measurement.jitter.to_yaml(
-            arguments.output,
+            arguments.out,
             [
                 f'python -m blob_tracker calibrate jitter, {len(measurement.places)} frames',
                 'px; offset and standard deviation of each line, less a straight line over all',
             ],
         )
-        picture = arguments.output.with_suffix('.png')
+        picture = arguments.out.with_suffix('.png')
         tell_of(console, picture)
         draw_line_jitter(picture, measurement)
     except (CalibrationError, EdgeError, SourceError, OSError) as error:

@@ -64,7 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='of the lens in front of the crossing of the axes',
     )
     parser.add_argument(
-        '--output',
+        '--out',
         type=Path,
         default=Path('camera_info.yaml'),
         help='where the calibration goes (%(default)s); the picture of the residuals beside it',
@@ -103,9 +103,9 @@ def main(arguments: argparse.Namespace) -> int:
         )
         console = Console()
         _report(console, result, measured, arguments)
-        tell_of(console, arguments.output)
-        write_calibration(arguments.output, result.model, _comments(result))
-        picture = arguments.output.with_name(f'{arguments.output.stem}_residuals.png')
+        tell_of(console, arguments.out)
+        write_calibration(arguments.out, result.model, _comments(result))
+        picture = arguments.out.with_name(f'{arguments.out.stem}_residuals.png')
         tell_of(console, picture)
         draw_turn(picture, measured.pixels, result)
     except (CalibrationError, StationsError, TurnError, OSError) as error:

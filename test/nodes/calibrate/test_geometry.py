@@ -40,7 +40,7 @@ def test_turn_writes_a_camera(
     file, out = tmp_path / 'turn.csv', tmp_path / 'camera_info.yaml'
     header = f'pan_{column}, tilt_{column}, x, y, sigma_x, sigma_y'
     file.write_text('\n'.join(['# a comment', header, *turn_rows(unit), '']))
-    words = ['calibrate', 'turn', str(file), '--size', '640x480', '--output', str(out)]
+    words = ['calibrate', 'turn', str(file), '--size', '640x480', '--out', str(out)]
     assert main(words) == 0
     model = CameraModel.from_yaml(out)
     np.testing.assert_allclose(model.matrix[[0, 1], [0, 1]], 612.0, rtol=1e-3)
@@ -62,14 +62,14 @@ def test_turn_starts_from_a_camera_info(
     """Its name and model stay; a focal length that it cannot be is asked about."""
     file, out = tmp_path / 'turn.csv', tmp_path / 'out.yaml'
     file.write_text('\n'.join([TURN_HEADER, *turn_rows(), '']))
-    guess = ['--camera-info', str(config_path('camera_info.yaml')), '--output', str(out)]
+    guess = ['--camera-info', str(config_path('camera_info.yaml')), '--out', str(out)]
     assert main(['calibrate', 'turn', str(file), *guess, '--fit-distortion']) == 0
     assert CameraModel.from_yaml(out).name == 'simulated'
     assert abs(CameraModel.from_yaml(out).distortion[0]) < 0.01
     file.write_text('\n'.join([TURN_HEADER, *turn_rows(np.pi / 180.0), '']))
     capsys.readouterr()
     assert main(['calibrate', 'turn', str(file), *guess]) == 0
-    text = capsys.readouterr().out.replace('\n', ' ')
+    text = ' '.join(capsys.readouterr().out.split())
     assert 'is the unit of the angles right?' in text
 
 
@@ -97,7 +97,7 @@ def test_bad_measurements_have_a_sentence(
     file, out = tmp_path / 'turn.csv', tmp_path / 'camera_info.yaml'
     if content is not None:
         file.write_text(content)
-    words = ['calibrate', 'turn', str(file), '--size', '640x480', '--output', str(out)]
+    words = ['calibrate', 'turn', str(file), '--size', '640x480', '--out', str(out)]
     assert main(words) == 1
     assert sentence in capsys.readouterr().err
     assert not out.exists()
@@ -170,7 +170,7 @@ def test_jitter_writes_what_the_locator_reads(
         cv2.imwrite(
             str(folder / f'{index}.png'), expose(mean, SensorNoise(40.0, 0.7), random)
         )
-    assert main(['calibrate', 'jitter', str(folder), '--output', str(out)]) == 0
+    assert main(['calibrate', 'jitter', str(folder), '--out', str(out)]) == 0
     jitter = LineJitter.from_yaml(out)
     lines = np.arange(height)
     true = offsets - np.polyval(np.polyfit(lines, offsets, 1), lines)
@@ -185,6 +185,6 @@ def test_jitter_says_what_is_missing(tmp_path: Path, capsys: pytest.CaptureFixtu
     for index in range(4):
         cv2.imwrite(str(tmp_path / f'{index}.png'), np.full((96, 80), 90, np.uint8))
     out = tmp_path / 'line_jitter.yaml'
-    assert main(['calibrate', 'jitter', str(tmp_path), '--output', str(out)]) == 1
+    assert main(['calibrate', 'jitter', str(tmp_path), '--out', str(out)]) == 1
     assert 'flat: it shows no edge' in capsys.readouterr().err
     assert not out.exists()

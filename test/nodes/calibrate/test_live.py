@@ -93,7 +93,7 @@ def test_joints_give_the_angles(
     answers(monkeypatch, [''] * len(grid), moved)
     file, out = tmp_path / 'turn.csv', tmp_path / 'camera_info.yaml'
     words = ['calibrate', 'turn', str(file), '--live', '--joints', 'pan,tilt', '--count', '10']
-    assert main([*words, '--size', '640x480', '--one-f', '--output', str(out)]) == 0
+    assert main([*words, '--size', '640x480', '--one-f', '--out', str(out)]) == 0
     lines = file.read_text().splitlines()
     assert lines[0] == 'pan_mrad,tilt_mrad,x,y,sigma_x,sigma_y'
     assert len(lines) == 1 + len(grid)

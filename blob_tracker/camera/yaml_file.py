@@ -1,0 +1,99 @@
+"""The YAML files of calibrations: read with a reason, written whole or not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+import os
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+
+class CalibrationError(ValueError):
+    """A calibration that no ray can be computed with; the message says what is wrong."""
+
+
+@contextmanager
+def content_of(path: str | Path, what: str) -> Iterator[dict[str, Any]]:
+    """
+    Give the named values of a file; what goes wrong with them in the block names the file.
+
+    Parameters
+    ----------
+    path : str or Path
+        The YAML file.
+    what : str
+        What it should hold, for the sentence.
+
+    Raises
+    ------
+    CalibrationError
+        Where the file is missing, is not such YAML, or the block misses a value (KeyError) or
+        cannot use one (TypeError, ValueError).
+
+    """
+    try:
+        content = yaml.safe_load(Path(path).read_text(encoding='utf-8'))
+    except (OSError, UnicodeDecodeError) as error:
+        raise CalibrationError(f'cannot read the {what} {path}: {error}') from None
+    except yaml.YAMLError as error:
+        raise CalibrationError(f'{path} is not YAML: {error}') from None
+    if not isinstance(content, dict):
+        raise CalibrationError(f'{path} is not a {what}: it holds no named values')
+    try:
+        yield content
+    except CalibrationError as error:
+        raise CalibrationError(f'{path}: {error}') from None
+    except KeyError as error:
+        raise CalibrationError(f'{path} has no {error.args[0]}') from None
+    except (TypeError, ValueError) as error:
+        raise CalibrationError(f'{path} holds a value of the wrong form: {error}') from None
+
+
+def write_content(
+    path: str | Path, what: str, content: dict[str, Any], comments: Sequence[str] = ()
+) -> None:
+    """
+    Write a file that `content_of` reads, to the last digit.
+
+    The file is whole or not there: it is written beside its place and then moved. Folders that
+    are missing are made; a file of that name is replaced.
+
+    Parameters
+    ----------
+    path : str or Path
+        The YAML file.
+    what : str
+        What it holds, for the sentence.
+    content : dict
+        Named values.
+    comments : sequence of str
+        Lines put on top, each after a `# `: the standard deviations, say, and the command.
+
+    Raises
+    ------
+    CalibrationError
+        Where it cannot be written there.
+
+    """
+    lines = [f'# {line}'.rstrip() for text in comments for line in text.splitlines() or ['']]
+    # Lists in one line each, as ROS writes them; PyYAML writes the repr of a double.
+    lines.append(yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=10**6))
+    place = Path(os.path.realpath(path))  # a link stays one, and what it leads to is replaced
+    beside = place.with_name(f'.{place.name}.{os.getpid()}')
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            with beside.open('w', encoding='utf-8') as file:
+                file.write('\n'.join(lines))
+                file.flush()
+                os.fsync(file.fileno())  # else a power cut may leave the new name on no content
+            beside.replace(place)
+        finally:
+            beside.unlink(missing_ok=True)
+    except OSError as error:
+        raise CalibrationError(
+            f'cannot write the {what} {path}: {error.strerror or error}'
+        ) from None
