@@ -15,12 +15,13 @@ WARN = DiagnosticStatus.WARN
 ERROR = DiagnosticStatus.ERROR
 PERIOD = 1.0  # s
 PATIENCE = 3  # periods of silence at the start: the others are starting as well
+MOST_AT_ONCE = 4  # messages in a second: whatever a node is fed, this stays readable
 REPEAT = 5.0  # s: the same sentence is logged again after this long, while it holds
 
 
 class Health:
     """
-    Collect what goes well and ill, and publish the worst of each second.
+    Collect what goes well and ill, and publish the worst of each second: all that is as bad.
 
     Parameters
     ----------
@@ -36,7 +37,7 @@ class Health:
         self._node = node
         self._idle = idle
         self._level = OK
-        self._message = ''
+        self._messages: dict[str, str] = {}  # of that level, by kind
         self._logged: dict[str, float] = {}
         self._lock = Lock()  # a capture thread reports while the executor publishes
         self._patience = PATIENCE
@@ -51,7 +52,7 @@ class Health:
         """Report that something went well; the last such word of a second is published."""
         with self._lock:
             if self._level == OK:
-                self._message = message
+                self._messages = {'': message}
 
     def fault(self, level: bytes, message: str) -> None:
         """
@@ -69,8 +70,11 @@ class Health:
         # The same sentence with other numbers is the same fault.
         kind = re.sub(r'[0-9.]+', '#', message)
         with self._lock:
-            if level >= self._level:
-                self._level, self._message = level, message
+            if level > self._level:
+                self._level, self._messages = level, {}
+            if level == self._level:
+                if kind in self._messages or len(self._messages) < MOST_AT_ONCE:
+                    self._messages[kind] = message
             silent = now - self._logged.get(kind, -REPEAT) < REPEAT
             if not silent:
                 self._logged[kind] = now
@@ -93,7 +97,7 @@ class Health:
 
     def _publish(self) -> None:
         """Publish the last second and begin the next."""
-        if not self._message:
+        if not self._messages:
             self._patience -= 1
             if self._patience >= 0:
                 self.ok('waiting')
@@ -102,12 +106,12 @@ class Health:
         else:
             self._patience = 0
         with self._lock:
-            level, message, values = self._level, self._message, dict(self._values)
-            self._level, self._message = OK, ''
+            level, messages, values = self._level, self._messages, dict(self._values)
+            self._level, self._messages = OK, {}
         status = DiagnosticStatus(
             level=level,
             name=f'{self._node.get_fully_qualified_name()}: tracking',
-            message=message,
+            message='; '.join(messages.values()),
             hardware_id='',
             values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
         )
