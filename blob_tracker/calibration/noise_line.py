@@ -82,12 +82,14 @@ class NoiseLine:
         (2, 2) covariance of gain, e-/DN, and read noise, DN.
 
         To first order, J C J^T with d gain / d slope = -gain^2 and d read_noise / d foot =
-        1 / (2 read_noise). Towards no read noise at all that grows without end, and the finite
-        step sqrt(r^2 + s) - r per s, with s the sigma of the foot, stands in for it.
+        1 / (2 read_noise). Towards no read noise at all that grows without end: the read noise in
+        it is taken as sqrt(s) / 2 at least, with s the sigma of the foot, so that its own sigma is
+        sqrt(s) at most. The squared error over it is 0.9 to 1.15 in the mean where the foot is a
+        quarter of s above 1/12 or more.
         """
         s = sqrt(self.covariance[1, 1])
-        step = sqrt(self.read_noise**2 + s) - self.read_noise
-        jacobian = np.diag([-self.gain**2, step / s if s > 0.0 else 0.0])
+        root = max(self.read_noise, 0.5 * sqrt(s))
+        jacobian = np.diag([-self.gain**2, 0.5 / root if root > 0.0 else 0.0])
         return np.asarray(jacobian @ self.covariance @ jacobian.T)
 
     def variance(self, level: float) -> tuple[float, float]:
