@@ -141,7 +141,7 @@ class PhotonTransfer:
 
     @property
     def noise(self) -> SensorNoise:
-        """Gain, temporal dark noise and black level, or the line's own where that is unknown."""
+        """Gain, temporal dark noise and black level; where that is unknown, `NoiseLine.noise`."""
         level, sigma = self.black_level
         if sigma == 0.0:
             return self.line.noise

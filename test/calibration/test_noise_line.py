@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from blob_tracker.calibration.noise_line import fit_noise_line, NoiseLine, QUANTISATION
 from blob_tracker.location.noise import pixel_variance
-from blob_tracker.types import SensorNoise
 import numpy as np
 import pytest
 
@@ -67,7 +66,8 @@ def test_no_read_noise_has_a_finite_sigma() -> None:
     """A foot below 1/12 is a read noise of 0, with a sigma."""
     line = fit_noise_line(LEVELS[1:], TRUE[1:] - 2.0, SCATTERS[1:])
     assert line.gain == pytest.approx(4.0)
-    assert line.noise == SensorNoise(line.gain, 0.0, pytest.approx(4.0 / 12.0))
+    assert line.noise.read_noise == 0.0
+    assert line.noise.black_level == pytest.approx(4.0 / 12.0)
     assert 0.0 < line.noise_covariance[1, 1] < 1.0
 
 

@@ -124,8 +124,7 @@ def test_the_locator_gets_the_three_apart(sensor: PhotonTransfer) -> None:
 
 
 def test_without_dark_frames_the_variance_is_right() -> None:
-    """The foot of the line tells no black level, and its noise is that of the pixels all the same.
-    """
+    """The foot of the line tells no black level; its noise is that of the pixels all the same."""
     field = replace(FIELD, noise=SensorNoise(3.6, 3.0, 240.0))
     found = photon_transfer(pairs_of(field, np.random.default_rng(9), darks=0))
     assert found.noise.read_noise == 0.0 and 0.0 < found.noise.black_level < 240.0
