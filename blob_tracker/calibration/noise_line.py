@@ -59,7 +59,7 @@ class NoiseLine:
 
     @property
     def read_noise(self) -> float:
-        """Read noise before quantisation if level 0 is black, DN; 0 where the foot is below 1/12."""
+        """Read noise before quantisation if level 0 is black: DN, 0 for a foot below 1/12."""
         return sqrt(max(self.foot - QUANTISATION, 0.0))
 
     @property

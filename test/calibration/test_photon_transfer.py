@@ -48,9 +48,11 @@ def drawn(random: np.random.Generator) -> FlatField:
     read_noise = float(np.exp(random.uniform(np.log(0.3), np.log(5.0))))
     clipped = random.random() < 0.25  # a quarter of the sensors has its dark pixels at 0 DN
     saturation = int(random.choice([255, 1023, 4095, 65535]))
-    # Up to 300 DN, but of 8 bits no more than a tenth.
-    pedestal = random.uniform(0.0, min(300.0, 0.1 * saturation))
-    black_level = 0.0 if clipped else max(pedestal, 6.0 * read_noise + 1.0)
+    black_level = 0.0
+    if not clipped:
+        # Up to 300 DN, but of 8 bits no more than a tenth.
+        pedestal = random.uniform(0.0, min(300.0, 0.1 * saturation))
+        black_level = max(pedestal, 6.0 * read_noise + 1.0)
     return FlatField(
         SensorNoise(gain, read_noise, black_level),
         prnu=random.uniform(0.0, 0.02),
