@@ -38,8 +38,12 @@ def expose(
         DN, of the shape of `mean`.
 
     """
-    light = np.maximum(mean - noise.black_level, 0)
-    deviation = np.sqrt(light / noise.gain + noise.read_noise**2)
+    # In place: a new array of a frame's size costs more than the sums on it.
+    deviation = np.maximum(mean, noise.black_level)
+    deviation -= noise.black_level
+    deviation /= noise.gain
+    deviation += noise.read_noise**2
+    np.sqrt(deviation, out=deviation)
     pixels = np.multiply(
         random.standard_normal(mean.shape, dtype=np.float32),
         deviation.astype(np.float32, copy=False),
