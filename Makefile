@@ -3,7 +3,7 @@
 #      CAMERA_INFO=file.yaml   its calibration
 # make test               all tests
 #      PYTEST='-k segmenter'   a part of them
-# make soak               the camera driver's tests with 300 s of streaming in place of 45
+# make soak               the camera driver's tests with 300 s of streaming in place of 20
 #      SOAK_SECONDS=3600   another time
 # make bench              beside other people's methods, a quarter of an hour, out/benchmarks
 #      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion, capture),

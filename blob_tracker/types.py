@@ -27,8 +27,12 @@ class SensorNoise:
     """
     Noise of one pixel: shot noise, read noise and quantisation.
 
-    A pixel whose mean signal is m DN has the variance m / gain + read_noise^2 + 1/12 DN^2
-    (EMVA 1288, eq. 12, with its 1 / K written as `gain`).
+    A pixel whose mean is m DN has the variance
+
+        max(m - black_level, 0) / gain + read_noise^2 + 1/12    DN^2
+
+    (EMVA 1288, eq. 12 and 15, with its 1 / K written as `gain` and its mu_y.dark as
+    `black_level`).
 
     Parameters
     ----------
@@ -36,17 +40,27 @@ class SensorNoise:
         Electrons per DN, above zero. Infinity switches shot noise off.
     read_noise : float
         Standard deviation of the signal-free pixel before quantisation, DN.
+    black_level : float
+        Mean of a pixel without light, DN.
+
+    Raises
+    ------
+    ValueError
+        Where one of them cannot be.
 
     """
 
     gain: float
     read_noise: float
+    black_level: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.gain > 0.0:
             raise ValueError(f'gain is {self.gain} electrons per DN; it must be above 0')
         if not (isfinite(self.read_noise) and self.read_noise >= 0.0):
             raise ValueError(f'read_noise is {self.read_noise} DN; it must be finite, 0 or more')
+        if not isfinite(self.black_level):
+            raise ValueError(f'black_level is {self.black_level} DN; it must be finite')
 
 
 @dataclass(frozen=True)

@@ -140,14 +140,12 @@ class PhotonTransfer:
     warnings: tuple[str, ...]
 
     @property
-    def in_dn(self) -> NoiseLine:
-        """Line over the level as the camera gives it: what `SensorNoise` is about."""
-        return self.line.above(-self.black_level[0])
-
-    @property
     def noise(self) -> SensorNoise:
-        """Gain and read noise for the locator, which counts a pixel's level from 0 DN."""
-        return self.in_dn.noise
+        """Gain, temporal dark noise and black level; where that is unknown, `NoiseLine.noise`."""
+        level, sigma = self.black_level
+        if sigma == 0.0:
+            return self.line.noise
+        return SensorNoise(self.line.gain, self.line.read_noise, level)
 
 
 def pair_of(
@@ -292,13 +290,6 @@ def photon_transfer(pairs: Sequence[Pair], saturation: int | None = None) -> Pho
         warnings.append(
             f'the level is off a line over the exposure by {linearity[0]:.1%}; is there a gamma '
             'curve, or did the light change?'
-        )
-    if line.above(-black[0]).foot < QUANTISATION:
-        over = QUANTISATION - line.above(-black[0]).foot
-        warnings.append(
-            f'the black level of {black[0]:.1f} DN is above what the read noise makes up for: '
-            f"with no read noise at all the locator's variance is still {over:.2f} DN^2 too high; "
-            "lower the camera's black level"
         )
     electrons, capacity_sigma = _capacity(peak.mean - black[0], line)
     below_next = [each.mean for each in bright if each.mean > peak.mean]

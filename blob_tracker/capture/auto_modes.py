@@ -35,11 +35,11 @@ def off(controls: Mapping[str, Control]) -> dict[str, int]:
 
     """
     return {
-        name: _OFF[control.id]
+        name: _OFF[control.number]
         for name, control in controls.items()
-        if control.id in _OFF
+        if control.number in _OFF
         and not control.read_only
-        and (not control.menu or _OFF[control.id] in control.menu)
+        and (not control.menu or _OFF[control.number] in control.menu)
     }
 
 
@@ -58,9 +58,10 @@ def still_on(controls: Mapping[str, Control], values: Mapping[str, int | str]) -
     found = {}
     settings = off(controls)
     for name, control in controls.items():
-        if control.id not in _OFF or values.get(name, _OFF[control.id]) == _OFF[control.id]:
+        neutral = _OFF.get(control.number)
+        if neutral is None or values.get(name, neutral) == neutral:
             continue
-        if control.inactive and control.id == 0x009a0903:
+        if control.inactive and control.number == 0x009a0903:
             continue  # only an automatic exposure lowers the rate
         value = int(values[name])
         meaning = f' ({control.menu[value]})' if value in control.menu else ''

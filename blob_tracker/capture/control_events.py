@@ -40,7 +40,8 @@ class ControlEvents:
         for control in controls:
             if control.kind == 'button':
                 continue  # it has no value that could change
-            subscription = videodev2.EventSubscription(type=videodev2.EVENT_CTRL, id=control.id)
+            subscription = videodev2.EventSubscription(
+                type=videodev2.EVENT_CTRL, id=control.number)
             try:
                 ioctl(videodev2.SUBSCRIBE_EVENT, subscription)
                 self.told = True

@@ -41,7 +41,7 @@ class Control:
 
     Parameters
     ----------
-    id : int
+    number : int
         The kernel's number.
     name : str
         The driver's text as v4l2-ctl spells it: lower case, all between letters and digits one
@@ -65,7 +65,7 @@ class Control:
 
     """
 
-    id: int
+    number: int
     name: str
     label: str
     kind: Kind
@@ -106,7 +106,7 @@ def controls(ioctl: Ioctl) -> dict[str, Control]:
     for query in _queries(ioctl):
         control = _described(ioctl, query)
         if control.name in found:  # drivers may give a text twice; the number tells them apart
-            control = _described(ioctl, query, f'{control.name}_{control.id:08x}')
+            control = _described(ioctl, query, f'{control.name}_{control.number:08x}')
         found[control.name] = control
     return found
 
@@ -126,7 +126,7 @@ def get_control(ioctl: Ioctl, control: Control) -> int | str:
     if control.kind == 'button':
         raise ControlError(f"control '{control.name}' cannot be read: it is a button, without a "
                            'value')
-    argument = videodev2.ExtControl(id=control.id)
+    argument = videodev2.ExtControl(id=control.number)
     if control.kind == 'string':
         text = ctypes.create_string_buffer(control.maximum + 1)
         argument.size, argument.value.string = len(text), ctypes.addressof(text)
@@ -163,7 +163,7 @@ def set_control(ioctl: Ioctl, control: Control, value: int | bool | float | str)
     """
     if control.read_only:
         raise ControlError(f"control '{control.name}' is read-only: the driver alone changes it")
-    argument = videodev2.ExtControl(id=control.id)
+    argument = videodev2.ExtControl(id=control.number)
     if control.kind == 'string':
         # Kept until the driver has read it: the struct holds a bare address.
         text = ctypes.create_string_buffer(_checked_text(control, value), control.maximum + 1)
@@ -201,7 +201,7 @@ def _described(ioctl: Ioctl, query: videodev2.QueryExtCtrl, name: str = '') -> C
     kind = _KINDS[query.type]
     unsigned = 0xffffffff if kind == 'bitmask' else -1  # some drivers extend the sign
     return Control(
-        id=query.id,
+        number=query.id,
         name=name or spelled(label),
         label=label,
         kind=kind,

@@ -346,7 +346,7 @@ def _control(found: dict[str, Control], name: str, *numbers: int) -> Control | N
             raise ControlError(f"there is no control '{name}'; there are "
                                + (', '.join(sorted(found)) or 'none'))
         return found[name]
-    by_number = {control.id: control for control in found.values()}
+    by_number = {control.number: control for control in found.values()}
     return next((by_number[number] for number in numbers if number in by_number), None)
 
 

@@ -194,7 +194,7 @@ class ExposureControls:
     ) -> None:
         self._ioctl = ioctl
         self._controls = {
-            control.id: control for control in found.values() if control.id in WATCHED}
+            control.number: control for control in found.values() if control.number in WATCHED}
         self._width, self._height = width, height
         self._otherwise = otherwise
 

@@ -278,7 +278,7 @@ class V4l2Camera:
         def change() -> None:
             control = self._named(name)
             controls.set_control(self._call, control, value)
-            if self._streaming and self._exposure.governed_by(control.id):
+            if self._streaming and self._exposure.governed_by(control.number):
                 self._middle.changed(time.monotonic_ns(), self._exposure.read())
 
         self._control(change)

@@ -32,12 +32,12 @@ def cramer_rao_bound(
         I_pq = sum_k (d mu_k / d p)(d mu_k / d q) / V_k,      bound = (I^-1) over x and y
 
     (Huang et al., Nature Methods 10 (2013), eq. 3.6; Mortensen et al., Nature Methods 7
-    (2010)). The thesis has no such bound (section 2.3). V_k is mu_k / gain + read_noise^2 +
-    1/12. The bound is the quasi-likelihood's: what V_k itself tells of the mean, through the
+    (2010)). The thesis has no such bound (section 2.3). V_k is `pixel_variance` of
+    mu_k. The bound is the quasi-likelihood's: what V_k itself tells of the mean, through the
     scatter of a lone pixel, is left out, as in all the sources.
 
     With an unlit window b is known, and the difference of two pixels has the variance
-    V_k = S_k / gain + 2 (b / gain + read_noise^2 + 1/12), S_k being the pulse alone. That is
+    V_k = S_k / gain + 2 v(b), S_k being the pulse alone and v(b) `pixel_variance` at b. That is
     the bound of lit minus unlit; behind a target without texture an estimator that draws on
     that flatness can do better, down to the bound of the lit window with its level known.
 
@@ -53,9 +53,9 @@ def cramer_rao_bound(
     amplitude : float or (K,) array
         Peak of the unsampled pulse above its background, DN.
     background : float
-        DN.
+        DN, the black level included.
     noise : SensorNoise
-        Gain and read noise.
+        Gain, read noise and black level.
     unlit : bool
         There is an unlit window: b is known, at the price of its noise.
     sigma_y : float or (K,) array or None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 import math
 from typing import Any
 
@@ -55,7 +56,8 @@ def locate_batch(
     method : str
         A key of `METHODS`.
     noise : SensorNoise
-        Gain and read noise of a pixel.
+        Gain, read noise and black level of a pixel. No method knows of the black level: it is
+        taken off here, and added to the background that is found.
     saturation : float or None
         The DN at which a pixel is clipped.
     **options
@@ -86,6 +88,12 @@ def locate_batch(
         )
     if lit.shape[0] == 0:
         return NOTHING
+    black_level = noise.black_level
+    if black_level != 0.0:
+        lit = lit - black_level
+        unlit = None if unlit is None else unlit - black_level
+        saturation = None if saturation is None else saturation - black_level
+        noise = replace(noise, black_level=0.0)
     bad = np.empty(lit.shape[0], dtype=np.uint8)
     _screen(lit, math.inf if saturation is None else float(saturation), bad)
     if unlit is not None:
@@ -109,6 +117,8 @@ def locate_batch(
         bad,
         estimates.failure,
     )
+    if black_level != 0.0:
+        estimates = replace(estimates, background=estimates.background + black_level)
     return estimates
 
 
@@ -132,7 +142,8 @@ def locate(
     method : str
         A key of `METHODS`.
     noise : SensorNoise
-        Gain and read noise of a pixel in one frame, also where the window is the sum of several.
+        Gain, read noise and black level of a pixel in one frame, also where the window is the sum
+        of several.
     **options
         Passed on to the method.
 

@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 def pixel_variance(mean: NDArray[np.float64], noise: SensorNoise) -> NDArray[np.float64]:
     """
-    Return m / gain + read_noise^2 + 1/12 for each mean m.
+    Return max(m - black_level, 0) / gain + read_noise^2 + 1/12 for each mean m.
 
     Parameters
     ----------
     mean : array
-        Mean signal, DN; below zero it counts as zero.
+        DN; below the black level there is no less noise than at it.
     noise : SensorNoise
-        Gain in electrons per DN, read noise in DN.
+        Gain in electrons per DN, read noise and black level in DN.
 
     Returns
     -------
@@ -26,7 +26,8 @@ def pixel_variance(mean: NDArray[np.float64], noise: SensorNoise) -> NDArray[np.
         Variance, DN^2 (EMVA 1288, eq. 12; the 1/12 is quantisation, thesis 2.2.2).
 
     """
-    return np.maximum(mean, 0.0) / noise.gain + (noise.read_noise**2 + 1.0 / 12.0)
+    floor = noise.read_noise**2 + 1.0 / 12.0 - noise.black_level / noise.gain
+    return np.maximum(mean, noise.black_level) / noise.gain + floor
 
 
 def noise_of_sum(noise: SensorNoise, looks: int) -> SensorNoise:
@@ -35,7 +36,7 @@ def noise_of_sum(noise: SensorNoise, looks: int) -> SensorNoise:
 
     The sum keeps the electrons per DN; what each frame adds by itself is there k times:
 
-        m / gain + k (read_noise^2 + 1/12)
+        (m - k black_level) / gain + k (read_noise^2 + 1/12)
 
     with m the mean of the sum. The thesis averages 5 frames (section 5.4).
 
@@ -53,7 +54,9 @@ def noise_of_sum(noise: SensorNoise, looks: int) -> SensorNoise:
 
     """
     return SensorNoise(
-        noise.gain, math.sqrt(looks * noise.read_noise**2 + (looks - 1) / 12.0)
+        noise.gain,
+        math.sqrt(looks * noise.read_noise**2 + (looks - 1) / 12.0),
+        looks * noise.black_level,
     )
 
 
@@ -66,7 +69,7 @@ def variance_ratio(
     Parameters
     ----------
     levels : (n,) array
-        Mean signals at which they are compared, DN.
+        Means at which they are compared, DN.
     first, second : SensorNoise
         Above and below in the ratio.
 

@@ -64,10 +64,18 @@ PARAMETERS = (
         unit='DN',
     ),
     Parameter(
+        'noise.black_level',
+        0.0,
+        'Mean of a pixel without light, the pedestal: there is no shot noise in it.',
+        least=0.0,
+        most=65535.0,
+        unit='DN',
+    ),
+    Parameter(
         'noise.online',
         False,
-        'Take gain and read noise from target/noise, where the segmenter measures them '
-        '(noise.measure), as soon as they arrive. Off, a bag gives the same numbers each time.',
+        'Take all three from target/noise, where the segmenter measures them (noise.measure), as '
+        'soon as they arrive. Off, a bag gives the same numbers each time.',
     ),
     Parameter(
         'looks',
@@ -115,7 +123,9 @@ class LocatorNode(Node):
         compile_ahead([self._method])
         self._saturation = settings['saturation']
         self._looks = settings['looks']
-        self._noise = SensorNoise(settings['noise.gain'], settings['noise.read_noise'])
+        self._noise = SensorNoise(
+            settings['noise.gain'], settings['noise.read_noise'], settings['noise.black_level']
+        )
         self._configured = self._noise
         self._line_jitter = _line_jitter(settings['line_jitter_url'])
         self._health = Health(self, 'no window arrives; is the segmenter running?')
@@ -192,8 +202,8 @@ class LocatorNode(Node):
             self._health.fault(
                 WARN,
                 f'the configured noise ({_in_words(self._configured)}) has {ratio:.2g} times the '
-                f'variance of the measured one, which is used; set noise.gain and '
-                f'noise.read_noise to {_in_words(self._noise)}',
+                f'variance of the measured one, which is used; set noise.gain, '
+                f'noise.read_noise and noise.black_level to {_in_words(self._noise)}',
             )
 
     def _model(self, info: CameraInfo) -> CameraModel:
@@ -218,7 +228,7 @@ def _line_jitter(url: str) -> LineJitter | None:
 
 
 def _in_words(noise: SensorNoise) -> str:
-    return f'{noise.gain:.4g} e-/DN, {noise.read_noise:.3g} DN'
+    return f'{noise.gain:.4g} e-/DN, {noise.read_noise:.3g} DN, {noise.black_level:.4g} DN'
 
 
 def compile_default() -> None:

@@ -323,14 +323,18 @@ class SegmenterNode(Node):
             self._health.fault(WARN, f'noise.measure: {error}')
             return
         line = measured.line()
-        gain = read_noise = f'unknown: {measured.reason}'
+        gain = read_noise = black_level = f'unknown: {measured.reason}'
         if line is not None:
-            self._noises.publish(noise_message(line.noise, frame.stamp_ns, frame_id))
+            noise = line.noise
+            self._noises.publish(noise_message(noise, frame.stamp_ns, frame_id))
             sigma = line.noise_covariance.diagonal() ** 0.5
-            gain = f'{line.gain:.4g} +- {sigma[0]:.2g} e-/DN'
-            read_noise = f'{line.read_noise:.3g} +- {sigma[1]:.2g} DN'
+            gain = f'{noise.gain:.4g} +- {sigma[0]:.2g} e-/DN'
+            read_noise = f'{noise.read_noise:.3g} +- {sigma[1]:.2g} DN'
+            # A higher one with more read noise has the same variance.
+            black_level = f'at least {noise.black_level:.4g} DN'
         self._health.show('measured gain', gain)
         self._health.show('measured read noise', read_noise)
+        self._health.show('measured black level', black_level)
         self._health.show('tiles of the last unlit pair', tiles)
 
     def _describe(self, look: Look) -> None:

@@ -62,12 +62,13 @@ def ray_message(bearing: Bearing, frame_id: str) -> PoseWithCovarianceStamped:
 
 
 def noise_message(noise: SensorNoise, stamp_ns: int, frame_id: str) -> Vector3Stamped:
-    """Return target/noise: x gain in electrons per DN, y read noise in DN, z 0."""
+    """Return target/noise: x gain in electrons per DN, y read noise and z black level in DN."""
     message = Vector3Stamped()
     message.header.stamp = from_ns(stamp_ns)
     message.header.frame_id = frame_id
     message.vector.x = noise.gain
     message.vector.y = noise.read_noise
+    message.vector.z = noise.black_level
     return message
 
 
@@ -78,13 +79,15 @@ def to_noise(message: Vector3Stamped) -> SensorNoise:
     Raises
     ------
     MessageError
-        Where it holds no gain above 0 or a read noise below 0.
+        Where it holds no gain above 0, a read noise below 0, or a value that is not finite.
 
     """
-    gain, read_noise = message.vector.x, message.vector.y
-    if not (isfinite(gain) and gain > 0.0 and isfinite(read_noise) and read_noise >= 0.0):
+    gain, read_noise, black_level = message.vector.x, message.vector.y, message.vector.z
+    finite = isfinite(gain) and isfinite(read_noise) and isfinite(black_level)
+    if not (finite and gain > 0.0 and read_noise >= 0.0):
         raise MessageError(
-            f'gain (x) is {gain} electrons per DN and read noise (y) {read_noise} DN; both must '
-            'be finite, the gain above 0 and the read noise 0 or more'
+            f'gain (x) is {gain} electrons per DN, read noise (y) {read_noise} DN and black level '
+            f'(z) {black_level} DN; all must be finite, the gain above 0 and the read noise 0 or '
+            'more'
         )
-    return SensorNoise(gain, read_noise)
+    return SensorNoise(gain, read_noise, black_level)

@@ -18,9 +18,7 @@ class FlatField:
     Parameters
     ----------
     noise : SensorNoise
-        Gain and read noise; the shot noise is that of the signal above the black level.
-    black_level : float
-        Mean of the dark pixels, DN.
+        Gain, read noise and black level.
     prnu : float
         Standard deviation of the pixels' response over its mean.
     dsnu : float
@@ -38,7 +36,6 @@ class FlatField:
     """
 
     noise: SensorNoise
-    black_level: float = 0.0
     prnu: float = 0.0
     dsnu: float = 0.0
     saturation: int = 255
@@ -62,7 +59,7 @@ class FlatField:
         shape = (self.height, self.width)
         own = np.random.default_rng(self.seed)
         response = 1.0 + self.prnu * own.standard_normal(shape)
-        black = self.black_level + self.dsnu * own.standard_normal(shape)
+        black = self.noise.black_level + self.dsnu * own.standard_normal(shape)
         charge = signal * response
         shot_noise = np.sqrt(np.maximum(charge, 0.0) / self.noise.gain)
         charge += shot_noise * random.standard_normal(shape)

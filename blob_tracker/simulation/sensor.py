@@ -24,9 +24,9 @@ def expose(
     Parameters
     ----------
     mean : array
-        Mean signal, DN.
+        DN, the black level included.
     noise : SensorNoise
-        Gain in electrons per DN, read noise in DN.
+        Gain in electrons per DN, read noise and black level in DN.
     random : Generator or NoiseBank
         Source of the noise; the same state gives the same bits.
     saturation : int
@@ -38,7 +38,12 @@ def expose(
         DN, of the shape of `mean`.
 
     """
-    deviation = np.sqrt(np.maximum(mean, 0) / noise.gain + noise.read_noise**2)
+    # In place: a new array of a frame's size costs more than the sums on it.
+    deviation = np.maximum(mean, noise.black_level)
+    deviation -= noise.black_level
+    deviation /= noise.gain
+    deviation += noise.read_noise**2
+    np.sqrt(deviation, out=deviation)
     pixels = np.multiply(
         random.standard_normal(mean.shape, dtype=np.float32),
         deviation.astype(np.float32, copy=False),

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from blob_tracker import CameraModel, Frame, Pipeline
 from blob_tracker.calibration.noise_level_function import NoiseLevelFunction
+from blob_tracker.location.noise import pixel_variance
 from blob_tracker.simulation import (
     AmbientLight, Drifting, expose, in_step, Light, PassingObject, Scene, sinusoid,
 )
@@ -64,6 +65,20 @@ def test_the_truth_is_within_the_sigmas() -> None:
             squares.append(pull(found, noise))
     assert len(squares) >= 0.95 * DRAWS
     assert abs(np.mean(squares) - 2.0) < BOUND
+
+
+@pytest.mark.parametrize('black_level', [10.0, 64.0])
+def test_a_pedestal_is_no_obstacle(black_level: float) -> None:
+    """Read noise and black level are not told apart, and the variance is right at every level."""
+    noise = replace(NOISE, black_level=black_level)
+    scene = replace(SCENE, background=SCENE.background + black_level, noise=noise)
+    line = measured(scene, pairs=40).line()
+    assert line is not None
+    assert (line.noise.read_noise == 0.0) == (black_level > NOISE.gain * NOISE.read_noise**2)
+    levels = black_level + np.array([60.0, 90.0, 120.0])
+    np.testing.assert_allclose(
+        pixel_variance(levels, line.noise), pixel_variance(levels, noise), rtol=0.015
+    )
 
 
 def test_a_still_scene_in_few_tiles() -> None:
@@ -183,10 +198,15 @@ def test_bad_pairs_are_named() -> None:
         found.add(np.zeros((10, 40), np.uint8), np.zeros((10, 40), np.uint8), 255, 0)
 
 
-def tracked_nees(method: str, noise: SensorNoise, *, online: bool) -> tuple[float, int]:
+def tracked_nees(
+    method: str, noise: SensorNoise, *, online: bool, black_level: float = 0.0
+) -> tuple[float, int]:
     """Return the mean NEES of the bearings from 4 s on, and how many there are."""
     light = Light(120.3, 90.2, 2.0, 80.0, in_step(60.0), reach_x=30.0, reach_y=20.0)
-    scene = replace(SCENE, target=light, width=240, height=180, background=60.0)
+    scene = replace(
+        SCENE, target=light, width=240, height=180, background=60.0 + black_level,
+        noise=replace(NOISE, black_level=black_level),
+    )
     model = CameraModel.from_field_of_view(240, 180, 40.0)
     pipeline = Pipeline(model, noise=noise, method=method)
     measured = NoiseLevelFunction()
@@ -224,5 +244,14 @@ def test_the_covariance_is_true_whatever_gain_is_configured(method: str, factor:
     blind, _ = tracked_nees(method, wrong, online=False)
     assert blind > 4.0 or blind < 1.0
     told, count = tracked_nees(method, wrong, online=True)
+    assert count >= 300
+    assert abs(told - 2.0) < 1.96 * 2.0 / np.sqrt(count)  # 95 % of means
+
+
+def test_the_covariance_is_true_with_a_pedestal() -> None:
+    """Of 64 DN, which are most of the level: unaware of it the covariance is far too large."""
+    blind, _ = tracked_nees('multi_gaussian_lm', NOISE, online=False, black_level=64.0)
+    assert blind < 1.6
+    told, count = tracked_nees('multi_gaussian_lm', NOISE, online=True, black_level=64.0)
     assert count >= 300
     assert abs(told - 2.0) < 1.96 * 2.0 / np.sqrt(count)  # 95 % of means

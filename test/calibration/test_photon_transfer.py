@@ -12,6 +12,7 @@ from blob_tracker.calibration.photon_transfer import (
     PhotonTransfer,
     PhotonTransferError,
 )
+from blob_tracker.location.noise import pixel_variance
 from blob_tracker.simulation import FlatField
 from blob_tracker.types import SensorNoise
 import cv2
@@ -24,14 +25,14 @@ DRAWS = 100
 BOUND = 1.96 * 2.0 / np.sqrt(DRAWS)
 LEVELS = (0.02, 0.1, 0.2, 0.35, 0.5, 0.65, 0.85, 1.1)  # of full scale above black
 FIELD = FlatField(
-    SensorNoise(gain=3.6, read_noise=3.0), black_level=20.0, prnu=0.01, dsnu=0.5, saturation=4095,
+    SensorNoise(gain=3.6, read_noise=3.0, black_level=20.0), prnu=0.01, dsnu=0.5, saturation=4095,
     width=320, height=240,
 )
 
 
 def pairs_of(field: FlatField, random: np.random.Generator, levels=LEVELS, darks: int = 4):
     """Return the pairs of a field at these parts of full scale, and dark ones."""
-    top = field.saturation - field.black_level
+    top = field.saturation - field.noise.black_level
     return [
         pair_of(
             field.frame(level * top, random), field.frame(level * top, random),
@@ -43,15 +44,17 @@ def pairs_of(field: FlatField, random: np.random.Generator, levels=LEVELS, darks
 
 def drawn(random: np.random.Generator) -> FlatField:
     """Return a sensor of any kind."""
-    noise = SensorNoise(
-        gain=float(np.exp(random.uniform(np.log(0.5), np.log(200.0)))),
-        read_noise=float(np.exp(random.uniform(np.log(0.3), np.log(5.0)))),
-    )
+    gain = float(np.exp(random.uniform(np.log(0.5), np.log(200.0))))
+    read_noise = float(np.exp(random.uniform(np.log(0.3), np.log(5.0))))
     clipped = random.random() < 0.25  # a quarter of the sensors has its dark pixels at 0 DN
     saturation = int(random.choice([255, 1023, 4095, 65535]))
+    black_level = 0.0
+    if not clipped:
+        # Up to 300 DN, but of 8 bits no more than a tenth.
+        pedestal = random.uniform(0.0, min(300.0, 0.1 * saturation))
+        black_level = max(pedestal, 6.0 * read_noise + 1.0)
     return FlatField(
-        noise,
-        black_level=0.0 if clipped else 6.0 * noise.read_noise + random.uniform(1.0, 10.0),
+        SensorNoise(gain, read_noise, black_level),
         prnu=random.uniform(0.0, 0.02),
         dsnu=0.0 if clipped else random.uniform(0.1, 0.5),
         saturation=saturation,
@@ -63,19 +66,33 @@ def drawn(random: np.random.Generator) -> FlatField:
 
 
 def test_the_truth_is_within_the_sigmas() -> None:
-    """Of 100 sensors gain and dark noise are right under their joint covariance."""
+    """Of 100 sensors the line, and gain and dark noise, are right under their covariances."""
     random = np.random.default_rng(1288)
     squares = []
     for _ in range(DRAWS):
         field = drawn(random)
         found = photon_transfer(pairs_of(field, random))
-        error = np.array([
-            found.line.gain - field.noise.gain, found.line.read_noise - field.noise.read_noise
+        line, noise = found.line, field.noise
+        squares.append([
+            error @ np.linalg.solve(covariance, error)
+            for error, covariance in (
+                (
+                    np.array([
+                        line.slope - 1 / noise.gain, line.foot - noise.read_noise**2 - 1 / 12
+                    ]),
+                    line.covariance,
+                ),
+                (
+                    np.array([
+                        found.noise.gain - noise.gain, found.noise.read_noise - noise.read_noise
+                    ]),
+                    line.noise_covariance,
+                ),
+            )
         ])
-        squares.append(error @ np.linalg.solve(found.line.noise_covariance, error))
         # A full well shows as the last exposure below it: 0.85 of full scale.
         assert 0.84 * field.saturation <= found.saturation <= field.saturation
-    assert abs(np.mean(squares) - 2.0) < BOUND
+    np.testing.assert_allclose(np.mean(squares, axis=0), 2.0, atol=BOUND)
 
 
 @pytest.fixture(scope='module')
@@ -101,11 +118,21 @@ def test_non_uniformity_and_saturation(sensor: PhotonTransfer) -> None:
     assert not sensor.warnings
 
 
-def test_the_locator_gets_its_noise_from_0_dn(sensor: PhotonTransfer) -> None:
-    """What the line has at a level in DN is what pixel_variance makes of SensorNoise."""
-    at_1000 = 980.0 / 3.6 + 3.0**2 + 1.0 / 12.0
-    assert 1000.0 / sensor.noise.gain + sensor.noise.read_noise**2 + 1 / 12 == pytest.approx(
-        at_1000, rel=0.01  # 76,800 pixels tell a variance to 0.5 %
+def test_the_locator_gets_the_three_apart(sensor: PhotonTransfer) -> None:
+    """Gain, dark noise and black level are the field's; 76,800 pixels tell a variance to 0.5 %."""
+    assert sensor.noise.gain == pytest.approx(3.6, rel=0.01)
+    assert sensor.noise.read_noise == pytest.approx(3.0, rel=0.01)
+    assert sensor.noise.black_level == pytest.approx(20.0, abs=0.05)
+
+
+def test_without_dark_frames_the_variance_is_right() -> None:
+    """The foot of the line tells no black level; its noise is that of the pixels all the same."""
+    field = replace(FIELD, noise=SensorNoise(3.6, 3.0, 240.0))
+    found = photon_transfer(pairs_of(field, np.random.default_rng(9), darks=0))
+    assert found.noise.read_noise == 0.0 and 0.0 < found.noise.black_level < 240.0
+    levels = np.array([300.0, 1000.0, 2500.0])
+    np.testing.assert_allclose(
+        pixel_variance(levels, found.noise), pixel_variance(levels, field.noise), rtol=0.02
     )
 
 
@@ -121,7 +148,7 @@ def test_full_well_below_the_converter() -> None:
 
 def test_dark_pixels_at_zero_are_left_out_and_warned_of() -> None:
     """Half of the dark noise is cut off; the line finds it in the bright frames."""
-    field = replace(FIELD, black_level=0.0)
+    field = replace(FIELD, noise=SensorNoise(3.6, 3.0))
     found = photon_transfer(pairs_of(field, np.random.default_rng(5), (0.003, *LEVELS)))
     assert any('clipped at 0 DN' in warning for warning in found.warnings)
     sigma = np.sqrt(found.line.noise_covariance[1, 1])
@@ -132,7 +159,7 @@ def test_dark_pixels_at_zero_are_left_out_and_warned_of() -> None:
 def test_processed_frames_are_warned_of() -> None:
     """Blurred frames by their correlated noise, shifted bits by their step."""
     random = np.random.default_rng(6)
-    top = FIELD.saturation - FIELD.black_level
+    top = FIELD.saturation - FIELD.noise.black_level
     frames = [[FIELD.frame(part * top, random) for _ in range(2)] for part in (0.1, 0.3, 0.5)]
     blurred = [pair_of(*(cv2.GaussianBlur(each, (3, 3), 0.8) for each in two)) for two in frames]
     assert any('compressed, demosaiced' in each for each in photon_transfer(blurred).warnings)
@@ -147,7 +174,7 @@ def gamma(image: np.ndarray, exponent: float) -> np.ndarray:
 
 def test_gamma_is_refused_or_warned_of() -> None:
     """Under sRGB's the variance falls with the level; a weaker one bends the curve."""
-    field = replace(FIELD, noise=SensorNoise(0.4, 3.0))
+    field = replace(FIELD, noise=SensorNoise(0.4, 3.0, 20.0))
     random = np.random.default_rng(7)
     for exponent, says in ((1 / 2.2, 'does not grow'), (0.8, 'not linear')):
         pairs = [
@@ -192,7 +219,8 @@ def test_real_sensor() -> None:
             pairs.append(pair_of(*images, dark=kind == 'd', exposure=float(step)))
     found = photon_transfer(pairs)
     assert found.line.slope == pytest.approx(0.280, rel=0.02)
-    assert found.line.read_noise == pytest.approx(3.07, rel=0.03)
+    assert found.noise.read_noise == pytest.approx(3.07, rel=0.03)
+    assert not any('black level' in each for each in found.warnings)
     assert found.prnu is not None
     # Their filter may differ; 5 % of it is twice the sigma of 307,200 pixels.
     assert found.prnu[0] == pytest.approx(0.0026, rel=0.05)

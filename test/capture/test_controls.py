@@ -13,8 +13,8 @@ INTEGER = Control(1, 'gain', 'Gain', 'integer', -6, 30, 3, 0, MappingProxyType({
     ('Brightness', 'brightness'),
     ('White Balance, Automatic', 'white_balance_automatic'),
     ('Exposure Time, Absolute', 'exposure_time_absolute'),
-    ("Limited RGB Range (16-235)", 'limited_rgb_range_16_235'),
-    ('Y\'CbCr Encoding', 'y_cbcr_encoding'),
+    ('Limited RGB Range (16-235)', 'limited_rgb_range_16_235'),
+    ("Y'CbCr Encoding", 'y_cbcr_encoding'),
 ])
 def test_names_are_spelled_as_v4l2_ctl_does(label, name):
     assert controls.spelled(label) == name

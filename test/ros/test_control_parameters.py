@@ -12,19 +12,19 @@ import pytest
 from rcl_interfaces.msg import IntegerRange, ParameterType
 
 GAIN = Control(
-    id=0x00980913, name='gain', label='Gain', kind='integer', minimum=-8, maximum=254, step=2,
+    number=0x00980913, name='gain', label='Gain', kind='integer', minimum=-8, maximum=254, step=2,
     default=100, menu={}, read_only=False, inactive=False, volatile=False,
 )
 AUTO_EXPOSURE = replace(
-    GAIN, id=0x009a0901, name='auto_exposure', label='Auto Exposure', kind='menu', minimum=0,
+    GAIN, number=0x009a0901, name='auto_exposure', label='Auto Exposure', kind='menu', minimum=0,
     maximum=3, step=1, default=3, menu={1: 'Manual Mode', 3: 'Aperture Priority Mode'},
 )
 AUTO_GAIN = replace(
-    GAIN, id=0x00980912, name='gain_automatic', label='Gain, Automatic', kind='boolean',
+    GAIN, number=0x00980912, name='gain_automatic', label='Gain, Automatic', kind='boolean',
     minimum=0, maximum=1, step=1, default=1,
 )
 FRAMERATE = replace(
-    AUTO_GAIN, id=0x009a0903, name='exposure_dynamic_framerate',
+    AUTO_GAIN, number=0x009a0903, name='exposure_dynamic_framerate',
     label='Exposure, Dynamic Framerate',
 )
 

@@ -48,11 +48,14 @@ def test_ray_covariance_is_in_rad2_about_x_and_y() -> None:
 
 
 def test_noise_there_and_back() -> None:
-    """Gain in x, read noise in y, and what is no noise is refused."""
-    message = noise_message(SensorNoise(3.5, 1.2), 1_500_000_000, 'optical')
-    assert (message.vector.x, message.vector.y, message.vector.z) == (3.5, 1.2, 0.0)
-    assert to_noise(message) == SensorNoise(3.5, 1.2)
-    for field, value in (('x', 0.0), ('x', np.inf), ('x', np.nan), ('y', -1.0), ('y', np.nan)):
+    """Gain in x, read noise in y, black level in z, and what is no noise is refused."""
+    message = noise_message(SensorNoise(3.5, 1.2, 240.0), 1_500_000_000, 'optical')
+    assert (message.vector.x, message.vector.y, message.vector.z) == (3.5, 1.2, 240.0)
+    assert to_noise(message) == SensorNoise(3.5, 1.2, 240.0)
+    for field, value in (
+        ('x', 0.0), ('x', np.inf), ('x', np.nan), ('y', -1.0), ('y', np.nan), ('z', np.nan),
+        ('z', np.inf),
+    ):
         wrong = noise_message(SensorNoise(3.5, 1.2), 1, 'optical')
         setattr(wrong.vector, field, value)
         with pytest.raises(MessageError, match='must be finite, the gain above 0'):

@@ -25,7 +25,7 @@ HERE = Path(__file__).parent
 CACHE = HERE.parents[1] / '.cache/vm'
 LONGEST = 420.0  # s from power-on to power-off, beside the streaming
 # s of streaming at full rate; make soak gives it 300
-SOAK = float(os.environ.get('SOAK_SECONDS', 45))
+SOAK = float(os.environ.get('SOAK_SECONDS', 20))
 CAMERA_INFO = f"""\
 image_width: {SIGNAL[0]}
 image_height: {SIGNAL[1]}

@@ -110,7 +110,7 @@ def effects(camera: V4l2Camera) -> dict[str, Any]:
 @contextmanager
 def brightness_as_exposure() -> Iterator[None]:
     """Let the brightness stand for the exposure time, which the driver has not."""
-    number = next(made.id for made in controls_of().values() if made.name == 'brightness')
+    number = next(made.number for made in controls_of().values() if made.name == 'brightness')
     kept = videodev2.CID_EXPOSURE_ABSOLUTE, stamps.WATCHED
     videodev2.CID_EXPOSURE_ABSOLUTE, stamps.WATCHED = number, (number,)
     try:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 # The boot, the kernel's download before it, and the time of streaming (see conftest.py).
-pytestmark = pytest.mark.timeout(600 + float(os.environ.get('SOAK_SECONDS', 45)))
+pytestmark = pytest.mark.timeout(600 + float(os.environ.get('SOAK_SECONDS', 20)))
 
 KINDS = {'int': 'integer', 'int64': 'integer64', 'bool': 'boolean', 'menu': 'menu',
          'intmenu': 'integer_menu', 'bitmask': 'bitmask', 'str': 'string', 'button': 'button'}

@@ -96,8 +96,8 @@ def _report(console: Console, measurement: LineJitterMeasurement, width: int) ->
     console.print(results_table(f'line jitter, {lines} lines, {count} frames', rows))
     if jitter.sigma_from_frame_to_frame > COLD:
         console.print(
-            f'- the lines move by more than {COLD} px from frame to frame, a warm camera\'s by '
-            f'{WARM}: leave it on for half an hour and measure again'
+            f'- the lines move by more than {COLD} px from frame to frame, those of a warm camera '
+            f'by {WARM}: leave it on for half an hour and measure again'
         )
     if measurement.between_neighbours > TOGETHER:
         console.print(

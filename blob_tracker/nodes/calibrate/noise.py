@@ -22,7 +22,7 @@ from blob_tracker.calibration.photon_transfer import (
 )
 from blob_tracker.calibration.photon_transfer_picture import draw_noise_line
 from blob_tracker.nodes.calibrate.sources import add_source, frames, is_folder, SourceError
-from blob_tracker.types import Pixels
+from blob_tracker.types import Pixels, SensorNoise
 import numpy as np
 from rich.console import Console
 from rich.progress import Progress
@@ -113,7 +113,7 @@ def _photon_transfer(arguments: argparse.Namespace) -> None:
         title=f'Photon transfer of {len(found.pairs)} pairs',
         label='mean level above black, DN',
     )
-    _write(console, arguments, found.in_dn, found.saturation, found.warnings)
+    _write(console, arguments, found.line, found.noise, found.saturation, found.warnings)
 
 
 def _scene(arguments: argparse.Namespace) -> None:
@@ -136,7 +136,7 @@ def _scene(arguments: argparse.Namespace) -> None:
     if line is None:
         raise PhotonTransferError(measured.reason)
     table = Table('', 'value', 'standard deviation', title='Noise level function')
-    for row in _rows_of_line(line):
+    for row in _rows_of_noise(line, line.noise, 'not told apart from read noise'):
         table.add_row(*row)
     table.add_row('pairs of frames, tiles used', f'{pairs}, {tiles}', '')
     console.print(table)
@@ -152,7 +152,7 @@ def _scene(arguments: argparse.Namespace) -> None:
             f'the points lie off the line by more than their noise (chi2 {line.chi2:.0f} for '
             f'{line.dof}); the sigmas have grown by it'
         )
-    _write(console, arguments, line, full, warnings)
+    _write(console, arguments, line, line.noise, full, warnings)
 
 
 def _pairs(arguments: argparse.Namespace, console: Console) -> list[Pair]:
@@ -313,31 +313,31 @@ def _indexed(arguments: argparse.Namespace, index: Path, console: Console) -> li
     return pairs
 
 
-def _rows_of_line(line: NoiseLine) -> Iterator[tuple[str, str, str]]:
+def _rows_of_noise(
+    line: NoiseLine, noise: SensorNoise, black_sigma: str
+) -> Iterator[tuple[str, str, str]]:
     """Yield what the locator takes, in words."""
     sigma = np.sqrt(np.diag(line.noise_covariance))
     product = float(sigma[0] * sigma[1])
     together = float(line.noise_covariance[0, 1]) / product if product > 0.0 else 0.0
-    yield 'noise.gain, e-/DN', f'{line.gain:.4g}', f'{sigma[0]:.2g}'
-    yield 'noise.read_noise, DN, counted from 0 DN', f'{line.read_noise:.4g}', f'{sigma[1]:.2g}'
+    yield 'noise.gain, e-/DN', f'{noise.gain:.4g}', f'{sigma[0]:.2g}'
+    yield 'noise.read_noise, DN', f'{noise.read_noise:.4g}', f'{sigma[1]:.2g}'
     yield 'correlation of the two', f'{together:+.2f}', ''
+    yield 'noise.black_level, DN', f'{noise.black_level:.4g}', black_sigma
 
 
 def _print(console: Console, found: PhotonTransfer) -> None:
     """Print the table of a photon transfer."""
     line = found.line
-    sigma = np.sqrt(np.diag(line.noise_covariance))
     table = Table('', 'value', 'standard deviation', title='Photon transfer (EMVA 1288)')
     slope_sigma = sqrt(line.covariance[0, 0])
     table.add_row('system gain K, DN/e-', f'{line.slope:.4f}', f'{slope_sigma:.2g}')
-    table.add_row('temporal dark noise, DN', f'{line.read_noise:.3f}', f'{sigma[1]:.2g}')
     table.add_row(
         'temporal dark noise, e-',
         f'{line.read_noise * line.gain:.2f}',
         f'{_electrons_sigma(line):.2g}',
     )
     measured = [
-        ('black level, DN', found.black_level, 1.0),
         ('saturation level, DN (peak of the curve)', found.saturation_level, 1.0),
         ('saturation capacity, e-', found.capacity, 1.0),
         ('DSNU, e-', found.dsnu, 1.0),
@@ -350,7 +350,9 @@ def _print(console: Console, found: PhotonTransfer) -> None:
         else:
             table.add_row(name, f'{scale * pair[0]:.4g}', f'{scale * pair[1]:.2g}')
     table.add_section()
-    for row in _rows_of_line(found.in_dn):
+    known = found.black_level[1] > 0.0
+    black_sigma = f'{found.black_level[1]:.2g}' if known else 'not told apart from read noise'
+    for row in _rows_of_noise(line, found.noise, black_sigma):
         table.add_row(*row)
     table.add_row('saturation, DN', str(found.saturation), '')
     console.print(table)
@@ -370,6 +372,7 @@ def _write(
     console: Console,
     arguments: argparse.Namespace,
     line: NoiseLine,
+    noise: SensorNoise,
     saturation: int,
     warnings: Sequence[str],
 ) -> None:
@@ -386,8 +389,9 @@ def _write(
         f'covariance {line.noise_covariance[0, 1]:.2g} e-.\n'
         + ''.join(f'# Note: {warning}\n' for warning in warnings)
         + '\n/**/locator:\n  ros__parameters:\n'
-        f'    noise.gain: {line.gain:.6f}\n'
-        f'    noise.read_noise: {line.read_noise:.6f}\n'
+        f'    noise.gain: {noise.gain:.6f}\n'
+        f'    noise.read_noise: {noise.read_noise:.6f}\n'
+        f'    noise.black_level: {noise.black_level:.6f}\n'
         f'    saturation: {saturation}\n'
         '\n/**/segmenter:\n  ros__parameters:\n'
         f'    saturation: {saturation}\n'

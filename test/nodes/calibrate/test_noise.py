@@ -15,7 +15,7 @@ import pytest
 import yaml
 
 FIELD = FlatField(
-    SensorNoise(3.6, 3.0), black_level=20.0, prnu=0.005, dsnu=0.3, saturation=4095, width=200,
+    SensorNoise(3.6, 3.0, 20.0), prnu=0.005, dsnu=0.3, saturation=4095, width=200,
     height=150,
 )
 SIGNALS = (0, 200, 600, 1200, 2400, 5000)  # DN above black; the last is clipped
@@ -57,10 +57,11 @@ def test_a_folder_with_an_index(tmp_path: Path, capsys: pytest.CaptureFixture[st
     text = capsys.readouterr().out
     assert 'PRNU' in text and 'linearity error' in text and '--params-file' in text
     locator = parameters(out, 'locator')
-    # 30,000 pixels at four levels tell the gain to 0.5 %; from 0 DN, 20 DN below black, the
-    # read noise is sqrt(9 - 20 / 3.6).
+    # 30,000 pixels at four levels tell the gain to 0.5 %, the dark noise to 0.6 % and the black
+    # level to 0.3 / sqrt(30,000) of a pixel's own and as little noise.
     assert locator['noise.gain'] == pytest.approx(3.6, rel=0.02)
-    assert locator['noise.read_noise'] == pytest.approx(np.sqrt(9.0 - 20.0 / 3.6), rel=0.05)
+    assert locator['noise.read_noise'] == pytest.approx(3.0, rel=0.03)
+    assert locator['noise.black_level'] == pytest.approx(20.0, abs=0.1)
     assert locator['saturation'] == parameters(out, 'segmenter')['saturation'] == 4095
     assert cv2.imread(str(tmp_path / 'noise.png')).shape[0] > 600
     assert run(tmp_path / 'frames', '--out', out) == 0
