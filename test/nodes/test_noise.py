@@ -47,6 +47,7 @@ def test_measured_noise_reaches_the_locator(domain: int) -> None:
     assert last.z == 0.0 and noises[-1].header.frame_id == 'camera_optical_frame'
     assert segmenter['measured gain'].endswith(' e-/DN')
     assert segmenter['measured read noise'].endswith(' DN')
+    assert segmenter['measured black level'] == 'at least 0 DN'
 
 
 def test_an_even_wall_is_said_to_be_one(domain: int) -> None:
