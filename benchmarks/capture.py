@@ -20,6 +20,7 @@ from typing import Any
 
 from blob_tracker.capture import Grabber, V4l2Camera, videodev2
 from blob_tracker.capture.clock import RealtimeClock
+from blob_tracker.capture.control_events import ControlEvents
 from blob_tracker.capture.format import StreamFormat
 from blob_tracker.capture.selection import SensorRegion
 from blob_tracker.capture.stamps import Exposure, ExposureControls, MidExposure
@@ -63,7 +64,7 @@ class PipeCamera(V4l2Camera):
 
     def __init__(self, width: int, height: int) -> None:
         self.device = 'pipe'
-        self.drops, self.sequence = 0, -1
+        self.drops, self.sequence, self.control_changes, self.saturation = 0, -1, 0, 255
         self.dequeued_ns = 0
         self.width, self.height = width, height
         self._fd, self._filled = os.pipe()
@@ -71,12 +72,12 @@ class PipeCamera(V4l2Camera):
         self._first, self._interval_ns = (0, 0), 0
         self._streaming = False
         self._open = threading.Lock()
-        self._input = videodev2.Input()
         self._clock = RealtimeClock()
         self._format = StreamFormat(
             videodev2.BUF_TYPE_VIDEO_CAPTURE, 'GREY', width, height, width, 255)
         self._region = SensorRegion(0, 0, (1, 1), (width, height))
         self._binning = (1, 1)
+        self._events = ControlEvents(self._call, ())
         self._exposure = ExposureControls(self._call, {}, width, height, Exposure(1_000_000))
         self._middle = MidExposure('exposure start', self._exposure.read())
         self._memory = [mmap.mmap(-1, width * height) for _ in range(RING)]
