@@ -270,13 +270,15 @@ def _estimate(views: Sequence[View], distortion_model: str, name: str) -> Bundle
     points = [np.column_stack([view.points, np.zeros(len(view.points))]) for view in views]
     size = views[0].size
     if distortion_model == 'equidistant':
+        flags: Any = cv2.fisheye  # OpenCV 5 has them in cv2 itself
+        flags = flags if hasattr(flags, 'CALIB_FIX_SKEW') else cv2
         _, matrix, distortion, rotations, translations = cv2.fisheye.calibrate(
             [each[None] for each in points],
             [view.places[None] for view in views],
             size,
             np.eye(3),
             np.zeros(4),
-            flags=cv2.fisheye.CALIB_RECOMPUTE_EXTRINSIC | cv2.fisheye.CALIB_FIX_SKEW,
+            flags=flags.CALIB_RECOMPUTE_EXTRINSIC | flags.CALIB_FIX_SKEW,
             criteria=CRITERIA,
         )
     else:

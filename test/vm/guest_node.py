@@ -222,7 +222,10 @@ def main(folder: Path, nodes: Path) -> None:
     control(gain_automatic=1, contrast=128)
     node = start(folder, nodes, 'node', device=CAPTURE, width=WIDTH, height=HEIGHT,
                  pixel_format='GREY', contrast=99)
-    misspelt = start(folder, nodes, 'misspelt', device=SPARE, brigthness=5)
+    wrong = {
+        'misspelt': start(folder, nodes, 'misspelt', device=SPARE, brigthness=5),
+        'refused': start(folder, nodes, 'refused', device=SPARE, brightness=256),
+    }
     rclpy.init()
     probe = Probe()
     found: dict[str, Any] = {'starts': probe.until(lambda: probe.frames, STARTUP)}
@@ -230,9 +233,8 @@ def main(folder: Path, nodes: Path) -> None:
     found['services'] = services(probe, folder)
     found['unplugged'] = unplugged(probe)
     found['diagnostics'] = probe.statuses[-1]
-    found['misspelt'] = misspelt.wait(STARTUP)
-    refused = start(folder, nodes, 'refused', device=SPARE, brightness=256)
-    found['refused'] = refused.wait(STARTUP)
+    for name, process in wrong.items():
+        found[name] = process.wait(STARTUP)
     node.send_signal(signal.SIGINT)
     found['exit'] = node.wait(20)
     (folder / 'node.json').write_text(json.dumps(found, indent=1))

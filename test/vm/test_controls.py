@@ -34,7 +34,7 @@ def listed(text: str) -> dict[str, dict[str, Any]]:
         if head:
             name, number, kind, rest = head.groups()
             values, _, flags = rest.partition('flags=')
-            current = {'id': int(number, 16), 'kind': kind, 'menu': {},
+            current = {'number': int(number, 16), 'kind': kind, 'menu': {},
                        'flags': [flag.strip() for flag in flags.split(',')]}
             # A compound type has no value of this form.
             for key, value in re.findall(
@@ -58,7 +58,7 @@ def test_every_control_is_listed_as_v4l2_ctl_does(found):
     for name, control in theirs.items():
         mine = ours[name]
         kind = KINDS[control['kind']]
-        assert mine['id'] == control['id'], name
+        assert mine['number'] == control['number'], name
         assert mine['kind'] == kind, name
         for key, field in (('min', 'minimum'), ('max', 'maximum'), ('step', 'step'),
                            ('default', 'default')):
