@@ -404,7 +404,7 @@ class V4l2Camera:
         try:
             self._call(videodev2.QBUF, buffer)
         except OSError as error:
-            if error.errno == errno.ENODEV:
+            if error.errno in (errno.ENODEV, errno.EIO):
                 raise self._lost(error) from error
             raise CaptureError(f'{self.device}: the driver does not take a buffer back: '
                                f'{error.strerror}; open it again') from error

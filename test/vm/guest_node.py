@@ -232,6 +232,7 @@ def main(folder: Path, nodes: Path) -> None:
     found['parameters'] = parameters(probe)
     found['services'] = services(probe, folder)
     found['unplugged'] = unplugged(probe)
+    probe.until(probe.said(0, 'streaming'))
     found['diagnostics'] = probe.statuses[-1]
     for name, process in wrong.items():
         found[name] = process.wait(STARTUP)

@@ -10,6 +10,7 @@ and from then on both ends of the loop lose frames.
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 import signal
 import subprocess
@@ -26,6 +27,7 @@ from rclpy.qos import QoSProfile
 
 COUNT = 60  # bearings before and after the camera is unplugged: all lit places four times
 STARTUP = 90.0  # s until the first bearing: four Pythons on two emulated processors
+END = 40.0  # s; two on a quiet machine
 LONGEST = 100.0  # s for each half; 5 s are enough on a quiet machine
 NODES = ('camera', 'segmenter', 'locator')
 
@@ -80,7 +82,9 @@ def start(folder: Path, nodes: Path) -> list[subprocess.Popen[bytes]]:
         for key, value in parameters[name].items():
             command += ['-p', f'{key}:={value}']
         with (folder / f'{name}.log').open('wb') as log:
-            processes.append(subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT))
+            processes.append(subprocess.Popen(
+                command, stdout=log, stderr=subprocess.STDOUT,
+                env=os.environ | {'PYTHONFAULTHANDLER': '1'}))
     return processes
 
 
@@ -92,10 +96,11 @@ def end(processes: list[subprocess.Popen[bytes]]) -> dict[str, Any]:
     found = {}
     for name, process in zip(NODES, processes):
         try:
-            code: int | str = process.wait(timeout=20)
+            code: int | str = process.wait(timeout=END)
         except subprocess.TimeoutExpired:
-            process.kill()
-            code = 'killed after 20 s'
+            process.send_signal(signal.SIGABRT)  # its log gets the stack of every thread
+            process.wait()
+            code = f'aborted after {END:.0f} s'
         found[name] = [code, time.monotonic() - began]
     return found
 
