@@ -107,7 +107,7 @@ class LiveCentroids:
         came, since = 0, time.monotonic()
         while len(self._centroids) < count or len(self._angles) < bool(self._joints):
             rclpy.spin_once(self._node, timeout_sec=LISTEN)
-            if len(self._centroids) > came:
+            if came < len(self._centroids) <= count:  # more of them do not bring the joints
                 came, since = len(self._centroids), time.monotonic()
             if time.monotonic() - since > PATIENCE:
                 raise NoCentroidsError(self._missing(count))

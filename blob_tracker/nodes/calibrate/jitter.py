@@ -11,7 +11,7 @@ from blob_tracker.calibration.edge import EdgeError
 from blob_tracker.calibration.line_jitter import LineJitterMeasurement, measure_line_jitter
 from blob_tracker.calibration.line_jitter_picture import draw_line_jitter
 from blob_tracker.camera import CalibrationError
-from blob_tracker.nodes.calibrate.report import results_table, row, tell_of
+from blob_tracker.nodes.calibrate.report import refusal, results_table, row, tell_of
 from blob_tracker.nodes.calibrate.sources import add_source, expected, frames, SourceError
 from blob_tracker.types import Pixels
 import numpy as np
@@ -41,6 +41,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(arguments: argparse.Namespace) -> int:
     """Calibrate; return the exit code."""
+    wrong = refusal(arguments.out, '.png')
+    if wrong:
+        print(wrong, file=sys.stderr)
+        return 2
     console = Console()
     try:
         width = 0

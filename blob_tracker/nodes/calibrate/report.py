@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 Row = tuple[str, str, str, str]
+WORTHLESS = 0.1  # of the focal length: a data sheet knows it better
 
 
 def results_table(title: str, rows: Sequence[Row]) -> Table:
@@ -39,6 +40,28 @@ def row(quantity: str, value: float, sigma: float | None, unit: str) -> Row:
         return quantity, f'{value:.4g}', 'not fitted' if sigma == 0.0 else '', unit
     digits = max(0, 1 - int(f'{sigma:e}'.partition('e')[2]))
     return quantity, f'{value:.{digits}f}', f'{sigma:.{digits}f}', unit
+
+
+def refusal(out: Path, suffix: str, *inputs: Path | None) -> str:
+    """
+    Return why results should not go to a file, '' where they may.
+
+    Parameters
+    ----------
+    out : Path
+        The file.
+    suffix : str
+        That of the picture which is written beside it.
+    inputs : Path or None
+        What is read, and must not be lost.
+
+    """
+    if out.suffix == suffix:
+        return f'--out {out}: the picture beside it would have the same name; take another suffix'
+    for path in inputs:
+        if path is not None and path.resolve() == out.resolve():
+            return f'--out {out} is what is read; give it another name'
+    return ''
 
 
 def tell_of(console: Console, path: Path) -> None:

@@ -9,7 +9,9 @@ import sys
 from blob_tracker.calibration.turn import calibrate_turn, MRAD, TurnCalibration, TurnError
 from blob_tracker.calibration.turn_picture import draw_turn
 from blob_tracker.camera import CalibrationError, CameraModel, write_calibration
-from blob_tracker.nodes.calibrate.report import results_table, row, tell_of
+from blob_tracker.nodes.calibrate.report import (
+    refusal, results_table, row, tell_of, WORTHLESS,
+)
 from blob_tracker.nodes.calibrate.stations import (
     add_stations, PAN, Stations, stations, StationsError, TILT,
 )
@@ -82,6 +84,10 @@ def main(arguments: argparse.Namespace) -> int:
     if arguments.range is not None and not arguments.range > abs(arguments.offset):
         print('--range must be above 0 and beyond the lens', file=sys.stderr)
         return 2
+    wrong = refusal(arguments.out, '', arguments.measurements, arguments.camera_info)
+    if wrong:
+        print(wrong, file=sys.stderr)
+        return 2
     try:
         if arguments.camera_info is not None:
             guess = CameraModel.from_yaml(arguments.camera_info)
@@ -103,6 +109,11 @@ def main(arguments: argparse.Namespace) -> int:
         )
         console = Console()
         _report(console, result, measured, arguments)
+        relative = max(result.sigmas[name] / result.values[name] for name in ('fx', 'fy'))
+        if relative > WORTHLESS:
+            raise TurnError(
+                f'the focal length is known to {100.0 * relative:.0f} % only: nothing is written'
+            )
         tell_of(console, arguments.out)
         write_calibration(arguments.out, result.model, _comments(result))
         picture = arguments.out.with_name(f'{arguments.out.stem}_residuals.png')

@@ -68,9 +68,24 @@ def test_turn_starts_from_a_camera_info(
     assert abs(CameraModel.from_yaml(out).distortion[0]) < 0.01
     file.write_text('\n'.join([TURN_HEADER, *turn_rows(np.pi / 180.0), '']))
     capsys.readouterr()
-    assert main(['calibrate', 'turn', str(file), *guess]) == 0
-    text = ' '.join(capsys.readouterr().out.split())
-    assert 'is the unit of the angles right?' in text
+    before = out.read_text()
+    assert main(['calibrate', 'turn', str(file), *guess]) == 1
+    told = capsys.readouterr()
+    assert 'is the unit of the angles right?' in ' '.join(told.out.split())
+    assert 'only: nothing is written' in told.err
+    assert out.read_text() == before
+
+
+@pytest.mark.parametrize('lost', ['measurements', 'guess'])
+def test_what_is_read_is_not_replaced(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], lost: str
+) -> None:
+    """--out is neither the measurements nor the first guess."""
+    file, guess = tmp_path / 'turn.csv', tmp_path / 'camera_info.yaml'
+    out = {'measurements': file, 'guess': guess}[lost]
+    words = ['turn', str(file), '--camera-info', str(guess), '--out', str(out)]
+    assert main(['calibrate', *words]) == 2
+    assert 'is what is read' in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -110,7 +110,7 @@ def test_led_through_stopped_and_gone_on_with(
     """The next station is named; what was measured stays when it is stopped, and is gone on."""
     file = tmp_path / 'slide.csv'
     steps = np.linspace(0.0, 40.0, 5)
-    words = ['calibrate', 'slide', str(file), '--live', '--slide', '0:40:5', '--count', '5']
+    words = ['calibrate', 'slide', str(file), '--live', '--slide', '0:40:5', '--count', '10']
 
     def moved(index: int) -> None:
         rig.pan = steps[index] / 1e3
@@ -130,6 +130,29 @@ def test_led_through_stopped_and_gone_on_with(
     assert '0.61' in captured.out
 
 
+def test_a_file_with_nothing_but_its_header_is_gone_on_with(
+    rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Which is left where the first station was never finished; here without its last newline."""
+    file = tmp_path / 'slide.csv'
+    file.write_text('slide_mm,x,y,sigma_x,sigma_y')
+    answers(monkeypatch, ['0', ''], lambda index: None)
+    assert main(['calibrate', 'slide', str(file), '--live', '--count', '10']) == 1
+    assert 'going on after the 0 stations' in capsys.readouterr().err
+    assert len(file.read_text().splitlines()) == 2
+
+
+def test_joints_of_other_names_are_told(
+    rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """While centroids flow: it does not wait for ever."""
+    monkeypatch.setattr('blob_tracker.ros.live_centroids.PATIENCE', 0.5)
+    answers(monkeypatch, ['', 'q'], lambda index: None)
+    words = ['turn', str(tmp_path / 'turn.csv'), '--size', '640x480', '--count', '10', '--live']
+    assert main(['calibrate', *words, '--joints', 'pann,tilt']) == 1
+    assert 'no joints pann, tilt came' in ' '.join(capsys.readouterr().err.split())
+
+
 def test_typed_in_and_nothing_in_view(
     rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -141,7 +164,7 @@ def test_typed_in_and_nothing_in_view(
         rig.lit = index < 3
 
     asked = answers(monkeypatch, ['12', '-100 50', '100, 50', '0 0', 'q'], moved)
-    words = ['calibrate', 'turn', str(file), '--live', '--size', '640x480', '--count', '5']
+    words = ['calibrate', 'turn', str(file), '--live', '--size', '640x480', '--count', '10']
     assert main(words) == 1
     captured = capsys.readouterr()
     assert "'12' is not 2 number(s)" in captured.out
