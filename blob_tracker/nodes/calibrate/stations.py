@@ -373,6 +373,6 @@ def _steps(words: str) -> list[float]:
 def _count(word: str) -> int:
     if not word.isdecimal() or int(word) < LEAST_COUNT:
         raise argparse.ArgumentTypeError(
-            f'{word} must be {LEAST_COUNT} or more: the scatter of fewer weighs their station wrong'
+            f'{word} must be {LEAST_COUNT} or more: fewer do not tell their own scatter'
         )
     return int(word)
