@@ -40,7 +40,7 @@ HARMLESS = 0.1  # px: a view this good is not at fault where the others are bett
 # part of the covariance: without it numerator and denominator find a common root inside of the
 # image now and then, and bend the picture there to fit the noise.
 DENOMINATOR = 1.0
-PRIOR_ROUNDS = 10  # most: four are the rule
+PRIOR_ROUNDS = 10  # most: three are the rule
 SETTLED = 0.01  # of the sum of squares: half a per cent of every sigma
 DOT_PASSES = 2  # the offsets of dots hang on the camera a little
 
