@@ -20,8 +20,7 @@ from typing import Any
 from blob_tracker.calibration.boards import View
 from blob_tracker.calibration.bundle import adjust, Bundle, information, project, residuals
 from blob_tracker.calibration.dot_centres import centre_offsets
-from blob_tracker.camera import CalibrationError, CameraModel
-from blob_tracker.camera.model import MRAD
+from blob_tracker.camera import CalibrationError, CameraModel, LensError
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +40,8 @@ HARMLESS = 0.1  # px: a view this good is not at fault where the others are bett
 # part of the covariance: without it numerator and denominator find a common root inside of the
 # image now and then, and bend the picture there to fit the noise.
 DENOMINATOR = 1.0
+PRIOR_ROUNDS = 10  # most: three are the rule
+SETTLED = 0.01  # of the sum of squares: half a per cent of every sigma
 DOT_PASSES = 2  # the offsets of dots hang on the camera a little
 
 Array = NDArray[np.float64]
@@ -126,12 +127,17 @@ class BoardCalibration:
         Raises
         ------
         LensError
-            Where no ray leads to that pixel.
+            Where no ray leads to that pixel, or one at 90 degrees from the axis or more, which
+            OpenCV does not project.
 
         """
-        azimuth, elevation, by_pixel = self.model.angles(x, y)
-        across = np.tan(azimuth / MRAD)
-        ray = np.array([across, -np.tan(elevation / MRAD) * np.hypot(1.0, across), 1.0])
+        _, _, by_pixel = self.model.angles(x, y)
+        ray, _ = self.model.unproject(x, y)
+        if ray[2] <= 0.0:
+            raise LensError(
+                f'the pixel ({x:.1f}, {y:.1f}) looks 90 degrees or more away from the axis: how '
+                'well its bearing is known is not computed there'
+            )
         _, by_parameter, _ = project(ray[None], np.zeros(3), np.zeros(3), self.model)
         derivative = by_pixel @ by_parameter
         return np.asarray(derivative @ self.covariance @ derivative.T)
@@ -232,13 +238,20 @@ def _fitted(views: Sequence[View], distortion_model: str, name: str) -> BoardCal
     try:
         if distortion_model == 'rational_polynomial':
             bundle = _estimate(views, 'plumb_bob', name)
-            squares = sum(float((each**2).sum()) for each in residuals(views, bundle))
-            prior[-3:] = squares / freedom / DENOMINATOR**2
             distortion = np.append(bundle.model.distortion, np.zeros(3))
             model = replace(
                 bundle.model, distortion=distortion, distortion_model=distortion_model
             )
-            bundle = adjust(views, replace(bundle, model=model), prior)
+            bundle = replace(bundle, model=model)
+            squares = _squares(residuals(views, bundle))
+            # The prior weighs against the scatter of the points, which only the fit itself tells:
+            # that of its start holds what five coefficients cannot follow.
+            for _ in range(PRIOR_ROUNDS):
+                prior[-3:] = squares / freedom / DENOMINATOR**2
+                bundle = adjust(views, bundle, prior)
+                before, squares = squares, _squares(residuals(views, bundle))
+                if abs(before - squares) <= SETTLED * squares:
+                    break
         else:
             bundle = _estimate(views, distortion_model, name)
     except (cv2.error, CalibrationError, np.linalg.LinAlgError):
@@ -248,7 +261,7 @@ def _fitted(views: Sequence[View], distortion_model: str, name: str) -> BoardCal
     scale = np.sqrt(np.diag(normal))
     if not np.isfinite(normal).all() or (scale == 0.0).any() or not _all_in_front(views, bundle):
         raise CalibrationError(fault)
-    squares = sum(float((each**2).sum()) for each in left)
+    squares = _squares(left)
     # Scaled: focal lengths in px and coefficients of r^6 differ by many powers of ten.
     inverse = np.linalg.pinv(normal / np.outer(scale, scale), rcond=1e-15, hermitian=True)
     covariance = squares / freedom * inverse / np.outer(scale, scale)
@@ -306,6 +319,11 @@ def _all_in_front(views: Sequence[View], bundle: Bundle) -> bool:
         float((view.points @ cv2.Rodrigues(rotation)[0][2, :2] + translation[2]).min()) > 0.0
         for view, rotation, translation in zip(views, bundle.rotations, bundle.translations)
     )
+
+
+def _squares(left: Sequence[Array]) -> float:
+    """Return the sum of squares of all residuals, px^2."""
+    return sum(float((each**2).sum()) for each in left)
 
 
 def _rms(residual: Array) -> float:

@@ -12,6 +12,9 @@ from matplotlib.figure import Figure
 import numpy as np
 
 POINT, LINE, ARROW = '#2980b9', '#2c3e50', '#c0392b'
+SUFFIXES = tuple(  # all but that for which matplotlib needs a LaTeX
+    f'.{each}' for each in sorted(FigureCanvasAgg.get_supported_filetypes()) if each != 'pgf'
+)
 ARROW_LENGTH = 0.04  # of the width: what the rms of the residuals is drawn as
 BINS = 60
 
@@ -23,7 +26,7 @@ def draw_board_calibration(path: Path, found: BoardCalibration) -> None:
     Parameters
     ----------
     path : Path
-        The PNG to write; folders that are missing are made.
+        The picture to write, of one of `SUFFIXES`; folders that are missing are made.
     found : BoardCalibration
         The calibration.
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from blob_tracker.calibration.board import BoardCalibration, calibrate_board
 from blob_tracker.calibration.boards import DotGrid, View
-from blob_tracker.camera import CalibrationError, CameraModel
+from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.simulation.board import BoardScene
 from boards import ASYMMETRIC, camera, CHARUCO, CHESSBOARD, DOTS, poses, printed
 import numpy as np
@@ -19,7 +19,11 @@ SIGMA = 0.08  # px, of simulated corners: what cv2.cornerSubPix reaches on a gra
 
 
 def corners(
-    random: np.random.Generator, model: CameraModel, count: int, **tilts: tuple[float, float]
+    random: np.random.Generator,
+    model: CameraModel,
+    count: int,
+    sigma: float = SIGMA,
+    **tilts: tuple[float, float],
 ) -> list[View]:
     """Return views of the chessboard with Gaussian errors, without images."""
     scene = BoardScene(printed(CHESSBOARD), model)
@@ -28,7 +32,7 @@ def corners(
     return [
         View(
             points,
-            scene.truth(points, pose) + random.normal(0.0, SIGMA, points.shape),
+            scene.truth(points, pose) + random.normal(0.0, sigma, points.shape),
             (model.width, model.height),
             f'view {index}',
         )
@@ -128,6 +132,61 @@ def test_a_fish_eye_is_recovered() -> None:
     true = camera(random, 'equidistant')
     found = calibrate_board(corners(random, true, 8), 'equidistant')
     assert distances(found, true)[0] < chi2.ppf(0.999, 4)
+
+
+def test_a_strongly_distorted_lens_is_recovered_within_its_uncertainty() -> None:
+    """The prior of the denominator weighs by the scatter of the fit, not by that of its start."""
+    random = np.random.default_rng(29)
+    true = CameraModel(
+        640, 480, np.array([[350.0, 0.0, 319.5], [0.0, 350.0, 239.5], [0.0, 0.0, 1.0]]),
+        np.array([1.2, 0.3, 0.0, 0.0, 0.02, 1.9, 0.9, 0.1]), 'rational_polynomial',
+    )
+    chi, sigmas = [], []
+    for _ in range(8):
+        found = calibrate_board(corners(random, true, 12, 0.02), 'rational_polynomial')
+        chi.append(distances(found, true)[0])
+        sigmas.append(found.sigma)
+    # With the scatter of the start the sum is several times the bound.
+    assert np.sum(chi) < chi2.ppf(0.999, 4 * 8)
+    # 1164 degrees of freedom each, 8 draws: 0.7 % is the standard error.
+    assert np.mean(sigmas) == pytest.approx(0.02, rel=0.03)
+
+
+def fish_eye() -> BoardCalibration:
+    """Return a lens that sees 115 degrees away from its axis in the corners, known to 1 %."""
+    matrix = np.array([[200.0, 0.0, 319.5], [0.0, 200.0, 239.5], [0.0, 0.0, 1.0]])
+    model = CameraModel(640, 480, matrix, np.array([0.01, 0.0, 0.0, 0.0]), 'equidistant')
+    covariance = np.diag([4.0, 4.0, 1.0, 1.0, 1e-4, 1e-4, 1e-4, 1e-4])
+    names = ('fx', 'fy', 'cx', 'cy', 'k1', 'k2', 'k3', 'k4')
+    none = np.zeros((0, 3))
+    return BoardCalibration(model, names, covariance, 0.1, 0.1, (), (), none, none)
+
+
+def test_bearing_covariance_is_that_of_moved_parameters() -> None:
+    """Central differences of the angles, close to the axis and 80 degrees away from it."""
+    found = fish_eye()
+    for x, y in ((300.0, 250.0), (60.0, 150.0)):
+        columns = []
+        for step in 1e-4 * np.diag(found.sigmas):
+            ends = []
+            for sign in (1.0, -1.0):
+                fx, fy, cx, cy, *distortion = found.values + sign * step
+                matrix = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+                moved = replace(found.model, matrix=matrix, distortion=np.array(distortion))
+                ends.append(np.array(moved.angles(x, y)[:2]))
+            columns.append((ends[0] - ends[1]) / 2e-4)
+        moved_by_sigmas = np.column_stack(columns)
+        expected = moved_by_sigmas @ moved_by_sigmas.T
+        # Differences of 1e-4 sigma hold seven digits and more.
+        assert found.bearing_covariance(x, y) == pytest.approx(
+            expected, rel=1e-5, abs=1e-6 * expected.max()
+        )
+
+
+def test_a_bearing_beyond_90_degrees_has_no_covariance() -> None:
+    """No figure rather than that of the opposite corner: OpenCV projects no such ray."""
+    with pytest.raises(LensError, match='looks 90 degrees or more away from the axis'):
+        fish_eye().bearing_covariance(0.0, 0.0)
 
 
 def test_covariance_shrinks_as_views_are_added() -> None:

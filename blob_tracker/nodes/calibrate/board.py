@@ -12,7 +12,7 @@ from blob_tracker.calibration.board import (
     BoardCalibration, calibrate_board, COEFFICIENTS, LEAST_VIEWS,
 )
 from blob_tracker.calibration.board_advice import advice
-from blob_tracker.calibration.board_picture import draw_board_calibration
+from blob_tracker.calibration.board_picture import draw_board_calibration, SUFFIXES
 from blob_tracker.calibration.board_views import BoardViews
 from blob_tracker.calibration.boards import (
     Board, BoardError, CharucoBoard, Chessboard, DotGrid, View,
@@ -31,6 +31,13 @@ from rich.table import Table
 KINDS = ('charuco', 'chessboard', 'dots')
 LIVE_VIEWS = 30  # that differ: more add little
 WORTHLESS = 0.1  # of the focal length: a data sheet knows it better
+PARTS = {  # of width and height
+    'centre': (0.5, 0.5),
+    'top left corner': (0.0, 0.0),
+    'top right corner': (1.0, 0.0),
+    'bottom left corner': (0.0, 1.0),
+    'bottom right corner': (1.0, 1.0),
+}
 TELLING_VIEWS = 4  # from which on the progress tells what is missing
 
 
@@ -92,6 +99,10 @@ def main(arguments: argparse.Namespace) -> int:
         board = _board(arguments)
         if arguments.views < LEAST_VIEWS:
             raise BoardError(f'--views is {arguments.views}; it must be {LEAST_VIEWS} or more')
+        if arguments.picture.suffix.lower() not in SUFFIXES:
+            raise BoardError(
+                f'--picture is {arguments.picture}; it must end in one of {", ".join(SUFFIXES)}'
+            )
     except BoardError as error:
         print(error, file=sys.stderr)
         return 2
@@ -229,8 +240,12 @@ def _report(console: Console, found: BoardCalibration) -> None:
     for heading in ('place', 'azimuth', 'elevation'):
         table.add_column(heading, justify='left' if heading == 'place' else 'right')
     for place, sigmas in _bearing_sigmas(found).items():
-        table.add_row(place, *(['no ray'] * 2 if sigmas is None else map('{:.3f}'.format, sigmas)))
+        cells = ['not known'] * 2 if sigmas is None else [f'{each:.3f}' for each in sigmas]
+        table.add_row(place, *cells)
     console.print(table)
+    for part, known in _part_sigmas(found).items():
+        if isinstance(known, LensError):
+            console.print(f'[yellow]not known:[/yellow] {part}: {known}', highlight=False)
     table = Table(title='views')
     for heading in ('image', 'points', 'rms (px)'):
         table.add_column(heading, justify='left' if heading == 'image' else 'right')
@@ -253,24 +268,27 @@ def _report(console: Console, found: BoardCalibration) -> None:
 
 def _bearing_sigmas(found: BoardCalibration) -> dict[str, tuple[float, float] | None]:
     """Return the sigma of azimuth and elevation at the centre and the worst corner, mrad."""
-    right, bottom = found.model.width - 1.0, found.model.height - 1.0
-    corners: list[tuple[float, float] | None] = []
-    for x, y in ((0.0, 0.0), (right, 0.0), (0.0, bottom), (right, bottom)):
-        try:
-            corners.append(_sigmas(found, x, y))
-        except LensError:
-            corners.append(None)
-    known = [each for each in corners if each is not None]
-    worst = max(known, key=lambda each: float(np.hypot(*each))) if len(known) == 4 else None
-    return {
-        'centre': _sigmas(found, 0.5 * right, 0.5 * bottom),
-        'worst corner': worst,
+    known = {
+        part: sigmas for part, sigmas in _part_sigmas(found).items()
+        if not isinstance(sigmas, LensError)
     }
+    centre = known.pop('centre', None)
+    all_corners = len(known) == len(PARTS) - 1
+    worst = max(known.values(), key=lambda each: float(np.hypot(*each))) if all_corners else None
+    return {'centre': centre, 'worst corner': worst}
 
 
-def _sigmas(found: BoardCalibration, x: float, y: float) -> tuple[float, float]:
-    azimuth, elevation = np.sqrt(np.diag(found.bearing_covariance(x, y)))
-    return float(azimuth), float(elevation)
+def _part_sigmas(found: BoardCalibration) -> dict[str, tuple[float, float] | LensError]:
+    """Return the sigma of azimuth and elevation in each part, mrad, or why there is none."""
+    parts: dict[str, tuple[float, float] | LensError] = {}
+    for part, (across, down) in PARTS.items():
+        x, y = across * (found.model.width - 1.0), down * (found.model.height - 1.0)
+        try:
+            azimuth, elevation = np.sqrt(np.diag(found.bearing_covariance(x, y)))
+            parts[part] = float(azimuth), float(elevation)
+        except LensError as error:
+            parts[part] = error
+    return parts
 
 
 def _digits(value: float, sigma: float) -> tuple[str, str]:

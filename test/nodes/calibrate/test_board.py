@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 import signal
 import sys
 import time
 
 from blob_tracker.__main__ import main
+from blob_tracker.calibration.board import BoardCalibration, calibrate_board
 from blob_tracker.calibration.boards import Board
 from blob_tracker.camera import CameraModel
+from blob_tracker.nodes.calibrate import board as board_command
 from blob_tracker.ros.image import from_pixels
 from blob_tracker.ros.qos import IMAGE_OUT
 from blob_tracker.simulation.board import BoardScene
@@ -203,6 +206,8 @@ def unreadable(folder: Path, images: list[Pixels]) -> None:
          '--asymmetric is for dots'),
         (lambda folder, images: save(folder, images[:2]), [*CHESS[:-1], '0'], 2,
          'it must be above 0'),
+        (lambda folder, images: save(folder, images[:2]), [*CHESS, '--picture', 'x.bmp'], 2,
+         '--picture is x.bmp; it must end in one of'),
     ],
 )
 def test_mistakes_are_one_sentence(
@@ -214,6 +219,25 @@ def test_mistakes_are_one_sentence(
     errors = capsys.readouterr().err
     assert sentence in errors
     assert 'Traceback' not in errors
+    assert not (tmp_path / 'camera_info.yaml').exists()
+
+
+def test_a_wild_fit_without_a_bearing_at_the_centre_is_refused(
+    chess, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A lens that folds before the centre, known badly: said in words, not by a traceback."""
+    def wild(*arguments) -> BoardCalibration:
+        found = calibrate_board(*arguments)
+        matrix = found.model.matrix.copy()
+        matrix[0, 2] = 2000.0
+        model = replace(found.model, matrix=matrix, distortion=np.array([-0.5, 0, 0, 0, 0]))
+        return replace(found, model=model, covariance=np.eye(9) * 1e4)
+
+    monkeypatch.setattr(board_command, 'calibrate_board', wild)
+    assert calibrate(save(tmp_path / 'images', chess[1]), tmp_path, *CHESS) == 1
+    streams = capsys.readouterr()
+    assert 'not known: centre: no ray leads to the pixel' in streams.out
+    assert 'the focal length is known to' in streams.err
     assert not (tmp_path / 'camera_info.yaml').exists()
 
 
