@@ -18,6 +18,7 @@ from blob_tracker.calibration.boards import (
     Board, BoardError, CharucoBoard, Chessboard, DotGrid, View,
 )
 from blob_tracker.camera import CalibrationError, LensError, write_calibration
+from blob_tracker.nodes.calibrate.report import WORTHLESS
 from blob_tracker.nodes.calibrate.sources import (
     add_source, expected, frames, is_folder, is_live, SourceError,
 )
@@ -30,7 +31,6 @@ from rich.table import Table
 
 KINDS = ('charuco', 'chessboard', 'dots')
 LIVE_VIEWS = 30  # that differ: more add little
-WORTHLESS = 0.1  # of the focal length: a data sheet knows it better
 PARTS = {  # of width and height
     'centre': (0.5, 0.5),
     'top left corner': (0.0, 0.0),
