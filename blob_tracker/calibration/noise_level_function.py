@@ -95,7 +95,8 @@ class NoiseLevelFunction:
         self.tiles = tiles
         self.reason = 'no pair of unlit frames yet'
         self._last_ns: int | None = None
-        self._kind: tuple[object, ...] = ()
+        self._dtype: object = None
+        self._saturation = 0
         self._turn = 0
         self._forget()
 
@@ -113,7 +114,7 @@ class NoiseLevelFunction:
         first, second : (h, w) uint8 or uint16 arrays
             DN. Neither may be in another pair.
         saturation : int
-            DN of a clipped pixel.
+            DN of a clipped pixel. Another than the last pair's sorts what there is anew.
         stamp_ns : int
             Of the second, ns. One before the last pair's begins afresh.
 
@@ -133,15 +134,16 @@ class NoiseLevelFunction:
                 f'a pair is {first.shape} {first.dtype} and {second.shape} {second.dtype}; both '
                 'must be alike'
             )
-        kind = (first.dtype, saturation)
         if self._last_ns is not None:
-            if stamp_ns < self._last_ns or kind != self._kind:
+            if stamp_ns < self._last_ns or first.dtype != self._dtype:
                 self._forget()
             else:
+                if saturation != self._saturation:
+                    self._sort(saturation)
                 fade = exp(-(stamp_ns - self._last_ns) / 1e9 / self.memory)
                 self._sums *= fade
                 self._sums[:, 1] *= fade
-        self._last_ns, self._kind = stamp_ns, kind
+        self._last_ns, self._dtype, self._saturation = stamp_ns, first.dtype, saturation
         self._turn += 1
         found = tiles_of(*_sampled(first, second, self.tiles, self._turn), saturation)
         if found.level.size < FEWEST:
@@ -151,9 +153,14 @@ class NoiseLevelFunction:
         rows = dof * np.stack([
             one, one, found.level, found.level**2, found.variance, found.kurtosis, found.spread
         ], axis=1)
-        bins = np.sqrt(np.clip(found.level / saturation, 0.0, 1.0)) * BINS
-        np.add.at(self._sums, np.minimum(bins.astype(int), BINS - 1), rows)
+        np.add.at(self._sums, _bins(found.level, saturation), rows)
         return int(found.level.size)
+
+    def _sort(self, saturation: int) -> None:
+        """Put the sums into the bins of another saturation."""
+        sums = self._sums[self._sums[:, 0] > 0.0]
+        self._forget()
+        np.add.at(self._sums, _bins(sums[:, 2] / sums[:, 0], saturation), sums)
 
     def points(self) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
         """
@@ -199,6 +206,12 @@ class NoiseLevelFunction:
             f'{at:.0f} DN is {height:.2f} +- {1.0 / sqrt(precision.sum()):.2f} DN^2'
         )
         return None
+
+
+def _bins(levels: Array, saturation: int) -> NDArray[np.int64]:
+    """Return the bin of each level."""
+    bins = np.sqrt(np.clip(levels / saturation, 0.0, 1.0)) * BINS
+    return np.minimum(bins.astype(np.int64), BINS - 1)
 
 
 def _sampled(

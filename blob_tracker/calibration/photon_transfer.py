@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 RANGE = 0.7  # of saturation, up to which the line is fitted (EMVA 1288, section 6.5)
-CLIPPED = 0.0005  # part of the pixels at 0 DN that takes as much of the variance; more is too much
+CLIPPED = 0.0005  # part of the pixels: clipped, it takes as much of the variance; more is too much
 PILED_UP = 0.01  # part of the pixels at the highest value of all that makes it the clipped level
 FALL = 0.9  # of the variance before it: the transfer curve has passed its peak
 LEAST_VARIANCE = 0.24  # DN^2, below which rounding hides the noise (EMVA 1288, section 6.6)
@@ -100,8 +100,8 @@ class PhotonTransfer:
     ----------
     line : NoiseLine
         Variance over the level above black: its foot is the temporal dark variance.
-    black_level : (float, float)
-        DN; 0 and 0 where it is not known because dark pixels are clipped at 0 DN.
+    black_level : (float, float) or None
+        DN; None without dark frames, or where dark pixels are clipped at 0 DN.
     saturation : int
         DN of a clipped pixel.
     saturation_seen : bool
@@ -127,7 +127,7 @@ class PhotonTransfer:
     """
 
     line: NoiseLine
-    black_level: tuple[float, float]
+    black_level: tuple[float, float] | None
     saturation: int
     saturation_seen: bool
     saturation_level: tuple[float, float]
@@ -142,10 +142,9 @@ class PhotonTransfer:
     @property
     def noise(self) -> SensorNoise:
         """Gain, temporal dark noise and black level; where that is unknown, `NoiseLine.noise`."""
-        level, sigma = self.black_level
-        if sigma == 0.0:
+        if self.black_level is None:
             return self.line.noise
-        return SensorNoise(self.line.gain, self.line.read_noise, level)
+        return SensorNoise(self.line.gain, self.line.read_noise, self.black_level[0])
 
 
 def pair_of(
@@ -255,11 +254,15 @@ def photon_transfer(pairs: Sequence[Pair], saturation: int | None = None) -> Pho
             f'no pixel is clipped; the saturation of {full} DN is what the values suggest'
         )
     darks = [each for each in pairs if each.dark]
-    black, black_of = _black_level(darks, warnings)
-    above = np.array([_above(each, black[0], black_of) for each in pairs])
+    known, black_of = _black_level(darks, warnings)
+    black = known[0] if known else 0.0
+    above = np.array([_above(each, black, black_of) for each in pairs])
     most = peak.mean if falls else float(full)
     used = np.array([
-        each.shows_noise and level <= RANGE * (most - black[0]) and each.highest < full
+        each.shows_noise
+        and level <= RANGE * (most - black)
+        # A few hot pixels are at full scale in every frame.
+        and (each.highest < full or each.at_highest < CLIPPED)
         for each, level in zip(pairs, above)
     ])
     if darks and not used[:len(darks)].any() and black_of:
@@ -285,24 +288,24 @@ def photon_transfer(pairs: Sequence[Pair], saturation: int | None = None) -> Pho
             'no photon transfer, switch that off'
         )
     warnings += _of_the_line(line, levels, variances, scatters)
-    linearity = _linearity(bright, black[0], most)
+    linearity = _linearity(bright, black, most)
     if linearity is not None and linearity[0] > NONLINEAR:
         warnings.append(
             f'the level is off a line over the exposure by {linearity[0]:.1%}; is there a gamma '
             'curve, or did the light change?'
         )
-    electrons, capacity_sigma = _capacity(peak.mean - black[0], line)
+    electrons, capacity_sigma = _capacity(peak.mean - black, line)
     below_next = [each.mean for each in bright if each.mean > peak.mean]
     step = (below_next[0] - peak.mean) if below_next else float(full) - peak.mean
     return PhotonTransfer(
         line=line,
-        black_level=black,
+        black_level=known,
         saturation=full,
         saturation_seen=seen,
         # It lies somewhere up to the next exposure.
         saturation_level=(peak.mean, max(step, 0.0) / sqrt(12.0)),
         capacity=(electrons, sqrt(capacity_sigma**2 + (step * line.gain) ** 2 / 12.0)),
-        prnu=_prnu(bright, darks if black_of else [], black[0], most),
+        prnu=_prnu(bright, darks if black_of else [], black, most),
         dsnu=_dsnu(darks if black_of else [], line),
         linearity_error=linearity,
         pairs=pairs,
@@ -365,8 +368,8 @@ def _peak(bright: Sequence[Pair], full: int) -> tuple[Pair | None, bool]:
 
 def _black_level(
     darks: Sequence[Pair], warnings: list[str]
-) -> tuple[tuple[float, float], dict[float, float]]:
-    """Return mean and sigma of the dark level, DN, and the level for each exposure."""
+) -> tuple[tuple[float, float] | None, dict[float, float]]:
+    """Return mean and sigma of the dark level, DN, if known, and the level for each exposure."""
     sound = [each for each in darks if each.at_zero < CLIPPED]
     if len(sound) < len(darks):
         worst = max(each.at_zero for each in darks)
@@ -377,11 +380,13 @@ def _black_level(
     if not sound:
         if not darks:
             warnings.append('no dark frames: the black level is taken as 0 DN')
-        return (0.0, 0.0), {}
+        return None, {}
     means = np.array([each.mean for each in sound])
     own = np.sqrt(sum(each.variance / (2.0 * each.count) for each in sound)) / means.size
     scatter = means.std(ddof=1) / sqrt(means.size) if means.size > 1 else 0.0
-    level = (float(means.mean()), float(max(own, scatter)))
+    # Where no noise spreads the pixels over the steps of rounding, all are rounded alike.
+    rounding = 0.0 if any(each.shows_noise for each in sound) else QUANTISATION
+    level = (float(means.mean()), sqrt(max(own, scatter) ** 2 + rounding))
     exposures = np.array([each.exposure or 0.0 for each in sound])
     return level, {
         float(each): float(means[exposures == each].mean()) for each in np.unique(exposures)

@@ -175,6 +175,22 @@ def test_it_forgets_by_the_stamps() -> None:
     assert line.gain == pytest.approx(2.0, rel=0.08)  # exp(-4) of the old, and 2 sigma
 
 
+def test_another_saturation_forgets_nothing() -> None:
+    """The bins are others; the line through all pairs is the same to their width."""
+    plain = measured(SCENE, pairs=10)
+    raised = NoiseLevelFunction(memory=1e6)
+    for index in range(10):
+        first, second = SCENE.frame(60 * index), SCENE.frame(60 * index + 2)
+        raised.add(first, second, 255 if index < 9 else 1023, index * SECOND)
+    one, other = plain.line(), raised.line()
+    assert one is not None and other is not None
+    # Without nine of ten pairs the sigma would be three times as large.
+    np.testing.assert_allclose(
+        np.sqrt(np.diag(other.covariance)), np.sqrt(np.diag(one.covariance)), rtol=0.2
+    )
+    assert other.gain == pytest.approx(one.gain, abs=np.sqrt(one.noise_covariance[0, 0]))
+
+
 def test_stamps_that_jump_back_begin_afresh() -> None:
     """A bag that is played again gives the same numbers again."""
     once = measured(SCENE, pairs=10).line()

@@ -153,7 +153,38 @@ def test_dark_pixels_at_zero_are_left_out_and_warned_of() -> None:
     assert any('clipped at 0 DN' in warning for warning in found.warnings)
     sigma = np.sqrt(found.line.noise_covariance[1, 1])
     assert abs(found.line.read_noise - 3.0) < 3.0 * sigma < 0.6
-    assert found.dsnu is None and found.black_level == (0.0, 0.0)
+    assert found.dsnu is None and found.black_level is None
+
+
+def test_a_hot_pixel_costs_no_pair() -> None:
+    """One of 76,800 at full scale in every frame: line and black level are as without it."""
+    random = np.random.default_rng(10)
+    pairs = []
+    for level in (0, 0, 300, 900, 1800, 2500):
+        two = [FIELD.frame(level, random) for _ in range(2)]
+        for each in two:
+            each[100, 100] = FIELD.saturation
+        pairs.append(pair_of(*two, dark=level == 0))
+    found = photon_transfer(pairs)
+    assert found.used.all()
+    # Three sigma of the gain from 76,800 pixels at four levels.
+    assert found.noise.gain == pytest.approx(3.6, rel=0.015)
+    # Dark noise by the dark pairs: to 0.3 % of its variance; 4075 DN / 76,800 is 0.053 DN.
+    assert found.noise.read_noise == pytest.approx(3.0, rel=0.01)
+    assert found.black_level is not None and found.black_level[0] == pytest.approx(20.05, abs=0.03)
+    # More than the variance can bear: the pairs are left out.
+    clipped = [replace(each, at_highest=0.001) for each in pairs]
+    with pytest.raises(PhotonTransferError, match='0 of 6 pairs show their noise'):
+        photon_transfer(clipped)
+
+
+def test_constant_dark_frames_tell_the_black_level() -> None:
+    """Rounding hides the read noise: the level is known to the rounding, 0.29 DN."""
+    field = replace(FIELD, noise=SensorNoise(3.6, 0.05, 16.0), dsnu=0.0)
+    found = photon_transfer(pairs_of(field, np.random.default_rng(11)))
+    assert found.black_level == (16.0, pytest.approx(np.sqrt(1 / 12), rel=1e-6))
+    assert found.noise.black_level == 16.0
+    assert any('rounding hides' in each for each in found.warnings)
 
 
 def test_processed_frames_are_warned_of() -> None:

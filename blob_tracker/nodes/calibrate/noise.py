@@ -8,6 +8,7 @@ import csv
 from math import inf, sqrt
 from pathlib import Path
 import shlex
+import signal
 import sys
 
 from blob_tracker.calibration.noise_level_function import NoiseLevelFunction
@@ -21,7 +22,9 @@ from blob_tracker.calibration.photon_transfer import (
     PhotonTransferError,
 )
 from blob_tracker.calibration.photon_transfer_picture import draw_noise_line
-from blob_tracker.nodes.calibrate.sources import add_source, frames, is_folder, SourceError
+from blob_tracker.nodes.calibrate.sources import (
+    add_source, frames, is_folder, is_live, SourceError,
+)
 from blob_tracker.types import Pixels, SensorNoise
 import numpy as np
 from rich.console import Console
@@ -32,6 +35,7 @@ INDEX = 'index.csv'
 KINDS = ('bright', 'dark')
 SAME = 0.05  # of the mean, and 5 DN, by which the two frames of a pair may differ in light
 STEP = 0.02  # of the mean, and 1 DN, beyond which a stream of frames shows another step
+LIVE_SECONDS = 60.0  # of a topic, where neither --seconds nor --count is given
 MOST_PAIRS = 8  # of one step: more tell little that eight do not
 
 
@@ -71,7 +75,8 @@ def main(arguments: argparse.Namespace) -> int:
     Returns
     -------
     int
-        Exit code: 0 done, 1 failed, 2 called wrongly, 130 after Ctrl-C.
+        Exit code: 0 done, 1 failed, 2 called wrongly, 130 after Ctrl-C: the second one of a topic,
+        of which the first ends the listening.
 
     """
     if arguments.scene and arguments.dark:
@@ -79,6 +84,13 @@ def main(arguments: argparse.Namespace) -> int:
         return 2
     if not arguments.out.parent.is_dir():
         print(f'{arguments.out.parent} is not a folder; make it first', file=sys.stderr)
+        return 2
+    if arguments.out.suffix.lower() == '.png':
+        print(
+            f'--out {arguments.out} is the name of the picture; name the parameter file, '
+            f'{arguments.out.with_suffix(".yaml")} say',
+            file=sys.stderr,
+        )
         return 2
     try:
         if arguments.scene:
@@ -106,7 +118,7 @@ def _photon_transfer(arguments: argparse.Namespace) -> None:
     draw_noise_line(
         arguments.out.with_suffix('.png'),
         found.line,
-        mean - found.black_level[0],
+        mean - (found.black_level[0] if found.black_level else 0.0),
         np.array([each.variance for each in found.pairs]),
         np.array([each.scatter for each in found.pairs]),
         found.used,
@@ -121,10 +133,16 @@ def _scene(arguments: argparse.Namespace) -> None:
     console = Console()
     measured = NoiseLevelFunction(memory=inf, tiles=None)
     pairs = tiles = full = 0
-    seen = False
+    seen = deep = False
+    brightest: Pair | None = None
     for first, second in _in_twos(_shown(arguments, console), odd=True):
-        if not pairs:
-            full, seen = clipped_level([pair_of(first, second)], arguments.saturation)
+        pair = pair_of(first, second)
+        if brightest is None or (
+            (pair.highest, pair.at_highest) > (brightest.highest, brightest.at_highest)
+        ):
+            brightest = pair
+            full, seen = clipped_level([brightest], arguments.saturation)
+        deep = first.dtype == np.uint16
         pairs += 1
         try:
             tiles += measured.add(first, second, full, pairs)
@@ -144,9 +162,15 @@ def _scene(arguments: argparse.Namespace) -> None:
         arguments.out.with_suffix('.png'), line, *measured.points(),
         title=f'Noise of a scene, {tiles} tiles of {pairs} pairs', label='level, DN',
     )
-    warnings = [] if seen or arguments.saturation else [
-        f'no pixel is clipped; the saturation of {full} DN is what the values suggest'
-    ]
+    warnings = []
+    if not (seen or arguments.saturation):
+        full = 0 if deep else full
+        warnings.append(
+            'no pixel is clipped: saturation 0, full scale of 16 bits, is written; give '
+            '--saturation where the camera has fewer, 4095 for 12'
+            if deep else
+            f'no pixel is clipped; the saturation of {full} DN is what the values suggest'
+        )
     if not line.fits:
         warnings.append(
             f'the points lie off the line by more than their noise (chi2 {line.chi2:.0f} for '
@@ -161,8 +185,12 @@ def _pairs(arguments: argparse.Namespace, console: Console) -> list[Pair]:
     if arguments.dark:
         dark = argparse.Namespace(**{**vars(arguments), 'source': arguments.dark})
         return [
-            *(_pair(two, dark=True) for two in _in_twos(_shown(dark, console))),
-            *(_pair(two, dark=False) for two in _in_twos(_shown(arguments, console))),
+            *(
+                _pair(two, dark=each is dark)
+                for each in (dark, arguments)
+                # A topic ends anywhere.
+                for two in _in_twos(_shown(each, console), odd=is_live(each))
+            ),
         ]
     if not is_folder(arguments):
         pairs = _steps(image for _, image in _shown(arguments, console))
@@ -178,12 +206,53 @@ def _pairs(arguments: argparse.Namespace, console: Console) -> list[Pair]:
 
 
 def _shown(arguments: argparse.Namespace, console: Console) -> Iterator[tuple[str, Pixels]]:
-    """Yield the frames of a source, with a progress bar."""
+    """Yield the frames of a source, of a topic up to Ctrl-C at most, with a progress bar."""
+    stream = frames(arguments)
+    if is_live(arguments):
+        if arguments.seconds is None and arguments.count is None:
+            arguments.seconds = LIVE_SECONDS
+        limits = [f'{arguments.seconds:g} s'] if arguments.seconds else []
+        limits += [f'{arguments.count} frames'] if arguments.count else []
+        console.print(
+            f'Listening to {arguments.source} for {" or ".join(limits)}; Ctrl-C ends it earlier, '
+            'and what came by then is measured.', highlight=False,
+        )
+        stream = _until_interrupt(stream)
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task(f'frames of {arguments.source}', total=None)
-        for name, image in frames(arguments):
+        for name, image in stream:
             progress.update(task, advance=1)
             yield name, image
+
+
+def _until_interrupt(stream: Iterator[tuple[str, Pixels]]) -> Iterator[tuple[str, Pixels]]:
+    """
+    Yield what a stream has until Ctrl-C; a second one is Python's again.
+
+    While a frame is waited for, it ends the waiting; work on one that came is finished first.
+    """
+    ended = waiting = False
+    before = signal.getsignal(signal.SIGINT)
+
+    def end(*_: object) -> None:
+        nonlocal ended
+        ended = True
+        signal.signal(signal.SIGINT, before)
+        if waiting:
+            raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, end)
+    try:
+        while not ended:
+            try:
+                waiting = True
+                each = next(stream)
+                waiting = False
+            except (KeyboardInterrupt, StopIteration):
+                return
+            yield each
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _in_twos(
@@ -253,10 +322,16 @@ def _steps(stream: Iterable[Pixels]) -> list[Pair]:
 
 def _indexed(arguments: argparse.Namespace, index: Path, console: Console) -> list[Pair]:
     """Return the pairs of a folder by its index."""
-    with index.open(newline='') as file:
-        reader = csv.DictReader(file)
-        rows = list(reader)
-        columns = reader.fieldnames or []
+    try:
+        # Spreadsheets begin UTF-8 with a byte order mark.
+        with index.open(newline='', encoding='utf-8-sig') as file:
+            reader = csv.DictReader(file)
+            rows = list(reader)
+            columns = reader.fieldnames or []
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise PhotonTransferError(
+            f'{index} cannot be read: {error}; save it as CSV in UTF-8'
+        ) from None
     if not {'file', 'kind'} <= set(columns):
         raise PhotonTransferError(
             f'{index} has the columns {", ".join(columns) or "(none)"}; it must have file and '
@@ -350,8 +425,9 @@ def _print(console: Console, found: PhotonTransfer) -> None:
         else:
             table.add_row(name, f'{scale * pair[0]:.4g}', f'{scale * pair[1]:.2g}')
     table.add_section()
-    known = found.black_level[1] > 0.0
-    black_sigma = f'{found.black_level[1]:.2g}' if known else 'not told apart from read noise'
+    black_sigma = 'not told apart from read noise'
+    if found.black_level:
+        black_sigma = f'{found.black_level[1]:.2g}'
     for row in _rows_of_noise(line, found.noise, black_sigma):
         table.add_row(*row)
     table.add_row('saturation, DN', str(found.saturation), '')

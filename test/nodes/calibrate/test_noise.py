@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 import csv
 from pathlib import Path
+import re
+from signal import default_int_handler, getsignal, raise_signal, SIGINT
+import sys
+import time
 
 from blob_tracker.__main__ import main
-from blob_tracker.nodes.calibrate.noise import _steps
+from blob_tracker.nodes.calibrate.noise import _steps, _until_interrupt
+from blob_tracker.ros.image import from_pixels
+from blob_tracker.ros.qos import IMAGE_OUT
 from blob_tracker.simulation import FlatField, Scene
-from blob_tracker.types import SensorNoise
+from blob_tracker.simulation.sensor import expose
+from blob_tracker.types import Pixels, SensorNoise
 import cv2
 import numpy as np
+from processes import probe, Process
 import pytest
+from sensor_msgs.msg import Image
 import yaml
 
 FIELD = FlatField(
@@ -88,6 +98,100 @@ def test_a_still_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> No
     assert run(tmp_path / 'scene', '--scene', '--out', out) == 0
     assert parameters(out, 'locator')['noise.gain'] == pytest.approx(8.0, rel=0.1)  # 3 sigma
     assert 'Noise level function' in capsys.readouterr().out
+
+
+def test_a_scene_that_brightens(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """12 bits in 16, the first pair below 10: what is brighter counts; no bits are guessed."""
+    random = np.random.default_rng(12)
+    ramp = np.tile(np.linspace(60.0, 700.0, 320), (240, 1))
+    for index, light in enumerate((1, 1, 1, 1, 3, 3, 3, 3)):
+        image = expose(light * ramp, FIELD.noise, random, saturation=4095)
+        write(tmp_path / 'scene', f'{index:02d}.png', image)
+    out = tmp_path / 'noise.yaml'
+    assert run(tmp_path / 'scene', '--scene', '--out', out) == 0
+    assert parameters(out, 'locator')['saturation'] == 0
+    assert parameters(out, 'segmenter')['saturation'] == 0
+    text = capsys.readouterr().out
+    assert 'give --saturation' in ' '.join(text.split())
+    # 3 sigma of 300,000 differences.
+    assert parameters(out, 'locator')['noise.gain'] == pytest.approx(3.6, rel=0.03)
+    assert run(tmp_path / 'scene', '--scene', '--saturation', '4095', '--out', out) == 0
+    assert parameters(out, 'locator')['saturation'] == 4095
+    told = capsys.readouterr().out
+    assert 'give --saturation' not in ' '.join(told.split())
+    # The same tiles: half of those of the bright pairs are above 1023 DN.
+    tiles = [re.findall(r'tiles used\D+(\d+), (\d+)', each) for each in (text, told)]
+    assert tiles[0] and tiles[0] == tiles[1]
+
+
+def test_the_first_ctrl_c_ends_a_stream_wherever_it_comes() -> None:
+    """While a frame is waited for, or worked on; the second is Python's again."""
+    image = np.zeros((4, 4), dtype=np.uint8)
+
+    def waits() -> Iterator[tuple[str, Pixels]]:
+        yield '1', image
+        raise_signal(SIGINT)
+        yield '2', image
+
+    assert [name for name, _ in _until_interrupt(waits())] == ['1']
+    worked = []
+    for name, _ in _until_interrupt((str(each), image) for each in range(9)):
+        if name == '2':
+            raise_signal(SIGINT)
+            with pytest.raises(KeyboardInterrupt):
+                raise_signal(SIGINT)
+        worked.append(name)
+    assert worked == ['0', '1', '2']
+    assert getsignal(SIGINT) is default_int_handler
+
+
+def test_ctrl_c_measures_what_came_on_a_topic(tmp_path: Path, domain: int) -> None:
+    """It says so at the start, and that it ends after a minute by itself."""
+    random = np.random.default_rng(13)
+    out = tmp_path / 'noise.yaml'
+    command = [sys.executable, '-m', 'blob_tracker', 'calibrate', 'noise', 'flat/image']
+    with probe(domain) as node, Process([*command, '--out', str(out)], domain) as process:
+        publisher = node.create_publisher(Image, 'flat/image', IMAGE_OUT)
+        node.spin_until(lambda: publisher.get_subscription_count() or not process.running)
+        for signal in (0.0, 400.0, 1200.0, 2400.0):
+            for _ in range(12):
+                image = FIELD.frame(signal, random)
+                publisher.publish(from_pixels(image, time.time_ns(), 'camera'))
+                node.spin(0.1)
+        code = process.end(SIGINT, timeout=20.0)
+        output = process.output
+    assert code == 0, output
+    assert 'Listening to flat/image for 60 s; Ctrl-C ends it earlier' in output
+    # A pair of each level at least: 30,000 pixels each tell the gain to 1 %.
+    assert parameters(out, 'locator')['noise.gain'] == pytest.approx(3.6, rel=0.05)
+
+
+def test_an_index_out_of_a_spreadsheet(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A byte order mark is none of the header; UTF-16 is refused in a sentence."""
+    out = tmp_path / 'noise.yaml'
+    index = indexed(tmp_path / 'frames') / 'index.csv'
+    text = index.read_text()
+    index.write_text(text, encoding='utf-8-sig')
+    assert run(tmp_path / 'frames', '--out', out) == 0
+    out.unlink()
+    index.write_text(text, encoding='utf-16')
+    assert run(tmp_path / 'frames', '--out', out) == 1
+    assert 'save it as CSV in UTF-8' in capsys.readouterr().err
+    index.write_text(text + '"' + 200_000 * 'x' + '"\n')  # csv.Error: a field too large
+    assert run(tmp_path / 'frames', '--out', out) == 1
+    assert 'save it as CSV in UTF-8' in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_the_picture_is_no_parameter_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One would overwrite the other."""
+    assert run(tmp_path, '--out', tmp_path / 'noise.png') == 2
+    assert 'noise.yaml' in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
 
 
 def test_steps_of_the_light_in_a_stream() -> None:
