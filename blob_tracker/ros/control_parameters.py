@@ -84,6 +84,9 @@ def set_in_order(
     """
     Set controls one after the other, the modes before what they make active.
 
+    Any control may widen the range of another or make it active, the blanking that of the
+    exposure, say: what is refused is tried again as long as something else could be set.
+
     Parameters
     ----------
     camera : V4l2Camera
@@ -96,7 +99,7 @@ def set_in_order(
     Yields
     ------
     str, ControlError or None
-        The name of each and why the camera refused it.
+        The name of each and why the camera refused it; the refused ones come last.
 
     Raises
     ------
@@ -105,13 +108,24 @@ def set_in_order(
 
     """
     modes = [name for name in values if name in known and known[name].kind in _MODES]
-    others = [name for name in values if name not in modes]
-    for name in modes:
-        yield name, _refusal(camera, known[name], values[name])
-    if modes and others:
-        known = camera.controls
-    for name in others:
-        yield name, _refusal(camera, known.get(name, name), values[name])
+    turns = [modes, [name for name in values if name not in modes]]
+    refused: dict[str, ControlError] = {}
+    stale = False  # whether something was set since the camera was asked for its controls
+    while turns:
+        moved = False
+        for turn in turns:
+            if stale and turn:
+                known, stale = camera.controls, False
+            for name in turn:
+                error = _refusal(camera, known.get(name, name), values[name])
+                if error is not None:
+                    refused[name] = error
+                    continue
+                moved = stale = True
+                refused.pop(name, None)
+                yield name, None
+        turns = [list(refused)] if moved and refused else []
+    yield from refused.items()
 
 
 def _refusal(camera: V4l2Camera, control: Control | str, value: Any) -> ControlError | None:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from blob_tracker.capture import Control
+from blob_tracker.capture import Control, ControlError
 from blob_tracker.capture.auto_modes import off, still_on
-from blob_tracker.ros.control_parameters import descriptor, parameter_value
+from blob_tracker.capture.controls import must_be
+from blob_tracker.ros.control_parameters import descriptor, parameter_value, set_in_order
 import pytest
 from rcl_interfaces.msg import IntegerRange, ParameterType
 
@@ -147,3 +148,97 @@ def test_a_frame_rate_that_only_an_automatic_exposure_lowers_is_not_told() -> No
     """With a manual exposure drivers make that control inactive and keep its value."""
     inactive = {FRAMERATE.name: replace(FRAMERATE, inactive=True)}
     assert not still_on(inactive, {FRAMERATE.name: 1})
+
+
+EXPOSURE = replace(
+    GAIN, number=0x00980911, name='exposure', label='Exposure', minimum=1, maximum=1000, step=1,
+)
+BLANKING = replace(
+    GAIN, number=0x009e0901, name='vertical_blanking', label='Vertical Blanking', minimum=10,
+    maximum=10000, step=1,
+)
+ISO_AUTO = replace(
+    AUTO_EXPOSURE, number=0x009a0918, name='iso_sensitivity_auto', label='ISO Sensitivity, Auto',
+    maximum=1, default=1, menu={0: 'Manual', 1: 'Auto'},
+)
+ISO = replace(
+    AUTO_EXPOSURE, number=0x009a0917, name='iso_sensitivity', label='ISO Sensitivity',
+    kind='integer_menu', maximum=2, default=0, menu={0: '100', 1: '200', 2: '400'},
+)
+
+
+class FakeCamera:
+    """
+    Controls that govern each other, as those of real drivers do.
+
+    The exposure must fit into the vertical blanking, which cuts it where it is made shorter; an
+    automatic mode makes what it governs inactive.
+    """
+
+    GOVERNED = {
+        'exposure_time_absolute': ('auto_exposure', 1), 'iso_sensitivity': (ISO_AUTO.name, 0),
+    }
+
+    def __init__(self, *controls: Control, **values: int) -> None:
+        self.all = {each.name: each for each in controls}
+        self.values = {each.name: each.default for each in controls} | values
+        self.log: list[tuple[str, Any]] = []
+
+    @property
+    def controls(self) -> dict[str, Control]:
+        """Return the controls as they are now."""
+        found = dict(self.all)
+        if 'exposure' in found and 'vertical_blanking' in found:
+            found['exposure'] = replace(EXPOSURE, maximum=self.values['vertical_blanking'])
+        for name, (mode, manual) in self.GOVERNED.items():
+            if name in found and mode in found:
+                found[name] = replace(found[name], inactive=self.values[mode] != manual)
+        return found
+
+    def get_control(self, control: Control | str) -> int:
+        """Return a value."""
+        return self.values[control if isinstance(control, str) else control.name]
+
+    def set_control(self, control: Control | str, value: int) -> None:
+        """Set a value, or refuse it by what the caller knows of the control and by what it is."""
+        name = control if isinstance(control, str) else control.name
+        if name not in self.all:
+            raise ControlError(f"there is no control '{name}'")
+        now = self.controls[name]
+        for known in (now, control):
+            if isinstance(known, Control) and (
+                known.read_only or known.inactive
+                or not known.minimum <= value <= known.maximum
+                or (known.menu and value not in known.menu)
+            ):
+                raise ControlError(f"control '{name}' is {value!r}; it must be {must_be(known)}")
+        self.values[name] = value
+        self.log.append((name, value))
+        if name == 'vertical_blanking' and 'exposure' in self.values:
+            self.values['exposure'] = min(self.values['exposure'], value)
+
+
+@pytest.mark.parametrize('values', [
+    {'vertical_blanking': 5000, 'exposure': 4000},
+    {'exposure': 4000, 'vertical_blanking': 5000},
+    {'iso_sensitivity': 1, 'iso_sensitivity_auto': 0},
+    {'iso_sensitivity_auto': 0, 'iso_sensitivity': 1},
+    {'exposure': 4000, 'iso_sensitivity': 2, 'vertical_blanking': 5000, ISO_AUTO.name: 0},
+])
+def test_a_control_that_another_makes_possible_is_set_in_any_order(values: dict[str, int]) -> None:
+    """The range of the exposure is the blanking's, and a menu may be governed by a menu."""
+    camera = FakeCamera(EXPOSURE, BLANKING, ISO, ISO_AUTO, exposure=500, vertical_blanking=1000)
+    assert set(set_in_order(camera, camera.controls, values)) == {
+        (name, None) for name in values}
+    assert camera.values == camera.values | values
+    assert len(camera.log) == len(values)  # each once
+
+
+def test_refusals_come_last_and_end() -> None:
+    """Modes first; what is still refused when nothing else moves is told, each once."""
+    camera = FakeCamera(EXPOSURE, BLANKING, ISO, ISO_AUTO, exposure=500, vertical_blanking=1000)
+    values = {'nothing': 1, 'exposure': 20000, 'vertical_blanking': 5000, ISO_AUTO.name: 0}
+    found = list(set_in_order(camera, camera.controls, values))
+    assert found[:2] == [(ISO_AUTO.name, None), ('vertical_blanking', None)]
+    assert [name for name, _ in found[2:]] == ['nothing', 'exposure']
+    assert 'from 1 to 5000' in str(found[3][1])  # the range as it is now
