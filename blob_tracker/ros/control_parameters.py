@@ -219,10 +219,12 @@ class ControlParameters:
             refused = []
             fixed = {name: value for name, value in off(known).items() if name not in wanted}
             for name, error in set_in_order(camera, known, fixed | wanted):
-                if error is None or (self._met and name in known and known[name].inactive):
+                if error is None:
                     continue
                 if name in wanted and not self._met:
                     raise ParameterError(f"parameter '{name}': {error}")
+                if name in known and known[name].inactive:
+                    continue  # it has no effect, and nobody asks for it now
                 refused.append(str(error))
         except ParameterError as error:
             self._wrong = error

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
 from blob_tracker.capture import Control, ControlError
 from blob_tracker.capture.auto_modes import off, still_on
 from blob_tracker.capture.controls import must_be
-from blob_tracker.ros.control_parameters import descriptor, parameter_value, set_in_order
+from blob_tracker.ros.control_parameters import (
+    ControlParameters, descriptor, parameter_value, set_in_order)
+from blob_tracker.ros.errors import ParameterError
 import pytest
 from rcl_interfaces.msg import IntegerRange, ParameterType
+import rclpy
+from rclpy.node import Node
 
 GAIN = Control(
     number=0x00980913, name='gain', label='Gain', kind='integer', minimum=-8, maximum=254, step=2,
@@ -242,3 +247,39 @@ def test_refusals_come_last_and_end() -> None:
     assert found[:2] == [(ISO_AUTO.name, None), ('vertical_blanking', None)]
     assert [name for name, _ in found[2:]] == ['nothing', 'exposure']
     assert 'from 1 to 5000' in str(found[3][1])  # the range as it is now
+
+
+class FakeHealth:
+    """Takes what is shown."""
+
+    def show(self, name: str, value: object) -> None:
+        """Take a value."""
+
+
+@pytest.fixture
+def node(domain: int) -> Iterator[Node]:
+    """Give a node; nothing spins it."""
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=domain)
+    made = Node('camera', context=context)
+    yield made
+    made.destroy_node()
+    rclpy.shutdown(context=context)
+
+
+def test_an_inactive_mode_that_nobody_asked_for_is_no_fault(node: Node) -> None:
+    """The node wants it off; as long as it has no effect there is nothing to warn of."""
+    locked = replace(FRAMERATE, inactive=True)
+    parameters = ControlParameters(node, {}, FakeHealth())
+    parameters.prepare(FakeCamera(locked, GAIN))
+    assert parameters._refused == ()
+    # One that is active, and that the camera refuses, is told.
+    parameters.prepare(FakeCamera(replace(FRAMERATE, minimum=1)))
+    assert len(parameters._refused) == 1
+
+
+def test_an_inactive_control_that_start_up_named_is_refused(node: Node) -> None:
+    """The user asked for it."""
+    parameters = ControlParameters(node, {'gain': 10}, FakeHealth())
+    with pytest.raises(ParameterError, match="'gain' is inactive"):
+        parameters.prepare(FakeCamera(replace(GAIN, inactive=True)))
