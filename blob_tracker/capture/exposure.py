@@ -8,7 +8,7 @@ as gain raises the noise with the signal: exposure first, up to half the frame i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
 from math import log, sqrt
 import time
@@ -242,6 +242,38 @@ class Adjustable(Protocol):
 
     def set_control(self, name: str, value: int | bool | float | str) -> None:
         """Set a control."""
+
+
+def put_back(camera: Adjustable, before: Mapping[str, int | str]) -> None:
+    """
+    Undo what was set, the last first, as the first may be what made the others possible.
+
+    What is refused is tried again after the rest, and left as it is where that does not help.
+
+    Parameters
+    ----------
+    camera : V4l2Camera
+        Open.
+    before : mapping of str to int or str
+        Value by the control's name, in the order in which the controls were set.
+
+    Raises
+    ------
+    CaptureError
+        The camera is gone.
+
+    """
+    pending = list(reversed(before))
+    while pending:
+        refused = []
+        for name in pending:
+            try:
+                camera.set_control(name, before[name])
+            except ControlError:
+                refused.append(name)
+        if refused == pending:
+            return
+        pending = refused
 
 
 def lit_peak(image: Pixels) -> float:

@@ -8,7 +8,7 @@ from typing import Any
 from blob_tracker.capture import CaptureError, Control, ControlError, V4l2Camera
 from blob_tracker.capture.auto_modes import off, still_on
 from blob_tracker.capture.controls import must_be
-from blob_tracker.capture.exposure import adjust_exposure, Outcome
+from blob_tracker.capture.exposure import adjust_exposure, Outcome, put_back
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.health import Health
 from blob_tracker.ros.parameters import unknown
@@ -286,18 +286,19 @@ class ControlParameters:
         try:
             known = camera.controls
             before = _values(camera, [known[name] for name in values if name in known])
-            done: dict[str, Any] = {}
+            done: list[str] = []
             for name, error in set_in_order(camera, known, values):
                 if error is not None:
-                    for _ in set_in_order(camera, camera.controls, done):
-                        pass
+                    put_back(camera, {each: before[each] for each in done})
                     return _refused(str(error))
                 if name in before:  # a button cannot be released
-                    done[name] = before[name]
+                    done.append(name)
         except CaptureError as error:
             return _refused(str(error))
+        finally:
+            # Buttons spring back, and others may have changed with it, refused or not.
+            self._changed.trigger()
         self._wanted = self._wanted | {name: values[name] for name in done}
-        self._changed.trigger()  # buttons spring back, and others may have changed with it
         return SetParametersResult(successful=True)
 
     def _refresh(self) -> None:
@@ -327,12 +328,13 @@ class ControlParameters:
         camera = self._camera
         if camera is None:
             return
-        self._seen = camera.control_changes
+        seen = camera.control_changes  # before it is read: what changes meanwhile is read again
         try:
             controls = camera.controls
             values = _values(camera, controls.values())
         except CaptureError:
             return  # whoever captures meets it as well, and says it
+        self._seen = seen
         self._mirroring = True
         try:
             for name in [name for name in self._shown if name not in controls]:

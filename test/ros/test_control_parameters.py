@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from blob_tracker.capture import Control, ControlError
+from blob_tracker.capture import CaptureError, Control, ControlError
 from blob_tracker.capture.auto_modes import off, still_on
 from blob_tracker.capture.controls import must_be
 from blob_tracker.ros.control_parameters import (
@@ -16,6 +16,7 @@ import pytest
 from rcl_interfaces.msg import IntegerRange, ParameterType
 import rclpy
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 GAIN = Control(
     number=0x00980913, name='gain', label='Gain', kind='integer', minimum=-8, maximum=254, step=2,
@@ -180,6 +181,7 @@ class FakeCamera:
     automatic mode makes what it governs inactive.
     """
 
+    control_changes = 0
     GOVERNED = {
         'exposure_time_absolute': ('auto_exposure', 1), 'iso_sensitivity': (ISO_AUTO.name, 0),
     }
@@ -283,3 +285,67 @@ def test_an_inactive_control_that_start_up_named_is_refused(node: Node) -> None:
     parameters = ControlParameters(node, {'gain': 10}, FakeHealth())
     with pytest.raises(ParameterError, match="'gain' is inactive"):
         parameters.prepare(FakeCamera(replace(GAIN, inactive=True)))
+
+
+class Trigger:
+    """Stands for the guard condition, whose executor does not run here."""
+
+    count = 0
+
+    def trigger(self) -> None:
+        """Count."""
+        self.count += 1
+
+
+def attached(node: Node, camera: FakeCamera) -> tuple[ControlParameters, Trigger]:
+    """Give the parameters of a camera, shown, and what they would wake."""
+    parameters = ControlParameters(node, {}, FakeHealth())
+    parameters._changed = woken = Trigger()
+    parameters.attach(camera)
+    parameters._mirror()
+    woken.count = 0
+    return parameters, woken
+
+
+def test_a_refused_group_leaves_everything_as_it_was(node: Node) -> None:
+    """The exposure is put back before the mode that makes it inactive."""
+    time = replace(EXPOSURE, name='exposure_time_absolute', number=0x009a0902, default=157)
+    camera = FakeCamera(AUTO_EXPOSURE, time, GAIN)
+    before = dict(camera.values)
+    _, woken = attached(node, camera)
+    answer = node.set_parameters_atomically([
+        Parameter('auto_exposure', value=1), Parameter('exposure_time_absolute', value=50),
+        Parameter('gain', value=10)])
+    assert answer.successful  # all of it can be set
+    camera.values = dict(before)
+    camera.all['gain'] = replace(GAIN, maximum=8)  # which the parameter does not know yet
+    camera.log.clear()
+    woken.count = 0
+    answer = node.set_parameters_atomically([
+        Parameter('auto_exposure', value=1), Parameter('exposure_time_absolute', value=50),
+        Parameter('gain', value=10)])
+    assert not answer.successful and "'gain' is 10" in answer.reason
+    assert camera.values == before
+    assert camera.log == [
+        ('auto_exposure', 1), ('exposure_time_absolute', 50),
+        ('exposure_time_absolute', 157), ('auto_exposure', 3)]
+    assert woken.count == 1  # others may have moved with it
+
+
+def test_what_could_not_be_read_is_read_again(node: Node) -> None:
+    """A change that was told is seen only once the controls were read."""
+    camera = FakeCamera(GAIN)
+    parameters, _ = attached(node, camera)
+    camera.tells_changes = True
+    camera.control_changes, camera.values['gain'] = 1, 44
+
+    class Gone(FakeCamera):
+        @property
+        def controls(self) -> dict[str, Control]:
+            raise CaptureError('gone')
+
+    camera.__class__ = Gone
+    parameters._refresh()
+    camera.__class__ = FakeCamera
+    parameters._refresh()
+    assert node.get_parameter('gain').value == 44
