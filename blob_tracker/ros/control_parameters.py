@@ -263,13 +263,11 @@ class ControlParameters:
             The camera has neither control, or fails meanwhile.
 
         """
-        settable = [each for each in camera.controls.values() if not each.read_only]
-        before = _values(camera, settable)
-        outcome = adjust_exposure(camera, read)
-        after = _values(camera, settable)
-        changed = {name: after[name] for name in after if after[name] != before.get(name)}
-        self._wanted = self._wanted | changed
-        self._changed.trigger()
+        try:
+            outcome = adjust_exposure(camera, read)
+        finally:
+            self._changed.trigger()  # also where it was broken off, and put back
+        self._wanted = self._wanted | dict(outcome.controls)
         return outcome
 
     # --- called by the executor ---

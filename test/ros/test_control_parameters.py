@@ -9,6 +9,7 @@ from typing import Any
 from blob_tracker.capture import CaptureError, Control, ControlError
 from blob_tracker.capture.auto_modes import off, still_on
 from blob_tracker.capture.controls import must_be
+from blob_tracker.capture.exposure import Outcome
 from blob_tracker.ros.control_parameters import (
     ControlParameters, descriptor, parameter_value, set_in_order)
 from blob_tracker.ros.errors import ParameterError
@@ -349,3 +350,26 @@ def test_what_could_not_be_read_is_read_again(node: Node) -> None:
     camera.__class__ = FakeCamera
     parameters._refresh()
     assert node.get_parameter('gain').value == 44
+
+
+def test_only_what_the_search_set_is_wanted(node: Node, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Another program may move other controls meanwhile; those are not fought over."""
+    camera = FakeCamera(GAIN, BLANKING)
+    parameters, woken = attached(node, camera)
+
+    def found(camera: FakeCamera, read: object) -> Outcome:
+        camera.values.update(gain=20, vertical_blanking=77)
+        return Outcome(None, 20, 0.7, True, 'found', {'gain': 20})
+
+    monkeypatch.setattr('blob_tracker.ros.control_parameters.adjust_exposure', found)
+    parameters.adjust_exposure(camera, None)
+    assert parameters._wanted == {'gain': 20}
+    assert woken.count == 1
+
+    def broken(camera: FakeCamera, read: object) -> Outcome:
+        raise CaptureError('gone')
+
+    monkeypatch.setattr('blob_tracker.ros.control_parameters.adjust_exposure', broken)
+    with pytest.raises(CaptureError):
+        parameters.adjust_exposure(camera, None)
+    assert woken.count == 2  # what it moved is shown
