@@ -235,7 +235,7 @@ def test_what_it_set_is_told(clock):
 @pytest.mark.parametrize('reads', [0, 3, 40])
 def test_a_search_that_breaks_off_puts_everything_back(clock, error, reads):
     sensor = Sensor(np.random.default_rng(0), clock, 0.5)
-    sensor.values['exposure_absolute'] = sensor.exposure.value(3)  # short, as it bounds what is set
+    sensor.values['exposure_absolute'] = sensor.exposure.value(3)  # the fake bounds what is set
     before = dict(sensor.values)
 
     def read():
