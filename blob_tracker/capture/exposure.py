@@ -8,14 +8,16 @@ as gain raises the noise with the signal: exposure first, up to half the frame i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
-from dataclasses import dataclass
+from collections.abc import Callable, Generator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from math import log, sqrt
 import time
 from typing import Protocol
 
 from blob_tracker.capture import auto_modes, videodev2
 from blob_tracker.capture.controls import Control, ControlError
+from blob_tracker.capture.errors import CaptureError
 from blob_tracker.types import Frame, Pixels
 import cv2
 import numpy as np
@@ -76,6 +78,9 @@ class Outcome:
         Whether the peak lies within the tolerance of the target.
     words : str
         The same in a sentence.
+    controls : mapping of str to int
+        What a search on a camera set, by the control's name: the automatic modes that it
+        switched off, exposure and gain.
 
     """
 
@@ -84,6 +89,7 @@ class Outcome:
     peak: float
     found: bool
     words: str
+    controls: Mapping[str, int] = field(default_factory=dict)
 
 
 Setting = tuple[int | None, int | None]  # exposure, gain
@@ -244,6 +250,38 @@ class Adjustable(Protocol):
         """Set a control."""
 
 
+def put_back(camera: Adjustable, before: Mapping[str, int | str]) -> None:
+    """
+    Undo what was set, the last first, as the first may be what made the others possible.
+
+    What is refused is tried again after the rest, and left as it is where that does not help.
+
+    Parameters
+    ----------
+    camera : V4l2Camera
+        Open.
+    before : mapping of str to int or str
+        Value by the control's name, in the order in which the controls were set.
+
+    Raises
+    ------
+    CaptureError
+        The camera is gone.
+
+    """
+    pending = list(before)[::-1]
+    while pending:
+        refused = []
+        for name in pending:
+            try:
+                camera.set_control(name, before[name])
+            except ControlError:
+                refused.append(name)
+        if refused == pending:
+            return
+        pending = refused
+
+
 def lit_peak(image: Pixels) -> float:
     """
     Return the brightest of a frame's pixels, DN, but no hot ones.
@@ -271,8 +309,10 @@ def adjust_exposure(
     """
     Search on a streaming camera, and leave its controls at the outcome.
 
-    Automatic exposure and gain are switched off first. The target has to be in view and the
-    brightest thing there: the lit peak is the greatest `lit_peak` of a row of frames.
+    Automatic exposure and gain are switched off first, but for those that are inactive. Where the
+    search cannot be finished the controls get the values again that they had. The target has to
+    be in view and the brightest thing there: the lit peak is the greatest `lit_peak` of a row of
+    frames.
 
     Parameters
     ----------
@@ -309,21 +349,56 @@ def adjust_exposure(
 
     """
     found = camera.controls
-    for name, value in auto_modes.off(found).items():
-        if camera.get_control(name) != value:
-            camera.set_control(name, value)
     exposures = _control(found, exposure, videodev2.CID_EXPOSURE_ABSOLUTE, videodev2.CID_EXPOSURE)
     gains = _control(found, gain, videodev2.CID_ANALOGUE_GAIN, videodev2.CID_GAIN)
     if exposures is None and gains is None:
         raise ControlError('the device has no control for exposure or gain; its controls are '
                            + (', '.join(sorted(found)) or 'none'))
+    modes = auto_modes.off(found)
+    before: dict[str, int | str] = {}
+    for name in (*modes, *(each.name for each in (exposures, gains) if each is not None)):
+        with suppress(ControlError):  # write-only: nobody knows what to put back
+            before[name] = camera.get_control(name)
+    try:
+        changed = {}
+        for name, value in modes.items():
+            # Asked for anew, as one mode may govern another.
+            if before.get(name) != value and not camera.controls[name].inactive:
+                camera.set_control(name, value)
+                changed[name] = value
+        outcome = _searched(
+            camera, read, exposures, gains, longest, not exposure, target, tolerance, frames,
+            settling)
+    except BaseException:
+        with suppress(CaptureError):  # it is gone, which the first error says
+            put_back(camera, before)
+        raise
+    for control, setting in ((exposures, outcome.exposure), (gains, outcome.gain)):
+        if control is not None and setting is not None:
+            changed[control.name] = setting
+    return replace(outcome, controls=changed)
+
+
+def _searched(
+    camera: Adjustable,
+    read: Callable[[], Frame],
+    exposures: Control | None,
+    gains: Control | None,
+    longest: float | None,
+    standard: bool,
+    target: float,
+    tolerance: float,
+    frames: int,
+    settling: int,
+) -> Outcome:
+    """Search with these controls, the automatic modes being off; leave them at the outcome."""
     if longest is None and camera.frame_rate > 0.0:
         longest = 0.5 / camera.frame_rate
     start = 0
     scale = None
     if exposures is not None:
         scale = _scale(exposures)
-        if longest is not None and camera.exposure_unit is not None and not exposure:
+        if longest is not None and camera.exposure_unit is not None and standard:
             most = scale.value(scale.index(longest / camera.exposure_unit))
             scale = Scale(scale.minimum, most, scale.step)
         start = int(camera.get_control(exposures.name))

@@ -6,6 +6,7 @@ from dataclasses import replace
 import sys
 import threading
 import time
+import traceback
 
 from blob_tracker.camera import CalibrationError, CameraModel, write_calibration
 from blob_tracker.capture import (
@@ -148,6 +149,7 @@ class CameraNode(Node):
             callback_group=MutuallyExclusiveCallbackGroup(),
         )
         self._search: Future | None = None
+        self._pause = FIRST_PAUSE
         self._awake = self.create_guard_condition(lambda: None)
         self._stop = threading.Event()
         # A daemon: an interrupt before the node is whole must not leave it running alone.
@@ -162,31 +164,37 @@ class CameraNode(Node):
 
     def _capture(self) -> None:
         """Stream until the node ends; open the device again whenever it fails."""
-        pause = FIRST_PAUSE
         while not self._stop.is_set():
             try:
                 with (
                     V4l2Camera(**self._settings, prepare=self._controls.prepare) as camera,
                     Grabber(camera) as grabber,
                 ):
-                    pause = FIRST_PAUSE
                     self._sensor_size = camera.sensor_size
                     self._controls.attach(camera)
                     self._stream(camera, grabber)
             except ParameterError:
                 return  # the executor ends the node with it
             except (CaptureError, CalibrationError) as error:
-                self._controls.detach()
-                again = time.monotonic() + pause
-                while time.monotonic() < again and not self._stop.is_set():
-                    self._health.fault(ERROR, str(error))  # it holds until it is gone
-                    self._answer(False, str(error))
-                    self._stop.wait(FIRST_PAUSE)
-                pause = min(2.0 * pause, LONGEST_PAUSE)
-            except RuntimeError:  # of rclpy's C layer: a signal ended the context meanwhile
-                if rclpy.ok():
-                    raise
-                return
+                self._wait(str(error))
+            except Exception as error:  # a thread that ended here would leave a silent node
+                if not rclpy.ok():
+                    return  # a signal ended the context meanwhile
+                self.get_logger().error(traceback.format_exc(), throttle_duration_sec=60.0)
+                self._wait(
+                    f'the capture failed with {type(error).__name__}: {error}; the device is '
+                    'opened again; if that does not help report it with the log'
+                )
+
+    def _wait(self, why: str) -> None:
+        """Say why there are no frames until it is time to open the device again."""
+        self._controls.detach()
+        again = time.monotonic() + self._pause
+        while time.monotonic() < again and not self._stop.is_set():
+            self._health.fault(ERROR, why)  # it holds until it is gone
+            self._answer(False, why)
+            self._stop.wait(FIRST_PAUSE)
+        self._pause = min(2.0 * self._pause, LONGEST_PAUSE)
 
     def _stream(self, camera: V4l2Camera, grabber: Grabber) -> None:
         """Publish the newest frame, again and again; search for the exposure when asked to."""
@@ -210,7 +218,7 @@ class CameraNode(Node):
 
     def _publish_next(self, camera: V4l2Camera, grabber: Grabber) -> Frame:
         """Publish the next frame with its camera_info, and return it."""
-        frame = self._next(grabber)
+        frame = self._next(camera, grabber)
         model = self._camera_model  # set_camera_info may change it at any time
         if self._info is None or self._info[0] is not model:
             self._info = model, self._info_of(model, frame)
@@ -218,10 +226,11 @@ class CameraNode(Node):
         image = from_pixels(frame.image, frame.stamp_ns, self._frame_id, self._image)
         self._images.publish(image)
         self._infos.publish(stamped(info, frame.stamp_ns, self._frame_id))
+        self._pause = FIRST_PAUSE  # not before: a device may open well and fail at once
         self._report(camera, grabber, bool(info.k[0]))
         return frame
 
-    def _next(self, grabber: Grabber) -> Frame:
+    def _next(self, camera: V4l2Camera, grabber: Grabber) -> Frame:
         """
         Return the next frame, whenever it comes.
 
@@ -236,6 +245,7 @@ class CameraNode(Node):
             try:
                 return grabber.newest(FRAME_TIMEOUT)
             except NoFrameError as error:
+                self._show_losses(camera, grabber)  # spoilt pictures alone may be all that comes
                 # A slow or triggered camera is no broken one: only a long silence opens it anew.
                 silence = time.monotonic() - begin
                 if silence > LONGEST_SILENCE:
@@ -258,9 +268,7 @@ class CameraNode(Node):
     def _report(self, camera: V4l2Camera, grabber: Grabber, calibrated: bool) -> None:
         """Tell the diagnostics of a frame."""
         self._health.count('frames')
-        self._health.show('drops', camera.drops)
-        self._health.show('overruns', grabber.overruns)
-        self._health.show('error frames', camera.error_frames)
+        self._show_losses(camera, grabber)
         seconds = camera.exposure_time
         self._health.show(
             'exposure time', 'unknown' if seconds is None else f'{1e3 * seconds:.4g} ms'
@@ -273,9 +281,23 @@ class CameraNode(Node):
                 f'the camera is not calibrated: there is no {self._calibration}, K is 0 and '
                 'there will be no bearing; calibrate it or set field_of_view',
             )
+        rate = self._settings['frame_rate']
+        # Nobody notices 29.97 for 30; where the driver does not tell its rate it is 0.
+        if rate > 0.0 and camera.frame_rate > 0.0 and abs(camera.frame_rate / rate - 1.0) > 0.01:
+            self._health.fault(
+                WARN,
+                f'frame_rate is {rate:g} Hz and the driver gives {camera.frame_rate:g} Hz; set '
+                'one that the camera offers at this size and pixel_format (see v4l2-ctl '
+                '--list-formats-ext)',
+            )
         for warning in self._controls.warnings:
             self._health.fault(WARN, warning)
         self._health.ok('streaming')
+
+    def _show_losses(self, camera: V4l2Camera, grabber: Grabber) -> None:
+        self._health.show('drops', camera.drops)
+        self._health.show('overruns', grabber.overruns)
+        self._health.show('error frames', camera.error_frames)
 
     def _set_camera_info(
         self, request: SetCameraInfo.Request, response: SetCameraInfo.Response

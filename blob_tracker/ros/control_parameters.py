@@ -8,7 +8,7 @@ from typing import Any
 from blob_tracker.capture import CaptureError, Control, ControlError, V4l2Camera
 from blob_tracker.capture.auto_modes import off, still_on
 from blob_tracker.capture.controls import must_be
-from blob_tracker.capture.exposure import adjust_exposure, Outcome
+from blob_tracker.capture.exposure import adjust_exposure, Outcome, put_back
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.health import Health
 from blob_tracker.ros.parameters import unknown
@@ -84,6 +84,9 @@ def set_in_order(
     """
     Set controls one after the other, the modes before what they make active.
 
+    Any control may widen the range of another or make it active, the blanking that of the
+    exposure, say: what is refused is tried again as long as something else could be set.
+
     Parameters
     ----------
     camera : V4l2Camera
@@ -96,7 +99,7 @@ def set_in_order(
     Yields
     ------
     str, ControlError or None
-        The name of each and why the camera refused it.
+        The name of each and why the camera refused it; the refused ones come last.
 
     Raises
     ------
@@ -105,13 +108,24 @@ def set_in_order(
 
     """
     modes = [name for name in values if name in known and known[name].kind in _MODES]
-    others = [name for name in values if name not in modes]
-    for name in modes:
-        yield name, _refusal(camera, known[name], values[name])
-    if modes and others:
-        known = camera.controls
-    for name in others:
-        yield name, _refusal(camera, known.get(name, name), values[name])
+    turns = [modes, [name for name in values if name not in modes]]
+    refused: dict[str, ControlError] = {}
+    stale = False  # whether something was set since the camera was asked for its controls
+    while turns:
+        moved = False
+        for turn in turns:
+            if stale and turn:
+                known, stale = camera.controls, False
+            for name in turn:
+                error = _refusal(camera, known.get(name, name), values[name])
+                if error is not None:
+                    refused[name] = error
+                    continue
+                moved = stale = True
+                refused.pop(name, None)
+                yield name, None
+        turns = [list(refused)] if moved and refused else []
+    yield from refused.items()
 
 
 def _refusal(camera: V4l2Camera, control: Control | str, value: Any) -> ControlError | None:
@@ -205,10 +219,12 @@ class ControlParameters:
             refused = []
             fixed = {name: value for name, value in off(known).items() if name not in wanted}
             for name, error in set_in_order(camera, known, fixed | wanted):
-                if error is None or (self._met and name in known and known[name].inactive):
+                if error is None:
                     continue
                 if name in wanted and not self._met:
                     raise ParameterError(f"parameter '{name}': {error}")
+                if name in known and known[name].inactive:
+                    continue  # it has no effect, and nobody asks for it now
                 refused.append(str(error))
         except ParameterError as error:
             self._wrong = error
@@ -247,13 +263,11 @@ class ControlParameters:
             The camera has neither control, or fails meanwhile.
 
         """
-        settable = [each for each in camera.controls.values() if not each.read_only]
-        before = _values(camera, settable)
-        outcome = adjust_exposure(camera, read)
-        after = _values(camera, settable)
-        changed = {name: after[name] for name in after if after[name] != before.get(name)}
-        self._wanted = self._wanted | changed
-        self._changed.trigger()
+        try:
+            outcome = adjust_exposure(camera, read)
+        finally:
+            self._changed.trigger()  # also where it was broken off, and put back
+        self._wanted = self._wanted | dict(outcome.controls)
         return outcome
 
     # --- called by the executor ---
@@ -270,18 +284,19 @@ class ControlParameters:
         try:
             known = camera.controls
             before = _values(camera, [known[name] for name in values if name in known])
-            done: dict[str, Any] = {}
+            done: list[str] = []
             for name, error in set_in_order(camera, known, values):
                 if error is not None:
-                    for _ in set_in_order(camera, camera.controls, done):
-                        pass
+                    put_back(camera, {each: before[each] for each in done})
                     return _refused(str(error))
                 if name in before:  # a button cannot be released
-                    done[name] = before[name]
+                    done.append(name)
         except CaptureError as error:
             return _refused(str(error))
+        finally:
+            # Buttons spring back, and others may have changed with it, refused or not.
+            self._changed.trigger()
         self._wanted = self._wanted | {name: values[name] for name in done}
-        self._changed.trigger()  # buttons spring back, and others may have changed with it
         return SetParametersResult(successful=True)
 
     def _refresh(self) -> None:
@@ -311,12 +326,13 @@ class ControlParameters:
         camera = self._camera
         if camera is None:
             return
-        self._seen = camera.control_changes
+        seen = camera.control_changes  # before it is read: what changes meanwhile is read again
         try:
             controls = camera.controls
             values = _values(camera, controls.values())
         except CaptureError:
             return  # whoever captures meets it as well, and says it
+        self._seen = seen
         self._mirroring = True
         try:
             for name in [name for name in self._shown if name not in controls]:

@@ -1,8 +1,9 @@
 """The search for exposure and gain, on simulated sensors of many kinds."""
 
+from dataclasses import replace
 from types import MappingProxyType
 
-from blob_tracker.capture import Control, ControlError, videodev2
+from blob_tracker.capture import CaptureError, Control, ControlError, videodev2
 from blob_tracker.capture.exposure import (
     adjust_exposure, lit_peak, Scale, search, TARGET, TOLERANCE)
 from blob_tracker.simulation.light import pixel_integrated_gaussian
@@ -223,3 +224,43 @@ def test_a_camera_without_either_control_is_told(clock):
     with pytest.raises(ControlError, match='no control for exposure or gain; its controls are '
                                            'exposure_auto'):
         adjust_exposure(sensor, sensor.read)
+
+
+def test_what_it_set_is_told(clock):
+    sensor = Sensor(np.random.default_rng(0), clock, 0.5)
+    assert dict(adjust_exposure(sensor, sensor.read).controls) == sensor.values
+
+
+@pytest.mark.parametrize('error', [CaptureError('unplugged'), ControlError('locked')])
+@pytest.mark.parametrize('reads', [0, 3, 40])
+def test_a_search_that_breaks_off_puts_everything_back(clock, error, reads):
+    sensor = Sensor(np.random.default_rng(0), clock, 0.5)
+    sensor.values['exposure_absolute'] = sensor.exposure.value(3)  # the fake bounds what is set
+    before = dict(sensor.values)
+
+    def read():
+        if sensor.count == reads:
+            assert sensor.values != before
+            raise error
+        return sensor.read()
+
+    with pytest.raises(CaptureError) as caught:
+        adjust_exposure(sensor, read)
+    assert caught.value is error
+    assert sensor.values == before
+
+
+def test_a_mode_that_is_inactive_is_left_alone(clock):
+    class Inactive(Sensor):
+        @property
+        def controls(self):
+            found = super().controls
+            return found | {'exposure_auto': replace(found['exposure_auto'], inactive=True)}
+
+        def set_control(self, name, value):
+            assert name != 'exposure_auto'
+            super().set_control(name, value)
+
+    sensor = Inactive(np.random.default_rng(0), clock, 0.5)
+    assert 'exposure_auto' not in adjust_exposure(sensor, sensor.read).controls
+    assert sensor.values['exposure_auto'] == 3

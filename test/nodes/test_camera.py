@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from math import nan
 from pathlib import Path
+import time
+from types import SimpleNamespace
+from typing import Any
 
 from blob_tracker.camera import CameraModel
+from blob_tracker.capture import CaptureError, NoFrameError
+from blob_tracker.nodes import camera as nodes_camera
+from blob_tracker.types import Frame
+import cv2
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+import numpy as np
 from processes import Probe, probe, start
 import pytest
 from rcl_interfaces.srv import SetParameters
+import rclpy
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import CameraInfo, Image
 from sensor_msgs.srv import SetCameraInfo
@@ -138,3 +148,99 @@ def test_the_nodes_own_parameters_stay_as_they_were_read(domain: int) -> None:
         answer = node.call(SetParameters, 'camera/set_parameters', request)
     assert not answer.results[0].successful
     assert 'read-only' in answer.results[0].reason
+
+
+class FakeStream:
+    """Stands for the camera and its grabber: gives frames until there are none, then fails."""
+
+    width, height, frame_rate, device = 8, 6, 29.97, '/dev/fake'
+    stamp_place, pixel_format, saturation, sensor_size = 'somewhere', 'GREY', 255, (8, 6)
+    drops, error_frames, overruns, exposure_time = 3, 5, 0, None
+    control_changes, tells_changes = 0, True
+    frames = 0
+    error: Exception = OSError(5, 'Input/output error')
+    opened: list[float] = []
+
+    def __init__(self, *args: object, **settings: object) -> None:
+        if settings:
+            self.opened.append(time.monotonic())
+        self.controls: dict[str, object] = {}
+
+    def __enter__(self) -> FakeStream:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        pass
+
+    def newest(self, timeout: float) -> Frame:
+        """Return a frame or raise."""
+        if self.frames:
+            self.frames -= 1
+            return Frame(np.zeros((6, 8), np.uint8), time.time_ns(), 255)
+        raise self.error
+
+
+@pytest.fixture
+def told(
+    domain: int, ros_home: Path, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Callable[..., Any]]:
+    """Give a function that runs the node on a fake stream until something is reported."""
+    def run(until: Callable[[Any], bool], *arguments: str, **changes: object) -> Any:
+        stream = type('Stream', (FakeStream,), {'opened': [], **changes})
+        monkeypatch.setattr(nodes_camera, 'V4l2Camera', stream)
+        monkeypatch.setattr(nodes_camera, 'Grabber', stream)
+        rclpy.init(args=['--ros-args', *arguments], domain_id=domain)
+        node = nodes_camera.CameraNode()
+        try:
+            deadline = time.monotonic() + 20.0
+            while not until(found := SimpleNamespace(
+                opened=len(stream.opened), words=list(node._health._messages.values()),
+                values=dict(node._health._values), pause=node._pause,
+                alive=node._thread.is_alive(),
+            )):
+                assert time.monotonic() < deadline, found
+                time.sleep(0.01)
+        finally:
+            node.destroy_node()
+            rclpy.shutdown()
+        return found
+
+    return run
+
+
+@pytest.mark.parametrize('error', [
+    OSError(5, 'Input/output error'), BufferError('exported pointers'), cv2.error('resize'),
+    RuntimeError('odd'), CaptureError('stopped'),
+])
+def test_whatever_fails_is_told_and_the_device_is_opened_again(
+    told: Callable[..., Any], error: Exception
+) -> None:
+    """The node is never left alive and silent; without a frame it waits longer each time."""
+    found = told(lambda now: now.opened > 1 and now.words, error=error)
+    assert found.alive
+    assert str(error) in found.words[0]
+    assert found.pause > nodes_camera.FIRST_PAUSE
+
+
+def test_the_first_frame_ends_the_backing_off(told: Callable[..., Any]) -> None:
+    """Each opening gives a frame here, so that the pause never grows beyond the second."""
+    found = told(lambda now: now.opened > 2, frames=1)
+    assert found.pause <= 2.0 * nodes_camera.FIRST_PAUSE  # just before or after a frame
+
+
+def test_losses_are_told_while_no_frame_comes(told: Callable[..., Any]) -> None:
+    """Spoilt pictures alone come from a bad cable."""
+    found = told(lambda now: 'drops' in now.values, error=NoFrameError('no frame'))
+    assert (found.values['drops'], found.values['error frames']) == (3, 5)
+
+
+@pytest.mark.parametrize('asked, warned', [('60.0', True), ('30.0', False), ('0.0', False)])
+def test_another_frame_rate_than_asked_for_is_told(
+    told: Callable[..., Any], asked: str, warned: bool
+) -> None:
+    """29.97 Hz is what drivers call 30."""
+    sentence = 'frame_rate is 60 Hz and the driver gives 29.97 Hz'
+    found = told(lambda now: any('not calibrated' in each for each in now.words)
+                 and (now.values.get('frames', 0) > 3),
+                 '-p', f'frame_rate:={asked}', frames=10**6)
+    assert any(sentence in each for each in found.words) == warned

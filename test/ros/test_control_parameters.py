@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from blob_tracker.capture import Control
+from blob_tracker.capture import CaptureError, Control, ControlError
 from blob_tracker.capture.auto_modes import off, still_on
-from blob_tracker.ros.control_parameters import descriptor, parameter_value
+from blob_tracker.capture.controls import must_be
+from blob_tracker.capture.exposure import Outcome
+from blob_tracker.ros.control_parameters import (
+    ControlParameters, descriptor, parameter_value, set_in_order)
+from blob_tracker.ros.errors import ParameterError
 import pytest
 from rcl_interfaces.msg import IntegerRange, ParameterType
+import rclpy
+from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 GAIN = Control(
     number=0x00980913, name='gain', label='Gain', kind='integer', minimum=-8, maximum=254, step=2,
@@ -147,3 +155,221 @@ def test_a_frame_rate_that_only_an_automatic_exposure_lowers_is_not_told() -> No
     """With a manual exposure drivers make that control inactive and keep its value."""
     inactive = {FRAMERATE.name: replace(FRAMERATE, inactive=True)}
     assert not still_on(inactive, {FRAMERATE.name: 1})
+
+
+EXPOSURE = replace(
+    GAIN, number=0x00980911, name='exposure', label='Exposure', minimum=1, maximum=1000, step=1,
+)
+BLANKING = replace(
+    GAIN, number=0x009e0901, name='vertical_blanking', label='Vertical Blanking', minimum=10,
+    maximum=10000, step=1,
+)
+ISO_AUTO = replace(
+    AUTO_EXPOSURE, number=0x009a0918, name='iso_sensitivity_auto', label='ISO Sensitivity, Auto',
+    maximum=1, default=1, menu={0: 'Manual', 1: 'Auto'},
+)
+ISO = replace(
+    AUTO_EXPOSURE, number=0x009a0917, name='iso_sensitivity', label='ISO Sensitivity',
+    kind='integer_menu', maximum=2, default=0, menu={0: '100', 1: '200', 2: '400'},
+)
+
+
+class FakeCamera:
+    """
+    Controls that govern each other, as those of real drivers do.
+
+    The exposure must fit into the vertical blanking, which cuts it where it is made shorter; an
+    automatic mode makes what it governs inactive.
+    """
+
+    control_changes = 0
+    GOVERNED = {
+        'exposure_time_absolute': ('auto_exposure', 1), 'iso_sensitivity': (ISO_AUTO.name, 0),
+    }
+
+    def __init__(self, *controls: Control, **values: int) -> None:
+        self.all = {each.name: each for each in controls}
+        self.values = {each.name: each.default for each in controls} | values
+        self.log: list[tuple[str, Any]] = []
+
+    @property
+    def controls(self) -> dict[str, Control]:
+        """Return the controls as they are now."""
+        found = dict(self.all)
+        if 'exposure' in found and 'vertical_blanking' in found:
+            found['exposure'] = replace(EXPOSURE, maximum=self.values['vertical_blanking'])
+        for name, (mode, manual) in self.GOVERNED.items():
+            if name in found and mode in found:
+                found[name] = replace(found[name], inactive=self.values[mode] != manual)
+        return found
+
+    def get_control(self, control: Control | str) -> int:
+        """Return a value."""
+        return self.values[control if isinstance(control, str) else control.name]
+
+    def set_control(self, control: Control | str, value: int) -> None:
+        """Set a value, or refuse it by what the caller knows of the control and by what it is."""
+        name = control if isinstance(control, str) else control.name
+        if name not in self.all:
+            raise ControlError(f"there is no control '{name}'")
+        now = self.controls[name]
+        for known in (now, control):
+            if isinstance(known, Control) and (
+                known.read_only or known.inactive
+                or not known.minimum <= value <= known.maximum
+                or (known.menu and value not in known.menu)
+            ):
+                raise ControlError(f"control '{name}' is {value!r}; it must be {must_be(known)}")
+        self.values[name] = value
+        self.log.append((name, value))
+        if name == 'vertical_blanking' and 'exposure' in self.values:
+            self.values['exposure'] = min(self.values['exposure'], value)
+
+
+@pytest.mark.parametrize('values', [
+    {'vertical_blanking': 5000, 'exposure': 4000},
+    {'exposure': 4000, 'vertical_blanking': 5000},
+    {'iso_sensitivity': 1, 'iso_sensitivity_auto': 0},
+    {'iso_sensitivity_auto': 0, 'iso_sensitivity': 1},
+    {'exposure': 4000, 'iso_sensitivity': 2, 'vertical_blanking': 5000, ISO_AUTO.name: 0},
+])
+def test_a_control_that_another_makes_possible_is_set_in_any_order(values: dict[str, int]) -> None:
+    """The range of the exposure is the blanking's, and a menu may be governed by a menu."""
+    camera = FakeCamera(EXPOSURE, BLANKING, ISO, ISO_AUTO, exposure=500, vertical_blanking=1000)
+    assert set(set_in_order(camera, camera.controls, values)) == {
+        (name, None) for name in values}
+    assert camera.values == camera.values | values
+    assert len(camera.log) == len(values)  # each once
+
+
+def test_refusals_come_last_and_end() -> None:
+    """Modes first; what is still refused when nothing else moves is told, each once."""
+    camera = FakeCamera(EXPOSURE, BLANKING, ISO, ISO_AUTO, exposure=500, vertical_blanking=1000)
+    values = {'nothing': 1, 'exposure': 20000, 'vertical_blanking': 5000, ISO_AUTO.name: 0}
+    found = list(set_in_order(camera, camera.controls, values))
+    assert found[:2] == [(ISO_AUTO.name, None), ('vertical_blanking', None)]
+    assert [name for name, _ in found[2:]] == ['nothing', 'exposure']
+    assert 'from 1 to 5000' in str(found[3][1])  # the range as it is now
+
+
+class FakeHealth:
+    """Takes what is shown."""
+
+    def show(self, name: str, value: object) -> None:
+        """Take a value."""
+
+
+@pytest.fixture
+def node(domain: int) -> Iterator[Node]:
+    """Give a node; nothing spins it."""
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=domain)
+    made = Node('camera', context=context)
+    yield made
+    made.destroy_node()
+    rclpy.shutdown(context=context)
+
+
+def test_an_inactive_mode_that_nobody_asked_for_is_no_fault(node: Node) -> None:
+    """The node wants it off; as long as it has no effect there is nothing to warn of."""
+    locked = replace(FRAMERATE, inactive=True)
+    parameters = ControlParameters(node, {}, FakeHealth())
+    parameters.prepare(FakeCamera(locked, GAIN))
+    assert parameters._refused == ()
+    # One that is active, and that the camera refuses, is told.
+    parameters.prepare(FakeCamera(replace(FRAMERATE, minimum=1)))
+    assert len(parameters._refused) == 1
+
+
+def test_an_inactive_control_that_start_up_named_is_refused(node: Node) -> None:
+    """The user asked for it."""
+    parameters = ControlParameters(node, {'gain': 10}, FakeHealth())
+    with pytest.raises(ParameterError, match="'gain' is inactive"):
+        parameters.prepare(FakeCamera(replace(GAIN, inactive=True)))
+
+
+class Trigger:
+    """Stands for the guard condition, whose executor does not run here."""
+
+    count = 0
+
+    def trigger(self) -> None:
+        """Count."""
+        self.count += 1
+
+
+def attached(node: Node, camera: FakeCamera) -> tuple[ControlParameters, Trigger]:
+    """Give the parameters of a camera, shown, and what they would wake."""
+    parameters = ControlParameters(node, {}, FakeHealth())
+    parameters._changed = woken = Trigger()
+    parameters.attach(camera)
+    parameters._mirror()
+    woken.count = 0
+    return parameters, woken
+
+
+def test_a_refused_group_leaves_everything_as_it_was(node: Node) -> None:
+    """The exposure is put back before the mode that makes it inactive."""
+    time = replace(EXPOSURE, name='exposure_time_absolute', number=0x009a0902, default=157)
+    camera = FakeCamera(AUTO_EXPOSURE, time, GAIN)
+    before = dict(camera.values)
+    _, woken = attached(node, camera)
+    answer = node.set_parameters_atomically([
+        Parameter('auto_exposure', value=1), Parameter('exposure_time_absolute', value=50),
+        Parameter('gain', value=10)])
+    assert answer.successful  # all of it can be set
+    camera.values = dict(before)
+    camera.all['gain'] = replace(GAIN, maximum=8)  # which the parameter does not know yet
+    camera.log.clear()
+    woken.count = 0
+    answer = node.set_parameters_atomically([
+        Parameter('auto_exposure', value=1), Parameter('exposure_time_absolute', value=50),
+        Parameter('gain', value=10)])
+    assert not answer.successful and "'gain' is 10" in answer.reason
+    assert camera.values == before
+    assert camera.log == [
+        ('auto_exposure', 1), ('exposure_time_absolute', 50),
+        ('exposure_time_absolute', 157), ('auto_exposure', 3)]
+    assert woken.count == 1  # others may have moved with it
+
+
+def test_what_could_not_be_read_is_read_again(node: Node) -> None:
+    """A change that was told is seen only once the controls were read."""
+    camera = FakeCamera(GAIN)
+    parameters, _ = attached(node, camera)
+    camera.tells_changes = True
+    camera.control_changes, camera.values['gain'] = 1, 44
+
+    class Gone(FakeCamera):
+        @property
+        def controls(self) -> dict[str, Control]:
+            raise CaptureError('gone')
+
+    camera.__class__ = Gone
+    parameters._refresh()
+    camera.__class__ = FakeCamera
+    parameters._refresh()
+    assert node.get_parameter('gain').value == 44
+
+
+def test_only_what_the_search_set_is_wanted(node: Node, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Another program may move other controls meanwhile; those are not fought over."""
+    camera = FakeCamera(GAIN, BLANKING)
+    parameters, woken = attached(node, camera)
+
+    def found(camera: FakeCamera, read: object) -> Outcome:
+        camera.values.update(gain=20, vertical_blanking=77)
+        return Outcome(None, 20, 0.7, True, 'found', {'gain': 20})
+
+    monkeypatch.setattr('blob_tracker.ros.control_parameters.adjust_exposure', found)
+    parameters.adjust_exposure(camera, None)
+    assert parameters._wanted == {'gain': 20}
+    assert woken.count == 1
+
+    def broken(camera: FakeCamera, read: object) -> Outcome:
+        raise CaptureError('gone')
+
+    monkeypatch.setattr('blob_tracker.ros.control_parameters.adjust_exposure', broken)
+    with pytest.raises(CaptureError):
+        parameters.adjust_exposure(camera, None)
+    assert woken.count == 2  # what it moved is shown
