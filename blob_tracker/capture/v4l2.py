@@ -47,9 +47,10 @@ class V4l2Camera:
     device : str
         Path of the device or a link to it.
     width, height : int
-        px; 0 leaves it as the driver has it.
+        px; 0 leaves it to the driver: as it is, or the nearest in another pixel format.
     pixel_format : str
-        Four-character code, one of `PIXEL_FORMATS`; '' takes the first of these that the device
+        Four-character code, one of `PIXEL_FORMATS`; '' leaves it as the driver has it where that
+        is one of these and not compressed. Otherwise it takes the first of these that the device
         offers, a compressed one only where there is no other.
     frame_rate : float
         Frames/s; 0 leaves it as the driver has it. The driver takes the nearest it can.
