@@ -9,7 +9,7 @@ from blob_tracker.capture import videodev2
 from blob_tracker.capture.controls import Ioctl
 from blob_tracker.capture.errors import CaptureError
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
-from blob_tracker.capture.pixel_formats.pixel_format import PixelData
+from blob_tracker.capture.pixel_formats.pixel_format import Decoder, PixelData, PixelFormat
 from blob_tracker.types import Pixels
 
 
@@ -30,6 +30,8 @@ class StreamFormat:
         Distance of two lines of the first plane, bytes.
     saturation : int
         The DN at which a pixel of the picture is clipped.
+    decoder : function
+        That of the pixel format and the range of its levels.
 
     """
 
@@ -39,6 +41,7 @@ class StreamFormat:
     height: int
     stride: int
     saturation: int
+    decoder: Decoder
 
     def luma(self, data: PixelData) -> Pixels:
         """
@@ -50,8 +53,7 @@ class StreamFormat:
             The picture is not whole.
 
         """
-        decode = PIXEL_FORMATS[self.pixel_format].luma
-        return decode(data, self.width, self.height, self.stride)
+        return self.decoder(data, self.width, self.height, self.stride)
 
 
 def set_format(
@@ -117,10 +119,13 @@ def set_format(
             f'{device}: the driver gives interlaced fields at {width}x{height}; choose a '
             'size or input with whole (progressive) pictures')
     plane = pix.plane_fmt[0] if several else pix
+    read_as = PIXEL_FORMATS[name]
+    if pix.quantization == videodev2.QUANTIZATION_LIM_RANGE and read_as.limited_range is not None:
+        read_as = read_as.limited_range
     found = StreamFormat(
         buffer_type, name, width, height, plane.bytesperline,
-        _saturation(name, pix.quantization, pix.colorspace))
-    if not PIXEL_FORMATS[name].compressed:
+        _saturation(read_as, pix.quantization, pix.colorspace), read_as.luma)
+    if not read_as.compressed:
         try:  # now, with a sentence, what would spoil every frame
             found.luma(bytes(plane.sizeimage))
         except ValueError as error:
@@ -130,9 +135,8 @@ def set_format(
     return found
 
 
-def _saturation(name: str, quantization: int, colorspace: int) -> int:
+def _saturation(pixel_format: PixelFormat, quantization: int, colorspace: int) -> int:
     """Return where a format clips, from the range of its levels that the driver tells."""
-    pixel_format = PIXEL_FORMATS[name]
     full = quantization == videodev2.QUANTIZATION_FULL_RANGE or (
         quantization == videodev2.QUANTIZATION_DEFAULT
         and colorspace == videodev2.COLORSPACE_JPEG)

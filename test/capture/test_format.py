@@ -7,6 +7,7 @@ from typing import Any
 
 from blob_tracker.capture import CaptureError, videodev2
 from blob_tracker.capture.format import set_format, StreamFormat
+import numpy as np
 import pytest
 
 BYTES = {'YUYV': 2, 'UYVY': 2, 'RGB3': 3, 'MJPG': 1, 'H264': 1}  # of a pixel
@@ -86,3 +87,19 @@ def test_a_size_that_was_asked_for_is_insisted_on(size):
 def test_the_pixel_format_stays_where_it_can_be_read(left_at, wanted, taken):
     sizes = {name: [(640, 480)] for name in ('MJPG', 'H264', 'YUYV', 'UYVY')}
     assert Webcam(sizes, (left_at, 640, 480)).set(pixel_format=wanted).pixel_format == taken
+
+
+@pytest.mark.parametrize(('name', 'quantization', 'saturation'), [
+    ('RGB3', videodev2.QUANTIZATION_DEFAULT, 255),
+    ('RGB3', videodev2.QUANTIZATION_FULL_RANGE, 255),
+    ('RGB3', videodev2.QUANTIZATION_LIM_RANGE, 235),
+    ('YUYV', videodev2.QUANTIZATION_DEFAULT, 235),
+    ('YUYV', videodev2.QUANTIZATION_FULL_RANGE, 255),
+    ('YUYV', videodev2.QUANTIZATION_LIM_RANGE, 235),
+])
+def test_the_range_of_the_levels_tells_where_they_are_clipped(name, quantization, saturation):
+    found = Webcam({name: [(4, 2)]}, (name, 4, 2), quantization).set()
+    assert found.saturation == saturation
+    grey = np.full(found.stride * 2, 100, np.uint8)
+    grey[0] = saturation  # red, or the luma, of the first pixel
+    assert (found.luma(grey.tobytes()) >= saturation).sum() == 1
