@@ -194,10 +194,11 @@ class V4l2Camera:
         self._check_open()
         deadline = time.monotonic() + timeout
         waited = False
+        spoilt_before = self.error_frames
         while True:
             buffer = self._dequeue()
             if buffer is None:
-                self._wait(deadline, timeout)
+                self._wait(deadline, timeout, self.error_frames - spoilt_before)
                 waited = True
                 continue
             try:
@@ -417,11 +418,14 @@ class V4l2Camera:
             f'{self.device}: the driver stopped streaming: {error.strerror}'
             f'{self._signal.trouble()}; open it again')
 
-    def _wait(self, deadline: float, timeout: float) -> None:
+    def _wait(self, deadline: float, timeout: float, spoilt: int) -> None:
         ready = self._poll.poll(max(0.0, deadline - time.monotonic()) * 1e3)
         if not ready:
-            raise NoFrameError(
-                f'{self.device}: no frame for {timeout:.1f} s{self._signal.trouble()}')
+            what = f'no frame for {timeout:.1f} s'
+            if spoilt:
+                pictures = '1 picture' if spoilt == 1 else f'{spoilt} pictures'
+                what = f'{pictures} came, all spoilt or cut short'
+            raise NoFrameError(f'{self.device}: {what}{self._signal.trouble()}')
         if not ready[0][1] & select.POLLIN:
             # An error alone; a driver that knows its number gives it with the next buffer.
             self._dequeue()

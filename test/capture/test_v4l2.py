@@ -1,10 +1,15 @@
-"""What a camera says where there is none; streaming itself runs in test/vm on a real driver."""
+"""What a camera says where there is none or a bad one; test/vm streams from a real driver."""
 
+import errno
 import os
+import select
 import tempfile
 
-from blob_tracker.capture import CaptureError, V4l2Camera
+from blob_tracker.capture import CaptureError, NoFrameError, V4l2Camera, videodev2
 from blob_tracker.capture.device import capture_devices
+from blob_tracker.capture.format import StreamFormat
+from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
+from blob_tracker.capture.signal import Signal
 import pytest
 
 
@@ -79,3 +84,48 @@ def test_a_refused_device_is_not_left_open():
     before = os.listdir('/proc/self/fd')
     message('/dev/null')
     assert os.listdir('/proc/self/fd') == before
+
+
+class Spoiling(V4l2Camera):
+    """A camera whose driver gives so many pictures, each marked as spoilt or cut short."""
+
+    def __init__(self, spoilt, cut_short):
+        self.device = '/dev/video0'
+        self.error_frames = 0
+        self._flags = [videodev2.BUF_FLAG_ERROR] * spoilt + [0] * cut_short
+        self._memory = [bytearray(64)]
+        self._interval_ns = 0
+        self._format = StreamFormat(
+            videodev2.BUF_TYPE_VIDEO_CAPTURE, 'GREY', 8, 8, 8, 255, PIXEL_FORMATS['GREY'].luma)
+        self._signal = Signal(self._call)
+        self._fd, self._into = os.pipe()  # nothing ever comes through it
+        self._poll = select.poll()
+        self._poll.register(self._fd, select.POLLIN)
+
+    def _call(self, number, argument):
+        if number == videodev2.DQBUF:
+            if not self._flags:
+                raise BlockingIOError
+            argument.flags = self._flags.pop()
+            argument.bytesused = 63
+        elif number != videodev2.QBUF:
+            raise OSError(errno.ENOTTY, 'Inappropriate ioctl for device')
+
+    def close(self):
+        os.close(self._fd)
+        os.close(self._into)
+
+
+@pytest.mark.parametrize(('spoilt', 'cut_short', 'words'), [
+    (0, 0, 'no frame for 0.0 s'),
+    (0, 1, '1 picture came, all spoilt or cut short'),
+    (2, 3, '5 pictures came, all spoilt or cut short'),
+])
+def test_pictures_that_are_all_spoilt_are_told(spoilt, cut_short, words):
+    with Spoiling(spoilt, cut_short) as camera:
+        with pytest.raises(NoFrameError) as error:
+            camera.read(0.01)
+        assert str(error.value) == f'/dev/video0: {words}'
+        # Those were of that wait.
+        with pytest.raises(NoFrameError, match='/dev/video0: no frame for 0.0 s'):
+            camera.read(0.01)
