@@ -343,8 +343,7 @@ class V4l2Camera:
         try:
             self._call(videodev2.G_PARM, parameters)
             if wanted > 0.0 and parameters.capability & videodev2.CAP_TIMEPERFRAME:
-                # 1001 keeps 30000/1001 and its kin exact.
-                rate = Fraction(wanted).limit_denominator(1001)
+                rate = _rate(wanted)
                 parameters.timeperframe.numerator = rate.denominator
                 parameters.timeperframe.denominator = rate.numerator
                 self._call(videodev2.S_PARM, parameters)
@@ -483,6 +482,15 @@ class V4l2Camera:
             # The mean, as the stamps of single frames jitter on a busy machine.
             self._interval_ns = (stamp_ns - begin_ns) // ((sequence - number) & 0xffffffff)
         self.sequence = sequence
+
+
+def _rate(wanted: float) -> Fraction:
+    """Return a frame rate as the fraction that drivers know it by, frames/s."""
+    # 29.97 and 59.94 are short for 30000/1001 and 60000/1001; low whole rates lie near such too.
+    broadcast = Fraction(round(wanted * 1.001) * 1000, 1001)
+    if wanted != round(wanted) and abs(wanted - broadcast) <= 0.01:
+        return broadcast
+    return Fraction(wanted).limit_denominator(1001)
 
 
 def _stamp_ns(buffer: videodev2.Buffer) -> int:
