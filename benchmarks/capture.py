@@ -22,6 +22,7 @@ from blob_tracker.capture import Grabber, V4l2Camera, videodev2
 from blob_tracker.capture.clock import RealtimeClock
 from blob_tracker.capture.control_events import ControlEvents
 from blob_tracker.capture.format import StreamFormat
+from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 from blob_tracker.capture.selection import SensorRegion
 from blob_tracker.capture.stamps import Exposure, ExposureControls, MidExposure
 import numpy as np
@@ -74,7 +75,8 @@ class PipeCamera(V4l2Camera):
         self._open = threading.Lock()
         self._clock = RealtimeClock()
         self._format = StreamFormat(
-            videodev2.BUF_TYPE_VIDEO_CAPTURE, 'GREY', width, height, width, 255)
+            videodev2.BUF_TYPE_VIDEO_CAPTURE, 'GREY', width, height, width, 255,
+            PIXEL_FORMATS['GREY'].luma)
         self._region = SensorRegion(0, 0, (1, 1), (width, height))
         self._binning = (1, 1)
         self._events = ControlEvents(self._call, ())

@@ -5,21 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable
 import time
 
-# The kernel slews its clock by at most 500 ppm (adjtimex(2)); faster than that the distance of
-# the two clocks never changes, except by a step. Steps are made beyond 128 ms (ntpd's limit).
+# What slews the real-time clock slews the monotonic one with it (clock_gettime(2)). Their distance
+# changes by steps alone: when the clock is set (chronyc makestep, phc2sys; by any amount), at a
+# leap second, and while the machine is suspended.
+STEP_NS = 1_000_000
+STEP_BRACKETS = 4  # a reading is wrong by half its bracket at most; so is the one before
 MAX_SLEW = 500e-6
-STEP_NS = 128_000_000
 
 
 class RealtimeClock:
     """
-    Turns stamps of the monotonic clock into real time without ever jumping.
+    Turns stamps of the monotonic clock into real time; they jump only where that clock was set.
 
     offset = realtime - (monotonic before + monotonic after) / 2 is read several times and the
-    tightest reading is kept: it is wrong by half its bracket at most. The offset in use follows
-    at MAX_SLEW at most, so that a reading spoilt by a busy machine moves a stamp by less than
-    8 us at 60 frames/s and stamps keep their order. Only where the real-time clock itself was
-    set by more than STEP_NS do the stamps step with it, as ROS time does for every other node.
+    tightest reading is kept: it is wrong by half its bracket at most. An offset that differs from
+    the one in use by more than STEP_NS and by STEP_BRACKETS brackets is a step of the real-time
+    clock: the stamps step with it at once, as ROS time does for every other node. The offset in
+    use follows anything less at MAX_SLEW at most, so that a reading spoilt by a busy machine,
+    whose bracket is wide, moves a stamp by less than 8.4 us at 60 frames/s and stamps keep their
+    order.
 
     Parameters
     ----------
@@ -35,28 +39,28 @@ class RealtimeClock:
     ) -> None:
         self._monotonic = monotonic
         self._realtime = realtime
-        self._measured_at, self._offset = self._measure()
+        self._measured_at, self._offset, _ = self._measure()
 
     def from_monotonic(self, monotonic_ns: int) -> int:
         """Return the real time, ns, of an instant of the monotonic clock, ns."""
-        measured_at, offset = self._measure()
+        measured_at, offset, bracket = self._measure()
         error = offset - self._offset
-        if abs(error) < STEP_NS:
+        if abs(error) <= max(STEP_NS, STEP_BRACKETS * bracket):
             most = round(MAX_SLEW * (measured_at - self._measured_at))
             error = max(-most, min(most, error))
         self._offset += error
         self._measured_at = measured_at
         return monotonic_ns + self._offset
 
-    def _measure(self, readings: int = 5) -> tuple[int, int]:
-        """Return the tightest of several readings: (monotonic time, offset), ns."""
+    def _measure(self, readings: int = 5) -> tuple[int, int, int]:
+        """Return the tightest of several readings: (monotonic time, offset, bracket), ns."""
         tightest = None
         for _ in range(readings):
             before = self._monotonic()
             realtime = self._realtime()
             after = self._monotonic()
-            if tightest is None or after - before < tightest[0]:
+            if tightest is None or after - before < tightest[2]:
                 middle = (before + after) // 2
-                tightest = (after - before, middle, realtime - middle)
+                tightest = (middle, realtime - middle, after - before)
         assert tightest is not None
-        return tightest[1], tightest[2]
+        return tightest

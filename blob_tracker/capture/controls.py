@@ -28,6 +28,9 @@ _KINDS: Mapping[int, Kind] = MappingProxyType({
     videodev2.CTRL_TYPE_BITMASK: 'bitmask',
     videodev2.CTRL_TYPE_INTEGER_MENU: 'integer_menu',
 })
+# First numbers of the classes of controls that webcams have: user and camera controls.
+_CLASS_BASES = (0x00980900, 0x009a0900)
+_STEPS_OVER = 16
 
 
 class ControlError(CaptureError):
@@ -89,7 +92,7 @@ def controls(ioctl: Ioctl) -> dict[str, Control]:
     Return all controls of a device in its own order: name -> control.
 
     Arrays and compound types (rectangles, codec tables) have no value that a person would type;
-    they are left out, as are controls that the driver has disabled.
+    they are left out, as are controls that the driver has disabled or fails to describe.
 
     Parameters
     ----------
@@ -182,18 +185,31 @@ def _queries(ioctl: Ioctl) -> Iterator[videodev2.QueryExtCtrl]:
     """Yield the driver's description of each control that has one of the kinds."""
     last = 0
     while True:
-        query = videodev2.QueryExtCtrl(id=last | videodev2.CTRL_FLAG_NEXT_CTRL)
-        try:
-            ioctl(videodev2.QUERY_EXT_CTRL, query)
-        except OSError as error:
-            if error.errno not in (errno.EINVAL, errno.ENOTTY):  # no more; no controls at all
-                raise
-            return
-        if query.id <= last:
+        query = _next(ioctl, last)
+        if query is None or query.id <= last:
             return  # a driver that does not know the flag gives the same one for ever
         last = query.id
         if query.type in _KINDS and not query.flags & videodev2.CTRL_FLAG_DISABLED:
             yield query
+
+
+def _next(ioctl: Ioctl, last: int) -> videodev2.QueryExtCtrl | None:
+    """Return the driver's description of the next control that it can describe, if any."""
+    # A webcam may fail to answer for one control (EIO, EPIPE, ETIMEDOUT). Its number is unknown:
+    # it lies a little behind the one before it, or behind the first number of a class.
+    for start in (last, *(base for base in _CLASS_BASES if base > last)):
+        for number in range(start, start + _STEPS_OVER + 1):
+            query = videodev2.QueryExtCtrl(id=number | videodev2.CTRL_FLAG_NEXT_CTRL)
+            try:
+                ioctl(videodev2.QUERY_EXT_CTRL, query)
+            except OSError as error:
+                if error.errno == errno.ENODEV:
+                    raise
+                if error.errno in (errno.EINVAL, errno.ENOTTY):  # no more; no controls at all
+                    return None
+            else:
+                return query
+    return None
 
 
 def _described(ioctl: Ioctl, query: videodev2.QueryExtCtrl, name: str = '') -> Control:
@@ -217,14 +233,14 @@ def _described(ioctl: Ioctl, query: videodev2.QueryExtCtrl, name: str = '') -> C
 
 
 def _menu(ioctl: Ioctl, query: videodev2.QueryExtCtrl) -> dict[int, str]:
-    """Return the items of a menu that the driver has: it refuses those that it leaves out."""
+    """Return the items of a menu that the driver has: it refuses those that it lacks."""
     items = {}
     for index in range(query.minimum, query.maximum + 1):
         item = videodev2.QueryMenu(id=query.id, index=index)
         try:
             ioctl(videodev2.QUERYMENU, item)
         except OSError as error:
-            if error.errno != errno.EINVAL:
+            if error.errno == errno.ENODEV:
                 raise
             continue
         if query.type == videodev2.CTRL_TYPE_INTEGER_MENU:

@@ -9,7 +9,7 @@ from blob_tracker.capture import videodev2
 from blob_tracker.capture.controls import Ioctl
 from blob_tracker.capture.errors import CaptureError
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
-from blob_tracker.capture.pixel_formats.pixel_format import PixelData
+from blob_tracker.capture.pixel_formats.pixel_format import Decoder, PixelData, PixelFormat
 from blob_tracker.types import Pixels
 
 
@@ -30,6 +30,8 @@ class StreamFormat:
         Distance of two lines of the first plane, bytes.
     saturation : int
         The DN at which a pixel of the picture is clipped.
+    decoder : function
+        That of the pixel format and the range of its levels.
 
     """
 
@@ -39,6 +41,7 @@ class StreamFormat:
     height: int
     stride: int
     saturation: int
+    decoder: Decoder
 
     def luma(self, data: PixelData) -> Pixels:
         """
@@ -50,8 +53,7 @@ class StreamFormat:
             The picture is not whole.
 
         """
-        decode = PIXEL_FORMATS[self.pixel_format].luma
-        return decode(data, self.width, self.height, self.stride)
+        return self.decoder(data, self.width, self.height, self.stride)
 
 
 def set_format(
@@ -69,10 +71,11 @@ def set_format(
     buffer_type : int
         videodev2.BUF_TYPE_VIDEO_CAPTURE, or its _MPLANE twin.
     width, height : int
-        px; 0 leaves it as the driver has it.
+        px; 0 leaves it to the driver: as it is, or the nearest in another pixel format.
     pixel_format : str
-        Four-character code; '' takes the first of `PIXEL_FORMATS` that the device offers, a
-        compressed one only where there is no other.
+        Four-character code; '' leaves it as the driver has it where that is one of
+        `PIXEL_FORMATS` and not compressed. Otherwise it takes the first of these that the device
+        offers, a compressed one only where there is no other.
 
     Raises
     ------
@@ -82,11 +85,12 @@ def set_format(
         Of the driver.
 
     """
-    name = _chosen(call, device, buffer_type, pixel_format)
     wanted = videodev2.Format(type=buffer_type)
     call(videodev2.G_FMT, wanted)
     several = buffer_type == videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE
     pix = wanted.pix_mp if several else wanted.pix
+    name = _chosen(call, device, buffer_type, pixel_format,
+                   videodev2.fourcc_name(pix.pixelformat))
     pix.width = width or pix.width
     pix.height = height or pix.height
     pix.pixelformat = videodev2.fourcc(name)
@@ -97,13 +101,15 @@ def set_format(
             plane.bytesperline = 0
     else:
         pix.bytesperline = 0
-    width, height = pix.width, pix.height
+    asked = f'{pix.width}x{pix.height}'
     call(videodev2.S_FMT, wanted)
-    if (pix.width, pix.height) != (width, height):
+    # A size that nobody asked for is that of the pixel format before, which this one may not have.
+    if (width and pix.width != width) or (height and pix.height != height):
         sizes = _offered_sizes(call, name)
         raise CaptureError(
-            f'{device}: {width}x{height} is not offered; the driver gives '
+            f'{device}: {asked} is not offered; the driver gives '
             f'{pix.width}x{pix.height} instead' + (f', and has {sizes}' if sizes else ''))
+    width, height = pix.width, pix.height
     if pix.pixelformat != videodev2.fourcc(name):
         raise CaptureError(
             f'{device}: the driver gives {videodev2.fourcc_name(pix.pixelformat)} at '
@@ -113,10 +119,13 @@ def set_format(
             f'{device}: the driver gives interlaced fields at {width}x{height}; choose a '
             'size or input with whole (progressive) pictures')
     plane = pix.plane_fmt[0] if several else pix
+    read_as = PIXEL_FORMATS[name]
+    if pix.quantization == videodev2.QUANTIZATION_LIM_RANGE and read_as.limited_range is not None:
+        read_as = read_as.limited_range
     found = StreamFormat(
         buffer_type, name, width, height, plane.bytesperline,
-        _saturation(name, pix.quantization, pix.colorspace))
-    if not PIXEL_FORMATS[name].compressed:
+        _saturation(read_as, pix.quantization, pix.colorspace), read_as.luma)
+    if not read_as.compressed:
         try:  # now, with a sentence, what would spoil every frame
             found.luma(bytes(plane.sizeimage))
         except ValueError as error:
@@ -126,9 +135,8 @@ def set_format(
     return found
 
 
-def _saturation(name: str, quantization: int, colorspace: int) -> int:
+def _saturation(pixel_format: PixelFormat, quantization: int, colorspace: int) -> int:
     """Return where a format clips, from the range of its levels that the driver tells."""
-    pixel_format = PIXEL_FORMATS[name]
     full = quantization == videodev2.QUANTIZATION_FULL_RANGE or (
         quantization == videodev2.QUANTIZATION_DEFAULT
         and colorspace == videodev2.COLORSPACE_JPEG)
@@ -137,7 +145,7 @@ def _saturation(name: str, quantization: int, colorspace: int) -> int:
     return pixel_format.saturation
 
 
-def _chosen(call: Ioctl, device: str, buffer_type: int, wanted: str) -> str:
+def _chosen(call: Ioctl, device: str, buffer_type: int, wanted: str, current: str) -> str:
     if wanted and wanted not in PIXEL_FORMATS:
         raise CaptureError(f'pixel_format {wanted!r} cannot be decoded; choose one of '
                            + ', '.join(PIXEL_FORMATS))
@@ -153,6 +161,8 @@ def _chosen(call: Ioctl, device: str, buffer_type: int, wanted: str) -> str:
         raise CaptureError(
             f'{device}: pixel_format {wanted!r} is not offered; of the formats that this '
             f'device offers, {", ".join(usable)} can be decoded')
+    if not wanted and current in usable and not PIXEL_FORMATS[current].compressed:
+        return current
     return wanted or usable[0]
 
 

@@ -47,9 +47,10 @@ class V4l2Camera:
     device : str
         Path of the device or a link to it.
     width, height : int
-        px; 0 leaves it as the driver has it.
+        px; 0 leaves it to the driver: as it is, or the nearest in another pixel format.
     pixel_format : str
-        Four-character code, one of `PIXEL_FORMATS`; '' takes the first of these that the device
+        Four-character code, one of `PIXEL_FORMATS`; '' leaves it as the driver has it where that
+        is one of these and not compressed. Otherwise it takes the first of these that the device
         offers, a compressed one only where there is no other.
     frame_rate : float
         Frames/s; 0 leaves it as the driver has it. The driver takes the nearest it can.
@@ -193,10 +194,11 @@ class V4l2Camera:
         self._check_open()
         deadline = time.monotonic() + timeout
         waited = False
+        spoilt_before = self.error_frames
         while True:
             buffer = self._dequeue()
             if buffer is None:
-                self._wait(deadline, timeout)
+                self._wait(deadline, timeout, self.error_frames - spoilt_before)
                 waited = True
                 continue
             try:
@@ -341,8 +343,7 @@ class V4l2Camera:
         try:
             self._call(videodev2.G_PARM, parameters)
             if wanted > 0.0 and parameters.capability & videodev2.CAP_TIMEPERFRAME:
-                # 1001 keeps 30000/1001 and its kin exact.
-                rate = Fraction(wanted).limit_denominator(1001)
+                rate = _rate(wanted)
                 parameters.timeperframe.numerator = rate.denominator
                 parameters.timeperframe.denominator = rate.numerator
                 self._call(videodev2.S_PARM, parameters)
@@ -416,11 +417,14 @@ class V4l2Camera:
             f'{self.device}: the driver stopped streaming: {error.strerror}'
             f'{self._signal.trouble()}; open it again')
 
-    def _wait(self, deadline: float, timeout: float) -> None:
+    def _wait(self, deadline: float, timeout: float, spoilt: int) -> None:
         ready = self._poll.poll(max(0.0, deadline - time.monotonic()) * 1e3)
         if not ready:
-            raise NoFrameError(
-                f'{self.device}: no frame for {timeout:.1f} s{self._signal.trouble()}')
+            what = f'no frame for {timeout:.1f} s'
+            if spoilt:
+                pictures = '1 picture' if spoilt == 1 else f'{spoilt} pictures'
+                what = f'{pictures} came, all spoilt or cut short'
+            raise NoFrameError(f'{self.device}: {what}{self._signal.trouble()}')
         if not ready[0][1] & select.POLLIN:
             # An error alone; a driver that knows its number gives it with the next buffer.
             self._dequeue()
@@ -478,6 +482,15 @@ class V4l2Camera:
             # The mean, as the stamps of single frames jitter on a busy machine.
             self._interval_ns = (stamp_ns - begin_ns) // ((sequence - number) & 0xffffffff)
         self.sequence = sequence
+
+
+def _rate(wanted: float) -> Fraction:
+    """Return a frame rate as the fraction that drivers know it by, frames/s."""
+    # 29.97 and 59.94 are short for 30000/1001 and 60000/1001; low whole rates lie near such too.
+    broadcast = Fraction(round(wanted * 1.001) * 1000, 1001)
+    if wanted != round(wanted) and abs(wanted - broadcast) <= 0.01:
+        return broadcast
+    return Fraction(wanted).limit_denominator(1001)
 
 
 def _stamp_ns(buffer: videodev2.Buffer) -> int:

@@ -45,7 +45,7 @@ PARAMETERS = (
     Parameter(
         'pixel_format',
         '',
-        'FourCC of the pixels; empty takes the first of these that the camera offers.',
+        'FourCC of the pixels; empty leaves the camera its own if it can be read uncompressed.',
         choices=('', *PIXEL_FORMATS),
     ),
     Parameter(

@@ -1,5 +1,6 @@
 """What a control may be; reading and setting run in test/vm on a real driver."""
 
+import errno
 from types import MappingProxyType
 
 from blob_tracker.capture import Control, ControlError, controls, videodev2
@@ -84,3 +85,60 @@ class Repeating:
 
 def test_a_driver_that_repeats_itself_ends():
     assert list(controls.controls(Repeating())) == ['gain']
+
+
+class Webcam:
+    """A driver with menus of three items, of which some controls or items cannot be told."""
+
+    def __init__(self, numbers, broken=(), error=errno.EIO, broken_item=None):
+        self.numbers = numbers
+        self.broken = broken
+        self.error = error
+        self.broken_item = broken_item
+
+    def __call__(self, number, argument):
+        if number == videodev2.QUERYMENU:
+            if argument.index == self.broken_item:
+                raise OSError(self.error, 'its text')
+            argument.item.name = b'Item %d' % argument.index
+            return
+        assert argument.id & videodev2.CTRL_FLAG_NEXT_CTRL
+        last = argument.id & ~videodev2.CTRL_FLAG_NEXT_CTRL
+        following = min((known for known in self.numbers if known > last), default=None)
+        if following is None:
+            raise OSError(errno.EINVAL, 'Invalid argument')
+        if following in self.broken:
+            raise OSError(self.error, 'its text')
+        argument.id = following
+        argument.name = b'%x' % following
+        argument.type = videodev2.CTRL_TYPE_MENU
+        argument.maximum = 2
+
+
+# Three of the user class with the one that names it before them, and two of the camera class.
+WEBCAM = (0x980001, 0x980900, 0x980902, 0x98091c, 0x9a0901, 0x9a0902)
+
+
+@pytest.mark.parametrize('error', [errno.EIO, errno.EPIPE, errno.ETIMEDOUT])
+@pytest.mark.parametrize('broken', [(number,) for number in WEBCAM[1:3] + WEBCAM[4:]]
+                         + [WEBCAM[1:3], WEBCAM[:2]])
+def test_a_broken_control_is_left_out_alone(broken, error):
+    found = controls.controls(Webcam(WEBCAM, broken, error))
+    assert [control.number for control in found.values()] == [
+        number for number in WEBCAM if number not in broken]
+
+
+def test_a_driver_whose_controls_are_all_broken_has_none():
+    assert controls.controls(Webcam(WEBCAM, WEBCAM)) == {}
+
+
+def test_a_broken_item_is_left_out_of_its_menu():
+    found = controls.controls(Webcam(WEBCAM[:1], broken_item=1))
+    assert [dict(control.menu) for control in found.values()] == [{0: 'Item 0', 2: 'Item 2'}]
+
+
+@pytest.mark.parametrize('settings', [{'broken': WEBCAM[2:3]}, {'broken_item': 1}])
+def test_a_device_that_goes_while_it_tells_is_gone(settings):
+    with pytest.raises(OSError, match='its text') as error:
+        controls.controls(Webcam(WEBCAM, error=errno.ENODEV, **settings))
+    assert error.value.errno == errno.ENODEV

@@ -1,10 +1,15 @@
-"""What a camera says where there is none; streaming itself runs in test/vm on a real driver."""
+"""What a camera says where there is none or a bad one; test/vm streams from a real driver."""
 
+import errno
 import os
+import select
 import tempfile
 
-from blob_tracker.capture import CaptureError, V4l2Camera
+from blob_tracker.capture import CaptureError, NoFrameError, V4l2Camera, videodev2
 from blob_tracker.capture.device import capture_devices
+from blob_tracker.capture.format import StreamFormat
+from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
+from blob_tracker.capture.signal import Signal
 import pytest
 
 
@@ -79,3 +84,75 @@ def test_a_refused_device_is_not_left_open():
     before = os.listdir('/proc/self/fd')
     message('/dev/null')
     assert os.listdir('/proc/self/fd') == before
+
+
+class Spoiling(V4l2Camera):
+    """A camera whose driver gives so many pictures, each marked as spoilt or cut short."""
+
+    def __init__(self, spoilt, cut_short):
+        self.device = '/dev/video0'
+        self.error_frames = 0
+        self._flags = [videodev2.BUF_FLAG_ERROR] * spoilt + [0] * cut_short
+        self._memory = [bytearray(64)]
+        self._interval_ns = 0
+        self._format = StreamFormat(
+            videodev2.BUF_TYPE_VIDEO_CAPTURE, 'GREY', 8, 8, 8, 255, PIXEL_FORMATS['GREY'].luma)
+        self._signal = Signal(self._call)
+        self._fd, self._into = os.pipe()  # nothing ever comes through it
+        self._poll = select.poll()
+        self._poll.register(self._fd, select.POLLIN)
+
+    def _call(self, number, argument):
+        if number == videodev2.DQBUF:
+            if not self._flags:
+                raise BlockingIOError
+            argument.flags = self._flags.pop()
+            argument.bytesused = 63
+        elif number != videodev2.QBUF:
+            raise OSError(errno.ENOTTY, 'Inappropriate ioctl for device')
+
+    def close(self):
+        os.close(self._fd)
+        os.close(self._into)
+
+
+@pytest.mark.parametrize(('spoilt', 'cut_short', 'words'), [
+    (0, 0, 'no frame for 0.0 s'),
+    (0, 1, '1 picture came, all spoilt or cut short'),
+    (2, 3, '5 pictures came, all spoilt or cut short'),
+])
+def test_pictures_that_are_all_spoilt_are_told(spoilt, cut_short, words):
+    with Spoiling(spoilt, cut_short) as camera:
+        with pytest.raises(NoFrameError) as error:
+            camera.read(0.01)
+        assert str(error.value) == f'/dev/video0: {words}'
+        # Those were of that wait.
+        with pytest.raises(NoFrameError, match='/dev/video0: no frame for 0.0 s'):
+            camera.read(0.01)
+
+
+class Rated(V4l2Camera):
+    """A camera that takes any frame rate."""
+
+    def __init__(self):
+        self._format = StreamFormat(
+            videodev2.BUF_TYPE_VIDEO_CAPTURE, 'GREY', 8, 8, 8, 255, PIXEL_FORMATS['GREY'].luma)
+
+    def _call(self, number, argument):
+        argument.capability = videodev2.CAP_TIMEPERFRAME
+        if number == videodev2.S_PARM:
+            interval = argument.timeperframe
+            self.asked = (interval.denominator, interval.numerator)
+
+
+@pytest.mark.parametrize(('wanted', 'asked'), [
+    (29.97, (30000, 1001)), (30000 / 1001, (30000, 1001)), (59.94, (60000, 1001)),
+    (23.976, (24000, 1001)), (23.98, (24000, 1001)), (119.88, (120000, 1001)),
+    # 5, 10 and 990 lie within 0.01 of such a rate too.
+    (30.0, (30, 1)), (5.0, (5, 1)), (10.0, (10, 1)), (990.0, (990, 1)),
+    (7.5, (15, 2)), (0.5, (1, 2)), (1 / 3, (1, 3)), (29.5, (59, 2)),
+])
+def test_a_frame_rate_is_asked_for_as_drivers_know_it(wanted, asked):
+    camera = Rated()
+    assert camera._set_frame_rate(wanted) == pytest.approx(wanted, abs=0.01)
+    assert camera.asked == asked

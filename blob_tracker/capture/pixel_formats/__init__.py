@@ -4,8 +4,12 @@ Buffer of a camera -> luma in raw DN, one file for each family of pixel formats.
 To add a format: write its function and add its line to `PIXEL_FORMATS`.
 """
 
+from collections.abc import Callable
+from functools import partial
+
 from blob_tracker.capture.pixel_formats import bayer, grey, jpeg, packed, rgb, yuv
 from blob_tracker.capture.pixel_formats.pixel_format import PixelData, PixelFormat
+from blob_tracker.types import Pixels
 
 __all__ = ['PIXEL_FORMATS', 'PixelData', 'PixelFormat']
 
@@ -21,6 +25,12 @@ _BAYER = (
     (14, packed.mipi14, ('pgEE', 'pGEE', 'pREE', 'pBEE')),
     (16, grey.words, ('GR16', 'GB16', 'RG16', 'BYR2')),
 )
+
+
+def _rgb(luma: Callable[..., Pixels]) -> PixelFormat:
+    return PixelFormat(
+        luma, 255, limited_range=PixelFormat(partial(luma, saturation=235), 235))
+
 
 # The four-character code, as `v4l2-ctl --list-formats` prints it -> the format.
 PIXEL_FORMATS = {
@@ -47,12 +57,12 @@ PIXEL_FORMATS = {
             'NM12', 'NM21', 'NM16', 'NM61', 'YM12', 'YM21', 'YM16', 'YM61', 'YM24', 'YM42',
         )
     },
-    'RGB3': PixelFormat(rgb.rgb24, 255),
-    'BGR3': PixelFormat(rgb.bgr24, 255),
-    **{name: PixelFormat(rgb.rgbx32, 255) for name in ('AB24', 'XB24')},
-    **{name: PixelFormat(rgb.bgrx32, 255) for name in ('BGR4', 'AR24', 'XR24')},
-    **{name: PixelFormat(rgb.xrgb32, 255) for name in ('RGB4', 'BA24', 'BX24')},
-    **{name: PixelFormat(rgb.xbgr32, 255) for name in ('RA24', 'RX24')},
+    'RGB3': _rgb(rgb.rgb24),
+    'BGR3': _rgb(rgb.bgr24),
+    **{name: _rgb(rgb.rgbx32) for name in ('AB24', 'XB24')},
+    **{name: _rgb(rgb.bgrx32) for name in ('BGR4', 'AR24', 'XR24')},
+    **{name: _rgb(rgb.xrgb32) for name in ('RGB4', 'BA24', 'BX24')},
+    **{name: _rgb(rgb.xbgr32) for name in ('RA24', 'RX24')},
     **{
         name: PixelFormat(
             bayer.green(samples, first, bits), bayer.saturation(bits), binning=2)

@@ -30,6 +30,9 @@ class PixelFormat:
     full_range_saturation : int or None
         The same where the driver says that its levels use the full range; None where that makes
         no difference.
+    limited_range : PixelFormat or None
+        The format where the driver says that its levels use the limited range; None where that
+        makes no difference.
     binning : int
         Sensor pixels per pixel of the picture, along both axes.
     compressed : bool
@@ -40,5 +43,6 @@ class PixelFormat:
     luma: Decoder
     saturation: int
     full_range_saturation: int | None = None
+    limited_range: PixelFormat | None = None
     binning: int = 1
     compressed: bool = False

@@ -1,5 +1,6 @@
 """The luma of RGB in every order of bytes."""
 
+from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 import numpy as np
 import pytest
 
@@ -35,3 +36,19 @@ def test_one_clipped_colour_clips_the_pixel(decode, name, colour):
     luma = decode(name, pixels, WIDTH, HEIGHT)
     assert luma[2, 3] == 255
     assert (luma == 254).sum() == HEIGHT * WIDTH - 1
+
+
+@pytest.mark.parametrize('name', LAYOUTS)
+@pytest.mark.parametrize('colour', [0, 1, 2])
+@pytest.mark.parametrize('level', [235, 240, 255])  # noise may lie above the white of 235
+def test_one_clipped_colour_of_the_limited_range_clips_the_pixel(name, colour, level):
+    size, places = LAYOUTS[name]
+    pixels = np.full((HEIGHT, WIDTH, size), 234, np.uint8)
+    if size == 4:
+        pixels[..., ({0, 1, 2, 3} - set(places)).pop()] = 255  # opaque: not a clipped colour
+    pixels[2, 3, places] = 0
+    pixels[2, 3, places[colour]] = level
+    limited = PIXEL_FORMATS[name].limited_range
+    luma = limited.luma(pixels.tobytes(), WIDTH, HEIGHT, 0)
+    assert luma[2, 3] == limited.saturation == 235
+    assert (luma == 234).sum() == HEIGHT * WIDTH - 1

@@ -1,0 +1,105 @@
+"""What a driver makes of a format that is asked for, where vivid in test/vm cannot show it."""
+
+from __future__ import annotations
+
+import errno
+from typing import Any
+
+from blob_tracker.capture import CaptureError, videodev2
+from blob_tracker.capture.format import set_format, StreamFormat
+import numpy as np
+import pytest
+
+BYTES = {'YUYV': 2, 'UYVY': 2, 'RGB3': 3, 'MJPG': 1, 'H264': 1}  # of a pixel
+
+
+class Webcam:
+    """
+    A camera with a few sizes of each format, left at one of them by the program before.
+
+    Parameters
+    ----------
+    sizes : dict
+        pixel format -> its sizes, the first of which is given for any that it lacks.
+    current : (str, int, int)
+        Pixel format, width and height as the device was left.
+    quantization : int
+        Range of the levels that it gives.
+
+    """
+
+    def __init__(
+        self, sizes: dict[str, list[tuple[int, int]]], current: tuple[str, int, int],
+        quantization: int = videodev2.QUANTIZATION_DEFAULT,
+    ) -> None:
+        self.sizes = sizes
+        self.current = current
+        self.quantization = quantization
+
+    def __call__(self, number: int, argument: Any) -> None:
+        if number == videodev2.ENUM_FMT:
+            if argument.index >= len(self.sizes):
+                raise OSError(errno.EINVAL, 'Invalid argument')
+            argument.pixelformat = videodev2.fourcc(list(self.sizes)[argument.index])
+        elif number == videodev2.ENUM_FRAMESIZES:
+            raise OSError(errno.ENOTTY, 'Inappropriate ioctl for device')
+        else:
+            pix = argument.pix
+            if number == videodev2.S_FMT:
+                name = videodev2.fourcc_name(pix.pixelformat)
+                size = (pix.width, pix.height)
+                known = self.sizes[name]
+                self.current = (name, *(size if size in known else known[0]))
+            name, pix.width, pix.height = self.current
+            pix.pixelformat = videodev2.fourcc(name)
+            pix.bytesperline = BYTES[name] * pix.width
+            pix.sizeimage = pix.bytesperline * pix.height
+            pix.quantization = self.quantization
+
+    def set(self, width: int = 0, height: int = 0, pixel_format: str = '') -> StreamFormat:
+        return set_format(
+            self, '/dev/video0', videodev2.BUF_TYPE_VIDEO_CAPTURE, width, height, pixel_format)
+
+
+SIZES = {'MJPG': [(640, 480), (1920, 1080)], 'YUYV': [(640, 480), (320, 240)]}
+
+
+def test_a_size_that_nobody_asked_for_is_not_insisted_on():
+    found = Webcam(SIZES, ('MJPG', 1920, 1080)).set()
+    assert (found.pixel_format, found.width, found.height) == ('YUYV', 640, 480)
+    assert found.stride == 1280
+
+
+@pytest.mark.parametrize('size', [(1920, 1080), (1920, 0), (0, 1080)])
+def test_a_size_that_was_asked_for_is_insisted_on(size):
+    with pytest.raises(CaptureError) as error:
+        Webcam(SIZES, ('MJPG', 1920, 1080)).set(*size, pixel_format='YUYV')
+    assert str(error.value) == ('/dev/video0: 1920x1080 is not offered; the driver gives 640x480 '
+                                'instead')
+
+
+@pytest.mark.parametrize(('left_at', 'wanted', 'taken'), [
+    ('UYVY', '', 'UYVY'),  # readable: as it is
+    ('MJPG', '', 'YUYV'),  # compressed: the first that is not
+    ('H264', '', 'YUYV'),  # unreadable
+    ('UYVY', 'MJPG', 'MJPG'),
+])
+def test_the_pixel_format_stays_where_it_can_be_read(left_at, wanted, taken):
+    sizes = {name: [(640, 480)] for name in ('MJPG', 'H264', 'YUYV', 'UYVY')}
+    assert Webcam(sizes, (left_at, 640, 480)).set(pixel_format=wanted).pixel_format == taken
+
+
+@pytest.mark.parametrize(('name', 'quantization', 'saturation'), [
+    ('RGB3', videodev2.QUANTIZATION_DEFAULT, 255),
+    ('RGB3', videodev2.QUANTIZATION_FULL_RANGE, 255),
+    ('RGB3', videodev2.QUANTIZATION_LIM_RANGE, 235),
+    ('YUYV', videodev2.QUANTIZATION_DEFAULT, 235),
+    ('YUYV', videodev2.QUANTIZATION_FULL_RANGE, 255),
+    ('YUYV', videodev2.QUANTIZATION_LIM_RANGE, 235),
+])
+def test_the_range_of_the_levels_tells_where_they_are_clipped(name, quantization, saturation):
+    found = Webcam({name: [(4, 2)]}, (name, 4, 2), quantization).set()
+    assert found.saturation == saturation
+    grey = np.full(found.stride * 2, 100, np.uint8)
+    grey[0] = saturation  # red, or the luma, of the first pixel
+    assert (found.luma(grey.tobytes()) >= saturation).sum() == 1
