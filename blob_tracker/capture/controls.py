@@ -195,7 +195,7 @@ def _queries(ioctl: Ioctl) -> Iterator[videodev2.QueryExtCtrl]:
 
 def _next(ioctl: Ioctl, last: int) -> videodev2.QueryExtCtrl | None:
     """Return the driver's description of the next control that it can describe, if any."""
-    # A webcam may fail to answer for one control (EIO, EPIPE, ETIMEDOUT). Its number is unknown:
+    # A webcam may fail to answer for one control (EIO, EPIPE). Its number is unknown:
     # it lies a little behind the one before it, or behind the first number of a class.
     for start in (last, *(base for base in _CLASS_BASES if base > last)):
         for number in range(start, start + _STEPS_OVER + 1):
@@ -205,7 +205,8 @@ def _next(ioctl: Ioctl, last: int) -> videodev2.QueryExtCtrl | None:
             except OSError as error:
                 if error.errno == errno.ENODEV:
                     raise
-                if error.errno in (errno.EINVAL, errno.ENOTTY):  # no more; no controls at all
+                # No more; no controls at all; one that makes each try wait, at opening.
+                if error.errno in (errno.EINVAL, errno.ENOTTY, errno.ETIMEDOUT):
                     return None
             else:
                 return query

@@ -119,13 +119,18 @@ class Webcam:
 WEBCAM = (0x980001, 0x980900, 0x980902, 0x98091c, 0x9a0901, 0x9a0902)
 
 
-@pytest.mark.parametrize('error', [errno.EIO, errno.EPIPE, errno.ETIMEDOUT])
+@pytest.mark.parametrize('error', [errno.EIO, errno.EPIPE])
 @pytest.mark.parametrize('broken', [(number,) for number in WEBCAM[1:3] + WEBCAM[4:]]
                          + [WEBCAM[1:3], WEBCAM[:2]])
 def test_a_broken_control_is_left_out_alone(broken, error):
     found = controls.controls(Webcam(WEBCAM, broken, error))
     assert [control.number for control in found.values()] == [
         number for number in WEBCAM if number not in broken]
+
+
+def test_a_control_that_makes_each_try_wait_ends_the_list():
+    found = controls.controls(Webcam(WEBCAM, WEBCAM[3:4], errno.ETIMEDOUT))
+    assert [control.number for control in found.values()] == list(WEBCAM[:3])
 
 
 def test_a_driver_whose_controls_are_all_broken_has_none():

@@ -56,7 +56,7 @@ class Webcam:
             pix.sizeimage = pix.bytesperline * pix.height
             pix.quantization = self.quantization
 
-    def set(self, width: int = 0, height: int = 0, pixel_format: str = '') -> StreamFormat:
+    def negotiated(self, width: int = 0, height: int = 0, pixel_format: str = '') -> StreamFormat:
         return set_format(
             self, '/dev/video0', videodev2.BUF_TYPE_VIDEO_CAPTURE, width, height, pixel_format)
 
@@ -65,7 +65,7 @@ SIZES = {'MJPG': [(640, 480), (1920, 1080)], 'YUYV': [(640, 480), (320, 240)]}
 
 
 def test_a_size_that_nobody_asked_for_is_not_insisted_on():
-    found = Webcam(SIZES, ('MJPG', 1920, 1080)).set()
+    found = Webcam(SIZES, ('MJPG', 1920, 1080)).negotiated()
     assert (found.pixel_format, found.width, found.height) == ('YUYV', 640, 480)
     assert found.stride == 1280
 
@@ -73,7 +73,7 @@ def test_a_size_that_nobody_asked_for_is_not_insisted_on():
 @pytest.mark.parametrize('size', [(1920, 1080), (1920, 0), (0, 1080)])
 def test_a_size_that_was_asked_for_is_insisted_on(size):
     with pytest.raises(CaptureError) as error:
-        Webcam(SIZES, ('MJPG', 1920, 1080)).set(*size, pixel_format='YUYV')
+        Webcam(SIZES, ('MJPG', 1920, 1080)).negotiated(*size, pixel_format='YUYV')
     assert str(error.value) == ('/dev/video0: 1920x1080 is not offered; the driver gives 640x480 '
                                 'instead')
 
@@ -86,7 +86,7 @@ def test_a_size_that_was_asked_for_is_insisted_on(size):
 ])
 def test_the_pixel_format_stays_where_it_can_be_read(left_at, wanted, taken):
     sizes = {name: [(640, 480)] for name in ('MJPG', 'H264', 'YUYV', 'UYVY')}
-    assert Webcam(sizes, (left_at, 640, 480)).set(pixel_format=wanted).pixel_format == taken
+    assert Webcam(sizes, (left_at, 640, 480)).negotiated(pixel_format=wanted).pixel_format == taken
 
 
 @pytest.mark.parametrize(('name', 'quantization', 'saturation'), [
@@ -98,7 +98,7 @@ def test_the_pixel_format_stays_where_it_can_be_read(left_at, wanted, taken):
     ('YUYV', videodev2.QUANTIZATION_LIM_RANGE, 235),
 ])
 def test_the_range_of_the_levels_tells_where_they_are_clipped(name, quantization, saturation):
-    found = Webcam({name: [(4, 2)]}, (name, 4, 2), quantization).set()
+    found = Webcam({name: [(4, 2)]}, (name, 4, 2), quantization).negotiated()
     assert found.saturation == saturation
     grey = np.full(found.stride * 2, 100, np.uint8)
     grey[0] = saturation  # red, or the luma, of the first pixel
