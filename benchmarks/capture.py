@@ -65,7 +65,7 @@ class PipeCamera(V4l2Camera):
 
     def __init__(self, width: int, height: int) -> None:
         self.device = 'pipe'
-        self.drops, self.sequence, self.control_changes, self.saturation = 0, -1, 0, 255
+        self.saturation = 255
         self.dequeued_ns = 0
         self.width, self.height = width, height
         self._fd, self._filled = os.pipe()

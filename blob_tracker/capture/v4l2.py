@@ -94,6 +94,11 @@ class V4l2Camera:
 
     """
 
+    drops = 0
+    error_frames = 0
+    sequence = -1
+    control_changes = 0
+
     def __init__(
         self,
         device: str,
@@ -112,10 +117,6 @@ class V4l2Camera:
             if seconds is not None and not 0.0 <= seconds < float('inf'):
                 raise CaptureError(f'{name} is {seconds} s; it must be 0 or more')
         self.device = device
-        self.drops = 0
-        self.error_frames = 0
-        self.sequence = -1
-        self.control_changes = 0
         self._first = (0, 0)  # sequence and stamp of the first frame
         self._interval_ns = 0
         self._memory: list[mmap.mmap] = []
