@@ -89,11 +89,20 @@ class Tracker:
 
     def flash(self) -> None:
         """Send flashes enough to be sure of the target, and wait for the bearing of the last."""
-        for index in range(1, 9):
-            self.send(index)
-        self.node.spin_until(
-            lambda: self.bearings and to_ns(self.bearings[-1].header.stamp) == self.stamp_ns, 5.0
-        )
+        for attempt in range(3):
+            for index in range(1, 9):
+                self.send(index)
+            try:
+                self.node.spin_until(self._last_is_located, 5.0)
+                return
+            except AssertionError:
+                # Images are best effort: where one is lost the light is out of step once.
+                if attempt == 2:
+                    raise
+                self.stamp_ns += 10**9
+
+    def _last_is_located(self) -> bool:
+        return bool(self.bearings) and to_ns(self.bearings[-1].header.stamp) == self.stamp_ns
 
 
 @pytest.fixture(scope='module')
