@@ -37,7 +37,10 @@ def main(arguments: argparse.Namespace) -> int:
         Exit code: 0 done, 1 failed, 2 called wrongly, 130 after Ctrl-C.
 
     """
-    return int(_module(arguments.calibration).main(arguments))
+    try:
+        return int(_module(arguments.calibration).main(arguments))
+    except KeyboardInterrupt:
+        return 130
 
 
 def _module(name: str) -> ModuleType:

@@ -92,7 +92,12 @@ def main(arguments: argparse.Namespace) -> int:
     -------
     int
         0 when the calibration is written, 1 where the images do not give one, 2 for a wrong
-        option, 130 after Ctrl-C: the second one of a topic, of which the first ends the listening.
+        option.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        On Ctrl-C: the second one of a topic, of which the first ends the listening.
 
     """
     try:
@@ -123,8 +128,6 @@ def main(arguments: argparse.Namespace) -> int:
     except OSError as error:
         print(f'{error.filename} cannot be written: {error.strerror}', file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        return 130
     return 0
 
 

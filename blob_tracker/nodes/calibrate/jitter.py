@@ -76,8 +76,6 @@ def main(arguments: argparse.Namespace) -> int:
     except (CalibrationError, EdgeError, SourceError, OSError) as error:
         print(error, file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        return 130
     return 0
 
 

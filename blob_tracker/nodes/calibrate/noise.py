@@ -22,6 +22,7 @@ from blob_tracker.calibration.photon_transfer import (
     PhotonTransferError,
 )
 from blob_tracker.calibration.photon_transfer_picture import draw_noise_line
+from blob_tracker.nodes.calibrate.report import refusal
 from blob_tracker.nodes.calibrate.sources import (
     add_source, frames, is_folder, is_live, SourceError,
 )
@@ -75,8 +76,12 @@ def main(arguments: argparse.Namespace) -> int:
     Returns
     -------
     int
-        Exit code: 0 done, 1 failed, 2 called wrongly, 130 after Ctrl-C: the second one of a topic,
-        of which the first ends the listening.
+        Exit code: 0 done, 1 failed, 2 called wrongly.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        On Ctrl-C: the second one of a topic, of which the first ends the listening.
 
     """
     if arguments.scene and arguments.dark:
@@ -85,12 +90,9 @@ def main(arguments: argparse.Namespace) -> int:
     if not arguments.out.parent.is_dir():
         print(f'{arguments.out.parent} is not a folder; make it first', file=sys.stderr)
         return 2
-    if arguments.out.suffix.lower() == '.png':
-        print(
-            f'--out {arguments.out} is the name of the picture; name the parameter file, '
-            f'{arguments.out.with_suffix(".yaml")} say',
-            file=sys.stderr,
-        )
+    wrong = refusal(arguments.out, '.png')
+    if wrong:
+        print(wrong, file=sys.stderr)
         return 2
     try:
         if arguments.scene:
@@ -103,8 +105,6 @@ def main(arguments: argparse.Namespace) -> int:
     except OSError as error:
         print(f'{error.filename}: {error.strerror}', file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        return 130
     return 0
 
 

@@ -51,13 +51,14 @@ def refusal(out: Path, suffix: str, *inputs: Path | None) -> str:
     out : Path
         The file.
     suffix : str
-        That of the picture which is written beside it.
+        That of the picture which is written beside it; '' where that has another name anyway.
     inputs : Path or None
         What is read, and must not be lost.
 
     """
-    if out.suffix == suffix:
-        return f'--out {out}: the picture beside it would have the same name; take another suffix'
+    if suffix and out.suffix.lower() == suffix:
+        yaml = out.with_suffix('.yaml')
+        return f'--out {out} is the name of the picture beside it; name the file, {yaml} say'
     for path in inputs:
         if path is not None and path.resolve() == out.resolve():
             return f'--out {out} is what is read; give it another name'

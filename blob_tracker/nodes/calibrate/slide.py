@@ -66,8 +66,6 @@ def main(arguments: argparse.Namespace) -> int:
     except (SlideError, StationsError, OSError) as error:
         print(error, file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        return 130
     return 0
 
 

@@ -122,8 +122,6 @@ def main(arguments: argparse.Namespace) -> int:
     except (CalibrationError, StationsError, TurnError, OSError) as error:
         print(error, file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        return 130
     return 0
 
 
