@@ -1,7 +1,8 @@
 """What the camera node shows of itself."""
 
 from blob_tracker.capture import PIXEL_FORMATS
-from blob_tracker.ros.interface import Parameter
+from blob_tracker.nodes.interface.topics import CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS
+from blob_tracker.ros.interface import Interface, Parameter, Service
 from blob_tracker.ros.url import DEFAULT_CALIBRATION_URL
 
 PARAMETERS = (
@@ -74,5 +75,30 @@ PARAMETERS = (
         least=0.0,
         most=170.0,
         unit='degrees',
+    ),
+)
+INTERFACE = Interface(
+    'camera',
+    'Streams a V4L2 camera. Every control of the camera (exposure, gain ...) is a parameter too, '
+    'with its own range or menu, once the camera is open: `ros2 param list /camera`.',
+    PARAMETERS,
+    published=(CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS),
+    services=(
+        Service(
+            'camera/set_camera_info',
+            'sensor_msgs/SetCameraInfo',
+            'store a calibration and use it from the next frame on',
+        ),
+        Service(
+            'camera/find_exposure',
+            'std_srvs/Trigger',
+            'search once for the exposure and gain that put the lit peak at 70 % of full scale',
+        ),
+    ),
+    examples=(
+        'ros2 run blob_tracker camera --ros-args -p device:=/dev/video0 '
+        '-p camera_info_url:=camera.yaml',
+        'ros2 param set /camera frame_rate 60.0',
+        'ros2 service call /camera/find_exposure std_srvs/srv/Trigger',
     ),
 )

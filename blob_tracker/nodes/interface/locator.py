@@ -1,7 +1,10 @@
 """What the locator node shows of itself."""
 
 from blob_tracker.location import METHODS
-from blob_tracker.ros.interface import Parameter
+from blob_tracker.nodes.interface.topics import (
+    BEARING, CENTROID, DIAGNOSTICS, NOISE, RAY, WINDOW_IMAGE, WINDOW_INFO,
+)
+from blob_tracker.ros.interface import Interface, Parameter
 
 DEFAULT_METHOD = 'maximum_likelihood'
 PARAMETERS = (
@@ -78,5 +81,18 @@ PARAMETERS = (
         '',
         'Names of the coded lights that are to be placed, as flash.codes has them: '
         'port,starboard. Empty for a light without a name. Within the pipeline every light is.',
+    ),
+)
+INTERFACE = Interface(
+    'locator',
+    'Places the blob of each window far below a pixel and publishes the angle at which it is '
+    'seen, with its covariance.',
+    PARAMETERS,
+    subscribed=(WINDOW_IMAGE, WINDOW_INFO, NOISE),
+    published=(BEARING, CENTROID, RAY, DIAGNOSTICS),
+    examples=(
+        'ros2 run blob_tracker locator --ros-args --params-file noise.yaml',
+        'ros2 param set /locator method gaussian_linear',
+        'ros2 topic echo /target/bearing',
     ),
 )

@@ -1,6 +1,10 @@
 """What the segmenter node shows of itself."""
 
-from blob_tracker.ros.interface import Parameter
+from blob_tracker.nodes.interface.topics import (
+    CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, NOISE, SEGMENTER_PICTURE, VISIBLE, WINDOW_IMAGE,
+    WINDOW_INFO,
+)
+from blob_tracker.ros.interface import Interface, Parameter
 from blob_tracker.segmentation import FLASH_MODES, REGISTRATIONS, THRESHOLDS
 
 PARAMETERS = (
@@ -15,7 +19,7 @@ PARAMETERS = (
     Parameter(
         'flash.frequency',
         15.0,
-        'Of a periodic light; from 0.1 to 0.45 of the frame rate.',
+        'Frequency of a periodic light; from 0.1 to 0.45 of the frame rate.',
         least=0.01,
         most=500.0,
         unit='Hz',
@@ -158,5 +162,17 @@ PARAMETERS = (
         least=0.001,
         most=60.0,
         unit='s',
+    ),
+)
+INTERFACE = Interface(
+    'segmenter',
+    'Finds the flash in the frames and cuts its pixels out, lit and unlit.',
+    PARAMETERS,
+    subscribed=(CAMERA_IMAGE, CAMERA_INFO),
+    published=(WINDOW_IMAGE, WINDOW_INFO, VISIBLE, NOISE, SEGMENTER_PICTURE, DIAGNOSTICS),
+    examples=(
+        'ros2 run blob_tracker segmenter --ros-args -p registration:=translation',
+        'ros2 param set /segmenter min_snr 8.0',
+        'ros2 run rqt_image_view rqt_image_view /segmenter/debug_image',
     ),
 )
