@@ -28,7 +28,9 @@ def in_grey(image: NDArray[Any], black: float, white: float, scale: float) -> Pi
     way = cv2.INTER_NEAREST if scale >= 1.0 else cv2.INTER_AREA
     image = cv2.resize(np.ascontiguousarray(image), (size[1], size[0]), interpolation=way)
     grey = (image.astype(np.float32) - black) * (255.0 / max(white - black, 1e-9))
-    shades = np.clip(np.nan_to_num(grey), 0.0, 255.0).astype(np.uint8)
+    if image.dtype.kind == 'f':
+        grey = np.nan_to_num(grey, copy=False)
+    shades = np.clip(grey, 0.0, 255.0).astype(np.uint8)
     return np.asarray(cv2.cvtColor(shades, cv2.COLOR_GRAY2BGR), dtype=np.uint8)
 
 
@@ -70,7 +72,8 @@ def write(
 
 def blank(height: int, width: int) -> Picture:
     """Return an empty part of the picture."""
-    return np.full((height, width, 3), PAPER, dtype=np.uint8)
+    # Of one number: all three are the same, and a row of three takes twenty times as long.
+    return np.full((height, width, 3), PAPER[0], dtype=np.uint8)
 
 
 def stack(parts: Sequence[Picture]) -> Picture:
