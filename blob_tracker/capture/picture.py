@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from blob_tracker.drawing import (
-    blank, Colour, GAP, in_grey, LINE, PAPER, paragraphs, Picture, stack, TEXT, write,
+    blank, Colour, GAP, in_grey, PAPER, paragraphs, Picture, stack, TEXT,
 )
 from blob_tracker.types import Frame
 import cv2
@@ -55,7 +55,9 @@ def draw(frame: Frame, words: Sequence[str] = ()) -> Picture:
         picture[where[..., 0] > 0] = CLIPPED
     shown = blank(picture.shape[0], max(picture.shape[1], NARROWEST))
     shown[:, :picture.shape[1]] = picture
-    levels = cv2.calcHist([image], [0], None, [BINS], [0.0, frame.saturation + 1.0])[:, 0]
+    levels = np.asarray(
+        cv2.calcHist([image], [0], None, [BINS], [0.0, frame.saturation + 1.0])[:, 0], np.float32
+    )
     strip = _histogram(levels, shown.shape[1], bool(count))
     median, bright = (
         int(np.searchsorted(np.cumsum(levels), part * levels.sum()))

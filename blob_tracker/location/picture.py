@@ -37,6 +37,7 @@ def draw(
     location: Location | None = None,
     bearing: Bearing | None = None,
     reason: str = '',
+    name: str = '',
 ) -> Picture:
     """
     Draw a window: lit, unlit, their difference with what was found there, and what is left.
@@ -59,6 +60,8 @@ def draw(
         Its direction.
     reason : str
         Why it was not placed.
+    name : str
+        Of the light, where there are several.
 
     Returns
     -------
@@ -89,7 +92,7 @@ def draw(
     else:
         panels += _found(window, difference, clipped, noise, location, scale)
     row = functools.reduce(beside, panels)
-    lines = _in_words(window, location, bearing, reason)
+    lines = _in_words(window, location, bearing, reason, name)
     words = paragraphs(lines, max(row.shape[1], 2 * PANEL + GAP))
     return np.pad(
         stack([row, words]), [(GAP, 0), (GAP, GAP), (0, 0)], constant_values=PAPER[0]
@@ -184,12 +187,12 @@ def _round_factor(factor: float) -> float:
 
 
 def _in_words(
-    window: Window, location: Location | None, bearing: Bearing | None, reason: str
+    window: Window, location: Location | None, bearing: Bearing | None, reason: str, name: str
 ) -> list[tuple[str, Colour]]:
     """Return the numbers in lines of text."""
     height, width = window.lit.shape
     summed = f', the sum of {window.looks} frames' if window.looks > 1 else ''
-    where = f'window of {width} x {height} px at ({window.x0}, {window.y0}){summed}'
+    where = f'{name} window of {width} x {height} px at ({window.x0}, {window.y0}){summed}'.strip()
     if location is None:
         return [(f'not located: {reason}', REFUSED), (where, TEXT)]
     lines = []

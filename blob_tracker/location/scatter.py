@@ -59,13 +59,20 @@ class RecentPlaces:
     count : int
         Places that are kept.
 
+    Attributes
+    ----------
+    last : Location or None
+        The last of them.
+
     """
 
     def __init__(self, count: int) -> None:
         self._stamps = np.zeros(count, dtype=np.int64)
         self._places = np.zeros((count, 2))
         self._covariances = np.zeros((count, 2, 2))
+        self._chi2 = np.zeros(count)
         self._taken = 0
+        self.last: Location | None = None
 
     def add(self, location: Location) -> None:
         """Take the next place."""
@@ -73,11 +80,15 @@ class RecentPlaces:
         self._stamps[index] = location.stamp_ns
         self._places[index] = location.x, location.y
         self._covariances[index] = location.covariance
+        self._chi2[index] = location.chi2
+        self.last = location
         self._taken += 1
 
-    def clear(self) -> None:
-        """Forget all places: the next ones are measured in another way."""
-        self._taken = 0
+    @property
+    def chi2(self) -> float:
+        """Mean chi-square of their fits per degree of freedom; NaN where there is none."""
+        chi2 = self._chi2[:self._taken]
+        return float(chi2.mean()) if chi2.size else math.nan
 
     def scatter(self) -> Scatter | None:
         """Return the scatter of the places, as `scatter` does."""
@@ -102,8 +113,8 @@ def scatter(
 
         w_k = 1 / prod_{l != k} (t_k - t_l),   d = sum_k w_k x_k,   S = sum_k w_k^2 C_k
 
-    d is free of any motion that is a polynomial of degree p - 1 and has the covariance S: for equal
-    intervals x_0 - 4 x_1 + 6 x_2 - 4 x_3 + x_4 with 70 sigma^2. Then
+    d is free of any motion that is a polynomial of degree p - 1 and has the covariance S: for
+    equal intervals x_0 - 4 x_1 + 6 x_2 - 4 x_3 + x_4 with 70 sigma^2. Then
 
         ratio^2 = mean_i q_i,   q_i = d_i' S_i^-1 d_i / 2
 

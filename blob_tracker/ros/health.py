@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import math
 import re
 from threading import Lock
@@ -38,14 +39,30 @@ class Health:
         What to say of a second in which nothing was reported.
     slowed : str
         What may be the cause where the rate falls by half; empty where it may well do so.
+    describe : callable, optional
+        Called before each publication for a second in which something was reported, to show and
+        report what is known once a second.
+
+    Attributes
+    ----------
+    rate : float
+        Of the last second, Hz.
 
     """
 
-    def __init__(self, node: Node, idle: str, slowed: str = '') -> None:
+    def __init__(
+        self,
+        node: Node,
+        idle: str,
+        slowed: str = '',
+        describe: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.rate = 0.0
         self._values: dict[str, object] = {}
         self._node = node
         self._idle = idle
         self._slowed = slowed
+        self._describe = describe
         self._timing = Timing()
         self._usual_rate = UsualRate()
         self._load = Load()
@@ -127,6 +144,7 @@ class Health:
         self._show(figures)
         if self._messages:
             self._watch(figures)
+            self._describe()
         if not self._messages:
             self._patience -= 1
             if self._patience >= 0:
@@ -151,6 +169,7 @@ class Health:
 
     def _show(self, figures: Figures) -> None:
         """Show rate, age, latency and load."""
+        self.rate = figures.rate
         self.show('rate (Hz)', f'{figures.rate:.2f}')
         for name, value in (
             ('age p50 (ms)', figures.age),

@@ -154,7 +154,8 @@ def _mark(
     for number, candidate in enumerate(candidates, 1):
         colour = REFUSED if candidate.refused else ACCEPTED
         x, y = zoom.place(candidate.x, candidate.y)
-        radius = min(max(nearest_pixel(3.0 * candidate.sigma_major * zoom.scale), 6), LARGEST_CIRCLE)
+        radius = max(nearest_pixel(3.0 * candidate.sigma_major * zoom.scale), 6)
+        radius = min(radius, LARGEST_CIRCLE)
         cv2.circle(panel, (x, y), radius, colour, 1, cv2.LINE_AA)
         for left, top in _places(x, y, radius, text_width(str(number))):
             label = (left, top, left + text_width(str(number)), top + LINE)

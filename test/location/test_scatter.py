@@ -47,7 +47,7 @@ def observed(random, motion, *, jitter=0.0, understated=1.0, count=COUNT):
 @pytest.mark.parametrize('jitter', [0.0, 0.3])
 @pytest.mark.parametrize('motion', [still, straight, demo])
 def test_the_ratio_is_true_within_its_error(motion, jitter, understated):
-    """Whatever the motion and the stamps: sigmas that are half as large as they should be say 2."""
+    """Whatever the motion and the stamps: sigmas of half the true size say 2."""
     random = np.random.default_rng(1)
     found = [
         scatter(*observed(random, motion, jitter=jitter, understated=understated))
@@ -130,12 +130,14 @@ def test_too_few_say_nothing():
 
 
 def test_the_ring_keeps_the_last_places_in_their_order():
-    """The same as of the arrays, from whatever place in the ring; none after it was cleared."""
+    """The same as of the arrays, from whatever place in the ring."""
     random = np.random.default_rng(6)
     stamps, places, covariances = observed(random, demo)
     recent = RecentPlaces(100)
     for stamp_ns, (x, y), covariance in zip(stamps, places, covariances):
-        recent.add(Location(x, y, covariance, 1.0, 0.0, 1.0, 1.0, 1.0, 0, int(stamp_ns)))
+        chi2 = 1.0 if stamp_ns < stamps[-50] else 2.0
+        recent.add(Location(x, y, covariance, 1.0, 0.0, 1.0, 1.0, chi2, 0, int(stamp_ns)))
     assert recent.scatter() == scatter(stamps[-100:], places[-100:], covariances[-100:])
-    recent.clear()
-    assert recent.scatter() is None
+    assert recent.chi2 == pytest.approx(1.5)
+    assert (recent.last.x, recent.last.y) == tuple(places[-1])
+    assert RecentPlaces(100).scatter() is None
