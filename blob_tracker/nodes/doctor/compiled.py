@@ -1,4 +1,4 @@
-"""The loops over pixels: are they compiled, and can they be kept?"""
+"""The loops over pixels: whether they are compiled, and can be kept."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def judge(compiled: Mapping[str, tuple[int, int, str]]) -> Finding:
 
     """
     words = ', '.join(
-        f'{done} of {all_} of {room}' for room, (done, all_, _) in compiled.items()
+        f'{room} {done} of {all_}' for room, (done, all_, _) in compiled.items()
     )
     folder = next(iter(compiled.values()))[2]
     if all(done for done, _, _ in compiled.values()):

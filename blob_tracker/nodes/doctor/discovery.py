@@ -132,7 +132,8 @@ def check_multicast(
 
     """
     reach = environment.get('ROS_AUTOMATIC_DISCOVERY_RANGE', '')
-    if reach not in ('', 'SUBNET', 'SYSTEM_DEFAULT') or environment.get('ROS_LOCALHOST_ONLY') == '1':
+    alone = environment.get('ROS_LOCALHOST_ONLY') == '1'
+    if alone or reach not in ('', 'SUBNET', 'SYSTEM_DEFAULT'):
         return  # nodes of one machine find each other without it
     try:
         returns()

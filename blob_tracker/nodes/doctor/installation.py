@@ -123,7 +123,7 @@ def library_folders(environment: Mapping[str, str], rclpy: Path | None) -> list[
         prefixes.append(rclpy.parents[4])
     for prefix in prefixes:
         folders += [prefix / 'lib', *sorted(prefix.glob('lib/*-linux-gnu'))]
-    return [folder for folder in dict.fromkeys(folders) if folder.is_absolute() and folder.is_dir()]
+    return [path for path in dict.fromkeys(folders) if path.is_absolute() and path.is_dir()]
 
 
 def prefixes_of(environment: Mapping[str, str]) -> list[Path]:
@@ -135,12 +135,12 @@ def prefixes_of(environment: Mapping[str, str]) -> list[Path]:
 def check_rmw(environment: Mapping[str, str], folders: Sequence[Path]) -> Iterator[Finding]:
     """Look at which middleware the nodes will load."""
     wanted = environment.get('RMW_IMPLEMENTATION', '')
-    # rmw_fastrtps_shared_cpp is a part of two of them, and none by itself.
     installed = sorted({
         path.stem.removeprefix('lib')
         for folder in folders
         for path in folder.glob('librmw_*_cpp.so')
-        if 'shared' not in path.stem
+        # What two of them share, or what makes the types of their own messages, is none itself.
+        if '_shared_' not in path.stem and '__' not in path.stem
     })
     have = ', '.join(installed) or 'none'
     if (wanted or DEFAULT_RMW) not in installed:

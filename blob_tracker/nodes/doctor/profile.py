@@ -1,4 +1,4 @@
-"""The profile of Fast DDS: is the shared-memory segment large enough for images?"""
+"""The profile of Fast DDS: whether its shared-memory segment is large enough for images."""
 
 from __future__ import annotations
 
@@ -109,7 +109,8 @@ def fast_dds(folders: Sequence[Path]) -> Path | None:
     """Return the library of Fast DDS that nodes load, None where there is none."""
     for folder in folders:
         for name in ('libfastrtps.so', 'libfastdds.so'):
-            found = sorted(folder.glob(f'{name}*'))
+            # The longest name has the version; the wheels have copies where apt has links.
+            found = sorted(folder.glob(f'{name}*'), key=lambda path: len(path.name))
             if found:
-                return found[0].resolve()
+                return found[-1]
     return None

@@ -54,9 +54,11 @@ class Report:
     def tell(self, finding: Finding) -> None:
         """Print one finding; a command stands alone, unbroken, to be copied."""
         words = f'{finding.message}; {finding.advice}' if finding.advice else finding.message
+        words += ':' * bool(finding.command)
         indent = ' ' * (LEVEL_WIDTH + 2)
         if self._console is None:
-            print(f'{finding.level.value:{LEVEL_WIDTH}}  {finding.subject:{SUBJECT_WIDTH}}  {words}')
+            level, subject = finding.level.value, finding.subject
+            print(f'{level:{LEVEL_WIDTH}}  {subject:{SUBJECT_WIDTH}}  {words}')
             if finding.command:
                 print(f'{indent}{finding.command}')
             return

@@ -1,4 +1,4 @@
-"""SROS2: can this Fast DDS enforce it, and is it asked to?"""
+"""SROS2: whether this Fast DDS can enforce it, and is asked to."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def check_security(
         )
         yield level(
             'security',
-            f'ROS_SECURITY_ENABLE is true and {state}: {what}; Fast DDS from PyPI is built without',
+            f'ROS_SECURITY_ENABLE is true and {state}: {what}; PyPI has none that is built with them',
             'use ROS 2 from apt for it, or do without',
             'unset ROS_SECURITY_ENABLE',
         )
