@@ -178,7 +178,7 @@ def test_it_holds_still_while_the_target_is_lost_and_then_goes_home(domain: int)
 
 
 def test_what_is_no_number_never_moves_it(domain: int) -> None:
-    """NaN and infinity do nothing and leave nothing behind; what is huge meets the limits."""
+    """Neither NaN nor infinity does anything or leaves a trace; what is huge meets the limits."""
     with servo(domain, 'limit:=[0.1, 0.05]') as pan_tilt:
         pan_tilt.show(True)
         for x, y in ((math.nan, 0.0), (0.0, math.nan), (math.inf, 0.0), (5.0, -math.inf)):
