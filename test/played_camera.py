@@ -132,7 +132,6 @@ class PlayedCamera:
             assert any(self._right(bearing, sigma, each) for each in sent), (bearing, sigma, sent)
         self.bearings.clear()
         self.rays.clear()
-        self.sent.clear()
 
     def _right(self, bearing: Vector3Stamped, sigma: NDArray[np.float64], sent: Sent) -> bool:
         truth = self.scene.truth(sent.index)

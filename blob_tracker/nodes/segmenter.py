@@ -16,7 +16,7 @@ from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_frame
 from blob_tracker.ros.losses import Losses, StampGaps
 from blob_tracker.ros.mask import read_mask
-from blob_tracker.ros.names import target_topic
+from blob_tracker.ros.names import check_light, target_topic
 from blob_tracker.ros.pairing import FramePairs
 from blob_tracker.ros.parameters import declare, on_change
 from blob_tracker.ros.process import run
@@ -121,6 +121,8 @@ class SegmenterNode(Node):
         }
         try:
             codes = codes_from_text(values['flash.codes'])
+            for name in codes:
+                check_light(name)
             if self._flash is not None and self._flash[0] == asked:
                 flash = self._flash[1]
             else:
