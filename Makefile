@@ -35,8 +35,9 @@ demo: install/.built
 	  $(if $(DEVICE),--device $(DEVICE)) $(if $(CAMERA_INFO),--camera-info $(CAMERA_INFO))
 
 test: install/.built .venv/.test
-	@# pytest alone, not python -m: what colcon installed is tested, not what lies here.
-	@$(ENVIRONMENT) && pytest $(PYTEST)
+	@# pytest alone, not python -m: what colcon installed is tested, not what lies here. One
+	@# process runs what starts nodes and the virtual machine, the other what only computes.
+	@$(ENVIRONMENT) && pytest -n 2 --dist loadgroup $(PYTEST)
 
 soak: export SOAK_SECONDS := $(SOAK_SECONDS)
 soak: install/.built .venv/.test
