@@ -12,9 +12,10 @@ from typing import Any
 
 from blob_tracker.camera import CalibrationError, CameraModel, write_calibration
 from blob_tracker.capture import (
-    CaptureError, ControlError, Grabber, NoFrameError, PIXEL_FORMATS, V4l2Camera,
+    CaptureError, ControlError, Grabber, NoFrameError, V4l2Camera,
 )
 from blob_tracker.capture.picture import draw
+from blob_tracker.nodes.interface.camera import PARAMETERS
 from blob_tracker.ros.camera_info import from_camera_model, to_camera_model
 from blob_tracker.ros.control_parameters import ControlParameters
 from blob_tracker.ros.debug_image import DebugImage
@@ -22,7 +23,7 @@ from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.frame_topics import Deliver, FrameTopics
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.losses import Losses
-from blob_tracker.ros.parameters import declare, on_change, Parameter, undeclared
+from blob_tracker.ros.parameters import declare, on_change, undeclared
 from blob_tracker.ros.process import run
 from blob_tracker.ros.url import DEFAULT_CALIBRATION_URL, to_path
 from blob_tracker.types import Frame
@@ -34,78 +35,6 @@ from sensor_msgs.msg import CameraInfo
 from sensor_msgs.srv import SetCameraInfo
 from std_srvs.srv import Trigger
 
-PARAMETERS = (
-    Parameter(
-        'device',
-        '/dev/video0',
-        'The camera: its path, or a link in /dev/v4l/by-id or by-path, followed at each opening.',
-    ),
-    Parameter(
-        'width', 0, 'Width of the frames; 0 leaves the driver its own.', 0, 16384, unit='px'
-    ),
-    Parameter(
-        'height', 0, 'Height of the frames; 0 leaves the driver its own.', 0, 16384, unit='px'
-    ),
-    Parameter(
-        'pixel_format',
-        '',
-        'FourCC of the pixels; empty leaves the camera its own if it can be read uncompressed.',
-        choices=('', *PIXEL_FORMATS),
-    ),
-    Parameter(
-        'frame_rate',
-        0.0,
-        'Frames a second; 0 leaves the driver its own.',
-        least=0.0,
-        most=10000.0,
-        unit='Hz',
-    ),
-    Parameter(
-        'buffers',
-        4,
-        'Buffers in the driver: more of them ride out longer pauses of this machine.',
-        least=2,
-        most=32,
-    ),
-    Parameter(
-        'exposure_time',
-        0.0,
-        'Exposure of a camera without a control that tells it, to put the stamp into its middle; '
-        '0 is unknown.',
-        least=0.0,
-        most=100.0,
-        unit='s',
-    ),
-    Parameter(
-        'readout_time',
-        0.0,
-        'From the end of the exposure to that of the transfer, of a camera whose driver stamps '
-        'the latter; 0 is unknown.',
-        least=0.0,
-        most=100.0,
-        unit='s',
-    ),
-    Parameter('frame_id', 'camera_optical_frame', 'Name of the optical frame.'),
-    Parameter(
-        'camera_name', 'camera', 'Name of the camera in its calibration, and ${NAME} in its URL.'
-    ),
-    Parameter(
-        'camera_info_url',
-        '',
-        'Calibration: a path, file:// or package:// URL of a file that is there. Empty is '
-        f'{DEFAULT_CALIBRATION_URL}, which set_camera_info may write first. Without a '
-        'calibration, and without field_of_view, K is 0 and no bearing can be computed.',
-    ),
-    Parameter(
-        'field_of_view',
-        0.0,
-        'Horizontal field of view of the lens by its data sheet, for a camera that is not yet '
-        'calibrated; 0 is unknown. Angles made with it are as good as the data sheet.',
-        least=0.0,
-        most=170.0,
-        unit='degrees',
-    ),
-)
 # What the device is opened with: another value opens it again.
 DEVICE = (
     'device', 'width', 'height', 'pixel_format', 'frame_rate', 'buffers', 'exposure_time',

@@ -15,6 +15,7 @@ from blob_tracker.location import compile_ahead, locate, METHODS
 from blob_tracker.location.noise import variance_ratio
 from blob_tracker.location.picture import draw
 from blob_tracker.location.scatter import RecentPlaces
+from blob_tracker.nodes.interface.locator import DEFAULT_METHOD, PARAMETERS
 from blob_tracker.ros.bearing_topics import BearingTopics
 from blob_tracker.ros.camera_info import to_camera_model
 from blob_tracker.ros.clipping import clipping_window
@@ -24,7 +25,7 @@ from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_window
 from blob_tracker.ros.names import target_topic
 from blob_tracker.ros.pairing import FramePairs
-from blob_tracker.ros.parameters import declare, on_change, Parameter
+from blob_tracker.ros.parameters import declare, on_change
 from blob_tracker.ros.process import run
 from blob_tracker.ros.qos import overridable, STATE
 from blob_tracker.ros.target import to_noise
@@ -36,83 +37,6 @@ from rclpy.node import Node
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import CameraInfo, Image
 
-DEFAULT_METHOD = 'maximum_likelihood'
-PARAMETERS = (
-    Parameter(
-        'method',
-        DEFAULT_METHOD,
-        'How the blob is placed in its window. The default is at the limit that the noise sets; '
-        'the others are those of the thesis.',
-        choices=tuple(METHODS),
-    ),
-    Parameter(
-        'elliptical',
-        False,
-        'Fit a width along x and one along y, for a lens or a light that does not make round '
-        'blobs. For the methods that have both forms.',
-    ),
-    Parameter(
-        'noise.gain',
-        40.0,
-        'Electrons per DN of the camera: the slope of its photon transfer curve. It sets the '
-        'shot noise in the covariance.',
-        least=1e-3,
-        most=1e6,
-        unit='e-/DN',
-    ),
-    Parameter(
-        'noise.read_noise',
-        0.7,
-        'Standard deviation of a dark pixel before quantisation. It sets the covariance of faint '
-        'targets.',
-        least=0.0,
-        most=1e4,
-        unit='DN',
-    ),
-    Parameter(
-        'noise.black_level',
-        0.0,
-        'Mean of a pixel without light, the pedestal: there is no shot noise in it.',
-        least=0.0,
-        most=65535.0,
-        unit='DN',
-    ),
-    Parameter(
-        'noise.online',
-        False,
-        'Take all three from target/noise, where the segmenter measures them (noise.measure), as '
-        'soon as they arrive. Off, a bag gives the same numbers each time.',
-    ),
-    Parameter(
-        'looks',
-        1,
-        'Frames that are summed in a window, as the segmenter says in its diagnostics: their read '
-        'noise is in the covariance as often.',
-        least=1,
-        most=256,
-    ),
-    Parameter(
-        'saturation',
-        0,
-        'Level at which a pixel is clipped; 0 is full scale of the encoding. Set 4095 for 12 bits '
-        'in 16.',
-        least=0,
-        most=65535,
-        unit='DN',
-    ),
-    Parameter(
-        'line_jitter_url',
-        '',
-        'Line offsets of an analogue grabber, as `calibrate jitter` writes them, to be taken off '
-        'each location: path, file:// or package://. Empty for a digital camera.',
-    ),
-    Parameter(
-        'lights',
-        '',
-        'Names of the coded lights that are to be placed, as flash.codes has them: '
-        'port,starboard. Empty for a light without a name. Within the pipeline every light is.',
-    ),
-)
 PLACES = 240  # of which the scatter is told to 5 %: the last 8 s at 30 Hz
 # Ratio of the scatter of the places to their sigmas, or of the pixels' variance to their noise's:
 # half more is more than calibrations differ by.
