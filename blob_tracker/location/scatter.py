@@ -45,7 +45,7 @@ class Scatter:
 
     @property
     def error(self) -> float:
-        """Standard error of the ratio: ratio / sqrt(2 freedom)."""
+        """Return the standard error of the ratio: ratio / sqrt(2 freedom)."""
         return self.ratio / math.sqrt(2.0 * self.freedom)
 
     def exceeds(self, limit: float) -> bool:
