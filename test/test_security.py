@@ -98,26 +98,20 @@ def existing(observer: Probe, node: str, namespace: str) -> Rights:
     }
 
 
-def located_topics(domain: int, observer: Probe, namespace: str, light: str) -> Rights:
-    """Return what a locator has that was handed the window of a light in memory."""
-    rclpy.init(args=['--ros-args', '-r', f'__ns:={namespace}'], domain_id=domain)
+def located(namespace: str) -> set[str]:
+    """Return what a locator within the pipeline publishes on from its first windows on."""
     node = LocatorNode(listen=False)
     try:
         model = CameraModel(64, 64, pinhole_matrix(100.0, 64, 64))
         lit = np.full((9, 9), 10, np.uint8)
         lit[3:6, 3:6] = 100
         window = Window(lit=lit, unlit=np.full_like(lit, 10), x0=20, y0=20, saturation=255)
-        node.locate(light, window, from_camera_model(model, 64, 64), 'camera_optical_frame')
-        # All three are made at once, so when one is seen the graph has them all.
-        bearing = f'{namespace}/target/{light}/bearing'.replace('//', '/')
-        observer.spin_until(
-            lambda: ('locator', namespace) in observer.get_node_names_and_namespaces()
-            and bearing in existing(observer, 'locator', namespace)['publish']
-        )
-        return existing(observer, 'locator', namespace)
+        for light in ('', 'port'):
+            node.locate(light, window, from_camera_model(model, 64, 64), 'camera_optical_frame')
+        names = {publisher.topic_name for publisher in node.publishers}
+        return {f'{namespace}{name}' for name in names if name.startswith('/target/')}
     finally:
         node.destroy_node()
-        rclpy.shutdown()
 
 
 def test_the_policy_has_the_form_of_sros2() -> None:
@@ -147,10 +141,28 @@ def test_a_process_has_one_enclave() -> None:
     assert sorted(name for name, _ in enclaves()) == sorted(STARTS)
 
 
-@pytest.mark.timeout(180)  # eleven processes start at once
+def settled(observer: Probe, nodes: set[tuple[str, str]]) -> dict[tuple[str, str], Rights]:
+    """Return what nodes have once all are whole: the graph has been the same for a second."""
+    last: list[dict[tuple[str, str], Rights]] = []
+
+    def steady() -> bool:
+        if not nodes <= set(observer.get_node_names_and_namespaces()):
+            return False
+        last.append({each: existing(observer, *each) for each in nodes})
+        if last[-2:-1] == last[-1:]:
+            return True
+        observer.spin(1.0)
+        return False
+
+    observer.spin_until(steady, timeout=90.0)
+    return last[-1]
+
+
+@pytest.mark.timeout(180)  # ten processes start at once
 def test_each_node_has_what_the_policy_allows_and_nothing_else(domain: int) -> None:
     """Topics, services and clients of every node, with all that is conditional opened."""
-    missing, superfluous = [], []
+    profiles = [(enclave, profile) for enclave, element in enclaves()
+                for profile in element.iter('profile')]
     with probe(domain) as observer, ExitStack() as stack:
         for enclave, ways in STARTS.items():
             for number, parameters in enumerate(ways):
@@ -159,55 +171,31 @@ def test_each_node_has_what_the_policy_allows_and_nothing_else(domain: int) -> N
                     arguments += ['-p', f'{name}:={value}']
                 program = 'pipeline' if enclave.startswith('pipeline') else enclave
                 stack.enter_context(start(program, domain, *arguments))
-        for enclave, element in enclaves():
-            for profile in element.iter('profile'):
-                node = profile.attrib['node']
-                unused: Rights | None = None
-                for number in range(len(STARTS[enclave])):
-                    namespace = f'/{enclave}_{number}'
-                    rights = allowed(profile, namespace)
-                    has = settled(observer, node, namespace)
-                    if enclave.startswith('pipeline') and node == 'locator':
-                        # In memory a locator has a light's topics from its first window on.
-                        light = ['', 'port'][number]
-                        more = located_topics(domain, observer, f'{namespace}_memory', light)
-                        for kind, names in more.items():
-                            has[kind] |= {name.replace('_memory', '') for name in names}
-                    left: Rights = {}
-                    for kind, expressions in rights.items():
-                        matched = {
-                            name: {e for e in expressions if fnmatchcase(name, e)}
-                            for name in has[kind]
-                        }
-                        missing += [f'{enclave}/{node} {kind} {name}'
-                                    for name, found in matched.items() if not found]
-                        left[kind] = {
-                            e.removeprefix(namespace)
-                            for e in expressions - set().union(*matched.values())
-                        }
-                    unused = left if unused is None else {
-                        kind: names & left[kind] for kind, names in unused.items()
-                    }
-                assert unused is not None
-                superfluous += [f'{enclave}/{node} {kind} {name}'
-                                for kind, names in unused.items() for name in names]
-    assert not missing, 'the policy does not allow what the nodes do'
-    assert not superfluous, 'the policy allows what no node does'
-
-
-def settled(observer: Probe, node: str, namespace: str) -> Rights:
-    """Return what a node has once it is whole: the graph has shown the same for a second."""
-    last: Rights = {}
-
-    def steady() -> bool:
-        nonlocal last
-        if (node, namespace) not in observer.get_node_names_and_namespaces():
-            return False
-        previous, last = last, existing(observer, node, namespace)
-        if last != previous:
-            return False
-        observer.spin(1.0)
-        return existing(observer, node, namespace) == last
-
-    observer.spin_until(steady, timeout=90.0)
-    return last
+        graph = settled(observer, {
+            (profile.attrib['node'], f'/{enclave}_{number}')
+            for enclave, profile in profiles for number in range(len(STARTS[enclave]))
+        })
+    rclpy.init(domain_id=domain)
+    try:
+        for (node, namespace), rights in graph.items():
+            if node == 'locator' and namespace.startswith('/pipeline'):
+                rights['publish'] |= located(namespace)
+    finally:
+        rclpy.shutdown()
+    missing, superfluous = set(), set()
+    for enclave, profile in profiles:
+        used = set()
+        for number in range(len(STARTS[enclave])):
+            node, namespace = profile.attrib['node'], f'/{enclave}_{number}'
+            for kind, expressions in allowed(profile, namespace).items():
+                for name in graph[node, namespace][kind]:
+                    fitting = {e for e in expressions if fnmatchcase(name, e)}
+                    used |= {(kind, e.removeprefix(namespace)) for e in fitting}
+                    if not fitting:
+                        missing.add(f'{enclave}: {node} {kind} {name}')
+        for kind, expressions in allowed(profile, '').items():
+            superfluous |= {
+                f'{enclave}: {node} {kind} {e}' for e in expressions if (kind, e) not in used
+            }
+    assert not missing, 'not allowed, and done: ' + '; '.join(sorted(missing))
+    assert not superfluous, 'allowed, and never done: ' + '; '.join(sorted(superfluous))
