@@ -27,7 +27,7 @@ setup(
     entry_points={
         'console_scripts': [
             f'{node} = {NAME}.nodes.start:{node}'
-            for node in ('camera', 'segmenter', 'locator', 'simulator')
+            for node in ('camera', 'segmenter', 'locator', 'pipeline', 'simulator')
         ],
     },
 )

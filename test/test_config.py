@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 
-@pytest.mark.parametrize('node', ['camera', 'segmenter', 'locator'])
+@pytest.mark.parametrize('node', ['camera', 'segmenter', 'locator', 'pipeline'])
 def test_parameter_file_holds_every_default(node: str) -> None:
     """tracker.yaml has each parameter of each node with the default of its declaration."""
     content = yaml.safe_load(config_path('tracker.yaml').read_text())
@@ -18,7 +18,7 @@ def test_parameter_file_holds_every_default(node: str) -> None:
     assert content[f'/**/{node}']['ros__parameters'] == {p.name: p.default for p in parameters}
 
 
-@pytest.mark.parametrize('node', ['camera', 'segmenter', 'locator', 'simulator'])
+@pytest.mark.parametrize('node', ['camera', 'segmenter', 'locator', 'pipeline', 'simulator'])
 def test_defaults_are_within_their_ranges(node: str) -> None:
     """And each parameter has a reason to be there."""
     for parameter in import_module(f'blob_tracker.nodes.{node}').PARAMETERS:

@@ -70,7 +70,7 @@ def test_colcon_sees_an_ament_python_package() -> None:
 
 def test_installed_files_are_where_ros_looks() -> None:
     """Executables in lib/blob_tracker, the ament index entry, config and launch in share."""
-    for name in ('camera', 'segmenter', 'locator', 'simulator'):
+    for name in ('camera', 'segmenter', 'locator', 'pipeline', 'simulator'):
         assert os.access(executable(name), os.X_OK)
     assert 'blob_tracker' in get_packages_with_prefixes()
     share = Path(get_package_share_directory('blob_tracker'))

@@ -2,31 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
 from dataclasses import replace
 import sys
 import threading
 import time
 import traceback
+from typing import Any
 
 from blob_tracker.camera import CalibrationError, CameraModel, write_calibration
 from blob_tracker.capture import (
     CaptureError, ControlError, Grabber, NoFrameError, PIXEL_FORMATS, V4l2Camera,
 )
-from blob_tracker.ros.camera_info import from_camera_model, stamped, to_camera_model
+from blob_tracker.ros.camera_info import from_camera_model, to_camera_model
 from blob_tracker.ros.control_parameters import ControlParameters
 from blob_tracker.ros.errors import MessageError, ParameterError
+from blob_tracker.ros.frame_topics import Deliver, FrameTopics
 from blob_tracker.ros.health import ERROR, Health, WARN
-from blob_tracker.ros.image import from_pixels
-from blob_tracker.ros.parameters import declare, Parameter, undeclared
+from blob_tracker.ros.parameters import declare, on_change, Parameter, undeclared
 from blob_tracker.ros.process import run
-from blob_tracker.ros.qos import IMAGE_OUT, overridable
 from blob_tracker.ros.url import DEFAULT_CALIBRATION_URL, to_path
 from blob_tracker.types import Frame
 import rclpy
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.node import Node
 from rclpy.task import Future
-from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.msg import CameraInfo
 from sensor_msgs.srv import SetCameraInfo
 from std_srvs.srv import Trigger
 
@@ -102,6 +103,11 @@ PARAMETERS = (
         unit='degrees',
     ),
 )
+# What the device is opened with: another value opens it again.
+DEVICE = (
+    'device', 'width', 'height', 'pixel_format', 'frame_rate', 'buffers', 'exposure_time',
+    'readout_time',
+)
 FRAME_TIMEOUT = 0.1  # s: how soon the end of the node is noticed while no frame comes
 QUIET, LONGEST_SILENCE = 1.0, 10.0  # s without a frame: is told; opens the device again
 FIRST_PAUSE, LONGEST_PAUSE = 0.5, 5.0  # s between attempts to open the device
@@ -113,35 +119,31 @@ class CameraNode(Node):
 
     Three threads: the grabber's reads the device, one of the node's publishes the newest frame,
     and the executor's handles parameters and services. None of them waits for another's work.
+
+    Parameters
+    ----------
+    deliver : callable, optional
+        Takes each frame in memory, in the publishing thread; see `FrameTopics`.
+    elsewhere : collection of str
+        Parameters of other nodes in the same process.
+
     """
 
-    def __init__(self) -> None:
+    def __init__(
+        self, *, deliver: Deliver | None = None, elsewhere: Collection[str] = ()
+    ) -> None:
         super().__init__('camera')
-        settings = declare(self, PARAMETERS, complete=False)
-        self._frame_id = settings.pop('frame_id')
-        self._field_of_view = settings.pop('field_of_view')
-        self._name = settings.pop('camera_name')
-        self._url = settings.pop('camera_info_url')
-        try:
-            self._calibration = to_path(self._url or DEFAULT_CALIBRATION_URL, self._name)
-            there = self._url or self._calibration.exists()
-            self._camera_model = CameraModel.from_yaml(self._calibration) if there else None
-        except (CalibrationError, ParameterError) as error:
-            raise ParameterError(f"parameter 'camera_info_url': {error}") from None
-        for name in ('exposure_time', 'readout_time'):
-            settings[name] = settings[name] or None
-        self._settings = settings
+        values = declare(self, PARAMETERS, complete=False)
+        self._settings: dict[str, Any] = {}
+        self._camera_model: CameraModel | None = None
         self._sensor_size: tuple[int, int] | None = None
-        self._image = Image()
-        self._info: tuple[CameraModel | None, CameraInfo] | None = None
+        # With the parameters and the calibration that it was made of.
+        self._info_of: tuple[Any, CameraModel | None, CameraInfo] = None, None, CameraInfo()
         self._health = Health(self, 'no frame arrives from the camera')
-        self._controls = ControlParameters(self, undeclared(self), self._health)
-        self._images = self.create_publisher(
-            Image, 'camera/image_raw', IMAGE_OUT, qos_overriding_options=overridable()
-        )
-        self._infos = self.create_publisher(
-            CameraInfo, 'camera/camera_info', IMAGE_OUT, qos_overriding_options=overridable()
-        )
+        self._change(values)()
+        self._controls = ControlParameters(self, undeclared(self, elsewhere), self._health)
+        on_change(self, PARAMETERS, self._change)
+        self._frames = FrameTopics(self, deliver)
         self.create_service(SetCameraInfo, 'camera/set_camera_info', self._set_camera_info)
         # In a group of its own, for the others go on while it waits for the frames.
         self.create_service(
@@ -156,6 +158,33 @@ class CameraNode(Node):
         self._thread = threading.Thread(target=self._capture, name='publish', daemon=True)
         self._thread.start()
 
+    def _change(self, values: dict[str, Any]) -> Callable[[], None]:
+        """Read the calibration of these parameters; return what puts them into effect."""
+        url = values['camera_info_url']
+        try:
+            calibration = to_path(url or DEFAULT_CALIBRATION_URL, values['camera_name'])
+            model = CameraModel.from_yaml(calibration) if url or calibration.exists() else None
+        except (CalibrationError, ParameterError) as error:
+            raise ParameterError(f"parameter 'camera_info_url': {error}") from None
+        device = {name: values[name] for name in DEVICE}
+        for name in ('exposure_time', 'readout_time'):
+            device[name] = device[name] or None
+        if model is not None and device == self._settings:
+            try:
+                self._check_size(model)
+            except MessageError as error:
+                raise ParameterError(f"parameter 'camera_info_url': {error}") from None
+
+        def use() -> None:
+            self._values = values
+            self._calibration = calibration
+            self._camera_model = model
+            # The thread that captures opens the device again where this is another one.
+            if self._settings != device:
+                self._settings = device
+
+        return use
+
     def destroy_node(self) -> None:
         """End the capture, which frees the device, and then the node."""
         self._stop.set()
@@ -165,18 +194,20 @@ class CameraNode(Node):
     def _capture(self) -> None:
         """Stream until the node ends; open the device again whenever it fails."""
         while not self._stop.is_set():
+            settings = self._opened_with = self._settings
             try:
                 with (
-                    V4l2Camera(**self._settings, prepare=self._controls.prepare) as camera,
+                    V4l2Camera(**settings, prepare=self._controls.prepare) as camera,
                     Grabber(camera) as grabber,
                 ):
                     self._sensor_size = camera.sensor_size
                     self._controls.attach(camera)
                     self._stream(camera, grabber)
+                self._controls.detach()
             except ParameterError:
                 return  # the executor ends the node with it
             except (CaptureError, CalibrationError) as error:
-                self._wait(str(error))
+                self._wait(str(error))  # not at all where it was closed for other settings
             except Exception as error:  # a thread that ended here would leave a silent node
                 if not rclpy.ok():
                     return  # a signal ended the context meanwhile
@@ -190,21 +221,26 @@ class CameraNode(Node):
         """Say why there are no frames until it is time to open the device again."""
         self._controls.detach()
         again = time.monotonic() + self._pause
-        while time.monotonic() < again and not self._stop.is_set():
+        while time.monotonic() < again and not self._ends:
             self._health.fault(ERROR, why)  # it holds until it is gone
             self._answer(False, why)
             self._stop.wait(FIRST_PAUSE)
         self._pause = min(2.0 * self._pause, LONGEST_PAUSE)
 
+    @property
+    def _ends(self) -> bool:
+        """Tell whether the node ends, or the device is to be opened with other settings."""
+        return self._stop.is_set() or self._settings is not self._opened_with
+
     def _stream(self, camera: V4l2Camera, grabber: Grabber) -> None:
-        """Publish the newest frame, again and again; search for the exposure when asked to."""
+        """Publish the newest frame until the settings change; search the exposure when asked."""
         self.get_logger().info(
             f'streaming {camera.width} x {camera.height} px at {camera.frame_rate:g} Hz '
             f'from {camera.device}; stamps: {camera.stamp_place}; {camera.pixel_format} clips at '
             f'{camera.saturation} DN: saturation of segmenter and locator'
         )
-        self._info = None
-        while not self._stop.is_set():
+        self._info_of = None, None, CameraInfo()
+        while not self._ends:
             self._publish_next(camera, grabber)
             if self._search is None:
                 continue
@@ -219,13 +255,12 @@ class CameraNode(Node):
     def _publish_next(self, camera: V4l2Camera, grabber: Grabber) -> Frame:
         """Publish the next frame with its camera_info, and return it."""
         frame = self._next(camera, grabber)
-        model = self._camera_model  # set_camera_info may change it at any time
-        if self._info is None or self._info[0] is not model:
-            self._info = model, self._info_of(model, frame)
-        info = self._info[1]
-        image = from_pixels(frame.image, frame.stamp_ns, self._frame_id, self._image)
-        self._images.publish(image)
-        self._infos.publish(stamped(info, frame.stamp_ns, self._frame_id))
+        # Parameters and set_camera_info may change both at any time.
+        values, model = self._values, self._camera_model
+        if self._info_of[0] is not values or self._info_of[1] is not model:
+            self._info_of = values, model, self._make_info(model, values['field_of_view'], frame)
+        info = self._info_of[2]
+        self._frames.publish(frame, info, values['frame_id'])
         self._pause = FIRST_PAUSE  # not before: a device may open well and fail at once
         self._report(camera, grabber, bool(info.k[0]))
         return frame
@@ -237,11 +272,11 @@ class CameraNode(Node):
         Raises
         ------
         CaptureError
-            There will be none: the device fails, is silent for too long, or the node ends.
+            There will be none: the device fails, is silent for too long, or is to be closed.
 
         """
         begin = time.monotonic()
-        while not self._stop.is_set():
+        while not self._ends:
             try:
                 return grabber.newest(FRAME_TIMEOUT)
             except NoFrameError as error:
@@ -252,13 +287,15 @@ class CameraNode(Node):
                     raise
                 if silence > QUIET:
                     self._health.fault(ERROR, str(error))
-        raise CaptureError('the node ends')
+        raise CaptureError('the device is closed, as its settings changed')
 
-    def _info_of(self, model: CameraModel | None, frame: Frame) -> CameraInfo:
+    def _make_info(
+        self, model: CameraModel | None, field_of_view: float, frame: Frame
+    ) -> CameraInfo:
         """Return the camera_info of frames such as this one."""
         assert self._sensor_size is not None
-        if model is None and self._field_of_view > 0.0:
-            model = CameraModel.from_field_of_view(*self._sensor_size, self._field_of_view)
+        if model is None and field_of_view > 0.0:
+            model = CameraModel.from_field_of_view(*self._sensor_size, field_of_view)
         height, width = frame.image.shape
         return from_camera_model(
             model, width, height, x0=frame.x0, y0=frame.y0, binning=frame.binning,
@@ -281,7 +318,7 @@ class CameraNode(Node):
                 f'the camera is not calibrated: there is no {self._calibration}, K is 0 and '
                 'there will be no bearing; calibrate it or set field_of_view',
             )
-        rate = self._settings['frame_rate']
+        rate = self._values['frame_rate']
         # Nobody notices 29.97 for 30; where the driver does not tell its rate it is 0.
         if rate > 0.0 and camera.frame_rate > 0.0 and abs(camera.frame_rate / rate - 1.0) > 0.01:
             self._health.fault(
@@ -299,21 +336,28 @@ class CameraNode(Node):
         self._health.show('overruns', grabber.overruns)
         self._health.show('error frames', camera.error_frames)
 
+    def _check_size(self, model: CameraModel) -> None:
+        """Refuse the calibration of another camera than the one that is open."""
+        if self._sensor_size not in (None, (model.width, model.height)):
+            raise MessageError(
+                f'camera_info: the calibration is for {model.width} x {model.height} px and '
+                'the sensor has {} x {} px; calibrate that size'.format(*self._sensor_size)
+            )
+
     def _set_camera_info(
         self, request: SetCameraInfo.Request, response: SetCameraInfo.Response
     ) -> SetCameraInfo.Response:
         """Take a calibration, store it and use it from the next frame on."""
         try:
-            model = replace(to_camera_model(request.camera_info), name=self._name)
-            if self._sensor_size not in (None, (model.width, model.height)):
-                raise MessageError(
-                    f'camera_info: the calibration is for {model.width} x {model.height} px and '
-                    'the sensor has {} x {} px; calibrate that size'.format(*self._sensor_size)
-                )
+            model = replace(
+                to_camera_model(request.camera_info), name=self._values['camera_name']
+            )
+            self._check_size(model)
             write_calibration(self._calibration, model)
         except (MessageError, CalibrationError) as error:
             response.status_message = str(error)
-            if self._url.startswith('package://') and isinstance(error, CalibrationError):
+            url = self._values['camera_info_url']
+            if url.startswith('package://') and isinstance(error, CalibrationError):
                 response.status_message += '; set camera_info_url to a file:// that you may write'
             return response
         self._camera_model = model
@@ -341,4 +385,4 @@ class CameraNode(Node):
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(CameraNode))
+    sys.exit(run(lambda: [CameraNode()]))

@@ -2,32 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
+from functools import partial
 from inspect import signature
 import sys
+from threading import Lock
+from typing import Any
 
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import compile_ahead, locate, METHODS
 from blob_tracker.location.noise import variance_ratio
+from blob_tracker.ros.bearing_topics import BearingTopics
 from blob_tracker.ros.camera_info import to_camera_model
+from blob_tracker.ros.clipping import clipping_window
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_window
-from blob_tracker.ros.pairing import subscribe
-from blob_tracker.ros.parameters import declare, Parameter
+from blob_tracker.ros.names import target_topic
+from blob_tracker.ros.pairing import FramePairs
+from blob_tracker.ros.parameters import declare, on_change, Parameter
 from blob_tracker.ros.process import run
-from blob_tracker.ros.qos import overridable, RESULT, STATE
-from blob_tracker.ros.target import (
-    bearing_message,
-    centroid_message,
-    ray_message,
-    to_noise,
-)
+from blob_tracker.ros.qos import overridable, STATE
+from blob_tracker.ros.target import to_noise
 from blob_tracker.ros.url import to_path
-from blob_tracker.types import Location, LocationError, SensorNoise
-from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
+from blob_tracker.types import Location, LocationError, SensorNoise, Window
+from geometry_msgs.msg import Vector3Stamped
 import numpy as np
 from rclpy.node import Node
+from rclpy.subscription import Subscription
 from sensor_msgs.msg import CameraInfo, Image
 
 DEFAULT_METHOD = 'maximum_likelihood'
@@ -100,73 +103,140 @@ PARAMETERS = (
         'Line offsets of an analogue grabber, as `calibrate jitter` writes them, to be taken off '
         'each location: path, file:// or package://. Empty for a digital camera.',
     ),
+    Parameter(
+        'lights',
+        '',
+        'Names of the coded lights that are to be placed, as flash.codes has them: '
+        'port,starboard. Empty for a light without a name. Within the pipeline every light is.',
+    ),
 )
-
-
 DIFFERENT = 1.5  # ratio of two variances; what is measured has sigmas far below that
 
 
 class LocatorNode(Node):
-    """See the module's first line; the work is that of the rooms `location` and `camera`."""
+    """
+    See the module's first line; the work is that of the rooms `location` and `camera`.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    listen : bool
+        Whether windows come from target/window/...; else whoever has them calls `locate`.
+    elsewhere : collection of str
+        Parameters of other nodes in the same process.
+
+    """
+
+    def __init__(self, *, listen: bool = True, elsewhere: Collection[str] = ()) -> None:
         super().__init__('locator')
-        settings = declare(self, PARAMETERS)
-        self._method = settings['method']
-        self._options = {}
-        if settings['elliptical']:
-            if 'elliptical' not in signature(METHODS[self._method]).parameters:
-                raise ParameterError(
-                    f"parameter 'elliptical' is True; the method '{self._method}' has no such form"
-                )
-            self._options['elliptical'] = True
-        compile_ahead([self._method])
-        self._saturation = settings['saturation']
-        self._looks = settings['looks']
-        self._noise = SensorNoise(
-            settings['noise.gain'], settings['noise.read_noise'], settings['noise.black_level']
-        )
-        self._configured = self._noise
-        self._line_jitter = _line_jitter(settings['line_jitter_url'])
+        values = declare(self, PARAMETERS, elsewhere)
+        self._listen = listen
+        self._lock = Lock()  # windows may come from a thread of the camera's
         self._health = Health(self, 'no window arrives; is the segmenter running?')
         self._calibration: tuple[object, ...] = ()
         self._camera_model: CameraModel | None = None
-        self._bearings, self._centroids, self._rays = (
-            self.create_publisher(kind, name, RESULT, qos_overriding_options=overridable())
-            for kind, name in (
-                (Vector3Stamped, 'target/bearing'),
-                (PointStamped, 'target/centroid'),
-                (PoseWithCovarianceStamped, 'target/ray'),
-            )
+        self._targets: dict[str, BearingTopics] = {}
+        self._windows: dict[str, FramePairs] = {}
+        self._measurements: Subscription | None = None
+        self._change(values)()
+        on_change(self, PARAMETERS, self._change)
+
+    def _change(self, values: dict[str, Any]) -> Callable[[], None]:
+        """Build what these parameters ask for; return what puts it into effect."""
+        method = values['method']
+        options = {}
+        if values['elliptical']:
+            if 'elliptical' not in signature(METHODS[method]).parameters:
+                raise ParameterError(
+                    f"parameter 'elliptical' is True; the method '{method}' has no such form"
+                )
+            options['elliptical'] = True
+        compile_ahead([method])
+        noise = SensorNoise(
+            values['noise.gain'], values['noise.read_noise'], values['noise.black_level']
         )
-        if settings['noise.online']:
+        line_jitter = _line_jitter(values['line_jitter_url'])
+        lights = values['lights'].replace(' ', '').split(',')  # [''] where it is empty
+        for light in lights:
+            if lights != [''] and not (light.isidentifier() and light.isascii()):
+                raise ParameterError(
+                    f"parameter 'lights': '{light}' is no name of a light; they are separated by "
+                    'commas, as in port,starboard'
+                )
+
+        def use() -> None:
+            with self._lock:
+                self._method, self._options = method, options
+                self._saturation, self._looks = values['saturation'], values['looks']
+                self._configured = self._noise = noise
+                self._line_jitter = line_jitter
+                self._set_lights(lights)
+                self._set_online(values['noise.online'])
+
+        return use
+
+    def _set_lights(self, lights: Collection[str]) -> None:
+        """Listen to the windows of these lights, and of no other."""
+        if not self._listen:
+            return
+        for name in [name for name in self._targets if name not in lights]:
+            self._windows.pop(name).close()
+            self._targets.pop(name).close()
+        for name in lights:
+            if name not in self._targets:
+                self._targets[name] = BearingTopics(self, target_topic(name))
+                self._windows[name] = FramePairs(
+                    self, f'{target_topic(name)}/window', self._health, partial(self._take, name)
+                )
+
+    def _set_online(self, online: bool) -> None:
+        """Listen to the noise that the segmenter measures, or no longer."""
+        if not online:
+            if self._measurements is not None:
+                self.destroy_subscription(self._measurements)
+                self._measurements = None
+            self._health.show('noise', f'as configured: {_in_words(self._configured)}')
+        elif self._measurements is None:
             self._health.show('noise', 'as configured: none has been measured yet')
-            self.create_subscription(
+            self._measurements = self.create_subscription(
                 Vector3Stamped,
                 'target/noise',
                 self._measured,
                 STATE,
                 qos_overriding_options=overridable(),
             )
-        subscribe(self, 'target/window', self._health, self._locate)
 
     def _measured(self, message: Vector3Stamped) -> None:
         """Take the noise that the segmenter measured."""
         try:
-            self._noise = to_noise(message)
+            noise = to_noise(message)
         except MessageError as error:
             self._health.fault(ERROR, f'target/noise: {error}')
             return
-        self._health.show('noise', f'as measured: {_in_words(self._noise)}')
+        with self._lock:
+            self._noise = noise
+        self._health.show('noise', f'as measured: {_in_words(noise)}')
 
-    def _locate(self, image: Image, info: CameraInfo) -> None:
+    def _take(self, light: str, image: Image, info: CameraInfo) -> None:
+        """Take a window from the topics."""
+        try:
+            window = to_window(image, info)
+        except MessageError as error:
+            self._health.fault(ERROR, f'{target_topic(light)}/window: {error}')
+            return
+        self.locate(light, window, info, image.header.frame_id)
+
+    def locate(self, light: str, window: Window, info: CameraInfo, frame_id: str) -> None:
         """Place the blob of a window and publish its direction, or nothing at all."""
+        with self._lock:
+            if light not in self._targets:  # handed over in memory
+                self._targets[light] = BearingTopics(self, target_topic(light))
+            self._locate(light, window, info, frame_id)
+
+    def _locate(self, light: str, window: Window, info: CameraInfo, frame_id: str) -> None:
         try:
             camera_model = self._model(info)
-            window = to_window(image, info, self._saturation, self._looks)
-            location = locate(
-                window, method=self._method, noise=self._noise, **self._options
-            )
+            window = clipping_window(window, self._saturation, self._looks)
+            location = locate(window, method=self._method, noise=self._noise, **self._options)
             if self._line_jitter is not None:
                 self._line_jitter.check_height(camera_model.height)
                 location = self._line_jitter.corrected(
@@ -174,7 +244,7 @@ class LocatorNode(Node):
                 )
             bearing = camera_model.bearing(location)
         except MessageError as error:
-            self._health.fault(ERROR, f'target/window: {error}')
+            self._health.fault(ERROR, f'{target_topic(light)}/window: {error}')
             return
         except CalibrationError as error:
             self._health.fault(ERROR, f'line_jitter_url: {error}')
@@ -182,10 +252,7 @@ class LocatorNode(Node):
         except (LocationError, LensError) as error:
             self._health.fault(WARN, f'target not located: {error}')
             return
-        frame_id = image.header.frame_id
-        self._bearings.publish(bearing_message(bearing, frame_id))
-        self._centroids.publish(centroid_message(location, frame_id))
-        self._rays.publish(ray_message(bearing, frame_id))
+        self._targets[light].publish(bearing, location, frame_id)
         self._health.count('bearings')
         self._health.show('snr', f'{location.snr:.1f}')
         self._health.show('saturated pixels', location.saturated)
@@ -239,4 +306,4 @@ def compile_default() -> None:
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(LocatorNode, compile_default))
+    sys.exit(run(lambda: [LocatorNode()], compile_default))

@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
 import sys
+from threading import Lock
+from typing import Any
 
 from blob_tracker.calibration.noise_level_function import NoiseLevelFunction
+from blob_tracker.ros.clipping import clipping_frame
 from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_frame
 from blob_tracker.ros.mask import read_mask
-from blob_tracker.ros.pairing import subscribe
-from blob_tracker.ros.parameters import declare, Parameter
+from blob_tracker.ros.names import target_topic
+from blob_tracker.ros.pairing import FramePairs
+from blob_tracker.ros.parameters import declare, on_change, Parameter
 from blob_tracker.ros.process import run
 from blob_tracker.ros.qos import overridable, STATE
 from blob_tracker.ros.target import noise_message
-from blob_tracker.ros.target_topics import TargetTopics
+from blob_tracker.ros.window_topics import WindowTopics
 from blob_tracker.segmentation import (
     codes_from_text,
     compile_ahead,
     exposure_fault,
+    Flash,
     flash_by_name,
     FLASH_MODES,
     FrameError,
@@ -30,7 +36,7 @@ from blob_tracker.segmentation import (
     THRESHOLDS,
 )
 from blob_tracker.segmentation.periodic import HIGHEST
-from blob_tracker.types import Frame
+from blob_tracker.types import Frame, Window
 from geometry_msgs.msg import Vector3Stamped
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -193,94 +199,144 @@ PARAMETERS = (
         unit='s',
     ),
 )
+# What makes another flash mode of them; all else leaves a light that is followed as it is.
+FLASH = ('max_pair_interval', 'registration', 'gate')
 NOISE_PERIOD_NS = 10**9  # by the stamps, between two pairs that are measured
 CHECK = 0.25  # s between two looks at whether frames still come
 SILENCE = 1.0  # s of wall time without a good frame; slow bags and cameras pause for less
 
+Deliver = Callable[[str, Window, CameraInfo, str], None]
+
 
 class SegmenterNode(Node):
-    """See the module's first line; the work is `blob_tracker.segmentation.Segmenter`'s."""
+    """
+    See the module's first line; the work is `blob_tracker.segmentation.Segmenter`'s.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    listen : bool
+        Whether frames come from camera/...; else whoever has them calls `segment`, from one
+        thread.
+    deliver : callable, optional
+        Takes each window in memory: the name of the light, its window, the camera_info of the
+        frame and the name of the optical frame.
+    elsewhere : collection of str
+        Parameters of other nodes in the same process.
+
+    """
+
+    def __init__(
+        self,
+        *,
+        listen: bool = True,
+        deliver: Deliver | None = None,
+        elsewhere: Collection[str] = (),
+    ) -> None:
         super().__init__('segmenter')
-        settings = declare(self, PARAMETERS)
-        try:
-            codes = codes_from_text(settings['flash.codes'])
-            flash = flash_by_name(
-                settings['flash.mode'],
-                max_pair_interval=settings['max_pair_interval'],
-                registration=settings['registration'],
-                gate=settings['gate'],
-                frequency=settings['flash.frequency'],
-                duty=settings['flash.duty'],
-                frames=settings['flash.frames'],
-                codes=codes,
-                frames_per_bit=settings['flash.frames_per_bit'],
-                bit_errors=settings['flash.bit_errors'],
-            )
-        except ValueError as error:
-            raise ParameterError(f"parameters 'flash': {error}") from None
-        threshold = threshold_by_name(
-            settings['threshold.method'],
-            sigmas=settings['threshold.sigmas'],
-            extension=settings['threshold.extension'],
-        )
-        try:
-            mask = read_mask(settings['mask_url'])
-        except ParameterError as error:
-            raise ParameterError(f"parameter 'mask_url': {error}") from None
-        self._saturation = settings['saturation']
-        self._segmenter = Segmenter(
-            flash=flash,
-            threshold=threshold,
-            min_snr=settings['min_snr'],
-            max_blob=settings['max_blob'],
-            looks=settings['looks'],
-            mask=mask,
-        )
+        values = declare(self, PARAMETERS, elsewhere)
+        self._deliver = deliver
+        self._lock = Lock()  # frames may come from a thread of the camera's
         self._health = Health(
             self, 'no frames arrive; is a camera publishing camera/image_raw and camera_info?'
         )
-        topics = {'': 'target'}
-        if settings['flash.mode'] == 'coded':
-            topics = {name: f'target/{name}' for name in codes}
-        lost_after = settings['lost_after']
-        if settings['flash.mode'] == 'periodic':
-            # So long a block of the slowest camera that shows the light lasts, and a tenth more.
-            block = HIGHEST * settings['flash.frames'] / settings['flash.frequency']
-            lost_after = max(lost_after, 1.1 * block)
-        lost_after_ns = int(1e9 * lost_after)
-        self._targets = {
-            name: TargetTopics(self, topic, lost_after_ns) for name, topic in topics.items()
-        }
+        self._flash: tuple[dict[str, Any], Flash] | None = None
+        self._targets: dict[str, WindowTopics] = {}
         self._noise: NoiseLevelFunction | None = None
         self._noise_ns = 0
-        if settings['noise.measure']:
-            self._noise = NoiseLevelFunction()
-            self._noises = self.create_publisher(
-                Vector3Stamped, 'target/noise', STATE, qos_overriding_options=overridable()
-            )
+        self._noises = self.create_publisher(
+            Vector3Stamped, 'target/noise', STATE, qos_overriding_options=overridable()
+        )
         self._look: Look | None = None
         self._debug_image = DebugImage(self)
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._good_frame = self._steady.now()
-        subscribe(self, 'camera', self._health, self._segment)
+        self._change(values)()
+        on_change(self, PARAMETERS, self._change)
+        if listen:
+            self._frames = FramePairs(self, 'camera', self._health, self._take)
         self.create_timer(CHECK, self._check_silence, clock=self._steady)
 
-    def _segment(self, image: Image, info: CameraInfo) -> None:
-        """Look for the lights in the next frame; publish the window of each that is there."""
+    def _change(self, values: dict[str, Any]) -> Callable[[], None]:
+        """Build what these parameters ask for; return what puts it into effect."""
+        asked = {
+            name: value
+            for name, value in values.items()
+            if name.startswith('flash.') or name in FLASH
+        }
         try:
-            frame = to_frame(image, info, self._saturation)
-            found = dict(self._segmenter.sightings(frame))
+            codes = codes_from_text(values['flash.codes'])
+            if self._flash is not None and self._flash[0] == asked:
+                flash = self._flash[1]
+            else:
+                options = {name.removeprefix('flash.'): value for name, value in asked.items()}
+                flash = flash_by_name(**options | {'codes': codes})
+        except ValueError as error:
+            raise ParameterError(f"parameters 'flash': {error}") from None
+        try:
+            mask = read_mask(values['mask_url'])
+        except ParameterError as error:
+            raise ParameterError(f"parameter 'mask_url': {error}") from None
+        segmenter = Segmenter(
+            flash=flash,
+            threshold=threshold_by_name(
+                values['threshold.method'],
+                sigmas=values['threshold.sigmas'],
+                extension=values['threshold.extension'],
+            ),
+            min_snr=values['min_snr'],
+            max_blob=values['max_blob'],
+            looks=values['looks'],
+            mask=mask,
+        )
+        lights = tuple(codes) if values['flash.mode'] == 'coded' else ('',)
+
+        def use() -> None:
+            with self._lock:
+                self._flash = asked, flash
+                self._segmenter = segmenter
+                self._saturation = values['saturation']
+                self._set_lights(lights, _lost_after_ns(values))
+                if not values['noise.measure']:
+                    self._noise = None
+                elif self._noise is None:
+                    self._noise = NoiseLevelFunction()
+
+        return use
+
+    def _set_lights(self, lights: Collection[str], lost_after_ns: int) -> None:
+        """Have the topics of these lights and of no other."""
+        for name in [name for name in self._targets if name not in lights]:
+            self._targets.pop(name).close()
+        for name in lights:
+            if name not in self._targets:
+                self._targets[name] = WindowTopics(self, target_topic(name), lost_after_ns)
+            self._targets[name].lost_after_ns = lost_after_ns
+
+    def _take(self, image: Image, info: CameraInfo) -> None:
+        """Take a frame from the topics."""
+        try:
+            frame = to_frame(image, info)
         except MessageError as error:
             self._health.fault(ERROR, f'camera/image_raw: {error}')
             return
+        self.segment(frame, info, image.header.frame_id)
+
+    def segment(self, frame: Frame, info: CameraInfo, frame_id: str) -> None:
+        """Look for the lights in the next frame; publish the window of each that is there."""
+        with self._lock:
+            self._segment(clipping_frame(frame, self._saturation), info, frame_id)
+
+    def _segment(self, frame: Frame, info: CameraInfo, frame_id: str) -> None:
+        try:
+            found = dict(self._segmenter.sightings(frame))
         except FrameError as error:
             self._health.fault(WARN, f'camera/image_raw: {error}')
             return
         self._good_frame = self._steady.now()
         for name, window in found.items():
-            self._targets[name].publish(window, image.header.frame_id, info)
+            if self._deliver is not None:
+                self._deliver(name, window, info, frame_id)
+            self._targets[name].publish(window, frame_id, info)
             self._health.count('windows')
             self._health.show('frames summed in a window', window.looks)
         # A frame that is only gathered, or begins afresh, leaves the look as it was.
@@ -299,9 +355,9 @@ class SegmenterNode(Node):
             self._say_why(frame)
         if look:
             self._describe(look)
-            self._debug_image.offer(look, frame.stamp_ns, image.header.frame_id)
+            self._debug_image.offer(look, frame.stamp_ns, frame_id)
         if self._noise is not None:
-            self._measure_noise(self._noise, frame, image.header.frame_id)
+            self._measure_noise(self._noise, frame, frame_id)
 
     def _say_why(self, frame: Frame) -> None:
         """Say why there is no target."""
@@ -356,8 +412,19 @@ class SegmenterNode(Node):
     def _check_silence(self) -> None:
         """Say that the targets are out of view when no good frame has come for a while."""
         if (self._steady.now() - self._good_frame).nanoseconds > 1e9 * SILENCE:
-            for target in self._targets.values():
-                target.out_of_view()
+            with self._lock:
+                for target in self._targets.values():
+                    target.out_of_view()
+
+
+def _lost_after_ns(values: dict[str, Any]) -> int:
+    """Return the time without a light after which it is no longer visible, ns."""
+    lost_after = values['lost_after']
+    if values['flash.mode'] == 'periodic':
+        # So long a block of the slowest camera that shows the light lasts, and a tenth more.
+        block = HIGHEST * values['flash.frames'] / values['flash.frequency']
+        lost_after = max(lost_after, 1.1 * block)
+    return int(1e9 * lost_after)
 
 
 def compile_search() -> None:
@@ -368,4 +435,4 @@ def compile_search() -> None:
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(SegmenterNode, compile_search))
+    sys.exit(run(lambda: [SegmenterNode()], compile_search))

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
 import sys
+from typing import Any
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
-from blob_tracker.ros.camera_info import from_camera_model, stamped
+from blob_tracker.ros.camera_info import from_camera_model
+from blob_tracker.ros.frame_topics import Deliver, FrameTopics
 from blob_tracker.ros.health import Health
-from blob_tracker.ros.image import from_pixels
-from blob_tracker.ros.parameters import declare, Parameter
+from blob_tracker.ros.parameters import declare, on_change, Parameter
 from blob_tracker.ros.process import run
-from blob_tracker.ros.qos import IMAGE_OUT, overridable, RESULT
+from blob_tracker.ros.qos import overridable, RESULT
 from blob_tracker.ros.target import bearing_message, centroid_message
 from blob_tracker.simulation import FlashingLight
-from blob_tracker.types import Location, SensorNoise
+from blob_tracker.types import Frame, Location, SensorNoise
 from geometry_msgs.msg import PointStamped, Vector3Stamped
 import numpy as np
 from rclpy.node import Node
-from sensor_msgs.msg import CameraInfo, Image
+from rclpy.timer import Timer
 
 _SCENE = FlashingLight()
 PARAMETERS = (
@@ -87,41 +89,63 @@ PARAMETERS = (
 
 
 class SimulatorNode(Node):
-    """See the module's first line; the work is `blob_tracker.simulation.FlashingLight`'s."""
+    """
+    See the module's first line; the work is `blob_tracker.simulation.FlashingLight`'s.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    deliver : callable, optional
+        Takes each frame in memory, see `FrameTopics`.
+    elsewhere : collection of str
+        Parameters of other nodes in the same process.
+
+    """
+
+    def __init__(
+        self, *, deliver: Deliver | None = None, elsewhere: Collection[str] = ()
+    ) -> None:
         super().__init__('simulator')
-        settings = declare(self, PARAMETERS)
-        self._frame_id = settings.pop('frame_id')
-        focal_length = settings.pop('focal_length')
-        noise = SensorNoise(settings.pop('noise.gain'), settings.pop('noise.read_noise'))
-        self._scene = FlashingLight(**settings, noise=noise)
-        width, height = self._scene.width, self._scene.height
-        self._camera_model = CameraModel(
-            width, height, pinhole_matrix(focal_length, width, height)
-        )
-        self._info = from_camera_model(self._camera_model, width, height)
-        self._image = Image()
+        values = declare(self, PARAMETERS, elsewhere)
         self._health = Health(self, 'no frame was published')
-        self._images, self._infos, self._centroids, self._bearings = (
-            self.create_publisher(kind, name, qos, qos_overriding_options=overridable())
-            for kind, name, qos in (
-                (Image, 'camera/image_raw', IMAGE_OUT),
-                (CameraInfo, 'camera/camera_info', IMAGE_OUT),
-                (PointStamped, 'simulator/truth/centroid', RESULT),
-                (Vector3Stamped, 'simulator/truth/bearing', RESULT),
+        self._frames = FrameTopics(self, deliver)
+        self._centroids, self._bearings = (
+            self.create_publisher(kind, name, RESULT, qos_overriding_options=overridable())
+            for kind, name in (
+                (PointStamped, 'simulator/truth/centroid'),
+                (Vector3Stamped, 'simulator/truth/bearing'),
             )
         )
-        self._index = 0
-        self._pixels = self._scene.frame(0)
-        self.create_timer(1.0 / self._scene.rate, self._publish)
+        self._timer: Timer | None = None
+        self._change(values)()
+        on_change(self, PARAMETERS, self._change)
+
+    def _change(self, values: dict[str, Any]) -> Callable[[], None]:
+        """Build the scene and the camera of these parameters; return what starts them."""
+        scene = dict(values)
+        frame_id, focal_length = scene.pop('frame_id'), scene.pop('focal_length')
+        noise = SensorNoise(scene.pop('noise.gain'), scene.pop('noise.read_noise'))
+
+        def use() -> None:
+            self._frame_id = frame_id
+            self._scene = FlashingLight(**scene, noise=noise)
+            width, height = self._scene.width, self._scene.height
+            self._camera_model = CameraModel(
+                width, height, pinhole_matrix(focal_length, width, height)
+            )
+            self._info = from_camera_model(self._camera_model, width, height)
+            self._index = 0
+            self._pixels = self._scene.frame(0)
+            if self._timer is not None:
+                self.destroy_timer(self._timer)
+            self._timer = self.create_timer(1.0 / self._scene.rate, self._publish)
+
+        return use
 
     def _publish(self) -> None:
         """Publish the frame that is ready, then draw the next: drawing costs no latency."""
         stamp_ns = self.get_clock().now().nanoseconds
-        from_pixels(self._pixels, stamp_ns, self._frame_id, self._image)
-        self._images.publish(self._image)
-        self._infos.publish(stamped(self._info, stamp_ns, self._frame_id))
+        frame = Frame(self._pixels, stamp_ns, self._scene.saturation)
+        self._frames.publish(frame, self._info, self._frame_id)
         truth = self._scene.truth(self._index)
         if truth.lit:
             location = Location(
@@ -147,4 +171,4 @@ class SimulatorNode(Node):
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(SimulatorNode))
+    sys.exit(run(lambda: [SimulatorNode()]))

@@ -19,6 +19,11 @@ def locator() -> None:
     _start('locator')
 
 
+def pipeline() -> None:
+    """Run camera, segmenter and locator in one process."""
+    _start('pipeline')
+
+
 def simulator() -> None:
     """Run the simulator node."""
     _start('simulator')

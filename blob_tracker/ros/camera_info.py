@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 from blob_tracker.camera import CalibrationError, CameraModel
 from blob_tracker.camera.lens import FORMER_NAMES
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.stamp import from_ns
 from blob_tracker.types import Window
 import numpy as np
-from sensor_msgs.msg import CameraInfo
+from sensor_msgs.msg import CameraInfo, RegionOfInterest
+from std_msgs.msg import Header
 
 
 def to_camera_model(info: CameraInfo) -> CameraModel:
@@ -116,14 +119,18 @@ def stamped(info: CameraInfo, stamp_ns: int, frame_id: str) -> CameraInfo:
     return info
 
 
-def of_window(info: CameraInfo, window: Window) -> CameraInfo:
-    """Write the window's place, in full-resolution pixels (REP 104), into its camera_info."""
+def of_window(info: CameraInfo, window: Window, frame_id: str) -> CameraInfo:
+    """Return a frame's camera_info with the window's place, in full-resolution px (REP 104)."""
     height, width = window.lit.shape
-    info.roi.x_offset = window.x0
-    info.roi.y_offset = window.y0
-    info.roi.width = width * window.binning[0]
-    info.roi.height = height * window.binning[1]
-    return info
+    whole = copy(info)  # the frame's own stays as it is: a camera fills it again
+    whole.roi = RegionOfInterest(
+        x_offset=window.x0,
+        y_offset=window.y0,
+        width=width * window.binning[0],
+        height=height * window.binning[1],
+    )
+    whole.header = Header()
+    return stamped(whole, window.stamp_ns, frame_id)
 
 
 def _other_size(

@@ -35,7 +35,7 @@ _WINDOWS = {
 }
 
 
-def to_frame(image: Image, info: CameraInfo, saturation: int = 0) -> Frame:
+def to_frame(image: Image, info: CameraInfo) -> Frame:
     """
     Return the frame that an image and its camera_info hold; the pixels are not copied.
 
@@ -45,13 +45,11 @@ def to_frame(image: Image, info: CameraInfo, saturation: int = 0) -> Frame:
         mono8, mono16, 8UC1 or 16UC1.
     info : CameraInfo
         Gives hardware crop and binning.
-    saturation : int
-        DN of a clipped pixel; 0 is full scale of the encoding.
 
     Returns
     -------
     Frame
-        With the stamp of the image.
+        With the stamp of the image; its pixels clip at full scale of the encoding.
 
     Raises
     ------
@@ -65,16 +63,14 @@ def to_frame(image: Image, info: CameraInfo, saturation: int = 0) -> Frame:
     return Frame(
         image=pixels,
         stamp_ns=to_ns(image.header.stamp),
-        saturation=saturation or int(np.iinfo(pixels.dtype).max),
+        saturation=int(np.iinfo(pixels.dtype).max),
         x0=int(info.roi.x_offset),
         y0=int(info.roi.y_offset),
         binning=_binning(info),
     )
 
 
-def to_window(
-    image: Image, info: CameraInfo, saturation: int = 0, looks: int = 1
-) -> Window:
+def to_window(image: Image, info: CameraInfo) -> Window:
     """
     Return the window that target/window/image_raw and its camera_info hold.
 
@@ -84,33 +80,21 @@ def to_window(
         8UC2 or 16UC2, lit and unlit; 8UC1 or 16UC1, lit alone.
     info : CameraInfo
         Its roi is the window's place on the sensor.
-    saturation : int
-        DN of a clipped pixel; 0 is full scale of the encoding, which it always is of a sum.
-    looks : int
-        Frames that are summed in it.
 
     Returns
     -------
     Window
-        With the stamp of the image.
+        With the stamp of the image; its pixels clip at full scale of the encoding.
 
     Raises
     ------
     MessageError
-        Where encoding, size, step or data are wrong, the camera_info is that of another window,
-        or 8 bits cannot be a sum; says which and what would be right.
+        Where encoding, size, step or data are wrong, or the camera_info is that of another
+        window; says which and what would be right.
 
     """
     pixels = _pixels(image, _WINDOWS)
     _check_region(image, info)
-    full = int(np.iinfo(pixels.dtype).max)
-    if looks > 1:
-        if pixels.dtype == np.uint8:
-            raise MessageError(
-                f'a window of {image.encoding} is one frame and no sum of {looks}; set looks as '
-                'the segmenter has it'
-            )
-        saturation = full
     two = pixels.ndim == 3
     return Window(
         lit=pixels[..., 0] if two else pixels,
@@ -118,9 +102,8 @@ def to_window(
         x0=int(info.roi.x_offset),
         y0=int(info.roi.y_offset),
         stamp_ns=to_ns(image.header.stamp),
-        saturation=saturation or full,
+        saturation=int(np.iinfo(pixels.dtype).max),
         binning=_binning(info),
-        looks=looks,
     )
 
 

@@ -67,9 +67,7 @@ def _keep(waiting: OrderedDict[int, object], stamp_ns: int, message: object) -> 
         waiting.popitem(last=False)
 
 
-def subscribe(
-    node: Node, topic: str, health: Health, deliver: Callable[[Image, CameraInfo], None]
-) -> StampPairing:
+class FramePairs:
     """
     Subscribe to `topic`/image_raw and `topic`/camera_info and hand over their pairs.
 
@@ -84,28 +82,35 @@ def subscribe(
     deliver : callable
         Called with each pair.
 
-    Returns
-    -------
-    StampPairing
-        The pairing, which the subscriptions feed.
-
     """
-    pairing = StampPairing(deliver)
 
-    def take_image(message: Image) -> None:
-        pairing.image(message)
-        if pairing.lonely_images >= DEPTH:
-            health.fault(
-                WARN,
-                f'{topic}/image_raw comes without a {topic}/camera_info of the same stamp; '
-                'publish one with each image',
+    def __init__(
+        self, node: Node, topic: str, health: Health, deliver: Callable[[Image, CameraInfo], None]
+    ) -> None:
+        self._node = node
+        self._topic = topic
+        self._health = health
+        self._pairing = StampPairing(deliver)
+        self._subscriptions = [
+            node.create_subscription(
+                kind, f'{topic}/{name}', take, IMAGE_IN, qos_overriding_options=overridable()
             )
+            for kind, name, take in (
+                (Image, 'image_raw', self._take_image),
+                (CameraInfo, 'camera_info', self._pairing.camera_info),
+            )
+        ]
 
-    for kind, name, callback in (
-        (Image, f'{topic}/image_raw', take_image),
-        (CameraInfo, f'{topic}/camera_info', pairing.camera_info),
-    ):
-        node.create_subscription(
-            kind, name, callback, IMAGE_IN, qos_overriding_options=overridable()
-        )
-    return pairing
+    def close(self) -> None:
+        """Listen no longer."""
+        for subscription in self._subscriptions:
+            self._node.destroy_subscription(subscription)
+
+    def _take_image(self, message: Image) -> None:
+        self._pairing.image(message)
+        if self._pairing.lonely_images >= DEPTH:
+            self._health.fault(
+                WARN,
+                f'{self._topic}/image_raw comes without a {self._topic}/camera_info of the same '
+                'stamp; publish one with each image',
+            )

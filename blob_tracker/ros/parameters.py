@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
 
 from blob_tracker.ros.errors import ParameterError
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rcl_interfaces.msg import (
+    FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult,
+)
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
+from rclpy.parameter import Parameter as Given
 
 _TYPES = {bool: 'a boolean', int: 'an integer', float: 'a number with a point', str: 'a string'}
 
@@ -34,6 +37,8 @@ class Parameter:
         The values a string may have; empty leaves it free.
     unit : str
         Unit of a number.
+    fixed : str
+        Why it cannot change while the node runs; empty where it can.
 
     """
 
@@ -44,6 +49,7 @@ class Parameter:
     most: float | None = None
     choices: Sequence[str] = ()
     unit: str = ''
+    fixed: str = ''
 
     @property
     def allowed(self) -> str:
@@ -58,7 +64,11 @@ class Parameter:
     def descriptor(self) -> ParameterDescriptor:
         """Return what `ros2 param describe` shows."""
         text = f'{self.description} Must be {self.allowed}.'
-        descriptor = ParameterDescriptor(name=self.name, description=text, read_only=True)
+        if self.fixed:
+            text += f' Read-only: {self.fixed}.'
+        descriptor = ParameterDescriptor(
+            name=self.name, description=text, read_only=bool(self.fixed)
+        )
         if self.least is None or self.most is None:
             return descriptor
         if isinstance(self.default, float):
@@ -71,10 +81,14 @@ class Parameter:
 
 
 def declare(
-    node: Node, parameters: Sequence[Parameter], complete: bool = True
+    node: Node,
+    parameters: Sequence[Parameter],
+    elsewhere: Collection[str] = (),
+    *,
+    complete: bool = True,
 ) -> dict[str, Any]:
     """
-    Declare parameters on a node and return their values; they are read-only from then on.
+    Declare parameters on a node and return their values.
 
     Parameters
     ----------
@@ -82,6 +96,8 @@ def declare(
         The node.
     parameters : sequence of Parameter
         What it has.
+    elsewhere : collection of str
+        Names that start-up may give to it and that are other nodes' of the same process.
     complete : bool
         Whether it has no others; False where their names are known later: see `undeclared`.
 
@@ -109,18 +125,74 @@ def declare(
             raise _refused(node, parameter)
         values[parameter.name] = value
     if complete:
-        for name in undeclared(node):
+        for name in undeclared(node, elsewhere):
             raise unknown(name, values)
     return values
 
 
-def undeclared(node: Node) -> dict[str, Any]:
-    """Return the values that start-up gave to parameters that the node does not have so far."""
+def on_change(
+    node: Node,
+    parameters: Sequence[Parameter],
+    change: Callable[[dict[str, Any]], Callable[[], None]],
+) -> None:
+    """
+    Let declared parameters change while the node runs, together or not at all.
+
+    Parameters
+    ----------
+    node : Node
+        The node. A callback that acts by itself, on a device say, has to be added before.
+    parameters : sequence of Parameter
+        Those of `declare`.
+    change : callable
+        Takes all values as they would be, and returns what puts them into effect; that is called
+        once they are set. A ParameterError of it refuses them, and all stays as it was.
+
+    """
+    declared = {parameter.name: parameter for parameter in parameters}
+    agreed: list[Callable[[], None]] = []
+
+    def check(asked: list[Given]) -> SetParametersResult:
+        agreed.clear()
+        ours = {each.name: each.value for each in asked if each.name in declared}
+        if not ours:
+            return SetParametersResult(successful=True)
+        values = {name: node.get_parameter(name).value for name in declared} | ours
+        try:
+            for name, value in ours.items():
+                if declared[name].choices and value not in declared[name].choices:
+                    raise _not_allowed(declared[name], value)
+            agreed.append(change(values))
+        except ParameterError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def carry_out(asked: list[Given]) -> None:
+        while agreed:
+            agreed.pop()()
+            words = ', '.join(f'{g.name} is {g.value!r}' for g in asked if g.name in declared)
+            node.get_logger().info(f'changed: {words}')
+
+    node.add_on_set_parameters_callback(check)
+    node.add_post_set_parameters_callback(carry_out)
+
+
+def undeclared(node: Node, elsewhere: Collection[str] = ()) -> dict[str, Any]:
+    """Return the values that start-up gave to parameters that nothing here has so far."""
+    return {
+        name: value
+        for name, value in given(node).items()
+        if not node.has_parameter(name) and name not in elsewhere
+    }
+
+
+def given(node: Node) -> dict[str, Any]:
+    """Return the values that start-up gave to a node's parameters, QoS overrides left out."""
     # What rclpy was told at start-up is not public; nothing else knows of a misspelt name.
     return {
         name: parameter.value
         for name, parameter in node._parameter_overrides.items()
-        if not node.has_parameter(name) and not name.startswith('qos_overrides.')
+        if not name.startswith('qos_overrides.')
     }
 
 
@@ -134,10 +206,14 @@ def unknown(name: str, names: Iterable[str]) -> ParameterError:
 
 def _refused(node: Node, parameter: Parameter) -> ParameterError:
     """Return the error for the value that start-up gave to a parameter."""
-    given = node._parameter_overrides[parameter.name].value
+    return _not_allowed(parameter, node._parameter_overrides[parameter.name].value)
+
+
+def _not_allowed(parameter: Parameter, value: Any) -> ParameterError:
+    """Return the error for a value that a parameter may not have."""
     hint = ''
-    if isinstance(given, int) and isinstance(parameter.default, float):
-        hint = f'; write {given}.0'
+    if isinstance(value, int) and isinstance(parameter.default, float):
+        hint = f'; write {value}.0'
     return ParameterError(
-        f"parameter '{parameter.name}' is {given!r}; it must be {parameter.allowed}{hint}"
+        f"parameter '{parameter.name}' is {value!r}; it must be {parameter.allowed}{hint}"
     )

@@ -1,27 +1,30 @@
-"""One node in one process: start, spin, and leave without a trace."""
+"""The nodes of one process: start, spin, and leave without a trace."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+import gc
 import sys
 
 from blob_tracker.ros.errors import ParameterError
 import rclpy
 from rclpy.exceptions import NameValidationException
-from rclpy.executors import ExternalShutdownException
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
 WRONG_USE = 2  # exit code, as for a shell command called wrongly
 
 
-def run(create: Callable[[], Node], prepare: Callable[[], None] = lambda: None) -> int:
+def run(
+    create: Callable[[], Iterable[Node]], prepare: Callable[[], None] = lambda: None
+) -> int:
     """
-    Run a node until Ctrl-C or SIGTERM.
+    Run nodes until Ctrl-C or SIGTERM.
 
     Parameters
     ----------
     create : callable
-        Makes the node.
+        Makes the nodes, one after the other; they are destroyed in reverse.
     prepare : callable
         Long work before that. ROS is not yet there, so that a signal ends it at once.
 
@@ -38,10 +41,11 @@ def run(create: Callable[[], Node], prepare: Callable[[], None] = lambda: None) 
     except Exception as error:  # rclpy raises private types of its C layer here
         print(f'wrong ROS arguments: {error}', file=sys.stderr)
         return WRONG_USE
-    node = None
+    nodes: list[Node] = []
     try:
         try:
-            node = create()
+            for node in create():
+                nodes.append(node)
         except (ParameterError, NameValidationException) as error:
             print(error, file=sys.stderr)
             return WRONG_USE
@@ -50,7 +54,13 @@ def run(create: Callable[[], Node], prepare: Callable[[], None] = lambda: None) 
                 return 0
             print(f'the node cannot be made: {error}', file=sys.stderr)
             return WRONG_USE
-        rclpy.spin(node)
+        # What is there now stays: no collection need look at it again.
+        gc.collect()
+        gc.freeze()
+        executor = SingleThreadedExecutor()
+        for node in nodes:
+            executor.add_node(node)
+        executor.spin()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except ParameterError as error:  # only the camera knows what its controls may be
@@ -60,7 +70,7 @@ def run(create: Callable[[], Node], prepare: Callable[[], None] = lambda: None) 
         if rclpy.ok():
             raise
     finally:
-        if node is not None:
+        for node in reversed(nodes):
             node.destroy_node()
         rclpy.try_shutdown()
     return 0

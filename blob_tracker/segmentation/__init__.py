@@ -2,6 +2,7 @@
 
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.exposure import exposure_fault
+from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.flash_modes import codes_from_text, flash_by_name, FLASH_MODES
 from blob_tracker.segmentation.history import FrameError
 from blob_tracker.segmentation.look import Look
@@ -13,6 +14,7 @@ from blob_tracker.segmentation.thresholds import threshold_by_name, THRESHOLDS
 __all__ = [
     'Candidate',
     'FLASH_MODES',
+    'Flash',
     'FrameError',
     'Look',
     'REGISTRATIONS',

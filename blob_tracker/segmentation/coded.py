@@ -156,7 +156,7 @@ def check_codes(codes: Mapping[str, str], bit_errors: int) -> None:
     if not codes:
         raise ValueError("there is no code; write them as 'port:1101000,starboard:1110100'")
     for name, bits in codes.items():
-        if not name.isidentifier():
+        if not (name.isidentifier() and name.isascii()):
             raise ValueError(f"a light is called '{name}'; it must be a word fit for a topic")
         if set(bits) != {'0', '1'}:
             raise ValueError(f"the code of '{name}' is '{bits}'; it must have zeros and ones")

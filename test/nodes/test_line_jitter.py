@@ -7,7 +7,7 @@ from pathlib import Path
 
 from blob_tracker.camera import CameraModel
 from blob_tracker.camera.line_jitter import LineJitter
-from blob_tracker.ros.camera_info import from_camera_model, of_window, stamped
+from blob_tracker.ros.camera_info import from_camera_model, of_window
 from blob_tracker.ros.image import from_window
 from blob_tracker.ros.qos import IMAGE_OUT
 from blob_tracker.simulation import pixel_integrated_gaussian
@@ -44,8 +44,7 @@ class Target:
     def send(self) -> None:
         """Publish it with a stamp of its own."""
         self._window = replace(self._window, stamp_ns=self._window.stamp_ns + 10**7)
-        info = of_window(self._info, self._window)
-        stamped(info, self._window.stamp_ns, 'optical')
+        info = of_window(self._info, self._window, 'optical')
         self._images.publish(from_window(self._window, 'optical'))
         self._infos.publish(info)
 

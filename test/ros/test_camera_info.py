@@ -168,8 +168,12 @@ def test_impossible_focal_length_is_refused(value: float) -> None:
 
 def test_window_is_written_as_a_region_of_the_sensor() -> None:
     """REP 104: offset and size in full-resolution, unbinned pixels."""
-    window = Window(np.zeros((5, 7), np.uint8), x0=12, y0=34, binning=(2, 4))
-    info = of_window(stamped(CameraInfo(), 3_000_000_001, 'optical'), window)
+    window = Window(
+        np.zeros((5, 7), np.uint8), x0=12, y0=34, stamp_ns=3_000_000_001, binning=(2, 4)
+    )
+    whole = stamped(CameraInfo(width=640), 5, 'optical')
+    info = of_window(whole, window, 'optical')
+    assert (info.width, whole.roi.width, whole.header.stamp.nanosec) == (640, 0, 5)
     roi = info.roi
     assert (roi.x_offset, roi.y_offset, roi.width, roi.height) == (12, 34, 14, 20)
     assert (info.header.stamp.sec, info.header.stamp.nanosec) == (3, 1)

@@ -73,19 +73,6 @@ def test_windows_round_trip(unlit: np.ndarray | None, kind: type) -> None:
     assert (back.x0, back.y0, back.stamp_ns, back.binning) == (10, 20, 7, (2, 1))
 
 
-def test_saturation_is_that_of_the_camera_but_for_a_sum() -> None:
-    """A sum has its clipped pixels at full scale; 8 bits are no sum."""
-    window = Window(PIXELS.astype(np.uint16), PIXELS.astype(np.uint16))
-    message = from_window(window, 'optical')
-    assert to_window(message, INFO).saturation == 65535
-    assert to_window(message, INFO, 4095).saturation == 4095
-    total = to_window(message, INFO, 4095, 5)
-    assert (total.saturation, total.looks) == (65535, 5)
-    assert to_frame(image(), INFO, 200).saturation == 200
-    with pytest.raises(MessageError, match='a window of 8UC2 is one frame and no sum of 5'):
-        to_window(from_window(Window(PIXELS, PIXELS), 'optical'), INFO, 0, 5)
-
-
 def test_pictures_are_bgr8() -> None:
     """Three channels, as image viewers know them."""
     picture = np.arange(36, dtype=np.uint8).reshape(3, 4, 3)

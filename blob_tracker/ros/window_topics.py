@@ -1,8 +1,8 @@
-"""The topics of one light: its windows, and whether it is in view."""
+"""What a segmenter says of one light: its windows, and whether it is in view."""
 
 from __future__ import annotations
 
-from blob_tracker.ros.camera_info import of_window, stamped
+from blob_tracker.ros.camera_info import of_window
 from blob_tracker.ros.image import from_window
 from blob_tracker.ros.qos import IMAGE_OUT, overridable, STATE
 from blob_tracker.types import Window
@@ -11,7 +11,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Bool
 
 
-class TargetTopics:
+class WindowTopics:
     """
     Publish what a segmenter has to say of one light.
 
@@ -24,10 +24,16 @@ class TargetTopics:
     lost_after_ns : int
         Time without the light, by the stamps, after which it is no longer visible.
 
+    Attributes
+    ----------
+    lost_after_ns : int
+        As above; it may change.
+
     """
 
     def __init__(self, node: Node, topic: str, lost_after_ns: int) -> None:
-        self._lost_after_ns = lost_after_ns
+        self.lost_after_ns = lost_after_ns
+        self._node = node
         self._windows, self._infos, self._visible = (
             node.create_publisher(
                 kind, f'{topic}/{name}', qos, qos_overriding_options=overridable()
@@ -42,9 +48,11 @@ class TargetTopics:
         self._said_visible: bool | None = None
 
     def publish(self, window: Window, frame_id: str, info: CameraInfo) -> None:
-        """Publish the window; it is sent first: its receiver works while the rest follows."""
-        self._windows.publish(from_window(window, frame_id))
-        self._infos.publish(stamped(of_window(info, window), window.stamp_ns, frame_id))
+        """Publish the window while somebody subscribes, the pixels first: they take longest."""
+        if self._windows.get_subscription_count():
+            self._windows.publish(from_window(window, frame_id))
+        if self._infos.get_subscription_count():
+            self._infos.publish(of_window(info, window, frame_id))
 
     def visible(self, stamp_ns: int, seen: bool) -> bool:
         """Tell whether the light is in view at a frame's stamp, and publish it on change."""
@@ -52,13 +60,19 @@ class TargetTopics:
             self._seen_ns = stamp_ns
         visible = self._seen_ns is not None and 0 <= (
             stamp_ns - self._seen_ns
-        ) <= self._lost_after_ns
+        ) <= self.lost_after_ns
         self._say(visible)
         return visible
 
     def out_of_view(self) -> None:
         """Say that the light is out of view: no frame comes that could show it."""
         self._say(False)
+
+    def close(self) -> None:
+        """Take the topics away: there is no such light any more."""
+        self._say(False)
+        for publisher in (self._windows, self._infos, self._visible):
+            self._node.destroy_publisher(publisher)
 
     def _say(self, visible: bool) -> None:
         """Publish on change."""

@@ -1,0 +1,74 @@
+"""Camera, segmenter and locator in one process: frames and windows are handed over in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+import sys
+
+from blob_tracker.nodes import camera, locator, segmenter, simulator
+from blob_tracker.ros.parameters import declare, given, Parameter, unknown
+from blob_tracker.ros.process import run
+from rclpy.node import Node
+
+PARAMETERS = (
+    Parameter(
+        'source',
+        'camera',
+        'Where the frames come from. camera: a V4L2 camera, by a camera node in this process. '
+        'simulator: the simulated one. images: camera/image_raw of any other driver, or a bag.',
+        choices=('camera', 'simulator', 'images'),
+        fixed='the nodes of the process are made at its start',
+    ),
+)
+
+
+def nodes() -> Iterator[Node]:
+    """
+    Yield the nodes of the process, each linked to the next.
+
+    They are the very nodes that run alone, with their names, topics and parameters, so that the
+    same parameter file serves both. A value that is given for the whole process, as by
+    `-p device:=/dev/video0`, goes to the nodes that have such a parameter.
+
+    Raises
+    ------
+    ParameterError
+        Where a parameter cannot be, or no node has one of this name.
+
+    """
+    pipeline = Node('pipeline')
+    yield pipeline
+    common = given(pipeline)
+    source = declare(pipeline, PARAMETERS, common)['source']
+    modules = [segmenter, locator] + {
+        'camera': [camera], 'simulator': [simulator], 'images': []
+    }[source]
+    known = {each.name for module in (*modules, sys.modules[__name__])
+             for each in module.PARAMETERS}
+    known.add('use_sim_time')
+    if source != 'camera':  # whose controls have names that only the device knows
+        for name in common:
+            if name not in known:
+                raise unknown(name, sorted(known))
+
+    locating = locator.LocatorNode(listen=False, elsewhere=common)
+    yield locating
+    segmenting = segmenter.SegmenterNode(
+        listen=source == 'images', deliver=locating.locate, elsewhere=common
+    )
+    yield segmenting
+    if source == 'camera':
+        yield camera.CameraNode(deliver=segmenting.segment, elsewhere=known)
+    elif source == 'simulator':
+        yield simulator.SimulatorNode(deliver=segmenting.segment, elsewhere=common)
+
+
+def compile_all() -> None:
+    """Compile search and fits, before the first frame could wait for them."""
+    segmenter.compile_search()
+    locator.compile_default()
+
+
+def main() -> None:
+    """Run the nodes."""
+    sys.exit(run(nodes, compile_all))

@@ -1,0 +1,54 @@
+"""What no message says of pixels: where they clip, and of how many frames they are the sum."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from blob_tracker.ros.errors import MessageError
+from blob_tracker.types import Frame, Window
+import numpy as np
+
+
+def clipping_frame(frame: Frame, saturation: int) -> Frame:
+    """
+    Return a frame whose pixels clip where a parameter says.
+
+    Parameters
+    ----------
+    frame : Frame
+        From a message or handed over in memory: both get the same, so that both give the same.
+    saturation : int
+        DN of a clipped pixel; 0 is full scale of the pixels' type.
+
+    """
+    return replace(frame, saturation=saturation or 2 ** (8 * frame.image.dtype.itemsize) - 1)
+
+
+def clipping_window(window: Window, saturation: int, looks: int) -> Window:
+    """
+    Return a window whose pixels clip, and are sums of looks, as parameters say.
+
+    Parameters
+    ----------
+    window : Window
+        From a message or handed over in memory.
+    saturation : int
+        DN of a clipped pixel; 0 is full scale of the pixels' type, which it always is of a sum.
+    looks : int
+        Frames that are summed in it.
+
+    Raises
+    ------
+    MessageError
+        Where 8 bits cannot be a sum.
+
+    """
+    full = 2 ** (8 * window.lit.dtype.itemsize) - 1
+    if looks > 1 and window.lit.dtype == np.uint8:
+        raise MessageError(
+            f'a window of 8 bits is one frame and no sum of {looks}; set looks as the segmenter '
+            'has it'
+        )
+    return replace(
+        window, saturation=full if looks > 1 else saturation or full, looks=looks
+    )
