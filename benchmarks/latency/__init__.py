@@ -28,7 +28,7 @@ HOP, THREE, ONE = 'bare hop', 'three processes', 'one process'
 NAMESPACE = 'one'  # of the pipeline: it lives beside the three
 WARM_UP = 1.0  # s
 GRACE = 0.3  # s after the end of a stream for the last message
-LONGEST_START = 7.0  # s that the nodes have to start
+LONGEST_START = 20.0  # s that the nodes have to start
 
 
 @dataclass(frozen=True)
@@ -325,8 +325,7 @@ class Nodes:
                                'seconds': WARM_UP + seconds})
                 sent = self._one.answer()
             time.sleep(GRACE)
-            subscriber.close_input()
-            found = stream(sent, subscriber.answer(), lit_alone=True)
+            found = stream(sent, _arrived(subscriber), lit_alone=True)
         lasted = (sent[-1][1] - sent[0][1]) / 1e9
         found.busy = {
             name: (busy[name] + process.busy()) / lasted for name, process in processes.items()
@@ -363,8 +362,14 @@ def _hop(size: tuple[int, int], rate: float, seconds: float) -> Stream:
     with Process('subscriber', 'image', 'hop/image_raw') as subscriber:
         subscriber.answer()
         sent = _camera('hop', size, rate, WARM_UP + seconds, info=False)
-        subscriber.close_input()
-        return stream(sent, subscriber.answer(), lit_alone=False)
+        return stream(sent, _arrived(subscriber), lit_alone=False)
+
+
+def _arrived(subscriber: Process) -> Sequence[tuple[int, int]]:
+    """Return all that a subscriber received."""
+    subscriber.close_input()
+    first = subscriber.answer()
+    return subscriber.answer() if first else ()
 
 
 def _start(way: str) -> float:
@@ -372,7 +377,7 @@ def _start(way: str) -> float:
     with ExitStack() as stack:
         subscriber = stack.enter_context(Process('subscriber', 'bearing', 'target/bearing'))
         camera = stack.enter_context(
-            _camera_process('camera', USUAL, 60.0, LONGEST_START, info=True, subscribers=0)
+            _camera_process('camera', USUAL, 60.0, 2.0 * LONGEST_START, info=True, subscribers=0)
         )
         subscriber.answer()
         camera.answer()
@@ -382,10 +387,11 @@ def _start(way: str) -> float:
             stack.enter_context(Process('node', 'locator'))
         else:
             stack.enter_context(Process('node', 'pipeline', '--ros-args', '-p', 'source:=images'))
-        camera.answer()
-        subscriber.close_input()
-        arrived = subscriber.answer()
-    return min((at_ns - began_ns for _, at_ns in arrived), default=nan) / 1e9
+        try:
+            ((_, at_ns),) = subscriber.answer(LONGEST_START)
+        except TimeoutError:
+            return nan
+    return (at_ns - began_ns) / 1e9
 
 
 def _camera(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
+import select
 import subprocess
 import sys
 from tempfile import TemporaryFile
@@ -14,6 +15,7 @@ from blob_tracker.resources import config_path
 
 ROOT = Path(__file__).parents[2]
 EXIT = 10.0  # s
+PATIENCE = 60.0  # s
 TICK = os.sysconf('SC_CLK_TCK')
 MB = 1e6
 
@@ -58,23 +60,31 @@ class Process:
         self._popen.stdin.write(json.dumps(request) + '\n')
         self._popen.stdin.flush()
 
-    def answer(self) -> Any:
+    def answer(self, timeout: float = PATIENCE) -> Any:
         """
         Return the next line that it reports.
 
         Raises
         ------
+        TimeoutError
+            Where none comes within the time, s.
         RuntimeError
             Where it ended instead, with what it said.
 
         """
         assert self._popen.stdout is not None
+        # It writes whole lines and is asked for one at a time: nothing waits in Python's buffer.
+        if not select.select([self._popen.stdout], [], [], timeout)[0]:
+            raise TimeoutError(f'{self._name} says nothing for {timeout:.0f} s: {self._said()}')
         line = self._popen.stdout.readline()
         if not line:
-            self._popen.wait(EXIT)
-            self._words.seek(0)
-            raise RuntimeError(f'{self._name} ended: {self._words.read()[-2000:]}')
+            raise RuntimeError(f'{self._name} ended: {self._said()}')
         return json.loads(line)
+
+    def _said(self) -> str:
+        """Return the end of what it wrote for people."""
+        self._words.seek(0)
+        return self._words.read()[-2000:]
 
     def interrupt(self) -> None:
         """Press Ctrl-C."""

@@ -2,8 +2,8 @@
 A process that subscribes as any rclpy node does, and tells when each message arrived.
 
 `python -m benchmarks.latency.subscriber image hop/image_raw`, or `bearing target/bearing`; it says
-`[]` when a publisher is there and, when its standard input ends, stamp and monotonic time of each
-message, ns.
+`[]` when it listens, stamp and monotonic time, ns, of the first message as soon as it is there and,
+when its standard input ends, those of all.
 """
 
 from __future__ import annotations
@@ -31,6 +31,8 @@ def main(kind: str, topic: str) -> None:
     def take(message: Any) -> None:
         now_ns = time.monotonic_ns()
         arrived.append((to_ns(message.header.stamp), now_ns))
+        if len(arrived) == 1:
+            report(arrived)
 
     def end() -> None:
         wait_for_the_end()
