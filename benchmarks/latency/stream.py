@@ -11,14 +11,15 @@ from blob_tracker.camera import CameraModel, pinhole_matrix
 from blob_tracker.simulation import FlashingLight
 from blob_tracker.types import Pixels
 
-COUNT = 32  # frames that are drawn, even: they are shown to and fro, so that the light jumps never
+COUNT = 32  # frames that are drawn, even, and shown to and fro: the light never jumps
+PERIOD = 300.0  # s of its path: it all but stands still, as what is measured is no tracking
 FOCAL_LENGTH = 600.0  # px
 FRAME_ID = 'camera_optical_frame'
 
 
 def draw(width: int, height: int, rate: float) -> list[Pixels]:
     """Return the frames of one turn, lit in the even places: a flash in step with the frames."""
-    scene = FlashingLight(width=width, height=height, rate=rate)
+    scene = FlashingLight(width=width, height=height, rate=rate, period=PERIOD)
     there = [scene.frame(index) for index in range(COUNT)]
     return there + there[-2:0:-1]
 
