@@ -14,14 +14,14 @@ import yaml
 def test_parameter_file_holds_every_default(node: str) -> None:
     """tracker.yaml has each parameter of each node with the default of its declaration."""
     content = yaml.safe_load(config_path('tracker.yaml').read_text())
-    parameters = import_module(f'blob_tracker.nodes.{node}').PARAMETERS
+    parameters = import_module(f'blob_tracker.nodes.interface.{node}').PARAMETERS
     assert content[f'/**/{node}']['ros__parameters'] == {p.name: p.default for p in parameters}
 
 
 @pytest.mark.parametrize('node', ['camera', 'segmenter', 'locator', 'pipeline', 'simulator'])
 def test_defaults_are_within_their_ranges(node: str) -> None:
     """And each parameter has a reason to be there."""
-    for parameter in import_module(f'blob_tracker.nodes.{node}').PARAMETERS:
+    for parameter in import_module(f'blob_tracker.nodes.interface.{node}').PARAMETERS:
         assert len(parameter.description) >= 15
         if parameter.least is not None:
             assert parameter.least <= parameter.default <= parameter.most
