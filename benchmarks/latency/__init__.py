@@ -63,8 +63,10 @@ class Row:
 
     Parameters
     ----------
-    way, size : str
-        Which, and the 'width x height' of its frames.
+    way : str
+        Which.
+    size : (int, int)
+        Width and height of the frames, px.
     rate : float
         Frames a second.
     medians, tails : list of float
@@ -82,7 +84,7 @@ class Row:
     """
 
     way: str
-    size: str
+    size: tuple[int, int]
     rate: float
     medians: list[float]
     tails: list[float]
@@ -123,6 +125,8 @@ class Resident:
         Which.
     memory : float
         Resident, the most of all rounds, MB.
+    own : float
+        Of it at the end what no other process can share: all but the pages of files, MB.
     growth : float
         Slope of the memory over the rounds at 640 x 480 after the first, MB a minute.
     pause : float
@@ -134,6 +138,7 @@ class Resident:
 
     node: str
     memory: float
+    own: float
     growth: float
     pause: float
     collections: int
@@ -174,7 +179,7 @@ class Stream:
         return self.expected - len(self.delays)
 
 
-def stream(
+def pair(
     sent: Sequence[tuple[int, int, bool]],
     arrived: Sequence[tuple[int, int]],
     *,
@@ -211,12 +216,13 @@ def row(
     hops: Sequence[Sequence[Stream]] = (),
 ) -> Row:
     """Return the row of a way's rounds; `hops` are those of each bare hop, round by round."""
+    came = np.concatenate([each.delays for each in streams])
     medians = [_percentile(each, 50.0) for each in streams]
     tails = [_percentile(each, 99.0) for each in streams]
     names = streams[0].busy
     return Row(
-        way, f'{size[0]} x {size[1]}', rate, medians, tails,
-        float(np.percentile(np.concatenate([each.delays for each in streams]), 99.9)),
+        way, size, rate, medians, tails,
+        float(np.percentile(came, 99.9)) if len(came) else nan,
         _over(medians, hops, 50.0),
         _over(tails, hops, 99.0),
         sum(each.expected for each in streams),
@@ -301,8 +307,8 @@ class Nodes:
         """Walk both hops and both ways once at 60 Hz."""
         self._tick(f'ways and bare hops at 60 Hz, round {index + 1}')
         streams = [
-            _hop(SMALL, 60.0, seconds),
-            _hop(USUAL, 60.0, seconds),
+            hop(SMALL, 60.0, seconds),
+            hop(USUAL, 60.0, seconds),
             self.walk(THREE, USUAL, 60.0, seconds),
             self.walk(ONE, USUAL, 60.0, seconds),
         ]
@@ -325,7 +331,7 @@ class Nodes:
                                'seconds': WARM_UP + seconds})
                 sent = self._one.answer()
             time.sleep(GRACE)
-            found = stream(sent, _arrived(subscriber), lit_alone=True)
+            found = pair(sent, _arrived(subscriber), lit_alone=True)
         lasted = (sent[-1][1] - sent[0][1]) / 1e9
         found.busy = {
             name: (busy[name] + process.busy()) / lasted for name, process in processes.items()
@@ -335,7 +341,8 @@ class Nodes:
 
     def end(self) -> list[Resident]:
         """End all nodes and return what they took."""
-        most = {name: process.memory() for name, process in self._all.items()}
+        last = {name: process.memory() for name, process in self._all.items()}
+        own = {name: process.own_memory() for name, process in self._all.items()}
         for process in self._three.values():
             process.interrupt()
         self._one.close_input()
@@ -351,18 +358,20 @@ class Nodes:
                 minutes, memory = np.array(seen[1:]).T / [[60.0], [1.0]]
                 growth = float(np.polyfit(minutes - minutes[0], memory, 1)[0])
             residents.append(Resident(
-                name, max([most[name], *(each for _, each in seen)]), growth,
+                name, max([last[name], *(each for _, each in seen)]), own[name], growth,
                 max(pauses, default=0.0), len(pauses),
             ))
         return residents
 
 
-def _hop(size: tuple[int, int], rate: float, seconds: float) -> Stream:
+def hop(
+    size: tuple[int, int], rate: float, seconds: float, warm_up: float = WARM_UP
+) -> Stream:
     """Publish images in one process and receive them in another."""
     with Process('subscriber', 'image', 'hop/image_raw') as subscriber:
         subscriber.answer()
-        sent = _camera('hop', size, rate, WARM_UP + seconds, info=False)
-        return stream(sent, _arrived(subscriber), lit_alone=False)
+        sent = _camera('hop', size, rate, warm_up + seconds, info=False)
+        return pair(sent, _arrived(subscriber), lit_alone=False, warm_up=warm_up)
 
 
 def _arrived(subscriber: Process) -> Sequence[tuple[int, int]]:

@@ -12,7 +12,7 @@ import json
 import sys
 import time
 
-from benchmarks.latency.stream import camera_model, draw, FRAME_ID, report, send
+from benchmarks.latency.source import camera_model, draw, FRAME_ID, report, send
 from blob_tracker.ros.camera_info import from_camera_model, stamped
 from blob_tracker.ros.image import from_pixels
 from blob_tracker.ros.qos import IMAGE_OUT

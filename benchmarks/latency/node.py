@@ -11,7 +11,7 @@ import atexit
 import sys
 
 from benchmarks.latency import pauses
-from benchmarks.latency.stream import report
+from benchmarks.latency.source import report
 from blob_tracker.nodes import start
 
 if __name__ == '__main__':

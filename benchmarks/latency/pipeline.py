@@ -15,7 +15,7 @@ from threading import Thread
 import time
 
 from benchmarks.latency import pauses
-from benchmarks.latency.stream import camera_model, draw, FRAME_ID, report, send
+from benchmarks.latency.source import camera_model, draw, FRAME_ID, report, send
 from blob_tracker.nodes.locator import LocatorNode
 from blob_tracker.nodes.pipeline import compile_all
 from blob_tracker.nodes.segmenter import SegmenterNode

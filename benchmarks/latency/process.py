@@ -102,8 +102,15 @@ class Process:
 
     def memory(self) -> float:
         """Return its resident memory, MB."""
+        return self._status('VmRSS')
+
+    def own_memory(self) -> float:
+        """Return that without the pages of files, which processes share, MB."""
+        return self._status('VmRSS') - self._status('RssFile')
+
+    def _status(self, name: str) -> float:
         status = Path(f'/proc/{self._popen.pid}/status').read_text()
-        (line,) = (line for line in status.splitlines() if line.startswith('VmRSS:'))
+        (line,) = (line for line in status.splitlines() if line.startswith(f'{name}:'))
         return int(line.split()[1]) * 1024 / MB
 
     def __enter__(self) -> Process:

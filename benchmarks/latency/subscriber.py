@@ -13,7 +13,7 @@ from threading import Thread
 import time
 from typing import Any
 
-from benchmarks.latency.stream import report, wait_for_the_end
+from benchmarks.latency.source import report, wait_for_the_end
 from blob_tracker.ros.qos import IMAGE_IN, RESULT
 from blob_tracker.ros.stamp import to_ns
 from geometry_msgs.msg import Vector3Stamped
