@@ -5,9 +5,9 @@
 #      PYTEST='-k segmenter'   a part of them
 # make soak               the camera driver's tests with 300 s of streaming in place of 20
 #      SOAK_SECONDS=3600   another time
-# make bench              beside other people's methods, a quarter of an hour, out/benchmarks
-#      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion, capture),
-#                              less of it
+# make bench              beside other people's methods, 20 minutes, out/benchmarks
+#      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion, capture,
+#                              latency), less of it
 #      BLOB_TRACKER_DATA=folder   where the real pixels are
 # PYTHON=python3.12       another interpreter, 3.10 to 3.13, after `make clean`
 
