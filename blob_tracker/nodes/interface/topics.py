@@ -27,8 +27,8 @@ VISIBLE = Topic('target/visible', 'std_msgs/Bool', 'transient local, on change')
 NOISE = Topic(
     'target/noise',
     'geometry_msgs/Vector3Stamped',
-    'with `noise.measure`: x gain in e-/DN, y read noise and z black level in DN; transient local, '
-    'used by the locator with `noise.online`',
+    'with `noise.measure`: x gain in e-/DN, y read noise and z black level in DN; transient '
+    'local, used by the locator with `noise.online`',
 )
 BEARING = Topic(
     'target/bearing',
