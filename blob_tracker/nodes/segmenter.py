@@ -14,6 +14,7 @@ from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_frame
+from blob_tracker.ros.losses import Losses, StampGaps
 from blob_tracker.ros.mask import read_mask
 from blob_tracker.ros.names import target_topic
 from blob_tracker.ros.pairing import FramePairs
@@ -33,7 +34,9 @@ from blob_tracker.segmentation import (
     Segmenter,
     threshold_by_name,
 )
+from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.periodic import HIGHEST
+from blob_tracker.segmentation.picture import draw
 from blob_tracker.types import Frame, Window
 from geometry_msgs.msg import Vector3Stamped
 from rclpy.clock import Clock, ClockType
@@ -42,6 +45,10 @@ from sensor_msgs.msg import CameraInfo, Image
 
 # What makes another flash mode of them; all else leaves a light that is followed as it is.
 FLASH = ('max_pair_interval', 'registration', 'gate')
+# s from one picture to the next. Frames with a window have the first call, those with a candidate
+# the second: at a fixed pace every picture could be of an unlit frame.
+WITH_WINDOW, WITH_CANDIDATE, WITH_NOTHING = 0.1, 0.2, 0.3
+LEAST_NOISE = 0.01  # DN: pixels that are all equal have none
 NOISE_PERIOD_NS = 10**9  # by the stamps, between two pairs that are measured
 CHECK = 0.25  # s between two looks at whether frames still come
 SILENCE = 1.0  # s of wall time without a good frame; slow bags and cameras pause for less
@@ -78,8 +85,16 @@ class SegmenterNode(Node):
         self._deliver = deliver
         self._lock = Lock()  # frames may come from a thread of the camera's
         self._health = Health(
-            self, 'no frames arrive; is a camera publishing camera/image_raw and camera_info?'
+            self,
+            'no frames arrive; is a camera publishing camera/image_raw and camera_info?',
+            'the camera has become slower, or frames are lost on the way or for want of time: '
+            'compare missing frames, CPU and the diagnostics of the camera',
+            self._describe,
         )
+        self._gaps, self._losses = StampGaps(), Losses()
+        self._reason = ''
+        self._candidates: tuple[Candidate, ...] = ()
+        self._target: Candidate | None = None
         self._flash: tuple[dict[str, Any], Flash] | None = None
         self._targets: dict[str, WindowTopics] = {}
         self._noise: NoiseLevelFunction | None = None
@@ -164,6 +179,8 @@ class SegmenterNode(Node):
 
     def segment(self, frame: Frame, info: CameraInfo, frame_id: str) -> None:
         """Look for the lights in the next frame; publish the window of each that is there."""
+        self._health.arrived(frame.stamp_ns)
+        self._losses.add(self._gaps.missing(frame.stamp_ns))
         with self._lock:
             self._segment(clipping_frame(frame, self._saturation), info, frame_id)
 
@@ -178,6 +195,7 @@ class SegmenterNode(Node):
             if self._deliver is not None:
                 self._deliver(name, window, info, frame_id)
             self._targets[name].publish(window, frame_id, info)
+            self._health.left(window.stamp_ns)
             self._health.count('windows')
             self._health.show('frames summed in a window', window.looks)
         # A frame that is only gathered, or begins afresh, leaves the look as it was.
@@ -195,8 +213,10 @@ class SegmenterNode(Node):
         elif not any(visible):
             self._say_why(frame)
         if look:
-            self._describe(look)
-            self._debug_image.offer(look, frame.stamp_ns, frame_id)
+            self._remember(look)
+            self._debug_image.offer(
+                lambda: draw(look), frame.stamp_ns, frame_id, _pause(look)
+            )
         if self._noise is not None:
             self._measure_noise(self._noise, frame, frame_id)
 
@@ -234,16 +254,38 @@ class SegmenterNode(Node):
         self._health.show('measured black level', black_level)
         self._health.show('tiles of the last unlit pair', tiles)
 
-    def _describe(self, look: Look) -> None:
-        """Show in the diagnostics what the segmenter saw."""
-        self._health.show('state', look.state)
-        self._health.show('noise (DN)', f'{look.noise:.2f}')
-        if look.reason:
-            self._health.show('last frame without target', look.reason)
-        # Of the last frame that had any: the unlit half of the frames has none.
-        if look.candidates:
-            first = look.candidates[0]
-            self._health.show('last candidates', len(look.candidates))
+    def _remember(self, look: Look) -> None:
+        """Keep of a look what the diagnostics show: the unlit half of the frames has no light."""
+        self._reason = look.reason or self._reason
+        self._candidates = look.candidates or self._candidates
+        if look.windows:
+            self._target = next((each for each in look.candidates if not each.refused), None)
+
+    def _describe(self) -> None:
+        """Show in the diagnostics what the segmenter saw last."""
+        self._health.show('missing frames', self._losses.total)
+        if self._losses.grave:
+            self._health.fault(
+                WARN,
+                f'{100.0 * self._losses.share:.0f} % of the last frames are missing by their '
+                'stamps: the camera dropped them (see its diagnostics), they were lost on the way '
+                '(use config/fastdds.xml), or this node was too late for them (see CPU)',
+            )
+        look = self._look
+        if look is not None:
+            self._health.show('flash lock', look.state)
+            self._health.show('noise (DN)', f'{look.noise:.2f}')
+        if self._reason:
+            self._health.show('last frame without target', self._reason)
+        target = self._target
+        if target is not None:
+            self._health.show('contrast (DN)', f'{target.amplitude:.1f}')
+            self._health.show(
+                'contrast / noise', f'{target.amplitude / max(target.noise, LEAST_NOISE):.1f}'
+            )
+        if self._candidates:
+            first = self._candidates[0]
+            self._health.show('last candidates', len(self._candidates))
             self._health.show(
                 'strongest of them',
                 f'SNR {first.snr:.1f} at ({first.x:.0f}, {first.y:.0f}): '
@@ -266,6 +308,13 @@ def _lost_after_ns(values: dict[str, Any]) -> int:
         block = HIGHEST * values['flash.frames'] / values['flash.frequency']
         lost_after = max(lost_after, 1.1 * block)
     return int(1e9 * lost_after)
+
+
+def _pause(look: Look) -> float:
+    """Return the least time between two pictures, s, by what there is to see in this one."""
+    if look.windows:
+        return WITH_WINDOW
+    return WITH_CANDIDATE if look.candidates else WITH_NOTHING
 
 
 def compile_search() -> None:

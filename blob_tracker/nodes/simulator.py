@@ -7,8 +7,10 @@ import sys
 from typing import Any
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
+from blob_tracker.capture.picture import draw
 from blob_tracker.nodes.interface.simulator import PARAMETERS
 from blob_tracker.ros.camera_info import from_camera_model
+from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.frame_topics import Deliver, FrameTopics
 from blob_tracker.ros.health import Health
 from blob_tracker.ros.parameters import declare, on_change
@@ -41,7 +43,13 @@ class SimulatorNode(Node):
     ) -> None:
         super().__init__('simulator')
         values = declare(self, PARAMETERS, elsewhere)
-        self._health = Health(self, 'no frame was published')
+        self._health = Health(
+            self,
+            'no frame was published',
+            'drawing takes longer than a frame; lower rate, width and height, or free the '
+            'processor',
+        )
+        self._debug_image = DebugImage(self)
         self._frames = FrameTopics(self, deliver)
         self._centroids, self._bearings = (
             self.create_publisher(kind, name, RESULT, qos_overriding_options=overridable())
@@ -80,7 +88,9 @@ class SimulatorNode(Node):
         """Publish the frame that is ready, then draw the next: drawing costs no latency."""
         stamp_ns = self.get_clock().now().nanoseconds
         frame = Frame(self._pixels, stamp_ns, self._scene.saturation)
+        self._health.arrived(stamp_ns)
         self._frames.publish(frame, self._info, self._frame_id)
+        self._health.left(stamp_ns)
         truth = self._scene.truth(self._index)
         if truth.lit:
             location = Location(
@@ -100,6 +110,11 @@ class SimulatorNode(Node):
             self._bearings.publish(bearing_message(bearing, self._frame_id))
         self._health.count('frames')
         self._health.ok('publishing')
+        self._debug_image.offer(
+            lambda: draw(frame, [f'{self._health.rate:.2f} Hz of {self._scene.rate:g}']),
+            stamp_ns,
+            self._frame_id,
+        )
         self._index += 1
         self._pixels = self._scene.frame(self._index)
 
