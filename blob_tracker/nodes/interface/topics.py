@@ -43,11 +43,10 @@ RAY = Topic(
     'geometry_msgs/PoseWithCovarianceStamped',
     'the same as a turn, with covariance in rad^2',
 )
-SEGMENTER_PICTURE = Topic(
-    '~/debug_image',
-    'sensor_msgs/Image',
-    'bgr8, while somebody subscribes, at most 10 Hz: what the segmenter sees',
-)
+_PICTURE = '~/debug_image', 'sensor_msgs/Image'
+FRAME_PICTURE = Topic(*_PICTURE, 'bgr8, while somebody subscribes, at most 10 Hz: the frame')
+SEGMENTER_PICTURE = Topic(*_PICTURE, 'likewise: frame, difference, candidates and window')
+WINDOW_PICTURE = Topic(*_PICTURE, 'likewise: the window, the fit and what it leaves')
 TRUE_CENTROID = Topic(
     'simulator/truth/centroid',
     'geometry_msgs/PointStamped',
