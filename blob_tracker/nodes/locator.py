@@ -26,7 +26,7 @@ from blob_tracker.ros.image import to_window
 from blob_tracker.ros.names import check_light, target_topic
 from blob_tracker.ros.pairing import FramePairs
 from blob_tracker.ros.parameters import declare, on_change
-from blob_tracker.ros.process import run
+from blob_tracker.ros.process import run, say
 from blob_tracker.ros.qos import overridable, STATE
 from blob_tracker.ros.target import to_noise
 from blob_tracker.ros.url import to_path
@@ -308,7 +308,7 @@ def _in_words(noise: SensorNoise) -> str:
 
 def compile_default() -> None:
     """Compile the fits, before the first target could wait for them."""
-    print('loading the fits; the first start compiles them for 10 s or so', file=sys.stderr)
+    say('loading the fits; the first start compiles them for 10 s or so')
     compile_ahead([DEFAULT_METHOD])
 
 

@@ -19,7 +19,7 @@ from blob_tracker.ros.mask import read_mask
 from blob_tracker.ros.names import check_light, target_topic
 from blob_tracker.ros.pairing import FramePairs
 from blob_tracker.ros.parameters import declare, on_change
-from blob_tracker.ros.process import run
+from blob_tracker.ros.process import run, say
 from blob_tracker.ros.qos import overridable, STATE
 from blob_tracker.ros.target import noise_message
 from blob_tracker.ros.window_topics import WindowTopics
@@ -321,7 +321,7 @@ def _pause(look: Look) -> float:
 
 def compile_search() -> None:
     """Compile the search, before the first frame could wait for it."""
-    print('loading the search; the first start compiles it for half a minute', file=sys.stderr)
+    say('loading the search; the first start compiles it for half a minute')
     compile_ahead()
 
 
