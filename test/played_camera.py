@@ -86,6 +86,14 @@ class PlayedCamera:
         self.images.publish(image)
         self.infos.publish(info)
 
+    def send_again(self, index: int, image: Image, info: CameraInfo) -> None:
+        """Publish messages of a frame that was drawn before, under the stamp of now."""
+        for message in (image, info):
+            stamped(message, self.stamp_ns, 'optical')
+        self.note(self.stamp_ns, Sent(index, info))
+        self.images.publish(image)
+        self.infos.publish(info)
+
     def note(self, stamp_ns: int, sent: Sent) -> None:
         """Remember what was sent under a stamp."""
         self.sent.setdefault(stamp_ns, []).append(sent)
@@ -109,14 +117,15 @@ class PlayedCamera:
                 self.send(index)
                 self.node.spin(0.005)
             try:
-                self.node.spin_until(self._last_is_located, 2.0)
+                self.node.spin_until(lambda: self.located(self.stamp_ns), 2.0)
                 return
             except AssertionError:
                 continue
         raise AssertionError('no bearing of good frames')
 
-    def _last_is_located(self) -> bool:
-        return any(to_ns(each.header.stamp) == self.stamp_ns for each in self.bearings[-50:])
+    def located(self, stamp_ns: int) -> bool:
+        """Tell whether the bearing of a frame has come."""
+        return any(to_ns(each.header.stamp) == stamp_ns for each in self.bearings[-50:])
 
     def expect_right(self) -> None:
         """Expect each bearing so far to be right of what was sent under its stamp; forget it."""

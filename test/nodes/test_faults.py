@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import ExitStack
-import itertools
-import os
 from pathlib import Path
-import resource
 import signal
 import time
 
@@ -15,10 +11,11 @@ from blob_tracker.ros.stamp import to_ns
 from blob_tracker.simulation import FlashingLight
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Vector3Stamped
-import numpy as np
 from played_camera import PlayedCamera
 from processes import executable, Probe, probe, Process, start
 import pytest
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
 
 SMALL = {'width': 160, 'height': 120, 'focal_length': 200.0}
 SCENE = FlashingLight(width=160, height=120, period=3.0)
@@ -85,3 +82,126 @@ def test_any_node_that_is_killed_may_come_back(arrangement: str, domain: int) ->
             begin(name)
         truth.expect_new()
         truth.expect_right()
+
+
+# What takes the frames of a camera that the test plays.
+TAKERS = {'three processes': ('segmenter', 'locator'), 'pipeline': ('pipeline',)}
+
+
+def _start_takers(stack: ExitStack, arrangement: str, domain: int) -> list[Process]:
+    """Start what finds the light in frames from elsewhere."""
+    return [
+        stack.enter_context(
+            start(name, domain, **({'source': 'images'} if name == 'pipeline' else {}))
+        )
+        for name in TAKERS[arrangement]
+    ]
+
+
+def _said(diagnostics: list[DiagnosticArray], sentence: str) -> bool:
+    """Tell whether a diagnostic has said this."""
+    return any(sentence in status.message for array in diagnostics for status in array.status)
+
+
+@pytest.mark.parametrize('arrangement', TAKERS)
+def test_a_camera_that_stalls_is_named_and_tracked_again(arrangement: str, domain: int) -> None:
+    """Frames stop, and come again: with the stamps of their time, of before, or repeated."""
+    with probe(domain) as node, ExitStack() as stack:
+        processes = _start_takers(stack, arrangement, domain)
+        camera = PlayedCamera(node, SCENE)
+        diagnostics = node.record(DiagnosticArray, '/diagnostics')
+        camera.discover()
+        camera.flash()
+        node.spin_until(lambda: _said(diagnostics, 'no frames arrive; is a camera publishing'))
+        last = camera.stamp_ns
+        for index in range(13, 25):  # as if nothing had been: buffers that were full meanwhile
+            camera.send(index)
+            node.spin(0.005)
+        node.spin_until(lambda: camera.located(camera.stamp_ns))
+        camera.stamp_ns = last  # the same stamps again, and on
+        for index in range(13, 40):
+            camera.send(index)
+            node.spin(0.005)
+        camera.flash()  # a second later by its stamps
+        camera.expect_right()
+        assert all(process.running for process in processes)
+
+
+@pytest.mark.parametrize('arrangement', TAKERS)
+def test_a_flood_is_taken_or_its_loss_is_named(arrangement: str, domain: int) -> None:
+    """640x480 at 600 Hz, ten times the rate: memory stays, and every bearing is right."""
+    scene = FlashingLight(period=3.0)
+    rate, frames = 600.0, 2400
+    with probe(domain) as node, ExitStack() as stack:
+        processes = _start_takers(stack, arrangement, domain)
+        camera = PlayedCamera(node, scene)
+        diagnostics = node.record(DiagnosticArray, '/diagnostics')
+        camera.discover()
+        camera.flash()
+        drawn = [camera.messages(index) for index in range(60)]
+        before = [process.memory() for process in processes]
+        camera.stamp_ns += 10**9
+        first = camera.stamp_ns
+        began = time.monotonic()
+        for count in range(frames):
+            camera.stamp_ns = first + round(1e9 * count / rate)
+            camera.send_again(count % 60, *drawn[count % 60])
+            node.spin(max(began + (count + 1) / rate - time.monotonic(), 0.0))
+        after = [process.memory() for process in processes]
+        # Ten messages of either topic and a pair of frames are 7 MB.
+        assert all(b - a < 20.0 for a, b in zip(before, after)), (before, after)
+        node.spin(2.0)  # two diagnostics
+        located = sum(1 for each in camera.bearings if to_ns(each.header.stamp) > first)
+        camera.expect_right()
+        # Half the frames are lit; what did not come as a bearing is said to be missing.
+        assert located >= 0.45 * frames or int(_last(diagnostics, '/segmenter', 'missing frames'))
+        camera.flash()
+        camera.expect_right()
+
+
+def _last(diagnostics: list[DiagnosticArray], node: str, key: str) -> str:
+    """Return the last value of a diagnostic."""
+    values = [
+        pair.value
+        for array in diagnostics
+        for status in array.status
+        if status.name.startswith(node)
+        for pair in status.values
+        if pair.key == key
+    ]
+    return values[-1]
+
+
+# How a node starts ("$@") where its logs find no room; {} is a folder.
+NO_ROOM = {
+    # In a mount namespace of its own, which needs no privilege where the kernel allows that.
+    'disk of the log files is full': 'exec unshare --user --map-root-user --mount sh -c \''
+    'mount -t tmpfs -o size=64k tmpfs {0}; head -c 1M /dev/zero > {0}/full; '
+    'ROS_LOG_DIR={0} exec "$@"\' sh "$@"',
+    'folder of the log files cannot be': 'touch {0}/file; ROS_LOG_DIR={0}/file/x exec "$@"',
+    'terminal is a file on a full disk': 'exec "$@" > /dev/full 2>&1',
+}
+
+
+@pytest.mark.parametrize('where', NO_ROOM)
+def test_tracking_needs_no_room_for_logs(where: str, tmp_path: Path, domain: int) -> None:
+    """Words are lost, bearings are not."""
+    command = [str(executable('pipeline')), '--ros-args', '-p', 'source:=simulator']
+    for name, value in SMALL.items():
+        command += ['-p', f'{name}:={value}']
+    with probe(domain) as node:
+        truth = Truth(node)
+        change = node.create_client(SetParameters, 'simulator/set_parameters')
+        with Process(['sh', '-c', NO_ROOM[where].format(tmp_path), 'sh', *command], domain) as it:
+            truth.expect_new()
+            for rate in (50.0, 70.0) * 10:  # each is a line in the log, of several hundred bytes
+                request = SetParameters.Request()
+                request.parameters = [Parameter('rate', value=rate).to_parameter_msg()]
+                future = change.call_async(request)
+                node.spin_until(future.done)
+                assert future.result().results[0].successful
+            truth.expect_new()
+            truth.expect_right()
+            assert it.end() == 0
+        assert 'Traceback' not in it.output
+        assert where != 'folder of the log files cannot be' or 'set ROS_LOG_DIR' in it.output
