@@ -1,4 +1,4 @@
-"""The whole tracker for a long time: memory, files, threads, latency and loss stay as they were."""
+"""The tracker for a long time: memory, files, threads, latency and loss stay as they were."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from statistics import median
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Vector3Stamped
-from processes import Probe, probe, Process, start
+from processes import PATIENCE, Probe, probe, Process, start
 import pytest
 
 SECONDS = float(os.environ.get('SOAK_SECONDS', 60.0))
@@ -143,7 +143,7 @@ def test_nothing_grows(domain: int) -> None:
             }
             soaked[name] = Soaked(node, processes)
         for each in soaked.values():
-            each.node.spin_until(lambda each=each: each.bearings)
+            each.node.spin_until(lambda each=each: each.bearings, 3.0 * PATIENCE)
             each.node.spin(WARM / len(soaked))
         for _ in range(int(SECONDS / PERIOD)):
             for each in soaked.values():
