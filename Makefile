@@ -5,9 +5,9 @@
 #      PYTEST='-k segmenter'   a part of them
 # make soak               the camera driver's tests with 300 s of streaming in place of 20
 #      SOAK_SECONDS=3600   another time
-# make bench              beside other people's methods, a quarter of an hour, out/benchmarks
-#      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion, capture),
-#                              less of it
+# make bench              beside other people's methods, 20 minutes, out/benchmarks
+#      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion, capture,
+#                              latency), less of it
 #      BLOB_TRACKER_DATA=folder   where the real pixels are
 # make reference          config/tracker.yaml and README's tables, from the nodes' declarations
 # PYTHON=python3.12       another interpreter, 3.10 to 3.13, after `make clean`
@@ -36,8 +36,9 @@ demo: install/.built
 	  $(if $(DEVICE),--device $(DEVICE)) $(if $(CAMERA_INFO),--camera-info $(CAMERA_INFO))
 
 test: install/.built .venv/.test
-	@# pytest alone, not python -m: what colcon installed is tested, not what lies here.
-	@$(ENVIRONMENT) && pytest $(PYTEST)
+	@# pytest alone, not python -m: what colcon installed is tested, not what lies here. One
+	@# process runs what starts nodes and the virtual machine, the other what only computes.
+	@$(ENVIRONMENT) && pytest -n 2 --dist loadgroup $(PYTEST)
 
 soak: export SOAK_SECONDS := $(SOAK_SECONDS)
 soak: install/.built .venv/.test
