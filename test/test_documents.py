@@ -12,11 +12,15 @@ import shlex
 from typing import NamedTuple
 
 from blob_tracker.__main__ import COMMANDS
+from blob_tracker.nodes.calibrate import CALIBRATIONS
 from blob_tracker.nodes.interface import interface_of, NODES
 import pytest
 
 ROOT = Path(__file__).parents[1]
-DOCUMENTS = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').glob('*.md'))]
+DOCUMENTS = [
+    ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', ROOT / 'config' / 'security' / 'README.md',
+    *sorted((ROOT / 'docs').glob('*.md')),
+]
 HOLE = None  # in a sentence of the code: what is put in when it is said
 
 
@@ -57,14 +61,16 @@ def parser() -> argparse.ArgumentParser:
 def test_command_lines_are_understood(capsys: pytest.CaptureFixture[str]) -> None:
     """Each is given to the parser that would read it."""
     commands = parser()
+    named = [[name] for name in COMMANDS] + [['calibrate', name] for name in CALIBRATIONS]
     for quote in quotes(r'python3? -m blob_tracker ([^\n`|]+)'):
         given = words(quote.text)
         if given in (['calibrate', 'WHAT'], ['COMMAND']):
             continue  # the general form
+        if given in named:
+            given = [*given, '--help']  # it is only named; its help ends the parser, well
         try:
             commands.parse_args(given)
         except SystemExit as ended:
-            # --help ends it too, well
             assert ended.code == 0, f'{quote}: {capsys.readouterr().err}'
 
 
@@ -147,7 +153,7 @@ def _headings(path: Path) -> set[str]:
 
 
 def said_in_tables() -> list[Quote]:
-    """Return the sentences in the first column of the tables that tell what to do about them."""
+    """Return what tables say that nodes say: sentences, and keys of the diagnostics."""
     found = []
     for path in DOCUMENTS:
         column = ''
@@ -160,7 +166,7 @@ def said_in_tables() -> list[Quote]:
                 continue  # the line under the head
             if column == 'it says':
                 found.append(Quote(path.name, first))
-            elif column == 'what you see':
+            elif column in ('what you see', 'key'):
                 said = [Quote(path.name, each) for each in re.findall(r'`([^`]+)`', first)]
                 assert said, f'{path.name}: no sentence to look for, in `...`: {first}'
                 found += said
