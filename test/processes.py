@@ -112,9 +112,16 @@ class Probe(Node):
         """Wait for a service, call it and return its answer."""
         client = self.create_client(kind, service)
         self.spin_until(client.service_is_ready)
-        future = client.call_async(request)
-        self.spin_until(future.done)
-        return future.result()
+        # It is ready when it hears; that its answer finds the way back is not known, and an answer
+        # without one is lost.
+        for attempt in range(3):
+            future = client.call_async(request)
+            try:
+                self.spin_until(future.done, PATIENCE / 3)
+                return future.result()
+            except AssertionError:
+                if attempt == 2:
+                    raise
 
     def spin(self, seconds: float) -> None:
         """Take what arrives in this time."""

@@ -32,7 +32,8 @@ class Tracker:
     def __init__(self, node: Probe, processes: list[Process]) -> None:
         self.node = node
         self.processes = processes
-        self.bearings = node.record(Vector3Stamped, 'target/bearing')
+        self._bearings = node.record(Vector3Stamped, 'target/bearing')
+        self.begin_ns = -1
         self.visible = node.record(Bool, 'target/visible', STATE)
         self.diagnostics = node.record(DiagnosticArray, '/diagnostics')
         self._images = node.create_publisher(Image, 'camera/image_raw', IMAGE_OUT)
@@ -40,6 +41,11 @@ class Tracker:
         self.stamp_ns = _NOW
         # Discovery has two ends and best effort no memory: send until the other end hears.
         node.spin_until(lambda: self.send(1) or self.send(2) or self.bearings)
+
+    @property
+    def bearings(self) -> list[Vector3Stamped]:
+        """Bearings of the frames that this test has sent, not of one before."""
+        return [b for b in self._bearings if to_ns(b.header.stamp) > self.begin_ns]
 
     def send(
         self,
@@ -119,7 +125,7 @@ def running() -> Iterator[Tracker]:
 @pytest.fixture
 def tracker(running: Tracker) -> Iterator[Tracker]:
     """Give the running nodes with empty records; they must live and track afterwards."""
-    running.bearings.clear()
+    running.begin_ns = running.stamp_ns
     running.diagnostics.clear()
     yield running
     running.expect_life()

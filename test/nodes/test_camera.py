@@ -18,6 +18,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 import numpy as np
 from processes import Probe, probe, start
 import pytest
+from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters
 import rclpy
 from rclpy.parameter import Parameter
@@ -139,15 +140,27 @@ def test_a_parameter_that_is_not_the_nodes_waits_for_the_camera(domain: int) -> 
     assert "parameter 'gain' is [1, 2]; a control of the camera has one number" in process.output
 
 
-def test_the_nodes_own_parameters_stay_as_they_were_read(domain: int) -> None:
-    """Another device or size takes effect at the next start only."""
-    with probe(domain) as node, start('camera', domain, device='/dev/no_such_camera'):
-        request = SetParameters.Request(
-            parameters=[Parameter('device', value='/dev/video1').to_parameter_msg()]
-        )
-        answer = node.call(SetParameters, 'camera/set_parameters', request)
-    assert not answer.results[0].successful
-    assert 'read-only' in answer.results[0].reason
+def test_another_device_is_opened_at_once_and_a_wrong_calibration_refused(domain: int) -> None:
+    """The diagnostics name the new device; what is refused leaves the node as it was."""
+    with probe(domain) as node, start('camera', domain, device='/dev/no_such_camera') as camera:
+        diagnostics = node.record(DiagnosticArray, '/diagnostics')
+
+        def put(name: str, value: object) -> SetParametersResult:
+            request = SetParameters.Request(
+                parameters=[Parameter(name, value=value).to_parameter_msg()]
+            )
+            return node.call(SetParameters, 'camera/set_parameters', request).results[0]
+
+        def says(words: str) -> bool:
+            return any(words in each.status[0].message for each in diagnostics)
+
+        node.spin_until(lambda: says('/dev/no_such_camera: there is no such device'))
+        refused = put('camera_info_url', 'file:///no/such/file.yaml')
+        assert not refused.successful
+        assert refused.reason.startswith("parameter 'camera_info_url': ")
+        assert put('device', '/dev/another_camera').successful
+        node.spin_until(lambda: says('/dev/another_camera: there is no such device'))
+        assert camera.running
 
 
 class FakeStream:
