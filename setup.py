@@ -16,6 +16,7 @@ setup(
         (f'share/{NAME}', ['package.xml']),
         (f'share/{NAME}/config', glob('config/*')),
         (f'share/{NAME}/launch', glob('launch/*.launch.py')),
+        (f'share/{NAME}/examples', glob('examples/*.py')),
     ],
     install_requires=['setuptools'],
     extras_require={'test': ['pytest']},
