@@ -14,6 +14,7 @@ import pytest
 from rclpy.qos import (
     DurabilityPolicy,
     HistoryPolicy,
+    LivelinessPolicy,
     qos_check_compatible,
     QoSCompatibility,
     QoSProfile,
@@ -75,6 +76,7 @@ def rviz_qos(topic: dict[str, Any]) -> QoSProfile:
     """Return the QoS in RViz' words as a profile."""
     return QoSProfile(
         depth=topic['Depth'],
+        liveliness=LivelinessPolicy.AUTOMATIC,
         history={'Keep Last': HistoryPolicy.KEEP_LAST}[topic['History Policy']],
         reliability={
             'Reliable': ReliabilityPolicy.RELIABLE, 'Best Effort': ReliabilityPolicy.BEST_EFFORT,
