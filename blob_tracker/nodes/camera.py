@@ -15,6 +15,7 @@ from blob_tracker.capture import (
     CaptureError, ControlError, Grabber, NoFrameError, PIXEL_FORMATS, V4l2Camera,
 )
 from blob_tracker.ros.camera_info import from_camera_model, to_camera_model
+from blob_tracker.ros.connections import Connections
 from blob_tracker.ros.control_parameters import ControlParameters
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.frame_topics import Deliver, FrameTopics
@@ -140,6 +141,7 @@ class CameraNode(Node):
         # With the parameters and the calibration that it was made of.
         self._info_of: tuple[Any, CameraModel | None, CameraInfo] = None, None, CameraInfo()
         self._health = Health(self, 'no frame arrives from the camera')
+        self._connections = Connections(self, self._health)
         self._change(values)()
         self._controls = ControlParameters(self, undeclared(self, elsewhere), self._health)
         on_change(self, PARAMETERS, self._change)

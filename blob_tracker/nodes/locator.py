@@ -16,6 +16,8 @@ from blob_tracker.location.noise import variance_ratio
 from blob_tracker.ros.bearing_topics import BearingTopics
 from blob_tracker.ros.camera_info import to_camera_model
 from blob_tracker.ros.clipping import clipping_window
+from blob_tracker.ros.clock_jumps import on_clock_jump
+from blob_tracker.ros.connections import Connections
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_window
@@ -23,7 +25,7 @@ from blob_tracker.ros.names import target_topic
 from blob_tracker.ros.pairing import FramePairs
 from blob_tracker.ros.parameters import declare, on_change, Parameter
 from blob_tracker.ros.process import run
-from blob_tracker.ros.qos import overridable, STATE
+from blob_tracker.ros.qos import STATE, subscription
 from blob_tracker.ros.target import to_noise
 from blob_tracker.ros.url import to_path
 from blob_tracker.types import Location, LocationError, SensorNoise, Window
@@ -132,6 +134,7 @@ class LocatorNode(Node):
         self._listen = listen
         self._lock = Lock()  # windows may come from a thread of the camera's
         self._health = Health(self, 'no window arrives; is the segmenter running?')
+        self._connections = Connections(self, self._health)
         self._calibration: tuple[object, ...] = ()
         self._camera_model: CameraModel | None = None
         self._targets: dict[str, BearingTopics] = {}
@@ -139,6 +142,7 @@ class LocatorNode(Node):
         self._measurements: Subscription | None = None
         self._change(values)()
         on_change(self, PARAMETERS, self._change)
+        self._clock_jumps = on_clock_jump(self, self._health, self._forget)
 
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Build what these parameters ask for; return what puts it into effect."""
@@ -197,12 +201,8 @@ class LocatorNode(Node):
             self._health.show('noise', f'as configured: {_in_words(self._configured)}')
         elif self._measurements is None:
             self._health.show('noise', 'as configured: none has been measured yet')
-            self._measurements = self.create_subscription(
-                Vector3Stamped,
-                'target/noise',
-                self._measured,
-                STATE,
-                qos_overriding_options=overridable(),
+            self._measurements = subscription(
+                self, Vector3Stamped, 'target/noise', self._measured, STATE
             )
 
     def _measured(self, message: Vector3Stamped) -> None:
@@ -224,6 +224,11 @@ class LocatorNode(Node):
             self._health.fault(ERROR, f'{target_topic(light)}/window: {error}')
             return
         self.locate(light, window, info, image.header.frame_id)
+
+    def _forget(self, after_ns: int) -> None:
+        """Forget the windows that wait for their camera_info and have a later stamp, ns."""
+        for windows in self._windows.values():
+            windows.forget(after_ns)
 
     def locate(self, light: str, window: Window, info: CameraInfo, frame_id: str) -> None:
         """Place the blob of a window and publish its direction, or nothing at all."""

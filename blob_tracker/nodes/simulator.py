@@ -8,11 +8,12 @@ from typing import Any
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
 from blob_tracker.ros.camera_info import from_camera_model
+from blob_tracker.ros.connections import Connections
 from blob_tracker.ros.frame_topics import Deliver, FrameTopics
 from blob_tracker.ros.health import Health
 from blob_tracker.ros.parameters import declare, on_change, Parameter
 from blob_tracker.ros.process import run
-from blob_tracker.ros.qos import overridable, RESULT
+from blob_tracker.ros.qos import publisher, RESULT
 from blob_tracker.ros.target import bearing_message, centroid_message
 from blob_tracker.simulation import FlashingLight
 from blob_tracker.types import Frame, Location, SensorNoise
@@ -107,9 +108,10 @@ class SimulatorNode(Node):
         super().__init__('simulator')
         values = declare(self, PARAMETERS, elsewhere)
         self._health = Health(self, 'no frame was published')
+        self._connections = Connections(self, self._health)
         self._frames = FrameTopics(self, deliver)
         self._centroids, self._bearings = (
-            self.create_publisher(kind, name, RESULT, qos_overriding_options=overridable())
+            publisher(self, kind, name, RESULT)
             for kind, name in (
                 (PointStamped, 'simulator/truth/centroid'),
                 (Vector3Stamped, 'simulator/truth/bearing'),

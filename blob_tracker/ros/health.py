@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from threading import Lock
 
-from blob_tracker.ros.qos import overridable, RESULT
+from blob_tracker.ros.qos import publisher, RESULT
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -43,9 +43,7 @@ class Health:
         self._patience = PATIENCE
         # Wall time that never jumps: with use_sim_time a paused bag must not silence a node.
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self._publisher = node.create_publisher(
-            DiagnosticArray, '/diagnostics', RESULT, qos_overriding_options=overridable()
-        )
+        self._publisher = publisher(node, DiagnosticArray, '/diagnostics', RESULT)
         self._timer = node.create_timer(PERIOD, self._publish, clock=self._clock)
 
     def ok(self, message: str) -> None:
