@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from blob_tracker.ros.health import Health, WARN
+from blob_tracker.ros.qos import OVERRIDABLE
 from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -59,27 +60,31 @@ class Connections:
     def _check(self) -> None:
         """Look at the other end of each topic."""
         graph = self._node
-        published: set[str] = set()
-        for subscription in list(graph.subscriptions):
-            topic = subscription.topic_name
-            kind, qos = type_name(subscription.msg_type), subscription.qos_profile
+        published = {each.topic_name for each in graph.publishers}
+        subscribed = {each.topic_name for each in graph.subscriptions}
+        for topic in sorted(published | subscribed):
             publishers = graph.get_publishers_info_by_topic(topic)
-            self._warn(unheard(topic, kind, qos, each) for each in publishers)
-            published.add(topic)
-        for publisher in list(graph.publishers):
-            topic = publisher.topic_name
-            kind, qos = type_name(publisher.msg_type), publisher.qos_profile
             subscriptions = graph.get_subscriptions_info_by_topic(topic)
-            self._warn(unhearing(topic, kind, qos, each) for each in subscriptions)
-            published.add(topic)
-        for topic in sorted(published.difference(COMMON)):
-            self._warn([self._published_twice(topic, graph.get_publishers_info_by_topic(topic))])
+            # As the graph has them: a profile may leave a policy to the middleware.
+            for ours in self._own(subscriptions):
+                self._warn(unheard(topic, ours, each) for each in publishers)
+            for ours in self._own(publishers):
+                self._warn(unhearing(topic, ours, each) for each in subscriptions)
+            if topic not in COMMON:
+                self._warn([self._published_twice(topic, publishers)])
         if graph.get_clock().ros_time_is_active and not graph.count_publishers('/clock'):
             self._warn([
                 'use_sim_time is true and nothing publishes /clock, so that ROS time stands '
                 'still; play the bag with --clock, start the simulation, or set use_sim_time to '
                 'false'
             ])
+
+    def _own(self, endpoints: Iterable[TopicEndpointInfo]) -> list[TopicEndpointInfo]:
+        """Return those of this node."""
+        return [
+            each for each in endpoints
+            if full_name(each) == self._node.get_fully_qualified_name()
+        ]
 
     def _published_twice(self, topic: str, publishers: Sequence[TopicEndpointInfo]) -> str:
         """Return what to say of a topic that several nodes publish, once it is sure."""
@@ -106,7 +111,7 @@ class Connections:
                 self._health.fault(WARN, sentence)
 
 
-def unheard(topic: str, kind: str, qos: QoSProfile, publisher: TopicEndpointInfo) -> str:
+def unheard(topic: str, ours: TopicEndpointInfo, publisher: TopicEndpointInfo) -> str:
     """
     Return why a subscription hears nothing of a publisher; empty where it does.
 
@@ -114,41 +119,39 @@ def unheard(topic: str, kind: str, qos: QoSProfile, publisher: TopicEndpointInfo
     ----------
     topic : str
         Full name of the topic.
-    kind : str
-        Type that is subscribed to: sensor_msgs/msg/Image.
-    qos : QoSProfile
-        Of the subscription.
+    ours : TopicEndpointInfo
+        The subscription of this node, of the graph.
     publisher : TopicEndpointInfo
-        Of the graph.
+        Of another node.
 
     """
     name = full_name(publisher)
-    if publisher.topic_type != kind:
+    if publisher.topic_type != ours.topic_type:
         return (
-            f'{topic}: {name} publishes {publisher.topic_type} there and this node takes {kind}; '
-            'remap one of the two'
+            f'{topic}: {name} publishes {publisher.topic_type} there and this node takes '
+            f'{ours.topic_type}; remap one of the two'
         )
     return '; '.join(
         f'{topic}: {name} publishes {offered} and this node asks for {asked}, so that nothing '
-        f'arrives from it; set its {policy} to {asked}, or '
-        f'qos_overrides.{topic}.subscription.{policy} of this node to {offered}'
-        for policy, offered, asked in disagreements(publisher.qos_profile, qos)
+        f'arrives from it; set its {policy} to {asked}'
+        + _or_override(topic, 'subscription', policy, offered)
+        for policy, offered, asked in disagreements(publisher.qos_profile, ours.qos_profile)
     )
 
 
-def unhearing(topic: str, kind: str, qos: QoSProfile, subscription: TopicEndpointInfo) -> str:
+def unhearing(topic: str, ours: TopicEndpointInfo, subscription: TopicEndpointInfo) -> str:
     """Return why a subscription hears nothing of this node; as `unheard`, from the other end."""
     name = full_name(subscription)
-    if subscription.topic_type != kind:
+    if subscription.topic_type != ours.topic_type:
         return (
             f'{topic}: {name} takes {subscription.topic_type} there and this node publishes '
-            f'{kind}; remap one of the two'
+            f'{ours.topic_type}; remap one of the two'
         )
     return '; '.join(
         f'{topic}: {name} asks for {asked} and this node publishes {offered}, so that it hears '
-        f'nothing; set its {policy} to {offered}, or qos_overrides.{topic}.publisher.{policy} of '
-        f'this node to {asked}'
-        for policy, offered, asked in disagreements(qos, subscription.qos_profile)
+        f'nothing; set its {policy} to {offered}'
+        + _or_override(topic, 'publisher', policy, asked)
+        for policy, offered, asked in disagreements(ours.qos_profile, subscription.qos_profile)
     )
 
 
@@ -168,6 +171,13 @@ def disagreements(offered: QoSProfile, asked: QoSProfile) -> list[tuple[str, str
     ]
 
 
+def _or_override(topic: str, end: str, policy: str, value: str) -> str:
+    """Return what this node may do about a policy, where it may."""
+    if policy not in OVERRIDABLE:
+        return ''
+    return f', or qos_overrides.{topic}.{end}.{policy} of this node to {value}'
+
+
 def _in_words(value: object) -> str:
     """Return the value of a policy as the parameters have it."""
     if isinstance(value, Duration):
@@ -180,9 +190,3 @@ def full_name(endpoint: TopicEndpointInfo) -> str:
     if endpoint.node_name == '_NODE_NAME_UNKNOWN_':  # not told yet, or no node of ROS
         return 'a node without a name'
     return f'{endpoint.node_namespace.rstrip("/")}/{endpoint.node_name}'
-
-
-def type_name(kind: type) -> str:
-    """Return the name of a message type: sensor_msgs/msg/Image."""
-    package, *_ = kind.__module__.split('.')
-    return f'{package}/msg/{kind.__name__}'

@@ -125,12 +125,13 @@ class LostMessages:
                 f'(qos_overrides.{self._topic}.subscription.reliability)'
             )
         theirs = environment_of(gid)
-        room = segment_size(theirs or {}) // max(self._size, 1)
-        if room < QUEUE and 'fastrtps' in get_rmw_implementation_identifier():
+        segment = segment_size(theirs or {})
+        if segment < QUEUE * self._size and 'fastrtps' in get_rmw_implementation_identifier():
             probably = 'probably ' if theirs is None else ''
             return (
-                f'its shared memory {probably}has room for {room} of them, for want of the '
-                f'Fast DDS profile; in its terminal, before it starts, type: {export()}'
+                f'its shared memory {probably}has {segment >> 10} KiB for want of the Fast DDS '
+                f'profile, and an image {self._size >> 10}; in its terminal, before it starts, '
+                f'type: {export()}'
             )
         return 'this machine is too busy to pass them on (see top)'
 

@@ -30,7 +30,7 @@ STATE = QoSProfile(
 )
 
 # What a publisher and a subscription may disagree on, and how many messages wait.
-_OVERRIDABLE = {
+OVERRIDABLE = {
     'history': HistoryPolicy,
     'depth': int,
     'reliability': ReliabilityPolicy,
@@ -110,16 +110,16 @@ def _options(node: Node, topic: str, end: str) -> QoSOverridingOptions:
     for name, parameter in node._parameter_overrides.items():
         if name.startswith(prefix):
             _check(name, name.removeprefix(prefix), parameter.value)
-    return QoSOverridingOptions([QoSPolicyKind[each.upper()] for each in _OVERRIDABLE])
+    return QoSOverridingOptions([QoSPolicyKind[each.upper()] for each in OVERRIDABLE])
 
 
 def _check(name: str, policy: str, value: Any) -> None:
     """Raise ParameterError where a policy cannot have this value."""
-    if policy not in _OVERRIDABLE:
+    if policy not in OVERRIDABLE:
         raise ParameterError(
-            f"no parameter '{name}'; what can be overridden is {', '.join(_OVERRIDABLE)}"
+            f"no parameter '{name}'; what can be overridden is {', '.join(OVERRIDABLE)}"
         )
-    values = _OVERRIDABLE[policy]
+    values = OVERRIDABLE[policy]
     if values is int:
         if type(value) is not int or not 1 <= value <= MOST:
             raise ParameterError(
