@@ -1,4 +1,4 @@
-"""The command line: python -m blob_tracker calibrate | demo | optics | replay."""
+"""The command line: python -m blob_tracker calibrate | demo | doctor | optics | replay."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import sys
 COMMANDS = {
     'calibrate': ('blob_tracker.nodes.calibrate', 'measure a camera: lens, noise, line jitter'),
     'demo': ('blob_tracker.nodes.demo', 'track a simulated light, or a camera, and show it live'),
+    'doctor': ('blob_tracker.nodes.doctor', 'say what is wrong with this machine, and what to do'),
     'optics': ('blob_tracker.studies.optics', 'what a lens sees and resolves, by its data sheet'),
     'replay': ('blob_tracker.nodes.replay', 'publish the messages of a bag, without ros2 bag'),
 }

@@ -17,6 +17,7 @@ FAST = {'reassoc', 'contract', 'nsz', 'arcp'}
 
 Array = NDArray[np.float64]
 Kernel = TypeVar('Kernel', bound=Callable[..., Any])
+_KERNELS: list[Any] = []  # all that the rooms imported so far have
 
 
 @cache
@@ -36,4 +37,25 @@ def kernel(function: Kernel) -> Kernel:
     if hasattr(compiled, '_cache'):  # not where NUMBA_DISABLE_JIT is set
         room = Path(function.__code__.co_filename).parent
         compiled._cache._cache_file._source_stamp = _digest(room)
+        _KERNELS.append(compiled)
     return compiled
+
+
+def compiled(package: str) -> tuple[int, int, str]:
+    """
+    Tell which kernels of a package that has been imported are compiled and kept on disk.
+
+    Returns
+    -------
+    int, int, str
+        How many are compiled for this processor from the source that is there, how many there
+        are, and the folder with the machine code (that of the first one).
+
+    """
+    kernels = [one for one in _KERNELS if one.py_func.__module__.startswith(f'{package}.')]
+    processor = kernels[0].targetctx.codegen().magic_tuple()
+    done = sum(
+        any(key[1] == processor for key in one._cache._cache_file._load_index())
+        for one in kernels
+    )
+    return done, len(kernels), str(kernels[0]._cache._cache_path)

@@ -1,58 +1,98 @@
-"""Camera (or simulator), segmenter and locator, as three processes."""
+"""Camera (or simulator), segmenter and locator: three processes, or one with pipeline:=true."""
 
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, SetEnvironmentVariable
-from launch.conditions import IfCondition, UnlessCondition
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
+from launch.substitutions import (
+    EnvironmentVariable,
+    LaunchConfiguration,
+    PathJoinSubstitution,
+)
 from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
 
+CONFIG = [FindPackageShare('blob_tracker'), 'config']
+SWITCH = ['true', 'false']
+PROFILES = 'FASTRTPS_DEFAULT_PROFILES_FILE'
+
 
 def generate_launch_description() -> LaunchDescription:
-    """Return the nodes and the arguments that choose camera, calibration and namespace."""
-    share = FindPackageShare('blob_tracker')
-    arguments = [
-        DeclareLaunchArgument('device', default_value='/dev/video0', description='the camera'),
+    """Return the arguments and what they start."""
+    return LaunchDescription([
         DeclareLaunchArgument(
-            'camera_info_url', default_value='', description='its calibration: path or URL'
+            'pipeline', default_value='false', choices=SWITCH,
+            description='all nodes in one process: frames are handed over in memory',
         ),
         DeclareLaunchArgument(
-            'simulate', default_value='false', description='a simulated camera in its place'
+            'simulate', default_value='false', choices=SWITCH,
+            description='a simulated camera in place of the real one',
+        ),
+        DeclareLaunchArgument(
+            'device', default_value='',
+            description='the camera, as /dev/video0; empty leaves it to params_file',
+        ),
+        DeclareLaunchArgument(
+            'camera_info_url', default_value='',
+            description='its calibration, path or URL; empty leaves it to params_file',
         ),
         DeclareLaunchArgument('namespace', default_value='', description='of all nodes'),
         DeclareLaunchArgument(
-            'params_file',
-            default_value=PathJoinSubstitution([share, 'config', 'tracker.yaml']),
+            'params_file', default_value=PathJoinSubstitution([*CONFIG, 'tracker.yaml']),
             description='parameters of the nodes',
         ),
-        # Without it Fast DDS loses every fifth image: see the file.
-        SetEnvironmentVariable(
-            'FASTRTPS_DEFAULT_PROFILES_FILE',
-            PathJoinSubstitution([share, 'config', 'fastdds.xml']),
+        DeclareLaunchArgument(
+            'use_sim_time', default_value='false', choices=SWITCH,
+            description='time from /clock',
         ),
-    ]
-    simulate = LaunchConfiguration('simulate')
-    common = {
-        'package': 'blob_tracker',
-        'namespace': LaunchConfiguration('namespace'),
-        'output': 'screen',
-    }
-    params_file = LaunchConfiguration('params_file')
-    camera = Node(
-        executable='camera',
-        parameters=[
-            params_file,
-            {
-                'device': LaunchConfiguration('device'),
-                'camera_info_url': LaunchConfiguration('camera_info_url'),
-            },
-        ],
-        condition=UnlessCondition(simulate),
-        **common,
-    )
-    simulator = Node(executable='simulator', condition=IfCondition(simulate), **common)
-    trackers = [
-        Node(executable=name, parameters=[params_file], **common)
-        for name in ('segmenter', 'locator')
-    ]
-    return LaunchDescription([*arguments, camera, simulator, *trackers])
+        DeclareLaunchArgument(
+            'log_level', default_value='info',
+            choices=['debug', 'info', 'warn', 'error', 'fatal'],
+            description='least severity that is logged',
+        ),
+        DeclareLaunchArgument(
+            'rviz', default_value='false', choices=SWITCH,
+            description='RViz with frame, window and ray as well',
+        ),
+        # Without it Fast DDS loses every fifth image: see the file. A profile already set stays.
+        SetEnvironmentVariable(PROFILES, EnvironmentVariable(
+            PROFILES, default_value=PathJoinSubstitution([*CONFIG, 'fastdds.xml']),
+        )),
+        OpaqueFunction(function=_nodes),
+    ])
+
+
+def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
+    """Return the processes; called with the arguments known."""
+    def argument(name: str) -> str:
+        return LaunchConfiguration(name).perform(context)
+
+    # What is not given must not override the parameter file.
+    camera = {name: argument(name) for name in ('device', 'camera_info_url') if argument(name)}
+    clock = {'use_sim_time': True} if argument('use_sim_time') == 'true' else {}
+    simulate = argument('simulate') == 'true'
+
+    def node(executable: str, **parameters: str) -> Node:
+        return Node(
+            package='blob_tracker',
+            executable=executable,
+            namespace=argument('namespace'),
+            parameters=[argument('params_file'), {**clock, **parameters}],
+            ros_arguments=['--log-level', argument('log_level')],
+            output='screen',
+        )
+
+    if argument('pipeline') == 'true':
+        # No name: it would be that of each node in the process.
+        nodes = [node('pipeline', **({'source': 'simulator'} if simulate else camera))]
+    else:
+        source = node('simulator') if simulate else node('camera', **camera)
+        nodes = [source, node('segmenter'), node('locator')]
+    if argument('rviz') == 'true':
+        view = PathJoinSubstitution([*CONFIG, 'blob_tracker.rviz'])
+        nodes.append(Node(
+            package='rviz2',
+            executable='rviz2',
+            namespace=argument('namespace'),  # the topics in the file are relative
+            arguments=['-d', view],
+            parameters=[clock],
+        ))
+    return nodes

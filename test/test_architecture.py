@@ -25,10 +25,11 @@ ROS_MODULES = {
 ROOMS = {
     'types': set(),
     'resources': set(),
-    'capture': set(),
+    'drawing': set(),
+    'capture': {'drawing'},
     'kernel': set(),
-    'segmentation': {'kernel'},
-    'location': {'kernel'},
+    'segmentation': {'drawing', 'kernel'},
+    'location': {'drawing', 'kernel'},
     'camera': set(),
     'calibration': {'segmentation', 'location', 'camera'},
     'pipeline': {'capture', 'segmentation', 'location', 'camera'},
@@ -41,7 +42,7 @@ ROOMS = {
     },
     'nodes': {
         'capture', 'segmentation', 'location', 'camera', 'calibration', 'pipeline', 'simulation',
-        'studies', 'ros', 'resources',
+        'studies', 'ros', 'resources', 'kernel',
     },
     '__main__': {'nodes', 'studies'},
     '__init__': {'camera', 'pipeline'},

@@ -6,8 +6,8 @@ import errno
 import glob
 import grp
 import os
+from pathlib import Path
 import pwd
-import re
 import stat
 
 from blob_tracker.capture import videodev2
@@ -36,16 +36,29 @@ def open_capture_device(path: str) -> int:
         There is no such device, it may not be opened, or it is no such device.
 
     """
-    try:
-        fd = os.open(path, os.O_RDWR | os.O_NONBLOCK | os.O_CLOEXEC)
-    except OSError as error:
-        raise CaptureError(_why_not_open(path, error)) from error
+    fd = open_device(path)
     try:
         _check_captures(path, fd)
     except BaseException:
         os.close(fd)
         raise
     return fd
+
+
+def open_device(path: str) -> int:
+    """
+    Open a device of any kind.
+
+    Raises
+    ------
+    CaptureError
+        There is no such device, or it may not be opened.
+
+    """
+    try:
+        return os.open(path, os.O_RDWR | os.O_NONBLOCK | os.O_CLOEXEC)
+    except OSError as error:
+        raise CaptureError(_why_not_open(path, error)) from error
 
 
 def capabilities(fd: int) -> tuple[int, str]:
@@ -73,6 +86,13 @@ def driver(fd: int) -> str:
     return capability.driver.decode(errors='replace')
 
 
+def bus(fd: int) -> str:
+    """Return where an open device node sits: usb-0000:00:14.0-1, say."""
+    capability = videodev2.Capability()
+    videodev2.ioctl(fd, videodev2.QUERYCAP, capability)
+    return capability.bus_info.decode(errors='replace')
+
+
 def buffer_type(fd: int) -> int:
     """Return the type of buffers that an open capture device fills: single- or multi-planar."""
     flags, _ = capabilities(fd)
@@ -81,11 +101,17 @@ def buffer_type(fd: int) -> int:
     return videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE
 
 
+def device_paths(folder: Path = Path('/dev')) -> list[str]:
+    """Return the video devices of this machine, of any kind, in the order of their numbers."""
+    numbers = {path: path.rpartition('video')[2] for path in glob.glob(f'{folder}/video*')}
+    paths = [path for path, number in numbers.items() if number.isdecimal()]
+    return sorted(paths, key=lambda path: int(numbers[path]))
+
+
 def capture_devices() -> dict[str, str]:
     """Return the capture devices of this machine that can be opened: path -> name."""
     found = {}
-    for path in sorted(glob.glob('/dev/video*'), key=lambda path: [
-            int(digits) for digits in re.findall(r'\d+', path)]):
+    for path in device_paths():
         try:
             fd = os.open(path, os.O_RDWR | os.O_NONBLOCK | os.O_CLOEXEC)
         except OSError:
@@ -171,6 +197,11 @@ _KINDS = (
 )
 
 
+def kind(flags: int) -> str:
+    """Return in words what a device with these capabilities is, that does not capture."""
+    return next((name for flag, name in _KINDS if flags & flag), 'another kind of device')
+
+
 def _check_captures(path: str, fd: int) -> None:
     try:
         flags, _ = capabilities(fd)
@@ -179,9 +210,8 @@ def _check_captures(path: str, fd: int) -> None:
             raise CaptureError(_not_v4l2(path)) from error
         raise CaptureError(f'{path}: cannot be queried: {error.strerror}') from error
     if not flags & CAPTURES:
-        kind = next((name for flag, name in _KINDS if flags & flag), 'another kind of device')
         raise CaptureError(
-            f'{path}: this is {kind}, not a capture device; {_there_are()}')
+            f'{path}: this is {kind(flags)}, not a capture device; {_there_are()}')
     if not flags & videodev2.CAP_STREAMING:
         raise CaptureError(
             f'{path}: this device has no streaming I/O, which frames are read by; {_there_are()}')

@@ -105,7 +105,7 @@ def set_format(
     call(videodev2.S_FMT, wanted)
     # A size that nobody asked for is that of the pixel format before, which this one may not have.
     if (width and pix.width != width) or (height and pix.height != height):
-        sizes = _offered_sizes(call, name)
+        sizes = offered_sizes(call, name)
         raise CaptureError(
             f'{device}: {asked} is not offered; the driver gives '
             f'{pix.width}x{pix.height} instead' + (f', and has {sizes}' if sizes else ''))
@@ -149,7 +149,7 @@ def _chosen(call: Ioctl, device: str, buffer_type: int, wanted: str, current: st
     if wanted and wanted not in PIXEL_FORMATS:
         raise CaptureError(f'pixel_format {wanted!r} cannot be decoded; choose one of '
                            + ', '.join(PIXEL_FORMATS))
-    offered = _offered(call, buffer_type)
+    offered = offered_formats(call, buffer_type)
     usable = sorted(
         (name for name in offered if name in PIXEL_FORMATS),
         key=lambda name: PIXEL_FORMATS[name].compressed)  # else in the device's own order
@@ -166,7 +166,7 @@ def _chosen(call: Ioctl, device: str, buffer_type: int, wanted: str, current: st
     return wanted or usable[0]
 
 
-def _offered(call: Ioctl, buffer_type: int) -> list[str]:
+def offered_formats(call: Ioctl, buffer_type: int) -> list[str]:
     """Return the codes of the device's pixel formats in its own order."""
     names: list[str] = []
     while True:
@@ -180,7 +180,7 @@ def _offered(call: Ioctl, buffer_type: int) -> list[str]:
         names.append(videodev2.fourcc_name(description.pixelformat))
 
 
-def _offered_sizes(call: Ioctl, pixel_format: str) -> str:
+def offered_sizes(call: Ioctl, pixel_format: str) -> str:
     """Return the device's picture sizes in words; '' where it does not list them."""
     sizes: list[str] = []
     while True:

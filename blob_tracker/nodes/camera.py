@@ -12,15 +12,19 @@ from typing import Any
 
 from blob_tracker.camera import CalibrationError, CameraModel, write_calibration
 from blob_tracker.capture import (
-    CaptureError, ControlError, Grabber, NoFrameError, PIXEL_FORMATS, V4l2Camera,
+    CaptureError, ControlError, Grabber, NoFrameError, V4l2Camera,
 )
+from blob_tracker.capture.picture import draw
+from blob_tracker.nodes.interface.camera import PARAMETERS
 from blob_tracker.ros.camera_info import from_camera_model, to_camera_model
 from blob_tracker.ros.connections import Connections
 from blob_tracker.ros.control_parameters import ControlParameters
+from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.frame_topics import Deliver, FrameTopics
 from blob_tracker.ros.health import ERROR, Health, WARN
-from blob_tracker.ros.parameters import declare, on_change, Parameter, undeclared
+from blob_tracker.ros.losses import Losses
+from blob_tracker.ros.parameters import declare, on_change, undeclared
 from blob_tracker.ros.process import run
 from blob_tracker.ros.url import DEFAULT_CALIBRATION_URL, to_path
 from blob_tracker.types import Frame
@@ -32,78 +36,6 @@ from sensor_msgs.msg import CameraInfo
 from sensor_msgs.srv import SetCameraInfo
 from std_srvs.srv import Trigger
 
-PARAMETERS = (
-    Parameter(
-        'device',
-        '/dev/video0',
-        'The camera: its path, or a link in /dev/v4l/by-id or by-path, followed at each opening.',
-    ),
-    Parameter(
-        'width', 0, 'Width of the frames; 0 leaves the driver its own.', 0, 16384, unit='px'
-    ),
-    Parameter(
-        'height', 0, 'Height of the frames; 0 leaves the driver its own.', 0, 16384, unit='px'
-    ),
-    Parameter(
-        'pixel_format',
-        '',
-        'FourCC of the pixels; empty leaves the camera its own if it can be read uncompressed.',
-        choices=('', *PIXEL_FORMATS),
-    ),
-    Parameter(
-        'frame_rate',
-        0.0,
-        'Frames a second; 0 leaves the driver its own.',
-        least=0.0,
-        most=10000.0,
-        unit='Hz',
-    ),
-    Parameter(
-        'buffers',
-        4,
-        'Buffers in the driver: more of them ride out longer pauses of this machine.',
-        least=2,
-        most=32,
-    ),
-    Parameter(
-        'exposure_time',
-        0.0,
-        'Exposure of a camera without a control that tells it, to put the stamp into its middle; '
-        '0 is unknown.',
-        least=0.0,
-        most=100.0,
-        unit='s',
-    ),
-    Parameter(
-        'readout_time',
-        0.0,
-        'From the end of the exposure to that of the transfer, of a camera whose driver stamps '
-        'the latter; 0 is unknown.',
-        least=0.0,
-        most=100.0,
-        unit='s',
-    ),
-    Parameter('frame_id', 'camera_optical_frame', 'Name of the optical frame.'),
-    Parameter(
-        'camera_name', 'camera', 'Name of the camera in its calibration, and ${NAME} in its URL.'
-    ),
-    Parameter(
-        'camera_info_url',
-        '',
-        'Calibration: a path, file:// or package:// URL of a file that is there. Empty is '
-        f'{DEFAULT_CALIBRATION_URL}, which set_camera_info may write first. Without a '
-        'calibration, and without field_of_view, K is 0 and no bearing can be computed.',
-    ),
-    Parameter(
-        'field_of_view',
-        0.0,
-        'Horizontal field of view of the lens by its data sheet, for a camera that is not yet '
-        'calibrated; 0 is unknown. Angles made with it are as good as the data sheet.',
-        least=0.0,
-        most=170.0,
-        unit='degrees',
-    ),
-)
 # What the device is opened with: another value opens it again.
 DEVICE = (
     'device', 'width', 'height', 'pixel_format', 'frame_rate', 'buffers', 'exposure_time',
@@ -140,12 +72,19 @@ class CameraNode(Node):
         self._sensor_size: tuple[int, int] | None = None
         # With the parameters and the calibration that it was made of.
         self._info_of: tuple[Any, CameraModel | None, CameraInfo] = None, None, CameraInfo()
-        self._health = Health(self, 'no frame arrives from the camera')
+        self._health = Health(
+            self,
+            'no frame arrives from the camera',
+            'a longer exposure makes a camera slower, and so does automatic exposure in the dark; '
+            'else look at drops and CPU',
+        )
         self._connections = Connections(self, self._health)
+        self._losses, self._lost = Losses(), 0
         self._change(values)()
         self._controls = ControlParameters(self, undeclared(self, elsewhere), self._health)
         on_change(self, PARAMETERS, self._change)
         self._frames = FrameTopics(self, deliver)
+        self._debug_image = DebugImage(self)
         self.create_service(SetCameraInfo, 'camera/set_camera_info', self._set_camera_info)
         # In a group of its own, for the others go on while it waits for the frames.
         self.create_service(
@@ -242,6 +181,7 @@ class CameraNode(Node):
             f'{camera.saturation} DN: saturation of segmenter and locator'
         )
         self._info_of = None, None, CameraInfo()
+        self._lost = 0
         while not self._ends:
             self._publish_next(camera, grabber)
             if self._search is None:
@@ -262,9 +202,16 @@ class CameraNode(Node):
         if self._info_of[0] is not values or self._info_of[1] is not model:
             self._info_of = values, model, self._make_info(model, values['field_of_view'], frame)
         info = self._info_of[2]
+        self._health.arrived(frame.stamp_ns)
         self._frames.publish(frame, info, values['frame_id'])
+        self._health.left(frame.stamp_ns)
         self._pause = FIRST_PAUSE  # not before: a device may open well and fail at once
         self._report(camera, grabber, bool(info.k[0]))
+        self._debug_image.offer(
+            lambda: draw(frame, self._in_words(camera, grabber)),
+            frame.stamp_ns,
+            values['frame_id'],
+        )
         return frame
 
     def _next(self, camera: V4l2Camera, grabber: Grabber) -> Frame:
@@ -308,10 +255,8 @@ class CameraNode(Node):
         """Tell the diagnostics of a frame."""
         self._health.count('frames')
         self._show_losses(camera, grabber)
-        seconds = camera.exposure_time
-        self._health.show(
-            'exposure time', 'unknown' if seconds is None else f'{1e3 * seconds:.4g} ms'
-        )
+        self._watch_losses(camera, grabber)
+        self._health.show('exposure time', _exposure(camera))
         self._health.show('stamp', camera.stamp_place)
         self._health.show('saturation', camera.saturation)
         if not calibrated:
@@ -337,6 +282,29 @@ class CameraNode(Node):
         self._health.show('drops', camera.drops)
         self._health.show('overruns', grabber.overruns)
         self._health.show('error frames', camera.error_frames)
+
+    def _watch_losses(self, camera: V4l2Camera, grabber: Grabber) -> None:
+        """Warn where a part of the frames does not come through."""
+        lost = camera.drops + grabber.overruns
+        self._losses.add(lost - self._lost)
+        self._lost = lost
+        if self._losses.grave:
+            self._health.fault(
+                WARN,
+                f'{100.0 * self._losses.share:.0f} % of the last frames were lost: the driver '
+                f'dropped {camera.drops} (raise buffers, or give the camera a port of its own), '
+                f'this process was too late for {grabber.overruns} (see CPU; lower frame_rate, '
+                'width and height)',
+            )
+
+    def _in_words(self, camera: V4l2Camera, grabber: Grabber) -> list[str]:
+        """Return rate, exposure and losses in lines of text."""
+        return [
+            f'{camera.width} x {camera.height} px, {self._health.rate:.2f} Hz of '
+            f'{camera.frame_rate:g}, exposure {_exposure(camera)}',
+            f'{camera.drops} drops, {grabber.overruns} overruns, {camera.error_frames} error '
+            'frames',
+        ]
 
     def _check_size(self, model: CameraModel) -> None:
         """Refuse the calibration of another camera than the one that is open."""
@@ -383,6 +351,11 @@ class CameraNode(Node):
         if search is not None:
             search.set_result((found, words))
             self._awake.trigger()
+
+
+def _exposure(camera: V4l2Camera) -> str:
+    seconds = camera.exposure_time
+    return 'unknown' if seconds is None else f'{1e3 * seconds:.4g} ms'
 
 
 def main() -> None:

@@ -4,36 +4,27 @@ from __future__ import annotations
 
 import argparse
 from collections import deque
-from collections.abc import Iterator
-from contextlib import contextmanager, ExitStack
+from contextlib import ExitStack
 import os
 from pathlib import Path
 import signal
 import subprocess
 import sys
 import time
-from typing import Any
 
 from ament_index_python.packages import get_package_prefix, PackageNotFoundError
-from blob_tracker.camera.model import MRAD
+from blob_tracker.nodes.child import child
+from blob_tracker.nodes.monitor import Monitor, RECENT
 from blob_tracker.resources import config_path
-from blob_tracker.ros.camera_info import to_camera_model
-from blob_tracker.ros.qos import IMAGE_IN, RESULT
-from blob_tracker.ros.stamp import to_ns
 from blob_tracker.studies.track_report import draw_track
-from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
 import numpy as np
-from numpy.typing import NDArray
 import rclpy
 from rclpy.executors import ExternalShutdownException
-from rclpy.node import Node
 from rich.console import Console, Group
 from rich.live import Live
 from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
-from sensor_msgs.msg import CameraInfo
 
 BUDGET = 0.05  # px rms: what the thesis wanted (section 2.1)
 LEAST_BEARINGS = 100  # fewer say nothing of an rms
@@ -42,101 +33,9 @@ NAMESPACE = f'/demo_{os.getpid()}'
 STOPPED = 'stopped'
 COMPILE = 'from blob_tracker.nodes.locator import compile_default; compile_default()'
 STARTUP = 12.0  # s within which the first bearing must come
-LONGEST = 20_000  # frames that are remembered: ten minutes
 WHOLE = 26.0  # s from the start of the nodes to the verdict, at most
-RECENT = 60  # bearings over which rates and latencies are taken
 REFRESH = 0.25  # s between two drawings of the table
-GRACE = 2.0  # s that a node has to end by itself
 LEVELS = {b'\x00': 'green', b'\x01': 'yellow', b'\x02': 'red', b'\x03': 'red'}
-
-
-class Monitor(Node):
-    """Collect what the tracker publishes, and the truth where there is one."""
-
-    def __init__(self) -> None:
-        super().__init__('monitor', namespace=NAMESPACE)
-        self.frames: deque[float] = deque(maxlen=2 * RECENT)
-        self.latencies: deque[float] = deque(maxlen=LONGEST)
-        self.arrivals: deque[float] = deque(maxlen=RECENT)
-        self.camera_info = CameraInfo()
-        self.bearing: Vector3Stamped | None = None
-        self.ray: PoseWithCovarianceStamped | None = None
-        self.centroids: dict[int, tuple[float, float]] = {}
-        self.covariances: dict[int, NDArray[np.float64]] = {}
-        self.truths: dict[int, tuple[float, float]] = {}
-        self.states: dict[str, tuple[bytes, str]] = {}
-        self.create_subscription(CameraInfo, 'camera/camera_info', self._camera_info, IMAGE_IN)
-        for kind, topic, callback in (
-            (Vector3Stamped, 'target/bearing', self._bearing),
-            (PoseWithCovarianceStamped, 'target/ray', self._ray),
-            (PointStamped, 'target/centroid', self._centroid),
-            (PointStamped, 'simulator/truth/centroid', self._truth),
-            (DiagnosticArray, '/diagnostics', self._diagnostics),
-        ):
-            self.create_subscription(kind, topic, callback, RESULT)
-
-    def pixel_covariance(self, stamp: int) -> NDArray[np.float64]:
-        """Return the (2, 2) covariance of a location, px^2, from that of its ray, rad^2."""
-        model = to_camera_model(self.camera_info)
-        _, _, derivative = model.angles(*self.centroids[stamp])
-        inverse = MRAD * np.linalg.inv(derivative)
-        return inverse @ self.covariances[stamp] @ inverse.T
-
-    @property
-    def size(self) -> tuple[int, int]:
-        """Width and height of the frames, px."""
-        return self.camera_info.width, self.camera_info.height
-
-    def matched_stamps(self) -> list[int]:
-        """Return the stamps of the frames that have a location and a truth, in their order."""
-        return sorted(stamp for stamp in self.centroids if stamp in self.truths)
-
-    def false_stamps(self) -> list[int]:
-        """Return the stamps of locations in frames in which the light was not on."""
-        if not self.truths:
-            return []
-        # Before the first truth and after the last it may still be under way.
-        return [s for s in self.centroids if min(self.truths) < s < max(self.truths)
-                and s not in self.truths]
-
-    def matched(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the (N, 2) locations and true places of the frames that have both, px."""
-        stamps = self.matched_stamps()
-        located = np.array([self.centroids[stamp] for stamp in stamps]).reshape(-1, 2)
-        return located, np.array([self.truths[stamp] for stamp in stamps]).reshape(-1, 2)
-
-    def _camera_info(self, message: CameraInfo) -> None:
-        self.frames.append(time.monotonic())
-        self.camera_info = message
-
-    def _bearing(self, message: Vector3Stamped) -> None:
-        self.latencies.append(time.time() - to_ns(message.header.stamp) / 1e9)
-        self.arrivals.append(time.monotonic())
-        self.bearing = message
-
-    def _ray(self, message: PoseWithCovarianceStamped) -> None:
-        self.ray = message
-        covariance = np.array(message.pose.covariance).reshape(6, 6)
-        self._keep(self.covariances, message, covariance[np.ix_([4, 3], [4, 3])])
-
-    def _centroid(self, message: PointStamped) -> None:
-        self._keep(self.centroids, message, (message.point.x, message.point.y))
-
-    def _truth(self, message: PointStamped) -> None:
-        self._keep(self.truths, message, (message.point.x, message.point.y))
-
-    @staticmethod
-    def _keep(store: dict[int, Any], message: Any, value: Any) -> None:
-        """Store a value by its stamp; a demo on a real camera may run for days."""
-        store[to_ns(message.header.stamp)] = value
-        if len(store) > LONGEST:
-            del store[next(iter(store))]
-
-    def _diagnostics(self, message: DiagnosticArray) -> None:
-        for status in message.status:
-            name = status.name.split(':')[0]
-            if name.startswith(NAMESPACE):
-                self.states[name.rpartition('/')[2]] = (status.level, status.message)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -190,7 +89,7 @@ def main(arguments: argparse.Namespace) -> int:
     rclpy.init()
     # A terminal that is closed ends the nodes as Ctrl-C does: they are in sessions of their own.
     signal.signal(signal.SIGHUP, signal.default_int_handler)
-    monitor = Monitor()
+    monitor = Monitor(NAMESPACE)
     try:
         with ExitStack() as stack:
             nodes: dict[str, dict[str, str]] = {'segmenter': {}, 'locator': {}}
@@ -199,7 +98,9 @@ def main(arguments: argparse.Namespace) -> int:
             else:
                 nodes['camera'] = _camera_parameters(arguments, console)
             processes = {
-                name: stack.enter_context(_process(folder / name, parameters, out))
+                name: stack.enter_context(
+                    child([folder / name], NAMESPACE, parameters, out / f'{name}.log')
+                )
                 for name, parameters in nodes.items()
             }
             fault = _watch(console, monitor, processes, duration)
@@ -220,33 +121,6 @@ def _camera_parameters(arguments: argparse.Namespace, console: Console) -> dict[
             'Set CAMERA_INFO=FILE for true ones.'
         )
     return {'device': str(arguments.device), **calibration}
-
-
-@contextmanager
-def _process(
-    executable: Path, parameters: dict[str, str], out: Path
-) -> Iterator[subprocess.Popen[bytes]]:
-    """Run a node with its output in a log file, and end it with the block."""
-    command = [str(executable), '--ros-args', '-r', f'__ns:={NAMESPACE}']
-    for name, value in parameters.items():
-        command += ['-p', f'{name}:={value}']
-    with open(out / f'{executable.name}.log', 'wb') as log:
-        # A session of its own: Ctrl-C reaches the demo alone, which ends the nodes in order.
-        process = subprocess.Popen(
-            command,
-            stdout=log,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
-        try:
-            yield process
-        finally:
-            process.send_signal(signal.SIGINT)
-            try:
-                process.wait(GRACE)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
 
 
 def _watch(

@@ -13,105 +13,36 @@ from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import compile_ahead, locate, METHODS
 from blob_tracker.location.noise import variance_ratio
+from blob_tracker.location.picture import draw
+from blob_tracker.location.scatter import RecentPlaces
+from blob_tracker.nodes.interface.locator import DEFAULT_METHOD, PARAMETERS
 from blob_tracker.ros.bearing_topics import BearingTopics
 from blob_tracker.ros.camera_info import to_camera_model
 from blob_tracker.ros.clipping import clipping_window
 from blob_tracker.ros.clock_jumps import on_clock_jump
 from blob_tracker.ros.connections import Connections
+from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_window
 from blob_tracker.ros.names import target_topic
 from blob_tracker.ros.pairing import FramePairs
-from blob_tracker.ros.parameters import declare, on_change, Parameter
+from blob_tracker.ros.parameters import declare, on_change
 from blob_tracker.ros.process import run
 from blob_tracker.ros.qos import STATE, subscription
 from blob_tracker.ros.target import to_noise
 from blob_tracker.ros.url import to_path
-from blob_tracker.types import Location, LocationError, SensorNoise, Window
+from blob_tracker.types import Bearing, Location, LocationError, SensorNoise, Window
 from geometry_msgs.msg import Vector3Stamped
 import numpy as np
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import CameraInfo, Image
 
-DEFAULT_METHOD = 'maximum_likelihood'
-PARAMETERS = (
-    Parameter(
-        'method',
-        DEFAULT_METHOD,
-        'How the blob is placed in its window. The default is at the limit that the noise sets; '
-        'the others are those of the thesis.',
-        choices=tuple(METHODS),
-    ),
-    Parameter(
-        'elliptical',
-        False,
-        'Fit a width along x and one along y, for a lens or a light that does not make round '
-        'blobs. For the methods that have both forms.',
-    ),
-    Parameter(
-        'noise.gain',
-        40.0,
-        'Electrons per DN of the camera: the slope of its photon transfer curve. It sets the '
-        'shot noise in the covariance.',
-        least=1e-3,
-        most=1e6,
-        unit='e-/DN',
-    ),
-    Parameter(
-        'noise.read_noise',
-        0.7,
-        'Standard deviation of a dark pixel before quantisation. It sets the covariance of faint '
-        'targets.',
-        least=0.0,
-        most=1e4,
-        unit='DN',
-    ),
-    Parameter(
-        'noise.black_level',
-        0.0,
-        'Mean of a pixel without light, the pedestal: there is no shot noise in it.',
-        least=0.0,
-        most=65535.0,
-        unit='DN',
-    ),
-    Parameter(
-        'noise.online',
-        False,
-        'Take all three from target/noise, where the segmenter measures them (noise.measure), as '
-        'soon as they arrive. Off, a bag gives the same numbers each time.',
-    ),
-    Parameter(
-        'looks',
-        1,
-        'Frames that are summed in a window, as the segmenter says in its diagnostics: their read '
-        'noise is in the covariance as often.',
-        least=1,
-        most=256,
-    ),
-    Parameter(
-        'saturation',
-        0,
-        'Level at which a pixel is clipped; 0 is full scale of the encoding. Set 4095 for 12 bits '
-        'in 16.',
-        least=0,
-        most=65535,
-        unit='DN',
-    ),
-    Parameter(
-        'line_jitter_url',
-        '',
-        'Line offsets of an analogue grabber, as `calibrate jitter` writes them, to be taken off '
-        'each location: path, file:// or package://. Empty for a digital camera.',
-    ),
-    Parameter(
-        'lights',
-        '',
-        'Names of the coded lights that are to be placed, as flash.codes has them: '
-        'port,starboard. Empty for a light without a name. Within the pipeline every light is.',
-    ),
-)
+PLACES = 240  # of which the scatter is told to 5 %: the last 8 s at 30 Hz
+# Ratio of the scatter of the places to their sigmas, or of the pixels' variance to their noise's:
+# half more is more than calibrations differ by.
+SUSPICIOUS = 1.5
 DIFFERENT = 1.5  # ratio of two variances; what is measured has sigmas far below that
 
 
@@ -133,8 +64,13 @@ class LocatorNode(Node):
         values = declare(self, PARAMETERS, elsewhere)
         self._listen = listen
         self._lock = Lock()  # windows may come from a thread of the camera's
-        self._health = Health(self, 'no window arrives; is the segmenter running?')
+        self._health = Health(
+            self, 'no window arrives; is the segmenter running?', describe=self._describe
+        )
         self._connections = Connections(self, self._health)
+        self._places: dict[str, RecentPlaces] = {}
+        self._bearing: Bearing | None = None
+        self._debug_image = DebugImage(self)
         self._calibration: tuple[object, ...] = ()
         self._camera_model: CameraModel | None = None
         self._targets: dict[str, BearingTopics] = {}
@@ -173,6 +109,7 @@ class LocatorNode(Node):
                 self._saturation, self._looks = values['saturation'], values['looks']
                 self._configured = self._noise = noise
                 self._line_jitter = line_jitter
+                self._places.clear()  # the next ones are placed in another way
                 self._set_lights(lights)
                 self._set_online(values['noise.online'])
 
@@ -232,6 +169,7 @@ class LocatorNode(Node):
 
     def locate(self, light: str, window: Window, info: CameraInfo, frame_id: str) -> None:
         """Place the blob of a window and publish its direction, or nothing at all."""
+        self._health.arrived(window.stamp_ns)
         with self._lock:
             if light not in self._targets:  # handed over in memory
                 self._targets[light] = BearingTopics(self, target_topic(light))
@@ -256,13 +194,81 @@ class LocatorNode(Node):
             return
         except (LocationError, LensError) as error:
             self._health.fault(WARN, f'target not located: {error}')
+            self._health.count('windows refused')
+            self._health.show('last refusal', error)
+            why = str(error)
+            self._debug_image.offer(
+                lambda: draw(window, self._noise, reason=why, name=light),
+                window.stamp_ns,
+                frame_id,
+            )
             return
         self._targets[light].publish(bearing, location, frame_id)
+        self._health.left(window.stamp_ns)
         self._health.count('bearings')
-        self._health.show('snr', f'{location.snr:.1f}')
-        self._health.show('saturated pixels', location.saturated)
         self._health.ok('target located')
+        self._bearing = bearing
+        if light not in self._places:
+            self._places[light] = RecentPlaces(PLACES)
+        self._places[light].add(location)
         self._compare_noise(location)
+        self._debug_image.offer(
+            lambda: draw(window, self._noise, location, bearing, name=light),
+            window.stamp_ns,
+            frame_id,
+        )
+
+    def _describe(self) -> None:
+        """Show in the diagnostics how the targets were placed."""
+        with self._lock:
+            for light, places in self._places.items():
+                self._describe_light(f'{light}: ' if light else '', places)
+            bearing = self._bearing
+        if bearing is not None:
+            azimuth, elevation = np.sqrt(bearing.covariance.diagonal())
+            self._health.show('sigma azimuth (mrad)', f'{azimuth:.4f}')
+            self._health.show('sigma elevation (mrad)', f'{elevation:.4f}')
+
+    def _describe_light(self, name: str, places: RecentPlaces) -> None:
+        """Show how one light was placed, and warn where its places scatter more than they may."""
+        last = places.last
+        if last is None:
+            return
+        sigma_x, sigma_y = np.sqrt(last.covariance.diagonal())
+        found = places.scatter()
+        scatter = 'unknown: there are fewer than 16 places without a gap'
+        if found is not None:
+            scatter = f'{found.ratio:.2f} +- {found.error:.2f}'
+            if found.by_stamps > found.ratio:
+                scatter += f' ({found.by_stamps:.2f} if the stamps were true, which jitter)'
+            self._health.show(f'{name}jumps', found.jumps)
+        for key, value in (
+            ('SNR', f'{last.snr:.1f}'),
+            ('chi-square', f'{last.chi2:.2f}'),
+            ('chi-square mean', f'{places.chi2:.2f}'),
+            ('saturated pixels', last.saturated),
+            ('sigma x (px)', f'{sigma_x:.4f}'),
+            ('sigma y (px)', f'{sigma_y:.4f}'),
+            ('scatter / sigma', scatter),
+        ):
+            self._health.show(name + key, value)
+        if found is None or not found.exceeds(SUSPICIOUS):
+            return
+        if places.chi2 > SUSPICIOUS:
+            cause = (
+                'and so do the pixels about their fit; measure noise.gain, noise.read_noise and '
+                'noise.black_level with python -m blob_tracker calibrate noise'
+            )
+        else:
+            cause = (
+                'while the pixels fit; the target or the camera shakes, or the method errs with '
+                f'the place in the pixel: compare the method {DEFAULT_METHOD}'
+            )
+        self._health.fault(
+            WARN,
+            f'{name}the places scatter {found.ratio:.1f} +- {found.error:.1f} times as much as '
+            f'their sigmas (chi-square is {places.chi2:.1f}), {cause}',
+        )
 
     def _compare_noise(self, location: Location) -> None:
         """Warn where the configured noise is not the measured one at the target's levels."""

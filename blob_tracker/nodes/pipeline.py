@@ -6,20 +6,10 @@ from collections.abc import Iterator
 import sys
 
 from blob_tracker.nodes import camera, locator, segmenter, simulator
-from blob_tracker.ros.parameters import declare, given, Parameter, unknown
+from blob_tracker.nodes.interface.pipeline import PARAMETERS
+from blob_tracker.ros.parameters import declare, given, unknown
 from blob_tracker.ros.process import run
 from rclpy.node import Node
-
-PARAMETERS = (
-    Parameter(
-        'source',
-        'camera',
-        'Where the frames come from. camera: a V4L2 camera, by a camera node in this process. '
-        'simulator: the simulated one. images: camera/image_raw of any other driver, or a bag.',
-        choices=('camera', 'simulator', 'images'),
-        fixed='the nodes of the process are made at its start',
-    ),
-)
 
 
 def nodes() -> Iterator[Node]:

@@ -43,6 +43,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=5.0,
         help='seconds to wait at most for subscribers before the first message',
     )
+    parser.add_argument(
+        '--nodes', nargs='+', default=[], metavar='NODE', help='wait for these as well'
+    )
+    parser.add_argument(
+        '--topics', nargs='+', metavar='TOPIC', help='play these alone; without it all of the bag'
+    )
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -77,16 +83,22 @@ def main(arguments: argparse.Namespace) -> int:
         return 1
     try:
         with AnyReader([arguments.bag]) as reader:
-            if not reader.message_count:
-                print(f'{arguments.bag} holds no messages', file=sys.stderr)
+            topics = set(arguments.topics or reader.topics)
+            connections = [c for c in reader.connections if c.topic in topics]
+            if not any(connection.msgcount for connection in connections):
+                print(
+                    f'{arguments.bag} holds no messages of {", ".join(sorted(topics))}; '
+                    f'its topics are {", ".join(sorted(reader.topics))}',
+                    file=sys.stderr,
+                )
                 return 1
             rclpy.init()
             node = rclpy.create_node('replay')
             try:
-                publishers = _advertise(node, reader)
+                publishers = _advertise(node, connections)
                 clock = node.create_publisher(Clock, '/clock', RESULT) if arguments.clock else None
-                _await_subscribers(list(publishers.values()), arguments.wait)
-                _play(reader, publishers, clock, arguments.rate)
+                _await(node, set(arguments.nodes), list(publishers.values()), arguments.wait)
+                _play(reader, connections, publishers, clock, arguments.rate)
                 return 0
             except (KeyboardInterrupt, ExternalShutdownException):
                 return 130
@@ -100,10 +112,10 @@ def main(arguments: argparse.Namespace) -> int:
         return 1
 
 
-def _advertise(node: Node, reader: AnyReader) -> dict[int, Publisher]:
+def _advertise(node: Node, connections: list[Connection]) -> dict[int, Publisher]:
     """Return a publisher for each connection of the bag, as it was offered when recorded."""
     publishers = {}
-    for connection in reader.connections:
+    for connection in connections:
         package, *_, name = connection.msgtype.split('/')
         try:
             kind = getattr(import_module(f'{package}.msg'), name)
@@ -142,21 +154,31 @@ def _recorded_qos(connection: Connection) -> QoSProfile:
     )
 
 
-def _await_subscribers(publishers: list[Publisher], longest: float) -> None:
-    """Wait until subscribers are there and no more come, so that none misses the beginning."""
+def _await(
+    node: Node, awaited: set[str], publishers: list[Publisher], longest: float
+) -> None:
+    """Wait until nodes and subscribers are there and no more come: none misses the beginning."""
     began = changed = time.monotonic()
     known = 0
+    missing = set(awaited)
     while time.monotonic() - began < longest:
         count = sum(publisher.get_subscription_count() for publisher in publishers)
-        if count != known:
-            known, changed = count, time.monotonic()
-        if known and time.monotonic() - changed >= QUIET:
+        absent = awaited.difference(node.get_node_names())
+        if count != known or absent != missing:
+            known, missing, changed = count, absent, time.monotonic()
+        if known and not missing and time.monotonic() - changed >= QUIET:
             return
         time.sleep(0.05)
+    if missing:
+        print(f'not there after {longest} s: {", ".join(sorted(missing))}', file=sys.stderr)
 
 
 def _play(
-    reader: AnyReader, publishers: dict[int, Publisher], clock: Publisher | None, rate: float
+    reader: AnyReader,
+    connections: list[Connection],
+    publishers: dict[int, Publisher],
+    clock: Publisher | None,
+    rate: float,
 ) -> None:
     """Publish the serialized messages, each at its time."""
     first_ns = reader.start_time
@@ -164,8 +186,9 @@ def _play(
     began = time.monotonic()
     # The bar goes to the standard error: the standard output stays free for pipes.
     with Progress(console=Console(stderr=True)) as progress:
-        task = progress.add_task('replay', total=reader.message_count)
-        for connection, stamp_ns, data in reader.messages():
+        total = sum(connection.msgcount for connection in connections)
+        task = progress.add_task('replay', total=total)
+        for connection, stamp_ns, data in reader.messages(connections):
             while clock is not None and clock_ns < stamp_ns:
                 _sleep_until(began + (clock_ns - first_ns) / 1e9 / rate)
                 clock.publish(Clock(clock=from_ns(clock_ns)))

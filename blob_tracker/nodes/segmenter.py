@@ -9,6 +9,7 @@ from threading import Lock
 from typing import Any
 
 from blob_tracker.calibration.noise_level_function import NoiseLevelFunction
+from blob_tracker.nodes.interface.segmenter import PARAMETERS
 from blob_tracker.ros.clipping import clipping_frame
 from blob_tracker.ros.clock_jumps import on_clock_jump
 from blob_tracker.ros.connections import Connections
@@ -16,10 +17,11 @@ from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_frame
+from blob_tracker.ros.losses import Losses, StampGaps
 from blob_tracker.ros.mask import read_mask
 from blob_tracker.ros.names import target_topic
 from blob_tracker.ros.pairing import FramePairs
-from blob_tracker.ros.parameters import declare, on_change, Parameter
+from blob_tracker.ros.parameters import declare, on_change
 from blob_tracker.ros.process import run
 from blob_tracker.ros.qos import publisher, STATE
 from blob_tracker.ros.target import noise_message
@@ -30,180 +32,26 @@ from blob_tracker.segmentation import (
     exposure_fault,
     Flash,
     flash_by_name,
-    FLASH_MODES,
     FrameError,
     Look,
-    REGISTRATIONS,
     Segmenter,
     threshold_by_name,
-    THRESHOLDS,
 )
+from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.periodic import HIGHEST
+from blob_tracker.segmentation.picture import draw
 from blob_tracker.types import Frame, Window
 from geometry_msgs.msg import Vector3Stamped
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 
-PARAMETERS = (
-    Parameter(
-        'flash.mode',
-        'alternate',
-        'How the light flashes. alternate: in step with the camera, on in every other frame. '
-        'periodic: free-running at flash.frequency. coded: lights that blink flash.codes. '
-        'steady: always on.',
-        choices=tuple(FLASH_MODES),
-    ),
-    Parameter(
-        'flash.frequency',
-        15.0,
-        'Of a periodic light; from 0.1 to 0.45 of the frame rate.',
-        least=0.01,
-        most=500.0,
-        unit='Hz',
-    ),
-    Parameter(
-        'flash.duty',
-        0.5,
-        'Part of its period in which a periodic light is on.',
-        least=0.05,
-        most=0.95,
-    ),
-    Parameter(
-        'flash.frames',
-        16,
-        'Frames over which a periodic light is demodulated: more find a fainter light and give '
-        'fewer windows. It must stand still meanwhile.',
-        least=4,
-        most=256,
-    ),
-    Parameter(
-        'flash.codes',
-        '',
-        'Bits of the coded lights, all of one length: port:1101000,starboard:1110100. Each has '
-        'topics of its own, target/port/...',
-    ),
-    Parameter(
-        'flash.frames_per_bit',
-        1,
-        'Frames in which a coded light holds each bit.',
-        least=1,
-        most=64,
-    ),
-    Parameter(
-        'flash.bit_errors',
-        0,
-        'Bits of a code that may be wrong. Any two codes must differ by more than twice as many.',
-        least=0,
-        most=8,
-    ),
-    Parameter(
-        'min_snr',
-        7.0,
-        'Least SNR of the target in a filter matched to its width. Below 6 the noise of a whole '
-        'frame reaches it by itself; about the predicted place 0.85 of it is enough.',
-        least=3.0,
-        most=1000.0,
-    ),
-    Parameter(
-        'max_pair_interval',
-        0.1,
-        'Greatest time between the lit and the unlit frame. Raise it for cameras below 10 Hz, '
-        'lower it where the camera moves fast.',
-        least=0.001,
-        most=10.0,
-        unit='s',
-    ),
-    Parameter(
-        'registration',
-        'none',
-        'How the unlit frame is laid over the lit one in the mode alternate, for a camera that '
-        'moves between the two: translation follows a shift, affine a turn as well. Either costs '
-        'milliseconds a frame, and needs a scene with texture.',
-        choices=tuple(REGISTRATIONS),
-    ),
-    Parameter(
-        'gate',
-        24.0,
-        'Greatest way of the target in the picture from one flash to the next, while its motion '
-        'is not known yet. In the mode alternate it tells what flashes again from what is new.',
-        least=1.0,
-        most=1000.0,
-        unit='px',
-    ),
-    Parameter(
-        'threshold.method',
-        'sigma_window',
-        'How the window about the peak is found. The default follows the width of the blob; the '
-        'others are those of the thesis, made for its location methods.',
-        choices=tuple(THRESHOLDS),
-    ),
-    Parameter(
-        'threshold.sigmas',
-        3.0,
-        "Half-width of sigma_window in standard deviations of the blob. The thesis' optimum is "
-        '2.8; what lies further out adds noise to all methods but maximum likelihood.',
-        least=1.0,
-        most=10.0,
-    ),
-    Parameter(
-        'threshold.extension',
-        2,
-        'Pixels that histogram_extended adds on each side, to take in the tails.',
-        least=0,
-        most=64,
-        unit='px',
-    ),
-    Parameter(
-        'max_blob',
-        128,
-        'Greatest half-width of the window; what is wider is no target.',
-        least=4,
-        most=1024,
-        unit='px',
-    ),
-    Parameter(
-        'looks',
-        1,
-        'Pairs of a still target that are summed in one window; the thesis has 5. Give the '
-        'locator the same number.',
-        least=1,
-        most=256,
-    ),
-    Parameter(
-        'mask_url',
-        '',
-        'Image of 8 bits and of the size of the frames, white where the target may be: a path, '
-        'file:// or package:// URL. Empty searches everywhere.',
-    ),
-    Parameter(
-        'saturation',
-        0,
-        'Level at which a pixel is clipped; 0 is full scale of the encoding. Set 4095 for 12 bits '
-        'in 16.',
-        least=0,
-        most=65535,
-        unit='DN',
-    ),
-    Parameter(
-        'noise.measure',
-        False,
-        'Measure gain and read noise of the camera from the unlit frames, once a second, and '
-        'publish them on target/noise. It needs a scene of more than one brightness that stands '
-        'nearly still, and raw pixels.',
-    ),
-    Parameter(
-        'lost_after',
-        0.2,
-        'Time without a target, by the stamps, after which target/visible turns false. A coded '
-        'light must rise meanwhile; a block of a periodic one is always waited for.',
-        least=0.001,
-        most=60.0,
-        unit='s',
-    ),
-)
 # What makes another flash mode of them; all else leaves a light that is followed as it is.
 FLASH = ('max_pair_interval', 'registration', 'gate')
+# s from one picture to the next. Frames with a window have the first call, those with a candidate
+# the second: at a fixed pace every picture could be of an unlit frame.
+WITH_WINDOW, WITH_CANDIDATE, WITH_NOTHING = 0.1, 0.2, 0.3
+LEAST_NOISE = 0.01  # DN: pixels that are all equal have none
 NOISE_PERIOD_NS = 10**9  # by the stamps, between two pairs that are measured
 CHECK = 0.25  # s between two looks at whether frames still come
 SILENCE = 1.0  # s of wall time without a good frame; slow bags and cameras pause for less
@@ -240,9 +88,17 @@ class SegmenterNode(Node):
         self._deliver = deliver
         self._lock = Lock()  # frames may come from a thread of the camera's
         self._health = Health(
-            self, 'no frames arrive; is a camera publishing camera/image_raw and camera_info?'
+            self,
+            'no frames arrive; is a camera publishing camera/image_raw and camera_info?',
+            'the camera has become slower, or frames are lost on the way or for want of time: '
+            'compare missing frames, CPU and the diagnostics of the camera',
+            self._describe,
         )
         self._connections = Connections(self, self._health)
+        self._gaps, self._losses = StampGaps(), Losses()
+        self._reason = ''
+        self._candidates: tuple[Candidate, ...] = ()
+        self._target: Candidate | None = None
         self._flash: tuple[dict[str, Any], Flash] | None = None
         self._new_segmenter: Callable[[], Segmenter]
         self._newest_ns = -1  # of the stamps
@@ -332,7 +188,8 @@ class SegmenterNode(Node):
         self._segmenter = self._new_segmenter()
         self._flash = self._flash[0], self._segmenter.flash
         self._newest_ns = -1
-        self._look = None
+        self._look = self._target = None
+        self._candidates = ()
         for target in self._targets.values():
             target.forget()
 
@@ -347,6 +204,8 @@ class SegmenterNode(Node):
 
     def segment(self, frame: Frame, info: CameraInfo, frame_id: str) -> None:
         """Look for the lights in the next frame; publish the window of each that is there."""
+        self._health.arrived(frame.stamp_ns)
+        self._losses.add(self._gaps.missing(frame.stamp_ns))
         with self._lock:
             self._segment(clipping_frame(frame, self._saturation), info, frame_id)
 
@@ -370,6 +229,7 @@ class SegmenterNode(Node):
             if self._deliver is not None:
                 self._deliver(name, window, info, frame_id)
             self._targets[name].publish(window, frame_id, info)
+            self._health.left(window.stamp_ns)
             self._health.count('windows')
             self._health.show('frames summed in a window', window.looks)
         # A frame that is only gathered, or begins afresh, leaves the look as it was.
@@ -387,8 +247,10 @@ class SegmenterNode(Node):
         elif not any(visible):
             self._say_why(frame)
         if look:
-            self._describe(look)
-            self._debug_image.offer(look, frame.stamp_ns, frame_id)
+            self._remember(look)
+            self._debug_image.offer(
+                lambda: draw(look), frame.stamp_ns, frame_id, _pause(look)
+            )
         if self._noise is not None:
             self._measure_noise(self._noise, frame, frame_id)
 
@@ -426,16 +288,38 @@ class SegmenterNode(Node):
         self._health.show('measured black level', black_level)
         self._health.show('tiles of the last unlit pair', tiles)
 
-    def _describe(self, look: Look) -> None:
-        """Show in the diagnostics what the segmenter saw."""
-        self._health.show('state', look.state)
-        self._health.show('noise (DN)', f'{look.noise:.2f}')
-        if look.reason:
-            self._health.show('last frame without target', look.reason)
-        # Of the last frame that had any: the unlit half of the frames has none.
-        if look.candidates:
-            first = look.candidates[0]
-            self._health.show('last candidates', len(look.candidates))
+    def _remember(self, look: Look) -> None:
+        """Keep of a look what the diagnostics show: the unlit half of the frames has no light."""
+        self._reason = look.reason or self._reason
+        self._candidates = look.candidates or self._candidates
+        if look.windows:
+            self._target = next((each for each in look.candidates if not each.refused), None)
+
+    def _describe(self) -> None:
+        """Show in the diagnostics what the segmenter saw last."""
+        self._health.show('missing frames', self._losses.total)
+        if self._losses.grave:
+            self._health.fault(
+                WARN,
+                f'{100.0 * self._losses.share:.0f} % of the last frames are missing by their '
+                'stamps: the camera dropped them (see its diagnostics), they were lost on the way '
+                '(use config/fastdds.xml), or this node was too late for them (see CPU)',
+            )
+        look = self._look
+        if look is not None:
+            self._health.show('flash lock', look.state)
+            self._health.show('noise (DN)', f'{look.noise:.2f}')
+        if self._reason:
+            self._health.show('last frame without target', self._reason)
+        target = self._target
+        if target is not None:
+            self._health.show('contrast (DN)', f'{target.amplitude:.1f}')
+            self._health.show(
+                'contrast / noise', f'{target.amplitude / max(target.noise, LEAST_NOISE):.1f}'
+            )
+        if self._candidates:
+            first = self._candidates[0]
+            self._health.show('last candidates', len(self._candidates))
             self._health.show(
                 'strongest of them',
                 f'SNR {first.snr:.1f} at ({first.x:.0f}, {first.y:.0f}): '
@@ -458,6 +342,13 @@ def _lost_after_ns(values: dict[str, Any]) -> int:
         block = HIGHEST * values['flash.frames'] / values['flash.frequency']
         lost_after = max(lost_after, 1.1 * block)
     return int(1e9 * lost_after)
+
+
+def _pause(look: Look) -> float:
+    """Return the least time between two pictures, s, by what there is to see in this one."""
+    if look.windows:
+        return WITH_WINDOW
+    return WITH_CANDIDATE if look.candidates else WITH_NOTHING
 
 
 def compile_search() -> None:

@@ -7,11 +7,14 @@ import sys
 from typing import Any
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
+from blob_tracker.capture.picture import draw
+from blob_tracker.nodes.interface.simulator import PARAMETERS
 from blob_tracker.ros.camera_info import from_camera_model
 from blob_tracker.ros.connections import Connections
+from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.frame_topics import Deliver, FrameTopics
 from blob_tracker.ros.health import Health
-from blob_tracker.ros.parameters import declare, on_change, Parameter
+from blob_tracker.ros.parameters import declare, on_change
 from blob_tracker.ros.process import run
 from blob_tracker.ros.qos import publisher, RESULT
 from blob_tracker.ros.target import bearing_message, centroid_message
@@ -21,72 +24,6 @@ from geometry_msgs.msg import PointStamped, Vector3Stamped
 import numpy as np
 from rclpy.node import Node
 from rclpy.timer import Timer
-
-_SCENE = FlashingLight()
-PARAMETERS = (
-    Parameter('width', _SCENE.width, 'Width of the frames.', least=16, most=8192, unit='px'),
-    Parameter('height', _SCENE.height, 'Height of the frames.', least=16, most=8192, unit='px'),
-    Parameter('rate', _SCENE.rate, 'Frames a second.', least=0.1, most=1000.0, unit='Hz'),
-    Parameter(
-        'focal_length', 600.0, 'Focal length of the lens.', least=1.0, most=1e6, unit='px'
-    ),
-    Parameter(
-        'sigma',
-        _SCENE.sigma,
-        "Standard deviation of the light's image.",
-        least=0.1,
-        most=100.0,
-        unit='px',
-    ),
-    Parameter(
-        'amplitude',
-        _SCENE.amplitude,
-        'Peak of the light above the background.',
-        least=0.0,
-        most=65535.0,
-        unit='DN',
-    ),
-    Parameter(
-        'background',
-        _SCENE.background,
-        'Mean level of the wall behind it.',
-        least=0.0,
-        most=65535.0,
-        unit='DN',
-    ),
-    Parameter(
-        'texture',
-        _SCENE.texture,
-        "Standard deviation of the wall's pattern.",
-        least=0.0,
-        most=65535.0,
-        unit='DN',
-    ),
-    Parameter(
-        'noise.gain',
-        _SCENE.noise.gain,
-        'Electrons per DN of the sensor.',
-        least=1e-3,
-        most=1e6,
-        unit='e-/DN',
-    ),
-    Parameter(
-        'noise.read_noise',
-        _SCENE.noise.read_noise,
-        'Noise of a dark pixel before quantisation.',
-        least=0.0,
-        most=1e4,
-        unit='DN',
-    ),
-    Parameter(
-        'seed',
-        _SCENE.seed,
-        'Seed of wall and noise: the same one gives the same pixels.',
-        least=0,
-        most=2**31 - 1,
-    ),
-    Parameter('frame_id', 'camera_optical_frame', 'Name of the optical frame.'),
-)
 
 
 class SimulatorNode(Node):
@@ -107,8 +44,14 @@ class SimulatorNode(Node):
     ) -> None:
         super().__init__('simulator')
         values = declare(self, PARAMETERS, elsewhere)
-        self._health = Health(self, 'no frame was published')
+        self._health = Health(
+            self,
+            'no frame was published',
+            'drawing takes longer than a frame; lower rate, width and height, or free the '
+            'processor',
+        )
         self._connections = Connections(self, self._health)
+        self._debug_image = DebugImage(self)
         self._frames = FrameTopics(self, deliver)
         self._centroids, self._bearings = (
             publisher(self, kind, name, RESULT)
@@ -147,7 +90,9 @@ class SimulatorNode(Node):
         """Publish the frame that is ready, then draw the next: drawing costs no latency."""
         stamp_ns = self.get_clock().now().nanoseconds
         frame = Frame(self._pixels, stamp_ns, self._scene.saturation)
+        self._health.arrived(stamp_ns)
         self._frames.publish(frame, self._info, self._frame_id)
+        self._health.left(stamp_ns)
         truth = self._scene.truth(self._index)
         if truth.lit:
             location = Location(
@@ -167,6 +112,11 @@ class SimulatorNode(Node):
             self._bearings.publish(bearing_message(bearing, self._frame_id))
         self._health.count('frames')
         self._health.ok('publishing')
+        self._debug_image.offer(
+            lambda: draw(frame, [f'{self._health.rate:.2f} Hz of {self._scene.rate:g}']),
+            stamp_ns,
+            self._frame_id,
+        )
         self._index += 1
         self._pixels = self._scene.frame(self._index)
 

@@ -1,23 +1,23 @@
-"""~/debug_image: what a segmenter saw, drawn while somebody looks."""
+"""~/debug_image: what a node saw, drawn while somebody looks."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from blob_tracker.ros.image import from_picture
 from blob_tracker.ros.qos import IMAGE_OUT, publisher
-from blob_tracker.segmentation.look import Look
-from blob_tracker.segmentation.picture import draw
+import numpy as np
+from numpy.typing import NDArray
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from sensor_msgs.msg import Image
 
-# s from one picture to the next. Frames with a window have the first call, those with a candidate
-# the second: at a fixed pace every picture could be of an unlit frame.
-WITH_WINDOW, WITH_CANDIDATE, WITH_NOTHING = 0.1, 0.2, 0.3
+PAUSE = 0.1  # s from one picture to the next
 
 
 class DebugImage:
     """
-    Publish pictures of what a segmenter saw, ten a second at most.
+    Publish pictures of what a node saw, ten a second at most.
 
     Parameters
     ----------
@@ -31,16 +31,32 @@ class DebugImage:
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._drawn_ns = 0
 
-    def offer(self, look: Look, stamp_ns: int, frame_id: str) -> None:
-        """Publish a frame's picture if somebody subscribes and it is time for one."""
+    def offer(
+        self,
+        draw: Callable[[], NDArray[np.uint8]],
+        stamp_ns: int,
+        frame_id: str,
+        pause: float = PAUSE,
+    ) -> None:
+        """
+        Publish a picture if somebody subscribes and it is time for one.
+
+        Parameters
+        ----------
+        draw : callable
+            Returns the (h, w, 3) picture, blue, green and red; not called where none is due.
+        stamp_ns : int
+            Of what it shows, ns.
+        frame_id : str
+            Name of the optical frame.
+        pause : float
+            s since the last picture before which this one is not due: longer for what is of less
+            interest.
+
+        """
         if not self._publisher.get_subscription_count():
             return
-        pause = WITH_NOTHING
-        if look.windows:
-            pause = WITH_WINDOW
-        elif look.candidates:
-            pause = WITH_CANDIDATE
         now_ns = self._clock.now().nanoseconds
         if now_ns - self._drawn_ns >= 1e9 * pause:
             self._drawn_ns = now_ns
-            self._publisher.publish(from_picture(draw(look), stamp_ns, frame_id))
+            self._publisher.publish(from_picture(draw(), stamp_ns, frame_id))

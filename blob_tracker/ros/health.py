@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+import math
 import re
 from threading import Lock
+import time
 
+from blob_tracker.ros.load import Load
 from blob_tracker.ros.qos import publisher, RESULT
+from blob_tracker.ros.timing import Figures, plausible, Timing, UsualRate
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -23,19 +28,44 @@ class Health:
     """
     Collect what goes well and ill, and publish the worst of each second: all that is as bad.
 
+    With it go the rate of what arrives, its age, the latency of the results and the load of the
+    process.
+
     Parameters
     ----------
     node : Node
         Whose health it is.
     idle : str
         What to say of a second in which nothing was reported.
+    slowed : str
+        What may be the cause where the rate falls by half; empty where it may well do so.
+    describe : callable, optional
+        Called before each publication for a second in which something was reported, to show and
+        report what is known once a second.
+
+    Attributes
+    ----------
+    rate : float
+        Of the last second, Hz.
 
     """
 
-    def __init__(self, node: Node, idle: str) -> None:
+    def __init__(
+        self,
+        node: Node,
+        idle: str,
+        slowed: str = '',
+        describe: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.rate = 0.0
         self._values: dict[str, object] = {}
         self._node = node
         self._idle = idle
+        self._slowed = slowed
+        self._describe = describe
+        self._timing = Timing()
+        self._usual_rate = UsualRate()
+        self._load = Load()
         self._level = OK
         self._messages: dict[str, str] = {}  # of that level, by kind
         self._logged: dict[str, float] = {}
@@ -45,6 +75,18 @@ class Health:
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._publisher = publisher(node, DiagnosticArray, '/diagnostics', RESULT)
         self._timer = node.create_timer(PERIOD, self._publish, clock=self._clock)
+
+    def arrived(self, stamp_ns: int) -> None:
+        """Take note of a frame or window that came in, by its stamp in ns."""
+        age = self._node.get_clock().now().nanoseconds - stamp_ns
+        with self._lock:
+            self._timing.arrived(time.monotonic_ns(), age)
+
+    def left(self, stamp_ns: int) -> None:
+        """Take note of a result that was published, by its stamp in ns."""
+        age = self._node.get_clock().now().nanoseconds - stamp_ns
+        with self._lock:
+            self._timing.left(time.monotonic_ns(), age)
 
     def ok(self, message: str) -> None:
         """Report that something went well; the last such word of a second is published."""
@@ -95,6 +137,12 @@ class Health:
 
     def _publish(self) -> None:
         """Publish the last second and begin the next."""
+        with self._lock:
+            figures = self._timing.figures(time.monotonic_ns())
+        self._show(figures)
+        if self._messages:
+            self._watch(figures)
+            self._describe()
         if not self._messages:
             self._patience -= 1
             if self._patience >= 0:
@@ -116,3 +164,42 @@ class Health:
         array = DiagnosticArray(status=[status])
         array.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(array)
+
+    def _show(self, figures: Figures) -> None:
+        """Show rate, age, latency and load."""
+        self.rate = figures.rate
+        self.show('rate (Hz)', f'{figures.rate:.2f}')
+        for name, value in (
+            ('age p50 (ms)', figures.age),
+            ('latency p50 (ms)', figures.latency),
+            ('latency p99 (ms)', figures.latency_p99),
+        ):
+            self.show(name, self._in_words(value))
+        self.show('CPU (%)', f'{self._load.cpu():.1f}')
+        self.show('memory (MB)', f'{self._load.memory():.0f}')
+
+    def _in_words(self, age: float) -> str:
+        """Return an age in ms, or why there is none."""
+        if self._node.get_clock().ros_time_is_active:
+            return 'unknown: simulated time stands still between two ticks'
+        if math.isnan(age):
+            return 'unknown: there was nothing in the last 10 s'
+        return f'{age:.2f}' if plausible(age) else 'unknown: the stamps are of another clock'
+
+    def _watch(self, figures: Figures) -> None:
+        """Warn where the rate fell, and of results that come in fits and starts."""
+        usual = self._usual_rate.fell(figures.rate)
+        if self._slowed and usual is not None:
+            self.fault(
+                WARN,
+                f'{figures.rate:.1f} Hz arrive where {usual:.1f} Hz were usual in the last '
+                f'minute: {self._slowed}',
+            )
+        if figures.uneven and not self._node.get_clock().ros_time_is_active:
+            self.fault(
+                WARN,
+                f'one result in a hundred is {figures.latency_p99:.0f} ms old and the median '
+                f'{figures.latency:.0f} ms: the processor, the network or a disk is busy with '
+                'something else at times; look for it with top, and give this process a higher '
+                'priority',
+            )

@@ -1,83 +1,19 @@
-"""Parameters of a node: one declaration gives type, range, unit and reason."""
+"""Parameters of a node: declared, and changed while it runs."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
 
 from blob_tracker.ros.errors import ParameterError
+from blob_tracker.ros.interface import Parameter
 from rcl_interfaces.msg import (
     FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult,
 )
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
 from rclpy.parameter import Parameter as Given
-
-_TYPES = {bool: 'a boolean', int: 'an integer', float: 'a number with a point', str: 'a string'}
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """
-    One parameter.
-
-    Parameters
-    ----------
-    name : str
-        Its name; dots part groups.
-    default : bool, int, float or str
-        Gives the type as well.
-    description : str
-        What it does and why one would change it.
-    least, most : int or float, optional
-        Range of a number.
-    choices : sequence of str
-        The values a string may have; empty leaves it free.
-    unit : str
-        Unit of a number.
-    fixed : str
-        Why it cannot change while the node runs; empty where it can.
-
-    """
-
-    name: str
-    default: bool | int | float | str
-    description: str
-    least: float | None = None
-    most: float | None = None
-    choices: Sequence[str] = ()
-    unit: str = ''
-    fixed: str = ''
-
-    @property
-    def allowed(self) -> str:
-        """Say in words what the value must be."""
-        if self.choices:
-            return 'one of ' + ', '.join(choice or "''" for choice in self.choices)
-        words = _TYPES[type(self.default)]
-        if self.least is not None:
-            words += f' from {self.least:g} to {self.most:g}'
-        return f'{words} {self.unit}'.strip()
-
-    def descriptor(self) -> ParameterDescriptor:
-        """Return what `ros2 param describe` shows."""
-        text = f'{self.description} Must be {self.allowed}.'
-        if self.fixed:
-            text += f' Read-only: {self.fixed}.'
-        descriptor = ParameterDescriptor(
-            name=self.name, description=text, read_only=bool(self.fixed)
-        )
-        if self.least is None or self.most is None:
-            return descriptor
-        if isinstance(self.default, float):
-            bounds = FloatingPointRange(from_value=float(self.least), to_value=float(self.most))
-            descriptor.floating_point_range = [bounds]
-        else:
-            whole = IntegerRange(from_value=int(self.least), to_value=int(self.most), step=1)
-            descriptor.integer_range = [whole]
-        return descriptor
 
 
 def declare(
@@ -117,7 +53,7 @@ def declare(
     for parameter in parameters:
         try:
             value = node.declare_parameter(
-                parameter.name, parameter.default, parameter.descriptor()
+                parameter.name, parameter.default, _descriptor(parameter)
             ).value
         except (InvalidParameterTypeException, InvalidParameterValueException):
             raise _refused(node, parameter) from None
@@ -202,6 +138,26 @@ def unknown(name: str, names: Iterable[str]) -> ParameterError:
     near = get_close_matches(name, names, n=1)
     hint = f"did you mean '{near[0]}'?" if near else f'there is {", ".join(names)}'
     return ParameterError(f"no parameter '{name}'; {hint}")
+
+
+def _descriptor(parameter: Parameter) -> ParameterDescriptor:
+    """Return what `ros2 param describe` shows."""
+    text = f'{parameter.description} Must be {parameter.allowed}.'
+    if parameter.fixed:
+        text += f' Read-only: {parameter.fixed}.'
+    descriptor = ParameterDescriptor(
+        name=parameter.name, description=text, read_only=bool(parameter.fixed)
+    )
+    least, most = parameter.least, parameter.most
+    if least is None or most is None:
+        return descriptor
+    if isinstance(parameter.default, float):
+        bounds = FloatingPointRange(from_value=float(least), to_value=float(most))
+        descriptor.floating_point_range = [bounds]
+    else:
+        whole = IntegerRange(from_value=int(least), to_value=int(most), step=1)
+        descriptor.integer_range = [whole]
+    return descriptor
 
 
 def _refused(node: Node, parameter: Parameter) -> ParameterError:

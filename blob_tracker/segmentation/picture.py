@@ -6,6 +6,10 @@ from collections.abc import Sequence
 import math
 from typing import Any, NamedTuple
 
+from blob_tracker.drawing import (
+    beside, blank, Colour, GAP, in_grey, LINE, nearest_pixel, PAPER, paragraphs, Picture, stack,
+    TEXT, text_width, within, wrap, write,
+)
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.look import Look
@@ -13,19 +17,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-Picture = NDArray[np.uint8]
-Colour = tuple[int, int, int]  # blue, green, red
-
-PAPER: Colour = (32, 32, 32)
-TEXT: Colour = (230, 230, 230)
 ACCEPTED: Colour = (90, 230, 90)
 REFUSED: Colour = (40, 150, 255)
 WINDOW: Colour = (0, 255, 255)
 REGION: Colour = (255, 170, 70)
 
-FONT, FONT_SIZE = cv2.FONT_HERSHEY_SIMPLEX, 0.45
-LINE = 19  # px from one line of text to the next
-GAP = 8  # px between the parts
 NARROWEST, WIDEST, HIGHEST = 480, 800, 720  # px of a panel: small frames grow, large ones shrink
 INSET = 144  # px of the side of a zoomed window
 LARGEST_CIRCLE = 80  # px of radius
@@ -35,7 +31,6 @@ LEAST_NOISE, MOST = 0.01, 65535.0  # DN that can be
 STRETCH = 8.0  # standard deviations of the noise from grey to white
 DIMMEST = 64.0  # DN of white, at least: the noise of a dark frame must not look like a scene
 SAMPLES = 64  # pixels along either axis from which the brightness of the frame is told
-FARTHEST = 10_000.0  # px: where OpenCV still draws
 
 
 class _Zoom(NamedTuple):
@@ -47,8 +42,8 @@ class _Zoom(NamedTuple):
     def place(self, x: float, y: float) -> tuple[int, int]:
         """Return the pixel of the picture for a place in the frame; far outside is cut."""
         return (
-            _whole((x - self.box.x0 + 0.5) * self.scale - 0.5),
-            _whole((y - self.box.y0 + 0.5) * self.scale - 0.5),
+            nearest_pixel((x - self.box.x0 + 0.5) * self.scale - 0.5),
+            nearest_pixel((y - self.box.y0 + 0.5) * self.scale - 0.5),
         )
 
     def outline(self, picture: Picture, box: Box, colour: Colour) -> None:
@@ -84,14 +79,14 @@ def draw(look: Look) -> Picture:
     whole = Box(0, 0, shape[1], shape[0])
     zoom = _Zoom(whole, _scale(*shape))
     brightest = _brightest(look.lit)
-    noise = _within(look.noise, LEAST_NOISE, MOST, 1.0)
-    rise = _rise(look, _within(look.background, -MOST, MOST, 0.0))
+    noise = within(look.noise, LEAST_NOISE, MOST, 1.0)
+    rise = _rise(look, within(look.background, -MOST, MOST, 0.0))
     frame = _panel(
-        _shown(look.lit, 0.0, brightest, zoom.scale),
+        in_grey(look.lit, 0.0, brightest, zoom.scale),
         f'frame {shape[1]} x {shape[0]} px, white is {brightest:.0f} DN',
     )
     difference = _panel(
-        _shown(rise, -STRETCH * noise, STRETCH * noise, zoom.scale),
+        in_grey(rise, -STRETCH * noise, STRETCH * noise, zoom.scale),
         f'{"frame less its background" if look.unlit is None else "lit less unlit"}, '
         f'grey to white is {STRETCH:g} x the noise of {noise:.2f} DN',
     )
@@ -105,15 +100,15 @@ def draw(look: Look) -> Picture:
         for box in look.windows.values()
     ]
     _mark(difference[LINE:], look.candidates, zoom, taken)
-    panels = np.hstack([frame, _blank(frame.shape[0], GAP), difference])
+    panels = np.hstack([frame, blank(frame.shape[0], GAP), difference])
     insets = _insets(look, rise, noise)
     words = panels.shape[1] - insets.shape[1] - GAP
     room = max(insets.shape[0] // LINE, 3)
     state = f'{look.state}: {look.reason or "target in view"}'
-    below = _beside(insets, _lines(_in_words(look.candidates, words, room), words))
+    below = beside(insets, paragraphs(_in_words(look.candidates, words, room), words))
     colour = ACCEPTED if look.windows else REFUSED
-    parts = [panels, _lines([(state, colour)], panels.shape[1]), below]
-    return np.pad(_stacked(parts), [(0, 0), (GAP, GAP), (0, 0)], constant_values=PAPER[0])
+    parts = [panels, paragraphs([(state, colour)], panels.shape[1]), below]
+    return np.pad(stack(parts), [(0, 0), (GAP, GAP), (0, 0)], constant_values=PAPER[0])
 
 
 def _scale(height: int, width: int) -> float:
@@ -131,11 +126,6 @@ def _brightest(image: NDArray[Any]) -> float:
     return max(value, DIMMEST) if math.isfinite(value) else DIMMEST
 
 
-def _within(value: float, least: float, most: float, otherwise: float) -> float:
-    """Return a value within its bounds, or another for NaN."""
-    return otherwise if math.isnan(value) else min(max(value, least), most)
-
-
 def _rise(look: Look, background: float) -> NDArray[np.float32]:
     """Return lit less unlit less background, DN."""
     lit = look.lit.astype(np.float32)
@@ -145,21 +135,11 @@ def _rise(look: Look, background: float) -> NDArray[np.float32]:
     return np.nan_to_num(lit)
 
 
-def _shown(image: NDArray[Any], black: float, white: float, scale: float) -> Picture:
-    """Return an image in grey, larger or smaller."""
-    size = [max(round(scale * side), 1) for side in image.shape]
-    way = cv2.INTER_NEAREST if scale >= 1.0 else cv2.INTER_AREA
-    image = cv2.resize(np.ascontiguousarray(image), (size[1], size[0]), interpolation=way)
-    grey = (image.astype(np.float32) - black) * (255.0 / max(white - black, 1e-9))
-    shades = np.clip(np.nan_to_num(grey), 0.0, 255.0).astype(np.uint8)
-    return np.asarray(cv2.cvtColor(shades, cv2.COLOR_GRAY2BGR), dtype=np.uint8)
-
-
 def _panel(shown: Picture, title: str) -> Picture:
     """Return a picture with a line of text above it, as wide as a panel is at least."""
     height, width = shown.shape[:2]
-    panel = _blank(LINE + height, max(width, NARROWEST))
-    _write(panel, title, 0, 0, TEXT)
+    panel = blank(LINE + height, max(width, NARROWEST))
+    write(panel, title, 0, 0, TEXT)
     panel[LINE:, :width] = shown
     return panel
 
@@ -174,16 +154,17 @@ def _mark(
     for number, candidate in enumerate(candidates, 1):
         colour = REFUSED if candidate.refused else ACCEPTED
         x, y = zoom.place(candidate.x, candidate.y)
-        radius = min(max(_whole(3.0 * candidate.sigma_major * zoom.scale), 6), LARGEST_CIRCLE)
+        radius = max(nearest_pixel(3.0 * candidate.sigma_major * zoom.scale), 6)
+        radius = min(radius, LARGEST_CIRCLE)
         cv2.circle(panel, (x, y), radius, colour, 1, cv2.LINE_AA)
-        for left, top in _places(x, y, radius, _width(str(number))):
-            label = (left, top, left + _width(str(number)), top + LINE)
+        for left, top in _places(x, y, radius, text_width(str(number))):
+            label = (left, top, left + text_width(str(number)), top + LINE)
             inside = left >= 0 and top >= 0 and label[2] <= panel.shape[1] and (
                 label[3] <= panel.shape[0]
             )
             if inside and not any(_overlap(label, other) for other in taken):
                 taken.append(label)
-                _write(panel, str(number), left, top, colour, outlined=True)
+                write(panel, str(number), left, top, colour, outlined=True)
                 break
 
 
@@ -212,8 +193,8 @@ def _insets(look: Look, rise: NDArray[np.float32], noise: float) -> Picture:
     ]
     if not zoomed and look.candidates:
         strongest = max(look.candidates, key=lambda candidate: candidate.snr)
-        half = min(max(_whole(4.0 * strongest.sigma_major), 3), max(height, width))
-        x, y = _whole(strongest.x), _whole(strongest.y)
+        half = min(max(nearest_pixel(4.0 * strongest.sigma_major), 3), max(height, width))
+        x, y = nearest_pixel(strongest.x), nearest_pixel(strongest.y)
         number = look.candidates.index(strongest) + 1
         zoomed = [(f'candidate {number}', Box(x - half, y - half, x + half + 1, y + half + 1))]
         outline = REFUSED if strongest.refused else ACCEPTED
@@ -238,18 +219,18 @@ def _insets(look: Look, rise: NDArray[np.float32], noise: float) -> Picture:
             unlit = look.unlit[around.slices]
             shown.insert(1, ('unlit', unlit, black, white))
         zoom = _Zoom(around, INSET / max(around.x1 - around.x0, around.y1 - around.y0))
-        row = _blank(2 * LINE + INSET, len(shown) * (INSET + GAP) - GAP)
-        _write(row, title, 0, 0, TEXT)
+        row = blank(2 * LINE + INSET, len(shown) * (INSET + GAP) - GAP)
+        write(row, title, 0, 0, TEXT)
         for index, (name, pixels, low, high) in enumerate(shown):
-            grey = _shown(pixels, low, high, zoom.scale)
+            grey = in_grey(pixels, low, high, zoom.scale)
             zoom.outline(grey, box, outline)
             left = index * (INSET + GAP)
-            _write(row, name, left, LINE, TEXT)
+            write(row, name, left, LINE, TEXT)
             row[2 * LINE:2 * LINE + grey.shape[0], left:left + grey.shape[1]] = (
                 grey[:INSET, :INSET]
             )
         rows.append(row)
-    return _stacked(rows) if rows else _blank(0, 0)
+    return stack(rows) if rows else blank(0, 0)
 
 
 def _in_words(
@@ -267,7 +248,7 @@ def _in_words(
             f'{each.refused or "may be the target"}'
         )
         colour = REFUSED if each.refused else ACCEPTED
-        wrapped = [(line, colour) for line in _wrapped(text, width)]
+        wrapped = [(line, colour) for line in wrap(text, width)]
         left = len(candidates) - count
         if len(lines) + len(wrapped) + (left > 1) > room:
             return [*lines, (f'and {left} more', TEXT)]
@@ -275,75 +256,8 @@ def _in_words(
     return lines
 
 
-def _lines(lines: Sequence[tuple[str, Colour]], width: int) -> Picture:
-    """Return lines of text, wrapped where they are too long."""
-    wrapped = [(part, colour) for text, colour in lines for part in _wrapped(text, width)]
-    picture = _blank(LINE * len(wrapped), width)
-    for index, (text, colour) in enumerate(wrapped):
-        _write(picture, text, 0, LINE * index, colour)
-    return picture
-
-
-def _wrapped(text: str, width: int) -> list[str]:
-    """Return the text in lines of at most so many px, but for a word that is longer."""
-    lines: list[str] = []
-    for word in text.split():
-        longer = f'{lines[-1]} {word}' if lines else word
-        if lines and _width(longer) <= width:
-            lines[-1] = longer
-        else:
-            lines.append(word)
-    return lines
-
-
-def _width(text: str) -> int:
-    """Return the width of a text, px."""
-    return int(cv2.getTextSize(text, FONT, FONT_SIZE, 1)[0][0])
-
-
-def _write(
-    picture: Picture, text: str, left: int, top: int, colour: Colour, *, outlined: bool = False
-) -> None:
-    """Write a line of text with its top left corner at a pixel."""
-    foot = (left, top + LINE - 6)
-    if outlined:
-        cv2.putText(picture, text, foot, FONT, FONT_SIZE, (0, 0, 0), 3, cv2.LINE_AA)
-    cv2.putText(picture, text, foot, FONT, FONT_SIZE, colour, 1, cv2.LINE_AA)
-
-
-def _blank(height: int, width: int) -> Picture:
-    """Return an empty part of the picture."""
-    return np.full((height, width, 3), PAPER, dtype=np.uint8)
-
-
-def _stacked(parts: Sequence[Picture]) -> Picture:
-    """Return parts one below the other, with a gap under each."""
-    width = max(part.shape[1] for part in parts)
-    height = sum(part.shape[0] + GAP for part in parts)
-    picture = _blank(height, width)
-    top = 0
-    for part in parts:
-        picture[top:top + part.shape[0], :part.shape[1]] = part
-        top += part.shape[0] + GAP
-    return picture
-
-
-def _beside(left: Picture, right: Picture) -> Picture:
-    """Return two parts beside each other."""
-    height = max(left.shape[0], right.shape[0])
-    picture = _blank(height, left.shape[1] + GAP + right.shape[1])
-    picture[:left.shape[0], :left.shape[1]] = left
-    picture[:right.shape[0], left.shape[1] + GAP:] = right
-    return picture
-
-
 def _overlap(one: tuple[int, int, int, int], other: tuple[int, int, int, int]) -> bool:
     """Tell whether two rectangles of left, top, right, bottom share a pixel."""
     return (
         one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
     )
-
-
-def _whole(value: float) -> int:
-    """Return the nearest whole number, of those that OpenCV can draw at; 0 for none."""
-    return round(_within(value, -FARTHEST, FARTHEST, 0.0))

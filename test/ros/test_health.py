@@ -2,9 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+from blob_tracker.ros import health as health_module
 from blob_tracker.ros.health import ERROR, Health, OK, WARN
 from diagnostic_msgs.msg import DiagnosticArray
-from processes import probe
+from processes import Probe, probe
+import pytest
+from rclpy.parameter import Parameter
+
+
+def shown(
+    node: Probe, heard: list[DiagnosticArray], feed: Callable[[], None] = lambda: None
+) -> dict[str, str]:
+    """Return the values of the next diagnostics; feed the node until they come."""
+    heard.clear()
+    while not heard:
+        feed()
+        node.spin(0.01)
+    return {value.key: value.value for value in heard[0].status[0].values}
 
 
 def test_all_that_is_as_bad_as_the_worst_of_a_second_is_published(domain: int) -> None:
@@ -35,3 +51,49 @@ def test_a_flood_of_faults_stays_readable(domain: int) -> None:
             health.fault(WARN, letter)
         node.spin_until(lambda: heard)
         assert heard[0].status[0].message == 'a; b; c; d'
+
+
+def test_rate_age_and_latency_are_shown(domain: int) -> None:
+    """By the clock of the node; what a stamp of another clock would say is not said."""
+    with probe(domain) as node:
+        heard = node.record(DiagnosticArray, '/diagnostics')
+        health = Health(node, 'nothing')
+
+        def feed() -> None:
+            now_ns = node.get_clock().now().nanoseconds
+            health.arrived(now_ns - 20_000_000)
+            health.left(now_ns - 30_000_000)
+
+        values = shown(node, heard, feed)
+        assert 20.0 < float(values['rate (Hz)']) <= 100.0
+        # Half of what this process may be kept waiting for.
+        assert 20.0 <= float(values['age p50 (ms)']) < 25.0
+        assert 30.0 <= float(values['latency p50 (ms)']) < 35.0
+        assert float(values['latency p99 (ms)']) >= float(values['latency p50 (ms)'])
+        assert float(values['CPU (%)']) >= 0.0
+        assert 20.0 < float(values['memory (MB)']) < 2000.0
+        for _ in range(200):
+            health.arrived(0)
+        values = shown(node, heard)
+        assert values['age p50 (ms)'] == 'unknown: the stamps are of another clock'
+        assert float(values['latency p50 (ms)']) < 35.0
+        node.set_parameters([Parameter('use_sim_time', value=True)])
+        assert shown(node, heard)['latency p50 (ms)'].startswith('unknown: simulated time')
+
+
+@pytest.mark.parametrize('slowed', ['', 'the exposure is longer than a frame'])
+def test_a_rate_that_falls_is_a_fault_where_it_should_stand(
+    slowed: str, domain: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Frames come at a steady rate; windows come when there is a target."""
+    monkeypatch.setattr(health_module.UsualRate, 'fell', lambda _, rate: 30.0)
+    with probe(domain) as node:
+        heard = node.record(DiagnosticArray, '/diagnostics')
+        health = Health(node, 'nothing', slowed)
+        health.ok('streaming')
+        node.spin_until(lambda: heard)
+        said = heard[0].status[0].message
+        assert said == (
+            f'0.0 Hz arrive where 30.0 Hz were usual in the last minute: {slowed}'
+            if slowed else 'streaming'
+        )

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from blob_tracker.ros.errors import ParameterError
-from blob_tracker.ros.parameters import declare, on_change, Parameter, undeclared, unknown
+from blob_tracker.ros.interface import Parameter
+from blob_tracker.ros.parameters import declare, on_change, undeclared, unknown
 import pytest
 import rclpy
 from rclpy.context import Context

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from math import inf, nan
 
+from blob_tracker.drawing import GAP, PAPER
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.look import Look
-from blob_tracker.segmentation.picture import ACCEPTED, draw, GAP, PAPER, REFUSED, REGION, WINDOW
+from blob_tracker.segmentation.picture import ACCEPTED, draw, REFUSED, REGION, WINDOW
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
 from blob_tracker.types import SensorNoise
 from hypothesis import given, settings, strategies as st

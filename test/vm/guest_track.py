@@ -2,9 +2,9 @@
 Runs in the guest: camera, segmenter and locator look at the playing scene; what they say is kept.
 
 Usage: guest_track.py FOLDER NODES
-FOLDER holds scene.grey and camera_info.yaml, and gets track.json and a log of each node; NODES
-is the folder of the installed executables. Half-way the camera is unplugged and plugged in again,
-and from then on both ends of the loop lose frames.
+FOLDER holds scene.grey and camera_info.yaml, and gets track.json and a log of each process; NODES
+is the folder of the installed executables. First the nodes are three processes, then one. That
+one's camera is unplugged and plugged in again, and from then on both ends of the loop lose frames.
 """
 
 from __future__ import annotations
@@ -25,11 +25,16 @@ import rclpy
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-COUNT = 60  # bearings before and after the camera is unplugged: all lit places four times
+COUNT = 60  # bearings of the three processes and of the one: all lit places four times
 STARTUP = 90.0  # s until the first bearing: four Pythons on two emulated processors
 END = 40.0  # s; two on a quiet machine
 LONGEST = 100.0  # s for each half; 5 s are enough on a quiet machine
-NODES = ('camera', 'segmenter', 'locator')
+PARAMETERS: dict[str, dict[str, object]] = {
+    'camera': {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT, 'pixel_format': 'GREY'},
+    # The light goes up to 26 px from one flash to the next, twice that where one is lost.
+    'segmenter': {'gate': 60.0},
+    'locator': {},
+}
 
 
 class Recorder(Node):
@@ -67,34 +72,26 @@ class Recorder(Node):
                 self.complaints.add(f'{status.name}: {status.message}')
 
 
-def start(folder: Path, nodes: Path) -> list[subprocess.Popen[bytes]]:
-    """Start the three nodes, each with its log."""
-    parameters = {
-        'camera': {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT, 'pixel_format': 'GREY',
-                   'camera_info_url': f'file://{folder}/camera_info.yaml'},
-        # The light goes up to 26 px from one flash to the next, twice that where one is lost.
-        'segmenter': {'gate': 60.0},
-        'locator': {},
-    }
-    processes = []
-    for name in NODES:
-        command = [str(nodes / name), '--ros-args']
-        for key, value in parameters[name].items():
-            command += ['-p', f'{key}:={value}']
-        with (folder / f'{name}.log').open('wb') as log:
-            processes.append(subprocess.Popen(
-                command, stdout=log, stderr=subprocess.STDOUT,
-                env=os.environ | {'PYTHONFAULTHANDLER': '1'}))
-    return processes
+def start(
+    name: str, parameters: dict[str, object], folder: Path, nodes: Path
+) -> subprocess.Popen[bytes]:
+    """Start an executable, with its log."""
+    command = [str(nodes / name), '--ros-args']
+    for key, value in parameters.items():
+        command += ['-p', f'{key}:={value}']
+    with (folder / f'{name}.log').open('wb') as log:
+        return subprocess.Popen(
+            command, stdout=log, stderr=subprocess.STDOUT,
+            env=os.environ | {'PYTHONFAULTHANDLER': '1'})
 
 
-def end(processes: list[subprocess.Popen[bytes]]) -> dict[str, Any]:
-    """End the nodes together; return their exit codes and the seconds that they took."""
+def end(processes: dict[str, subprocess.Popen[bytes]]) -> dict[str, Any]:
+    """End processes together; return their exit codes and the seconds that they took."""
     began = time.monotonic()
-    for process in processes:
+    for process in processes.values():
         process.send_signal(signal.SIGTERM)
     found = {}
-    for name, process in zip(NODES, processes):
+    for name, process in processes.items():
         try:
             code: int | str = process.wait(timeout=END)
         except subprocess.TimeoutExpired:
@@ -123,12 +120,22 @@ def main(folder: Path, nodes: Path) -> None:
     close_loop()
     found: dict[str, Any] = {'count': COUNT}
     scene = folder / 'scene.grey'
+    parameters = {name: dict(values) for name, values in PARAMETERS.items()}
+    parameters['camera']['camera_info_url'] = f'file://{folder}/camera_info.yaml'
     with playing(scene, 'GREY'):
-        processes = start(folder, nodes)
+        processes = {
+            name: start(name, values, folder, nodes) for name, values in parameters.items()}
         rclpy.init()
         recorder = Recorder()
         found['startup'] = wait(recorder, 1, STARTUP)
         found['clean'] = record(recorder)
+        found['exits'] = end(processes)
+        together: dict[str, object] = {}
+        for values in parameters.values():
+            together |= values
+        processes = {'pipeline': start('pipeline', together, folder, nodes)}
+        recorder.take()
+        found['startup of the pipeline'] = wait(recorder, 1, STARTUP)
         v4l2_ctl(CAPTURE, '-c', 'disconnect=1')
     # The driver comes back when the last program has let go of it.
     with playing(scene, 'GREY'):
@@ -136,7 +143,7 @@ def main(folder: Path, nodes: Path) -> None:
         for device in (OUTPUT, CAPTURE):
             v4l2_ctl(device, '-c', 'percentage_of_dropped_buffers=15')
         found['lossy'] = record(recorder)
-        found['exits'] = end(processes)
+        found['exits'] |= end(processes)
     found['complaints'] = sorted(recorder.complaints)
     (folder / 'track.json').write_text(json.dumps(found, indent=1))
     recorder.destroy_node()

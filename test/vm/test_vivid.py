@@ -147,12 +147,12 @@ def test_a_device_that_can_be_used_is_opened(capture, case):
     assert capture['sentences'][case] == ''
 
 
-# --- camera, segmenter and locator ---
+# --- camera, segmenter and locator: three processes, then one ---
 
 
 @pytest.fixture(params=['clean', 'lossy'])
 def half(request, track) -> dict[str, Any]:
-    """Give what came before and after the camera was unplugged."""
+    """Give what came from the three processes, and from the one after it was unplugged."""
     return track[request.param]
 
 
@@ -205,7 +205,7 @@ def test_bearings_come_in_order_and_soon(half):
 def test_an_unplugged_camera_is_told_and_taken_up_again(track, results):
     gone = '/dev/video0: the device is gone (unplugged?); connect it and open it again'
     assert any(text.startswith('/camera') and gone in text for text in track['complaints'])
-    assert (results / 'camera.log').read_text().count('streaming') == 2
+    assert (results / 'pipeline.log').read_text().count('streaming') == 2
 
 
 def test_nodes_end_without_a_trace(track, results):

@@ -1,0 +1,98 @@
+"""What the locator node shows of itself."""
+
+from blob_tracker.location import METHODS
+from blob_tracker.nodes.interface.topics import (
+    BEARING, CENTROID, DIAGNOSTICS, NOISE, RAY, WINDOW_IMAGE, WINDOW_INFO, WINDOW_PICTURE,
+)
+from blob_tracker.ros.interface import Interface, Parameter
+
+DEFAULT_METHOD = 'maximum_likelihood'
+PARAMETERS = (
+    Parameter(
+        'method',
+        DEFAULT_METHOD,
+        'How the blob is placed in its window. The default is at the limit that the noise sets; '
+        'the others are those of the thesis.',
+        choices=tuple(METHODS),
+    ),
+    Parameter(
+        'elliptical',
+        False,
+        'Fit a width along x and one along y, for a lens or a light that does not make round '
+        'blobs. For the methods that have both forms.',
+    ),
+    Parameter(
+        'noise.gain',
+        40.0,
+        'Electrons per DN of the camera: the slope of its photon transfer curve. It sets the '
+        'shot noise in the covariance.',
+        least=1e-3,
+        most=1e6,
+        unit='e-/DN',
+    ),
+    Parameter(
+        'noise.read_noise',
+        0.7,
+        'Standard deviation of a dark pixel before quantisation. It sets the covariance of faint '
+        'targets.',
+        least=0.0,
+        most=1e4,
+        unit='DN',
+    ),
+    Parameter(
+        'noise.black_level',
+        0.0,
+        'Mean of a pixel without light, the pedestal: there is no shot noise in it.',
+        least=0.0,
+        most=65535.0,
+        unit='DN',
+    ),
+    Parameter(
+        'noise.online',
+        False,
+        'Take all three from target/noise, where the segmenter measures them (noise.measure), as '
+        'soon as they arrive. Off, a bag gives the same numbers each time.',
+    ),
+    Parameter(
+        'looks',
+        1,
+        'Frames that are summed in a window, as the segmenter says in its diagnostics: their read '
+        'noise is in the covariance as often.',
+        least=1,
+        most=256,
+    ),
+    Parameter(
+        'saturation',
+        0,
+        'Level at which a pixel is clipped; 0 is full scale of the encoding. Set 4095 for 12 bits '
+        'in 16.',
+        least=0,
+        most=65535,
+        unit='DN',
+    ),
+    Parameter(
+        'line_jitter_url',
+        '',
+        'Line offsets of an analogue grabber, as `calibrate jitter` writes them, to be taken off '
+        'each location: path, file:// or package://. Empty for a digital camera.',
+    ),
+    Parameter(
+        'lights',
+        '',
+        'Names of the coded lights that are to be placed, as flash.codes has them: '
+        'port,starboard. Empty for a light without a name. Within the pipeline every light is.',
+    ),
+)
+INTERFACE = Interface(
+    'locator',
+    'Places the blob of each window far below a pixel and publishes the angle at which it is '
+    'seen, with its covariance.',
+    PARAMETERS,
+    subscribed=(WINDOW_IMAGE, WINDOW_INFO, NOISE),
+    published=(BEARING, CENTROID, RAY, WINDOW_PICTURE, DIAGNOSTICS),
+    examples=(
+        'ros2 run blob_tracker locator --ros-args --params-file noise.yaml',
+        'ros2 param set /locator method gaussian_linear',
+        'ros2 topic echo /target/bearing',
+    ),
+)

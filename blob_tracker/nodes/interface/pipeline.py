@@ -1,0 +1,27 @@
+"""What the pipeline shows of itself, besides its nodes."""
+
+from blob_tracker.ros.interface import Interface, Parameter
+
+PARAMETERS = (
+    Parameter(
+        'source',
+        'camera',
+        'Where the frames come from. camera: a V4L2 camera, by a camera node in this process. '
+        'simulator: the simulated one. images: camera/image_raw of any other driver, or a bag.',
+        choices=('camera', 'simulator', 'images'),
+        fixed='the nodes of the process are made at its start',
+    ),
+)
+INTERFACE = Interface(
+    'pipeline',
+    'Runs camera (or simulator), segmenter and locator in one process and hands frames over in '
+    'memory. Nodes, topics, services and parameters are those of the three, see their --help; '
+    'images are published only while somebody subscribes. Besides them it has:',
+    PARAMETERS,
+    examples=(
+        'ros2 run blob_tracker pipeline --ros-args -p device:=/dev/video0 '
+        '-p camera_info_url:=camera.yaml',
+        'ros2 run blob_tracker pipeline --ros-args -p source:=simulator',
+        'ros2 param set /segmenter min_snr 8.0',
+    ),
+)

@@ -1,0 +1,178 @@
+"""What the segmenter node shows of itself."""
+
+from blob_tracker.nodes.interface.topics import (
+    CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, NOISE, SEGMENTER_PICTURE, VISIBLE, WINDOW_IMAGE,
+    WINDOW_INFO,
+)
+from blob_tracker.ros.interface import Interface, Parameter
+from blob_tracker.segmentation import FLASH_MODES, REGISTRATIONS, THRESHOLDS
+
+PARAMETERS = (
+    Parameter(
+        'flash.mode',
+        'alternate',
+        'How the light flashes. alternate: in step with the camera, on in every other frame. '
+        'periodic: free-running at flash.frequency. coded: lights that blink flash.codes. '
+        'steady: always on.',
+        choices=tuple(FLASH_MODES),
+    ),
+    Parameter(
+        'flash.frequency',
+        15.0,
+        'Frequency of a periodic light; from 0.1 to 0.45 of the frame rate.',
+        least=0.01,
+        most=500.0,
+        unit='Hz',
+    ),
+    Parameter(
+        'flash.duty',
+        0.5,
+        'Part of its period in which a periodic light is on.',
+        least=0.05,
+        most=0.95,
+    ),
+    Parameter(
+        'flash.frames',
+        16,
+        'Frames over which a periodic light is demodulated: more find a fainter light and give '
+        'fewer windows. It must stand still meanwhile.',
+        least=4,
+        most=256,
+    ),
+    Parameter(
+        'flash.codes',
+        '',
+        'Bits of the coded lights, all of one length: port:1101000,starboard:1110100. Each has '
+        'topics of its own, target/port/...',
+    ),
+    Parameter(
+        'flash.frames_per_bit',
+        1,
+        'Frames in which a coded light holds each bit.',
+        least=1,
+        most=64,
+    ),
+    Parameter(
+        'flash.bit_errors',
+        0,
+        'Bits of a code that may be wrong. Any two codes must differ by more than twice as many.',
+        least=0,
+        most=8,
+    ),
+    Parameter(
+        'min_snr',
+        7.0,
+        'Least SNR of the target in a filter matched to its width. Below 6 the noise of a whole '
+        'frame reaches it by itself; about the predicted place 0.85 of it is enough.',
+        least=3.0,
+        most=1000.0,
+    ),
+    Parameter(
+        'max_pair_interval',
+        0.1,
+        'Greatest time between the lit and the unlit frame. Raise it for cameras below 10 Hz, '
+        'lower it where the camera moves fast.',
+        least=0.001,
+        most=10.0,
+        unit='s',
+    ),
+    Parameter(
+        'registration',
+        'none',
+        'How the unlit frame is laid over the lit one in the mode alternate, for a camera that '
+        'moves between the two: translation follows a shift, affine a turn as well. Either costs '
+        'milliseconds a frame, and needs a scene with texture.',
+        choices=tuple(REGISTRATIONS),
+    ),
+    Parameter(
+        'gate',
+        24.0,
+        'Greatest way of the target in the picture from one flash to the next, while its motion '
+        'is not known yet. In the mode alternate it tells what flashes again from what is new.',
+        least=1.0,
+        most=1000.0,
+        unit='px',
+    ),
+    Parameter(
+        'threshold.method',
+        'sigma_window',
+        'How the window about the peak is found. The default follows the width of the blob; the '
+        'others are those of the thesis, made for its location methods.',
+        choices=tuple(THRESHOLDS),
+    ),
+    Parameter(
+        'threshold.sigmas',
+        3.0,
+        "Half-width of sigma_window in standard deviations of the blob. The thesis' optimum is "
+        '2.8; what lies further out adds noise to all methods but maximum likelihood.',
+        least=1.0,
+        most=10.0,
+    ),
+    Parameter(
+        'threshold.extension',
+        2,
+        'Pixels that histogram_extended adds on each side, to take in the tails.',
+        least=0,
+        most=64,
+        unit='px',
+    ),
+    Parameter(
+        'max_blob',
+        128,
+        'Greatest half-width of the window; what is wider is no target.',
+        least=4,
+        most=1024,
+        unit='px',
+    ),
+    Parameter(
+        'looks',
+        1,
+        'Pairs of a still target that are summed in one window; the thesis has 5. Give the '
+        'locator the same number.',
+        least=1,
+        most=256,
+    ),
+    Parameter(
+        'mask_url',
+        '',
+        'Image of 8 bits and of the size of the frames, white where the target may be: a path, '
+        'file:// or package:// URL. Empty searches everywhere.',
+    ),
+    Parameter(
+        'saturation',
+        0,
+        'Level at which a pixel is clipped; 0 is full scale of the encoding. Set 4095 for 12 bits '
+        'in 16.',
+        least=0,
+        most=65535,
+        unit='DN',
+    ),
+    Parameter(
+        'noise.measure',
+        False,
+        'Measure gain and read noise of the camera from the unlit frames, once a second, and '
+        'publish them on target/noise. It needs a scene of more than one brightness that stands '
+        'nearly still, and raw pixels.',
+    ),
+    Parameter(
+        'lost_after',
+        0.2,
+        'Time without a target, by the stamps, after which target/visible turns false. A coded '
+        'light must rise meanwhile; a block of a periodic one is always waited for.',
+        least=0.001,
+        most=60.0,
+        unit='s',
+    ),
+)
+INTERFACE = Interface(
+    'segmenter',
+    'Finds the flash in the frames and cuts its pixels out, lit and unlit.',
+    PARAMETERS,
+    subscribed=(CAMERA_IMAGE, CAMERA_INFO),
+    published=(WINDOW_IMAGE, WINDOW_INFO, VISIBLE, NOISE, SEGMENTER_PICTURE, DIAGNOSTICS),
+    examples=(
+        'ros2 run blob_tracker segmenter --ros-args -p registration:=translation',
+        'ros2 param set /segmenter min_snr 8.0',
+        'ros2 run rqt_image_view rqt_image_view /segmenter/debug_image',
+    ),
+)

@@ -1,0 +1,85 @@
+"""What the simulator node shows of itself."""
+
+from blob_tracker.nodes.interface.topics import (
+    CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, FRAME_PICTURE, TRUE_BEARING, TRUE_CENTROID,
+)
+from blob_tracker.ros.interface import Interface, Parameter
+from blob_tracker.simulation import FlashingLight
+
+_SCENE = FlashingLight()
+PARAMETERS = (
+    Parameter('width', _SCENE.width, 'Width of the frames.', least=16, most=8192, unit='px'),
+    Parameter('height', _SCENE.height, 'Height of the frames.', least=16, most=8192, unit='px'),
+    Parameter('rate', _SCENE.rate, 'Frames a second.', least=0.1, most=1000.0, unit='Hz'),
+    Parameter(
+        'focal_length', 600.0, 'Focal length of the lens.', least=1.0, most=1e6, unit='px'
+    ),
+    Parameter(
+        'sigma',
+        _SCENE.sigma,
+        "Standard deviation of the light's image.",
+        least=0.1,
+        most=100.0,
+        unit='px',
+    ),
+    Parameter(
+        'amplitude',
+        _SCENE.amplitude,
+        'Peak of the light above the background.',
+        least=0.0,
+        most=65535.0,
+        unit='DN',
+    ),
+    Parameter(
+        'background',
+        _SCENE.background,
+        'Mean level of the wall behind it.',
+        least=0.0,
+        most=65535.0,
+        unit='DN',
+    ),
+    Parameter(
+        'texture',
+        _SCENE.texture,
+        "Standard deviation of the wall's pattern.",
+        least=0.0,
+        most=65535.0,
+        unit='DN',
+    ),
+    Parameter(
+        'noise.gain',
+        _SCENE.noise.gain,
+        'Electrons per DN of the sensor.',
+        least=1e-3,
+        most=1e6,
+        unit='e-/DN',
+    ),
+    Parameter(
+        'noise.read_noise',
+        _SCENE.noise.read_noise,
+        'Noise of a dark pixel before quantisation.',
+        least=0.0,
+        most=1e4,
+        unit='DN',
+    ),
+    Parameter(
+        'seed',
+        _SCENE.seed,
+        'Seed of wall and noise: the same one gives the same pixels.',
+        least=0,
+        most=2**31 - 1,
+    ),
+    Parameter('frame_id', 'camera_optical_frame', 'Name of the optical frame.'),
+)
+INTERFACE = Interface(
+    'simulator',
+    'Publishes what a camera does that sees a flashing light move before a wall, and the truth.',
+    PARAMETERS,
+    published=(
+        CAMERA_IMAGE, CAMERA_INFO, TRUE_CENTROID, TRUE_BEARING, FRAME_PICTURE, DIAGNOSTICS,
+    ),
+    examples=(
+        'ros2 run blob_tracker simulator --ros-args -p rate:=100.0 -p amplitude:=60.0',
+        'ros2 param set /simulator amplitude 20.0',
+    ),
+)

@@ -1,0 +1,62 @@
+"""The topics of all nodes, each said once: who publishes and who reads it refer to these."""
+
+from blob_tracker.ros.interface import Topic
+
+CAMERA_IMAGE = Topic(
+    'camera/image_raw',
+    'sensor_msgs/Image',
+    'frames, mono8 or mono16; stamp: the middle of the exposure, in ROS time',
+)
+CAMERA_INFO = Topic(
+    'camera/camera_info',
+    'sensor_msgs/CameraInfo',
+    'calibration, hardware crop and binning, same stamp',
+)
+WINDOW_IMAGE = Topic(
+    'target/window/image_raw',
+    'sensor_msgs/Image',
+    "8UC2 or 16UC2: the target's pixels lit and unlit, raw; 16UC2 also for sums of frames; "
+    '1 channel for a steady light',
+)
+WINDOW_INFO = Topic(
+    'target/window/camera_info',
+    'sensor_msgs/CameraInfo',
+    "calibration; `roi` is the window's place",
+)
+VISIBLE = Topic('target/visible', 'std_msgs/Bool', 'transient local, on change')
+NOISE = Topic(
+    'target/noise',
+    'geometry_msgs/Vector3Stamped',
+    'with `noise.measure`: x gain in e-/DN, y read noise and z black level in DN; transient '
+    'local, used by the locator with `noise.online`',
+)
+BEARING = Topic(
+    'target/bearing',
+    'geometry_msgs/Vector3Stamped',
+    'x azimuth, y elevation, **mrad**, right and up positive',
+)
+CENTROID = Topic(
+    'target/centroid', 'geometry_msgs/PointStamped', 'x, y in px of the full sensor'
+)
+RAY = Topic(
+    'target/ray',
+    'geometry_msgs/PoseWithCovarianceStamped',
+    'the same as a turn, with covariance in rad^2',
+)
+_PICTURE = '~/debug_image', 'sensor_msgs/Image'
+FRAME_PICTURE = Topic(*_PICTURE, 'bgr8, while somebody subscribes, at most 10 Hz: the frame')
+SEGMENTER_PICTURE = Topic(*_PICTURE, 'likewise: frame, difference, candidates and window')
+WINDOW_PICTURE = Topic(*_PICTURE, 'likewise: the window, the fit and what it leaves')
+TRUE_CENTROID = Topic(
+    'simulator/truth/centroid',
+    'geometry_msgs/PointStamped',
+    'where the simulated light is, in px, while it is lit',
+)
+TRUE_BEARING = Topic(
+    'simulator/truth/bearing', 'geometry_msgs/Vector3Stamped', 'the same in mrad'
+)
+DIAGNOSTICS = Topic(
+    '/diagnostics',
+    'diagnostic_msgs/DiagnosticArray',
+    'at 1 Hz: what the node does, or what is wrong',
+)

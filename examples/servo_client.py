@@ -1,0 +1,91 @@
+"""
+Turn a pan/tilt until the target is in the middle of the picture. Copy this file and change it.
+
+The camera rides on the pan/tilt, so a bearing is what is left to turn. Angles are rad, pan to the
+right and tilt up. The first command is near 0, 0: drive the pan/tilt there before.
+"""
+
+from geometry_msgs.msg import Vector3Stamped
+import numpy as np
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool
+
+PERIOD = 0.02  # s between two steps of the way home
+
+
+class ServoClient(Node):
+    """target/bearing and target/visible -> joint_command."""
+
+    def __init__(self):
+        super().__init__('servo_client')
+        # Part of each bearing that is turned, pan and tilt; negative for a joint that turns left
+        # or down. Up to 4/27 = 0.148 nothing overshoots that shows a command two bearings later.
+        self.gain = np.array(self.declare_parameter('gain', [0.14, 0.14]).value)
+        self.dead_band = self.declare_parameter('dead_band', 0.2).value  # mrad: the noise's peaks
+        self.speed = self.declare_parameter('speed', 1.0).value  # rad/s, at most
+        self.limit = np.array(self.declare_parameter('limit', [1.5, 0.7]).value)  # rad, each way
+        self.lost_after = self.declare_parameter('lost_after', 0.2).value  # s: then hold still
+        self.home_after = self.declare_parameter('home_after', 3.0).value  # s: then go to 0, 0
+        self.angle = np.zeros(2)  # rad: pan, tilt
+        self.visible = False
+        self.stamp = -np.inf  # s, of the last bearing
+        # A JointState names its joints, and drivers of pan/tilt units (flir_ptu) take it.
+        self.commands = self.create_publisher(JointState, 'joint_command', 10)
+        held = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self.create_subscription(Bool, 'target/visible', self.see, held)
+        self.create_subscription(Vector3Stamped, 'target/bearing', self.follow, 10)
+        self.create_timer(PERIOD, self.go_home)
+
+    def follow(self, bearing):
+        """Turn by a part of the bearing, unless it is old or no number."""
+        stamp = bearing.header.stamp.sec + 1e-9 * bearing.header.stamp.nanosec
+        error = np.array([bearing.vector.x, bearing.vector.y])  # mrad
+        fresh = abs(self.now() - stamp) <= self.lost_after
+        if not (self.visible and fresh and np.isfinite(error).all()):
+            return
+        elapsed, self.stamp = stamp - self.stamp, stamp
+        if 0.0 < elapsed <= self.lost_after:  # else it is the first after a loss: no speed yet
+            turn = np.where(np.abs(error) > self.dead_band, 1e-3 * self.gain * error, 0.0)
+            self.turn(turn, elapsed)
+
+    def see(self, visible):
+        """Hold still from the moment that the target is lost: nothing but this flag changes."""
+        self.visible = visible.data
+
+    def go_home(self):
+        """Go back to 0, 0 when the target has not been seen for long."""
+        if self.now() - self.stamp > self.home_after:
+            self.turn(-self.angle, PERIOD)
+
+    def turn(self, turn, elapsed):
+        """Command the angles that the turn leads to, within speed and limit."""
+        turn = np.clip(turn, -self.speed * elapsed, self.speed * elapsed)
+        angle = np.clip(self.angle + turn, -self.limit, self.limit)
+        if np.isfinite(angle).all() and (angle != self.angle).any():
+            self.angle = angle
+            command = JointState(name=['pan', 'tilt'], position=angle.tolist())
+            command.header.stamp = self.get_clock().now().to_msg()
+            self.commands.publish(command)
+
+    def now(self):
+        """Return the time on the clock of the stamps, s."""
+        return 1e-9 * self.get_clock().now().nanoseconds
+
+
+def main():
+    """Run until Ctrl-C."""
+    rclpy.init()
+    try:
+        rclpy.spin(ServoClient())
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        rclpy.try_shutdown()
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,200 @@
+"""The example servo as a real process, on a pan/tilt that does what it is told."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+import math
+from pathlib import Path
+import sys
+
+from blob_tracker.ros.qos import RESULT, STATE
+from blob_tracker.ros.stamp import from_ns, to_ns
+from geometry_msgs.msg import Vector3Stamped
+import numpy as np
+from processes import probe, Probe, Process
+import pytest
+from rcl_interfaces.msg import ParameterEvent
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool
+
+EXAMPLE = Path(__file__).parents[2] / 'examples' / 'servo_client.py'
+FRAME_NS = 33_000_000  # between two bearings
+DEAD_BAND = 0.2  # mrad, and the others below: the defaults of the example
+GAIN = 0.14
+FRAME = 1.0 * FRAME_NS * 1e-6  # mrad that it may turn from one bearing to the next, at 1 rad/s
+LOST_AFTER_NS = 200_000_000
+HOME_AFTER_NS = 3_000_000_000
+DELAY = 2  # bearings from a command to the first one that shows it
+
+
+class PanTilt:
+    """A pan/tilt with the camera on it, in simulated time, so that no test depends on the pace."""
+
+    def __init__(self, node: Probe) -> None:
+        self._node = node
+        self._bearings = node.create_publisher(Vector3Stamped, 'target/bearing', RESULT)
+        self._visible = node.create_publisher(Bool, 'target/visible', STATE)
+        self._clock = node.create_publisher(Clock, '/clock', RESULT)
+        self._events = node.record(ParameterEvent, '/parameter_events')
+        self.commands: list[JointState] = node.record(JointState, 'joint_command')
+        self.now_ns = 1_700_000_000_000_000_000
+        node.spin_until(lambda: all(
+            publisher.get_subscription_count()
+            for publisher in (self._bearings, self._visible, self._clock)
+        ))
+        node.spin_until(lambda: node.count_publishers('joint_command'))
+        node.spin_until(self._has_the_time)
+
+    @property
+    def angles(self) -> np.ndarray:
+        """Return the (N, 2) angles, pan and tilt, after 0 to N - 1 commands, mrad."""
+        return 1e3 * np.array([[0.0, 0.0], *(command.position for command in self.commands)])
+
+    def wait(self, nanoseconds: int) -> None:
+        """Let simulated time pass in steps of a frame, and the servo take notice."""
+        end_ns = self.now_ns + nanoseconds
+        while self.now_ns < end_ns:
+            self.now_ns = min(self.now_ns + FRAME_NS, end_ns)
+            self._publish_time()
+            self._node.spin(0.01)
+        self._node.spin_until(self._has_the_time)
+
+    def show(self, visible: bool) -> None:
+        """Say whether the target is in view."""
+        self._visible.publish(Bool(data=visible))
+        self._node.spin(0.1)
+
+    def bearing(self, x: float, y: float, age_ns: int = 0) -> None:
+        """Say in mrad where the target is, one frame later than before."""
+        self.now_ns += FRAME_NS
+        self._publish_time()
+        message = Vector3Stamped()
+        message.header.stamp = from_ns(self.now_ns - age_ns)
+        message.vector.x, message.vector.y = x, y
+        self._bearings.publish(message)
+
+    def turned(self, count: int) -> None:
+        """Wait for that many commands in all."""
+        self._node.spin_until(lambda: len(self.commands) >= count)
+
+    def _publish_time(self) -> None:
+        self._clock.publish(Clock(clock=from_ns(self.now_ns)))
+
+    def _has_the_time(self) -> bool:
+        """Tell whether the servo's clock is ours: /clock is best effort, it may have missed it."""
+        self._publish_time()
+        request = SetParameters.Request(
+            parameters=[Parameter('use_sim_time', value=True).to_parameter_msg()]
+        )
+        self._node.call(SetParameters, 'servo_client/set_parameters', request)
+        return any(to_ns(event.stamp) == self.now_ns for event in self._events)
+
+    def quiet(self) -> None:
+        """Give a command that should not come the time to come."""
+        self._node.spin(0.2)
+
+    def lock(self, x: float, y: float) -> None:
+        """Show a target twice: the first bearing after a loss turns nothing."""
+        self.show(True)
+        count = len(self.commands)
+        self.bearing(x, y)
+        self.bearing(x, y)
+        self.turned(count + 1)
+
+
+@contextmanager
+def servo(domain: int, *parameters: str) -> Iterator[PanTilt]:
+    """Start the example in simulated time."""
+    command = [sys.executable, str(EXAMPLE), '--ros-args', '-p', 'use_sim_time:=true']
+    for parameter in parameters:
+        command += ['-p', parameter]
+    with probe(domain) as node, Process(command, domain) as process:
+        yield PanTilt(node)
+        assert process.running
+        assert process.end() == 0, process.output
+    assert 'Traceback' not in process.output
+
+
+@pytest.mark.parametrize('gain', [GAIN, -GAIN])
+def test_it_turns_to_the_target_without_overshoot(gain: float, domain: int) -> None:
+    """Right is positive pan, up is positive tilt; a negative gain is for joints the other way."""
+    target = np.array([300.0, -120.0])  # mrad
+    sense = math.copysign(1.0, gain)
+    with servo(domain, f'gain:=[{gain}, {gain}]') as pan_tilt:
+        pan_tilt.show(True)
+        for count in range(100):
+            error = target - sense * pan_tilt.angles[max(len(pan_tilt.angles) - 1 - DELAY, 0)]
+            if (np.abs(error) <= DEAD_BAND).all():
+                break
+            pan_tilt.bearing(*error)
+            if count:  # the first one starts the clock of the speed limit
+                pan_tilt.turned(count)
+        pan_tilt.quiet()
+        angles = sense * pan_tilt.angles
+    steps = np.diff(angles, axis=0)
+    # Each angle goes one way only: no oscillation, and none past the target.
+    assert (np.sign(target) * steps >= 0.0).all()
+    assert np.abs(target - angles[-1]).max() <= DEAD_BAND
+    # At the speed limit at first, then by the gain: the same recursion by hand takes 29 steps.
+    assert np.abs(steps).max() == pytest.approx(FRAME)
+    assert len(steps) < 35
+
+
+def test_it_holds_still_while_the_target_is_lost_and_then_goes_home(domain: int) -> None:
+    """Not visible, old bearings, no bearings: no command; after home_after s back to 0, 0."""
+    with servo(domain) as pan_tilt:
+        pan_tilt.bearing(50.0, 20.0)  # before anybody said that it is visible
+        pan_tilt.bearing(50.0, 20.0)
+        pan_tilt.quiet()
+        assert not pan_tilt.commands
+        pan_tilt.lock(50.0, 20.0)
+        assert pan_tilt.angles[-1] == pytest.approx([50.0 * GAIN, 20.0 * GAIN])
+
+        pan_tilt.show(False)
+        pan_tilt.bearing(50.0, 20.0)
+        pan_tilt.quiet()
+        assert len(pan_tilt.commands) == 1
+
+        pan_tilt.show(True)
+        pan_tilt.wait(2 * LOST_AFTER_NS)
+        for age_ns in (LOST_AFTER_NS + 1_000_000, 10 * LOST_AFTER_NS, -2 * LOST_AFTER_NS):
+            pan_tilt.bearing(50.0, 20.0, age_ns)
+        pan_tilt.quiet()
+        assert len(pan_tilt.commands) == 1
+
+        pan_tilt.lock(-300.0, 20.0)  # it is back
+        away = pan_tilt.angles[-1]
+        assert away == pytest.approx([50.0 * GAIN - FRAME, 40.0 * GAIN])
+        pan_tilt.wait(HOME_AFTER_NS - 2 * FRAME_NS)
+        assert len(pan_tilt.commands) == 2
+        pan_tilt.wait(5 * FRAME_NS)
+        # At the speed limit, a step each 20 ms: then there, and nothing more to say.
+        home = [[away[0] + 20.0, 0.0], [0.0, 0.0]]
+        assert pan_tilt.angles[3:] == pytest.approx(np.array(home))
+
+
+def test_what_is_no_number_never_moves_it(domain: int) -> None:
+    """Neither NaN nor infinity does anything or leaves a trace; what is huge meets the limits."""
+    with servo(domain, 'limit:=[0.1, 0.05]') as pan_tilt:
+        pan_tilt.show(True)
+        for x, y in ((math.nan, 0.0), (0.0, math.nan), (math.inf, 0.0), (5.0, -math.inf)):
+            pan_tilt.bearing(x, y)
+            pan_tilt.bearing(x, y)
+        pan_tilt.quiet()
+        assert not pan_tilt.commands
+        pan_tilt.lock(100.0, 10.0)
+        assert pan_tilt.angles[-1] == pytest.approx([100.0 * GAIN, 10.0 * GAIN])
+        for _ in range(10):
+            pan_tilt.bearing(1e300, 1e300)
+        pan_tilt.quiet()
+        assert pan_tilt.angles[-1] == pytest.approx([100.0, 50.0])
+    with servo(domain, 'gain:=[.nan, .nan]') as pan_tilt:
+        pan_tilt.show(True)
+        for _ in range(3):
+            pan_tilt.bearing(50.0, 20.0)
+        pan_tilt.quiet()
+        assert not pan_tilt.commands
