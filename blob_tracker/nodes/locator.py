@@ -19,6 +19,8 @@ from blob_tracker.nodes.interface.locator import DEFAULT_METHOD, PARAMETERS
 from blob_tracker.ros.bearing_topics import BearingTopics
 from blob_tracker.ros.camera_info import to_camera_model
 from blob_tracker.ros.clipping import clipping_window
+from blob_tracker.ros.clock_jumps import on_clock_jump
+from blob_tracker.ros.connections import Connections
 from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
@@ -27,7 +29,7 @@ from blob_tracker.ros.names import target_topic
 from blob_tracker.ros.pairing import FramePairs
 from blob_tracker.ros.parameters import declare, on_change
 from blob_tracker.ros.process import run
-from blob_tracker.ros.qos import overridable, STATE
+from blob_tracker.ros.qos import STATE, subscription
 from blob_tracker.ros.target import to_noise
 from blob_tracker.ros.url import to_path
 from blob_tracker.types import Bearing, Location, LocationError, SensorNoise, Window
@@ -65,6 +67,7 @@ class LocatorNode(Node):
         self._health = Health(
             self, 'no window arrives; is the segmenter running?', describe=self._describe
         )
+        self._connections = Connections(self, self._health)
         self._places: dict[str, RecentPlaces] = {}
         self._bearing: Bearing | None = None
         self._debug_image = DebugImage(self)
@@ -75,6 +78,7 @@ class LocatorNode(Node):
         self._measurements: Subscription | None = None
         self._change(values)()
         on_change(self, PARAMETERS, self._change)
+        self._clock_jumps = on_clock_jump(self, self._health, self._forget)
 
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Build what these parameters ask for; return what puts it into effect."""
@@ -134,12 +138,8 @@ class LocatorNode(Node):
             self._health.show('noise', f'as configured: {_in_words(self._configured)}')
         elif self._measurements is None:
             self._health.show('noise', 'as configured: none has been measured yet')
-            self._measurements = self.create_subscription(
-                Vector3Stamped,
-                'target/noise',
-                self._measured,
-                STATE,
-                qos_overriding_options=overridable(),
+            self._measurements = subscription(
+                self, Vector3Stamped, 'target/noise', self._measured, STATE
             )
 
     def _measured(self, message: Vector3Stamped) -> None:
@@ -161,6 +161,11 @@ class LocatorNode(Node):
             self._health.fault(ERROR, f'{target_topic(light)}/window: {error}')
             return
         self.locate(light, window, info, image.header.frame_id)
+
+    def _forget(self, after_ns: int) -> None:
+        """Forget the windows that wait for their camera_info and have a later stamp, ns."""
+        for windows in self._windows.values():
+            windows.forget(after_ns)
 
     def locate(self, light: str, window: Window, info: CameraInfo, frame_id: str) -> None:
         """Place the blob of a window and publish its direction, or nothing at all."""
