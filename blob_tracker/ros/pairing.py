@@ -101,11 +101,6 @@ class FramePairs:
             )
         ]
 
-    def close(self) -> None:
-        """Listen no longer."""
-        for subscription in self._subscriptions:
-            self._node.destroy_subscription(subscription)
-
     def _take_image(self, message: Image) -> None:
         self._pairing.image(message)
         if self._pairing.lonely_images >= DEPTH:

@@ -33,7 +33,6 @@ class WindowTopics:
 
     def __init__(self, node: Node, topic: str, lost_after_ns: int) -> None:
         self.lost_after_ns = lost_after_ns
-        self._node = node
         self._windows, self._infos, self._visible = (
             node.create_publisher(
                 kind, f'{topic}/{name}', qos, qos_overriding_options=overridable()
@@ -67,12 +66,6 @@ class WindowTopics:
     def out_of_view(self) -> None:
         """Say that the light is out of view: no frame comes that could show it."""
         self._say(False)
-
-    def close(self) -> None:
-        """Take the topics away: there is no such light any more."""
-        self._say(False)
-        for publisher in (self._windows, self._infos, self._visible):
-            self._node.destroy_publisher(publisher)
 
     def _say(self, visible: bool) -> None:
         """Publish on change."""
