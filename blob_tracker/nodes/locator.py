@@ -76,6 +76,7 @@ class LocatorNode(Node):
         self._targets: dict[str, BearingTopics] = {}
         self._windows: dict[str, FramePairs] = {}
         self._measurements: Subscription | None = None
+        self._measurement: SensorNoise | None = None
         self._change(values)()
         on_change(self, PARAMETERS, self._change)
         self._clock_jumps = on_clock_jump(self, self._health, self._forget)
@@ -116,28 +117,28 @@ class LocatorNode(Node):
         return use
 
     def _set_lights(self, lights: Collection[str]) -> None:
-        """Listen to the windows of these lights, and of no other."""
+        """Listen to the windows of these lights and heed no other: see `process.run`."""
+        self._lights = lights
         if not self._listen:
-            return
-        for name in [name for name in self._targets if name not in lights]:
-            self._windows.pop(name).close()
-            self._targets.pop(name).close()
+            lights = ['']  # those of a light with a name are made when it is handed over
         for name in lights:
             if name not in self._targets:
                 self._targets[name] = BearingTopics(self, target_topic(name))
+            if self._listen and name not in self._windows:
                 self._windows[name] = FramePairs(
                     self, f'{target_topic(name)}/window', self._health, partial(self._take, name)
                 )
 
     def _set_online(self, online: bool) -> None:
-        """Listen to the noise that the segmenter measures, or no longer."""
+        """Heed the noise that the segmenter measures, or no longer."""
+        self._online = online
         if not online:
-            if self._measurements is not None:
-                self.destroy_subscription(self._measurements)
-                self._measurements = None
             self._health.show('noise', f'as configured: {_in_words(self._configured)}')
-        elif self._measurements is None:
+        elif self._measurement is not None:
+            self._use(self._measurement)
+        else:
             self._health.show('noise', 'as configured: none has been measured yet')
+        if online and self._measurements is None:
             self._measurements = subscription(
                 self, Vector3Stamped, 'target/noise', self._measured, STATE
             )
@@ -150,11 +151,19 @@ class LocatorNode(Node):
             self._health.fault(ERROR, f'target/noise: {error}')
             return
         with self._lock:
-            self._noise = noise
+            self._measurement = noise
+            if self._online:
+                self._use(noise)
+
+    def _use(self, noise: SensorNoise) -> None:
+        """Reckon with a noise that was measured."""
+        self._noise = noise
         self._health.show('noise', f'as measured: {_in_words(noise)}')
 
     def _take(self, light: str, image: Image, info: CameraInfo) -> None:
         """Take a window from the topics."""
+        if light not in self._lights:
+            return
         try:
             window = to_window(image, info)
         except MessageError as error:
@@ -286,8 +295,9 @@ class LocatorNode(Node):
 
     def _model(self, info: CameraInfo) -> CameraModel:
         """Return the camera of a camera_info, made anew only where the calibration changes."""
-        calibration = (*info.k, *info.d, info.distortion_model, info.width, info.height)
-        # NaN differs from itself: such a calibration is never the last one, and is refused again.
+        calibration = (
+            info.k.tobytes(), info.d.tobytes(), info.distortion_model, info.width, info.height
+        )
         if self._camera_model is None or calibration != self._calibration:
             self._camera_model = None
             self._camera_model = to_camera_model(info)

@@ -102,6 +102,7 @@ class SegmenterNode(Node):
         self._flash: tuple[dict[str, Any], Flash] | None = None
         self._new_segmenter: Callable[[], Segmenter]
         self._newest_ns = -1  # of the stamps
+        self._topics: dict[str, WindowTopics] = {}  # of all lights that there ever were
         self._targets: dict[str, WindowTopics] = {}
         self._noise: NoiseLevelFunction | None = None
         self._noise_ns = 0
@@ -166,13 +167,15 @@ class SegmenterNode(Node):
         return use
 
     def _set_lights(self, lights: Collection[str], lost_after_ns: int) -> None:
-        """Have the topics of these lights and of no other."""
-        for name in [name for name in self._targets if name not in lights]:
-            self._targets.pop(name).close()
+        """Speak of these lights and of no other, whose topics stay: see `process.run`."""
+        for name, target in self._targets.items():
+            if name not in lights:
+                target.out_of_view()
         for name in lights:
-            if name not in self._targets:
-                self._targets[name] = WindowTopics(self, target_topic(name), lost_after_ns)
-            self._targets[name].lost_after_ns = lost_after_ns
+            if name not in self._topics:
+                self._topics[name] = WindowTopics(self, target_topic(name), lost_after_ns)
+            self._topics[name].lost_after_ns = lost_after_ns
+        self._targets = {name: self._topics[name] for name in lights}
 
     def _forget(self, after_ns: int) -> None:
         """Forget the frames that have a later stamp, ns."""
