@@ -24,7 +24,7 @@ OUT ?= out
 SOAK_SECONDS ?= 1800
 
 BIN := .venv/bin
-SOURCES := $(shell find blob_tracker config launch resource -type f -not -name '*.pyc') \
+SOURCES := $(shell find blob_tracker config examples launch resource -type f -not -name '*.pyc') \
 	package.xml setup.py setup.cfg
 ENVIRONMENT := source install/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH" \
 	FASTRTPS_DEFAULT_PROFILES_FILE="$(CURDIR)/config/fastdds.xml"

@@ -56,7 +56,7 @@ def readme(text: str) -> str:
         marked = re.compile(f'(<!-- {name} -->\n).*?(<!-- end -->\n)', re.S)
         text, count = marked.subn(lambda found: found[1] + table + found[2], text)
         if count != 1:
-            raise ValueError(f'README.md has <!-- {name} --> ... <!-- end --> {count} times, not 1')
+            raise ValueError(f'README.md has {count} times <!-- {name} --> and its end, not 1')
     return text
 
 

@@ -9,7 +9,7 @@ from threading import Lock
 import time
 
 from blob_tracker.ros.load import Load
-from blob_tracker.ros.qos import overridable, RESULT
+from blob_tracker.ros.qos import publisher, RESULT
 from blob_tracker.ros.timing import Figures, plausible, Timing, UsualRate
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
@@ -74,9 +74,7 @@ class Health:
         self._patience = PATIENCE
         # Wall time that never jumps: with use_sim_time a paused bag must not silence a node.
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self._publisher = node.create_publisher(
-            DiagnosticArray, '/diagnostics', RESULT, qos_overriding_options=overridable()
-        )
+        self._publisher = publisher(node, DiagnosticArray, '/diagnostics', RESULT)
         self._timer = node.create_timer(PERIOD, self._publish, clock=self._clock)
 
     def arrived(self, stamp_ns: int) -> None:

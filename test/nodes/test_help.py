@@ -45,4 +45,3 @@ def test_the_executable_prints_it_and_ends(words: list[str]) -> None:
     )
     assert result.returncode == 0, result.stderr
     assert result.stdout == help_text(interface_of('camera'), 90) + '\n'
-
