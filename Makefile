@@ -5,10 +5,11 @@
 #      PYTEST='-k segmenter'   a part of them
 # make soak               the camera driver's tests with 300 s of streaming in place of 20
 #      SOAK_SECONDS=3600   another time
-# make bench              beside other people's methods, a quarter of an hour, out/benchmarks
-#      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion, capture),
-#                              less of it
+# make bench              beside other people's methods, 20 minutes, out/benchmarks
+#      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion, capture,
+#                              latency), less of it
 #      BLOB_TRACKER_DATA=folder   where the real pixels are
+# make reference          config/tracker.yaml and README's tables, from the nodes' declarations
 # PYTHON=python3.12       another interpreter, 3.10 to 3.13, after `make clean`
 
 SHELL := /bin/bash
@@ -26,7 +27,7 @@ SOURCES := $(shell find blob_tracker config examples launch resource -type f -no
 ENVIRONMENT := source install/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH" \
 	FASTRTPS_DEFAULT_PROFILES_FILE="$(CURDIR)/config/fastdds.xml"
 
-.PHONY: help demo test soak bench clean
+.PHONY: help demo test soak bench reference clean
 help:
 	@grep '^# ' Makefile | cut -c3-
 
@@ -35,8 +36,9 @@ demo: install/.built
 	  $(if $(DEVICE),--device $(DEVICE)) $(if $(CAMERA_INFO),--camera-info $(CAMERA_INFO))
 
 test: install/.built .venv/.test
-	@# pytest alone, not python -m: what colcon installed is tested, not what lies here.
-	@$(ENVIRONMENT) && pytest $(PYTEST)
+	@# pytest alone, not python -m: what colcon installed is tested, not what lies here. One
+	@# process runs what starts nodes and the virtual machine, the other what only computes.
+	@$(ENVIRONMENT) && pytest -n 2 --dist loadgroup $(PYTEST)
 
 soak: export SOAK_SECONDS := $(SOAK_SECONDS)
 soak: install/.built .venv/.test
@@ -44,6 +46,9 @@ soak: install/.built .venv/.test
 
 bench: .venv/.bench  # reads the package from the source tree: it needs neither ROS nor a build
 	@OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks --out $(OUT)/benchmarks $(BENCH)
+
+reference: .venv/.run  # as bench does
+	@PYTHONPATH=. $(BIN)/python docs/reference.py
 
 .venv/.run: requirements.txt
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 10) <= v <= (3, 13) else \

@@ -1,6 +1,8 @@
 """
 Measure segmentation and location beside other people's, on the same frames and windows.
 
+The part `latency` runs the nodes themselves, beside bare hops of rclpy.
+
 Prints tables, writes figures as JSON and plots as PNG, and ends with the targets: the exit code
 is 0 where all that this run decides are met, 1 where one is missed.
 """
@@ -49,12 +51,13 @@ def main(arguments: list[str] | None = None) -> int:
         contenders = [each for each in contenders if each.name not in slow]
         console.print(f'left out of --quick: {", ".join(slow) or "none"}')
     console.print(tables.settings(contenders, missing))
+    sizes = QUICK if asked.quick else FULL
     with Progress(console=console, transient=True) as progress:
-        task = progress.add_task('', total=steps(parts))
+        task = progress.add_task('', total=steps(parts, sizes))
         report = measure(
             parts,
             contenders,
-            QUICK if asked.quick else FULL,
+            sizes,
             data,
             lambda what: progress.update(task, description=what, advance=1),
         )
@@ -94,7 +97,7 @@ def _plain(value: Any) -> Any:
 def _parse(arguments: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog='python -m benchmarks', description=__doc__)
     parser.add_argument('parts', nargs='*', metavar='|'.join(PARTS), help='all if none is named')
-    parser.add_argument('--quick', action='store_true', help='less of each: two minutes in all')
+    parser.add_argument('--quick', action='store_true', help='less of each: three minutes in all')
     parser.add_argument('--out', type=Path, default=Path('out/benchmarks'), help='folder written')
     asked = parser.parse_args(arguments)
     unknown = set(asked.parts) - set(PARTS)

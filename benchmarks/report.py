@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from benchmarks import (
-    accuracy, bearing, capture, detection, motion, real_frames, real_pixels, search, speed,
+    accuracy, bearing, capture, detection, latency, motion, real_frames, real_pixels, search,
+    speed,
 )
 from benchmarks.accuracy import Bias, Row
 from benchmarks.bearing import Row as BearingRow
@@ -20,7 +21,7 @@ from benchmarks.real_pixels import Row as RealRow
 from benchmarks.search import Row as SearchRow
 from benchmarks.speed import Pace
 
-PARTS = ('accuracy', 'speed', 'real', 'detection', 'search', 'motion', 'capture')
+PARTS = ('accuracy', 'speed', 'real', 'detection', 'search', 'motion', 'capture', 'latency')
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,7 @@ class Sizes:
     How much is measured.
 
     Windows a scene, phase, lens and stack; repeats of the timing; frames of the clutter scenes
-    and of the moving camera.
+    and of the moving camera; rounds and starts of the latency.
     """
 
     scene: int
@@ -39,15 +40,16 @@ class Sizes:
     repeats: int
     detection: Counts
     motion: int
+    latency: latency.Plan
 
 
 FULL = Sizes(
     scene=10_000, phase=400, bearing=2_000, stack=10_000, repeats=7,
-    detection=detection.FULL, motion=1_200,
+    detection=detection.FULL, motion=1_200, latency=latency.FULL,
 )
 QUICK = Sizes(
     scene=1_000, phase=60, bearing=500, stack=2_000, repeats=3,
-    detection=detection.QUICK, motion=100,
+    detection=detection.QUICK, motion=100, latency=latency.QUICK,
 )
 
 
@@ -65,9 +67,10 @@ class Report:
     search: list[SearchRow] = field(default_factory=list)
     motion: list[MotionRow] = field(default_factory=list)
     capture: list[CaptureRow] = field(default_factory=list)
+    latency: latency.Figures = latency.Figures()
 
 
-def steps(parts: Collection[str]) -> int:
+def steps(parts: Collection[str], sizes: Sizes) -> int:
     """Return how often `measure` reports what it is at."""
     each = {
         'accuracy': accuracy.steps() + bearing.steps(),
@@ -77,6 +80,7 @@ def steps(parts: Collection[str]) -> int:
         'search': search.steps(),
         'motion': motion.steps(),
         'capture': capture.steps(),
+        'latency': latency.steps(sizes.latency),
     }
     return sum(each[part] for part in parts)
 
@@ -108,4 +112,6 @@ def measure(
         report.motion.extend(motion.run(sizes.motion, tick))
     if 'capture' in parts:
         report.capture.extend(capture.run(sizes.repeats, tick))
+    if 'latency' in parts:
+        report = replace(report, latency=latency.run(sizes.latency, tick))
     return report

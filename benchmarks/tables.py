@@ -11,6 +11,7 @@ from benchmarks.capture import Row as CaptureRow
 from benchmarks.contender import Contender
 from benchmarks.detection import ASKED_SNR, OURS, Row as DetectionRow, share, SNRS
 from benchmarks.finders import FINDERS
+from benchmarks.latency import Figures
 from benchmarks.motion import Row as MotionRow
 from benchmarks.real_frames import Row as FrameRow
 from benchmarks.real_pixels import Row as RealRow
@@ -61,6 +62,7 @@ def figures(report: Report, ours: Sequence[str]) -> list[Table]:
     tables += [search(report.search)] if report.search else []
     tables += [capture(report.capture)] if report.capture else []
     tables += [motion(report.motion)] if report.motion else []
+    tables += latency(report.latency) if report.latency.rows else []
     return tables
 
 
@@ -225,6 +227,39 @@ def capture(rows: Sequence[CaptureRow]) -> Table:
             f'{row.ratio:.2f}',
         )
     return table
+
+
+def latency(figures: Figures) -> list[Table]:
+    """Return the ways of the frames, and what starting and running the nodes takes."""
+    ways = Table(
+        'way', 'frames', 'Hz', 'median, ms', 'p99, ms', 'p99.9, ms', 'over bare hops: median, p99',
+        'lost', 'of one core, %',
+        title='From a frame to its bearing in another process',
+        caption='medians over the rounds; p99.9 of all of them together',
+    )
+    for row in figures.rows:
+        compared = f'{row.over_hops:.2f}, {row.tails_over_hops:.2f}'
+        ways.add_row(
+            row.way, f'{row.size[0]} x {row.size[1]}', f'{row.rate:g}',
+            f'{1e3 * np.median(row.medians):.2f}', f'{1e3 * np.median(row.tails):.2f}',
+            f'{1e3 * row.late:.2f}', '' if isnan(row.over_hops) else compared,
+            f'{row.lost} of {row.expected:,}',
+            ', '.join(f'{name} {100.0 * share:.0f}' for name, share in row.busy.items()),
+        )
+    nodes = Table(
+        'node', 'memory, MB', 'of it its own, MB', 'growth, MB a minute',
+        'garbage collections while frames came', 'the longest, ms', title='The nodes',
+        caption='; '.join(
+            f'start to first bearing, {start.way}: {np.median(start.seconds):.1f} s'
+            for start in figures.starts
+        ),
+    )
+    for each in figures.residents:
+        nodes.add_row(
+            each.node, f'{each.memory:.0f}', f'{each.own:.0f}', f'{each.growth:.2f}',
+            str(each.collections), f'{1e3 * each.pause:.2f}',
+        )
+    return [ways, nodes]
 
 
 def motion(rows: Sequence[MotionRow]) -> Table:

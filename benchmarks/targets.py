@@ -11,6 +11,7 @@ from benchmarks.accuracy import Bias, Row, TARGET
 from benchmarks.bearing import Row as BearingRow
 from benchmarks.capture import Row as CaptureRow
 from benchmarks.detection import ASKED_SNR, OURS, Row as DetectionRow, share
+from benchmarks.latency import Figures, LARGE, ONE, Row as LatencyRow, THREE, USUAL
 from benchmarks.motion import Row as MotionRow
 from benchmarks.ours import CHAMPION, DIFFERENCE, LIT_ONLY
 from benchmarks.real_frames import LASER, Row as FrameRow, STARS
@@ -99,7 +100,8 @@ def judge(report: Report, ours: Sequence[str]) -> list[Target]:
     judged += detection_targets(report.detection) if report.detection else []
     judged += search_targets(report.search) if report.search else []
     judged += [_motion_target(report.motion)] if report.motion else []
-    return judged + ([_capture_target(report.capture)] if report.capture else [])
+    judged += [_capture_target(report.capture)] if report.capture else []
+    return judged + (latency_targets(report.latency) if report.latency.rows else [])
 
 
 def accuracy_targets(
@@ -186,6 +188,47 @@ def _capture_target(rows: Sequence[CaptureRow]) -> Target:
         unit=' us',
         where=row.size,
     )
+
+
+def latency_targets(figures: Figures) -> list[Target]:
+    """Return the targets that the ways of the frames, the start and the memory decide."""
+    rows = {(row.way, row.size, row.rate): row for row in figures.rows}
+    three, one = rows[THREE, USUAL, 60.0], rows[ONE, USUAL, 60.0]
+    largest = max(figures.residents, key=lambda each: each.memory)
+    targets = [
+        Target('publish to bearing, three processes, over two bare hops', 1.4, three.over_hops,
+               where=f'median, {_ms(three.medians)}'),
+        Target('the same at the 99th percentile', 2.0, three.tails_over_hops,
+               where=_ms(three.tails)),
+        Target('frame in hand to bearing elsewhere, one process, over one bare hop', 1.4,
+               one.over_hops, where=f'median, {_ms(one.medians)}'),
+        *(_loss_target(row) for row in figures.rows if row.way in (THREE, ONE)),
+        _busy_target(rows[ONE, USUAL, 500.0], 60.0),
+        _busy_target(rows[ONE, LARGE, 60.0], 30.0),
+        Target('memory of a node', 200.0, largest.memory, unit=' MB', where=largest.node),
+    ]
+    for start in figures.starts:
+        targets.append(Target('start to first bearing', 3.0, float(np.median(start.seconds)),
+                              unit=' s', where=start.way))
+    return targets
+
+
+def _loss_target(row: LatencyRow) -> Target:
+    return Target(
+        f'bearings lost, {row.way}, {row.size[0]} x {row.size[1]} at {row.rate:g} Hz', 0, row.lost,
+        where=f'of {row.expected:,}',
+    )
+
+
+def _busy_target(row: LatencyRow, limit: float) -> Target:
+    return Target(
+        f'{row.way}, {row.size[0]} x {row.size[1]} at {row.rate:g} Hz, of one core', limit,
+        100.0 * sum(row.busy.values()), unit=' %',
+    )
+
+
+def _ms(seconds: Sequence[float]) -> str:
+    return f'{1e3 * float(np.median(seconds)):.2f} ms'
 
 
 def search_targets(rows: Sequence[SearchRow]) -> list[Target]:

@@ -23,7 +23,24 @@ FARTHEST = 10_000.0  # px: where OpenCV still draws
 
 
 def in_grey(image: NDArray[Any], black: float, white: float, scale: float) -> Picture:
-    """Return an image in grey, larger or smaller."""
+    """
+    Return an image in grey, larger or smaller.
+
+    Parameters
+    ----------
+    image : (h, w) array
+        DN; NaN is black.
+    black, white : float
+        DN of either.
+    scale : float
+        Pixels of the picture to one of the image: repeated where it is 1 or more, else averaged.
+
+    Returns
+    -------
+    (round(scale h), round(scale w), 3) uint8 array
+        Each side 1 at least.
+
+    """
     size = [max(round(scale * side), 1) for side in image.shape]
     way = cv2.INTER_NEAREST if scale >= 1.0 else cv2.INTER_AREA
     image = cv2.resize(np.ascontiguousarray(image), (size[1], size[0]), interpolation=way)
@@ -35,7 +52,7 @@ def in_grey(image: NDArray[Any], black: float, white: float, scale: float) -> Pi
 
 
 def paragraphs(lines: Sequence[tuple[str, Colour]], width: int) -> Picture:
-    """Return lines of text, wrapped where they are too long."""
+    """Return lines of text in a picture so many px wide, wrapped where they are too long."""
     wrapped = [(part, colour) for text, colour in lines for part in wrap(text, width)]
     picture = blank(LINE * len(wrapped), width)
     for index, (text, colour) in enumerate(wrapped):

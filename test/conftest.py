@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 import itertools
 import os
+from pathlib import Path
 
 from blob_tracker.resources import config_path
 import pytest
@@ -15,6 +16,15 @@ os.environ['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(config_path('fastdds.xml'))
 _DOMAINS = itertools.cycle(range(1, 102))
 for _ in range(os.getpid() % 101):
     next(_DOMAINS)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Have whatever starts nodes run one after the other, beside what only computes."""
+    folder = Path(__file__).parent
+    for item in items:
+        room = item.path.relative_to(folder).parts[0]
+        if room in ('examples', 'nodes', 'vm') or 'domain' in getattr(item, 'fixturenames', ()):
+            item.add_marker(pytest.mark.xdist_group('nodes'))
 
 
 @pytest.fixture

@@ -40,7 +40,7 @@ ROOMS = {
     'ros': {'capture', 'segmentation', 'location', 'camera', 'calibration', 'pipeline'},
     'nodes': {
         'capture', 'segmentation', 'location', 'camera', 'calibration', 'pipeline', 'simulation',
-        'studies', 'ros', 'resources',
+        'studies', 'ros', 'resources', 'kernel',
     },
     '__main__': {'nodes', 'studies'},
     '__init__': {'camera', 'pipeline'},

@@ -1,27 +1,45 @@
-"""The files in config/ say what the nodes declare, and Fast DDS reads its profile."""
+"""The files in config/ and the README say what is declared; Fast DDS reads its profile."""
 
 from __future__ import annotations
 
-from importlib import import_module
+from pathlib import Path
 from xml.etree import ElementTree
 
+from blob_tracker.nodes.interface import interface_of, NODES
 from blob_tracker.resources import config_path
 import pytest
+import reference
 import yaml
 
 
-@pytest.mark.parametrize('node', ['camera', 'segmenter', 'locator', 'pipeline'])
-def test_parameter_file_holds_every_default(node: str) -> None:
-    """tracker.yaml has each parameter of each node with the default of its declaration."""
-    content = yaml.safe_load(config_path('tracker.yaml').read_text())
-    parameters = import_module(f'blob_tracker.nodes.interface.{node}').PARAMETERS
-    assert content[f'/**/{node}']['ros__parameters'] == {p.name: p.default for p in parameters}
+ROOT = Path(__file__).parents[1]
 
 
-@pytest.mark.parametrize('node', ['camera', 'segmenter', 'locator', 'pipeline', 'simulator'])
+def test_parameter_file_is_that_of_the_declarations() -> None:
+    """tracker.yaml is what `make reference` writes, and gives each parameter its default."""
+    text = config_path('tracker.yaml').read_text()
+    assert text == reference.parameter_file(), 'run `make reference`'
+    assert max(map(len, text.splitlines())) <= reference.WIDTH
+    assert yaml.safe_load(text) == {
+        f'/**/{node}': {'ros__parameters': {
+            parameter.name: parameter.default for parameter in interface_of(node).parameters
+        }}
+        for node in NODES
+    }
+
+
+def test_tables_of_the_readme_are_those_of_the_declarations() -> None:
+    """Topics, services and parameters are what `make reference` writes."""
+    text = (ROOT / 'README.md').read_text()
+    assert text == reference.readme(text), 'run `make reference`'
+
+
+@pytest.mark.parametrize('node', NODES)
 def test_defaults_are_within_their_ranges(node: str) -> None:
     """And each parameter has a reason to be there."""
-    for parameter in import_module(f'blob_tracker.nodes.interface.{node}').PARAMETERS:
+    parameters = interface_of(node).parameters
+    assert len({parameter.name for parameter in parameters}) == len(parameters)
+    for parameter in parameters:
         assert len(parameter.description) >= 15
         if parameter.least is not None:
             assert parameter.least <= parameter.default <= parameter.most

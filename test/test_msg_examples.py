@@ -6,27 +6,17 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from blob_tracker.nodes.interface import interface_of, NODES
 import pytest
 import yaml
 
 FOLDER = Path(__file__).parents[1] / 'msg_examples'
-# Every topic that a node of the package publishes, by the name of its example.
+# Type of every topic that a node, or the replay of a bag, publishes, by the name of its example.
 TOPICS = {
-    'camera_image_raw': 'sensor_msgs/msg/Image',
-    'camera_camera_info': 'sensor_msgs/msg/CameraInfo',
-    'target_window_image_raw': 'sensor_msgs/msg/Image',
-    'target_window_camera_info': 'sensor_msgs/msg/CameraInfo',
-    'target_visible': 'std_msgs/msg/Bool',
-    'target_bearing': 'geometry_msgs/msg/Vector3Stamped',
-    'target_centroid': 'geometry_msgs/msg/PointStamped',
-    'target_noise': 'geometry_msgs/msg/Vector3Stamped',
-    'target_ray': 'geometry_msgs/msg/PoseWithCovarianceStamped',
-    'segmenter_debug_image': 'sensor_msgs/msg/Image',
-    'simulator_truth_centroid': 'geometry_msgs/msg/PointStamped',
-    'simulator_truth_bearing': 'geometry_msgs/msg/Vector3Stamped',
-    'diagnostics': 'diagnostic_msgs/msg/DiagnosticArray',
-    'clock': 'rosgraph_msgs/msg/Clock',
-}
+    interface.resolved(topic.name).lstrip('/').replace('/', '_'): topic.type.replace('/', '/msg/')
+    for interface in map(interface_of, NODES)
+    for topic in interface.published
+} | {'clock': 'rosgraph_msgs/msg/Clock'}
 
 
 def fill(message: Any, content: dict[str, Any]) -> None:

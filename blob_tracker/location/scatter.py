@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 
 from blob_tracker.types import Location
@@ -33,16 +33,19 @@ class Scatter:
         Effective degrees of freedom of its square.
     jumps : int
         Differences that are no noise and were left out.
+    by_stamps : float
+        The ratio if the stamps are true; it is larger than `ratio` only where they are not.
 
     """
 
     ratio: float
     freedom: float
-    jumps: int = 0
+    jumps: int
+    by_stamps: float
 
     @property
     def error(self) -> float:
-        """Standard error of the ratio: ratio / sqrt(2 freedom)."""
+        """Return the standard error of the ratio: ratio / sqrt(2 freedom)."""
         return self.ratio / math.sqrt(2.0 * self.freedom)
 
     def exceeds(self, limit: float) -> bool:
@@ -126,6 +129,9 @@ def scatter(
     (Isserlis), and its effective degrees of freedom are 2 / var: for equal intervals
     2 M / 2.63 (as sum_j C(2p, p + j)^2 = C(4p, 2p), and C(16, 8) / C(8, 4)^2 = 2.63).
 
+    Stamps that jitter make a fast target scatter, by its speed: where the ratio is significantly
+    smaller with the intervals rounded to whole usual ones, that one is told.
+
     It sees what changes from one place to the next. An error that stays, or drifts slowly over the
     pixels, it does not see; a motion that is not smooth over 5 places, such as vibration, it does.
 
@@ -145,20 +151,34 @@ def scatter(
         None where fewer than 12 differences are left.
 
     """
-    count = len(stamps_ns) - ORDER
-    if count < LEAST:
-        return None
     intervals = np.diff(stamps_ns)
     later = intervals > 0
-    if not later.any():
+    if len(stamps_ns) < ORDER + LEAST or not later.any():
         return None
     usual = float(np.median(intervals[later]))
-    steady = later & (intervals <= LONGEST * usual)
-    rows = np.arange(count)[:, None] + np.arange(ORDER + 1)
-    rows = rows[np.lib.stride_tricks.sliding_window_view(steady, ORDER).all(axis=1)]
-    if len(rows) < LEAST:
+    stamped = intervals / usual
+    steady = later & (stamped <= LONGEST)
+    by_stamps = _scatter(stamped, steady, places, covariances)
+    even = stamped.round()
+    by_count = _scatter(even, steady & (even > 0.0), places, covariances)
+    if by_stamps is None or by_count is None or not by_stamps.exceeds(by_count.ratio):
+        return by_stamps
+    return replace(by_count, by_stamps=by_stamps.ratio)
+
+
+def _scatter(
+    intervals: NDArray[np.float64],
+    steady: NDArray[np.bool_],
+    places: NDArray[np.float64],
+    covariances: NDArray[np.float64],
+) -> Scatter | None:
+    """Return the scatter of places with these intervals, in usual ones, where they are steady."""
+    begins = np.flatnonzero(np.lib.stride_tricks.sliding_window_view(steady, ORDER).all(axis=1))
+    if len(begins) < LEAST:
         return None
-    times = (stamps_ns[rows] - stamps_ns[rows[:, :1]]) / usual
+    rows = begins[:, None] + np.arange(ORDER + 1)
+    times = np.cumsum(intervals[rows[:, :-1]], axis=1)
+    times = np.concatenate([np.zeros((len(rows), 1)), times], axis=1)
     apart = times[:, :, None] - times[:, None, :] + np.eye(ORDER + 1)
     weights = 1.0 / apart.prod(axis=2)
     differences = np.einsum('ik,ikp->ip', weights, places[rows])
@@ -168,9 +188,9 @@ def scatter(
     total = float(kept.sum())
     variance = total
     for lag in range(1, ORDER + 1):
-        # The rows that start `lag` places later, where neither was left out.
-        first = np.flatnonzero(kept & np.isin(rows[:, 0] + lag, rows[kept, 0]))
-        second = np.searchsorted(rows[:, 0], rows[first, 0] + lag)
+        # The differences that begin `lag` places later, where neither was left out.
+        first = np.flatnonzero(kept & np.isin(begins + lag, begins[kept]))
+        second = np.searchsorted(begins, begins[first] + lag)
         shared = np.einsum(
             'ik,ikpq->ipq',
             weights[first, lag:] * weights[second, :-lag],
@@ -178,8 +198,8 @@ def scatter(
         )
         product = inverse[first] @ shared @ inverse[second] @ shared.transpose(0, 2, 1)
         variance += float(np.trace(product, axis1=1, axis2=2).sum())  # of both ij and ji
+    ratio = math.sqrt(float(squares[kept].sum()) / total)
     return Scatter(
-        ratio=math.sqrt(float(squares[kept].sum()) / total),
-        freedom=2.0 * total**2 / variance,
-        jumps=int(len(rows) - total),
+        ratio=ratio, freedom=2.0 * total**2 / variance, jumps=int(len(rows) - total),
+        by_stamps=ratio,
     )

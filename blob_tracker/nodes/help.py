@@ -52,14 +52,25 @@ def help_text(interface: Interface, width: int) -> str:
 
 def _row(parameter: Parameter) -> tuple[str, str, str]:
     """Return name, default and the first sentence of the description."""
-    text = parameter.description.partition('. ')[0].removesuffix('.')
-    if parameter.limits:
-        limits = parameter.limits
-        # A range stays on one line; a list of choices may be too long for that.
-        text += ' [{}]'.format(limits if parameter.choices else limits.replace(' ', UNBROKEN))
+    text = parameter.description.partition('. ')[0].removesuffix('.') + in_brackets(parameter)
     if parameter.fixed:
         text += f'; read-only: {parameter.fixed}'
     return parameter.name, parameter.value, text
+
+
+def in_brackets(parameter: Parameter) -> str:
+    """Return what a value may be, as it follows on the description."""
+    if not parameter.limits:
+        return ''
+    if parameter.choices:
+        return f' [{parameter.limits}]'
+    return f' [{parameter.limits.replace(" ", UNBROKEN)}]'
+
+
+def wrapped(text: str, width: int) -> list[str]:
+    """Return lines of a text; a range stays on one of them, and so does a path."""
+    lines = wrap(text, width, break_on_hyphens=False, break_long_words=False)
+    return [line.replace(UNBROKEN, ' ') for line in lines]
 
 
 def _short(description: str) -> str:
@@ -74,7 +85,6 @@ def _table(rows: Iterable[Sequence[str]], width: int) -> str:
     lines = []
     for name, value, text in rows:
         begin = f'  {name:{first}}  {value:{second}}  '
-        room = max(width - len(begin), LEAST_TEXT)
-        wrapped = wrap(text, room, break_on_hyphens=False, break_long_words=False)
-        lines += [begin + wrapped[0], *(' ' * len(begin) + line for line in wrapped[1:])]
-    return '\n'.join(lines).replace(UNBROKEN, ' ')
+        column = wrapped(text, max(width - len(begin), LEAST_TEXT))
+        lines += [begin + column[0], *(' ' * len(begin) + line for line in column[1:])]
+    return '\n'.join(lines)

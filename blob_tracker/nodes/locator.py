@@ -234,6 +234,8 @@ class LocatorNode(Node):
         scatter = 'unknown: there are fewer than 16 places without a gap'
         if found is not None:
             scatter = f'{found.ratio:.2f} +- {found.error:.2f}'
+            if found.by_stamps > found.ratio:
+                scatter += f' ({found.by_stamps:.2f} if the stamps were true, which jitter)'
             self._health.show(f'{name}jumps', found.jumps)
         for key, value in (
             ('SNR', f'{last.snr:.1f}'),
@@ -254,9 +256,8 @@ class LocatorNode(Node):
             )
         else:
             cause = (
-                'while the pixels fit; the target or the camera shakes, the stamps are not those '
-                'of the exposures, or the method errs with the place in the pixel: compare the '
-                f'method {DEFAULT_METHOD}'
+                'while the pixels fit; the target or the camera shakes, or the method errs with '
+                f'the place in the pixel: compare the method {DEFAULT_METHOD}'
             )
         self._health.fault(
             WARN,

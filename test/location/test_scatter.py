@@ -67,6 +67,15 @@ def test_the_ratio_is_true_within_its_error(motion, jitter, understated):
     ))
 
 
+def test_stamps_that_jitter_are_told_from_places_that_do():
+    """1 ms of jitter in the stamps is 0.3 px at the demo's speed; the places are at even times."""
+    random = np.random.default_rng(7)
+    stamps, places, covariances = observed(random, demo)
+    found = scatter(stamps + random.normal(0.0, 1e6, COUNT).astype(np.int64), places, covariances)
+    assert abs(found.ratio - 1.0) < 3.0 * found.error
+    assert found.by_stamps > 3.0
+
+
 def test_the_degrees_of_freedom_of_equal_intervals():
     """2 M / 2.63 for M differences of fourth order, but for the ends."""
     stamps = np.arange(1000) * 10**7

@@ -199,7 +199,7 @@ def test_the_debug_image_and_the_diagnostics_show_the_look(domain: int) -> None:
     assert {m.encoding for m in pictures} == {'bgr8'}
     assert all(m.width >= 900 and len(m.data) == m.height * m.step for m in pictures)
     shown = values(diagnostics)
-    assert shown['state'] in ('locked', 'lost')
+    assert shown['flash lock'] in ('locked', 'lost')
     assert shown['strongest of them'].endswith('at (71, 53): may be the target')
     # Two frames of 0.7 DN read noise, 1 DN shot noise and rounding; three digits are for people.
     assert 1.2 < float(shown['noise (DN)']) < 2.2

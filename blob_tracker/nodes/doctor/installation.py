@@ -13,7 +13,7 @@ from blob_tracker.nodes.doctor.finding import error, Finding, ok, warn
 
 DISTRIBUTION = 'jazzy'
 DEFAULT_RMW = 'rmw_fastrtps_cpp'
-NODES = ('camera', 'segmenter', 'locator', 'simulator')
+NODES = ('camera', 'segmenter', 'locator', 'pipeline', 'simulator')
 OPT = Path('/opt/ros')
 SETUP = 'source {}/{}/setup.bash'
 WHEELS = "pip install 'ros-jazzy-rclpy[fastrtps]' ros-jazzy-common-interfaces"

@@ -55,7 +55,7 @@ def check_security(
         )
         yield level(
             'security',
-            f'ROS_SECURITY_ENABLE is true and {state}: {what}; PyPI has none that is built with them',
+            f'ROS_SECURITY_ENABLE is true and {state}: {what}; that of PyPI has none',
             'use ROS 2 from apt for it, or do without',
             'unset ROS_SECURITY_ENABLE',
         )

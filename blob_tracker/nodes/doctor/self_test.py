@@ -105,7 +105,8 @@ def judge(run: Run) -> Finding:
     lost = run.lit - run.located
     words = (
         f'{run.located} bearings in {SECONDS:g} s from a simulated camera, three processes, '
-        f'{run.rate:.0f} frames/s, domain {run.domain}: {run.rms:.4f} px rms a coordinate (budget {BUDGET}), latency '
+        f'{run.rate:.0f} frames/s, domain {run.domain}: '
+        f'{run.rms:.4f} px rms a coordinate (budget {BUDGET}), latency '
         f'{1e3 * run.latency:.1f} ms median and {1e3 * run.latency_p99:.1f} ms p99, {lost} of '
         f'{run.lit} lit frames lost'
     )

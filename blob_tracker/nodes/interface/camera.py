@@ -1,7 +1,9 @@
 """What the camera node shows of itself."""
 
 from blob_tracker.capture import PIXEL_FORMATS
-from blob_tracker.nodes.interface.topics import CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS
+from blob_tracker.nodes.interface.topics import (
+    CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, FRAME_PICTURE,
+)
 from blob_tracker.ros.interface import Interface, Parameter, Service
 from blob_tracker.ros.url import DEFAULT_CALIBRATION_URL
 
@@ -82,7 +84,7 @@ INTERFACE = Interface(
     'Streams a V4L2 camera. Every control of the camera (exposure, gain ...) is a parameter too, '
     'with its own range or menu, once the camera is open: `ros2 param list /camera`.',
     PARAMETERS,
-    published=(CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS),
+    published=(CAMERA_IMAGE, CAMERA_INFO, FRAME_PICTURE, DIAGNOSTICS),
     services=(
         Service(
             'camera/set_camera_info',

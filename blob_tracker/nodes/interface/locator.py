@@ -2,7 +2,7 @@
 
 from blob_tracker.location import METHODS
 from blob_tracker.nodes.interface.topics import (
-    BEARING, CENTROID, DIAGNOSTICS, NOISE, RAY, WINDOW_IMAGE, WINDOW_INFO,
+    BEARING, CENTROID, DIAGNOSTICS, NOISE, RAY, WINDOW_IMAGE, WINDOW_INFO, WINDOW_PICTURE,
 )
 from blob_tracker.ros.interface import Interface, Parameter
 
@@ -89,7 +89,7 @@ INTERFACE = Interface(
     'seen, with its covariance.',
     PARAMETERS,
     subscribed=(WINDOW_IMAGE, WINDOW_INFO, NOISE),
-    published=(BEARING, CENTROID, RAY, DIAGNOSTICS),
+    published=(BEARING, CENTROID, RAY, WINDOW_PICTURE, DIAGNOSTICS),
     examples=(
         'ros2 run blob_tracker locator --ros-args --params-file noise.yaml',
         'ros2 param set /locator method gaussian_linear',

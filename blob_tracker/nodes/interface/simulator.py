@@ -1,7 +1,7 @@
 """What the simulator node shows of itself."""
 
 from blob_tracker.nodes.interface.topics import (
-    CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, TRUE_BEARING, TRUE_CENTROID,
+    CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, FRAME_PICTURE, TRUE_BEARING, TRUE_CENTROID,
 )
 from blob_tracker.ros.interface import Interface, Parameter
 from blob_tracker.simulation import FlashingLight
@@ -75,7 +75,9 @@ INTERFACE = Interface(
     'simulator',
     'Publishes what a camera does that sees a flashing light move before a wall, and the truth.',
     PARAMETERS,
-    published=(CAMERA_IMAGE, CAMERA_INFO, TRUE_CENTROID, TRUE_BEARING, DIAGNOSTICS),
+    published=(
+        CAMERA_IMAGE, CAMERA_INFO, TRUE_CENTROID, TRUE_BEARING, FRAME_PICTURE, DIAGNOSTICS,
+    ),
     examples=(
         'ros2 run blob_tracker simulator --ros-args -p rate:=100.0 -p amplitude:=60.0',
         'ros2 param set /simulator amplitude 20.0',

@@ -27,8 +27,8 @@ VISIBLE = Topic('target/visible', 'std_msgs/Bool', 'transient local, on change')
 NOISE = Topic(
     'target/noise',
     'geometry_msgs/Vector3Stamped',
-    'with `noise.measure`: x gain in e-/DN, y read noise and z black level in DN; transient local, '
-    'used by the locator with `noise.online`',
+    'with `noise.measure`: x gain in e-/DN, y read noise and z black level in DN; transient '
+    'local, used by the locator with `noise.online`',
 )
 BEARING = Topic(
     'target/bearing',
@@ -43,11 +43,10 @@ RAY = Topic(
     'geometry_msgs/PoseWithCovarianceStamped',
     'the same as a turn, with covariance in rad^2',
 )
-SEGMENTER_PICTURE = Topic(
-    '~/debug_image',
-    'sensor_msgs/Image',
-    'bgr8, while somebody subscribes, at most 10 Hz: what the segmenter sees',
-)
+_PICTURE = '~/debug_image', 'sensor_msgs/Image'
+FRAME_PICTURE = Topic(*_PICTURE, 'bgr8, while somebody subscribes, at most 10 Hz: the frame')
+SEGMENTER_PICTURE = Topic(*_PICTURE, 'likewise: frame, difference, candidates and window')
+WINDOW_PICTURE = Topic(*_PICTURE, 'likewise: the window, the fit and what it leaves')
 TRUE_CENTROID = Topic(
     'simulator/truth/centroid',
     'geometry_msgs/PointStamped',

@@ -1,0 +1,78 @@
+"""
+A process with the pipeline's nodes, fed in memory as its camera node feeds them.
+
+`python -m benchmarks.latency.pipeline`; each line on its standard input, as `{"width": ...,
+"height": ..., "rate": ..., "seconds": ...}`, streams once: it prints stamp, monotonic time and
+whether lit of each frame, ns, and at the end its garbage collections as node.py does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+import json
+import sys
+from threading import Thread
+import time
+
+from benchmarks.latency import pauses
+from benchmarks.latency.source import camera_model, draw, FRAME_ID, report, send
+from blob_tracker.nodes.locator import LocatorNode
+from blob_tracker.nodes.pipeline import compile_all
+from blob_tracker.nodes.segmenter import SegmenterNode
+from blob_tracker.ros.camera_info import from_camera_model
+from blob_tracker.ros.frame_topics import Deliver, FrameTopics
+from blob_tracker.ros.process import run
+from blob_tracker.types import Frame, Pixels
+import rclpy
+from rclpy.node import Node
+
+FULL_SCALE = 255  # DN
+
+
+class Source(Node):
+    """
+    Frames from a thread of their own, as those of the camera node.
+
+    Parameters
+    ----------
+    deliver : callable
+        Takes them in memory.
+
+    """
+
+    def __init__(self, deliver: Deliver) -> None:
+        super().__init__('source')
+        self._frames = FrameTopics(self, deliver)
+        Thread(target=self._stream, daemon=True).start()
+
+    def _stream(self) -> None:
+        """Stream as often as asked to, then end the process."""
+        for line in sys.stdin:
+            self._stream_once(**json.loads(line))
+        report(pauses.watch())
+        rclpy.try_shutdown()
+
+    def _stream_once(self, width: int, height: int, rate: float, seconds: float) -> None:
+        frames = draw(width, height, rate)
+        info = from_camera_model(camera_model(width, height), width, height)
+
+        def publish(pixels: Pixels, stamp_ns: int) -> int:
+            now_ns = time.monotonic_ns()
+            self._frames.publish(Frame(pixels, stamp_ns, FULL_SCALE), info, FRAME_ID)
+            return now_ns
+
+        report(send(frames, rate, seconds, publish))
+
+
+def nodes() -> Iterator[Node]:
+    """Yield the nodes of blob_tracker.nodes.pipeline with this source."""
+    locating = LocatorNode(listen=False)
+    yield locating
+    segmenting = SegmenterNode(listen=False, deliver=locating.locate)
+    yield segmenting
+    yield Source(segmenting.segment)
+
+
+if __name__ == '__main__':
+    pauses.watch()
+    sys.exit(run(nodes, compile_all))

@@ -1,0 +1,130 @@
+"""Processes that are measured: started, asked, ended, and looked at from outside."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+import select
+import subprocess
+import sys
+from tempfile import TemporaryFile
+from typing import Any
+
+from blob_tracker.resources import config_path
+
+ROOT = Path(__file__).parents[2]
+EXIT = 10.0  # s
+PATIENCE = 60.0  # s
+TICK = os.sysconf('SC_CLK_TCK')
+MB = 1e6
+
+
+def environment() -> dict[str, str]:
+    """Return that of all processes of a run: a domain of its own, on this machine alone."""
+    return dict(
+        os.environ,
+        # Domains above 101 run into the ephemeral ports of Linux.
+        ROS_DOMAIN_ID=str(1 + os.getpid() % 101),
+        ROS_AUTOMATIC_DISCOVERY_RANGE='LOCALHOST',
+        FASTRTPS_DEFAULT_PROFILES_FILE=str(config_path('fastdds.xml')),
+        PYTHONPATH=os.pathsep.join([str(ROOT), os.environ.get('PYTHONPATH', '')]),
+    )
+
+
+class Process:
+    """
+    A module of this package in a process of its own; ends with the block that it is used in.
+
+    Parameters
+    ----------
+    module : str
+        Its name.
+    arguments : str
+        Its command line.
+
+    """
+
+    def __init__(self, module: str, *arguments: str) -> None:
+        self._name = ' '.join((module, *arguments))
+        self._words = TemporaryFile('w+')
+        self._popen = subprocess.Popen(
+            [sys.executable, '-m', f'benchmarks.latency.{module}', *arguments],
+            env=environment(), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._words,
+            text=True,
+        )
+
+    def ask(self, request: object) -> None:
+        """Send a line."""
+        assert self._popen.stdin is not None
+        self._popen.stdin.write(json.dumps(request) + '\n')
+        self._popen.stdin.flush()
+
+    def answer(self, timeout: float = PATIENCE) -> Any:
+        """
+        Return the next line that it reports.
+
+        Raises
+        ------
+        TimeoutError
+            Where none comes within the time, s.
+        RuntimeError
+            Where it ended instead, with what it said.
+
+        """
+        assert self._popen.stdout is not None
+        # It writes whole lines and is asked for one at a time: nothing waits in Python's buffer.
+        if not select.select([self._popen.stdout], [], [], timeout)[0]:
+            raise TimeoutError(f'{self._name} says nothing for {timeout:.0f} s: {self._said()}')
+        line = self._popen.stdout.readline()
+        if not line:
+            raise RuntimeError(f'{self._name} ended: {self._said()}')
+        return json.loads(line)
+
+    def _said(self) -> str:
+        """Return the end of what it wrote for people."""
+        self._words.seek(0)
+        return self._words.read()[-2000:]
+
+    def interrupt(self) -> None:
+        """Press Ctrl-C."""
+        self._popen.send_signal(2)
+
+    def close_input(self) -> None:
+        """Say that nothing more will be asked."""
+        assert self._popen.stdin is not None
+        self._popen.stdin.close()
+
+    def busy(self) -> float:
+        """Return the seconds of processor time that it has used."""
+        fields = Path(f'/proc/{self._popen.pid}/stat').read_text().rpartition(')')[2].split()
+        return (int(fields[11]) + int(fields[12])) / TICK  # utime, stime: proc(5)
+
+    def memory(self) -> float:
+        """Return its resident memory, MB."""
+        return self._status('VmRSS')
+
+    def own_memory(self) -> float:
+        """Return that without the pages of files, which processes share, MB."""
+        return self._status('VmRSS') - self._status('RssFile')
+
+    def _status(self, name: str) -> float:
+        status = Path(f'/proc/{self._popen.pid}/status').read_text()
+        (line,) = (line for line in status.splitlines() if line.startswith(f'{name}:'))
+        return int(line.split()[1]) * 1024 / MB
+
+    def __enter__(self) -> Process:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        assert self._popen.stdout is not None
+        if self._popen.poll() is None:
+            self._popen.send_signal(2)
+        try:
+            self._popen.wait(EXIT)
+        except subprocess.TimeoutExpired:
+            self._popen.kill()
+            self._popen.wait()
+        self.close_input()
+        self._popen.stdout.close()
+        self._words.close()

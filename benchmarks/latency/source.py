@@ -1,0 +1,78 @@
+"""The frames of a source that costs nothing: drawn beforehand, sent on time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+import json
+import sys
+import time
+
+from blob_tracker.camera import CameraModel, pinhole_matrix
+from blob_tracker.simulation import FlashingLight
+from blob_tracker.types import Pixels
+
+COUNT = 32  # frames that are drawn, even, and shown to and fro: the light never jumps
+PERIOD = 300.0  # s of its path: it all but stands still, as what is measured is no tracking
+FOCAL_LENGTH = 600.0  # px
+FRAME_ID = 'camera_optical_frame'
+
+
+def draw(width: int, height: int, rate: float) -> list[Pixels]:
+    """Return the frames of one turn, lit in the even places: a flash in step with the frames."""
+    scene = FlashingLight(width=width, height=height, rate=rate, period=PERIOD)
+    there = [scene.frame(index) for index in range(COUNT)]
+    return there + there[-2:0:-1]
+
+
+def camera_model(width: int, height: int) -> CameraModel:
+    """Return the camera that took them."""
+    return CameraModel(width, height, pinhole_matrix(FOCAL_LENGTH, width, height))
+
+
+def send(
+    frames: list[Pixels], rate: float, seconds: float, publish: Callable[[Pixels, int], int]
+) -> list[tuple[int, int, bool]]:
+    """
+    Hand the frames out at a rate.
+
+    Parameters
+    ----------
+    frames : list of (h, w) array
+        Of one turn, the even ones lit.
+    rate, seconds : float
+        How many a second and for how long.
+    publish : callable
+        Sends pixels with a stamp, ns; returns the monotonic time, ns, when they left its hand.
+
+    Returns
+    -------
+    list of (int, int, bool)
+        Stamp, time and whether lit, of each.
+
+    """
+    sent = []
+    for index in _paced(rate, seconds):
+        place = index % len(frames)
+        stamp_ns = time.time_ns()
+        sent.append((stamp_ns, publish(frames[place], stamp_ns), place % 2 == 0))
+    return sent
+
+
+def _paced(rate: float, seconds: float) -> Iterator[int]:
+    """Yield the number of each frame when it is due; one that is late does not move the next."""
+    began = time.monotonic()
+    for index in range(int(rate * seconds)):
+        pause = began + index / rate - time.monotonic()
+        if pause > 0.0:
+            time.sleep(pause)
+        yield index
+
+
+def report(result: object) -> None:
+    """Give a result to the process that waits for it."""
+    print(json.dumps(result), flush=True)
+
+
+def wait_for_the_end() -> None:
+    """Return when the process that started this one has no more need of it."""
+    sys.stdin.read()

@@ -1,0 +1,97 @@
+"""Ways of frames: what is lost and what a ratio is, and one that is really walked."""
+
+from benchmarks import latency
+from benchmarks.latency import Figures, LARGE, ONE, Resident, Row, SMALL, Start, THREE, USUAL
+from benchmarks.latency.process import Process
+from benchmarks.latency.source import draw
+from benchmarks.report import Report
+from benchmarks.targets import judge
+import numpy as np
+import pytest
+
+MS = 1_000_000  # ns
+
+
+def _stream(delays_ms, *, lost=0):
+    delays = np.array(delays_ms) / 1e3
+    return latency.Stream(delays, len(delays) + lost, {'node': 0.1 * len(delays)})
+
+
+def test_delays_are_those_of_the_lit_frames_after_the_first_second():
+    """The stamp says which frame an answer is to; an answer that never came is a loss."""
+    sent = [(place, place * 500 * MS, place % 2 == 0) for place in range(8)]  # 2 Hz
+    arrived = [(0, 9 * MS), (2, 1007 * MS), (3, 1600 * MS), (6, 3002 * MS)]
+    found = latency.pair(sent, arrived, lit_alone=True)
+    assert found.delays.tolist() == [0.007, 0.002]
+    assert (found.expected, found.lost) == (3, 1)
+    assert latency.pair(sent, arrived, lit_alone=False).expected == 6
+
+
+def test_ratios_are_taken_round_by_round():
+    """A round in which the machine is slow is slow for both, and does not count more."""
+    ours = [_stream([4.0]), _stream([44.0], lost=2), _stream([6.0])]
+    hops = [[_stream([1.0]), _stream([10.0]), _stream([1.0])]] * 2
+    row = latency.row(THREE, USUAL, 60.0, ours, hops)
+    assert row.over_hops == pytest.approx(2.2)  # of 2, 2.2 and 3
+    assert (row.lost, row.expected) == (2, 5)
+    assert row.busy == {'node': pytest.approx(0.1)}
+    assert np.isnan(latency.row(THREE, USUAL, 60.0, ours).over_hops)
+
+
+def test_a_round_in_which_nothing_came_is_no_good_one():
+    """It misses its targets: NaN is not met."""
+    row = latency.row(THREE, USUAL, 60.0, [_stream([], lost=3)], [[_stream([1.0])]])
+    assert np.isnan(row.over_hops) and row.lost == row.expected == 3
+
+
+def test_targets():
+    """Each is decided by its own figure."""
+    def row(way, size, rate, **figures):
+        return Row(way, size, rate, [2e-3], [4e-3], 5e-3, **{'expected': 100, **figures})
+
+    figures = Figures(
+        [
+            row(THREE, USUAL, 60.0, over_hops=1.3, tails_over_hops=2.1),
+            row(ONE, USUAL, 60.0, over_hops=1.5, tails_over_hops=9.0),
+            row(THREE, USUAL, 300.0, lost=1),
+            row(ONE, USUAL, 500.0, busy={'pipeline': 0.61}),
+            row(THREE, LARGE, 60.0),
+            row(ONE, LARGE, 60.0, busy={'pipeline': 0.29}),
+        ],
+        [Start(THREE, [2.0, 9.0, 2.5]), Start(ONE, [3.5])],
+        [Resident('segmenter', 199.0, 90.0, 0.0, 0.0, 0), Resident('locator', 201.0, 80, 0, 0, 0)],
+    )
+    judged = {(each.name, each.where): each for each in judge(Report(latency=figures), [])}
+    missed = {name for (name, _), each in judged.items() if not each.met}
+    assert missed == {
+        'the same at the 99th percentile',
+        'frame in hand to bearing elsewhere, one process, over one bare hop',
+        'bearings lost, three processes, 640 x 480 at 300 Hz',
+        'one process, 640 x 480 at 500 Hz, of one core',
+        'memory of a node',
+        'start to first bearing',
+    }
+    assert judged['start to first bearing', THREE].met
+
+
+def test_the_light_flashes_in_step_and_never_jumps():
+    """From the last frame of a turn to the first it moves as far as within it."""
+    turn = draw(64, 48, 60.0)
+    middles = [np.unravel_index(np.argmax(lit), lit.shape) for lit in turn[::2]]
+    unlit = [int(dark.max()) for dark in turn[1::2]]
+    steps = np.abs(np.diff([*middles, middles[0]], axis=0))
+    assert len(turn) % 2 == 0 and steps.max() <= 1
+    assert max(unlit) < min(int(lit.max()) for lit in turn[::2])
+
+
+def test_a_bare_hop_is_walked():
+    """Real processes over the real middleware: images arrive, later than they were sent."""
+    found = latency.hop(SMALL, 20.0, 0.5, warm_up=0.1)
+    assert 0 < len(found.delays) <= found.expected <= 11  # best effort: a busy machine may lose
+    assert found.delays.min() > 0.0
+
+
+def test_a_process_that_fails_says_why():
+    """What it wrote is in the error."""
+    with Process('camera', 'no json') as process, pytest.raises(RuntimeError, match='JSON'):
+        process.answer()
