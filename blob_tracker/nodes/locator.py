@@ -25,10 +25,10 @@ from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_window
-from blob_tracker.ros.names import target_topic
+from blob_tracker.ros.names import check_light, target_topic
 from blob_tracker.ros.pairing import FramePairs
 from blob_tracker.ros.parameters import declare, on_change
-from blob_tracker.ros.process import run
+from blob_tracker.ros.process import run, say
 from blob_tracker.ros.qos import STATE, subscription
 from blob_tracker.ros.target import to_noise
 from blob_tracker.ros.url import to_path
@@ -97,12 +97,14 @@ class LocatorNode(Node):
         )
         line_jitter = _line_jitter(values['line_jitter_url'])
         lights = values['lights'].replace(' ', '').split(',')  # [''] where it is empty
-        for light in lights:
-            if lights != [''] and not (light.isidentifier() and light.isascii()):
-                raise ParameterError(
-                    f"parameter 'lights': '{light}' is no name of a light; they are separated by "
-                    'commas, as in port,starboard'
-                )
+        if values['lights']:
+            for light in lights:
+                try:
+                    check_light(light)
+                except ParameterError as error:
+                    raise ParameterError(
+                        f"parameter 'lights': {error}; write port,starboard"
+                    ) from None
 
         def use() -> None:
             with self._lock:
@@ -321,7 +323,7 @@ def _in_words(noise: SensorNoise) -> str:
 
 def compile_default() -> None:
     """Compile the fits, before the first target could wait for them."""
-    print('loading the fits; the first start compiles them for 10 s or so', file=sys.stderr)
+    say('loading the fits; the first start compiles them for 10 s or so')
     compile_ahead([DEFAULT_METHOD])
 
 

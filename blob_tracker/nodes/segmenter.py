@@ -19,10 +19,10 @@ from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_frame
 from blob_tracker.ros.losses import Losses, StampGaps
 from blob_tracker.ros.mask import read_mask
-from blob_tracker.ros.names import target_topic
+from blob_tracker.ros.names import check_light, target_topic
 from blob_tracker.ros.pairing import FramePairs
 from blob_tracker.ros.parameters import declare, on_change
-from blob_tracker.ros.process import run
+from blob_tracker.ros.process import run, say
 from blob_tracker.ros.qos import publisher, STATE
 from blob_tracker.ros.target import noise_message
 from blob_tracker.ros.window_topics import WindowTopics
@@ -126,6 +126,8 @@ class SegmenterNode(Node):
         }
         try:
             codes = codes_from_text(values['flash.codes'])
+            for name in codes:
+                check_light(name)
             options = {name.removeprefix('flash.'): value for name, value in asked.items()}
             new_flash = partial(flash_by_name, **options | {'codes': codes})
             same = self._flash is not None and self._flash[0] == asked
@@ -356,7 +358,7 @@ def _pause(look: Look) -> float:
 
 def compile_search() -> None:
     """Compile the search, before the first frame could wait for it."""
-    print('loading the search; the first start compiles it for half a minute', file=sys.stderr)
+    say('loading the search; the first start compiles it for half a minute')
     compile_ahead()
 
 
