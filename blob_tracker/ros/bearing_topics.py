@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from blob_tracker.ros.qos import overridable, RESULT
+from blob_tracker.ros.qos import publisher, RESULT
 from blob_tracker.ros.target import bearing_message, centroid_message, ray_message
 from blob_tracker.types import Bearing, Location
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
@@ -23,11 +23,8 @@ class BearingTopics:
     """
 
     def __init__(self, node: Node, topic: str) -> None:
-        self._node = node
         self._bearings, self._centroids, self._rays = (
-            node.create_publisher(
-                kind, f'{topic}/{name}', RESULT, qos_overriding_options=overridable()
-            )
+            publisher(node, kind, f'{topic}/{name}', RESULT)
             for kind, name in (
                 (Vector3Stamped, 'bearing'),
                 (PointStamped, 'centroid'),
@@ -40,8 +37,3 @@ class BearingTopics:
         self._bearings.publish(bearing_message(bearing, frame_id))
         self._centroids.publish(centroid_message(location, frame_id))
         self._rays.publish(ray_message(bearing, frame_id))
-
-    def close(self) -> None:
-        """Take the topics away: there is no such light any more."""
-        for publisher in (self._bearings, self._centroids, self._rays):
-            self._node.destroy_publisher(publisher)
