@@ -87,19 +87,16 @@ class FramePairs:
     def __init__(
         self, node: Node, topic: str, health: Health, deliver: Callable[[Image, CameraInfo], None]
     ) -> None:
-        self._node = node
         self._topic = topic
         self._health = health
         self._pairing = StampPairing(deliver)
-        self._subscriptions = [
+        for kind, name, take in (
+            (Image, 'image_raw', self._take_image),
+            (CameraInfo, 'camera_info', self._pairing.camera_info),
+        ):
             node.create_subscription(
                 kind, f'{topic}/{name}', take, IMAGE_IN, qos_overriding_options=overridable()
             )
-            for kind, name, take in (
-                (Image, 'image_raw', self._take_image),
-                (CameraInfo, 'camera_info', self._pairing.camera_info),
-            )
-        ]
 
     def _take_image(self, message: Image) -> None:
         self._pairing.image(message)
