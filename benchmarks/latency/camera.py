@@ -2,8 +2,8 @@
 A process that publishes drawn frames as a driver does, and tells when each one left.
 
 `python -m benchmarks.latency.camera '{"topic": ..., "width": ..., "height": ..., "rate": ...,
-"seconds": ..., "info": true, "subscribers": 1}'`; it begins when so many have subscribed, says `[]`,
-and at its end prints stamp, monotonic time and whether lit of each frame, ns.
+"seconds": ..., "info": true, "subscribers": 1}'`; it begins when so many have subscribed, says
+`[]`, and at its end prints stamp, monotonic time and whether lit of each frame, ns.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 A process that subscribes as any rclpy node does, and tells when each message arrived.
 
 `python -m benchmarks.latency.subscriber image hop/image_raw`, or `bearing target/bearing`; it says
-`[]` when it listens, stamp and monotonic time, ns, of the first message as soon as it is there and,
-when its standard input ends, those of all.
+`[]` when it listens, stamp and monotonic time, ns, of the first message as soon as it is there,
+and, when its standard input ends, those of all.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def main(kind: str, topic: str) -> None:
     rclpy.init()
     node = rclpy.create_node('subscriber')
     message, qos = KINDS[kind]
-    subscription = node.create_subscription(message, topic, take, qos)
+    node.create_subscription(message, topic, take, qos)
     Thread(target=end, daemon=True).start()
     report([])
     try:

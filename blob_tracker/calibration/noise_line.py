@@ -8,7 +8,7 @@ from math import inf, sqrt
 from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+import scipy  # which loads special when it is first used; stats takes half a second to load
 
 QUANTISATION = 1.0 / 12.0  # DN^2, of rounding to whole DN
 ITERATIONS = 8  # the weights follow the line; after 4 it stands still to 1e-6 of its sigma
@@ -45,7 +45,7 @@ class NoiseLine:
     @property
     def fits(self) -> bool:
         """Whether the points lie on a line as far as chance lets them; else sigmas have grown."""
-        return self.dof < 1 or bool(stats.chi2.sf(self.chi2, self.dof) >= MISFIT)
+        return self.dof < 1 or bool(scipy.special.chdtrc(self.dof, self.chi2) >= MISFIT)
 
     @property
     def separates(self) -> bool:

@@ -14,7 +14,7 @@ from blob_tracker.location.multi_gaussian import (
 from blob_tracker.types import LocationError, SensorNoise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import least_squares
+import scipy  # which loads optimize, 25 MB, when it is first used
 
 SETTLED = 1e-4  # relative, of the squared residuals: a tenth of a standard deviation at most
 EVALUATIONS = 100  # a round: most windows end within half of one
@@ -91,7 +91,7 @@ def multi_gaussian_lm_1d(values: ArrayLike) -> NDArray[np.float64]:
     """
     row = np.asarray(values, dtype=float)
     with np.errstate(over='ignore', invalid='ignore'):
-        found = least_squares(
+        found = scipy.optimize.least_squares(
             lambda theta: three_gaussians_1d(theta, row.size) - row, start_1d(row),
             lambda theta: jacobian_1d(theta, row.size), method='lm', x_scale='jac',
             ftol=SETTLED, xtol=1e-10, max_nfev=ROUNDS * EVALUATIONS,
@@ -117,7 +117,7 @@ def _fit(
     # Where one Gaussian is enough, amplitudes and widths wander along a valley without an end,
     # and the mean, which they share, does not: it is the mean that must settle.
     for _ in range(ROUNDS):
-        found = least_squares(
+        found = scipy.optimize.least_squares(
             residuals, start, slopes, method='lm', x_scale='jac', ftol=SETTLED, xtol=1e-10,
             max_nfev=EVALUATIONS,
         )

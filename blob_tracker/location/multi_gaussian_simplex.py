@@ -15,7 +15,7 @@ from blob_tracker.location.multi_gaussian import (
 from blob_tracker.types import LocationError, SensorNoise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import minimize
+import scipy  # which loads optimize, 25 MB, when it is first used
 
 STANDARD_ERROR = 1e-3  # DN^2: what a tenth of the standard deviation of rounding changes
 EVALUATIONS = 1500  # a round
@@ -126,7 +126,7 @@ def _descend(
     corners = np.tile(start, (start.size + 1, 1))
     corners[1:] += np.diag(edge)
     with np.errstate(over='ignore', invalid='ignore'):
-        found = minimize(
+        found = scipy.optimize.minimize(
             squared_error, start, method='Nelder-Mead',
             options={
                 'initial_simplex': corners, 'adaptive': True, 'xatol': np.inf,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import erf
+import scipy  # which loads special, 20 MB, when it is first used
 
 Profile = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
@@ -37,7 +37,7 @@ def integrated_profile(count: int, centre: ArrayLike, sigma: ArrayLike) -> Profi
     sigma = np.asarray(sigma, dtype=float)[..., None]
     edge = (np.arange(count + 1) - 0.5 - centre) / (np.sqrt(2.0) * sigma)
     bell = np.exp(-(edge**2))
-    value = np.sqrt(np.pi / 2.0) * sigma * np.diff(erf(edge))
+    value = np.sqrt(np.pi / 2.0) * sigma * np.diff(scipy.special.erf(edge))
     by_sigma = value / sigma - np.sqrt(2.0) * np.diff(edge * bell)
     return value, -np.diff(bell), by_sigma
 

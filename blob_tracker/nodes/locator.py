@@ -25,10 +25,10 @@ from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_window
-from blob_tracker.ros.names import target_topic
+from blob_tracker.ros.names import check_light, target_topic
 from blob_tracker.ros.pairing import FramePairs
 from blob_tracker.ros.parameters import declare, on_change
-from blob_tracker.ros.process import run
+from blob_tracker.ros.process import run, say
 from blob_tracker.ros.qos import STATE, subscription
 from blob_tracker.ros.target import to_noise
 from blob_tracker.ros.url import to_path
@@ -76,6 +76,7 @@ class LocatorNode(Node):
         self._targets: dict[str, BearingTopics] = {}
         self._windows: dict[str, FramePairs] = {}
         self._measurements: Subscription | None = None
+        self._measurement: SensorNoise | None = None
         self._change(values)()
         on_change(self, PARAMETERS, self._change)
         self._clock_jumps = on_clock_jump(self, self._health, self._forget)
@@ -96,12 +97,14 @@ class LocatorNode(Node):
         )
         line_jitter = _line_jitter(values['line_jitter_url'])
         lights = values['lights'].replace(' ', '').split(',')  # [''] where it is empty
-        for light in lights:
-            if lights != [''] and not (light.isidentifier() and light.isascii()):
-                raise ParameterError(
-                    f"parameter 'lights': '{light}' is no name of a light; they are separated by "
-                    'commas, as in port,starboard'
-                )
+        if values['lights']:
+            for light in lights:
+                try:
+                    check_light(light)
+                except ParameterError as error:
+                    raise ParameterError(
+                        f"parameter 'lights': {error}; write port,starboard"
+                    ) from None
 
         def use() -> None:
             with self._lock:
@@ -116,28 +119,28 @@ class LocatorNode(Node):
         return use
 
     def _set_lights(self, lights: Collection[str]) -> None:
-        """Listen to the windows of these lights, and of no other."""
+        """Listen to the windows of these lights and heed no other: see `process.run`."""
+        self._lights = lights
         if not self._listen:
-            return
-        for name in [name for name in self._targets if name not in lights]:
-            self._windows.pop(name).close()
-            self._targets.pop(name).close()
+            lights = ['']  # those of a light with a name are made when it is handed over
         for name in lights:
             if name not in self._targets:
                 self._targets[name] = BearingTopics(self, target_topic(name))
+            if self._listen and name not in self._windows:
                 self._windows[name] = FramePairs(
                     self, f'{target_topic(name)}/window', self._health, partial(self._take, name)
                 )
 
     def _set_online(self, online: bool) -> None:
-        """Listen to the noise that the segmenter measures, or no longer."""
+        """Heed the noise that the segmenter measures, or no longer."""
+        self._online = online
         if not online:
-            if self._measurements is not None:
-                self.destroy_subscription(self._measurements)
-                self._measurements = None
             self._health.show('noise', f'as configured: {_in_words(self._configured)}')
-        elif self._measurements is None:
+        elif self._measurement is not None:
+            self._use(self._measurement)
+        else:
             self._health.show('noise', 'as configured: none has been measured yet')
+        if online and self._measurements is None:
             self._measurements = subscription(
                 self, Vector3Stamped, 'target/noise', self._measured, STATE
             )
@@ -150,11 +153,19 @@ class LocatorNode(Node):
             self._health.fault(ERROR, f'target/noise: {error}')
             return
         with self._lock:
-            self._noise = noise
+            self._measurement = noise
+            if self._online:
+                self._use(noise)
+
+    def _use(self, noise: SensorNoise) -> None:
+        """Reckon with a noise that was measured."""
+        self._noise = noise
         self._health.show('noise', f'as measured: {_in_words(noise)}')
 
     def _take(self, light: str, image: Image, info: CameraInfo) -> None:
         """Take a window from the topics."""
+        if light not in self._lights:
+            return
         try:
             window = to_window(image, info)
         except MessageError as error:
@@ -286,8 +297,9 @@ class LocatorNode(Node):
 
     def _model(self, info: CameraInfo) -> CameraModel:
         """Return the camera of a camera_info, made anew only where the calibration changes."""
-        calibration = (*info.k, *info.d, info.distortion_model, info.width, info.height)
-        # NaN differs from itself: such a calibration is never the last one, and is refused again.
+        calibration = (
+            info.k.tobytes(), info.d.tobytes(), info.distortion_model, info.width, info.height
+        )
         if self._camera_model is None or calibration != self._calibration:
             self._camera_model = None
             self._camera_model = to_camera_model(info)
@@ -311,7 +323,7 @@ def _in_words(noise: SensorNoise) -> str:
 
 def compile_default() -> None:
     """Compile the fits, before the first target could wait for them."""
-    print('loading the fits; the first start compiles them for 10 s or so', file=sys.stderr)
+    say('loading the fits; the first start compiles them for 10 s or so')
     compile_ahead([DEFAULT_METHOD])
 
 

@@ -19,10 +19,10 @@ from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_frame
 from blob_tracker.ros.losses import Losses, StampGaps
 from blob_tracker.ros.mask import read_mask
-from blob_tracker.ros.names import target_topic
+from blob_tracker.ros.names import check_light, target_topic
 from blob_tracker.ros.pairing import FramePairs
 from blob_tracker.ros.parameters import declare, on_change
-from blob_tracker.ros.process import run
+from blob_tracker.ros.process import run, say
 from blob_tracker.ros.qos import publisher, STATE
 from blob_tracker.ros.target import noise_message
 from blob_tracker.ros.window_topics import WindowTopics
@@ -102,6 +102,7 @@ class SegmenterNode(Node):
         self._flash: tuple[dict[str, Any], Flash] | None = None
         self._new_segmenter: Callable[[], Segmenter]
         self._newest_ns = -1  # of the stamps
+        self._topics: dict[str, WindowTopics] = {}  # of all lights that there ever were
         self._targets: dict[str, WindowTopics] = {}
         self._noise: NoiseLevelFunction | None = None
         self._noise_ns = 0
@@ -125,6 +126,8 @@ class SegmenterNode(Node):
         }
         try:
             codes = codes_from_text(values['flash.codes'])
+            for name in codes:
+                check_light(name)
             options = {name.removeprefix('flash.'): value for name, value in asked.items()}
             new_flash = partial(flash_by_name, **options | {'codes': codes})
             same = self._flash is not None and self._flash[0] == asked
@@ -166,13 +169,15 @@ class SegmenterNode(Node):
         return use
 
     def _set_lights(self, lights: Collection[str], lost_after_ns: int) -> None:
-        """Have the topics of these lights and of no other."""
-        for name in [name for name in self._targets if name not in lights]:
-            self._targets.pop(name).close()
+        """Speak of these lights and of no other, whose topics stay: see `process.run`."""
+        for name, target in self._targets.items():
+            if name not in lights:
+                target.out_of_view()
         for name in lights:
-            if name not in self._targets:
-                self._targets[name] = WindowTopics(self, target_topic(name), lost_after_ns)
-            self._targets[name].lost_after_ns = lost_after_ns
+            if name not in self._topics:
+                self._topics[name] = WindowTopics(self, target_topic(name), lost_after_ns)
+            self._topics[name].lost_after_ns = lost_after_ns
+        self._targets = {name: self._topics[name] for name in lights}
 
     def _forget(self, after_ns: int) -> None:
         """Forget the frames that have a later stamp, ns."""
@@ -353,7 +358,7 @@ def _pause(look: Look) -> float:
 
 def compile_search() -> None:
     """Compile the search, before the first frame could wait for it."""
-    print('loading the search; the first start compiles it for half a minute', file=sys.stderr)
+    say('loading the search; the first start compiles it for half a minute')
     compile_ahead()
 
 

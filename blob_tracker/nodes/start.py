@@ -1,5 +1,6 @@
 """The executables: help without ROS, and a Ctrl-C that ends a node while it is loading."""
 
+import gc
 from importlib import import_module
 import shutil
 import signal
@@ -47,4 +48,5 @@ def _start(name: str) -> None:
         columns = shutil.get_terminal_size((WIDEST, 0)).columns
         print(help_text(interface_of(name), min(columns, WIDEST)))
         return
+    gc.disable()  # until all is loaded, see ros/process.py
     import_module(f'blob_tracker.nodes.{name}').main()

@@ -23,7 +23,6 @@ class BearingTopics:
     """
 
     def __init__(self, node: Node, topic: str) -> None:
-        self._node = node
         self._bearings, self._centroids, self._rays = (
             publisher(node, kind, f'{topic}/{name}', RESULT)
             for kind, name in (
@@ -38,8 +37,3 @@ class BearingTopics:
         self._bearings.publish(bearing_message(bearing, frame_id))
         self._centroids.publish(centroid_message(location, frame_id))
         self._rays.publish(ray_message(bearing, frame_id))
-
-    def close(self) -> None:
-        """Take the topics away: there is no such light any more."""
-        for each in (self._bearings, self._centroids, self._rays):
-            self._node.destroy_publisher(each)

@@ -21,7 +21,8 @@ def clipping_frame(frame: Frame, saturation: int) -> Frame:
         DN of a clipped pixel; 0 is full scale of the pixels' type.
 
     """
-    return replace(frame, saturation=saturation or 2 ** (8 * frame.image.dtype.itemsize) - 1)
+    saturation = saturation or 2 ** (8 * frame.image.dtype.itemsize) - 1
+    return frame if frame.saturation == saturation else replace(frame, saturation=saturation)
 
 
 def clipping_window(window: Window, saturation: int, looks: int) -> Window:
@@ -49,6 +50,7 @@ def clipping_window(window: Window, saturation: int, looks: int) -> Window:
             f'a window of 8 bits is one frame and no sum of {looks}; set looks as the segmenter '
             'has it'
         )
-    return replace(
-        window, saturation=full if looks > 1 else saturation or full, looks=looks
-    )
+    saturation = full if looks > 1 else saturation or full
+    if (window.saturation, window.looks) == (saturation, looks):
+        return window
+    return replace(window, saturation=saturation, looks=looks)

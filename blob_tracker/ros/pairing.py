@@ -127,12 +127,6 @@ class FramePairs:
         """Give up what waits for its partner and has a later stamp, ns."""
         self._pairing.forget(after_ns)
 
-    def close(self) -> None:
-        """Listen no longer."""
-        self._lost.close()
-        for each in self._subscriptions:
-            self._node.destroy_subscription(each)
-
     def _take_image(self, message: Image, information: Mapping[str, int | None]) -> None:
         self._lost.took(len(message.data), information)
         self._pairing.image(message)

@@ -33,7 +33,6 @@ class WindowTopics:
 
     def __init__(self, node: Node, topic: str, lost_after_ns: int) -> None:
         self.lost_after_ns = lost_after_ns
-        self._node = node
         self._windows, self._infos, self._visible = (
             publisher(node, kind, f'{topic}/{name}', qos)
             for kind, name, qos in (
@@ -69,12 +68,6 @@ class WindowTopics:
     def out_of_view(self) -> None:
         """Say that the light is out of view: no frame comes that could show it."""
         self._say(False)
-
-    def close(self) -> None:
-        """Take the topics away: there is no such light any more."""
-        self._say(False)
-        for each in (self._windows, self._infos, self._visible):
-            self._node.destroy_publisher(each)
 
     def _say(self, visible: bool) -> None:
         """Publish on change."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import erf
+import scipy  # which loads special, 20 MB, when it is first used
 
 REACH = 6.0  # sigma: beyond it the pulse is below 1e-7 of its peak
 
@@ -79,4 +79,4 @@ def add_pulse(
 def _mean_over_pixels(count: int, centre: float, sigma: float) -> NDArray[np.float64]:
     """Return the mean of a unit Gaussian over each of `count` pixels in a row."""
     edges = np.arange(count + 1) - 0.5 - centre
-    return np.sqrt(np.pi / 2) * sigma * np.diff(erf(edges / (np.sqrt(2) * sigma)))
+    return np.sqrt(np.pi / 2) * sigma * np.diff(scipy.special.erf(edges / (np.sqrt(2) * sigma)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from blob_tracker.location.pulse import integrated_profile
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import erf
+import scipy  # which loads special, 20 MB, when it is first used
 
 SHIFT = 0.25  # px from the top to the bottom of a field (thesis, Figure 2.4)
 SETTLED = 150  # lines of a field after which most of it is over (thesis, 2.2.4)
@@ -78,7 +78,7 @@ def draw_edge(
     borders = np.arange(width + 1) - 0.5 - np.reshape(places, (height, 1))
     scaled = borders / sigma
     phi = np.exp(-0.5 * scaled**2) / np.sqrt(2.0 * np.pi)
-    integral = borders * 0.5 * (1.0 + erf(scaled / np.sqrt(2.0))) + sigma * phi
+    integral = borders * 0.5 * (1.0 + scipy.special.erf(scaled / np.sqrt(2.0))) + sigma * phi
     return dark + (bright - dark) * np.diff(integral, axis=1)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from blob_tracker.simulation.shot import Shot
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import erf
+import scipy  # which loads special, 20 MB, when it is first used
 
 MARGIN = 20.0  # px beyond the border at which it comes in again
 
@@ -69,5 +69,6 @@ def _cover(
     last = int(np.clip(np.ceil(place + reach), 0, side))
     pixels = np.arange(first, last) - place
     scale = np.sqrt(2.0) * blur
-    cover = 0.5 * (erf((pixels + 0.5 * size) / scale) - erf((pixels - 0.5 * size) / scale))
+    edges = np.array([pixels + 0.5 * size, pixels - 0.5 * size])
+    cover = 0.5 * -np.diff(scipy.special.erf(edges / scale), axis=0)[0]
     return first, cover.astype(np.float32)
