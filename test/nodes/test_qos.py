@@ -77,7 +77,9 @@ def test_ends_that_do_not_fit_are_named(domain: int) -> None:
             node.spin_until(lambda: segmenter(
                 '/camera/image_raw: /other publishes sensor_msgs/msg/CompressedImage there and '
                 'this node takes sensor_msgs/msg/Image; remap one of the two'
-            ) and segmenter('2 nodes publish /camera/image_raw: /driver, /other; stop all but one'))
+            ) and segmenter(
+                '2 nodes publish /camera/image_raw: /driver, /other; stop all but one'
+            ))
             driver.destroy_publisher(images)
             node.spin_until(lambda: not segmenter('/driver'))
             assert segmenter('/other publishes sensor_msgs/msg/CompressedImage')
