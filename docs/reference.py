@@ -73,7 +73,7 @@ def topics(interfaces: Iterable[Interface]) -> str:
         way = 'all' if name.startswith('/') else ', '.join(sources)
         if readers:
             way += ' → ' + ', '.join(readers)
-        rows.append((f'`{name}`', topic.type, way, topic.description))
+        rows.append((f'`{name}`', topic.kind, way, topic.description))
     # What stands for all nodes comes last.
     rows.sort(key=lambda row: row[0].startswith('`/'))
     return _table(('topic', 'type', 'from → to', 'what'), rows)
@@ -84,7 +84,7 @@ def services(interfaces: Iterable[Interface]) -> str:
     return _table(
         ('service', 'type', 'node', 'what'),
         [
-            (f'`{service.name}`', service.type, each.node, service.description)
+            (f'`{service.name}`', service.kind, each.node, service.description)
             for each in interfaces
             for service in each.services
         ],

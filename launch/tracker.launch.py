@@ -88,7 +88,8 @@ def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
         nodes = [source, node('segmenter'), node('locator')]
     if argument('rviz') == 'true':
         view = PathJoinSubstitution([*CONFIG, 'blob_tracker.rviz'])
-        nodes.append(Node(
+        # First: where there is no RViz, launch stops here, and leaves no node behind.
+        nodes.insert(0, Node(
             package='rviz2',
             executable='rviz2',
             namespace=argument('namespace'),  # the topics in the file are relative

@@ -12,9 +12,13 @@ import pytest
 
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 os.environ['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(config_path('fastdds.xml'))
-# Domains above 101 run into the ephemeral ports of Linux. Runs side by side begin elsewhere.
-_DOMAINS = itertools.cycle(range(1, 102))
-for _ in range(os.getpid() % 101):
+# Domains above 101 run into the ephemeral ports of Linux, and 0 is everybody's. The processes of
+# one run share them out; runs side by side begin elsewhere, and may meet all the same: give each a
+# network of its own (unshare --net).
+_WORKERS = int(os.environ.get('PYTEST_XDIST_WORKER_COUNT', 1))
+_WORKER = int(os.environ.get('PYTEST_XDIST_WORKER', 'gw0').removeprefix('gw'))
+_DOMAINS = itertools.cycle(range(1 + _WORKER, 101, _WORKERS))
+for _ in range(os.getppid() % 100):
     next(_DOMAINS)
 
 

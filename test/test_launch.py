@@ -100,7 +100,7 @@ def test_every_tracker_node_gets_namespace_file_and_log_level(
     nodes = start(
         'tracker', namespace='boat', params_file='mine.yaml', log_level='debug', rviz='true'
     )
-    *trackers, rviz = nodes
+    rviz, *trackers = nodes
     assert len(trackers) == 3
     for node in trackers:
         assert node.namespace == 'boat'

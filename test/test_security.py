@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import ExitStack
 from fnmatch import fnmatchcase
+from typing import Any
 from xml.etree import ElementTree
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
@@ -15,7 +16,9 @@ from blob_tracker.types import Window
 import numpy as np
 from processes import Probe, probe, start
 import pytest
+from rcl_interfaces.srv import SetParametersAtomically
 import rclpy
+from rclpy.parameter import Parameter
 
 POLICY = config_path('security/policy.xml')
 # The schema of SROS2 (sros2/policy/schemas/policy.xsd, version 0.2.0): the children that an
@@ -45,21 +48,19 @@ QUESTIONS = {
     'reply': 'get_service_names_and_types_by_node',
     'request': 'get_client_names_and_types_by_node',
 }
-CODED = {'flash.mode': 'coded', 'flash.codes': 'port:1101000,starboard:1110100'}
-# What opens each topic that is not always there: enclave -> the ways to start its process.
-STARTS: dict[str, tuple[dict[str, object], ...]] = {
-    'camera': ({'device': '/dev/no_such_camera'},),
-    'segmenter': ({}, CODED),
-    'locator': ({'noise.online': True}, {'lights': 'port,starboard'}),
-    'simulator': ({},),
-    'pipeline': (
-        {'device': '/dev/no_such_camera', 'noise.online': True},
-        {'device': '/dev/no_such_camera', **CODED},
-    ),
-    'pipeline_images': (
-        {'source': 'images', 'noise.online': True},
-        {'source': 'images', **CODED},
-    ),
+# How each enclave's process is started.
+STARTS: dict[str, dict[str, object]] = {
+    'camera': {'device': '/dev/no_such_camera'},
+    'segmenter': {},
+    'locator': {},
+    'simulator': {},
+    'pipeline': {'device': '/dev/no_such_camera'},
+    'pipeline_images': {'source': 'images'},
+}
+# What opens each topic that is not there at the start.
+CHANGES: dict[str, dict[str, Any]] = {
+    'segmenter': {'flash.mode': 'coded', 'flash.codes': 'port:1101000,starboard:1110100'},
+    'locator': {'lights': 'port,starboard', 'noise.online': True},
 }
 Rights = dict[str, set[str]]  # kind of rule -> names
 
@@ -98,7 +99,7 @@ def existing(observer: Probe, node: str, namespace: str) -> Rights:
     }
 
 
-def located(namespace: str) -> set[str]:
+def located() -> set[str]:
     """Return what a locator within the pipeline publishes on from its first windows on."""
     node = LocatorNode(listen=False)
     try:
@@ -109,7 +110,7 @@ def located(namespace: str) -> set[str]:
         for light in ('', 'port'):
             node.locate(light, window, from_camera_model(model, 64, 64), 'camera_optical_frame')
         names = {publisher.topic_name for publisher in node.publishers}
-        return {f'{namespace}{name}' for name in names if name.startswith('/target/')}
+        return {name for name in names if name.startswith('/target/')}
     finally:
         node.destroy_node()
 
@@ -158,44 +159,52 @@ def settled(observer: Probe, nodes: set[tuple[str, str]]) -> dict[tuple[str, str
     return last[-1]
 
 
-@pytest.mark.timeout(180)  # ten processes start at once
+def change(observer: Probe, node: str, namespace: str, values: dict[str, Any]) -> None:
+    """Set parameters of a running node."""
+    request = SetParametersAtomically.Request(parameters=[
+        Parameter(name, value=value).to_parameter_msg() for name, value in values.items()
+    ])
+    service = f'{namespace}/{node}/set_parameters_atomically'
+    answer = observer.call(SetParametersAtomically, service, request)
+    assert answer.result.successful, answer.result.reason
+
+
+@pytest.mark.timeout(180)  # six processes start at once
 def test_each_node_has_what_the_policy_allows_and_nothing_else(domain: int) -> None:
     """Topics, services and clients of every node, with all that is conditional opened."""
     profiles = [(enclave, profile) for enclave, element in enclaves()
                 for profile in element.iter('profile')]
+    nodes = {(profile.attrib['node'], f'/{enclave}') for enclave, profile in profiles}
     with probe(domain) as observer, ExitStack() as stack:
-        for enclave, ways in STARTS.items():
-            for number, parameters in enumerate(ways):
-                arguments = ['-r', f'__ns:=/{enclave}_{number}', '-p', 'use_sim_time:=true']
-                for name, value in parameters.items():
-                    arguments += ['-p', f'{name}:={value}']
-                program = 'pipeline' if enclave.startswith('pipeline') else enclave
-                stack.enter_context(start(program, domain, *arguments))
-        graph = settled(observer, {
-            (profile.attrib['node'], f'/{enclave}_{number}')
-            for enclave, profile in profiles for number in range(len(STARTS[enclave]))
-        })
+        for enclave, parameters in STARTS.items():
+            arguments = ['-r', f'__ns:=/{enclave}', '-p', 'use_sim_time:=true']
+            for name, value in parameters.items():
+                arguments += ['-p', f'{name}:={value}']
+            program = 'pipeline' if enclave.startswith('pipeline') else enclave
+            stack.enter_context(start(program, domain, *arguments))
+        before = settled(observer, nodes)
+        for node, namespace in nodes:
+            if node in CHANGES:
+                change(observer, node, namespace, CHANGES[node])
+        after = settled(observer, nodes)
     rclpy.init(domain_id=domain)
     try:
-        for (node, namespace), rights in graph.items():
-            if node == 'locator' and namespace.startswith('/pipeline'):
-                rights['publish'] |= located(namespace)
+        windows = located()
     finally:
         rclpy.shutdown()
     missing, superfluous = set(), set()
     for enclave, profile in profiles:
-        used = set()
-        for number in range(len(STARTS[enclave])):
-            node, namespace = profile.attrib['node'], f'/{enclave}_{number}'
-            for kind, expressions in allowed(profile, namespace).items():
-                for name in graph[node, namespace][kind]:
-                    fitting = {e for e in expressions if fnmatchcase(name, e)}
-                    used |= {(kind, e.removeprefix(namespace)) for e in fitting}
-                    if not fitting:
-                        missing.add(f'{enclave}: {node} {kind} {name}')
-        for kind, expressions in allowed(profile, '').items():
-            superfluous |= {
-                f'{enclave}: {node} {kind} {e}' for e in expressions if (kind, e) not in used
-            }
+        node, namespace = profile.attrib['node'], f'/{enclave}'
+        has = {kind: before[node, namespace][kind] | after[node, namespace][kind]
+               for kind in QUESTIONS}
+        if node == 'locator' and enclave.startswith('pipeline'):
+            has['publish'] |= {f'{namespace}{name}' for name in windows}
+        for kind, expressions in allowed(profile, namespace).items():
+            fitting = {name: {e for e in expressions if fnmatchcase(name, e)}
+                       for name in has[kind]}
+            missing |= {f'{enclave}: {node} {kind} {name}'
+                        for name, found in fitting.items() if not found}
+            superfluous |= {f'{enclave}: {node} {kind} {expression}'
+                            for expression in expressions.difference(*fitting.values())}
     assert not missing, 'not allowed, and done: ' + '; '.join(sorted(missing))
     assert not superfluous, 'allowed, and never done: ' + '; '.join(sorted(superfluous))

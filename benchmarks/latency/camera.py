@@ -45,9 +45,9 @@ def main(
         from_pixels(pixels, stamp_ns, FRAME_ID, image)
         stamped(camera_info, stamp_ns, FRAME_ID)
         now_ns = time.monotonic_ns()
-        images.publish(image)
-        if info:
+        if info:  # first, as our own camera's
             infos.publish(camera_info)
+        images.publish(image)
         return now_ns
 
     while images.get_subscription_count() < subscribers:

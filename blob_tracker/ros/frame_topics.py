@@ -38,11 +38,16 @@ class FrameTopics:
         )
 
     def publish(self, frame: Frame, info: CameraInfo, frame_id: str) -> None:
-        """Give a frame to all who want it."""
+        """
+        Give a frame to all who want it.
+
+        The camera_info goes first: it is small, and who pairs the two (`FramePairs`) has it by
+        the time the pixels are there.
+        """
         stamped(info, frame.stamp_ns, frame_id)
         if self._deliver is not None:
             self._deliver(frame, info, frame_id)
-        if self._images.get_subscription_count():
-            self._images.publish(from_pixels(frame.image, frame.stamp_ns, frame_id, self._image))
         if self._infos.get_subscription_count():
             self._infos.publish(info)
+        if self._images.get_subscription_count():
+            self._images.publish(from_pixels(frame.image, frame.stamp_ns, frame_id, self._image))

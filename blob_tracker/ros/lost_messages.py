@@ -52,10 +52,6 @@ class LostMessages:
             1.0, self._tell, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
 
-    def close(self) -> None:
-        """Count no longer."""
-        self._node.destroy_timer(self._timer)
-
     def lost(self, event: QoSMessageLostInfo) -> None:
         """Take the middleware's word for messages that were lost on the way."""
         self._lost += event.total_count_change

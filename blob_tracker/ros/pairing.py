@@ -111,7 +111,6 @@ class FramePairs:
     def __init__(
         self, node: Node, topic: str, health: Health, deliver: Callable[[Image, CameraInfo], None]
     ) -> None:
-        self._node = node
         self._topic = topic
         self._health = health
         self._pairing = StampPairing(deliver)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 import gc
+import inspect
 import sys
 
 from blob_tracker.ros.errors import ParameterError
@@ -62,6 +63,8 @@ def run(
                 return 0
             say(f'the node cannot be made: {error}')
             return WRONG_USE
+        # rclpy looks for who logs among all modules, the first time for 50 ms: not with a fault.
+        inspect.getframeinfo(sys._getframe())
         # What is there now stays: no collection need look at it again. None ran while it was
         # loaded (see nodes/start.py), as most of that time would go into looking.
         gc.collect()

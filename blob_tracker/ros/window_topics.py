@@ -45,11 +45,11 @@ class WindowTopics:
         self._said_visible: bool | None = None
 
     def publish(self, window: Window, frame_id: str, info: CameraInfo) -> None:
-        """Publish the window while somebody subscribes, the pixels first: they take longest."""
-        if self._windows.get_subscription_count():
-            self._windows.publish(from_window(window, frame_id))
+        """Publish the window while somebody subscribes, the camera_info first, as a frame's."""
         if self._infos.get_subscription_count():
             self._infos.publish(of_window(info, window, frame_id))
+        if self._windows.get_subscription_count():
+            self._windows.publish(from_window(window, frame_id))
 
     def visible(self, stamp_ns: int, seen: bool) -> bool:
         """Tell whether the light is in view at a frame's stamp, and publish it on change."""

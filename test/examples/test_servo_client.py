@@ -12,7 +12,7 @@ from blob_tracker.ros.qos import RESULT, STATE
 from blob_tracker.ros.stamp import from_ns, to_ns
 from geometry_msgs.msg import Vector3Stamped
 import numpy as np
-from processes import probe, Probe, Process
+from processes import Probe, probe, Process
 import pytest
 from rcl_interfaces.msg import ParameterEvent
 from rcl_interfaces.srv import SetParameters
@@ -163,6 +163,7 @@ def test_it_holds_still_while_the_target_is_lost_and_then_goes_home(domain: int)
         pan_tilt.wait(2 * LOST_AFTER_NS)
         for age_ns in (LOST_AFTER_NS + 1_000_000, 10 * LOST_AFTER_NS, -2 * LOST_AFTER_NS):
             pan_tilt.bearing(50.0, 20.0, age_ns)
+            pan_tilt.bearing(50.0, 20.0, age_ns)  # the first one after a loss turns nothing
         pan_tilt.quiet()
         assert len(pan_tilt.commands) == 1
 

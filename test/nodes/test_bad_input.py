@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from math import nan
 
 from blob_tracker.camera import CameraModel
+from blob_tracker.resources import config_path
 from blob_tracker.ros.camera_info import from_camera_model, stamped
 from blob_tracker.ros.image import from_pixels
 from blob_tracker.ros.qos import IMAGE_OUT, STATE
@@ -114,10 +115,12 @@ class Tracker:
 @pytest.fixture(scope='module')
 def running() -> Iterator[Tracker]:
     """Start the nodes once: surviving everything, one after the other, is the test."""
+    # Nothing is lost in a queue where the machine is busy: that would be a fault of its own.
+    patient = ('--params-file', str(config_path('replay.yaml')))
     with (
         probe(DOMAIN) as node,
-        start('segmenter', DOMAIN) as segmenter,
-        start('locator', DOMAIN) as locator,
+        start('segmenter', DOMAIN, *patient) as segmenter,
+        start('locator', DOMAIN, *patient) as locator,
     ):
         yield Tracker(node, [segmenter, locator])
 

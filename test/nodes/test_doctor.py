@@ -167,9 +167,20 @@ def test_kernels() -> None:
          'location 3 of 5')
     told([compiled.judge({'location': (0, 5, '/c'), 'segmentation': (1, 1, '/c')})], Level.WARN,
          'location 0 of 5', 'compile_ahead()')
-    told(compiled.check_compiled({'NUMBA_DISABLE_JIT': '1'}), Level.ERROR, 'unset')
+    told(compiled.check_compiled({'NUMBA_DISABLE_JIT': '1'}, None), Level.ERROR, 'unset')
     # The build compiles them ahead.
-    told(compiled.check_compiled({}), Level.OK, 'location', 'segmentation', '__pycache__')
+    told(compiled.check_compiled(os.environ, Path('/')), Level.OK, 'location', '__pycache__')
+
+
+def test_kernels_that_cannot_be_loaded(tmp_path: Path) -> None:
+    """Numba's refusal to keep its code has an advice of its own."""
+    package = tmp_path / 'blob_tracker'
+    package.mkdir()
+    path = {**os.environ, 'PYTHONPATH': str(tmp_path)}
+    (package / '__init__.py').write_text("raise RuntimeError('no locator available for file x')")
+    told(compiled.check_compiled(path, tmp_path), Level.ERROR, 'export NUMBA_CACHE_DIR=')
+    (package / '__init__.py').write_text("raise ImportError('no numba')")
+    told(compiled.check_compiled(path, tmp_path), Level.ERROR, 'ImportError: no numba')
 
 
 # Shared memory

@@ -46,7 +46,7 @@ def test_ends_on_a_signal_without_a_trace(name: str, number: int, domain: int) -
         (
             'segmenter',
             {'qos_overrides./camera/image_raw.subscription.reliability': 'magic'},
-            'the node cannot be made: ',
+            "'qos_overrides./camera/image_raw.subscription.reliability' is 'magic'; it must be ",
         ),
         ('segmenter', {'min_snr': -1.0}, "'min_snr' is -1.0; it must be a number with a point"),
         ('segmenter', {'max_blob': 'big'}, "'max_blob' is 'big'; it must be an integer"),

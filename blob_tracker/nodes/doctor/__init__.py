@@ -101,7 +101,8 @@ def checks(device: str | None, self_test: bool) -> Iterator[tuple[str, Check]]:
     if rclpy is not None:
         yield 'RMW', lambda: check_rmw(environment, folders)
         yield 'package', lambda: check_package(environment, imported)
-    yield 'kernels', lambda: check_compiled(environment)
+    elsewhere = Path('/') if installed_at(environment) else None
+    yield 'kernels', lambda: check_compiled(environment, elsewhere)
     if rclpy is not None:
         yield 'shared memory', check_shared_memory
         yield 'Fast DDS', lambda: check_profile(environment, config_path('fastdds.xml'))
