@@ -18,7 +18,6 @@ from played_camera import PlayedCamera, Sent, STEP_NS
 from processes import probe, Process, start
 import pytest
 from rcl_interfaces.srv import SetParameters
-from rclpy.duration import Duration
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
@@ -170,7 +169,6 @@ class Garbage:
                 camera.infos.publish(spoilt_info)
             self.sent += 2
             camera.node.spin(0.0)
-        assert camera.images.wait_for_all_acked(Duration(seconds=10))
         self.batches += 1
         if self.batches % GOOD == 0:
             self.expect_life()
@@ -283,7 +281,6 @@ def test_garbage_on_the_topics_of_a_segmenter(domain: int) -> None:
                 x, y, z = noise
                 noises.publish(Vector3Stamped(vector=Vector3(x=x, y=y, z=z)))
                 node.spin(0.0)
-            assert images.wait_for_all_acked(Duration(seconds=10))
 
         set_online(True)
         send()
