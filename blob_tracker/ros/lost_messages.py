@@ -1,8 +1,9 @@
-"""Messages that were lost on their way here, how many, and why."""
+"""Messages that did not arrive, how many, and why."""
 
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 
 from blob_tracker.ros.connections import full_name
 from blob_tracker.ros.health import Health, WARN
@@ -15,14 +16,15 @@ from rclpy.utilities import get_rmw_implementation_identifier
 WINDOW = 5  # s over which losses are a share
 GRAVE, SEVERAL = 0.01, 2  # share and count of lost messages from which on it is worth a word
 QUEUE = 10  # messages: less room than a publisher's queue is the cause of a loss
+SILENCE_NS = 10**9  # after it a publisher may be another one, that counts from anew
 
 
 class LostMessages:
     """
-    Count the messages of a topic that the middleware tells to be lost on the way, and say why.
+    Count the messages of a topic that were lost on the way or in the queue of this node.
 
-    What was replaced by newer ones in the queue of this node it does not tell; the stamps do, see
-    `losses`.
+    The middleware tells of the first. The publisher numbers its messages: what is missing
+    beyond those was replaced by newer ones before this node took it.
 
     Parameters
     ----------
@@ -40,8 +42,11 @@ class LostMessages:
         self._topic = node.resolve_topic_name(topic)
         self._health = health
         self._size = 0  # bytes of a message
-        self._taken = self._lost = 0  # so far
-        self._seconds: deque[tuple[int, int]] = deque([(0, 0)], maxlen=WINDOW + 1)
+        self._taken = self._lost = self._late = 0  # so far
+        self._last: tuple[int, int] | None = None  # number and time of the last message
+        # Since the publisher began: numbers that are missing, and what became of them.
+        self._missing = self._missing_lost = self._missing_late = 0
+        self._seconds: deque[tuple[int, int, int]] = deque([(0, 0, 0)], maxlen=WINDOW + 1)
         # Wall time: with use_sim_time a paused bag must not silence a node.
         self._timer = node.create_timer(
             1.0, self._tell, clock=Clock(clock_type=ClockType.STEADY_TIME)
@@ -50,19 +55,50 @@ class LostMessages:
     def lost(self, event: QoSMessageLostInfo) -> None:
         """Take the middleware's word for messages that were lost on the way."""
         self._lost += event.total_count_change
+        self._missing_lost += event.total_count_change
         self._health.count('images lost on the way', event.total_count_change)
 
-    def took(self, size: int) -> None:
-        """Take note of a message of so many bytes."""
+    def took(self, size: int, information: Mapping[str, int | None]) -> None:
+        """Take note of a message of so many bytes, and of what the middleware says of it."""
         self._size = size
         self._taken += 1
+        number = information['publication_sequence_number']
+        sent_ns = information['source_timestamp']
+        if number is None or sent_ns is None:  # not every middleware numbers them
+            return
+        if self._last is not None:
+            if 0 <= sent_ns - self._last[1] < SILENCE_NS:
+                self._missing += max(number - self._last[0] - 1, 0)
+            else:
+                self._begin()
+        self._last = number, sent_ns
+
+    def _begin(self) -> None:
+        """Begin with the numbers of a publisher."""
+        self._last = None
+        self._missing = self._missing_lost = self._missing_late = 0
 
     def _tell(self) -> None:
         """Say what was lost in the last seconds."""
         publishers = self._node.get_publishers_info_by_topic(self._topic)
-        now = self._taken, self._lost
-        taken, lost = (new - old for new, old in zip(now, self._seconds[0], strict=True))
+        if len(publishers) != 1:  # each has numbers of its own; `Connections` says that there are
+            self._begin()
+        late = max(self._missing - self._missing_lost - self._missing_late, 0)
+        if late:
+            self._missing_late += late
+            self._late += late
+            self._health.count('images not taken in time', late)
+        now = self._taken, self._lost, self._late
+        taken, lost, late = (new - old for new, old in zip(now, self._seconds[0], strict=True))
         self._seconds.append(now)
+        if _grave(late, taken):
+            self._health.fault(
+                WARN,
+                f'{self._topic}: this node is too slow: {late} of {late + taken} images in '
+                f'{WINDOW} s were replaced by newer ones before it took them; give it more of '
+                'the processor (see top), fewer or smaller images, or run all in one process '
+                '(pipeline); for a bag that is played fast there is config/replay.yaml',
+            )
         if _grave(lost, taken) and len(publishers) == 1:
             self._health.fault(
                 WARN,

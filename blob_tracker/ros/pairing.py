@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TypeVar
 
 from blob_tracker.ros.health import Health, WARN
@@ -126,8 +126,8 @@ class FramePairs:
         """Give up what waits for its partner and has a later stamp, ns."""
         self._pairing.forget(after_ns)
 
-    def _take_image(self, message: Image) -> None:
-        self._lost.took(len(message.data))
+    def _take_image(self, message: Image, information: Mapping[str, int | None]) -> None:
+        self._lost.took(len(message.data), information)
         self._pairing.image(message)
         if self._pairing.lonely_images >= DEPTH:
             self._say_lonely('image_raw', 'camera_info')

@@ -63,7 +63,7 @@ def subscription(
     node: Node,
     kind: type,
     topic: str,
-    take: Callable[[Any], None],
+    take: Callable[..., None],
     qos: QoSProfile,
     lost: Callable[[QoSMessageLostInfo], None] | None = None,
 ) -> Subscription:
@@ -79,8 +79,7 @@ def subscription(
     topic : str
         Name of the topic.
     take : callable
-        Called with each message alone: the EventsExecutor of rclpy 7.1 does not survive a callback
-        that asks for what the middleware says of it.
+        Called with each message, and with what the middleware says of it if it takes two.
     qos : QoSProfile
         The profile where nothing is overridden.
     lost : callable, optional

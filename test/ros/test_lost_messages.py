@@ -1,35 +1,66 @@
-"""What is lost on the way is counted, and a grave loss has its reason."""
+"""What is lost in the queue of a node and what is lost on the way are told apart."""
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 from blob_tracker.ros.health import Health, WARN
 from blob_tracker.ros.lost_messages import LostMessages
-from blob_tracker.ros.qos import IMAGE_OUT
+from blob_tracker.ros.qos import IMAGE_IN, IMAGE_OUT, subscription
 from diagnostic_msgs.msg import DiagnosticArray
-from processes import probe
+from processes import Probe, probe
 from sensor_msgs.msg import Image
 
 
-def test_a_grave_loss_is_a_warning_with_the_publisher_and_the_reason(domain: int) -> None:
-    """Five of fifty: the sentence names who sent them; one alone is only counted."""
+def values(node: Probe) -> dict[str, str]:
+    """Return the last values of the diagnostics."""
+    arrays = node.received['/diagnostics']
+    return {each.key: each.value for each in arrays[-1].status[0].values} if arrays else {}
+
+
+def test_a_node_that_takes_too_long(domain: int) -> None:
+    """Fifty images while it is busy: ten are in the queue, forty were replaced, none was lost."""
     with probe(domain) as node:
-        arrays = node.record(DiagnosticArray, '/diagnostics')
+        node.record(DiagnosticArray, '/diagnostics')
+        health = Health(node, 'nothing')
+        lost = LostMessages(node, 'images', health)
+        taken: list[Image] = []
+
+        def take(message: Image, information: dict[str, int | None]) -> None:
+            taken.append(message)
+            lost.took(len(message.data), information)
+
+        subscription(node, Image, 'images', take, IMAGE_IN, lost.lost)
+        images = node.create_publisher(Image, 'images', IMAGE_OUT)
+        node.spin_until(images.get_subscription_count)
+        node.spin_until(lambda: images.publish(Image()) or taken)
+        node.spin(0.1)
+        before = len(taken)
+        for _ in range(50):
+            images.publish(Image(data=bytes(100)))
+        node.spin_until(lambda: len(taken) >= before + 10)
+        images.publish(Image())
+        node.spin_until(lambda: 'images not taken in time' in values(node))
+        told = values(node)
+        status = node.received['/diagnostics'][-1].status[0]
+    assert told['images not taken in time'] == '40'
+    assert 'images lost on the way' not in told
+    assert status.level == WARN
+    assert '/images: this node is too slow: 40 of ' in status.message
+
+
+def test_a_publisher_that_begins_again_loses_nothing(domain: int) -> None:
+    """It numbers its images from 1, and some went by before it was known."""
+    second = 10**9
+    with probe(domain) as node:
+        node.record(DiagnosticArray, '/diagnostics')
         lost = LostMessages(node, 'images', Health(node, 'nothing'))
         node.create_publisher(Image, 'images', IMAGE_OUT)
-
-        def told() -> dict[str, str]:
-            values = arrays[-1].status[0].values if arrays else []
-            return {each.key: each.value for each in values}
-
-        lost.took(300_000)
-        lost.lost(SimpleNamespace(total_count_change=1))
-        node.spin_until(lambda: told().get('images lost on the way') == '1')
-        assert not any('lost on the way' in each.status[0].message for each in arrays)
-        for _ in range(45):
-            lost.took(300_000)
-        lost.lost(SimpleNamespace(total_count_change=5))
-        node.spin_until(lambda: 'lost on the way from /probe: ' in arrays[-1].status[0].message)
-        assert told()['images lost on the way'] == '6'
-        assert arrays[-1].status[0].level == WARN
+        for number, sent in ((1, 0.0), (2, 0.1), (70, 1.2), (71, 1.3), (5, 1.4), (6, 1.5)):
+            lost.took(
+                100,
+                {
+                    'publication_sequence_number': number,
+                    'source_timestamp': round(sent * second),
+                },
+            )
+        node.spin_until(lambda: len(node.received['/diagnostics']) >= 3)
+        assert 'images not taken in time' not in values(node)
