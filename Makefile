@@ -3,8 +3,10 @@
 #      CAMERA_INFO=file.yaml   its calibration
 # make test               all tests
 #      PYTEST='-k segmenter'   a part of them
-# make soak               the camera driver's tests with 300 s of streaming in place of 20
+# make soak               the tracker for half an hour in place of a minute, its memory watched;
+#                         then the camera driver's tests with as much streaming in place of 20 s
 #      SOAK_SECONDS=3600   another time
+#      PYTEST='-k grows'   the tracker alone
 # make bench              beside other people's methods, 20 minutes, out/benchmarks
 #      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion, capture,
 #                              latency), less of it
@@ -19,10 +21,10 @@ PYTHON ?= python3
 DEVICE ?=
 CAMERA_INFO ?=
 OUT ?= out
-SOAK_SECONDS ?= 300
+SOAK_SECONDS ?= 1800
 
 BIN := .venv/bin
-SOURCES := $(shell find blob_tracker config launch resource -type f -not -name '*.pyc') \
+SOURCES := $(shell find blob_tracker config examples launch resource -type f -not -name '*.pyc') \
 	package.xml setup.py setup.cfg
 ENVIRONMENT := source install/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH" \
 	FASTRTPS_DEFAULT_PROFILES_FILE="$(CURDIR)/config/fastdds.xml"
@@ -42,7 +44,7 @@ test: install/.built .venv/.test
 
 soak: export SOAK_SECONDS := $(SOAK_SECONDS)
 soak: install/.built .venv/.test
-	@$(ENVIRONMENT) && pytest test/vm/test_controls.py $(PYTEST)
+	@$(ENVIRONMENT) && pytest -s test/nodes/test_soak.py test/vm/test_controls.py $(PYTEST)
 
 bench: .venv/.bench  # reads the package from the source tree: it needs neither ROS nor a build
 	@OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks --out $(OUT)/benchmarks $(BENCH)

@@ -17,6 +17,7 @@ setup(
         (f'share/{NAME}/config', glob('config/*.*')),
         (f'share/{NAME}/config/security', glob('config/security/*')),
         (f'share/{NAME}/launch', glob('launch/*.launch.py')),
+        (f'share/{NAME}/examples', glob('examples/*.py')),
     ],
     install_requires=['setuptools'],
     extras_require={'test': ['pytest']},

@@ -56,7 +56,7 @@ def readme(text: str) -> str:
         marked = re.compile(f'(<!-- {name} -->\n).*?(<!-- end -->\n)', re.S)
         text, count = marked.subn(lambda found: found[1] + table + found[2], text)
         if count != 1:
-            raise ValueError(f'README.md has <!-- {name} --> ... <!-- end --> {count} times, not 1')
+            raise ValueError(f'README.md has {count} times <!-- {name} --> and its end, not 1')
     return text
 
 
@@ -73,7 +73,7 @@ def topics(interfaces: Iterable[Interface]) -> str:
         way = 'all' if name.startswith('/') else ', '.join(sources)
         if readers:
             way += ' → ' + ', '.join(readers)
-        rows.append((f'`{name}`', topic.type, way, topic.description))
+        rows.append((f'`{name}`', topic.kind, way, topic.description))
     # What stands for all nodes comes last.
     rows.sort(key=lambda row: row[0].startswith('`/'))
     return _table(('topic', 'type', 'from → to', 'what'), rows)
@@ -84,7 +84,7 @@ def services(interfaces: Iterable[Interface]) -> str:
     return _table(
         ('service', 'type', 'node', 'what'),
         [
-            (f'`{service.name}`', service.type, each.node, service.description)
+            (f'`{service.name}`', service.kind, each.node, service.description)
             for each in interfaces
             for service in each.services
         ],

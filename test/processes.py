@@ -53,6 +53,32 @@ class Process:
         """Return the names of the libraries that the process has loaded so far."""
         return Path(f'/proc/{self._popen.pid}/maps').read_text()
 
+    def memory(self) -> float:
+        """Return the resident memory, MB."""
+        return self._status('VmRSS') / 1024.0
+
+    def own_memory(self) -> float:
+        """Return the memory that no other process shares (USS), MB."""
+        lines = Path(f'/proc/{self._popen.pid}/smaps_rollup').read_text().splitlines()
+        private = [line.split()[1] for line in lines if line.startswith('Private_')]
+        return sum(map(int, private)) / 1024.0
+
+    def threads(self) -> int:
+        """Return the count of threads."""
+        return self._status('Threads')
+
+    def files(self) -> int:
+        """Return the count of open files."""
+        return len(list(Path(f'/proc/{self._popen.pid}/fd').iterdir()))
+
+    def _status(self, name: str) -> int:
+        """Return a number of proc(5), status."""
+        for line in Path(f'/proc/{self._popen.pid}/status').read_text().splitlines():
+            key, _, value = line.partition(':')
+            if key == name:
+                return int(value.split()[0])
+        raise KeyError(name)
+
     def end(self, number: int = signal.SIGINT, timeout: float = EXIT) -> int:
         """Send a signal, wait for the end, and return the exit code."""
         if self.running:
@@ -95,8 +121,8 @@ def start_replay(bag: Path, domain: int, *arguments: str) -> Process:
 class Probe(Node):
     """A node of the test's own that records topics and publishes."""
 
-    def __init__(self, context: Context) -> None:
-        super().__init__('probe', context=context)
+    def __init__(self, context: Context, namespace: str) -> None:
+        super().__init__('probe', context=context, namespace=namespace)
         self.received: dict[str, list[Any]] = {}
         self._spinner = SingleThreadedExecutor(context=context)
         self._spinner.add_node(self)
@@ -138,11 +164,11 @@ class Probe(Node):
 
 
 @contextmanager
-def probe(domain: int) -> Iterator[Probe]:
+def probe(domain: int, namespace: str = '') -> Iterator[Probe]:
     """Make a probe in a domain."""
     context = Context()
     rclpy.init(context=context, domain_id=domain)
-    node = Probe(context)
+    node = Probe(context, namespace)
     try:
         yield node
     finally:

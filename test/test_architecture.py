@@ -37,7 +37,9 @@ ROOMS = {
     'studies': {
         'capture', 'segmentation', 'location', 'camera', 'calibration', 'pipeline', 'simulation',
     },
-    'ros': {'capture', 'segmentation', 'location', 'camera', 'calibration', 'pipeline'},
+    'ros': {
+        'capture', 'segmentation', 'location', 'camera', 'calibration', 'pipeline', 'resources',
+    },
     'nodes': {
         'capture', 'segmentation', 'location', 'camera', 'calibration', 'pipeline', 'simulation',
         'studies', 'ros', 'resources', 'kernel',

@@ -1,27 +1,199 @@
-"""The launch file, where `launch` is installed: neither PyPI nor Debian has it."""
+"""The launch files: on a stand-in everywhere, for real where `launch` is installed."""
 
 from __future__ import annotations
 
-import importlib.util
+import argparse
+from collections.abc import Callable
 from pathlib import Path
-import py_compile
+import sys
+from typing import Any
 
+from blob_tracker.nodes import replay
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import Vector3Stamped
+from processes import executable, probe, Process
 import pytest
+import stand_in_launch
+from stand_in_launch import ExecuteProcess, LaunchContext, Node, RegisterEventHandler
 
-PATH = Path(__file__).parents[1] / 'launch' / 'tracker.launch.py'
+ROOT = Path(__file__).parents[1]
+BAG = ROOT / 'test' / 'bags' / 'flash_mcap'
+LOCATED = 28  # bearings that this bag gives: see test/nodes/test_replay.py
+CONFIG = '/share/blob_tracker/config'
+REASON = 'launch and launch_ros come with ROS 2 from apt alone'
+# What `ros2 launch FILE name:=value` does.
+LAUNCH = """
+import sys
+from launch import LaunchDescription, LaunchService
+from launch.actions import IncludeLaunchDescription
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+service = LaunchService()
+service.include_launch_description(LaunchDescription([IncludeLaunchDescription(
+    PythonLaunchDescriptionSource(sys.argv[1]),
+    launch_arguments=[argument.split(':=', 1) for argument in sys.argv[2:]],
+)]))
+sys.exit(service.run())
+"""
+Start = Callable[..., list[Any]]
 
 
-def test_launch_file_compiles(tmp_path: Path) -> None:
-    """At least its syntax is checked everywhere."""
-    py_compile.compile(str(PATH), cfile=str(tmp_path / 'launch.pyc'), doraise=True)
+@pytest.fixture
+def context() -> LaunchContext:
+    """Give the stand-in's context, to look into after a launch."""
+    return LaunchContext()
 
 
-def test_launch_file_describes_three_nodes() -> None:
-    """Camera or simulator, segmenter, locator."""
-    pytest.importorskip('launch_ros', reason='launch_ros comes with ROS 2 from apt alone')
-    spec = importlib.util.spec_from_file_location('tracker_launch', PATH)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    description = module.generate_launch_description()
-    nodes = [entity for entity in description.entities if type(entity).__name__ == 'Node']
-    assert len(nodes) == 4
+@pytest.fixture
+def start(monkeypatch: pytest.MonkeyPatch, context: LaunchContext) -> Start:
+    """Give a function that says what a launch file starts."""
+    def start(name: str, **arguments: str) -> list[Any]:
+        path = ROOT / 'launch' / f'{name}.launch.py'
+        return stand_in_launch.started(path, monkeypatch, context, **arguments)
+
+    return start
+
+
+def parameters(node: Node, context: LaunchContext) -> tuple[list[str], dict[str, Any]]:
+    """Return the parameter files of a node and what is given besides."""
+    files = [stand_in_launch.text(p, context) for p in node.parameters if not isinstance(p, dict)]
+    given = {k: v for p in node.parameters if isinstance(p, dict) for k, v in p.items()}
+    return files, given
+
+
+@pytest.mark.parametrize(
+    'arguments, executables, given',
+    [
+        ({}, ['camera', 'segmenter', 'locator'], {}),
+        ({'simulate': 'true'}, ['simulator', 'segmenter', 'locator'], {}),
+        ({'pipeline': 'true'}, ['pipeline'], {}),
+        ({'pipeline': 'true', 'simulate': 'true'}, ['pipeline'], {'source': 'simulator'}),
+        (
+            {'device': '/dev/video2', 'camera_info_url': 'lens.yaml'},
+            ['camera', 'segmenter', 'locator'],
+            {'device': '/dev/video2', 'camera_info_url': 'lens.yaml'},
+        ),
+        ({'pipeline': 'true', 'device': '/dev/video2'}, ['pipeline'], {'device': '/dev/video2'}),
+        ({'use_sim_time': 'true', 'pipeline': 'true'}, ['pipeline'], {'use_sim_time': True}),
+    ],
+)
+def test_tracker_starts_what_the_arguments_say(
+    arguments: dict[str, str],
+    executables: list[str],
+    given: dict[str, Any],
+    start: Start,
+    context: LaunchContext,
+) -> None:
+    """The nodes are ours, and nothing overrides the parameter file but what was given."""
+    nodes = start('tracker', **arguments)
+    assert [node.executable for node in nodes] == executables
+    for node in nodes:
+        assert node.package == 'blob_tracker'
+        assert executable(node.executable).exists()
+        assert parameters(node, context)[0] == [f'{CONFIG}/tracker.yaml']
+    assert parameters(nodes[0], context)[1] == given
+
+
+def test_every_tracker_node_gets_namespace_file_and_log_level(
+    start: Start, context: LaunchContext
+) -> None:
+    """So does RViz, whose topics are relative."""
+    nodes = start(
+        'tracker', namespace='boat', params_file='mine.yaml', log_level='debug', rviz='true'
+    )
+    *trackers, rviz = nodes
+    assert len(trackers) == 3
+    for node in trackers:
+        assert node.namespace == 'boat'
+        assert node.ros_arguments == ['--log-level', 'debug']
+        assert parameters(node, context)[0] == ['mine.yaml']
+    assert (rviz.package, rviz.executable, rviz.namespace) == ('rviz2', 'rviz2', 'boat')
+    flag, view = rviz.arguments
+    assert (flag, view.perform(context)) == ('-d', f'{CONFIG}/blob_tracker.rviz')
+    assert (ROOT / 'config' / 'blob_tracker.rviz').exists()
+
+
+@pytest.mark.parametrize('name', ['tracker', 'replay'])
+def test_fast_dds_gets_its_profile_unless_one_is_set(
+    name: str, start: Start, context: LaunchContext
+) -> None:
+    """Who has a profile keeps it."""
+    arguments = {'bag': 'BAG'} if name == 'replay' else {}
+    start(name, **arguments)
+    assert context.environment == {'FASTRTPS_DEFAULT_PROFILES_FILE': f'{CONFIG}/fastdds.xml'}
+    context.environment['FASTRTPS_DEFAULT_PROFILES_FILE'] = 'mine.xml'
+    start(name, **arguments)
+    assert context.environment == {'FASTRTPS_DEFAULT_PROFILES_FILE': 'mine.xml'}
+
+
+@pytest.mark.parametrize(
+    'pipeline, executables', [('false', ['segmenter', 'locator']), ('true', ['pipeline'])]
+)
+def test_replay_plays_the_bag_into_the_nodes(
+    pipeline: str, executables: list[str], start: Start, context: LaunchContext
+) -> None:
+    """No frame is lost, time is the bag's, and what is played is what the nodes take."""
+    *nodes, player, _ = start('replay', bag='BAG', rate='4', pipeline=pipeline)
+    assert [node.executable for node in nodes] == executables
+    for node in nodes:
+        files, given = parameters(node, context)
+        assert files == [f'{CONFIG}/tracker.yaml', f'{CONFIG}/replay.yaml']
+        assert given == {'use_sim_time': True} | (
+            {'source': 'images'} if pipeline == 'true' else {}
+        )
+    assert isinstance(player, ExecuteProcess)
+    assert player.cmd[:5] == ['python3', '-m', 'blob_tracker', 'replay', 'BAG']
+    # The player itself says whether it takes them.
+    parser = argparse.ArgumentParser()
+    replay.add_arguments(parser)
+    options = parser.parse_args(player.cmd[4:])
+    assert (options.rate, options.clock) == (4.0, True)
+    assert options.nodes == ['segmenter', 'locator']
+    assert options.topics == ['/camera/image_raw', '/camera/camera_info']
+
+
+def test_replay_ends_with_the_bag(start: Start, context: LaunchContext) -> None:
+    """At once where there is none, and with a pause for the last frames where it was played."""
+    *_, player, handler = start('replay', bag='BAG', finish='3.5')
+    assert isinstance(handler, RegisterEventHandler)
+    assert handler.event_handler.target_action is player
+    end = handler.event_handler.on_exit
+    assert end(stand_in_launch.ProcessExited(1), context) == stand_in_launch.Shutdown()
+    last = end(stand_in_launch.ProcessExited(0), context)
+    assert (last.period, last.actions) == (3.5, [stand_in_launch.Shutdown()])
+
+
+@pytest.mark.parametrize('pipeline', ['false', 'true'])
+def test_tracker_tracks_a_simulated_light(pipeline: str, domain: int) -> None:
+    """For real: bearings in the namespace, and a Ctrl-C ends all."""
+    pytest.importorskip('launch_ros', reason=REASON)
+    command = [
+        sys.executable, '-c', LAUNCH, str(ROOT / 'launch' / 'tracker.launch.py'),
+        'simulate:=true', f'pipeline:={pipeline}', 'namespace:=boat',
+    ]
+    with probe(domain) as node:
+        bearings = node.record(Vector3Stamped, '/boat/target/bearing')
+        with Process(command, domain) as launch:
+            node.spin_until(lambda: len(bearings) >= 10, timeout=60.0)
+            assert launch.end(timeout=20.0) == 0, launch.output
+    assert 'process has died' not in launch.output
+
+
+@pytest.mark.parametrize('pipeline', ['false', 'true'])
+def test_replay_locates_all_of_a_bag_and_ends(pipeline: str, domain: int) -> None:
+    """For real: every bearing of the bag, then the launch ends by itself."""
+    pytest.importorskip('launch_ros', reason=REASON)
+    command = [
+        sys.executable, '-c', LAUNCH, str(ROOT / 'launch' / 'replay.launch.py'),
+        f'bag:={BAG}', 'rate:=10', f'pipeline:={pipeline}',
+    ]
+    with probe(domain) as node:
+        # The locator's own count: the bag can be over before a busy machine has told us of it.
+        diagnostics = node.record(DiagnosticArray, '/diagnostics')
+        with Process(command, domain) as launch:
+            node.spin_until(lambda: not launch.running, timeout=90.0)
+            assert launch.wait() == 0, launch.output
+    counts = [
+        int(value.value) for message in diagnostics for status in message.status
+        for value in status.values if value.key == 'bearings'
+    ]
+    assert max(counts) == LOCATED, launch.output

@@ -13,7 +13,7 @@ import yaml
 FOLDER = Path(__file__).parents[1] / 'msg_examples'
 # Type of every topic that a node, or the replay of a bag, publishes, by the name of its example.
 TOPICS = {
-    interface.resolved(topic.name).lstrip('/').replace('/', '_'): topic.type.replace('/', '/msg/')
+    interface.resolved(topic.name).lstrip('/').replace('/', '_'): topic.kind.replace('/', '/msg/')
     for interface in map(interface_of, NODES)
     for topic in interface.published
 } | {'clock': 'rosgraph_msgs/msg/Clock'}

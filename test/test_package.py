@@ -74,5 +74,11 @@ def test_installed_files_are_where_ros_looks() -> None:
         assert os.access(executable(name), os.X_OK)
     assert 'blob_tracker' in get_packages_with_prefixes()
     share = Path(get_package_share_directory('blob_tracker'))
-    for name in ('package.xml', 'config/tracker.yaml', 'launch/tracker.launch.py'):
+    for name in (
+        'package.xml',
+        'config/tracker.yaml',
+        'config/blob_tracker.rviz',
+        'examples/servo_client.py',
+        'launch/tracker.launch.py',
+    ):
         assert (share / name).is_file()

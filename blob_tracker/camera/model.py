@@ -16,6 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 MRAD = 1000.0  # per radian
+# mrad^2 / px^2, the square of that of a focal length of 1e15 px. Beyond, and below its inverse,
+# numbers run over: an angle would come of it, and a variance of 0.
+LEAST_TURN = 1e-24
 
 
 @dataclass(frozen=True)
@@ -82,7 +85,7 @@ class CameraModel:
         if self.distortion_model not in LENSES:
             names = ', '.join(name for name in LENSES if name)
             raise CalibrationError(
-                f"no distortion model '{self.distortion_model}'; there is {names}"
+                f'no distortion model {self.distortion_model!r:.40}; there is {names}'
             )
         if not np.isfinite(self.distortion).all():
             raise CalibrationError('the distortion coefficients must be finite')
@@ -259,7 +262,7 @@ class CameraModel:
         ------
         LensError
             Where the distortion model leads no ray to that pixel, or one straight up or down,
-            which has no azimuth.
+            which has no azimuth, or K is finite but that of no lens.
 
         """
         (ray_x, ray_y, ray_z), derivative = self._ray(x, y)
@@ -276,13 +279,20 @@ class CameraModel:
         elevation_x = lift_x * xx + lift_y * yx + lift_z * zx
         elevation_y = lift_x * xy + lift_y * yy + lift_z * zy
         focal_x, focal_y, skew, _, _ = self._intrinsics
-        slant = skew / (focal_x * focal_y)
+        slant = skew / focal_x / focal_y
         by_pixel = np.array(
             [
                 [azimuth_x / focal_x, azimuth_y / focal_y - azimuth_x * slant],
                 [elevation_x / focal_x, elevation_y / focal_y - elevation_x * slant],
             ]
         )
+        (a, b), (c, d) = by_pixel.tolist()
+        if not LEAST_TURN < abs(a * d - b * c) < 1.0 / LEAST_TURN:  # nor NaN
+            raise LensError(
+                f'the direction at the pixel ({x:.1f}, {y:.1f}) turns by {by_pixel.tolist()} '
+                'mrad/px, which no lens does; focal lengths, skew, principal point or distortion '
+                'are out of all proportion'
+            )
         return MRAD * atan2(ray_x, ray_z), MRAD * atan2(-ray_y, h), by_pixel
 
     def bearing(self, location: Location) -> Bearing:

@@ -35,6 +35,8 @@ def content_of(path: str | Path, what: str) -> Iterator[dict[str, Any]]:
 
     """
     try:
+        if Path(path).exists() and not Path(path).is_file():  # a device may be read for ever
+            raise CalibrationError(f'cannot read the {what} {path}: it is no regular file')
         content = yaml.safe_load(Path(path).read_text(encoding='utf-8'))
     except (OSError, UnicodeDecodeError) as error:
         raise CalibrationError(f'cannot read the {what} {path}: {error}') from None

@@ -130,7 +130,7 @@ def scatter(
     2 M / 2.63 (as sum_j C(2p, p + j)^2 = C(4p, 2p), and C(16, 8) / C(8, 4)^2 = 2.63).
 
     Stamps that jitter make a fast target scatter, by its speed: where the ratio is significantly
-    smaller with the intervals rounded to whole usual ones, that one is told.
+    smaller with even intervals, between neighbours of which none is missing, that one is told.
 
     It sees what changes from one place to the next. An error that stays, or drifts slowly over the
     pixels, it does not see; a motion that is not smooth over 5 places, such as vibration, it does.
@@ -159,8 +159,7 @@ def scatter(
     stamped = intervals / usual
     steady = later & (stamped <= LONGEST)
     by_stamps = _scatter(stamped, steady, places, covariances)
-    even = stamped.round()
-    by_count = _scatter(even, steady & (even > 0.0), places, covariances)
+    by_count = _scatter(np.ones(stamped.size), stamped.round() == 1.0, places, covariances)
     if by_stamps is None or by_count is None or not by_stamps.exceeds(by_count.ratio):
         return by_stamps
     return replace(by_count, by_stamps=by_stamps.ratio)

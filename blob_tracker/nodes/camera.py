@@ -17,6 +17,7 @@ from blob_tracker.capture import (
 from blob_tracker.capture.picture import draw
 from blob_tracker.nodes.interface.camera import PARAMETERS
 from blob_tracker.ros.camera_info import from_camera_model, to_camera_model
+from blob_tracker.ros.connections import Connections
 from blob_tracker.ros.control_parameters import ControlParameters
 from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.errors import MessageError, ParameterError
@@ -77,6 +78,7 @@ class CameraNode(Node):
             'a longer exposure makes a camera slower, and so does automatic exposure in the dark; '
             'else look at drops and CPU',
         )
+        self._connections = Connections(self, self._health)
         self._losses, self._lost = Losses(), 0
         self._change(values)()
         self._controls = ControlParameters(self, undeclared(self, elsewhere), self._health)

@@ -35,7 +35,7 @@ def help_text(interface: Interface, width: int) -> str:
     ):
         if entries:
             rows = [
-                (interface.resolved(entry.name), entry.type, _short(entry.description))
+                (interface.resolved(entry.name), entry.kind, _short(entry.description))
                 for entry in entries
             ]
             parts.append(f'{title}\n' + _table(rows, width))

@@ -19,15 +19,17 @@ from blob_tracker.nodes.interface.locator import DEFAULT_METHOD, PARAMETERS
 from blob_tracker.ros.bearing_topics import BearingTopics
 from blob_tracker.ros.camera_info import to_camera_model
 from blob_tracker.ros.clipping import clipping_window
+from blob_tracker.ros.clock_jumps import on_clock_jump
+from blob_tracker.ros.connections import Connections
 from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_window
-from blob_tracker.ros.names import target_topic
+from blob_tracker.ros.names import check_light, target_topic
 from blob_tracker.ros.pairing import FramePairs
 from blob_tracker.ros.parameters import declare, on_change
-from blob_tracker.ros.process import run
-from blob_tracker.ros.qos import overridable, STATE
+from blob_tracker.ros.process import run, say
+from blob_tracker.ros.qos import STATE, subscription
 from blob_tracker.ros.target import to_noise
 from blob_tracker.ros.url import to_path
 from blob_tracker.types import Bearing, Location, LocationError, SensorNoise, Window
@@ -65,6 +67,7 @@ class LocatorNode(Node):
         self._health = Health(
             self, 'no window arrives; is the segmenter running?', describe=self._describe
         )
+        self._connections = Connections(self, self._health)
         self._places: dict[str, RecentPlaces] = {}
         self._bearing: Bearing | None = None
         self._debug_image = DebugImage(self)
@@ -76,6 +79,7 @@ class LocatorNode(Node):
         self._measurement: SensorNoise | None = None
         self._change(values)()
         on_change(self, PARAMETERS, self._change)
+        self._clock_jumps = on_clock_jump(self, self._health, self._forget)
 
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Build what these parameters ask for; return what puts it into effect."""
@@ -93,12 +97,14 @@ class LocatorNode(Node):
         )
         line_jitter = _line_jitter(values['line_jitter_url'])
         lights = values['lights'].replace(' ', '').split(',')  # [''] where it is empty
-        for light in lights:
-            if lights != [''] and not (light.isidentifier() and light.isascii()):
-                raise ParameterError(
-                    f"parameter 'lights': '{light}' is no name of a light; they are separated by "
-                    'commas, as in port,starboard'
-                )
+        if values['lights']:
+            for light in lights:
+                try:
+                    check_light(light)
+                except ParameterError as error:
+                    raise ParameterError(
+                        f"parameter 'lights': {error}; write port,starboard"
+                    ) from None
 
         def use() -> None:
             with self._lock:
@@ -116,10 +122,11 @@ class LocatorNode(Node):
         """Listen to the windows of these lights and heed no other: see `process.run`."""
         self._lights = lights
         if not self._listen:
-            return
+            lights = ['']  # those of a light with a name are made when it is handed over
         for name in lights:
             if name not in self._targets:
                 self._targets[name] = BearingTopics(self, target_topic(name))
+            if self._listen and name not in self._windows:
                 self._windows[name] = FramePairs(
                     self, f'{target_topic(name)}/window', self._health, partial(self._take, name)
                 )
@@ -134,12 +141,8 @@ class LocatorNode(Node):
         else:
             self._health.show('noise', 'as configured: none has been measured yet')
         if online and self._measurements is None:
-            self._measurements = self.create_subscription(
-                Vector3Stamped,
-                'target/noise',
-                self._measured,
-                STATE,
-                qos_overriding_options=overridable(),
+            self._measurements = subscription(
+                self, Vector3Stamped, 'target/noise', self._measured, STATE
             )
 
     def _measured(self, message: Vector3Stamped) -> None:
@@ -169,6 +172,11 @@ class LocatorNode(Node):
             self._health.fault(ERROR, f'{target_topic(light)}/window: {error}')
             return
         self.locate(light, window, info, image.header.frame_id)
+
+    def _forget(self, after_ns: int) -> None:
+        """Forget the windows that wait for their camera_info and have a later stamp, ns."""
+        for windows in self._windows.values():
+            windows.forget(after_ns)
 
     def locate(self, light: str, window: Window, info: CameraInfo, frame_id: str) -> None:
         """Place the blob of a window and publish its direction, or nothing at all."""
@@ -315,7 +323,7 @@ def _in_words(noise: SensorNoise) -> str:
 
 def compile_default() -> None:
     """Compile the fits, before the first target could wait for them."""
-    print('loading the fits; the first start compiles them for 10 s or so', file=sys.stderr)
+    say('loading the fits; the first start compiles them for 10 s or so')
     compile_ahead([DEFAULT_METHOD])
 
 

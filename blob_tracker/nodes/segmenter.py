@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from functools import partial
 import sys
 from threading import Lock
 from typing import Any
@@ -10,17 +11,19 @@ from typing import Any
 from blob_tracker.calibration.noise_level_function import NoiseLevelFunction
 from blob_tracker.nodes.interface.segmenter import PARAMETERS
 from blob_tracker.ros.clipping import clipping_frame
+from blob_tracker.ros.clock_jumps import on_clock_jump
+from blob_tracker.ros.connections import Connections
 from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_frame
 from blob_tracker.ros.losses import Losses, StampGaps
 from blob_tracker.ros.mask import read_mask
-from blob_tracker.ros.names import target_topic
+from blob_tracker.ros.names import check_light, target_topic
 from blob_tracker.ros.pairing import FramePairs
 from blob_tracker.ros.parameters import declare, on_change
-from blob_tracker.ros.process import run
-from blob_tracker.ros.qos import overridable, STATE
+from blob_tracker.ros.process import run, say
+from blob_tracker.ros.qos import publisher, STATE
 from blob_tracker.ros.target import noise_message
 from blob_tracker.ros.window_topics import WindowTopics
 from blob_tracker.segmentation import (
@@ -91,26 +94,27 @@ class SegmenterNode(Node):
             'compare missing frames, CPU and the diagnostics of the camera',
             self._describe,
         )
+        self._connections = Connections(self, self._health)
         self._gaps, self._losses = StampGaps(), Losses()
         self._reason = ''
         self._candidates: tuple[Candidate, ...] = ()
         self._target: Candidate | None = None
         self._flash: tuple[dict[str, Any], Flash] | None = None
+        self._new_segmenter: Callable[[], Segmenter]
+        self._newest_ns = -1  # of the stamps
         self._topics: dict[str, WindowTopics] = {}  # of all lights that there ever were
         self._targets: dict[str, WindowTopics] = {}
         self._noise: NoiseLevelFunction | None = None
         self._noise_ns = 0
-        self._noises = self.create_publisher(
-            Vector3Stamped, 'target/noise', STATE, qos_overriding_options=overridable()
-        )
+        self._noises = publisher(self, Vector3Stamped, 'target/noise', STATE)
         self._look: Look | None = None
         self._debug_image = DebugImage(self)
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._good_frame = self._steady.now()
         self._change(values)()
         on_change(self, PARAMETERS, self._change)
-        if listen:
-            self._frames = FramePairs(self, 'camera', self._health, self._take)
+        self._frames = FramePairs(self, 'camera', self._health, self._take) if listen else None
+        self._clock_jumps = on_clock_jump(self, self._health, self._forget)
         self.create_timer(CHECK, self._check_silence, clock=self._steady)
 
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
@@ -122,19 +126,20 @@ class SegmenterNode(Node):
         }
         try:
             codes = codes_from_text(values['flash.codes'])
-            if self._flash is not None and self._flash[0] == asked:
-                flash = self._flash[1]
-            else:
-                options = {name.removeprefix('flash.'): value for name, value in asked.items()}
-                flash = flash_by_name(**options | {'codes': codes})
+            for name in codes:
+                check_light(name)
+            options = {name.removeprefix('flash.'): value for name, value in asked.items()}
+            new_flash = partial(flash_by_name, **options | {'codes': codes})
+            same = self._flash is not None and self._flash[0] == asked
+            flash = self._flash[1] if self._flash is not None and same else new_flash()
         except ValueError as error:
             raise ParameterError(f"parameters 'flash': {error}") from None
         try:
             mask = read_mask(values['mask_url'])
         except ParameterError as error:
             raise ParameterError(f"parameter 'mask_url': {error}") from None
-        segmenter = Segmenter(
-            flash=flash,
+        new_segmenter = partial(
+            Segmenter,
             threshold=threshold_by_name(
                 values['threshold.method'],
                 sigmas=values['threshold.sigmas'],
@@ -145,12 +150,15 @@ class SegmenterNode(Node):
             looks=values['looks'],
             mask=mask,
         )
+        segmenter = new_segmenter(flash=flash)
         lights = tuple(codes) if values['flash.mode'] == 'coded' else ('',)
 
         def use() -> None:
             with self._lock:
                 self._flash = asked, flash
                 self._segmenter = segmenter
+                self._new_segmenter = lambda: new_segmenter(flash=new_flash())
+                self._late_ns = int(1e9 * values['max_pair_interval'])
                 self._saturation = values['saturation']
                 self._set_lights(lights, _lost_after_ns(values))
                 if not values['noise.measure']:
@@ -171,6 +179,25 @@ class SegmenterNode(Node):
             self._topics[name].lost_after_ns = lost_after_ns
         self._targets = {name: self._topics[name] for name in lights}
 
+    def _forget(self, after_ns: int) -> None:
+        """Forget the frames that have a later stamp, ns."""
+        if self._frames is not None:
+            self._frames.forget(after_ns)
+        with self._lock:
+            if self._newest_ns > after_ns:
+                self._start_afresh()
+
+    def _start_afresh(self) -> None:
+        """Forget all frames, as after a start: what follows is of another time."""
+        assert self._flash is not None
+        self._segmenter = self._new_segmenter()
+        self._flash = self._flash[0], self._segmenter.flash
+        self._newest_ns = -1
+        self._look = self._target = None
+        self._candidates = ()
+        for target in self._targets.values():
+            target.forget()
+
     def _take(self, image: Image, info: CameraInfo) -> None:
         """Take a frame from the topics."""
         try:
@@ -188,6 +215,15 @@ class SegmenterNode(Node):
             self._segment(clipping_frame(frame, self._saturation), info, frame_id)
 
     def _segment(self, frame: Frame, info: CameraInfo, frame_id: str) -> None:
+        late_ns = self._newest_ns - frame.stamp_ns
+        if late_ns > self._late_ns:
+            self._health.fault(
+                WARN,
+                f'camera/image_raw: the stamps jumped back by {late_ns / 1e9:.3f} s; '
+                'starting afresh',
+            )
+            self._start_afresh()
+        self._newest_ns = max(self._newest_ns, frame.stamp_ns)
         try:
             found = dict(self._segmenter.sightings(frame))
         except FrameError as error:
@@ -322,7 +358,7 @@ def _pause(look: Look) -> float:
 
 def compile_search() -> None:
     """Compile the search, before the first frame could wait for it."""
-    print('loading the search; the first start compiles it for half a minute', file=sys.stderr)
+    say('loading the search; the first start compiles it for half a minute')
     compile_ahead()
 
 

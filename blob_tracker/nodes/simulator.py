@@ -10,12 +10,13 @@ from blob_tracker.camera import CameraModel, pinhole_matrix
 from blob_tracker.capture.picture import draw
 from blob_tracker.nodes.interface.simulator import PARAMETERS
 from blob_tracker.ros.camera_info import from_camera_model
+from blob_tracker.ros.connections import Connections
 from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.frame_topics import Deliver, FrameTopics
 from blob_tracker.ros.health import Health
 from blob_tracker.ros.parameters import declare, on_change
 from blob_tracker.ros.process import run
-from blob_tracker.ros.qos import overridable, RESULT
+from blob_tracker.ros.qos import publisher, RESULT
 from blob_tracker.ros.target import bearing_message, centroid_message
 from blob_tracker.simulation import FlashingLight
 from blob_tracker.types import Frame, Location, SensorNoise
@@ -49,10 +50,11 @@ class SimulatorNode(Node):
             'drawing takes longer than a frame; lower rate, width and height, or free the '
             'processor',
         )
+        self._connections = Connections(self, self._health)
         self._debug_image = DebugImage(self)
         self._frames = FrameTopics(self, deliver)
         self._centroids, self._bearings = (
-            self.create_publisher(kind, name, RESULT, qos_overriding_options=overridable())
+            publisher(self, kind, name, RESULT)
             for kind, name in (
                 (PointStamped, 'simulator/truth/centroid'),
                 (Vector3Stamped, 'simulator/truth/bearing'),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from blob_tracker.ros.qos import overridable, RESULT
+from blob_tracker.ros.qos import publisher, RESULT
 from blob_tracker.ros.target import bearing_message, centroid_message, ray_message
 from blob_tracker.types import Bearing, Location
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
@@ -24,9 +24,7 @@ class BearingTopics:
 
     def __init__(self, node: Node, topic: str) -> None:
         self._bearings, self._centroids, self._rays = (
-            node.create_publisher(
-                kind, f'{topic}/{name}', RESULT, qos_overriding_options=overridable()
-            )
+            publisher(node, kind, f'{topic}/{name}', RESULT)
             for kind, name in (
                 (Vector3Stamped, 'bearing'),
                 (PointStamped, 'centroid'),

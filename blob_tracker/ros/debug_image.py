@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from blob_tracker.ros.image import from_picture
-from blob_tracker.ros.qos import IMAGE_OUT, overridable
+from blob_tracker.ros.qos import IMAGE_OUT, publisher
 import numpy as np
 from numpy.typing import NDArray
 from rclpy.clock import Clock, ClockType
@@ -27,9 +27,7 @@ class DebugImage:
     """
 
     def __init__(self, node: Node) -> None:
-        self._publisher = node.create_publisher(
-            Image, '~/debug_image', IMAGE_OUT, qos_overriding_options=overridable()
-        )
+        self._publisher = publisher(node, Image, '~/debug_image', IMAGE_OUT)
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._drawn_ns = 0
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from blob_tracker.ros.camera_info import stamped
 from blob_tracker.ros.image import from_pixels
-from blob_tracker.ros.qos import IMAGE_OUT, overridable
+from blob_tracker.ros.qos import IMAGE_OUT, publisher
 from blob_tracker.types import Frame
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
@@ -33,7 +33,7 @@ class FrameTopics:
         self._deliver = deliver
         self._image = Image()
         self._images, self._infos = (
-            node.create_publisher(kind, name, IMAGE_OUT, qos_overriding_options=overridable())
+            publisher(node, kind, name, IMAGE_OUT)
             for kind, name in ((Image, 'camera/image_raw'), (CameraInfo, 'camera/camera_info'))
         )
 

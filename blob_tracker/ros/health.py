@@ -9,7 +9,7 @@ from threading import Lock
 import time
 
 from blob_tracker.ros.load import Load
-from blob_tracker.ros.qos import overridable, RESULT
+from blob_tracker.ros.qos import publisher, RESULT
 from blob_tracker.ros.timing import Figures, plausible, Timing, UsualRate
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
@@ -21,6 +21,7 @@ ERROR = DiagnosticStatus.ERROR
 PERIOD = 1.0  # s
 PATIENCE = 3  # periods of silence at the start: the others are starting as well
 MOST_AT_ONCE = 4  # messages in a second: whatever a node is fed, this stays readable
+MOST_LOGGED = 20  # kinds of them in the log within REPEAT
 REPEAT = 5.0  # s: the same sentence is logged again after this long, while it holds
 
 
@@ -73,9 +74,7 @@ class Health:
         self._patience = PATIENCE
         # Wall time that never jumps: with use_sim_time a paused bag must not silence a node.
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self._publisher = node.create_publisher(
-            DiagnosticArray, '/diagnostics', RESULT, qos_overriding_options=overridable()
-        )
+        self._publisher = publisher(node, DiagnosticArray, '/diagnostics', RESULT)
         self._timer = node.create_timer(PERIOD, self._publish, clock=self._clock)
 
     def arrived(self, stamp_ns: int) -> None:
@@ -118,6 +117,10 @@ class Health:
                 if kind in self._messages or len(self._messages) < MOST_AT_ONCE:
                     self._messages[kind] = message
             silent = now - self._logged.get(kind, -REPEAT) < REPEAT
+            if not silent and len(self._logged) >= MOST_LOGGED:
+                # What is fed to a node may make a new sentence of each message.
+                self._logged = {k: at for k, at in self._logged.items() if now - at < REPEAT}
+                silent = len(self._logged) >= MOST_LOGGED
             if not silent:
                 self._logged[kind] = now
         if not silent:

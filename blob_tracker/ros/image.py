@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.stamp import from_ns, to_ns
+from blob_tracker.ros.stamp import from_ns, SECOND, to_ns
 from blob_tracker.types import Frame, Pixels, Window
 import cv2
 import numpy as np
@@ -62,7 +62,7 @@ def to_frame(image: Image, info: CameraInfo) -> Frame:
     _check_region(image, info)
     return Frame(
         image=pixels,
-        stamp_ns=to_ns(image.header.stamp),
+        stamp_ns=_stamp_ns(image),
         saturation=int(np.iinfo(pixels.dtype).max),
         x0=int(info.roi.x_offset),
         y0=int(info.roi.y_offset),
@@ -101,7 +101,7 @@ def to_window(image: Image, info: CameraInfo) -> Window:
         unlit=pixels[..., 1] if two else None,
         x0=int(info.roi.x_offset),
         y0=int(info.roi.y_offset),
-        stamp_ns=to_ns(image.header.stamp),
+        stamp_ns=_stamp_ns(image),
         saturation=int(np.iinfo(pixels.dtype).max),
         binning=_binning(info),
     )
@@ -189,6 +189,16 @@ def from_picture(picture: NDArray[np.uint8], stamp_ns: int, frame_id: str) -> Im
     return image
 
 
+def _stamp_ns(image: Image) -> int:
+    """Return the stamp; one whose nanoseconds make seconds could not be sent on."""
+    if image.header.stamp.nanosec >= SECOND:
+        raise MessageError(
+            f'the nanoseconds of the stamp are {image.header.stamp.nanosec}; they must be below '
+            f'{SECOND}'
+        )
+    return to_ns(image.header.stamp)
+
+
 def _binning(info: CameraInfo) -> tuple[int, int]:
     """Return the binning; 0 means the same as 1 (sensor_msgs/CameraInfo)."""
     return max(int(info.binning_x), 1), max(int(info.binning_y), 1)
@@ -216,7 +226,7 @@ def _pixels(image: Image, encodings: Mapping[str, tuple[Any, int]]) -> Pixels:
     """Return the (h, w) or (h, w, 2) pixels of an image, in the machine's byte order."""
     if image.encoding not in encodings:
         raise MessageError(
-            f"the encoding is '{image.encoding}'; it must be {' or '.join(encodings)}"
+            f"the encoding is {image.encoding!r:.40}; it must be {' or '.join(encodings)}"
         )
     if image.width == 0 or image.height == 0:
         raise MessageError(f'the image is {image.width} x {image.height} px; neither may be 0')

@@ -88,7 +88,7 @@ class Topic:
     ----------
     name : str
         As the node gives it: relative, from / or from ~/, which stands for the node's name.
-    type : str
+    kind : str
         Package and message, as sensor_msgs/Image.
     description : str
         What it carries, with units.
@@ -96,7 +96,7 @@ class Topic:
     """
 
     name: str
-    type: str
+    kind: str
     description: str
 
 
@@ -107,13 +107,13 @@ class Service:
 
     Parameters
     ----------
-    name, type, description : str
+    name, kind, description : str
         See `Topic`.
 
     """
 
     name: str
-    type: str
+    kind: str
     description: str
 
 

@@ -35,7 +35,11 @@ def read_mask(url: str) -> NDArray[np.bool_] | None:
     if not url:
         return None
     path = to_path(url)
-    if not path.is_file():
+    try:
+        there = path.is_file()
+    except OSError as error:  # a name that is too long
+        raise ParameterError(f'there is no file {str(path)[:80]}: {error.strerror}') from None
+    if not there:
         raise ParameterError(f'there is no file {path}')
     image = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE | cv2.IMREAD_ANYDEPTH)
     if image is None:

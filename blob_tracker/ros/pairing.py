@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import TypeVar
 
 from blob_tracker.ros.health import Health, WARN
-from blob_tracker.ros.qos import IMAGE_IN, overridable
+from blob_tracker.ros.lost_messages import LostMessages
+from blob_tracker.ros.qos import IMAGE_IN, subscription
 from blob_tracker.ros.stamp import to_ns
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 
 DEPTH = 10  # messages that wait for their partner; the queue of either topic holds as many
+_Message = TypeVar('_Message', Image, CameraInfo)
 
 
 class StampPairing:
@@ -35,19 +38,29 @@ class StampPairing:
         """Images that wait in vain so far, `DEPTH` at most."""
         return len(self._images)
 
+    @property
+    def lonely_infos(self) -> int:
+        """camera_infos that wait in vain so far, `DEPTH` at most."""
+        return len(self._infos)
+
     def image(self, message: Image) -> None:
         """Take an image."""
-        info = self._infos.pop(to_ns(message.header.stamp), None)
+        stamp_ns = to_ns(message.header.stamp)
+        # The stamps of a topic grow: what is later came before they jumped back.
+        _drop_later(self._images, stamp_ns)
+        info = self._infos.pop(stamp_ns, None)
         if info is None:
-            _keep(self._images, to_ns(message.header.stamp), message)
+            _keep(self._images, stamp_ns, message)
         else:
             self._pair(message, info)
 
     def camera_info(self, message: CameraInfo) -> None:
         """Take a camera_info."""
-        image = self._images.pop(to_ns(message.header.stamp), None)
+        stamp_ns = to_ns(message.header.stamp)
+        _drop_later(self._infos, stamp_ns)
+        image = self._images.pop(stamp_ns, None)
         if image is None:
-            _keep(self._infos, to_ns(message.header.stamp), message)
+            _keep(self._infos, stamp_ns, message)
         else:
             self._pair(image, message)
 
@@ -59,8 +72,19 @@ class StampPairing:
                 del waiting[old]
         self._deliver(image, info)
 
+    def forget(self, after_ns: int) -> None:
+        """Give up what waits and has a later stamp, ns."""
+        for waiting in (self._images, self._infos):
+            _drop_later(waiting, after_ns)
 
-def _keep(waiting: OrderedDict[int, object], stamp_ns: int, message: object) -> None:
+
+def _drop_later(waiting: OrderedDict[int, _Message], stamp_ns: int) -> None:
+    """Drop what has a later stamp."""
+    for later in [key for key in waiting if key > stamp_ns]:
+        del waiting[later]
+
+
+def _keep(waiting: OrderedDict[int, _Message], stamp_ns: int, message: _Message) -> None:
     """Let a message wait, and drop the one that has waited longest when there are too many."""
     waiting[stamp_ns] = message
     if len(waiting) > DEPTH:
@@ -90,19 +114,33 @@ class FramePairs:
         self._topic = topic
         self._health = health
         self._pairing = StampPairing(deliver)
-        for kind, name, take in (
-            (Image, 'image_raw', self._take_image),
-            (CameraInfo, 'camera_info', self._pairing.camera_info),
-        ):
-            node.create_subscription(
-                kind, f'{topic}/{name}', take, IMAGE_IN, qos_overriding_options=overridable()
-            )
+        self._lost = LostMessages(node, f'{topic}/image_raw', health)
+        self._subscriptions = (
+            subscription(
+                node, Image, f'{topic}/image_raw', self._take_image, IMAGE_IN, self._lost.lost
+            ),
+            subscription(node, CameraInfo, f'{topic}/camera_info', self._take_info, IMAGE_IN),
+        )
 
-    def _take_image(self, message: Image) -> None:
+    def forget(self, after_ns: int) -> None:
+        """Give up what waits for its partner and has a later stamp, ns."""
+        self._pairing.forget(after_ns)
+
+    def _take_image(self, message: Image, information: Mapping[str, int | None]) -> None:
+        self._lost.took(len(message.data), information)
         self._pairing.image(message)
         if self._pairing.lonely_images >= DEPTH:
-            self._health.fault(
-                WARN,
-                f'{self._topic}/image_raw comes without a {self._topic}/camera_info of the same '
-                'stamp; publish one with each image',
-            )
+            self._say_lonely('image_raw', 'camera_info')
+
+    def _take_info(self, message: CameraInfo) -> None:
+        self._pairing.camera_info(message)
+        if self._pairing.lonely_infos >= DEPTH:
+            self._say_lonely('camera_info', 'image_raw')
+
+    def _say_lonely(self, one: str, other: str) -> None:
+        """Say that what should come in pairs does not."""
+        self._health.fault(
+            WARN,
+            f'{self._topic}/{one} comes without a {self._topic}/{other} of the same stamp; '
+            'publish one with each',
+        )

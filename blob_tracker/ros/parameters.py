@@ -106,7 +106,7 @@ def on_change(
     def carry_out(asked: list[Given]) -> None:
         while agreed:
             agreed.pop()()
-            words = ', '.join(f'{g.name} is {g.value!r}' for g in asked if g.name in declared)
+            words = ', '.join(f'{g.name} is {g.value!r:.80}' for g in asked if g.name in declared)
             node.get_logger().info(f'changed: {words}')
 
     node.add_on_set_parameters_callback(check)
@@ -171,5 +171,5 @@ def _not_allowed(parameter: Parameter, value: Any) -> ParameterError:
     if isinstance(value, int) and isinstance(parameter.default, float):
         hint = f'; write {value}.0'
     return ParameterError(
-        f"parameter '{parameter.name}' is {value!r}; it must be {parameter.allowed}{hint}"
+        f"parameter '{parameter.name}' is {value!r:.200}; it must be {parameter.allowed}{hint}"
     )

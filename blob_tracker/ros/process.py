@@ -45,9 +45,9 @@ def run(
     """
     prepare()
     try:
-        rclpy.init()
+        _initialise()
     except Exception as error:  # rclpy raises private types of its C layer here
-        print(f'wrong ROS arguments: {error}', file=sys.stderr)
+        say(f'wrong ROS arguments: {error}')
         return WRONG_USE
     nodes: list[Node] = []
     executor: Executor | None = None
@@ -56,12 +56,12 @@ def run(
             for node in create():
                 nodes.append(node)
         except (ParameterError, NameValidationException) as error:
-            print(error, file=sys.stderr)
+            say(error)
             return WRONG_USE
         except RuntimeError as error:  # of rclpy's C layer: a QoS override that cannot be, say
             if not rclpy.ok():
                 return 0
-            print(f'the node cannot be made: {error}', file=sys.stderr)
+            say(f'the node cannot be made: {error}')
             return WRONG_USE
         # rclpy looks for who logs among all modules, the first time for 50 ms: not with a fault.
         inspect.getframeinfo(sys._getframe())
@@ -80,7 +80,7 @@ def run(
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except ParameterError as error:  # only the camera knows what its controls may be
-        print(error, file=sys.stderr)
+        say(error)
         return WRONG_USE
     except RuntimeError:  # of rclpy's C layer: the signal came between two of its calls
         if rclpy.ok():
@@ -107,3 +107,23 @@ def _executor(nodes: Iterable[Node]) -> Executor:
     if EventsExecutor is None or any(list(node.guards) for node in nodes):
         return SingleThreadedExecutor()
     return EventsExecutor()
+
+
+def say(what: object) -> None:
+    """Print on the standard error; where its disk is full, tracking matters more than words."""
+    try:
+        print(what, file=sys.stderr, flush=True)
+    except OSError:
+        pass
+
+
+def _initialise() -> None:
+    """Start ROS; without log files where there is no place for them."""
+    try:
+        rclpy.init()
+    except RuntimeError as error:
+        if 'log directory' not in str(error):
+            raise
+        say(f'there are no log files, set ROS_LOG_DIR to a folder that can be written to: {error}')
+        rclpy.try_shutdown()  # a context can be tried once
+        rclpy.init(args=[*sys.argv, '--ros-args', '--disable-external-lib-logs'])

@@ -1,7 +1,22 @@
 """Quality of service of the topics; each can be overridden by the standard parameters."""
 
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import copy
+from typing import Any
+
+from blob_tracker.ros.errors import ParameterError
+from rclpy.event_handler import (
+    PublisherEventCallbacks, QoSMessageLostInfo, SubscriptionEventCallbacks,
+)
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import (
+    DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy,
+)
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.subscription import Subscription
 
 # A driver offers reliable images, a consumer asks for best effort (REP 2003): both match, and a
 # recorder may ask for more. Ten frames ride out the pause of a garbage collection at 300 Hz.
@@ -14,7 +29,105 @@ STATE = QoSProfile(
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
 
+# What a publisher and a subscription may disagree on, and how many messages wait.
+OVERRIDABLE = {
+    'history': HistoryPolicy,
+    'depth': int,
+    'reliability': ReliabilityPolicy,
+    'durability': DurabilityPolicy,
+}
+MOST = 100_000  # messages in a queue
 
-def overridable() -> QoSOverridingOptions:
-    """Return the option that lets qos_overrides.<topic>... parameters change a profile."""
-    return QoSOverridingOptions.with_default_policies()
+
+def publisher(node: Node, kind: type, topic: str, qos: QoSProfile) -> Publisher:
+    """
+    Return a publisher whose profile the parameters qos_overrides.<topic>.publisher... change.
+
+    Raises
+    ------
+    ParameterError
+        Where one of them is wrong.
+
+    """
+    return node.create_publisher(
+        kind,
+        topic,
+        copy(qos),  # rclpy writes the overrides of this topic into it
+        qos_overriding_options=_options(node, topic, 'publisher'),
+        # `Connections` tells more, and each of rclpy's own makes every message wait 3 us longer.
+        event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
+    )
+
+
+def subscription(
+    node: Node,
+    kind: type,
+    topic: str,
+    take: Callable[..., None],
+    qos: QoSProfile,
+    lost: Callable[[QoSMessageLostInfo], None] | None = None,
+) -> Subscription:
+    """
+    Return a subscription whose profile qos_overrides.<topic>.subscription... change.
+
+    Parameters
+    ----------
+    node : Node
+        Subscribes.
+    kind : type
+        Of the messages.
+    topic : str
+        Name of the topic.
+    take : callable
+        Called with each message, and with what the middleware says of it if it takes two.
+    qos : QoSProfile
+        The profile where nothing is overridden.
+    lost : callable, optional
+        Called where messages were lost on their way here.
+
+    Raises
+    ------
+    ParameterError
+        Where an override is wrong.
+
+    """
+    return node.create_subscription(
+        kind,
+        topic,
+        take,
+        copy(qos),
+        qos_overriding_options=_options(node, topic, 'subscription'),
+        event_callbacks=SubscriptionEventCallbacks(
+            message_lost=lost, use_default_callbacks=False
+        ),
+    )
+
+
+def _options(node: Node, topic: str, end: str) -> QoSOverridingOptions:
+    """Return what may be overridden, once what was given at start-up is seen to be possible."""
+    prefix = f'qos_overrides.{node.resolve_topic_name(topic)}.{end}.'
+    # What rclpy was told at start-up is not public; rclpy drops a policy with a misspelt name.
+    for name, parameter in node._parameter_overrides.items():
+        if name.startswith(prefix):
+            _check(name, name.removeprefix(prefix), parameter.value)
+    return QoSOverridingOptions([QoSPolicyKind[each.upper()] for each in OVERRIDABLE])
+
+
+def _check(name: str, policy: str, value: Any) -> None:
+    """Raise ParameterError where a policy cannot have this value."""
+    if policy not in OVERRIDABLE:
+        raise ParameterError(
+            f"no parameter '{name}'; what can be overridden is {', '.join(OVERRIDABLE)}"
+        )
+    values = OVERRIDABLE[policy]
+    if values is int:
+        if type(value) is not int or not 1 <= value <= MOST:
+            raise ParameterError(
+                f"parameter '{name}' is {value!r}; it must be an integer from 1 to {MOST}"
+            )
+        return
+    choices = [each.name.lower() for each in values if each.name != 'UNKNOWN']
+    if value not in choices:
+        raise ParameterError(
+            f"parameter '{name}' is {value!r}; it must be one of {', '.join(choices)}"
+        )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, isfinite, pi, sin
+from math import cos, pi, sin
 
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.stamp import from_ns
@@ -10,6 +10,8 @@ from blob_tracker.types import Bearing, Location, SensorNoise
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
 
 MRAD = 1e-3  # rad
+LEAST_GAIN, MOST_GAIN = 1e-3, 1e6  # electrons per DN: those of no camera lie outside
+MOST_READ_NOISE, MOST_BLACK_LEVEL = 1e4, 65535.0  # DN
 # The turn about the ray cannot be seen: evenly spread over the circle, rad^2.
 ROLL_VARIANCE = pi**2 / 3.0
 
@@ -79,15 +81,20 @@ def to_noise(message: Vector3Stamped) -> SensorNoise:
     Raises
     ------
     MessageError
-        Where it holds no gain above 0, a read noise below 0, or a value that is not finite.
+        Where a value is none that the parameters noise.gain, noise.read_noise and, but for its
+        sign, noise.black_level may have.
 
     """
     gain, read_noise, black_level = message.vector.x, message.vector.y, message.vector.z
-    finite = isfinite(gain) and isfinite(read_noise) and isfinite(black_level)
-    if not (finite and gain > 0.0 and read_noise >= 0.0):
+    # NaN is within no bounds.
+    if not (
+        LEAST_GAIN <= gain <= MOST_GAIN
+        and 0.0 <= read_noise <= MOST_READ_NOISE
+        and abs(black_level) <= MOST_BLACK_LEVEL
+    ):
         raise MessageError(
             f'gain (x) is {gain} electrons per DN, read noise (y) {read_noise} DN and black level '
-            f'(z) {black_level} DN; all must be finite, the gain above 0 and the read noise 0 or '
-            'more'
+            f'(z) {black_level} DN; they must be from {LEAST_GAIN:g} to {MOST_GAIN:g}, from 0 to '
+            f'{MOST_READ_NOISE:g} and within +-{MOST_BLACK_LEVEL:g}'
         )
     return SensorNoise(gain, read_noise, black_level)

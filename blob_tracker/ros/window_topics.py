@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from blob_tracker.ros.camera_info import of_window
 from blob_tracker.ros.image import from_window
-from blob_tracker.ros.qos import IMAGE_OUT, overridable, STATE
+from blob_tracker.ros.qos import IMAGE_OUT, publisher, STATE
 from blob_tracker.types import Window
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
@@ -34,9 +34,7 @@ class WindowTopics:
     def __init__(self, node: Node, topic: str, lost_after_ns: int) -> None:
         self.lost_after_ns = lost_after_ns
         self._windows, self._infos, self._visible = (
-            node.create_publisher(
-                kind, f'{topic}/{name}', qos, qos_overriding_options=overridable()
-            )
+            publisher(node, kind, f'{topic}/{name}', qos)
             for kind, name, qos in (
                 (Image, 'window/image_raw', IMAGE_OUT),
                 (CameraInfo, 'window/camera_info', IMAGE_OUT),
@@ -62,6 +60,10 @@ class WindowTopics:
         ) <= self.lost_after_ns
         self._say(visible)
         return visible
+
+    def forget(self) -> None:
+        """Forget when the light was seen: what follows is of another time."""
+        self._seen_ns = None
 
     def out_of_view(self) -> None:
         """Say that the light is out of view: no frame comes that could show it."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 GATE = 6  # px that a light may move between two of its rises, and the reach of its place
 LEAST_SWING = 6.0  # standard deviations that a light which still blinks goes up and down by
+LONGEST = 2048  # frames of a code: half a minute at 60 Hz; every phase of it is compared
 MOST_LIGHTS = 16  # of one frame: what has more rises than that is no scene of lights
 
 
@@ -63,6 +64,12 @@ class Coded:
         bit_errors: int = 0,
     ) -> None:
         check_codes(codes, bit_errors)
+        length = frames_per_bit * max(len(bits) for bits in codes.values())
+        if length > LONGEST:
+            raise ValueError(
+                f'a code of {length} frames is too long to be read; it must have at most '
+                f'{LONGEST}, frames_per_bit included'
+            )
         self.reason = 'no frame yet'
         self._tolerance = bit_errors * frames_per_bit
         self._phases = {name: _phases(bits, frames_per_bit) for name, bits in codes.items()}

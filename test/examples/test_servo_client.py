@@ -12,7 +12,7 @@ from blob_tracker.ros.qos import RESULT, STATE
 from blob_tracker.ros.stamp import from_ns, to_ns
 from geometry_msgs.msg import Vector3Stamped
 import numpy as np
-from processes import probe, Probe, Process
+from processes import Probe, probe, Process
 import pytest
 from rcl_interfaces.msg import ParameterEvent
 from rcl_interfaces.srv import SetParameters

@@ -76,6 +76,15 @@ def test_stamps_that_jitter_are_told_from_places_that_do():
     assert found.by_stamps > 3.0
 
 
+def test_a_source_that_stalls_is_no_scatter():
+    """Places at even steps, and stamps of which each tenth is as late as one step and more."""
+    random = np.random.default_rng(8)
+    stamps, places, covariances = observed(random, demo)
+    late = np.cumsum(np.arange(COUNT) % 10 == 0) * int(1.2e9 / RATE)
+    found = scatter(stamps + late, places, covariances)
+    assert abs(found.ratio - 1.0) < 3.0 * found.error
+
+
 def test_the_degrees_of_freedom_of_equal_intervals():
     """2 M / 2.63 for M differences of fourth order, but for the ends."""
     stamps = np.arange(1000) * 10**7

@@ -22,7 +22,7 @@ def test_help_has_all_that_the_node_shows(node: str, width: int) -> None:
         assert [parameter.name, parameter.value] in starts
         assert parameter.fixed in ' '.join(text.split())
     for each in (*interface.subscribed, *interface.published, *interface.services):
-        assert [interface.resolved(each.name), each.type] in starts
+        assert [interface.resolved(each.name), each.kind] in starts
     assert all(example in text for example in interface.examples)
     if width == 99:
         assert max(map(len, text.splitlines())) <= width
@@ -45,4 +45,3 @@ def test_the_executable_prints_it_and_ends(words: list[str]) -> None:
     )
     assert result.returncode == 0, result.stderr
     assert result.stdout == help_text(interface_of('camera'), 90) + '\n'
-

@@ -81,7 +81,7 @@ def _ends(names_and_types: list[tuple[str, list[str]]]) -> Ends:
 
 def declared(interface: Interface, ends: tuple[Topic, ...] | tuple[Service, ...]) -> Ends:
     """Return what an interface says, with the names that the graph has."""
-    return {'/' + interface.resolved(each.name).lstrip('/'): each.type for each in ends}
+    return {'/' + interface.resolved(each.name).lstrip('/'): each.kind for each in ends}
 
 
 def test_the_graph_is_what_is_declared(nodes: dict[str, Node]) -> None:

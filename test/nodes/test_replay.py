@@ -88,6 +88,24 @@ def test_clock_runs_with_the_bag(domain: int) -> None:
     assert stamps[-1] - stamps[0] == pytest.approx(59 / 30 * 1e9, abs=2e7)
 
 
+def test_chosen_topics_are_played_to_a_node_that_is_awaited(domain: int) -> None:
+    """--topics leaves out the others; --nodes names who does not come in time."""
+    with probe(domain) as node:
+        truths = node.record(Vector3Stamped, 'simulator/truth/bearing')
+        arguments = ('--topics', '/simulator/truth/bearing', '--rate', '20', '--wait', '3')
+        with start_replay(
+            BAGS / 'flash_mcap', domain, *arguments, '--nodes', 'probe', 'nobody'
+        ) as replay:
+            node.spin_until(lambda: not replay.running or node.count_publishers(
+                'simulator/truth/bearing'))
+            assert not node.count_publishers('camera/image_raw')
+            node.spin_until(lambda: not replay.running)
+            assert replay.wait() == 0, replay.output
+            node.spin(0.2)
+    assert len(truths) == LIT
+    assert 'not there after 3.0 s: nobody' in replay.output
+
+
 @pytest.mark.parametrize(
     'arguments, sentence, code',
     [
@@ -95,6 +113,11 @@ def test_clock_runs_with_the_bag(domain: int) -> None:
         ([str(Path(__file__).parent)], 'is not a bag that can be read', 1),
         ([str(BAGS / 'flash_mcap'), '--rate', '0'], 'it must be above 0', 2),
         ([str(BAGS / 'flash_mcap'), '--rate', 'fast'], 'invalid float value', 2),
+        (
+            [str(BAGS / 'flash_mcap'), '--topics', '/nothing'],
+            'holds no messages of /nothing; its topics are /camera/camera_info, ',
+            1,
+        ),
     ],
 )
 def test_wrong_use_says_what_is_wrong(

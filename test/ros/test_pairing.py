@@ -38,3 +38,27 @@ def test_waiting_messages_do_not_pile_up() -> None:
     pairing.image(image(200))
     pairing.camera_info(stamped(CameraInfo(), 200, ''))
     assert pairing.lonely_images == 0  # a pair came: the older ones are given up
+
+
+def test_stamps_that_jump_back_leave_nothing_of_before() -> None:
+    """Neither stays what waited nor goes what came already; whichever topic jumps first."""
+    pairs: list[int] = []
+    pairing = StampPairing(lambda i, c: pairs.append(to_ns(i.header.stamp)))
+    for stamp_ns in range(100, 100 + DEPTH):
+        pairing.image(image(stamp_ns))
+        pairing.camera_info(stamped(CameraInfo(), stamp_ns + 1000, ''))
+    pairing.camera_info(stamped(CameraInfo(), 1, ''))
+    assert (pairing.lonely_images, pairing.lonely_infos) == (DEPTH, 1)
+    pairing.image(image(1))
+    assert pairs == [1]
+    assert (pairing.lonely_images, pairing.lonely_infos) == (0, 0)
+
+
+def test_a_clock_that_jumps_back_takes_what_waits_with_it() -> None:
+    """What is later than the time that is given, and nothing else."""
+    pairing = StampPairing(lambda i, c: None)
+    for stamp_ns in (1, 2, 3):
+        pairing.image(image(stamp_ns))
+        pairing.camera_info(stamped(CameraInfo(), stamp_ns + 10, ''))
+    pairing.forget(2)
+    assert (pairing.lonely_images, pairing.lonely_infos) == (2, 0)

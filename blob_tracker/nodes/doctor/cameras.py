@@ -69,7 +69,10 @@ def check_camera(
         formats = offered_formats(call, buffer_type(fd))
         usable = {name: offered_sizes(call, name) for name in formats if name in PIXEL_FORMATS}
     except OSError as fault:
-        yield error('camera', f'{path}: this is not a V4L2 device, or it fails: {fault}')
+        yield error(
+            'camera', f'{path}: this is not a V4L2 device, or it fails: {fault.strerror}',
+            'see which there are', 'v4l2-ctl --list-devices',
+        )
         return
     finally:
         os.close(fd)

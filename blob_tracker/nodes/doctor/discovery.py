@@ -12,6 +12,7 @@ from blob_tracker.nodes.doctor.finding import error, Finding, ok, warn
 RANGES = ('SUBNET', 'LOCALHOST', 'OFF', 'SYSTEM_DEFAULT')
 LARGEST_DOMAIN = 232
 PORT_BASE, PORTS = 7400, 250  # of domain 0, and of each domain (DDSI-RTPS 2.2, 9.6.1.1)
+USED = 110  # of them, by the first fifty participants
 EPHEMERAL = Path('/proc/sys/net/ipv4/ip_local_port_range')
 GROUP = '239.255.0.1'  # that of DDS' discovery
 ANSWER = 1.0  # s for a datagram to come back
@@ -47,10 +48,10 @@ def check_domain(
         low, high = (int(word) for word in ephemeral.read_text().split())
     except (OSError, ValueError):
         low, high = 32768, 60999  # as Linux comes
-    if low < first + PORTS and first <= high:
+    if low < first + USED and first <= high:
         yield warn(
             'discovery',
-            f'ROS_DOMAIN_ID {domain} has the UDP ports {first} to {first + PORTS - 1}, of which '
+            f'ROS_DOMAIN_ID {domain} has the UDP ports {first} to {first + USED - 1}, of which '
             f'the kernel gives {low} to {high} to other programs: now and then a node will find '
             'its port taken',
             'take one from 1 to 101, for all',

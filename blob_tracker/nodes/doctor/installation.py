@@ -112,7 +112,7 @@ def _import_failure(rclpy: Path) -> str:
     if result.returncode == 0:
         return ''
     lines = [line for line in result.stderr.splitlines() if 'Error' in line]
-    return lines[0] if lines else f'exit code {result.returncode}'
+    return lines[-1] if lines else f'exit code {result.returncode}'
 
 
 def library_folders(environment: Mapping[str, str], rclpy: Path | None) -> list[Path]:

@@ -69,8 +69,8 @@ class Report:
         line.add_column(width=LEVEL_WIDTH)
         line.add_column(width=SUBJECT_WIDTH)
         line.add_column(overflow='fold')
-        level = Text(finding.level.value, style=STYLES[finding.level])
-        line.add_row(level, finding.subject, Text(words))
+        verdict = Text(finding.level.value, style=STYLES[finding.level])
+        line.add_row(verdict, finding.subject, Text(words))
         self._console.print(line)
         if finding.command:
             self._console.print(

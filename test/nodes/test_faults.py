@@ -1,0 +1,207 @@
+"""Nodes that are killed, cameras that stall, flood and jump, and disks that are full."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+import signal
+import time
+
+from blob_tracker.ros.stamp import to_ns
+from blob_tracker.simulation import FlashingLight
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import Vector3Stamped
+from played_camera import PlayedCamera
+from processes import executable, Probe, probe, Process, start
+import pytest
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
+
+SMALL = {'width': 160, 'height': 120, 'focal_length': 200.0}
+SCENE = FlashingLight(width=160, height=120, period=3.0)
+# What runs in each arrangement, by the name that it is killed by.
+ARRANGEMENTS = {
+    'three processes': {'simulator': SMALL, 'segmenter': {}, 'locator': {}},
+    'pipeline': {'pipeline': {'source': 'simulator'} | SMALL},
+    'pipeline with images': {'simulator': SMALL, 'pipeline': {'source': 'images'}},
+}
+ON_THE_WAY = 0.5  # s in which what was sent before has come
+
+
+class Truth:
+    """Bearings of the tracker, beside the true ones of the simulator."""
+
+    def __init__(self, node: Probe) -> None:
+        self.bearings = node.record(Vector3Stamped, 'target/bearing', 1000)
+        self.truths = node.record(Vector3Stamped, 'simulator/truth/bearing', 1000)
+        self._node = node
+
+    def expect_right(self) -> None:
+        """Expect every bearing within 0.1 px, 8 sigma of the light, of the true one."""
+        self._node.spin(0.1)
+        true = {to_ns(m.header.stamp): m.vector for m in self.truths}
+        for each in self.bearings:
+            vector = true.get(to_ns(each.header.stamp))
+            if vector is not None:
+                within = 0.1 / SMALL['focal_length'] * 1e3
+                assert abs(each.vector.x - vector.x) < within
+                assert abs(each.vector.y - vector.y) < within
+
+    def expect_new(self) -> None:
+        """Wait for bearings of frames from now on."""
+        self._node.spin(ON_THE_WAY)
+        self.bearings.clear()
+        self._node.spin_until(lambda: len(self.bearings) >= 3)
+
+
+@pytest.mark.parametrize('arrangement', ARRANGEMENTS)
+def test_any_node_that_is_killed_may_come_back(arrangement: str, domain: int) -> None:
+    """SIGKILL, in any order, one and then all but one: bearings are back, and none is wrong."""
+    wanted = ARRANGEMENTS[arrangement]
+    with probe(domain) as node, ExitStack() as stack:
+        running = {}
+
+        def begin(name: str) -> None:
+            running[name] = stack.enter_context(start(name, domain, **wanted[name]))
+
+        def kill(name: str) -> None:
+            assert running[name].end(signal.SIGKILL) == -signal.SIGKILL
+
+        truth = Truth(node)
+        for name in wanted:
+            begin(name)
+        truth.expect_new()
+        for name in wanted:
+            kill(name)
+            begin(name)
+            truth.expect_new()
+            assert all(each.running for each in running.values())
+        for name in wanted:  # all of them, and back in the other order
+            kill(name)
+        for name in reversed(wanted):
+            begin(name)
+        truth.expect_new()
+        truth.expect_right()
+
+
+# What takes the frames of a camera that the test plays.
+TAKERS = {'three processes': ('segmenter', 'locator'), 'pipeline': ('pipeline',)}
+
+
+def _start_takers(stack: ExitStack, arrangement: str, domain: int) -> list[Process]:
+    """Start what finds the light in frames from elsewhere."""
+    return [
+        stack.enter_context(
+            start(name, domain, **({'source': 'images'} if name == 'pipeline' else {}))
+        )
+        for name in TAKERS[arrangement]
+    ]
+
+
+def _said(diagnostics: list[DiagnosticArray], sentence: str) -> bool:
+    """Tell whether a diagnostic has said this."""
+    return any(sentence in status.message for array in diagnostics for status in array.status)
+
+
+@pytest.mark.parametrize('arrangement', TAKERS)
+def test_a_camera_that_stalls_is_named_and_tracked_again(arrangement: str, domain: int) -> None:
+    """Frames stop, and come again: with the stamps of their time, of before, or repeated."""
+    with probe(domain) as node, ExitStack() as stack:
+        processes = _start_takers(stack, arrangement, domain)
+        camera = PlayedCamera(node, SCENE)
+        diagnostics = node.record(DiagnosticArray, '/diagnostics')
+        camera.discover()
+        camera.flash()
+        node.spin_until(lambda: _said(diagnostics, 'no frames arrive; is a camera publishing'))
+        last = camera.stamp_ns
+        for index in range(13, 25):  # as if nothing had been: buffers that were full meanwhile
+            camera.send(index)
+            node.spin(0.005)
+        node.spin_until(lambda: camera.located(camera.stamp_ns))
+        camera.stamp_ns = last  # the same stamps again, and on
+        for index in range(13, 40):
+            camera.send(index)
+            node.spin(0.005)
+        camera.flash()  # a second later by its stamps
+        camera.expect_right()
+        assert all(process.running for process in processes)
+
+
+@pytest.mark.parametrize('arrangement', TAKERS)
+def test_a_flood_is_taken_or_its_loss_is_named(arrangement: str, domain: int) -> None:
+    """640x480 at 600 Hz, ten times the rate: memory stays, and every bearing is right."""
+    scene = FlashingLight(period=3.0)
+    rate, frames = 600.0, 2400
+    with probe(domain) as node, ExitStack() as stack:
+        processes = _start_takers(stack, arrangement, domain)
+        camera = PlayedCamera(node, scene)
+        diagnostics = node.record(DiagnosticArray, '/diagnostics')
+        camera.discover()
+        camera.flash()
+        drawn = [camera.messages(index) for index in range(60)]
+        before = [process.memory() for process in processes]
+        camera.stamp_ns += 10**9
+        first = camera.stamp_ns
+        began = time.monotonic()
+        for count in range(frames):
+            camera.stamp_ns = first + round(1e9 * count / rate)
+            camera.send_again(count % 60, *drawn[count % 60])
+            node.spin(max(began + (count + 1) / rate - time.monotonic(), 0.0))
+        after = [process.memory() for process in processes]
+        # Ten messages of either topic and a pair of frames are 7 MB.
+        assert all(b - a < 20.0 for a, b in zip(before, after)), (before, after)
+        node.spin(2.0)  # two diagnostics
+        located = sum(1 for each in camera.bearings if to_ns(each.header.stamp) > first)
+        camera.expect_right()
+        # Half the frames are lit; what did not come as a bearing is said to be missing.
+        assert located >= 0.45 * frames or int(_last(diagnostics, '/segmenter', 'missing frames'))
+        camera.flash()
+        camera.expect_right()
+
+
+def _last(diagnostics: list[DiagnosticArray], node: str, key: str) -> str:
+    """Return the last value of a diagnostic."""
+    values = [
+        pair.value
+        for array in diagnostics
+        for status in array.status
+        if status.name.startswith(node)
+        for pair in status.values
+        if pair.key == key
+    ]
+    return values[-1]
+
+
+# How a node starts ("$@") where its logs find no room; {} is a folder.
+NO_ROOM = {
+    # In a mount namespace of its own, which needs no privilege where the kernel allows that.
+    'disk of the log files is full': 'exec unshare --user --map-root-user --mount sh -c \''
+    'mount -t tmpfs -o size=64k tmpfs {0}; head -c 1M /dev/zero > {0}/full; '
+    'ROS_LOG_DIR={0} exec "$@"\' sh "$@"',
+    'folder of the log files cannot be': 'touch {0}/file; ROS_LOG_DIR={0}/file/x exec "$@"',
+    'terminal is a file on a full disk': 'exec "$@" > /dev/full 2>&1',
+}
+
+
+@pytest.mark.parametrize('where', NO_ROOM)
+def test_tracking_needs_no_room_for_logs(where: str, tmp_path: Path, domain: int) -> None:
+    """Words are lost, bearings are not."""
+    command = [str(executable('pipeline')), '--ros-args', '-p', 'source:=simulator']
+    for name, value in SMALL.items():
+        command += ['-p', f'{name}:={value}']
+    with probe(domain) as node:
+        truth = Truth(node)
+        change = node.create_client(SetParameters, 'simulator/set_parameters')
+        with Process(['sh', '-c', NO_ROOM[where].format(tmp_path), 'sh', *command], domain) as it:
+            truth.expect_new()
+            for rate in (50.0, 70.0) * 10:  # each is a line in the log, of several hundred bytes
+                request = SetParameters.Request()
+                request.parameters = [Parameter('rate', value=rate).to_parameter_msg()]
+                future = change.call_async(request)
+                node.spin_until(future.done)
+                assert future.result().results[0].successful
+            truth.expect_new()
+            truth.expect_right()
+            assert it.end() == 0
+        assert 'Traceback' not in it.output
+        assert where != 'folder of the log files cannot be' or 'set ROS_LOG_DIR' in it.output

@@ -1,0 +1,303 @@
+"""Ten thousand messages of garbage through running nodes: no crash, and no wrong bearing."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Iterator
+from contextlib import ExitStack
+from itertools import count
+from typing import Any
+
+from blob_tracker.ros.qos import STATE
+from blob_tracker.ros.stamp import from_ns, to_ns
+from blob_tracker.simulation import FlashingLight
+from geometry_msgs.msg import Vector3, Vector3Stamped
+from hypothesis import given, HealthCheck, Phase, settings, strategies as st
+import numpy as np
+from played_camera import PlayedCamera, Sent, STEP_NS
+from processes import probe, Process, start
+import pytest
+from rcl_interfaces.srv import SetParameters
+from rclpy.duration import Duration
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message, serialize_message
+from sensor_msgs.msg import CameraInfo, Image
+
+PAIRS = 40  # of image and camera_info in a batch; hypothesis makes no longer lists
+BATCHES = 63  # so many for each arrangement: 2 * 63 * 40 * 2 are more than 10,000 messages
+GOOD = 9  # batches between two looks at whether good frames are still tracked
+# Deep queues, reliable at both ends: every message reaches the node.
+DEEP = QoSProfile(depth=2000, reliability=ReliabilityPolicy.RELIABLE)
+SCENE = FlashingLight(width=96, height=64, period=3.0)
+U32 = st.integers(0, 2**32 - 1) | st.sampled_from((0, 1, 2, 64, 96, 255, 2**31, 2**32 - 1))
+STAMP = st.tuples(
+    st.integers(-(2**31), 2**31 - 1) | st.sampled_from((0, -1, -(2**31), 2**31 - 1)),
+    U32,
+)
+NUMBER = st.floats() | st.sampled_from((0.0, 1e-300, 5e-324, 1e300, -1.0, 0.5, 300.0))
+MODELS = ('', 'plumb_bob', 'rational_polynomial', 'equidistant', 'fisheye')
+ENCODINGS = ('mono8', 'mono16', '8UC1', '16UC1', '8UC2', '16UC2', 'rgb8', 'bgra8', '32FC1')
+
+
+def _one_of(fields: dict[str, st.SearchStrategy[Any]]) -> st.SearchStrategy[tuple[str, Any]]:
+    return st.one_of(*(st.tuples(st.just(name), value) for name, value in fields.items()))
+
+
+HEADER = {
+    'frame_id': st.text(max_size=40),
+    'stamp': STAMP,
+    # From the last message's stamp, ns: equal, backwards, far ahead.
+    'step': st.sampled_from((0, -1, -16_666_667, -(10**9), 10**9, 10**12)),
+}
+IMAGE = _one_of(HEADER | {
+    'encoding': st.sampled_from(ENCODINGS) | st.text(max_size=60),
+    'width': U32,
+    'height': U32,
+    'step_bytes': U32,
+    'is_bigendian': st.integers(0, 255),
+    'data': st.integers(0, 4 * 96 * 64) | st.sampled_from((0, 1, 96 * 64 - 1, 2 * 96 * 64)),
+    'noise': st.integers(0, 2**32 - 1),
+    'level': st.integers(0, 255),
+    'cut': st.integers(0, 300),
+})
+INFO = _one_of(HEADER | {
+    'width': U32,
+    'height': U32,
+    'distortion_model': st.sampled_from(MODELS) | st.text(max_size=60),
+    'd': st.lists(NUMBER, max_size=15),
+    'small d': st.tuples(
+        st.sampled_from(MODELS),
+        st.sampled_from((0, 4, 5, 8, 12, 14)).flatmap(
+            lambda n: st.lists(st.floats(-1.0, 1.0), min_size=n, max_size=n)
+        ),
+    ),
+    'k': st.tuples(st.integers(0, 8), NUMBER),
+    'r': st.tuples(st.integers(0, 8), NUMBER),
+    'p': st.tuples(st.integers(0, 11), NUMBER),
+    'binning_x': U32,
+    'binning_y': U32,
+    'x_offset': U32,
+    'y_offset': U32,
+    'roi width': U32,
+    'roi height': U32,
+    'missing': st.none(),
+    'cut': st.integers(0, 300),
+})
+# Half of all are as they should be: what is wrong has something to spoil.
+PAIR = st.tuples(
+    st.just(()) | st.lists(IMAGE, max_size=2), st.just(()) | st.lists(INFO, max_size=2)
+)
+PIXELS = {'data', 'noise', 'level'}  # what changes them
+RESHAPED = {'encoding', 'width', 'height', 'step_bytes', 'is_bigendian'}
+NOISE = st.tuples(NUMBER, NUMBER, NUMBER)
+
+
+def _spoil(
+    image: Image, info: CameraInfo, image_changes: Any, info_changes: Any
+) -> tuple[Image | bytes, CameraInfo | bytes | None]:
+    """Return a pair with the changes in it; bytes where a message is cut off."""
+    sent: list[Any] = [image, info]
+    for which, (message, changes) in enumerate(((image, image_changes), (info, info_changes))):
+        cut = None
+        for name, value in changes:
+            if name == 'cut':
+                cut = value
+            elif name == 'missing':
+                return image, None
+            else:
+                _set(message, name, value)
+        if cut is not None:
+            sent[which] = serialize_message(message)[:4 + cut]
+    return sent[0], sent[1]
+
+
+def _set(message: Any, name: str, value: Any) -> None:
+    """Change one thing of a message."""
+    if name == 'frame_id':
+        message.header.frame_id = value
+    elif name == 'stamp':
+        message.header.stamp.sec, message.header.stamp.nanosec = value
+    elif name == 'step':
+        sec, nanosec = divmod(to_ns(message.header.stamp) + value, 10**9)
+        message.header.stamp.sec, message.header.stamp.nanosec = sec, nanosec
+    elif name == 'step_bytes':
+        message.step = value
+    elif name == 'data':
+        message.data = array('B', bytes(value))
+    elif name == 'noise':
+        random = np.random.Generator(np.random.SFC64(value))
+        message.data = array('B', random.bytes(len(message.data)))
+    elif name == 'level':
+        message.data = array('B', [value]) * len(message.data)
+    elif name == 'small d':
+        message.distortion_model, message.d = value
+    elif name in ('k', 'r', 'p'):
+        getattr(message, name)[value[0]] = value[1]
+    elif name in ('x_offset', 'y_offset') or name.startswith('roi '):
+        setattr(message.roi, name.removeprefix('roi '), value)
+    else:
+        setattr(message, name, value)
+
+
+def _spoilt(changes: Any) -> bool:
+    """Tell whether the pixels are no longer those of the scene."""
+    return not PIXELS.isdisjoint(name for name, _ in changes)
+
+
+class Garbage:
+    """Publish garbage to running nodes, and look at what comes of it."""
+
+    def __init__(self, camera: PlayedCamera, processes: list[Process]) -> None:
+        self.camera = camera
+        self.processes = processes
+        self.sent = 0
+        self.batches = 0
+        self._indices = count(1)
+        camera.discover()
+
+    def batch(self, changes: Any) -> None:
+        """Publish a batch of pairs; now and then look whether good ones are tracked."""
+        camera = self.camera
+        for image_changes, info_changes in changes:
+            index = next(self._indices)
+            image, info = camera.messages(index)
+            spoilt_image, spoilt_info = _spoil(image, info, image_changes, info_changes)
+            place = None if _spoilt(image_changes) else camera.place(index)
+            camera.note(to_ns(image.header.stamp), Sent(place, info))
+            camera.images.publish(spoilt_image)
+            if spoilt_info is not None:
+                camera.infos.publish(spoilt_info)
+            self.sent += 2
+            camera.node.spin(0.0)
+        assert camera.images.wait_for_all_acked(Duration(seconds=10))
+        self.batches += 1
+        if self.batches % GOOD == 0:
+            self.expect_life()
+
+    def expect_life(self) -> None:
+        """Expect living nodes, right bearings of good frames, and none wrong before."""
+        assert all(each.running for each in self.processes)
+        self.camera.flash()
+        self.camera.expect_right()
+
+
+def _deep(topic: str) -> dict[str, object]:
+    """Return parameters that make a subscription deep and reliable."""
+    name = f'qos_overrides.{topic}.subscription'
+    return {f'{name}.reliability': 'reliable', f'{name}.depth': DEEP.depth}
+
+
+@pytest.fixture(params=['three processes', 'pipeline'])
+def garbage(request: pytest.FixtureRequest, domain: int) -> Iterator[Garbage]:
+    """Start the nodes; surviving everything, one after the other, is the test."""
+    deep = _deep('/camera/image_raw') | _deep('/camera/camera_info')
+    deep_windows = _deep('/target/window/image_raw') | _deep('/target/window/camera_info')
+    with ExitStack() as stack:
+        node = stack.enter_context(probe(domain))
+        if request.param == 'pipeline':
+            names = [('pipeline', deep | {'source': 'images'})]
+        else:
+            names = [('segmenter', deep), ('locator', deep_windows)]
+        processes = [stack.enter_context(start(name, domain, **more)) for name, more in names]
+        yield Garbage(PlayedCamera(node, SCENE, qos=DEEP), processes)
+        for process in processes:
+            assert process.end() == 0
+            assert 'Traceback' not in process.output
+
+
+SETTINGS = settings(
+    max_examples=BATCHES,
+    derandomize=True,
+    database=None,
+    deadline=None,
+    phases=[Phase.generate],  # the nodes remember: no batch can be tried again by itself
+    suppress_health_check=list(HealthCheck),
+)
+
+
+def test_garbage_on_the_topics_of_a_camera(garbage: Garbage) -> None:
+    """Each field of Image and CameraInfo, out of all bounds."""
+
+    @SETTINGS
+    @given(st.lists(PAIR, min_size=PAIRS, max_size=PAIRS))
+    def send(changes: Any) -> None:
+        garbage.batch(changes)
+
+    send()
+    garbage.expect_life()
+    assert garbage.sent >= 2 * BATCHES * PAIRS
+
+
+def test_garbage_on_the_topics_of_a_segmenter(domain: int) -> None:
+    """Windows and noise that the segmenter never sent, to the locator."""
+    deep = _deep('/target/window/image_raw') | _deep('/target/window/camera_info')
+    with (
+        probe(domain) as node,
+        start('segmenter', domain) as segmenter,
+        start('locator', domain, **deep) as locator,
+    ):
+        camera = PlayedCamera(node, SCENE)
+        windows = node.record(Image, 'target/window/image_raw')
+        infos = node.record(CameraInfo, 'target/window/camera_info')
+        garbage = Garbage(camera, [segmenter, locator])
+        camera.flash()
+        node.spin_until(lambda: _pair(windows, infos))
+        window, info = _pair(windows, infos)
+        truth = camera.sent[to_ns(window.header.stamp)][0].place
+        place = truth[0] - info.roi.x_offset, truth[1] - info.roi.y_offset
+        raw_window, raw_info = serialize_message(window), serialize_message(info)
+        images = node.create_publisher(Image, 'target/window/image_raw', DEEP)
+        camera_infos = node.create_publisher(CameraInfo, 'target/window/camera_info', DEEP)
+        noises = node.create_publisher(Vector3Stamped, 'target/noise', STATE)
+        setter = node.create_client(SetParameters, 'locator/set_parameters')
+
+        def set_online(online: bool) -> None:
+            request = SetParameters.Request()
+            request.parameters = [Parameter('noise.online', value=online).to_parameter_msg()]
+            future = setter.call_async(request)
+            node.spin_until(future.done)
+            assert future.result().results[0].successful
+
+        @settings(SETTINGS, max_examples=BATCHES // 3)
+        @given(st.lists(st.tuples(PAIR, NOISE), min_size=PAIRS, max_size=PAIRS))
+        def send(batch: Any) -> None:
+            for (image_changes, info_changes), noise in batch:
+                camera.stamp_ns += STEP_NS
+                image = deserialize_message(raw_window, Image)
+                camera_info = deserialize_message(raw_info, CameraInfo)
+                for message in (image, camera_info):
+                    message.header.stamp = from_ns(camera.stamp_ns)
+                spoilt_image, spoilt_info = _spoil(image, camera_info, image_changes, info_changes)
+                # What other pixels hold, at another width say, is no fault of the locator's.
+                any_pixels = _spoilt(image_changes) or not RESHAPED.isdisjoint(
+                    name for name, _ in image_changes
+                )
+                stamp_ns = to_ns(image.header.stamp)
+                if any_pixels:
+                    camera.unknown.add(stamp_ns)
+                camera.note(stamp_ns, Sent(place, camera_info))
+                images.publish(spoilt_image)
+                if spoilt_info is not None:
+                    camera_infos.publish(spoilt_info)
+                x, y, z = noise
+                noises.publish(Vector3Stamped(vector=Vector3(x=x, y=y, z=z)))
+                node.spin(0.0)
+            assert images.wait_for_all_acked(Duration(seconds=10))
+
+        set_online(True)
+        send()
+        set_online(False)
+        garbage.expect_life()
+        for process in (segmenter, locator):
+            assert process.end() == 0
+            assert 'Traceback' not in process.output
+
+
+def _pair(images: list[Image], infos: list[CameraInfo]) -> tuple[Image, CameraInfo] | None:
+    """Return the last of both that have one stamp; None where there are none."""
+    by_stamp = {to_ns(info.header.stamp): info for info in infos}
+    for image in reversed(images):
+        if to_ns(image.header.stamp) in by_stamp:
+            return image, by_stamp[to_ns(image.header.stamp)]
+    return None
