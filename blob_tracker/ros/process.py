@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 import gc
-from inspect import signature
 import inspect
 import sys
 
@@ -13,7 +12,6 @@ import rclpy
 from rclpy.exceptions import NameValidationException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.subscription import Subscription
 from rclpy.task import Future
 
 try:
@@ -106,19 +104,9 @@ def _executor(nodes: Iterable[Node]) -> Executor:
     pass through an executor. It does not survive that a publisher or subscription is destroyed
     while it spins (an event of it may be on the way): so the nodes keep theirs to the end.
     """
-    nodes = list(nodes)
     if EventsExecutor is None or any(list(node.guards) for node in nodes):
         return SingleThreadedExecutor()
-    # That of rclpy 7.1 ends with a SystemError at the first message for a callback that takes, as
-    # the second argument, what the middleware says of it.
-    if any(_takes_information(each) for node in nodes for each in node.subscriptions):
-        return SingleThreadedExecutor()
     return EventsExecutor()
-
-
-def _takes_information(subscription: Subscription) -> bool:
-    """Tell whether the callback of a subscription takes two arguments."""
-    return len(signature(subscription.callback).parameters) == 2
 
 
 def say(what: object) -> None:

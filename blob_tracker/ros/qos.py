@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import copy
+from inspect import signature
 from typing import Any
 
 from blob_tracker.ros.errors import ParameterError
@@ -79,7 +80,7 @@ def subscription(
     topic : str
         Name of the topic.
     take : callable
-        Called with each message, and with what the middleware says of it if it takes two.
+        Called with each message; where `lost` is given, with what the middleware says of it, too.
     qos : QoSProfile
         The profile where nothing is overridden.
     lost : callable, optional
@@ -94,13 +95,26 @@ def subscription(
     return node.create_subscription(
         kind,
         topic,
-        take,
+        take if lost is None else _informed(take),
         copy(qos),
         qos_overriding_options=_options(node, topic, 'subscription'),
         event_callbacks=SubscriptionEventCallbacks(
             message_lost=lost, use_default_callbacks=False
         ),
     )
+
+
+def _informed(take: Callable[[Any, Any], None]) -> Callable[..., None]:
+    """Return a callback of two arguments that both of rclpy's executors can call."""
+
+    def called(*taken: Any) -> None:
+        # The EventsExecutor of rclpy 7.1 hands both over in one tuple.
+        message, information = taken if len(taken) == 2 else taken[0]
+        take(message, information)
+
+    # By which rclpy tells whether a callback wants both.
+    called.__signature__ = signature(take)  # type: ignore[attr-defined]
+    return called
 
 
 def _options(node: Node, topic: str, end: str) -> QoSOverridingOptions:
