@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import atan2, hypot
+from math import cos, sin
 
 from blob_tracker.camera import CameraModel
 from blob_tracker.ros.camera_info import from_camera_model, stamped
@@ -20,6 +20,8 @@ from processes import PATIENCE, Probe
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import CameraInfo, Image
 
+DEEP = 5000  # bearings that may wait to be taken
+ON_THE_WAY = 0.2  # s from a bearing to its ray, of the same node
 FRAMES = 12  # flashes enough to be sure of the target
 STEP_NS = 16_666_667
 FIELD_OF_VIEW = 40.0  # degrees
@@ -66,8 +68,8 @@ class PlayedCamera:
         self.stamp_ns = 10**18
         self.sent: dict[int, list[Sent]] = {}
         self.unknown: set[int] = set()  # stamps under which nobody can tell what is right
-        self.bearings = node.record(Vector3Stamped, f'{namespace}target/bearing', 1000)
-        self.rays = node.record(PoseWithCovarianceStamped, f'{namespace}target/ray', 1000)
+        self.bearings = node.record(Vector3Stamped, f'{namespace}target/bearing', DEEP)
+        self.rays = node.record(PoseWithCovarianceStamped, f'{namespace}target/ray', DEEP)
         self.images, self.infos = (
             node.create_publisher(kind, f'{namespace}camera/{name}', qos)
             for kind, name in ((Image, 'image_raw'), (CameraInfo, 'camera_info'))
@@ -138,6 +140,7 @@ class PlayedCamera:
 
     def expect_right(self) -> None:
         """Expect each bearing so far to be right of what was sent under its stamp; forget it."""
+        self.node.spin(ON_THE_WAY)
         sigmas = {
             to_ns(ray.header.stamp): np.sqrt(np.array(ray.pose.covariance)[[28, 21]]) * 1e3
             for ray in self.rays
@@ -145,36 +148,40 @@ class PlayedCamera:
         for bearing in self.bearings:
             stamp_ns = to_ns(bearing.header.stamp)
             sent = self.sent.get(stamp_ns, [])
-            sigma = sigmas.get(stamp_ns, np.zeros(2))
+            sigma = sigmas.get(stamp_ns)
+            if sigma is None and sent:
+                continue  # of more than ten at once the queue of the rays keeps ten
+            assert sigma is not None, (bearing, 'of a stamp that was never sent')
             assert np.isfinite(sigma).all(), (bearing, sigma)
-            right = any(self._right(bearing, sigma, each) for each in sent)
+            right = any(is_right(bearing, sigma, each) for each in sent)
             assert right or stamp_ns in self.unknown, (bearing, sigma, sent)
         self.bearings.clear()
         self.rays.clear()
 
-    def _right(self, bearing: Vector3Stamped, sigma: NDArray[np.float64], sent: Sent) -> bool:
-        if sent.place is None:
-            return False
-        azimuth, elevation, focal_length = expected(*sent.place, sent.info)
-        within = TOLERANCE / focal_length * 1e3 + SIGMAS * sigma
-        error = bearing.vector.x - azimuth, bearing.vector.y - elevation
-        return bool((np.abs(error) < within).all())
+
+def is_right(bearing: Vector3Stamped, sigma: NDArray[np.float64], sent: Sent) -> bool:
+    """Tell whether a bearing, with its sigmas in mrad, is imaged where the light was sent."""
+    if sent.place is None:
+        return False
+    angles = np.array([bearing.vector.x, bearing.vector.y])
+    steps = np.array([[0.0, 0.0], [sigma[0], 0.0], [0.0, sigma[1]]])
+    there, *aside = (imaged(*(angles + step), sent.info) for step in steps)
+    within = TOLERANCE + SIGMAS * sum(np.hypot(*(each - there)) for each in aside)
+    return bool(np.hypot(*(there - sent.place)) < within)
 
 
-def expected(x: float, y: float, info: CameraInfo) -> tuple[float, float, float]:
-    """Return azimuth and elevation, mrad, of an image's pixel by OpenCV, and focal length, px."""
-    binning = max(info.binning_x, 1), max(info.binning_y, 1)
-    place = (
-        (x + 0.5) * binning[0] - 0.5 + info.roi.x_offset,
-        (y + 0.5) * binning[1] - 0.5 + info.roi.y_offset,
-    )
-    undistort = cv2.undistortPoints
-    coefficients = np.array(info.d, dtype=float)
+def imaged(azimuth: float, elevation: float, info: CameraInfo) -> NDArray[np.float64]:
+    """Return the (x, y) px of an image on which a direction, mrad, is imaged, by OpenCV."""
+    a, e = 1e-3 * azimuth, 1e-3 * elevation
+    ray = np.array([[[sin(a) * cos(e), -sin(e), cos(a) * cos(e)]]])
+    project, coefficients, none = cv2.projectPoints, np.array(info.d, dtype=float), np.zeros(3)
     if info.distortion_model in ('equidistant', 'fisheye'):
-        undistort = cv2.fisheye.undistortPoints
+        project = cv2.fisheye.projectPoints
         coefficients = coefficients if coefficients.size else np.zeros(4)
-    (focal_x, skew, centre_x), (_, focal_y, centre_y), _ = np.reshape(info.k, (3, 3)).tolist()
-    place_y = (place[1] - centre_y) / focal_y  # of K, OpenCV leaves the skew out
-    place_x = (place[0] - centre_x - skew * place_y) / focal_x
-    u, v = undistort(np.array([[[place_x, place_y]]]), np.eye(3), coefficients).ravel()
-    return 1e3 * atan2(u, 1.0), 1e3 * atan2(-v, hypot(u, 1.0)), min(focal_x, focal_y)
+    # As pixels of the matrix that is given here: of K, OpenCV leaves the skew out.
+    places = project(ray, none, none, np.eye(3), coefficients)[0].ravel()
+    x, y, _ = np.reshape(info.k, (3, 3)) @ [*places, 1.0]
+    return np.array([
+        (x - info.roi.x_offset + 0.5) / max(info.binning_x, 1) - 0.5,
+        (y - info.roi.y_offset + 0.5) / max(info.binning_y, 1) - 0.5,
+    ])

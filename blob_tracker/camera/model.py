@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import atan2, sqrt
+from math import atan2, hypot, inf, sqrt
 from pathlib import Path
 
 from blob_tracker.camera.calibration_file import read_calibration
@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 MRAD = 1000.0  # per radian
-# mrad^2 / px^2, the square of that of a focal length of 1e15 px. Beyond, and below its inverse,
-# numbers run over: an angle would come of it, and a variance of 0.
-LEAST_TURN = 1e-24
+# mrad/px, of a focal length of 1e9 px: what turns by less has a matrix of no lens, from which an
+# angle of 90 degrees would come, with a variance of 0.
+LEAST_TURN = 1e-6
 
 
 @dataclass(frozen=True)
@@ -287,7 +287,12 @@ class CameraModel:
             ]
         )
         (a, b), (c, d) = by_pixel.tolist()
-        if not LEAST_TURN < abs(a * d - b * c) < 1.0 / LEAST_TURN:  # nor NaN
+        azimuth_turns, elevation_turns = hypot(a, b), hypot(c, d)
+        if not (
+            azimuth_turns > LEAST_TURN
+            and elevation_turns > LEAST_TURN
+            and LEAST_TURN**2 < abs(a * d - b * c) < inf  # nor NaN
+        ):
             raise LensError(
                 f'the direction at the pixel ({x:.1f}, {y:.1f}) turns by {by_pixel.tolist()} '
                 'mrad/px, which no lens does; focal lengths, skew, principal point or distortion '

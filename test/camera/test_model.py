@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from math import atan2, hypot
 
-from blob_tracker.camera import CalibrationError, CameraModel, LensError
+from blob_tracker.camera import CalibrationError, CameraModel, LensError, pinhole_matrix
 from blob_tracker.resources import config_path
 from blob_tracker.types import Location
 from camera_models import MODELS, PINHOLE, rays_at
@@ -140,3 +140,16 @@ def test_sample_calibration_is_read() -> None:
     model = CameraModel.from_yaml(config_path('camera_info.yaml'))
     assert (model.width, model.height, model.name) == (640, 480, 'simulated')
     np.testing.assert_array_equal(model.matrix, PINHOLE.matrix)
+
+
+@pytest.mark.parametrize('place, value', [
+    ((0, 0), 1e300), ((1, 1), 5e-324), ((0, 2), 1e30), ((1, 2), -1e30), ((0, 1), 1e300),
+])
+def test_a_finite_matrix_of_no_lens_gives_no_bearing(
+    place: tuple[int, int], value: float
+) -> None:
+    """Numbers that run over would be an angle of 0 or 90 degrees with no variance."""
+    matrix = pinhole_matrix(600.0, 640, 480)
+    matrix[place] = value
+    with pytest.raises(LensError, match='out of all proportion'):
+        CameraModel(640, 480, matrix).angles(300.0, 200.0)
