@@ -22,6 +22,7 @@ for _ in range(os.getppid() % 100):
     next(_DOMAINS)
 
 
+@pytest.hookimpl(tryfirst=True)  # what spreads the tests reads the marks in the same hook
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Have whatever starts nodes run one after the other, beside what only computes."""
     folder = Path(__file__).parent
