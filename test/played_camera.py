@@ -173,7 +173,8 @@ def expected(x: float, y: float, info: CameraInfo) -> tuple[float, float, float]
     if info.distortion_model in ('equidistant', 'fisheye'):
         undistort = cv2.fisheye.undistortPoints
         coefficients = coefficients if coefficients.size else np.zeros(4)
-    u, v = undistort(
-        np.array(place).reshape(1, 1, 2), np.array(info.k).reshape(3, 3), coefficients
-    ).ravel()
-    return 1e3 * atan2(u, 1.0), 1e3 * atan2(-v, hypot(u, 1.0)), min(info.k[0], info.k[4])
+    (focal_x, skew, centre_x), (_, focal_y, centre_y), _ = np.reshape(info.k, (3, 3)).tolist()
+    place_y = (place[1] - centre_y) / focal_y  # of K, OpenCV leaves the skew out
+    place_x = (place[0] - centre_x - skew * place_y) / focal_x
+    u, v = undistort(np.array([[[place_x, place_y]]]), np.eye(3), coefficients).ravel()
+    return 1e3 * atan2(u, 1.0), 1e3 * atan2(-v, hypot(u, 1.0)), min(focal_x, focal_y)
