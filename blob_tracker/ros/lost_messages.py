@@ -44,6 +44,7 @@ class LostMessages:
         self._size = 0  # bytes of a message
         self._taken = self._lost = self._late = 0  # so far
         self._last: tuple[int, int] | None = None  # number and time of the last message
+        self._backwards: deque[int] = deque(maxlen=2)  # when the numbers went back, ns
         # Since the publisher began: numbers that are missing, and what became of them.
         self._missing = self._missing_lost = self._missing_late = 0
         self._seconds: deque[tuple[int, int, int]] = deque([(0, 0, 0)], maxlen=WINDOW + 1)
@@ -67,11 +68,30 @@ class LostMessages:
         if number is None or sent_ns is None:  # not every middleware numbers them
             return
         if self._last is not None:
+            if number <= self._last[0]:
+                self._backwards.append(sent_ns)
             if 0 <= sent_ns - self._last[1] < SILENCE_NS:
                 self._missing += max(number - self._last[0] - 1, 0)
             else:
                 self._begin()
         self._last = number, sent_ns
+
+    @property
+    def mixed(self) -> bool:
+        """
+        Tell whether the messages of several publishers come in turns.
+
+        Each has numbers of its own, and they go back time and again; those of a publisher that is
+        started again do so once.
+        """
+        if self._last is None or len(self._backwards) < 2:
+            return False
+        return self._last[1] - self._backwards[0] < SILENCE_NS
+
+    def publishers(self) -> str:
+        """Return the names of the nodes that publish the topic."""
+        known = self._node.get_publishers_info_by_topic(self._topic)
+        return ', '.join(sorted({full_name(each) for each in known}))
 
     def _begin(self) -> None:
         """Begin with the numbers of a publisher."""

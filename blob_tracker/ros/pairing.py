@@ -6,7 +6,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from typing import TypeVar
 
-from blob_tracker.ros.health import Health, WARN
+from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.lost_messages import LostMessages
 from blob_tracker.ros.qos import IMAGE_IN, subscription
 from blob_tracker.ros.stamp import to_ns
@@ -128,6 +128,14 @@ class FramePairs:
 
     def _take_image(self, message: Image, information: Mapping[str, int | None]) -> None:
         self._lost.took(len(message.data), information)
+        if self._lost.mixed:
+            # What differs from one camera to the other flashes as a target does.
+            self._health.fault(
+                ERROR,
+                f'{self._topic}/image_raw: several nodes publish it ({self._lost.publishers()}), '
+                'and none of the images is used; stop all but one',
+            )
+            return
         self._pairing.image(message)
         if self._pairing.lonely_images >= DEPTH:
             self._say_lonely('image_raw', 'camera_info')
