@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import atan2, hypot
 
@@ -19,6 +20,7 @@ from processes import PATIENCE, Probe
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import CameraInfo, Image
 
+FRAMES = 12  # flashes enough to be sure of the target
 STEP_NS = 16_666_667
 FIELD_OF_VIEW = 40.0  # degrees
 # px that a right bearing may be off, and sigmas of its own covariance: random pixels in one of
@@ -103,22 +105,24 @@ class PlayedCamera:
         """Remember what was sent under a stamp."""
         self.sent.setdefault(stamp_ns, []).append(sent)
 
-    def discover(self) -> None:
+    def discover(self, before: Callable[[], None] = lambda: None) -> None:
         """Send flashes until the first bearing comes back: discovery has many ends."""
         count = iter(range(1, 10**9))
 
         def seen() -> bool:
+            before()
             self.send(next(count))
             self.node.spin(0.01)
             return bool(self.bearings)
 
         self.node.spin_until(seen, 3.0 * PATIENCE)  # several processes start at once
 
-    def flash(self, frames: int = 12) -> None:
+    def flash(self, before: Callable[[], None] = lambda: None) -> None:
         """Send frames, and again where an image was lost, until the last one has its bearing."""
         for _ in range(10):
             self.stamp_ns += 10**9  # nothing pairs with what came before
-            for index in range(1, frames + 1):
+            for index in range(1, FRAMES + 1):
+                before()
                 self.send(index)
                 self.node.spin(0.005)
             try:

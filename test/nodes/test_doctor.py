@@ -21,6 +21,8 @@ from blob_tracker.nodes.doctor.finding import error, Finding, Level, ok, warn
 from blob_tracker.nodes.doctor.report import as_json, Report, summary
 from blob_tracker.nodes.doctor.self_test import free_domain, judge, Run
 from blob_tracker.resources import config_path
+from blob_tracker.types import Frame
+import numpy as np
 import pytest
 
 DOCTOR = [sys.executable, '-m', 'blob_tracker', 'doctor']
@@ -348,10 +350,10 @@ def test_keystore(tmp_path: Path) -> None:
 
 def test_log_folder(tmp_path: Path) -> None:
     """Where it is, one that cannot be made, and a full disk."""
-    told(log_folder.check_log_folder({'ROS_LOG_DIR': '/proc/logs'}), Level.ERROR, '/proc/logs',
-         'no node can start', 'export ROS_LOG_DIR=')
+    told(log_folder.check_log_folder({'ROS_LOG_DIR': '/proc/logs'}), Level.WARN, '/proc/logs',
+         'without log files', 'export ROS_LOG_DIR=')
     (tmp_path / 'file').touch()
-    told(log_folder.check_log_folder({'ROS_LOG_DIR': str(tmp_path / 'file')}), Level.ERROR)
+    told(log_folder.check_log_folder({'ROS_LOG_DIR': str(tmp_path / 'file')}), Level.WARN)
     assert log_folder.log_folder({'ROS_HOME': '/r', 'HOME': '/h'}) == Path('/r/log')
     assert log_folder.log_folder({'HOME': '/h'}) == Path('/h/.ros/log')
     told([log_folder.judge_room(tmp_path, 5 * MIB)], Level.WARN, '5 MiB', 'make room')
@@ -458,6 +460,38 @@ def test_camera_that_may_not_be_opened(tmp_path: Path, monkeypatch: pytest.Monke
          'sudo usermod -aG video')
 
 
+@pytest.mark.parametrize('drops, level', [(0, Level.OK), (3, Level.WARN)])
+def test_frames_of_a_camera(
+    drops: int, level: Level, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Their size, rate and brightness, after what the device says of itself."""
+
+    class Stream:
+        width, height, pixel_format, saturation = 640, 480, 'YUYV', 235
+        stamp_ns = 0
+
+        def __init__(self, path: str) -> None:
+            self.drops = drops
+
+        def __enter__(self) -> Stream:
+            return self
+
+        def __exit__(self, *error: object) -> None:
+            pass
+
+        def read(self, timeout: float) -> Frame:
+            Stream.stamp_ns += 40_000_000
+            return Frame(np.full((480, 640), 99, np.uint8), Stream.stamp_ns, 235)
+
+    monkeypatch.setattr(videodev2, 'ioctl', Webcam(STREAMS, FORMATS))
+    monkeypatch.setattr(blob_tracker.capture, 'V4l2Camera', Stream)
+    device, stream = cameras.check_stream(f'{devices(tmp_path)}/video2')
+    assert device.level is Level.OK
+    assert stream.level is level
+    assert f'640x480 YUYV at 25.0 frames/s, {drops} lost' in stream.message
+    assert 'the brightest pixel 99 of 235 DN' in stream.message
+
+
 # The self-test
 
 
@@ -554,6 +588,14 @@ def test_real_nodes_pass_the_self_test() -> None:
     # Built without them, whatever else may change: docs say so.
     assert 'no security plugins' in next(
         f['message'] for f in findings if f['subject'] == 'security')
+
+
+def test_a_middleware_that_is_not_there_does_not_end_the_doctor() -> None:
+    """Whoever loads rclpy then is ended by it."""
+    result = run_doctor(RMW_IMPLEMENTATION='rmw_cyclonedds_cpp')
+    assert result.returncode == 1
+    assert 'ERROR  RMW' in result.stdout
+    assert '1 error, ' in result.stdout
 
 
 def test_where_there_is_no_ros(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import signal
 import time
 
-from blob_tracker.ros.stamp import to_ns
+from blob_tracker.ros.stamp import from_ns, to_ns
 from blob_tracker.simulation import FlashingLight
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Vector3Stamped
@@ -16,6 +16,7 @@ from processes import executable, Probe, probe, Process, start
 import pytest
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
+from rosgraph_msgs.msg import Clock
 
 SMALL = {'width': 160, 'height': 120, 'focal_length': 200.0}
 SCENE = FlashingLight(width=160, height=120, period=3.0)
@@ -36,16 +37,16 @@ class Truth:
         self.truths = node.record(Vector3Stamped, 'simulator/truth/bearing', 1000)
         self._node = node
 
-    def expect_right(self) -> None:
-        """Expect every bearing within 0.1 px, 8 sigma of the light, of the true one."""
+    def expect_right(self, within: float = 0.1) -> None:
+        """Expect every bearing within so many px, 8 sigma of the light, of the true one."""
         self._node.spin(0.1)
         true = {to_ns(m.header.stamp): m.vector for m in self.truths}
         for each in self.bearings:
             vector = true.get(to_ns(each.header.stamp))
             if vector is not None:
-                within = 0.1 / SMALL['focal_length'] * 1e3
-                assert abs(each.vector.x - vector.x) < within
-                assert abs(each.vector.y - vector.y) < within
+                most = within / SMALL['focal_length'] * 1e3
+                assert abs(each.vector.x - vector.x) < most
+                assert abs(each.vector.y - vector.y) < most
 
     def expect_new(self) -> None:
         """Wait for bearings of frames from now on."""
@@ -68,6 +69,7 @@ def test_any_node_that_is_killed_may_come_back(arrangement: str, domain: int) ->
             assert running[name].end(signal.SIGKILL) == -signal.SIGKILL
 
         truth = Truth(node)
+        diagnostics = node.record(DiagnosticArray, '/diagnostics')
         for name in wanted:
             begin(name)
         truth.expect_new()
@@ -82,19 +84,24 @@ def test_any_node_that_is_killed_may_come_back(arrangement: str, domain: int) ->
             begin(name)
         truth.expect_new()
         truth.expect_right()
+        # A node that was killed is in the graph for another 20 s.
+        assert not _said(diagnostics, ' nodes of the name ')
 
 
 # What takes the frames of a camera that the test plays.
-TAKERS = {'three processes': ('segmenter', 'locator'), 'pipeline': ('pipeline',)}
+TAKERS = {
+    'three processes': {'segmenter': {}, 'locator': {}},
+    'pipeline': {'pipeline': {'source': 'images'}},
+}
 
 
-def _start_takers(stack: ExitStack, arrangement: str, domain: int) -> list[Process]:
+def _start_takers(
+    stack: ExitStack, arrangement: str, domain: int, **parameters: object
+) -> list[Process]:
     """Start what finds the light in frames from elsewhere."""
     return [
-        stack.enter_context(
-            start(name, domain, **({'source': 'images'} if name == 'pipeline' else {}))
-        )
-        for name in TAKERS[arrangement]
+        stack.enter_context(start(name, domain, **own | parameters))
+        for name, own in TAKERS[arrangement].items()
     ]
 
 
@@ -205,3 +212,50 @@ def test_tracking_needs_no_room_for_logs(where: str, tmp_path: Path, domain: int
             assert it.end() == 0
         assert 'Traceback' not in it.output
         assert where != 'folder of the log files cannot be' or 'set ROS_LOG_DIR' in it.output
+
+
+@pytest.mark.parametrize('arrangement', TAKERS)
+def test_a_clock_that_jumps_is_named_and_forgotten(arrangement: str, domain: int) -> None:
+    """Back by an hour, forward by two, and back, as of bags that begin again."""
+    with probe(domain) as node, ExitStack() as stack:
+        processes = _start_takers(stack, arrangement, domain, use_sim_time='true')
+        camera = PlayedCamera(node, SCENE)
+        clock = node.create_publisher(Clock, '/clock', 10)
+        diagnostics = node.record(DiagnosticArray, '/diagnostics')
+
+        def tick() -> None:
+            clock.publish(Clock(clock=from_ns(camera.stamp_ns)))
+
+        camera.discover(tick)
+        camera.flash(tick)
+        for hours in (-1, 2, -1):
+            diagnostics.clear()
+            camera.stamp_ns += hours * 3600 * 10**9
+            camera.flash(tick)
+            if hours < 0:
+                node.spin_until(lambda: _said(diagnostics, 'the ROS clock jumped back by 3'))
+        camera.expect_right()
+        assert all(process.running for process in processes)
+
+
+@pytest.mark.parametrize('arrangement', TAKERS)
+def test_two_cameras_on_one_topic_are_both_named(arrangement: str, domain: int) -> None:
+    """What differs between their pictures is no target: no bearing while both publish."""
+    with probe(domain) as node, ExitStack() as stack:
+        processes = _start_takers(stack, arrangement, domain)
+        diagnostics = node.record(DiagnosticArray, '/diagnostics')
+        truth = Truth(node)
+        for seed, name in enumerate(('left', 'right')):
+            stack.enter_context(
+                start('simulator', domain, '-r', f'__node:={name}', seed=seed, **SMALL)
+            )
+            if name == 'left':
+                truth.expect_new()
+        sentence = 'several nodes publish it (/left, /right), and none of the images is used'
+        node.spin_until(lambda: _said(diagnostics, sentence))
+        # The first frame of the other one was taken as the unlit half: texture about the light.
+        truth.expect_right(within=1.0)
+        truth.bearings.clear()
+        node.spin(1.0)
+        assert not truth.bearings
+        assert all(process.running for process in processes)

@@ -7,7 +7,7 @@ from functools import partial
 import os
 from pathlib import Path
 
-from blob_tracker.nodes.doctor.finding import error, Finding, ok, warn
+from blob_tracker.nodes.doctor.finding import error, Finding, Level, ok, warn
 
 DEVICES = Path('/dev')
 PROCESSES = Path('/proc')
@@ -124,9 +124,13 @@ def opened_by(path: str, processes: Path = PROCESSES) -> list[str]:
 
 
 def check_stream(path: str) -> Iterator[Finding]:
-    """Read frames from one camera, with the settings that its driver has."""
+    """Look at one camera, and read frames from it with the settings that its driver has."""
     from blob_tracker.capture import CaptureError, V4l2Camera
 
+    for finding in check_camera(path):
+        yield finding
+        if finding.level is Level.ERROR:
+            return
     count = 0
     try:
         with V4l2Camera(path) as camera:

@@ -107,7 +107,9 @@ def _import_failure(rclpy: Path) -> str:
         capture_output=True,
         text=True,
         timeout=IMPORT_TIMEOUT,
-        env={**os.environ, 'PYTHONPATH': path.strip(os.pathsep)},
+        # One that is not installed ends each process that loads rclpy; that has its own check.
+        env={name: value for name, value in os.environ.items() if name != 'RMW_IMPLEMENTATION'}
+        | {'PYTHONPATH': path.strip(os.pathsep)},
     )
     if result.returncode == 0:
         return ''

@@ -1,4 +1,4 @@
-"""The folder that nodes log to: one that they cannot make ends them."""
+"""The folder that nodes log to."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 import shutil
 
-from blob_tracker.nodes.doctor.finding import error, Finding, ok, warn
+from blob_tracker.nodes.doctor.finding import Finding, ok, warn
 
 MIB = 2**20
 LITTLE = 100 * MIB
@@ -26,7 +26,7 @@ def check_log_folder(environment: Mapping[str, str]) -> Iterator[Finding]:
     folder = log_folder(environment)
     there = next((path for path in (folder, *folder.parents) if path.exists()), Path('/'))
     if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK) or _is_kernel(there):
-        yield error(
+        yield warn(
             'log folder',
             f'{folder} cannot be written to ({there} is not for you): nodes run without log files',
             'name another',

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import os
 from pathlib import Path
 import random
+import re
 import subprocess
 import sys
 import tempfile
@@ -32,7 +33,9 @@ BUDGET = 0.05  # px rms: what the thesis wanted (section 2.1)
 FRAME = 1.0 / 60.0  # s from one frame of the simulator to the next
 SLOW = 0.9  # of the frame rate: below it something takes the time away
 TOLERATED = 0.02  # share of lit frames that may be lost
+COLOUR = re.compile(r'\x1b\[[0-9;]*m')
 LAST_DOMAIN = 101  # the ports of the next run into those that Linux gives to anybody
+NO_LOGS = ['--ros-args', '--disable-external-lib-logs']  # their folder has its own check
 COMPILE = (
     'from blob_tracker import location, segmentation; '
     "location.compile_ahead(['maximum_likelihood']); segmentation.compile_ahead()"
@@ -166,7 +169,7 @@ def track(environment: Mapping[str, str], folder: Path | None) -> Run:
         os.environ.clear()  # rclpy and Fast DDS read that of the process
         os.environ.update(own)
         context = Context()
-        rclpy.init(context=context, domain_id=domain)
+        rclpy.init(args=NO_LOGS, context=context, domain_id=domain)
         monitor = Monitor(NAMESPACE, context)
         executor = SingleThreadedExecutor(context=context)
         executor.add_node(monitor)
@@ -178,9 +181,9 @@ def track(environment: Mapping[str, str], folder: Path | None) -> Run:
                     )
                     for node in NODES
                 }
-                fault = _listen(executor, monitor, processes)
+                fault = _listen(executor, monitor, processes, logs)
             if fault:
-                return Run(domain, f'{fault}{_last_words(logs)}')
+                return Run(domain, fault)
             return _compare(domain, monitor)
         finally:
             monitor.destroy_node()
@@ -197,6 +200,7 @@ def _listen(
     executor: SingleThreadedExecutor,
     monitor: Monitor,
     processes: Mapping[str, subprocess.Popen[bytes]],
+    logs: Path,
 ) -> str:
     """Take what the nodes publish from the first bearing on; return what went wrong, or ''."""
     end = time.monotonic() + STARTUP
@@ -205,12 +209,13 @@ def _listen(
         executor.spin_once(timeout_sec=max(end - time.monotonic(), 0.0))
         for node, process in processes.items():
             if process.poll() is not None:
-                return f'the {node} ended with exit code {process.returncode}'
+                words = _last_words(logs, node)
+                return f'the {node} ended with exit code {process.returncode}{words}'
         if not tracking and monitor.bearing is not None:
             tracking = True
             monitor.forget()  # the nodes have found each other, one after the other
             end = time.monotonic() + SECONDS + LATE
-    return '' if tracking else f'no bearing came within {STARTUP:.0f} s'
+    return '' if tracking else f'no bearing came within {STARTUP:.0f} s{_last_words(logs)}'
 
 
 def _compare(domain: int, monitor: Monitor) -> Run:
@@ -235,10 +240,10 @@ def _compare(domain: int, monitor: Monitor) -> Run:
     )
 
 
-def _last_words(logs: Path) -> str:
-    """Return the last line that each node has logged."""
+def _last_words(logs: Path, node: str = '*') -> str:
+    """Return the last line that a node, or each, has logged."""
     words = ''
-    for log in sorted(logs.glob('*.log')):
-        lines = log.read_text(errors='replace').strip().splitlines()
+    for log in sorted(logs.glob(f'{node}.log')):
+        lines = COLOUR.sub('', log.read_text(errors='replace')).strip().splitlines()
         words += f'; {log.stem}: {lines[-1] if lines else "says nothing"}'
     return words
