@@ -25,10 +25,14 @@ for _ in range(os.getppid() % 100):
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Have whatever starts nodes run one after the other, beside what only computes."""
     folder = Path(__file__).parent
+    with_nodes = set()
     for item in items:
         room = item.path.relative_to(folder).parts[0]
         if room in ('examples', 'nodes', 'vm') or 'domain' in getattr(item, 'fixturenames', ()):
             item.add_marker(pytest.mark.xdist_group('nodes'))
+            with_nodes.add(item)
+    # They take longest: they begin, and the rest runs meanwhile.
+    items.sort(key=lambda item: item not in with_nodes)
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import re
 from typing import Any
 
 from blob_tracker.resources import config_path
-from processes import probe, Probe, start
+from processes import Probe, probe, start
 import pytest
 from rclpy.qos import (
     DurabilityPolicy,
