@@ -68,7 +68,10 @@ def topics(interfaces: Iterable[Interface]) -> str:
     }
     rows = []
     for name, topic in published.items():
-        sources = [each.node for each in interfaces if topic in each.published]
+        sources = [
+            each.node for each in interfaces
+            if name in (each.resolved(own.name) for own in each.published)
+        ]
         readers = [each.node for each in interfaces if topic in each.subscribed]
         way = 'all' if name.startswith('/') else ', '.join(sources)
         if readers:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 import itertools
 import os
-from pathlib import Path
+from typing import Any
 
 from blob_tracker.resources import config_path
 import pytest
@@ -22,17 +22,19 @@ for _ in range(os.getppid() % 100):
     next(_DOMAINS)
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     """Have whatever starts nodes run one after the other, beside what only computes."""
-    folder = Path(__file__).parent
-    with_nodes = set()
-    for item in items:
-        room = item.path.relative_to(folder).parts[0]
-        if room in ('examples', 'nodes', 'vm') or 'domain' in getattr(item, 'fixturenames', ()):
-            item.add_marker(pytest.mark.xdist_group('nodes'))
-            with_nodes.add(item)
-    # They take longest: they begin, and the rest runs meanwhile.
-    items.sort(key=lambda item: item not in with_nodes)
+    from xdist.scheduler import LoadScopeScheduling
+
+    class NodesTogether(LoadScopeScheduling):
+        """One process gets the tests of these folders, which take longest and so begin."""
+
+        def _split_scope(self, nodeid: str) -> str:
+            room = nodeid.removeprefix('test/').partition('/')[0]
+            return 'nodes' if room in ('examples', 'nodes', 'vm') else nodeid
+
+    return NodesTogether(config, log)
 
 
 @pytest.fixture

@@ -82,7 +82,7 @@ def test_executables_and_their_parameters_exist() -> None:
         known = {each.name for name in _within(node) for each in interface_of(name).parameters}
         for word in rest:
             name, assigned, _ = word.partition(':=')
-            if assigned and not name.startswith('__'):
+            if assigned and not name.startswith(('__', 'qos_overrides.')):
                 assert name in known, quote
     for quote in quotes(r'ros2 param \w+ (/\w+[^\n`|]*)'):
         node, *rest = words(quote.text)
@@ -113,7 +113,7 @@ def test_topics_and_services_exist() -> None:
     topics, services = set(), {}
     for interface in map(interface_of, NODES):
         topics |= {'/' + interface.resolved(each.name).lstrip('/') for each in interface.published}
-        services |= {'/' + each.name: each.type for each in interface.services}
+        services |= {'/' + each.name: each.kind for each in interface.services}
     for quote in quotes(r'ros2 topic \w+ (/[\w/]+)') + quotes(r'rqt_image_view (/[\w/]+)'):
         assert quote.text in topics, quote
     for quote in quotes(r'ros2 service call (/\S+ [\w/]+)'):

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Sequence
 
 from blob_tracker.ros.health import Health, WARN
 from blob_tracker.ros.qos import OVERRIDABLE
-from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import (
@@ -52,10 +51,7 @@ class Connections:
         self._node = node
         self._health = health
         self._twice: dict[str, int] = {}  # checks in which a topic had several publishers
-        # Wall time: with use_sim_time and no /clock there would be no check that says so.
-        self._timer = node.create_timer(
-            1.0, self._check, clock=Clock(clock_type=ClockType.STEADY_TIME)
-        )
+        health.watch(self._check)
 
     def _check(self) -> None:
         """Look at the other end of each topic."""

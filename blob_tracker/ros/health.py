@@ -64,6 +64,7 @@ class Health:
         self._idle = idle
         self._slowed = slowed
         self._describe = describe
+        self._checks: list[Callable[[], None]] = []
         self._timing = Timing()
         self._usual_rate = UsualRate()
         self._load = Load()
@@ -76,6 +77,10 @@ class Health:
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._publisher = publisher(node, DiagnosticArray, '/diagnostics', RESULT)
         self._timer = node.create_timer(PERIOD, self._publish, clock=self._clock)
+
+    def watch(self, check: Callable[[], None]) -> None:
+        """Have a check report what it finds at the end of each second: what lasts is in each."""
+        self._checks.append(check)
 
     def arrived(self, stamp_ns: int) -> None:
         """Take note of a frame or window that came in, by its stamp in ns."""
@@ -145,17 +150,18 @@ class Health:
         with self._lock:
             figures = self._timing.figures(time.monotonic_ns())
         self._show(figures)
-        if self._messages:
+        silent = not self._messages
+        for check in self._checks:
+            check()
+        if not silent:
             self._watch(figures)
             self._describe()
-        if not self._messages:
-            self._patience -= 1
-            if self._patience >= 0:
-                self.ok('waiting')
-            else:
-                self.fault(WARN, self._idle)
-        else:
             self._patience = 0
+        elif self._patience > 0:
+            self._patience -= 1
+            self.ok('waiting')
+        else:
+            self.fault(WARN, self._idle)
         with self._lock:
             level, messages, values = self._level, self._messages, dict(self._values)
             self._level, self._messages = OK, {}

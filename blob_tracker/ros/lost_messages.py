@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from blob_tracker.ros.connections import full_name
 from blob_tracker.ros.health import Health, WARN
 from blob_tracker.ros.shared_memory import environment_of, export, same_host, segment_size
-from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import QoSMessageLostInfo
 from rclpy.node import Node
 from rclpy.utilities import get_rmw_implementation_identifier
@@ -48,10 +47,7 @@ class LostMessages:
         # Since the publisher began: numbers that are missing, and what became of them.
         self._missing = self._missing_lost = self._missing_late = 0
         self._seconds: deque[tuple[int, int, int]] = deque([(0, 0, 0)], maxlen=WINDOW + 1)
-        # Wall time: with use_sim_time a paused bag must not silence a node.
-        self._timer = node.create_timer(
-            1.0, self._tell, clock=Clock(clock_type=ClockType.STEADY_TIME)
-        )
+        health.watch(self._tell)
 
     def lost(self, event: QoSMessageLostInfo) -> None:
         """Take the middleware's word for messages that were lost on the way."""

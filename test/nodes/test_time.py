@@ -110,7 +110,7 @@ def test_a_bag_gives_the_same_however_it_is_played(domain: int) -> None:
 
         with start('pipeline', domain, *REPLAY, source='images') as pipeline:
             node.spin_until(lambda: node.count_subscribers('camera/image_raw'))
-            third = play(node, domain, 'flash_mcap', '--rate', '1')
+            third = play(node, domain, 'flash_mcap', '--rate', '1.5')
             fourth = play(node, domain, 'flash_sqlite3', '--rate', '10')
         assert 'camera/image_raw: the stamps jumped back by ' in pipeline.output
     assert len(first['target/ray']) == LOCATED
@@ -126,7 +126,7 @@ def test_three_processes_give_what_the_pipeline_gave(domain: int) -> None:
         images = node.record(Image, 'camera/image_raw')
         infos = node.record(CameraInfo, 'camera/camera_info')
         with start(
-            'pipeline', domain, source='simulator', width=200, height=150, rate=30.0
+            'pipeline', domain, source='simulator', width=200, height=150, rate=60.0
         ):
             node.spin_until(lambda: len(images) >= 90 and len(infos) >= 90)
         pipeline = results(node)

@@ -10,8 +10,11 @@ from blob_tracker.ros.qos import IMAGE_IN, IMAGE_OUT, publisher, subscription
 import pytest
 import rclpy
 from rclpy.context import Context
+from rclpy.executors import Executor, SingleThreadedExecutor
+from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, ReliabilityPolicy
+from rclpy.task import Future
 from sensor_msgs.msg import Image
 
 
@@ -69,3 +72,28 @@ def test_an_impossible_override_is_refused(
         with pytest.raises(ParameterError, match='qos_overrides') as raised:
             publisher(node, Image, 'frames', IMAGE_OUT)
     assert sentence in str(raised.value)
+
+
+@pytest.mark.parametrize('make', [SingleThreadedExecutor, EventsExecutor])
+def test_a_message_comes_with_what_the_middleware_says_of_it(
+    make: type[Executor], domain: int
+) -> None:
+    """In either executor, of which one hands them over in another way."""
+    with node_with(domain) as node:
+        numbers: list[int] = []
+        done = Future()
+
+        def take(message: Image, information: dict[str, int]) -> None:
+            numbers.append(information['publication_sequence_number'])
+            if len(numbers) == 3:
+                done.set_result(None)
+
+        subscription(node, Image, 'frames', take, IMAGE_IN, lambda event: None)
+        images = publisher(node, Image, 'frames', IMAGE_OUT)
+        node.create_timer(0.05, lambda: images.publish(Image()))
+        executor = make(context=node.context)
+        executor.add_node(node)
+        executor.spin_until_future_complete(done, 20.0)
+        executor.shutdown()
+    first = numbers[0]
+    assert numbers == [first, first + 1, first + 2]

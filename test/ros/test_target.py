@@ -58,5 +58,5 @@ def test_noise_there_and_back() -> None:
     ):
         wrong = noise_message(SensorNoise(3.5, 1.2), 1, 'optical')
         setattr(wrong.vector, field, value)
-        with pytest.raises(MessageError, match='must be finite, the gain above 0'):
+        with pytest.raises(MessageError, match='must be from 0.001 to 1e.06, from 0 to 10000'):
             to_noise(wrong)
