@@ -44,6 +44,12 @@ def run(
 
     """
     prepare()
+    # Before ROS is there, so that a signal still ends it at once. What has been loaded stays: no
+    # collection need look at it again. None ran meanwhile, see nodes/start.py.
+    gc.collect()
+    gc.freeze()
+    # rclpy looks for who logs among all modules, the first time for 50 ms: not with a fault.
+    inspect.getframeinfo(sys._getframe())
     try:
         _initialise()
     except Exception as error:  # rclpy raises private types of its C layer here
@@ -63,13 +69,10 @@ def run(
                 return 0
             say(f'the node cannot be made: {error}')
             return WRONG_USE
-        # rclpy looks for who logs among all modules, the first time for 50 ms: not with a fault.
-        inspect.getframeinfo(sys._getframe())
-        # What is there now stays: no collection need look at it again. None ran while it was
-        # loaded (see nodes/start.py), as most of that time would go into looking.
-        gc.collect()
         gc.freeze()
         gc.enable()
+        if not rclpy.ok():  # a signal came: no executor can be made any more
+            return 0
         executor = _executor(nodes)
         for node in nodes:
             executor.add_node(node)
