@@ -23,7 +23,8 @@ for _ in range(os.getppid() % 100):
 
 # What starts nodes in processes, by the beginning of its path in here.
 WITH_PROCESSES = (
-    'benchmarks/test_latency', 'examples', 'nodes', 'test_launch', 'test_security', 'test_views', 'vm',
+    'benchmarks/test_latency', 'examples', 'nodes', 'test_launch', 'test_security', 'test_views',
+    'vm',
 )
 
 
