@@ -256,7 +256,7 @@ def run(plan: Plan, tick: Tick) -> Figures:
         starts.append([_start(way) for way in (THREE, ONE)])
     with ExitStack() as stack:
         nodes = Nodes(stack, tick)
-        rounds = [nodes.round(plan.seconds, index) for index in range(plan.rounds)]
+        rounds = [nodes.one_round(plan.seconds, index) for index in range(plan.rounds)]
         small, usual, three, one = ([each[place] for each in rounds] for place in range(4))
         rows = [
             row(HOP, SMALL, 60.0, small),
@@ -303,7 +303,7 @@ class Nodes:
     def _all(self) -> dict[str, Process]:
         return {**self._three, 'pipeline': self._one}
 
-    def round(self, seconds: float, index: int) -> list[Stream]:
+    def one_round(self, seconds: float, index: int) -> list[Stream]:
         """Walk both hops and both ways once at 60 Hz."""
         self._tick(f'ways and bare hops at 60 Hz, round {index + 1}')
         streams = [

@@ -182,9 +182,9 @@ def _last(diagnostics: list[DiagnosticArray], node: str, key: str) -> str:
 # How a node starts ("$@") where its logs find no room; {} is a folder.
 NO_ROOM = {
     # In a mount namespace of its own, which needs no privilege where the kernel allows that.
-    'disk of the log files is full': 'exec unshare --user --map-root-user --mount sh -c \''
-    'mount -t tmpfs -o size=64k tmpfs {0}; head -c 1M /dev/zero > {0}/full; '
-    'ROS_LOG_DIR={0} exec "$@"\' sh "$@"',
+    'disk of the log files is full': 'exec unshare --user --map-root-user --mount sh -c '
+    '"mount -t tmpfs -o size=64k tmpfs {0}; head -c 1M /dev/zero > {0}/full; '
+    'ROS_LOG_DIR={0} exec \\"\\$@\\"" sh "$@"',
     'folder of the log files cannot be': 'touch {0}/file; ROS_LOG_DIR={0}/file/x exec "$@"',
     'terminal is a file on a full disk': 'exec "$@" > /dev/full 2>&1',
 }

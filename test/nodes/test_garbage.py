@@ -235,7 +235,8 @@ SETTINGS = settings(
     derandomize=True,
     database=None,
     deadline=None,
-    phases=[Phase.explicit, Phase.generate],  # the nodes remember: no batch can be tried again by itself
+    # The nodes remember: no batch can be tried again by itself.
+    phases=[Phase.explicit, Phase.generate],
     suppress_health_check=list(HealthCheck),
 )
 

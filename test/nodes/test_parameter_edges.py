@@ -77,7 +77,7 @@ class Edges:
         for client in self._setters.values():
             node.spin_until(client.service_is_ready)
 
-    def set(self, name: str, **values: Any) -> SetParametersResult:
+    def put(self, name: str, **values: Any) -> SetParametersResult:
         """Set one parameter and return the answer; the node must give one."""
         request = SetParameters.Request()
         request.parameters = [
@@ -96,13 +96,13 @@ class Edges:
             parameter.default
         )
         for value, taken in _edges(parameter):
-            result = self.set(name, **{parameter.name: value})
+            result = self.put(name, **{parameter.name: value})
             assert all(each.running for each in self.processes), (parameter.name, value)
             if taken is not None:
                 assert result.successful is taken, (parameter.name, value, result.reason)
             assert result.successful or len(result.reason) > 20, (parameter.name, value)
             self.node.spin(0.04)  # frames of it
-        result = self.set(name, **{parameter.name: default})
+        result = self.put(name, **{parameter.name: default})
         assert result.successful, (parameter.name, result.reason)
 
     def expect_right(self, within: float) -> None:
