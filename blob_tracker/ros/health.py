@@ -89,8 +89,8 @@ class Health:
         So that this need not keep what came waiting, it may be told later that it came at a
         monotonic time, ns.
         """
-        age = self._node.get_clock().now().nanoseconds - stamp_ns
         now_ns = time.monotonic_ns()
+        age = self._node.get_clock().now().nanoseconds - stamp_ns
         came_ns = now_ns if came_ns is None else came_ns
         with self._lock:
             self._timing.arrived(came_ns, age - (now_ns - came_ns))
