@@ -7,6 +7,7 @@ from functools import partial
 from inspect import signature
 import sys
 from threading import Lock
+import time
 from typing import Any
 
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
@@ -180,11 +181,12 @@ class LocatorNode(Node):
 
     def locate(self, light: str, window: Window, info: CameraInfo, frame_id: str) -> None:
         """Place the blob of a window and publish its direction, or nothing at all."""
-        self._health.arrived(window.stamp_ns)
+        came_ns = time.monotonic_ns()
         with self._lock:
             if light not in self._targets:  # handed over in memory
                 self._targets[light] = BearingTopics(self, target_topic(light))
             self._locate(light, window, info, frame_id)
+        self._health.arrived(window.stamp_ns, came_ns)
 
     def _locate(self, light: str, window: Window, info: CameraInfo, frame_id: str) -> None:
         try:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection
 from functools import partial
 import sys
 from threading import Lock
+import time
 from typing import Any
 
 from blob_tracker.calibration.noise_level_function import NoiseLevelFunction
@@ -209,10 +210,11 @@ class SegmenterNode(Node):
 
     def segment(self, frame: Frame, info: CameraInfo, frame_id: str) -> None:
         """Look for the lights in the next frame; publish the window of each that is there."""
-        self._health.arrived(frame.stamp_ns)
-        self._losses.add(self._gaps.missing(frame.stamp_ns))
+        came_ns = time.monotonic_ns()
         with self._lock:
             self._segment(clipping_frame(frame, self._saturation), info, frame_id)
+        self._health.arrived(frame.stamp_ns, came_ns)
+        self._losses.add(self._gaps.missing(frame.stamp_ns))
 
     def _segment(self, frame: Frame, info: CameraInfo, frame_id: str) -> None:
         late_ns = self._newest_ns - frame.stamp_ns

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+import time
 
 from blob_tracker.ros import health as health_module
 from blob_tracker.ros.health import ERROR, Health, OK, WARN
@@ -61,8 +62,10 @@ def test_rate_age_and_latency_are_shown(domain: int) -> None:
 
         def feed() -> None:
             now_ns = node.get_clock().now().nanoseconds
-            health.arrived(now_ns - 20_000_000)
+            came_ns = time.monotonic_ns()
             health.left(now_ns - 30_000_000)
+            time.sleep(0.01)  # it is told of what came after the work on it
+            health.arrived(now_ns - 20_000_000, came_ns)
 
         values = shown(node, heard, feed)
         assert 20.0 < float(values['rate (Hz)']) <= 100.0
