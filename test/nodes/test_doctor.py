@@ -356,7 +356,7 @@ def test_log_folder(tmp_path: Path) -> None:
     told(log_folder.check_log_folder({'ROS_LOG_DIR': str(tmp_path / 'file')}), Level.WARN)
     assert log_folder.log_folder({'ROS_HOME': '/r', 'HOME': '/h'}) == Path('/r/log')
     assert log_folder.log_folder({'HOME': '/h'}) == Path('/h/.ros/log')
-    told([log_folder.judge_room(tmp_path, 5 * MIB)], Level.WARN, '5 MiB', 'make room')
+    told([log_folder.judge_room(tmp_path, 5 * MIB)], Level.WARN, '5 MiB', 'make room', 'du -sh')
     told([log_folder.judge_room(tmp_path, 2**30)], Level.OK, '1.0 GiB')
 
 
