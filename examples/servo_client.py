@@ -23,7 +23,7 @@ class ServoClient(Node):
     def __init__(self):
         super().__init__('servo_client')
         # Part of each bearing that is turned, pan and tilt; negative for a joint that turns left
-        # or down. Up to 4/27 = 0.148 nothing overshoots that shows a command two bearings later.
+        # or down. Up to 4/27 = 0.148 nothing overshoots with two frames of delay.
         self.gain = np.array(self.declare_parameter('gain', [0.14, 0.14]).value)
         self.dead_band = self.declare_parameter('dead_band', 0.2).value  # mrad: the noise's peaks
         self.speed = self.declare_parameter('speed', 1.0).value  # rad/s, at most
@@ -47,10 +47,11 @@ class ServoClient(Node):
         fresh = abs(self.now() - stamp) <= self.lost_after
         if not (self.visible and fresh and np.isfinite(error).all()):
             return
-        elapsed, self.stamp = stamp - self.stamp, stamp
+        elapsed = stamp - self.stamp
+        self.stamp = stamp
         if 0.0 < elapsed <= self.lost_after:  # else it is the first after a loss: no speed yet
-            turn = np.where(np.abs(error) > self.dead_band, 1e-3 * self.gain * error, 0.0)
-            self.turn(turn, elapsed)
+            step = np.where(np.abs(error) > self.dead_band, 1e-3 * self.gain * error, 0.0)
+            self.turn(step, elapsed)
 
     def see(self, visible):
         """Hold still from the moment that the target is lost: nothing but this flag changes."""
@@ -61,10 +62,10 @@ class ServoClient(Node):
         if self.now() - self.stamp > self.home_after:
             self.turn(-self.angle, PERIOD)
 
-    def turn(self, turn, elapsed):
-        """Command the angles that the turn leads to, within speed and limit."""
-        turn = np.clip(turn, -self.speed * elapsed, self.speed * elapsed)
-        angle = np.clip(self.angle + turn, -self.limit, self.limit)
+    def turn(self, step, elapsed):
+        """Command the angles that the step leads to, within speed and limit."""
+        step = np.clip(step, -self.speed * elapsed, self.speed * elapsed)
+        angle = np.clip(self.angle + step, -self.limit, self.limit)
         if np.isfinite(angle).all() and (angle != self.angle).any():
             self.angle = angle
             command = JointState(name=['pan', 'tilt'], position=angle.tolist())

@@ -55,6 +55,7 @@ STARTS: dict[str, dict[str, object]] = {
     'locator': {},
     'simulator': {},
     'pipeline': {'device': '/dev/no_such_camera'},
+    'pipeline_simulator': {'source': 'simulator'},
     'pipeline_images': {'source': 'images'},
 }
 # What opens each topic that is not there at the start.
@@ -169,7 +170,7 @@ def change(observer: Probe, node: str, namespace: str, values: dict[str, Any]) -
     assert answer.result.successful, answer.result.reason
 
 
-@pytest.mark.timeout(180)  # six processes start at once
+@pytest.mark.timeout(180)  # seven processes start at once
 def test_each_node_has_what_the_policy_allows_and_nothing_else(domain: int) -> None:
     """Topics, services and clients of every node, with all that is conditional opened."""
     profiles = [(enclave, profile) for enclave, element in enclaves()

@@ -18,6 +18,7 @@ EXIT = 10.0  # s
 PATIENCE = 60.0  # s
 TICK = os.sysconf('SC_CLK_TCK')
 MB = 1e6
+LAST_WORDS = 2000  # bytes
 
 
 def environment() -> dict[str, str]:
@@ -47,7 +48,7 @@ class Process:
 
     def __init__(self, module: str, *arguments: str) -> None:
         self._name = ' '.join((module, *arguments))
-        self._words = TemporaryFile('w+')
+        self._words = TemporaryFile()
         self._popen = subprocess.Popen(
             [sys.executable, '-m', f'benchmarks.latency.{module}', *arguments],
             env=environment(), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._words,
@@ -83,8 +84,10 @@ class Process:
 
     def _said(self) -> str:
         """Return the end of what it wrote for people."""
-        self._words.seek(0)
-        return self._words.read()[-2000:]
+        # Not seek and read: the process writes at the same offset of the file as we would read at.
+        descriptor = self._words.fileno()
+        begin = max(os.fstat(descriptor).st_size - LAST_WORDS, 0)
+        return os.pread(descriptor, LAST_WORDS, begin).decode(errors='replace')
 
     def interrupt(self) -> None:
         """Press Ctrl-C."""

@@ -24,6 +24,7 @@ from blob_tracker.resources import config_path
 from blob_tracker.types import Frame
 import numpy as np
 import pytest
+import rclpy
 
 DOCTOR = [sys.executable, '-m', 'blob_tracker', 'doctor']
 MIB = 2**20
@@ -357,7 +358,7 @@ def test_log_folder(tmp_path: Path) -> None:
     told(log_folder.check_log_folder({'ROS_LOG_DIR': str(tmp_path / 'file')}), Level.WARN)
     assert log_folder.log_folder({'ROS_HOME': '/r', 'HOME': '/h'}) == Path('/r/log')
     assert log_folder.log_folder({'HOME': '/h'}) == Path('/h/.ros/log')
-    told([log_folder.judge_room(tmp_path, 5 * MIB)], Level.WARN, '5 MiB', 'make room')
+    told([log_folder.judge_room(tmp_path, 5 * MIB)], Level.WARN, '5 MiB', 'make room', 'du -sh')
     told([log_folder.judge_room(tmp_path, 2**30)], Level.OK, '1.0 GiB')
 
 
@@ -451,12 +452,19 @@ def test_camera_that_may_not_be_opened(tmp_path: Path, monkeypatch: pytest.Monke
     """The group to join is named."""
     folder = devices(tmp_path)
     os.chmod(folder / 'video2', 0o660)
-    os.chown(folder / 'video2', 0, 44)
+    stat = os.stat  # making it root's takes root
 
     def refuse(path: str, flags: int) -> int:
         raise PermissionError(errno.EACCES, 'Permission denied')
 
+    def of_root_and_video(path: str, **options: Any) -> os.stat_result:
+        status = stat(path, **options)
+        if str(path) != f'{folder}/video2':
+            return status
+        return os.stat_result((*status[:4], 0, 44, *status[6:]))
+
     monkeypatch.setattr(capture_device.os, 'open', refuse)
+    monkeypatch.setattr(capture_device.os, 'stat', of_root_and_video)
     told(cameras.check_cameras(folder, tmp_path), Level.ERROR, 'permission denied',
          'sudo usermod -aG video')
 
@@ -586,17 +594,18 @@ def test_real_nodes_pass_the_self_test() -> None:
     for subject in ('Python', 'libraries', 'ROS', 'RMW', 'package', 'kernels', 'shared memory',
                     'Fast DDS', 'discovery', 'security', 'log folder', 'camera'):
         assert [f for f in findings if f['subject'] == subject], subject
-    # Built without them, whatever else may change: docs say so.
-    assert 'no security plugins' in next(
+    library = profile.fast_dds(installation.library_folders(os.environ, Path(rclpy.__file__)))
+    assert f'has {"the" if security.has_security(library) else "no"} security plugins' in next(
         f['message'] for f in findings if f['subject'] == 'security')
 
 
 def test_a_middleware_that_is_not_there_does_not_end_the_doctor() -> None:
     """Whoever loads rclpy then is ended by it."""
-    result = run_doctor(RMW_IMPLEMENTATION='rmw_cyclonedds_cpp')
+    result = run_doctor(RMW_IMPLEMENTATION='rmw_no_such_cpp')
     assert result.returncode == 1
     assert 'ERROR  RMW' in result.stdout
     assert '1 error, ' in result.stdout
+    assert 'left out: no node can run here; see RMW above' in result.stdout
 
 
 def test_where_there_is_no_ros(tmp_path: Path) -> None:

@@ -8,8 +8,9 @@ has to work where ROS, or a library, is missing.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import nullcontext
+from functools import partial
 from importlib import metadata
 from importlib.util import find_spec
 import os
@@ -19,9 +20,9 @@ import blob_tracker
 from blob_tracker.nodes.doctor.cameras import check_cameras, check_stream
 from blob_tracker.nodes.doctor.compiled import check_compiled
 from blob_tracker.nodes.doctor.discovery import check_domain, check_multicast, check_range
-from blob_tracker.nodes.doctor.finding import error, Finding, Level
+from blob_tracker.nodes.doctor.finding import error, Finding, Level, warn
 from blob_tracker.nodes.doctor.installation import (
-    check_package, check_rmw, check_ros, installed_at, library_folders,
+    check_package, check_rmw, check_ros, DEFAULT_RMW, installed_at, library_folders,
 )
 from blob_tracker.nodes.doctor.log_folder import check_log_folder
 from blob_tracker.nodes.doctor.profile import check_profile, fast_dds
@@ -56,7 +57,7 @@ def main(arguments: argparse.Namespace) -> int:
     Returns
     -------
     int
-        0 where nothing is an error, else 1.
+        0 where nothing is an error, 1 where something is, 130 after Ctrl-C.
 
     """
     findings: list[Finding] = []
@@ -65,7 +66,7 @@ def main(arguments: argparse.Namespace) -> int:
         for subject, check in checks(arguments.device, not arguments.no_self_test):
             wrong = {finding.subject for finding in findings if finding.level is Level.ERROR}
             if subject == SELF_TEST and wrong & {'ROS', 'RMW'}:
-                continue  # rclpy would end this process
+                check = partial(_left_out, wrong)  # rclpy would end this process
             with nullcontext() if arguments.json else report.looking_at(subject):
                 found = list(examined(subject, check))
             findings += found
@@ -109,7 +110,8 @@ def checks(device: str | None, self_test: bool) -> Iterator[tuple[str, Check]]:
     yield 'kernels', lambda: check_compiled(environment, elsewhere)
     if rclpy is not None:
         yield 'shared memory', check_shared_memory
-        yield 'Fast DDS', lambda: check_profile(environment, config_path('fastdds.xml'))
+        rmw = environment.get('RMW_IMPLEMENTATION') or DEFAULT_RMW
+        yield 'Fast DDS', lambda: check_profile(environment, config_path('fastdds.xml'), rmw)
         yield 'discovery', lambda: check_domain(environment)
         yield 'discovery', lambda: check_range(environment)
         yield 'multicast', lambda: check_multicast(environment)
@@ -119,8 +121,14 @@ def checks(device: str | None, self_test: bool) -> Iterator[tuple[str, Check]]:
         yield 'camera', check_cameras
     else:
         yield 'camera', lambda: check_stream(device)
-    if self_test and rclpy is not None:
+    if self_test:
         yield SELF_TEST, lambda: _check_tracking(environment)
+
+
+def _left_out(wrong: Collection[str]) -> Iterator[Finding]:
+    """Say that the nodes were not tried, and for want of what."""
+    causes = ' and '.join(sorted({'ROS', 'RMW'} & set(wrong)))
+    yield warn(SELF_TEST, 'left out: no node can run here', f'see {causes} above')
 
 
 def _check_tracking(environment: dict[str, str]) -> Iterable[Finding]:

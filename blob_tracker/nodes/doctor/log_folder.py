@@ -42,8 +42,8 @@ def judge_room(folder: Path, free: int) -> Finding:
         return warn(
             'log folder',
             f'{folder}: {free // MIB} MiB of its disk are free; {LITTLE // MIB} are little enough',
-            'make room; nodes go on without their logs on a full disk',
-            f'rm -r {folder}/*',
+            'make room; nodes go on without their logs on a full disk; see what these take',
+            f'du -sh {folder}',
         )
     return ok('log folder', f'{folder}: {free / 2**30:.1f} GiB of its disk are free')
 
