@@ -13,10 +13,14 @@ import time
 from typing import Any
 
 from ament_index_python.packages import get_package_prefix
+from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.srv import SetParameters
 import rclpy
+from rclpy.client import Client
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 EXIT = 5.0  # s that a process has to end, on a machine that is busy with other tests
 PATIENCE = 20.0  # s for a process to start and be discovered
@@ -124,6 +128,7 @@ class Probe(Node):
     def __init__(self, context: Context, namespace: str) -> None:
         super().__init__('probe', context=context, namespace=namespace)
         self.received: dict[str, list[Any]] = {}
+        self._callers: dict[str, Client] = {}
         self._spinner = SingleThreadedExecutor(context=context)
         self._spinner.add_node(self)
 
@@ -136,7 +141,9 @@ class Probe(Node):
 
     def call(self, kind: Any, service: str, request: Any) -> Any:
         """Wait for a service, call it and return its answer."""
-        client = self.create_client(kind, service)
+        if service not in self._callers:
+            self._callers[service] = self.create_client(kind, service)
+        client = self._callers[service]
         self.spin_until(client.service_is_ready)
         # It is ready when it hears; that its answer finds the way back is not known, and an answer
         # without one is lost.
@@ -148,6 +155,12 @@ class Probe(Node):
             except AssertionError:
                 if attempt == 2:
                     raise
+
+    def set_parameter(self, node: str, name: str, value: Any) -> SetParametersResult:
+        """Set a parameter of a node and return whether and why not."""
+        request = SetParameters.Request()
+        request.parameters = [Parameter(name, value=value).to_parameter_msg()]
+        return self.call(SetParameters, f'{node}/set_parameters', request).results[0]
 
     def spin(self, seconds: float) -> None:
         """Take what arrives in this time."""

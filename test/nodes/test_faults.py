@@ -14,8 +14,6 @@ from geometry_msgs.msg import Vector3Stamped
 from played_camera import PlayedCamera
 from processes import executable, Probe, probe, Process, start
 import pytest
-from rcl_interfaces.srv import SetParameters
-from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 
 SMALL = {'width': 160, 'height': 120, 'focal_length': 200.0}
@@ -198,15 +196,10 @@ def test_tracking_needs_no_room_for_logs(where: str, tmp_path: Path, domain: int
         command += ['-p', f'{name}:={value}']
     with probe(domain) as node:
         truth = Truth(node)
-        change = node.create_client(SetParameters, 'simulator/set_parameters')
         with Process(['sh', '-c', NO_ROOM[where].format(tmp_path), 'sh', *command], domain) as it:
             truth.expect_new()
             for rate in (50.0, 70.0) * 10:  # each is a line in the log, of several hundred bytes
-                request = SetParameters.Request()
-                request.parameters = [Parameter('rate', value=rate).to_parameter_msg()]
-                future = change.call_async(request)
-                node.spin_until(future.done)
-                assert future.result().results[0].successful
+                assert node.set_parameter('simulator', 'rate', rate).successful
             truth.expect_new()
             truth.expect_right()
             assert it.end() == 0

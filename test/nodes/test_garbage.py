@@ -18,8 +18,6 @@ import numpy as np
 from played_camera import PlayedCamera, Sent, STEP_NS
 from processes import probe, Process, start
 import pytest
-from rcl_interfaces.srv import SetParameters
-from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import CameraInfo, Image
@@ -276,16 +274,8 @@ def test_garbage_on_the_topics_of_a_segmenter(domain: int) -> None:
         images = node.create_publisher(Image, 'target/window/image_raw', DEEP)
         camera_infos = node.create_publisher(CameraInfo, 'target/window/camera_info', DEEP)
         noises = node.create_publisher(Vector3Stamped, 'target/noise', STATE)
-        setter = node.create_client(SetParameters, 'locator/set_parameters')
 
-        def set_online(online: bool) -> None:
-            request = SetParameters.Request()
-            request.parameters = [Parameter('noise.online', value=online).to_parameter_msg()]
-            future = setter.call_async(request)
-            node.spin_until(future.done)
-            assert future.result().results[0].successful
-
-        @SETTINGS
+        @settings(SETTINGS, max_examples=BATCHES // 3)
         @given(st.lists(st.tuples(PAIR, NOISE), min_size=PAIRS, max_size=PAIRS))
         @example([(each, (5e-324, 1e300, nan)) for each in KNOWN])
         def send(batch: Any) -> None:
@@ -308,9 +298,9 @@ def test_garbage_on_the_topics_of_a_segmenter(domain: int) -> None:
                 noises.publish(Vector3Stamped(vector=Vector3(x=x, y=y, z=z)))
             node.spin(TAKE)
 
-        set_online(True)
+        assert node.set_parameter('locator', 'noise.online', True).successful
         send()
-        set_online(False)
+        assert node.set_parameter('locator', 'noise.online', False).successful
         garbage.expect_life()
         for process in (segmenter, locator):
             assert process.end() == 0

