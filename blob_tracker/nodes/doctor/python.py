@@ -83,6 +83,7 @@ def _install(wheel: str, package: str) -> tuple[str, str]:
     if sys.prefix == sys.base_prefix and package:  # no virtual environment
         return 'install it', f'sudo apt install {package}'
     # Outside of a virtual environment pip refuses where the distribution says so (PEP 668).
-    marker = Path(sysconfig.get_path('stdlib')) / 'EXTERNALLY-MANAGED'
-    forced = '--break-system-packages ' if sys.prefix == sys.base_prefix and marker.is_file() else ''
-    return 'install it', f'{sys.executable} -m pip install {forced}{wheel}'
+    managed = (Path(sysconfig.get_path('stdlib')) / 'EXTERNALLY-MANAGED').is_file()
+    forced = managed and sys.prefix == sys.base_prefix
+    option = '--break-system-packages ' if forced else ''
+    return 'install it', f'{sys.executable} -m pip install {option}{wheel}'
