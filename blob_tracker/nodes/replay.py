@@ -10,6 +10,7 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from blob_tracker.ros.qos import RESULT
+from blob_tracker.ros.recording import NO_ROSBAGS
 from blob_tracker.ros.stamp import from_ns
 import rclpy
 from rclpy.executors import ExternalShutdownException
@@ -73,10 +74,7 @@ def main(arguments: argparse.Namespace) -> int:
     try:
         from rosbags.highlevel import AnyReader, AnyReaderError
     except ImportError:
-        print(
-            'rosbags is not installed: pip install rosbags, or use `ros2 bag play`',
-            file=sys.stderr,
-        )
+        print(f'{NO_ROSBAGS}, or use `ros2 bag play`', file=sys.stderr)
         return 1
     if not arguments.bag.exists():
         print(f'there is no bag {arguments.bag}', file=sys.stderr)

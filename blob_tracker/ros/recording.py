@@ -16,6 +16,11 @@ if TYPE_CHECKING:
     from rosbags.interfaces import Connection
 
 IMAGE = 'sensor_msgs/msg/Image'
+# Ubuntu 24.04 has no package of it, and its pip refuses to install beside apt (PEP 668).
+NO_ROSBAGS = (
+    'rosbags is not installed: python3 -m pip install --break-system-packages rosbags (in a '
+    'virtual environment without that option)'
+)
 
 
 class RecordingError(ValueError):
@@ -68,8 +73,7 @@ def _opened(bag: Path, topic: str) -> Iterator[tuple[AnyReader, list[Connection]
         from rosbags.typesys import get_typestore, Stores
     except ImportError:
         raise RecordingError(
-            'rosbags is not installed: pip install rosbags, or play the bag with `ros2 bag play` '
-            'and give the name of the topic'
+            f'{NO_ROSBAGS}, or play the bag with `ros2 bag play` and give the name of the topic'
         ) from None
     reader = None
     try:
