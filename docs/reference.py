@@ -102,7 +102,7 @@ def parameters(interface: Interface) -> str:
         if parameter.fixed:
             text += f' **Read-only**: {parameter.fixed}.'
         text = ' '.join(_word(word) for word in text.split(' '))
-        rows.append((f'`{parameter.name}`', f'`{parameter.value}`', parameter.limits, text))
+        rows.append((f'`{parameter.name}`', f'`{parameter.value}`', parameter.limits or 'text', text))
     return _table(('parameter', 'default', 'may be', 'what and why'), rows)
 
 

@@ -114,7 +114,7 @@ def start(name: str, domain: int, *arguments: str, **parameters: object) -> Proc
 
 
 def start_replay(bag: Path, domain: int, *arguments: str) -> Process:
-    """Start `python -m blob_tracker replay`."""
+    """Start `python3 -m blob_tracker replay`."""
     return Process([sys.executable, '-m', 'blob_tracker', 'replay', str(bag), *arguments], domain)
 
 

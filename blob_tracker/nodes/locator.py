@@ -280,7 +280,7 @@ class LocatorNode(Node):
         if places.chi2 > SUSPICIOUS:
             cause = (
                 'and so do the pixels about their fit; measure noise.gain, noise.read_noise and '
-                'noise.black_level with python -m blob_tracker calibrate noise'
+                'noise.black_level with python3 -m blob_tracker calibrate noise'
             )
         else:
             cause = (

@@ -32,7 +32,7 @@ LAST_WORDS = 2.0  # s for the subscribers to acknowledge the last messages
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of `python -m blob_tracker replay`."""
+    """Declare the options of `python3 -m blob_tracker replay`."""
     parser.add_argument('bag', type=Path, help='folder of the bag')
     parser.add_argument(
         '--rate', type=float, default=1.0, help='speed: 2 is twice as fast as recorded'

@@ -59,7 +59,7 @@ class Parameter:
 
     @property
     def limits(self) -> str:
-        """Say the same for a table, as short as it can be."""
+        """Say the same for a table, as short as it can be; empty for any text."""
         if len(self.choices) > MOST_CHOICES:
             named = [choice for choice in self.choices if choice]
             return f'{", ".join(named[:SOME_CHOICES])} ... {len(named)} in all'
@@ -69,8 +69,6 @@ class Parameter:
             return 'true, false'
         if self.least is not None and self.most is not None:
             return f'{_number(self.least)} to {_number(self.most)} {self.unit}'.strip()
-        if isinstance(self.default, str):
-            return 'text'
         return self.unit
 
     @property

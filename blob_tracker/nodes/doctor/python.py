@@ -22,7 +22,7 @@ REQUIRED = {
 }
 OPTIONAL = {
     'matplotlib': ('matplotlib', 'python3-matplotlib', 'the pictures of demo and calibrate'),
-    'rosbags': ('rosbags', '', '`python -m blob_tracker replay` and calibrations from bags'),
+    'rosbags': ('rosbags', '', '`python3 -m blob_tracker replay` and calibrations from bags'),
 }
 
 
