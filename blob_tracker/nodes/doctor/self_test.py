@@ -15,6 +15,7 @@ import tempfile
 import time
 
 from blob_tracker.nodes.child import child
+from blob_tracker.nodes.doctor.compiled import COMPILE
 from blob_tracker.nodes.doctor.discovery import PORT_BASE, PORTS
 from blob_tracker.nodes.doctor.finding import error, Finding, ok, warn
 from blob_tracker.nodes.monitor import Monitor
@@ -36,10 +37,7 @@ TOLERATED = 0.02  # share of lit frames that may be lost
 COLOUR = re.compile(r'\x1b\[[0-9;]*m')
 LAST_DOMAIN = 101  # the ports of the next run into those that Linux gives to anybody
 NO_LOGS = ['--ros-args', '--disable-external-lib-logs']  # their folder has its own check
-COMPILE = (
-    'from blob_tracker import location, segmentation; '
-    "location.compile_ahead(['maximum_likelihood']); segmentation.compile_ahead()"
-)
+METHODS = ['maximum_likelihood']  # the default: compiling all of them takes several times as long
 # On this machine, in a domain of its own, and not secured: the keys are for other names.
 NOT_INHERITED = (
     'ROS_LOCALHOST_ONLY', 'ROS_STATIC_PEERS', 'ROS_DISCOVERY_SERVER', 'ROS_SECURITY_ENABLE',
@@ -160,7 +158,7 @@ def track(environment: Mapping[str, str], folder: Path | None) -> Run:
         # Elsewhere than here: Python would take the package of this folder, and not the nodes'.
         place = None if folder is None else logs
         result = subprocess.run(
-            [sys.executable, '-c', COMPILE], cwd=place, env=own, timeout=COMPILING,
+            [sys.executable, '-c', COMPILE.format(METHODS)], cwd=place, env=own, timeout=COMPILING,
             capture_output=True, text=True,
         )
         if result.returncode:
