@@ -164,28 +164,42 @@ def track(environment: Mapping[str, str], folder: Path | None) -> Run:
         if result.returncode:
             last = (result.stderr.strip().splitlines() or ['it says nothing'])[-1]
             return Run(domain, f'the fits cannot be compiled: {last}')
-        os.environ.clear()  # rclpy and Fast DDS read that of the process
-        os.environ.update(own)
-        context = Context()
-        rclpy.init(args=NO_LOGS, context=context, domain_id=domain)
-        monitor = Monitor(NAMESPACE, context)
-        executor = SingleThreadedExecutor(context=context)
-        executor.add_node(monitor)
+        before = dict(os.environ)
+        _become(own)  # rclpy and Fast DDS read that of the process
         try:
-            with ExitStack() as stack:
-                processes = {
-                    node: stack.enter_context(
-                        child(_command(node, folder), NAMESPACE, {}, logs / f'{node}.log', own)
-                    )
-                    for node in NODES
-                }
-                fault = _listen(executor, monitor, processes, logs)
-            if fault:
-                return Run(domain, fault)
-            return _compare(domain, monitor)
+            return _measure(domain, own, folder, logs)
         finally:
-            monitor.destroy_node()
-            rclpy.try_shutdown(context=context)
+            _become(before)
+
+
+def _become(environment: Mapping[str, str]) -> None:
+    """Make the environment variables of this process these."""
+    os.environ.clear()
+    os.environ.update(environment)
+
+
+def _measure(domain: int, own: Mapping[str, str], folder: Path | None, logs: Path) -> Run:
+    """Run the nodes in an environment that this process has as well."""
+    context = Context()
+    rclpy.init(args=NO_LOGS, context=context, domain_id=domain)
+    monitor = Monitor(NAMESPACE, context)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(monitor)
+    try:
+        with ExitStack() as stack:
+            processes = {
+                node: stack.enter_context(
+                    child(_command(node, folder), NAMESPACE, {}, logs / f'{node}.log', own)
+                )
+                for node in NODES
+            }
+            fault = _listen(executor, monitor, processes, logs)
+        if fault:
+            return Run(domain, fault)
+        return _compare(domain, monitor)
+    finally:
+        monitor.destroy_node()
+        rclpy.try_shutdown(context=context)
 
 
 def _command(node: str, folder: Path | None) -> Sequence[str | Path]:
