@@ -20,6 +20,7 @@ from blob_tracker.nodes.doctor import log_folder, profile, python, security, sha
 from blob_tracker.nodes.doctor.finding import error, Finding, Level, ok, warn
 from blob_tracker.nodes.doctor.report import as_json, Report, summary
 from blob_tracker.nodes.doctor.self_test import free_domain, judge, Run
+from blob_tracker.nodes.interface import NODES
 from blob_tracker.resources import config_path
 from blob_tracker.types import Frame
 import numpy as np
@@ -151,7 +152,7 @@ def test_package(tmp_path: Path) -> None:
 
     folder = prefix / 'lib' / 'blob_tracker'
     folder.mkdir(parents=True)
-    for name in installation.NODES:
+    for name in NODES:
         (folder / name).touch(mode=0o755)
     installed = prefix / 'lib' / 'python3.12' / 'site-packages' / 'blob_tracker'
     installed.mkdir(parents=True)
