@@ -407,5 +407,7 @@ def _search_cell(row: SearchRow) -> str:
 def _gap(target: Target) -> str:
     if target.measured != target.measured:
         return 'no figure'
+    if not target.limit:
+        return f'{target.measured:g}{target.unit}'
     over = abs(target.measured / target.limit - 1)
     return f'{over:.1%}' if over < 10.0 else f'a factor of {over + 1.0:,.0f}'

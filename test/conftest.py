@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 import itertools
 import os
 from typing import Any
@@ -22,22 +21,35 @@ for _ in range(os.getppid() % 100):
     next(_DOMAINS)
 
 
+# What starts nodes in processes, by the beginning of its path in here.
+WITH_PROCESSES = (
+    'benchmarks/test_latency', 'examples', 'nodes', 'test_launch', 'test_security', 'test_views',
+    'vm',
+)
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Have whatever starts nodes run one after the other, beside what only computes."""
+    """Have what starts nodes run one after the other, beside what only computes."""
     from xdist.scheduler import LoadScopeScheduling
 
     class NodesTogether(LoadScopeScheduling):
-        """One process gets the tests of these folders, which take longest and so begin."""
+        """One process gets all that starts nodes, which takes longest and so begins."""
 
         def _split_scope(self, nodeid: str) -> str:
-            room = nodeid.removeprefix('test/').partition('/')[0]
-            return 'nodes' if room in ('examples', 'nodes', 'vm') else nodeid
+            place = nodeid.removeprefix('test/')
+            return 'nodes' if place.startswith(WITH_PROCESSES) else nodeid
 
     return NodesTogether(config, log)
 
 
 @pytest.fixture
-def domain() -> Iterator[int]:
+def domain() -> int:
     """Give a ROS domain that no other test of this run uses."""
-    yield next(_DOMAINS)
+    return next(_DOMAINS)
+
+
+@pytest.fixture(scope='module')
+def module_domain() -> int:
+    """Give one to all tests of a file."""
+    return next(_DOMAINS)

@@ -16,6 +16,7 @@ ROOMS = (
 )
 
 
+@pytest.mark.timeout(300)  # the tests of three rooms: 45 s on a quiet machine
 def test_the_rooms_work_with_opencv_5() -> None:
     """The tests of all rooms that use OpenCV pass with it in front of the pinned one."""
     if not OPENCV5.is_dir():

@@ -48,10 +48,12 @@ PANELS = {'3D', 'DiagnosticSummary', 'Image', 'Indicator', 'Parameters', 'Plot'}
 
 
 @pytest.fixture(scope='module')
-def running() -> Iterator[Probe]:
+def running(module_domain: int) -> Iterator[Probe]:
     """Run the whole tracker in one process, and look at it."""
-    domain = 89
-    with probe(domain) as node, start('pipeline', domain, source='simulator'):
+    with (
+        probe(module_domain) as node,
+        start('pipeline', module_domain, source='simulator'),
+    ):
         node.spin_until(lambda: node.get_publishers_info_by_topic('/target/ray'), timeout=60.0)
         node.spin(0.5)
         yield node

@@ -124,9 +124,9 @@ class Resident:
     node : str
         Which.
     memory : float
-        Resident, the most of all rounds, MB.
+        Resident, the most of the rounds at 640 x 480, MB.
     own : float
-        Of it at the end what no other process can share: all but the pages of files, MB.
+        Of it what no other process can share: all but the pages of libraries' files, MB.
     growth : float
         Slope of the memory over the rounds at 640 x 480 after the first, MB a minute.
     pause : float
@@ -297,7 +297,7 @@ class Nodes:
             Process('pipeline', '--ros-args', '-r', f'__ns:=/{NAMESPACE}')
         )
         self._streams: list[tuple[int, int]] = []  # begin and end of each, monotonic, ns
-        self._memory: dict[str, list[tuple[float, float]]] = {}
+        self._memory: dict[str, list[tuple[float, float, float]]] = {}  # when, all, its own
 
     @property
     def _all(self) -> dict[str, Process]:
@@ -313,7 +313,9 @@ class Nodes:
             self.walk(ONE, USUAL, 60.0, seconds),
         ]
         for name, process in self._all.items():
-            self._memory.setdefault(name, []).append((time.monotonic(), process.memory()))
+            self._memory.setdefault(name, []).append(
+                (time.monotonic(), process.memory(), process.own_memory())
+            )
         return streams
 
     def walk(self, way: str, size: tuple[int, int], rate: float, seconds: float) -> Stream:
@@ -341,8 +343,6 @@ class Nodes:
 
     def end(self) -> list[Resident]:
         """End all nodes and return what they took."""
-        last = {name: process.memory() for name, process in self._all.items()}
-        own = {name: process.own_memory() for name, process in self._all.items()}
         for process in self._three.values():
             process.interrupt()
         self._one.close_input()
@@ -352,14 +352,13 @@ class Nodes:
                 length_ns / 1e9 for at_ns, length_ns in process.answer()
                 if any(begin_ns <= at_ns <= end_ns for begin_ns, end_ns in self._streams)
             ]
-            seen = self._memory[name]
+            when, memory, own = np.array(self._memory[name]).T
             growth = nan
-            if len(seen) > 2:
-                minutes, memory = np.array(seen[1:]).T / [[60.0], [1.0]]
-                growth = float(np.polyfit(minutes - minutes[0], memory, 1)[0])
+            if len(when) > 2:
+                growth = float(np.polyfit((when[1:] - when[1]) / 60.0, memory[1:], 1)[0])
             residents.append(Resident(
-                name, max([last[name], *(each for _, each in seen)]), own[name], growth,
-                max(pauses, default=0.0), len(pauses),
+                name, float(memory.max()), float(own.max()), growth, max(pauses, default=0.0),
+                len(pauses),
             ))
         return residents
 

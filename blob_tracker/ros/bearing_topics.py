@@ -31,9 +31,11 @@ class BearingTopics:
                 (PoseWithCovarianceStamped, 'ray'),
             )
         )
+        self._bearing, self._centroid = Vector3Stamped(), PointStamped()
+        self._ray = PoseWithCovarianceStamped()
 
     def publish(self, bearing: Bearing, location: Location, frame_id: str) -> None:
         """Publish all three, the one that the servo waits for first."""
-        self._bearings.publish(bearing_message(bearing, frame_id))
-        self._centroids.publish(centroid_message(location, frame_id))
-        self._rays.publish(ray_message(bearing, frame_id))
+        self._bearings.publish(bearing_message(bearing, frame_id, self._bearing))
+        self._centroids.publish(centroid_message(location, frame_id, self._centroid))
+        self._rays.publish(ray_message(bearing, frame_id, self._ray))

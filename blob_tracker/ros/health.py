@@ -82,11 +82,18 @@ class Health:
         """Have a check report what it finds at the end of each second: what lasts is in each."""
         self._checks.append(check)
 
-    def arrived(self, stamp_ns: int) -> None:
-        """Take note of a frame or window that came in, by its stamp in ns."""
+    def arrived(self, stamp_ns: int, came_ns: int | None = None) -> None:
+        """
+        Take note of a frame or window that came in, by its stamp in ns.
+
+        So that this need not keep what came waiting, it may be told later that it came at a
+        monotonic time, ns.
+        """
+        now_ns = time.monotonic_ns()
         age = self._node.get_clock().now().nanoseconds - stamp_ns
+        came_ns = now_ns if came_ns is None else came_ns
         with self._lock:
-            self._timing.arrived(time.monotonic_ns(), age)
+            self._timing.arrived(came_ns, age - (now_ns - came_ns))
 
     def left(self, stamp_ns: int) -> None:
         """Take note of a result that was published, by its stamp in ns."""

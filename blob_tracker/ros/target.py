@@ -16,9 +16,11 @@ MOST_READ_NOISE, MOST_BLACK_LEVEL = 1e4, 65535.0  # DN
 ROLL_VARIANCE = pi**2 / 3.0
 
 
-def bearing_message(bearing: Bearing, frame_id: str) -> Vector3Stamped:
-    """Return target/bearing: x azimuth mrad, y elevation mrad, z 0."""
-    message = Vector3Stamped()
+def bearing_message(
+    bearing: Bearing, frame_id: str, message: Vector3Stamped | None = None
+) -> Vector3Stamped:
+    """Return target/bearing: x azimuth mrad, y elevation mrad, z 0; `message` is filled again."""
+    message = Vector3Stamped() if message is None else message
     message.header.stamp = from_ns(bearing.stamp_ns)
     message.header.frame_id = frame_id
     message.vector.x = bearing.azimuth
@@ -26,9 +28,11 @@ def bearing_message(bearing: Bearing, frame_id: str) -> Vector3Stamped:
     return message
 
 
-def centroid_message(location: Location, frame_id: str) -> PointStamped:
-    """Return target/centroid: x and y in pixels of the full sensor, z 0."""
-    message = PointStamped()
+def centroid_message(
+    location: Location, frame_id: str, message: PointStamped | None = None
+) -> PointStamped:
+    """Return target/centroid: x and y in px of the full sensor, z 0; `message` is filled again."""
+    message = PointStamped() if message is None else message
     message.header.stamp = from_ns(location.stamp_ns)
     message.header.frame_id = frame_id
     message.point.x = location.x
@@ -36,14 +40,17 @@ def centroid_message(location: Location, frame_id: str) -> PointStamped:
     return message
 
 
-def ray_message(bearing: Bearing, frame_id: str) -> PoseWithCovarianceStamped:
+def ray_message(
+    bearing: Bearing, frame_id: str, message: PoseWithCovarianceStamped | None = None
+) -> PoseWithCovarianceStamped:
     """
     Return target/ray: the turn that takes the optical z axis onto the ray.
 
     It is a turn by the elevation about x and then by the azimuth about y, q = q_y q_x. The
-    covariance, in rad^2, is that of the two angles about x (elevation) and y (azimuth).
+    covariance, in rad^2, is that of the two angles about x (elevation) and y (azimuth). A
+    `message` that is given is filled again.
     """
-    message = PoseWithCovarianceStamped()
+    message = PoseWithCovarianceStamped() if message is None else message
     message.header.stamp = from_ns(bearing.stamp_ns)
     message.header.frame_id = frame_id
     half_azimuth = 0.5 * MRAD * bearing.azimuth

@@ -23,7 +23,6 @@ from std_msgs.msg import Bool
 SCENE = FlashingLight(width=160, height=120, period=3.0)
 MODEL = CameraModel.from_field_of_view(160, 120, 40.0)
 STEP_NS = 16_666_667
-DOMAIN = 101
 _NOW = 10**18
 
 
@@ -113,14 +112,14 @@ class Tracker:
 
 
 @pytest.fixture(scope='module')
-def running() -> Iterator[Tracker]:
+def running(module_domain: int) -> Iterator[Tracker]:
     """Start the nodes once: surviving everything, one after the other, is the test."""
     # Nothing is lost in a queue where the machine is busy: that would be a fault of its own.
     patient = ('--params-file', str(config_path('replay.yaml')))
     with (
-        probe(DOMAIN) as node,
-        start('segmenter', DOMAIN, *patient) as segmenter,
-        start('locator', DOMAIN, *patient) as locator,
+        probe(module_domain) as node,
+        start('segmenter', module_domain, *patient) as segmenter,
+        start('locator', module_domain, *patient) as locator,
     ):
         yield Tracker(node, [segmenter, locator])
 

@@ -235,7 +235,7 @@ SETTINGS = settings(
     derandomize=True,
     database=None,
     deadline=None,
-    # The nodes remember: no batch can be tried again by itself.
+    # No shrinking: the nodes remember what was before, and no batch can be tried by itself.
     phases=[Phase.explicit, Phase.generate],
     suppress_health_check=list(HealthCheck),
 )

@@ -101,7 +101,7 @@ class Edges:
             if taken is not None:
                 assert result.successful is taken, (parameter.name, value, result.reason)
             assert result.successful or len(result.reason) > 20, (parameter.name, value)
-            self.node.spin(0.04)  # frames of it
+            self.node.spin(0.02)  # a frame of it
         result = self.put(name, **{parameter.name: default})
         assert result.successful, (parameter.name, result.reason)
 

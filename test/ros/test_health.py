@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+import time
+from types import SimpleNamespace
 
 from blob_tracker.ros import health as health_module
 from blob_tracker.ros.health import ERROR, Health, OK, WARN
@@ -61,8 +63,10 @@ def test_rate_age_and_latency_are_shown(domain: int) -> None:
 
         def feed() -> None:
             now_ns = node.get_clock().now().nanoseconds
-            health.arrived(now_ns - 20_000_000)
+            came_ns = time.monotonic_ns()
             health.left(now_ns - 30_000_000)
+            time.sleep(0.01)  # it is told of what came after the work on it
+            health.arrived(now_ns - 20_000_000, came_ns)
 
         values = shown(node, heard, feed)
         assert 20.0 < float(values['rate (Hz)']) <= 100.0
@@ -97,3 +101,14 @@ def test_a_rate_that_falls_is_a_fault_where_it_should_stand(
             f'0.0 Hz arrive where 30.0 Hz were usual in the last minute: {slowed}'
             if slowed else 'streaming'
         )
+
+
+def test_the_log_is_not_flooded(domain: int) -> None:
+    """What is fed to a node may make a new sentence of each message."""
+    with probe(domain) as node:
+        logged: list[str] = []
+        node.get_logger = lambda: SimpleNamespace(error=logged.append)
+        health = Health(node, 'nothing')
+        for index in range(10_000):
+            health.fault(ERROR, f'the encoding is {chr(0x4e00 + index)}')
+    assert len(logged) == health_module.MOST_LOGGED

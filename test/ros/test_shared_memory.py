@@ -19,7 +19,7 @@ def test_size_of_the_segment(tmp_path: Path) -> None:
     broken.write_text('<dds>')
     plain = tmp_path / 'plain.xml'
     plain.write_text('<dds xmlns="http://www.eprosima.com"><profiles/></dds>')
-    assert segment_size({VARIABLE: str(config_path('fastdds.xml'))}) == 64 << 20
+    assert segment_size({VARIABLE: str(config_path('fastdds.xml'))}) == 32 << 20
     for name in ('', '/no/such/file.xml', str(broken), str(plain)):
         assert segment_size({VARIABLE: name}) == DEFAULT
     assert segment_size({}) == DEFAULT

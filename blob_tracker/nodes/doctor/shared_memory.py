@@ -12,7 +12,7 @@ from blob_tracker.nodes.doctor.finding import error, Finding, ok, warn
 
 MIB = 2**20
 FOLDER = Path('/dev/shm')
-SEGMENT = 67 * MIB  # of a process with config/fastdds.xml: 64 MiB of data, and the descriptors
+SEGMENT = 35 * MIB  # of a process with config/fastdds.xml: 32 MiB of data, and the descriptors
 PROCESSES = 4  # camera, segmenter, locator, and one that listens
 _SEGMENT_LOCK = re.compile(r'fast(rtps|dds)_[0-9a-f]{16}_el')
 
@@ -54,7 +54,7 @@ def judge_space(folder: Path, size: int, free: int) -> Finding:
     need = f'each process that runs nodes takes {SEGMENT // MIB} MiB'
     if free >= PROCESSES * SEGMENT:
         return ok('shared memory', f'{words}; {need}')
-    # Docker gives 64 MiB: not even one process has its segment.
+    # Docker gives 64 MiB: one process has its segment.
     verdict = 'not enough for one' if free < SEGMENT else f'too little for {PROCESSES} of them'
     message = f'{words}; {need}: {verdict}, and what has none goes over UDP with losses'
     level = error if free < SEGMENT else warn
