@@ -81,8 +81,8 @@ install/.built: .venv/.run $(SOURCES)
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/colcon build --paths . \
 	  --event-handlers console_direct-
 	@# The kernels are compiled now, into the installed package, not when a node first starts.
-	@$(ENVIRONMENT) && cd .venv && python -c 'from blob_tracker import location, segmentation; \
-	  location.compile_ahead(); segmentation.compile_ahead()'
+	@$(ENVIRONMENT) && cd .venv && \
+	  python -c 'from blob_tracker.pipeline import compile_ahead; compile_ahead()'
 	@touch $@
 
 clean:

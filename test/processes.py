@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 import os
 from pathlib import Path
 import signal
@@ -41,6 +41,7 @@ class Process:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
+            start_new_session=True,  # what it starts in turn can be ended with it
         )
         self.output = ''
 
@@ -100,7 +101,8 @@ class Process:
         try:
             self.end()
         except subprocess.TimeoutExpired:
-            self._popen.kill()
+            with suppress(ProcessLookupError):  # all of them have ended meanwhile
+                os.killpg(self._popen.pid, signal.SIGKILL)  # with what it has started
             self.wait()
             raise
 
