@@ -18,10 +18,11 @@ def clipping_frame(frame: Frame, saturation: int) -> Frame:
     frame : Frame
         From a message or handed over in memory: both get the same, so that both give the same.
     saturation : int
-        DN of a clipped pixel; 0 is full scale of the pixels' type.
+        DN of a clipped pixel; 0, or what the pixels' type does not reach, is its full scale.
 
     """
-    saturation = saturation or 2 ** (8 * frame.image.dtype.itemsize) - 1
+    full = 2 ** (8 * frame.image.dtype.itemsize) - 1
+    saturation = min(saturation or full, full)
     return frame if frame.saturation == saturation else replace(frame, saturation=saturation)
 
 
@@ -34,7 +35,8 @@ def clipping_window(window: Window, saturation: int, looks: int) -> Window:
     window : Window
         From a message or handed over in memory.
     saturation : int
-        DN of a clipped pixel; 0 is full scale of the pixels' type, which it always is of a sum.
+        DN of a clipped pixel; 0, or what the pixels' type does not reach, is its full scale,
+        which it always is of a sum.
     looks : int
         Frames that are summed in it.
 
@@ -50,7 +52,7 @@ def clipping_window(window: Window, saturation: int, looks: int) -> Window:
             f'a window of 8 bits is one frame and no sum of {looks}; set looks as the segmenter '
             'has it'
         )
-    saturation = full if looks > 1 else saturation or full
+    saturation = full if looks > 1 else min(saturation or full, full)
     if (window.saturation, window.looks) == (saturation, looks):
         return window
     return replace(window, saturation=saturation, looks=looks)

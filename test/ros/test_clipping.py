@@ -20,6 +20,13 @@ def test_0_is_full_scale_whatever_the_driver_knew() -> None:
     assert clipping_window(window, 0, 1).saturation == 255
 
 
+def test_what_the_pixels_cannot_reach_is_full_scale() -> None:
+    """A saturation of 12 bits would switch the check off for 8."""
+    frame = Frame(PIXELS.astype(np.uint8), 0, saturation=255)
+    assert clipping_frame(frame, 4095).saturation == 255
+    assert clipping_window(Window(frame.image), 4095, 1).saturation == 255
+
+
 def test_a_sum_clips_at_full_scale() -> None:
     """Its clipped pixels were put there when it was summed."""
     window = clipping_window(Window(PIXELS), 4095, 5)
