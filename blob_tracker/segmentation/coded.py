@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from blob_tracker.segmentation.box import Box, box_about, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
-from blob_tracker.segmentation.history import FrameHistory
+from blob_tracker.segmentation.history import FrameError, FrameHistory
 from blob_tracker.types import Frame, Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -92,7 +92,12 @@ class Coded:
             Where the frame cannot follow the one before it.
 
         """
-        self._history.push(frame)
+        try:
+            self._history.push(frame)
+        except FrameError:
+            if len(self._history.frames) == 1:
+                self._spots.clear()
+            raise
         if len(self._history.frames) < 2:
             self._spots.clear()
             self.reason = 'waiting for a second frame'
