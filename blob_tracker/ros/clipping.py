@@ -43,7 +43,7 @@ def clipping_window(window: Window, saturation: int, looks: int) -> Window:
     Raises
     ------
     MessageError
-        Where 8 bits cannot be a sum.
+        Where 8 bits cannot be a sum, or the window is known to be one of other looks.
 
     """
     full = 2 ** (8 * window.lit.dtype.itemsize) - 1
@@ -51,6 +51,12 @@ def clipping_window(window: Window, saturation: int, looks: int) -> Window:
         raise MessageError(
             f'a window of 8 bits is one frame and no sum of {looks}; set looks as the segmenter '
             'has it'
+        )
+    # No message says it: a window from one seems to be of one look.
+    if window.looks > 1 and window.looks != looks:
+        raise MessageError(
+            f'the window is a sum of {window.looks} frames and looks is {looks}; set looks of the '
+            f'locator to {window.looks}'
         )
     saturation = full if looks > 1 else min(saturation or full, full)
     if (window.saturation, window.looks) == (saturation, looks):
