@@ -93,12 +93,12 @@ class Coded:
 
         """
         try:
-            self._history.push(frame)
+            interval = self._history.push(frame)
         except FrameError:
             if len(self._history.frames) == 1:
                 self._spots.clear()
             raise
-        if len(self._history.frames) < 2:
+        if interval is None or len(self._history.frames) < 2:
             self._spots.clear()
             self.reason = 'waiting for a second frame'
             return None
@@ -106,7 +106,10 @@ class Coded:
         for spot in self._spots:
             spot.levels.append(_level(lit, spot))
             del spot.levels[:-self._length]
-        return Contrast(lit, unlit, frame.saturation, frame, (lit,), (unlit,))
+        return Contrast(
+            lit, unlit, frame.saturation, frame, (lit,), (unlit,),
+            duration=self._length * interval,
+        )
 
     def region(self, contrast: Contrast) -> Box:
         """Return the whole frame: the lights may be anywhere in it."""
