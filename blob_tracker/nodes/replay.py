@@ -10,7 +10,7 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from blob_tracker.ros.qos import RESULT
-from blob_tracker.ros.recording import NO_ROSBAGS
+from blob_tracker.ros.recording import opened, RecordingError
 from blob_tracker.ros.stamp import from_ns
 import rclpy
 from rclpy.executors import ExternalShutdownException
@@ -72,15 +72,7 @@ def main(arguments: argparse.Namespace) -> int:
         print(f'--rate is {arguments.rate}; it must be above 0', file=sys.stderr)
         return 2
     try:
-        from rosbags.highlevel import AnyReader, AnyReaderError
-    except ImportError:
-        print(f'{NO_ROSBAGS}, or use `ros2 bag play`', file=sys.stderr)
-        return 1
-    if not arguments.bag.exists():
-        print(f'there is no bag {arguments.bag}', file=sys.stderr)
-        return 1
-    try:
-        with AnyReader([arguments.bag]) as reader:
+        with opened(arguments.bag) as reader:
             topics = set(arguments.topics or reader.topics)
             connections = [c for c in reader.connections if c.topic in topics]
             if not any(connection.msgcount for connection in connections):
@@ -114,8 +106,8 @@ def main(arguments: argparse.Namespace) -> int:
                 rclpy.try_shutdown()
     except KeyboardInterrupt:
         return 130
-    except (AnyReaderError, OSError) as error:
-        print(f'{arguments.bag} is not a bag that can be read: {error}', file=sys.stderr)
+    except RecordingError as error:
+        print(error, file=sys.stderr)
         return 1
 
 
