@@ -18,10 +18,11 @@ def clipping_frame(frame: Frame, saturation: int) -> Frame:
     frame : Frame
         From a message or handed over in memory: both get the same, so that both give the same.
     saturation : int
-        DN of a clipped pixel; 0 is full scale of the pixels' type.
+        DN of a clipped pixel; 0, or what the pixels' type does not reach, is its full scale.
 
     """
-    saturation = saturation or 2 ** (8 * frame.image.dtype.itemsize) - 1
+    full = 2 ** (8 * frame.image.dtype.itemsize) - 1
+    saturation = min(saturation or full, full)
     return frame if frame.saturation == saturation else replace(frame, saturation=saturation)
 
 
@@ -34,14 +35,15 @@ def clipping_window(window: Window, saturation: int, looks: int) -> Window:
     window : Window
         From a message or handed over in memory.
     saturation : int
-        DN of a clipped pixel; 0 is full scale of the pixels' type, which it always is of a sum.
+        DN of a clipped pixel; 0, or what the pixels' type does not reach, is its full scale,
+        which it always is of a sum.
     looks : int
         Frames that are summed in it.
 
     Raises
     ------
     MessageError
-        Where 8 bits cannot be a sum.
+        Where 8 bits cannot be a sum, or the window is known to be one of other looks.
 
     """
     full = 2 ** (8 * window.lit.dtype.itemsize) - 1
@@ -50,7 +52,13 @@ def clipping_window(window: Window, saturation: int, looks: int) -> Window:
             f'a window of 8 bits is one frame and no sum of {looks}; set looks as the segmenter '
             'has it'
         )
-    saturation = full if looks > 1 else saturation or full
+    # No message says it: a window from one seems to be of one look.
+    if window.looks > 1 and window.looks != looks:
+        raise MessageError(
+            f'the window is a sum of {window.looks} frames and looks is {looks}; set looks of the '
+            f'locator to {window.looks}'
+        )
+    saturation = full if looks > 1 else min(saturation or full, full)
     if (window.saturation, window.looks) == (saturation, looks):
         return window
     return replace(window, saturation=saturation, looks=looks)

@@ -16,6 +16,11 @@ if TYPE_CHECKING:
     from rosbags.interfaces import Connection
 
 IMAGE = 'sensor_msgs/msg/Image'
+# Ubuntu 24.04 has no package of it, and its pip refuses to install beside apt (PEP 668).
+NO_ROSBAGS = (
+    'rosbags is not installed: python3 -m pip install --break-system-packages rosbags (in a '
+    'virtual environment without that option)'
+)
 
 
 class RecordingError(ValueError):
@@ -63,22 +68,7 @@ def recorded_count(bag: Path, topic: str) -> int:
 @contextmanager
 def _opened(bag: Path, topic: str) -> Iterator[tuple[AnyReader, list[Connection]]]:
     """Open a bag and find the connections of an image topic."""
-    try:
-        from rosbags.highlevel import AnyReader, AnyReaderError
-        from rosbags.typesys import get_typestore, Stores
-    except ImportError:
-        raise RecordingError(
-            'rosbags is not installed: pip install rosbags, or play the bag with `ros2 bag play` '
-            'and give the name of the topic'
-        ) from None
-    reader = None
-    try:
-        # Bags of distributions before Jazzy do not tell their types.
-        reader = AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_JAZZY))
-        reader.open()
-    except (AnyReaderError, OSError) as error:
-        raise RecordingError(f'{bag} is not a bag that can be read: {error}') from None
-    try:
+    with opened(bag) as reader:
         images = [each for each in reader.connections if each.msgtype == IMAGE and each.msgcount]
         connections = [each for each in images if each.topic.strip('/') == topic.strip('/')]
         if not connections:
@@ -88,5 +78,45 @@ def _opened(bag: Path, topic: str) -> Iterator[tuple[AnyReader, list[Connection]
                 + (f': set --topic to one of {there}' if there else ', nor on any other topic')
             )
         yield reader, connections
-    finally:
-        reader.close()
+
+
+@contextmanager
+def opened(bag: Path) -> Iterator[AnyReader]:
+    """
+    Open a bag of any distribution of ROS 2.
+
+    Parameters
+    ----------
+    bag : Path
+        Folder of the bag.
+
+    Yields
+    ------
+    AnyReader
+        Open.
+
+    Raises
+    ------
+    RecordingError
+        Where the bag cannot be read.
+
+    """
+    try:
+        from rosbags.highlevel import AnyReader, AnyReaderError
+        from rosbags.typesys import get_typestore, Stores
+    except ImportError:
+        raise RecordingError(f'{NO_ROSBAGS}, or use `ros2 bag play`') from None
+    if not bag.exists():
+        raise RecordingError(f'there is no bag {bag}')
+    if bag.is_file() and bag.suffix == '.bag':
+        raise RecordingError(
+            f'{bag} is a bag of ROS 1; convert it: rosbags-convert --src {bag} '
+            f'--dst {bag.with_suffix("")}'
+        )
+    try:
+        # Bags of distributions before Jazzy do not tell their types.
+        reader = AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_JAZZY))
+        with reader:
+            yield reader
+    except (AnyReaderError, OSError) as error:
+        raise RecordingError(f'{bag} is not a bag that can be read: {error}') from None

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from blob_tracker.segmentation.box import Box, box_about, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
-from blob_tracker.segmentation.history import FrameHistory
+from blob_tracker.segmentation.history import FrameError, FrameHistory
 from blob_tracker.types import Frame, Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -92,8 +92,13 @@ class Coded:
             Where the frame cannot follow the one before it.
 
         """
-        self._history.push(frame)
-        if len(self._history.frames) < 2:
+        try:
+            interval = self._history.push(frame)
+        except FrameError:
+            if len(self._history.frames) == 1:
+                self._spots.clear()
+            raise
+        if interval is None or len(self._history.frames) < 2:
             self._spots.clear()
             self.reason = 'waiting for a second frame'
             return None
@@ -101,7 +106,10 @@ class Coded:
         for spot in self._spots:
             spot.levels.append(_level(lit, spot))
             del spot.levels[:-self._length]
-        return Contrast(lit, unlit, frame.saturation, frame, (lit,), (unlit,))
+        return Contrast(
+            lit, unlit, frame.saturation, frame, (lit,), (unlit,),
+            duration=self._length * interval,
+        )
 
     def region(self, contrast: Contrast) -> Box:
         """Return the whole frame: the lights may be anywhere in it."""

@@ -31,6 +31,8 @@ class Contrast(NamedTuple):
         Least noise of lit less unlit.
     unit : float
         DN in one step of `lit` and `unlit`.
+    duration : float
+        From one flash of the light to the next, s, where that may be long.
 
     """
 
@@ -42,6 +44,7 @@ class Contrast(NamedTuple):
     unlit_looks: tuple[Pixels, ...]
     floor: float = ROUNDING
     unit: float = 1.0
+    duration: float = 0.0
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -14,6 +14,7 @@ from blob_tracker.types import Frame, Pixels, Window
 import numpy as np
 
 FULL = 65535  # DN: clipped, in a sum of looks
+PAUSE = 1.0  # s without a look, beyond two flashes of the light: it was out of view
 STILL = 0.5  # sigma, and as many px: what moved further since the first look does not stand still
 
 
@@ -31,8 +32,9 @@ class Looks:
     """
     Sum k windows of a still target into one (thesis, section 5.4: five).
 
-    The looks follow each other without overlap; a target that moves begins them anew. The window
-    is that of the last look, for all of them. Its stamp is their mean.
+    The looks follow each other without overlap; a target that moves begins them anew, and so does
+    one that was out of view for more than 1 s (beyond the time of two codes or blocks, where the
+    flash has such). The window is that of the last look, for all of them. Its stamp is their mean.
 
     Parameters
     ----------
@@ -93,8 +95,10 @@ class Looks:
         )
         pairs = self._pairs.setdefault(name, [])
         reach = STILL * (1.0 + candidate.sigma_minor)
+        longest_ns = 1e9 * (PAUSE + 2.0 * contrast.duration)
         if pairs and (
-            math.hypot(look.x - pairs[0].x, look.y - pairs[0].y) > reach
+            not 0 <= look.frame.stamp_ns - pairs[-1].frame.stamp_ns <= longest_ns
+            or math.hypot(look.x - pairs[0].x, look.y - pairs[0].y) > reach
             or look.lit[0].shape != pairs[0].lit[0].shape
             or look.lit[0].dtype != pairs[0].lit[0].dtype
         ):

@@ -146,6 +146,7 @@ class Periodic:
             tuple(each.image for each in unlit),
             LEAST_NOISE * float(np.sqrt((weights[0] ** 2).sum())) / unit,
             unit,
+            float(times[-1]),
         )
 
 

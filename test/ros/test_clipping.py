@@ -20,6 +20,13 @@ def test_0_is_full_scale_whatever_the_driver_knew() -> None:
     assert clipping_window(window, 0, 1).saturation == 255
 
 
+def test_what_the_pixels_cannot_reach_is_full_scale() -> None:
+    """A saturation of 12 bits would switch the check off for 8."""
+    frame = Frame(PIXELS.astype(np.uint8), 0, saturation=255)
+    assert clipping_frame(frame, 4095).saturation == 255
+    assert clipping_window(Window(frame.image), 4095, 1).saturation == 255
+
+
 def test_a_sum_clips_at_full_scale() -> None:
     """Its clipped pixels were put there when it was summed."""
     window = clipping_window(Window(PIXELS), 4095, 5)
@@ -31,3 +38,12 @@ def test_8_bits_are_no_sum() -> None:
     """The segmenter sums into 16."""
     with pytest.raises(MessageError, match='8 bits is one frame and no sum of 5'):
         clipping_window(Window(PIXELS.astype(np.uint8)), 0, 5)
+
+
+def test_a_sum_of_other_looks_is_refused() -> None:
+    """Where it is known: one look is what every window from a message seems to be."""
+    window = Window(PIXELS, looks=5)
+    for looks in (1, 4):
+        with pytest.raises(MessageError, match=f'5 frames and looks is {looks}; .* to 5'):
+            clipping_window(window, 0, looks)
+    assert clipping_window(window, 0, 5).looks == 5

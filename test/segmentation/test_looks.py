@@ -22,11 +22,14 @@ def add(
     saturation: int = 255,
     kind: type = np.uint8,
     name: str = '',
+    duration: float = 0.0,
 ) -> Window | None:
     """Give a look at a light at this column."""
     lit = np.full((20, 30), level, kind)
     contrast = contrast_of(lit, lit // kind(2), saturation)
-    contrast = contrast._replace(frame=Frame(lit, stamp_ns, saturation))
+    contrast = contrast._replace(
+        frame=Frame(lit, stamp_ns, saturation), duration=duration
+    )
     return looks.add(name, contrast, candidate_at(6, 5, x=x, sigma_minor=2.0), BOX)
 
 
@@ -75,6 +78,23 @@ def test_a_target_that_moves_begins_anew() -> None:
     assert add(looks, 6.0) is None
     assert add(looks, 7.6) is None
     assert add(looks, 9.0) is not None
+
+
+@pytest.mark.parametrize('seconds, duration, summed', [
+    (0.9, 0.0, True), (1.1, 0.0, False), (3600.0, 0.0, False), (-0.1, 0.0, False),
+    (2.5, 1.0, True), (3.1, 1.0, False),
+])
+def test_a_pause_begins_anew(seconds: float, duration: float, summed: bool) -> None:
+    """The mean of two times far apart is the time of neither; a long code has long gaps."""
+    looks = Looks(2)
+    first = 10**10
+    assert add(looks, 6.0, stamp_ns=first, duration=duration) is None
+    later = first + round(1e9 * seconds)
+    window = add(looks, 6.0, stamp_ns=later, duration=duration)
+    assert (window is not None) is summed
+    if not summed:
+        window = add(looks, 6.0, stamp_ns=later + 2, duration=duration)
+        assert window is not None and window.stamp_ns == later + 1
 
 
 @pytest.mark.parametrize('change', [{'kind': np.uint16}], ids=['depth'])
