@@ -124,8 +124,8 @@ class Connections:
             return ''
         if len(names) == 1:
             return (
-                f'{known.count} nodes of the name {names[0]} publish {topic}; stop all but one, or '
-                'give each a name or a namespace of its own'
+                f'{known.count} nodes of the name {names[0]} publish {topic}; stop all but one, '
+                'or give each a name or a namespace of its own'
             )
         return f'{len(names)} nodes publish {topic}: {", ".join(names)}; stop all but one'
 
