@@ -1,6 +1,7 @@
 # make demo               the whole tracker on a simulated camera, three processes, no ROS needed
 # make demo DEVICE=/dev/video0   the same on a real camera, until Ctrl-C
 #      CAMERA_INFO=file.yaml   its calibration
+# make doctor             what is wrong with this machine, and what to do about it
 # make test               all tests
 #      PYTEST='-k segmenter'   a part of them
 # make soak               the tracker for half an hour in place of a minute, its memory watched;
@@ -29,13 +30,16 @@ SOURCES := $(shell find blob_tracker config examples launch resource -type f -no
 ENVIRONMENT := source install/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH" \
 	FASTRTPS_DEFAULT_PROFILES_FILE="$(CURDIR)/config/fastdds.xml"
 
-.PHONY: help demo test soak bench reference clean
+.PHONY: help demo doctor test soak bench reference clean
 help:
 	@grep '^# ' Makefile | cut -c3-
 
 demo: install/.built
 	@$(ENVIRONMENT) && python -m blob_tracker demo --out $(OUT) \
 	  $(if $(DEVICE),--device $(DEVICE)) $(if $(CAMERA_INFO),--camera-info $(CAMERA_INFO))
+
+doctor: install/.built
+	@$(ENVIRONMENT) && python -m blob_tracker doctor
 
 test: install/.built .venv/.test
 	@# pytest alone, not python -m: what colcon installed is tested, not what lies here. One
@@ -77,8 +81,8 @@ install/.built: .venv/.run $(SOURCES)
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/colcon build --paths . \
 	  --event-handlers console_direct-
 	@# The kernels are compiled now, into the installed package, not when a node first starts.
-	@$(ENVIRONMENT) && cd .venv && python -c 'from blob_tracker import location, segmentation; \
-	  location.compile_ahead(); segmentation.compile_ahead()'
+	@$(ENVIRONMENT) && cd .venv && \
+	  python -c 'from blob_tracker.pipeline import compile_ahead; compile_ahead()'
 	@touch $@
 
 clean:

@@ -1,4 +1,4 @@
-"""The command line: python -m blob_tracker calibrate | demo | doctor | optics | replay."""
+"""The command line: python3 -m blob_tracker calibrate | demo | doctor | optics | replay."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def main(arguments: list[str] | None = None) -> int:
     Parameters
     ----------
     arguments : list of str, optional
-        The words after `python -m blob_tracker`; those of this process where left out.
+        The words after `python3 -m blob_tracker`; those of this process where left out.
 
     Returns
     -------
@@ -30,7 +30,7 @@ def main(arguments: list[str] | None = None) -> int:
         Exit code: 0 done, 1 failed, 2 called wrongly.
 
     """
-    parser = argparse.ArgumentParser(prog='python -m blob_tracker', description=__doc__)
+    parser = argparse.ArgumentParser(prog='python3 -m blob_tracker', description=__doc__)
     commands = parser.add_subparsers(dest='command', metavar='COMMAND', required=True)
     words = sys.argv[1:] if arguments is None else arguments
     if '--ros-args' in words:  # what follows is rclpy's, remappings say, which reads it itself

@@ -15,6 +15,9 @@ Colour = tuple[int, int, int]  # blue, green, red
 
 PAPER: Colour = (32, 32, 32)
 TEXT: Colour = (230, 230, 230)
+FOUND: Colour = (90, 230, 90)
+REFUSED: Colour = (40, 150, 255)
+CLIPPED: Colour = (70, 70, 255)
 
 FONT, FONT_SIZE = cv2.FONT_HERSHEY_SIMPLEX, 0.45
 LINE = 19  # px from one line of text to the next
@@ -49,6 +52,15 @@ def in_grey(image: NDArray[Any], black: float, white: float, scale: float) -> Pi
         grey = np.nan_to_num(grey, copy=False)
     shades = np.clip(grey, 0.0, 255.0).astype(np.uint8)
     return np.asarray(cv2.cvtColor(shades, cv2.COLOR_GRAY2BGR), dtype=np.uint8)
+
+
+def titled(shown: Picture, title: str, least: int) -> Picture:
+    """Return a picture with a line of text above it, so many px wide at least."""
+    height, width = shown.shape[:2]
+    panel = blank(LINE + height, max(width, least))
+    write(panel, title, 0, 0, TEXT)
+    panel[LINE:, :width] = shown
+    return panel
 
 
 def paragraphs(lines: Sequence[tuple[str, Colour]], width: int) -> Picture:

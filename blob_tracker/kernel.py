@@ -41,9 +41,9 @@ def kernel(function: Kernel) -> Kernel:
     return compiled
 
 
-def compiled(package: str) -> tuple[int, int, str]:
+def compiled(name: str) -> tuple[int, int, str]:
     """
-    Tell which kernels of a package that has been imported are compiled and kept on disk.
+    Tell which kernels of a module, or package, that is imported are compiled and kept on disk.
 
     Returns
     -------
@@ -52,7 +52,7 @@ def compiled(package: str) -> tuple[int, int, str]:
         are, and the folder with the machine code (that of the first one).
 
     """
-    kernels = [one for one in _KERNELS if one.py_func.__module__.startswith(f'{package}.')]
+    kernels = [one for one in _KERNELS if f'{one.py_func.__module__}.'.startswith(f'{name}.')]
     processor = kernels[0].targetctx.codegen().magic_tuple()
     done = sum(
         any(key[1] == processor for key in one._cache._cache_file._load_index())

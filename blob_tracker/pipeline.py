@@ -4,11 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from blob_tracker import location, segmentation
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import locate, METHODS
 from blob_tracker.segmentation import FrameError, Segmenter
 from blob_tracker.types import Bearing, Frame, LocationError, SensorNoise
+
+
+def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
+    """
+    Compile the loops over pixels of all rooms, or load them from Numba's cache.
+
+    Parameters
+    ----------
+    methods : iterable of str
+        Location methods, keys of `blob_tracker.location.METHODS`; all of them where left out.
+
+    """
+    location.compile_ahead(methods)
+    segmentation.compile_ahead()
 
 
 class Pipeline:

@@ -102,7 +102,8 @@ def parameters(interface: Interface) -> str:
         if parameter.fixed:
             text += f' **Read-only**: {parameter.fixed}.'
         text = ' '.join(_word(word) for word in text.split(' '))
-        rows.append((f'`{parameter.name}`', f'`{parameter.value}`', parameter.limits, text))
+        limits = parameter.limits or 'text'
+        rows.append((f'`{parameter.name}`', f'`{parameter.value}`', limits, text))
     return _table(('parameter', 'default', 'may be', 'what and why'), rows)
 
 

@@ -52,7 +52,7 @@ def generate_launch_description() -> LaunchDescription:
             'rviz', default_value='false', choices=SWITCH,
             description='RViz with frame, window and ray as well',
         ),
-        # Without it Fast DDS loses every fifth image: see the file. A profile already set stays.
+        # Without it Fast DDS loses large images: see the file. A profile already set stays.
         SetEnvironmentVariable(PROFILES, EnvironmentVariable(
             PROFILES, default_value=PathJoinSubstitution([*CONFIG, 'fastdds.xml']),
         )),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 import os
 from pathlib import Path
 import signal
@@ -41,6 +41,7 @@ class Process:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
+            start_new_session=True,  # what it starts in turn can be ended with it
         )
         self.output = ''
 
@@ -100,7 +101,8 @@ class Process:
         try:
             self.end()
         except subprocess.TimeoutExpired:
-            self._popen.kill()
+            with suppress(ProcessLookupError):  # all of them have ended meanwhile
+                os.killpg(self._popen.pid, signal.SIGKILL)  # with what it has started
             self.wait()
             raise
 
@@ -114,7 +116,7 @@ def start(name: str, domain: int, *arguments: str, **parameters: object) -> Proc
 
 
 def start_replay(bag: Path, domain: int, *arguments: str) -> Process:
-    """Start `python -m blob_tracker replay`."""
+    """Start `python3 -m blob_tracker replay`."""
     return Process([sys.executable, '-m', 'blob_tracker', 'replay', str(bag), *arguments], domain)
 
 

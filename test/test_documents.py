@@ -50,7 +50,7 @@ def words(command: str) -> list[str]:
 
 
 def parser() -> argparse.ArgumentParser:
-    """Return the parser of `python -m blob_tracker` with all its commands."""
+    """Return the parser of `python3 -m blob_tracker` with all its commands."""
     whole = argparse.ArgumentParser(exit_on_error=False)
     commands = whole.add_subparsers(required=True)
     for name, (module, _) in COMMANDS.items():

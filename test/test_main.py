@@ -19,7 +19,7 @@ def test_each_command_has_help(name: str, capsys: pytest.CaptureFixture[str]) ->
     with pytest.raises(SystemExit) as ended:
         main([name, '--help'])
     assert ended.value.code == 0
-    assert 'usage: python -m blob_tracker' in capsys.readouterr().out
+    assert 'usage: python3 -m blob_tracker' in capsys.readouterr().out
 
 
 @pytest.mark.parametrize('words', [[], ['fly']])

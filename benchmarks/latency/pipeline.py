@@ -68,7 +68,9 @@ def nodes() -> Iterator[Node]:
     """Yield the nodes of blob_tracker.nodes.pipeline with this source."""
     locating = LocatorNode(listen=False)
     yield locating
-    segmenting = SegmenterNode(listen=False, deliver=locating.locate)
+    segmenting = SegmenterNode(
+        listen=False, deliver=locating.locate, announce=locating.heed
+    )
     yield segmenting
     yield Source(segmenting.segment)
 

@@ -51,9 +51,11 @@ def send(
 
     """
     sent = []
+    first_ns = time.time_ns()
     for index in _paced(rate, seconds):
         place = index % len(frames)
-        stamp_ns = time.time_ns()
+        # A camera's stamps are regular, however late its frames are taken off it.
+        stamp_ns = first_ns + int(1e9 * index / rate)
         sent.append((stamp_ns, publish(frames[place], stamp_ns), place % 2 == 0))
     return sent
 

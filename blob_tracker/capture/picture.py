@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from blob_tracker.drawing import (
-    blank, Colour, GAP, in_grey, PAPER, paragraphs, Picture, stack, TEXT,
+    blank, CLIPPED, Colour, GAP, in_grey, PAPER, paragraphs, Picture, stack, TEXT,
 )
 from blob_tracker.types import Frame
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-CLIPPED: Colour = (70, 70, 255)
 BAR: Colour = (170, 170, 170)
 
 NARROWEST, WIDEST, HIGHEST = 480, 960, 720  # px: small frames grow, large ones shrink

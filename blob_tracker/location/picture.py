@@ -7,8 +7,8 @@ import math
 from typing import Any
 
 from blob_tracker.drawing import (
-    beside, blank, Colour, GAP, in_grey, LINE, nearest_pixel, PAPER, paragraphs, Picture, stack,
-    TEXT, text_width, write,
+    beside, blank, CLIPPED, Colour, FOUND, GAP, in_grey, LINE, nearest_pixel, PAPER, paragraphs,
+    Picture, REFUSED, stack, TEXT, text_width, titled, write,
 )
 from blob_tracker.location.noise import noise_of_sum, pixel_variance
 from blob_tracker.location.pulse import integrated_profile
@@ -17,9 +17,6 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-LOCATED: Colour = (90, 230, 90)
-REFUSED: Colour = (40, 150, 255)
-CLIPPED: Colour = (70, 70, 255)
 CENTRE: Colour = (0, 255, 255)
 WIDTH: Colour = (255, 190, 90)
 COVARIANCE: Colour = (255, 120, 255)
@@ -78,17 +75,19 @@ def draw(
     clipped = lit >= (math.inf if window.saturation is None else window.saturation)
     levels = lit if unlit is None else np.stack([lit, unlit])
     black, white = _range(levels)
-    panels = [_panel(_red(in_grey(lit, black, white, scale), clipped),
-                     f'lit, {black:.0f} to {white:.0f} DN')]
+    panels = [titled(_red(in_grey(lit, black, white, scale), clipped),
+                     f'lit, {black:.0f} to {white:.0f} DN', PANEL)]
     difference = lit
     if unlit is not None:
-        panels.append(_panel(in_grey(unlit, black, white, scale), 'unlit, the same levels'))
+        panels.append(
+            titled(in_grey(unlit, black, white, scale), 'unlit, the same levels', PANEL)
+        )
         difference = lit - unlit
     if location is None:
         if unlit is not None:
             low, high = _range(difference)
-            panels.append(_panel(in_grey(difference, low, high, scale),
-                                 f'lit less unlit, {low:.0f} to {high:.0f} DN'))
+            panels.append(titled(in_grey(difference, low, high, scale),
+                                 f'lit less unlit, {low:.0f} to {high:.0f} DN', PANEL))
     else:
         panels += _found(window, difference, clipped, noise, location, scale)
     row = functools.reduce(beside, panels)
@@ -108,14 +107,6 @@ def _range(pixels: NDArray[np.float64]) -> tuple[float, float]:
     """Return the levels that are shown black and white, DN."""
     low = float(pixels.min())
     return low, max(float(pixels.max()), low + LEAST_RANGE)
-
-
-def _panel(shown: Picture, title: str) -> Picture:
-    """Return a picture with a line of text above it, as wide as a panel is."""
-    panel = blank(LINE + shown.shape[0], PANEL)
-    write(panel, title, 0, 0, TEXT)
-    panel[LINE:, :shown.shape[1]] = shown
-    return panel
 
 
 def _red(shown: Picture, clipped: NDArray[np.bool_]) -> Picture:
@@ -151,7 +142,7 @@ def _found(
     for colour, thickness in ((PAPER, 3), (CENTRE, 1)):  # light on light is not seen
         cv2.drawMarker(shown, place, colour, cv2.MARKER_CROSS, 2 * CROSS, thickness)
     name = 'lit' if window.unlit is None else 'lit less unlit'
-    fitted = _panel(shown, f'{name}, {low:.0f} to {high:.0f} DN')
+    fitted = titled(shown, f'{name}, {low:.0f} to {high:.0f} DN', PANEL)
     total = noise_of_sum(noise, window.looks)
     variance = pixel_variance(_numbers(window.lit), total)
     if window.unlit is not None:
@@ -175,7 +166,7 @@ def _found(
         left_edge += text_width(word) + 2 * GAP
     return [
         np.vstack([fitted, legend]),
-        _panel(remainder, f'residual, -{STRETCH:g} to {STRETCH:g} times its noise'),
+        titled(remainder, f'residual, -{STRETCH:g} to {STRETCH:g} times its noise', PANEL),
     ]
 
 
@@ -199,13 +190,13 @@ def _in_words(
     (xx, xy), (_, yy) = location.covariance
     lines.append((
         f'x {location.x:.3f} +- {math.sqrt(xx):.3f} px, y {location.y:.3f} +- '
-        f'{math.sqrt(yy):.3f} px, correlation {xy / math.sqrt(xx * yy):.2f}', LOCATED,
+        f'{math.sqrt(yy):.3f} px, correlation {xy / math.sqrt(xx * yy):.2f}', FOUND,
     ))
     if bearing is not None:
         azimuth, elevation = np.sqrt(bearing.covariance.diagonal())
         lines.append((
             f'azimuth {bearing.azimuth:.3f} +- {azimuth:.3f} mrad, elevation '
-            f'{bearing.elevation:.3f} +- {elevation:.3f} mrad', LOCATED,
+            f'{bearing.elevation:.3f} +- {elevation:.3f} mrad', FOUND,
         ))
     lines.append((
         f'SNR {location.snr:.1f}, chi-square {location.chi2:.2f} per degree of freedom, sigma '

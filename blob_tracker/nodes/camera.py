@@ -68,10 +68,10 @@ class CameraNode(Node):
         super().__init__('camera')
         values = declare(self, PARAMETERS, complete=False)
         self._settings: dict[str, Any] = {}
-        self._camera_model: CameraModel | None = None
         self._sensor_size: tuple[int, int] | None = None
-        # With the parameters and the calibration that it was made of.
-        self._info_of: tuple[Any, CameraModel | None, CameraInfo] = None, None, CameraInfo()
+        # Parameters and calibration; what was made of them is beside them.
+        self._in_use: tuple[dict[str, Any], CameraModel | None]
+        self._info_of: tuple[Any, CameraInfo] = None, CameraInfo()
         self._health = Health(
             self,
             'no frame arrives from the camera',
@@ -83,7 +83,7 @@ class CameraNode(Node):
         self._change(values)()
         self._controls = ControlParameters(self, undeclared(self, elsewhere), self._health)
         on_change(self, PARAMETERS, self._change)
-        self._frames = FrameTopics(self, deliver)
+        self._frames = FrameTopics(self, self._health, deliver)
         self._debug_image = DebugImage(self)
         self.create_service(SetCameraInfo, 'camera/set_camera_info', self._set_camera_info)
         # In a group of its own, for the others go on while it waits for the frames.
@@ -105,7 +105,7 @@ class CameraNode(Node):
         try:
             calibration = to_path(url or DEFAULT_CALIBRATION_URL, values['camera_name'])
             model = CameraModel.from_yaml(calibration) if url or calibration.exists() else None
-        except (CalibrationError, ParameterError) as error:
+        except (CalibrationError, ParameterError, OSError) as error:
             raise ParameterError(f"parameter 'camera_info_url': {error}") from None
         device = {name: values[name] for name in DEVICE}
         for name in ('exposure_time', 'readout_time'):
@@ -117,9 +117,8 @@ class CameraNode(Node):
                 raise ParameterError(f"parameter 'camera_info_url': {error}") from None
 
         def use() -> None:
-            self._values = values
             self._calibration = calibration
-            self._camera_model = model
+            self._in_use = values, model
             # The thread that captures opens the device again where this is another one.
             if self._settings != device:
                 self._settings = device
@@ -180,7 +179,7 @@ class CameraNode(Node):
             f'from {camera.device}; stamps: {camera.stamp_place}; {camera.pixel_format} clips at '
             f'{camera.saturation} DN: saturation of segmenter and locator'
         )
-        self._info_of = None, None, CameraInfo()
+        self._info_of = None, CameraInfo()
         self._lost = 0
         while not self._ends:
             self._publish_next(camera, grabber)
@@ -198,10 +197,10 @@ class CameraNode(Node):
         """Publish the next frame with its camera_info, and return it."""
         frame = self._next(camera, grabber)
         # Parameters and set_camera_info may change both at any time.
-        values, model = self._values, self._camera_model
-        if self._info_of[0] is not values or self._info_of[1] is not model:
-            self._info_of = values, model, self._make_info(model, values['field_of_view'], frame)
-        info = self._info_of[2]
+        in_use = values, model = self._in_use
+        if self._info_of[0] is not in_use:
+            self._info_of = in_use, self._make_info(model, values['field_of_view'], frame)
+        info = self._info_of[1]
         self._health.arrived(frame.stamp_ns)
         self._frames.publish(frame, info, values['frame_id'])
         self._health.left(frame.stamp_ns)
@@ -265,7 +264,7 @@ class CameraNode(Node):
                 f'the camera is not calibrated: there is no {self._calibration}, K is 0 and '
                 'there will be no bearing; calibrate it or set field_of_view',
             )
-        rate = self._values['frame_rate']
+        rate = self._in_use[0]['frame_rate']
         # Nobody notices 29.97 for 30; where the driver does not tell its rate it is 0.
         if rate > 0.0 and camera.frame_rate > 0.0 and abs(camera.frame_rate / rate - 1.0) > 0.01:
             self._health.fault(
@@ -320,17 +319,17 @@ class CameraNode(Node):
         """Take a calibration, store it and use it from the next frame on."""
         try:
             model = replace(
-                to_camera_model(request.camera_info), name=self._values['camera_name']
+                to_camera_model(request.camera_info), name=self._in_use[0]['camera_name']
             )
             self._check_size(model)
             write_calibration(self._calibration, model)
         except (MessageError, CalibrationError) as error:
             response.status_message = str(error)
-            url = self._values['camera_info_url']
+            url = self._in_use[0]['camera_info_url']
             if url.startswith('package://') and isinstance(error, CalibrationError):
                 response.status_message += '; set camera_info_url to a file:// that you may write'
             return response
-        self._camera_model = model
+        self._in_use = self._in_use[0], model
         response.success = True
         response.status_message = f'stored in {self._calibration} and in use'
         self.get_logger().info(f'calibration {response.status_message}')

@@ -39,7 +39,7 @@ LEVELS = {b'\x00': 'green', b'\x01': 'yellow', b'\x02': 'red', b'\x03': 'red'}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of `python -m blob_tracker demo`."""
+    """Declare the options of `python3 -m blob_tracker demo`."""
     parser.add_argument('--device', help='a V4L2 camera instead of the simulated one')
     parser.add_argument(
         '--camera-info', help='its calibration; without one a lens of 60 degrees is assumed'

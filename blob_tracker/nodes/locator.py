@@ -69,6 +69,7 @@ class LocatorNode(Node):
             self, 'no window arrives; is the segmenter running?', describe=self._describe
         )
         self._connections = Connections(self, self._health)
+        self._lights: Collection[str] = ()
         self._places: dict[str, RecentPlaces] = {}
         self._bearing: Bearing | None = None
         self._debug_image = DebugImage(self)
@@ -107,6 +108,9 @@ class LocatorNode(Node):
                         f"parameter 'lights': {error}; write port,starboard"
                     ) from None
 
+        if self._listen:
+            self._make_topics(lights)
+
         def use() -> None:
             with self._lock:
                 self._method, self._options = method, options
@@ -114,16 +118,20 @@ class LocatorNode(Node):
                 self._configured = self._noise = noise
                 self._line_jitter = line_jitter
                 self._places.clear()  # the next ones are placed in another way
-                self._set_lights(lights)
+                if self._listen:
+                    self._set_lights(lights)
                 self._set_online(values['noise.online'])
 
         return use
 
-    def _set_lights(self, lights: Collection[str]) -> None:
-        """Listen to the windows of these lights and heed no other: see `process.run`."""
-        self._lights = lights
-        if not self._listen:
-            lights = ['']  # those of a light with a name are made when it is handed over
+    def heed(self, lights: Collection[str]) -> None:
+        """Be told by the segmenter in this process which lights it will hand over."""
+        self._make_topics(lights)
+        with self._lock:
+            self._set_lights(lights)
+
+    def _make_topics(self, lights: Collection[str]) -> None:
+        """Have the topics of these lights; those of others stay, see `process.run`."""
         for name in lights:
             if name not in self._targets:
                 self._targets[name] = BearingTopics(self, target_topic(name))
@@ -131,6 +139,11 @@ class LocatorNode(Node):
                 self._windows[name] = FramePairs(
                     self, f'{target_topic(name)}/window', self._health, partial(self._take, name)
                 )
+
+    def _set_lights(self, lights: Collection[str]) -> None:
+        """Place these lights and speak of no other."""
+        self._lights = lights
+        self._places = {name: self._places[name] for name in lights if name in self._places}
 
     def _set_online(self, online: bool) -> None:
         """Heed the noise that the segmenter measures, or no longer."""
@@ -165,8 +178,6 @@ class LocatorNode(Node):
 
     def _take(self, light: str, image: Image, info: CameraInfo) -> None:
         """Take a window from the topics."""
-        if light not in self._lights:
-            return
         try:
             window = to_window(image, info)
         except MessageError as error:
@@ -183,9 +194,8 @@ class LocatorNode(Node):
         """Place the blob of a window and publish its direction, or nothing at all."""
         came_ns = time.monotonic_ns()
         with self._lock:
-            if light not in self._targets:  # handed over in memory
-                self._targets[light] = BearingTopics(self, target_topic(light))
-            self._locate(light, window, info, frame_id)
+            if light in self._lights:
+                self._locate(light, window, info, frame_id)
         self._health.arrived(window.stamp_ns, came_ns)
 
     def _locate(self, light: str, window: Window, info: CameraInfo, frame_id: str) -> None:
@@ -270,7 +280,7 @@ class LocatorNode(Node):
         if places.chi2 > SUSPICIOUS:
             cause = (
                 'and so do the pixels about their fit; measure noise.gain, noise.read_noise and '
-                'noise.black_level with python -m blob_tracker calibrate noise'
+                'noise.black_level with python3 -m blob_tracker calibrate noise'
             )
         else:
             cause = (

@@ -44,7 +44,10 @@ def nodes() -> Iterator[Node]:
     locating = locator.LocatorNode(listen=False, elsewhere=common)
     yield locating
     segmenting = segmenter.SegmenterNode(
-        listen=source == 'images', deliver=locating.locate, elsewhere=common
+        listen=source == 'images',
+        deliver=locating.locate,
+        announce=locating.heed,
+        elsewhere=common,
     )
     yield segmenting
     if source == 'camera':

@@ -32,7 +32,7 @@ LAST_WORDS = 2.0  # s for the subscribers to acknowledge the last messages
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of `python -m blob_tracker replay`."""
+    """Declare the options of `python3 -m blob_tracker replay`."""
     parser.add_argument('bag', type=Path, help='folder of the bag')
     parser.add_argument(
         '--rate', type=float, default=1.0, help='speed: 2 is twice as fast as recorded'
@@ -64,8 +64,8 @@ def main(arguments: argparse.Namespace) -> int:
     Returns
     -------
     int
-        0 when all is published, 1 where the bag cannot be read, 2 for a wrong option, 130 after
-        Ctrl-C.
+        0 when all is published, 1 where the bag cannot be read or the nodes of `--nodes` do not
+        come, 2 for a wrong option, 130 after Ctrl-C.
 
     """
     if not arguments.rate > 0.0:
@@ -87,7 +87,16 @@ def main(arguments: argparse.Namespace) -> int:
             try:
                 publishers = _advertise(node, connections)
                 clock = node.create_publisher(Clock, '/clock', RESULT) if arguments.clock else None
-                _await(node, set(arguments.nodes), list(publishers.values()), arguments.wait)
+                missing = _await(
+                    node, set(arguments.nodes), list(publishers.values()), arguments.wait
+                )
+                if missing:
+                    print(
+                        f'nothing is played: {", ".join(sorted(missing))} of --nodes did not come '
+                        f'within {arguments.wait} s; start them, or raise --wait',
+                        file=sys.stderr,
+                    )
+                    return 1
                 _play(reader, connections, publishers, clock, arguments.rate)
                 return 0
             except (KeyboardInterrupt, ExternalShutdownException):
@@ -146,8 +155,16 @@ def _recorded_qos(connection: Connection) -> QoSProfile:
 
 def _await(
     node: Node, awaited: set[str], publishers: list[Publisher], longest: float
-) -> None:
-    """Wait until nodes and subscribers are there and no more come: none misses the beginning."""
+) -> set[str]:
+    """
+    Wait until nodes and subscribers are there and no more come: none misses the beginning.
+
+    Returns
+    -------
+    set of str
+        The nodes that did not come within the longest time, s.
+
+    """
     began = changed = time.monotonic()
     known = 0
     missing = set(awaited)
@@ -157,10 +174,9 @@ def _await(
         if count != known or absent != missing:
             known, missing, changed = count, absent, time.monotonic()
         if known and not missing and time.monotonic() - changed >= QUIET:
-            return
+            return set()
         time.sleep(0.05)
-    if missing:
-        print(f'not there after {longest} s: {", ".join(sorted(missing))}', file=sys.stderr)
+    return missing
 
 
 def _play(

@@ -72,6 +72,8 @@ class SegmenterNode(Node):
     deliver : callable, optional
         Takes each window in memory: the name of the light, its window, the camera_info of the
         frame and the name of the optical frame.
+    announce : callable, optional
+        Told the names of the lights before the first window of any.
     elsewhere : collection of str
         Parameters of other nodes in the same process.
 
@@ -82,11 +84,12 @@ class SegmenterNode(Node):
         *,
         listen: bool = True,
         deliver: Deliver | None = None,
+        announce: Callable[[Collection[str]], None] | None = None,
         elsewhere: Collection[str] = (),
     ) -> None:
         super().__init__('segmenter')
         values = declare(self, PARAMETERS, elsewhere)
-        self._deliver = deliver
+        self._deliver, self._announce = deliver, announce
         self._lock = Lock()  # frames may come from a thread of the camera's
         self._health = Health(
             self,
@@ -153,6 +156,9 @@ class SegmenterNode(Node):
         )
         segmenter = new_segmenter(flash=flash)
         lights = tuple(codes) if values['flash.mode'] == 'coded' else ('',)
+        for name in lights:
+            if name not in self._topics:
+                self._topics[name] = WindowTopics(self, target_topic(name))
 
         def use() -> None:
             with self._lock:
@@ -174,11 +180,11 @@ class SegmenterNode(Node):
         for name, target in self._targets.items():
             if name not in lights:
                 target.out_of_view()
-        for name in lights:
-            if name not in self._topics:
-                self._topics[name] = WindowTopics(self, target_topic(name), lost_after_ns)
-            self._topics[name].lost_after_ns = lost_after_ns
         self._targets = {name: self._topics[name] for name in lights}
+        for target in self._targets.values():
+            target.lost_after_ns = lost_after_ns
+        if self._announce is not None:
+            self._announce(lights)
 
     def _forget(self, after_ns: int) -> None:
         """Forget the frames that have a later stamp, ns."""

@@ -12,6 +12,7 @@ from blob_tracker.nodes.interface.simulator import PARAMETERS
 from blob_tracker.ros.camera_info import from_camera_model
 from blob_tracker.ros.connections import Connections
 from blob_tracker.ros.debug_image import DebugImage
+from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.frame_topics import Deliver, FrameTopics
 from blob_tracker.ros.health import Health
 from blob_tracker.ros.parameters import declare, on_change
@@ -52,7 +53,7 @@ class SimulatorNode(Node):
         )
         self._connections = Connections(self, self._health)
         self._debug_image = DebugImage(self)
-        self._frames = FrameTopics(self, deliver)
+        self._frames = FrameTopics(self, self._health, deliver)
         self._centroids, self._bearings = (
             publisher(self, kind, name, RESULT)
             for kind, name in (
@@ -66,20 +67,26 @@ class SimulatorNode(Node):
 
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Build the scene and the camera of these parameters; return what starts them."""
-        scene = dict(values)
-        frame_id, focal_length = scene.pop('frame_id'), scene.pop('focal_length')
-        noise = SensorNoise(scene.pop('noise.gain'), scene.pop('noise.read_noise'))
+        settings = dict(values)
+        frame_id, focal_length = settings.pop('frame_id'), settings.pop('focal_length')
+        noise = SensorNoise(settings.pop('noise.gain'), settings.pop('noise.read_noise'))
+        scene = FlashingLight(**settings, noise=noise)
+        width, height = scene.width, scene.height
+        model = CameraModel(width, height, pinhole_matrix(focal_length, width, height))
+        try:
+            pixels = scene.frame(0)
+        except MemoryError:
+            raise ParameterError(
+                f'there is no room for frames of {width} x {height} px; take smaller ones'
+            ) from None
 
         def use() -> None:
             self._frame_id = frame_id
-            self._scene = FlashingLight(**scene, noise=noise)
-            width, height = self._scene.width, self._scene.height
-            self._camera_model = CameraModel(
-                width, height, pinhole_matrix(focal_length, width, height)
-            )
-            self._info = from_camera_model(self._camera_model, width, height)
+            self._scene = scene
+            self._camera_model = model
+            self._info = from_camera_model(model, width, height)
             self._index = 0
-            self._pixels = self._scene.frame(0)
+            self._pixels = pixels
             if self._timer is not None:
                 self.destroy_timer(self._timer)
             self._timer = self.create_timer(1.0 / self._scene.rate, self._publish)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from threading import Lock
 from typing import Any
 
 from blob_tracker.capture import CaptureError, Control, ControlError, V4l2Camera
@@ -175,6 +176,7 @@ class ControlParameters:
         self._health = health
         self._own = node.list_parameters([], 0).names
         self._wanted = dict(given)
+        self._lock = Lock()  # of what is wanted, which both threads change
         for name, value in given.items():
             if not isinstance(value, (bool, int, float, str)):
                 raise ParameterError(
@@ -233,7 +235,10 @@ class ControlParameters:
         self._refused = tuple(refused)
         # A button is pressed once, not whenever the camera returns.
         buttons = {name for name, control in known.items() if control.kind == 'button'}
-        self._wanted = {name: wanted[name] for name in wanted if name not in buttons}
+        with self._lock:
+            self._wanted = {
+                name: value for name, value in self._wanted.items() if name not in buttons
+            }
         self._met = True
 
     def attach(self, camera: V4l2Camera) -> None:
@@ -267,7 +272,8 @@ class ControlParameters:
             outcome = adjust_exposure(camera, read)
         finally:
             self._changed.trigger()  # also where it was broken off, and put back
-        self._wanted = self._wanted | dict(outcome.controls)
+        with self._lock:
+            self._wanted = self._wanted | dict(outcome.controls)
         return outcome
 
     # --- called by the executor ---
@@ -296,7 +302,8 @@ class ControlParameters:
         finally:
             # Buttons spring back, and others may have changed with it, refused or not.
             self._changed.trigger()
-        self._wanted = self._wanted | {name: values[name] for name in done}
+        with self._lock:
+            self._wanted = self._wanted | {name: values[name] for name in done}
         return SetParametersResult(successful=True)
 
     def _refresh(self) -> None:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+import traceback
 
 from blob_tracker.ros.camera_info import stamped
+from blob_tracker.ros.health import ERROR, Health
 from blob_tracker.ros.image import from_pixels
 from blob_tracker.ros.qos import IMAGE_OUT, publisher
 from blob_tracker.types import Frame
@@ -22,6 +24,8 @@ class FrameTopics:
     ----------
     node : Node
         Publishes them.
+    health : Health
+        Hears of a deliver that fails.
     deliver : callable, optional
         Takes each frame, its camera_info and the name of the optical frame before they are
         published: who is in the same process does not wait for who is not. The camera_info is
@@ -29,7 +33,9 @@ class FrameTopics:
 
     """
 
-    def __init__(self, node: Node, deliver: Deliver | None = None) -> None:
+    def __init__(self, node: Node, health: Health, deliver: Deliver | None = None) -> None:
+        self._node = node
+        self._health = health
         self._deliver = deliver
         self._image = Image()
         self._images, self._infos = (
@@ -46,7 +52,15 @@ class FrameTopics:
         """
         stamped(info, frame.stamp_ns, frame_id)
         if self._deliver is not None:
-            self._deliver(frame, info, frame_id)
+            try:
+                self._deliver(frame, info, frame_id)
+            except Exception as error:  # a fault of theirs is none of the camera's
+                self._node.get_logger().error(traceback.format_exc(), throttle_duration_sec=60.0)
+                self._health.fault(
+                    ERROR,
+                    f'segmenter or locator failed with {type(error).__name__}: {error}; please '
+                    'report it with the log',
+                )
         if self._infos.get_subscription_count():
             self._infos.publish(info)
         if self._images.get_subscription_count():

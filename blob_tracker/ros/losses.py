@@ -6,10 +6,15 @@ from collections import deque
 import statistics
 
 LAST = 300  # messages over which a loss is a share
-GRAVE, SEVERAL = 0.02, 3  # share and count from which on it is worth a word
+GRAVE, SEVERAL = 0.01, 3  # share and count of those lost from which on it is worth a word
 RECENT = 15  # intervals of which the usual one is the median
 GAP = 1.5  # usual intervals from which on one is missing
 PAUSE = 30.0  # usual intervals from which on it is a pause and no loss
+
+
+def grave(lost: int, taken: int) -> bool:
+    """Tell whether so many messages were lost, beside those taken, that it is worth a word."""
+    return lost >= SEVERAL and lost > GRAVE * (lost + taken)
 
 
 class Losses:
@@ -33,7 +38,7 @@ class Losses:
     @property
     def grave(self) -> bool:
         """Tell whether so many were lost of late that it is worth a word."""
-        return sum(self._last) >= SEVERAL and self.share > GRAVE
+        return grave(sum(self._last), len(self._last))
 
 
 class StampGaps:

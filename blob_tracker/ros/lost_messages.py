@@ -7,13 +7,13 @@ from collections.abc import Mapping
 
 from blob_tracker.ros.connections import full_name, Publishers
 from blob_tracker.ros.health import Health, WARN
+from blob_tracker.ros.losses import grave
 from blob_tracker.ros.shared_memory import environment_of, export, same_host, segment_size
 from rclpy.event_handler import QoSMessageLostInfo
 from rclpy.node import Node
 from rclpy.utilities import get_rmw_implementation_identifier
 
 WINDOW = 5  # s over which losses are a share
-GRAVE, SEVERAL = 0.01, 2  # share and count of lost messages from which on it is worth a word
 IMAGE = 'sensor_msgs/msg/Image'
 QUEUE = 10  # messages: less room than a publisher's queue is the cause of a loss
 SILENCE_NS = 10**9  # after it a publisher may be another one, that counts from anew
@@ -114,7 +114,7 @@ class LostMessages:
         now = self._taken, self._lost, self._late
         taken, lost, late = (new - old for new, old in zip(now, self._seconds[0], strict=True))
         self._seconds.append(now)
-        if _grave(late, taken):
+        if grave(late, taken):
             self._health.fault(
                 WARN,
                 f'{self._topic}: this node is too slow: {late} of {late + taken} images in '
@@ -122,7 +122,7 @@ class LostMessages:
                 'the processor (see top), fewer or smaller images, or run all in one process '
                 '(pipeline); for a bag that is played fast there is config/replay.yaml',
             )
-        if _grave(lost, taken) and len(publishers) == 1:
+        if grave(lost, taken) and len(publishers) == 1:
             self._health.fault(
                 WARN,
                 f'{self._topic}: {lost} of {lost + taken} images in {WINDOW} s were lost on the '
@@ -153,8 +153,3 @@ class LostMessages:
                 f'type: {export()}'
             )
         return 'this machine is too busy to pass them on (see top)'
-
-
-def _grave(lost: int, taken: int) -> bool:
-    """Tell whether so many messages were lost that it is worth a word."""
-    return lost >= SEVERAL and lost > GRAVE * (lost + taken)

@@ -41,7 +41,10 @@ def read_mask(url: str) -> NDArray[np.bool_] | None:
         raise ParameterError(f'there is no file {str(path)[:80]}: {error.strerror}') from None
     if not there:
         raise ParameterError(f'there is no file {path}')
-    image = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE | cv2.IMREAD_ANYDEPTH)
+    try:
+        image = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE | cv2.IMREAD_ANYDEPTH)
+    except cv2.error:  # more pixels than OpenCV reads
+        image = None
     if image is None:
         raise ParameterError(f'{path} is no image; draw it as PNG, white where the target may be')
     if image.dtype != np.uint8:

@@ -89,10 +89,10 @@ def on_change(
     agreed: list[Callable[[], None]] = []
 
     def check(asked: list[Given]) -> SetParametersResult:
-        agreed.clear()
         ours = {each.name: each.value for each in asked if each.name in declared}
         if not ours:
             return SetParametersResult(successful=True)
+        agreed.clear()
         values = {name: node.get_parameter(name).value for name in declared} | ours
         try:
             for name, value in ours.items():
@@ -104,10 +104,10 @@ def on_change(
         return SetParametersResult(successful=True)
 
     def carry_out(asked: list[Given]) -> None:
-        while agreed:
+        words = [f'{g.name} is {g.value!r:.80}' for g in asked if g.name in declared]
+        if words and agreed:
             agreed.pop()()
-            words = ', '.join(f'{g.name} is {g.value!r:.80}' for g in asked if g.name in declared)
-            node.get_logger().info(f'changed: {words}')
+            node.get_logger().info(f'changed: {", ".join(words)}')
 
     node.add_on_set_parameters_callback(check)
     node.add_post_set_parameters_callback(carry_out)

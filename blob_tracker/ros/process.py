@@ -9,7 +9,7 @@ import sys
 
 from blob_tracker.ros.errors import ParameterError
 import rclpy
-from rclpy.exceptions import NameValidationException
+from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.task import Future
@@ -20,7 +20,7 @@ except ImportError:  # rclpy before 7.1.4
     EventsExecutor = None
 
 WRONG_USE = 2  # exit code, as for a shell command called wrongly
-SPELL = 3600.0  # s, any long one
+SPELL = 10.0  # s; the plain executor adds a little to its future with each callback
 
 
 def run(
@@ -61,7 +61,7 @@ def run(
         try:
             for node in create():
                 nodes.append(node)
-        except (ParameterError, NameValidationException) as error:
+        except (ParameterError, NameValidationException, ParameterException) as error:
             say(error)
             return WRONG_USE
         except RuntimeError as error:  # of rclpy's C layer: a QoS override that cannot be, say
@@ -76,7 +76,7 @@ def run(
         executor = _executor(nodes)
         for node in nodes:
             executor.add_node(node)
-        while True:
+        while rclpy.ok():
             # Not spin(): that of the EventsExecutor of rclpy 7.1 waits for a time that overflows
             # and calls nobody back. This way both executors work.
             executor.spin_until_future_complete(Future(), SPELL)

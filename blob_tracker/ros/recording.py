@@ -16,6 +16,11 @@ if TYPE_CHECKING:
     from rosbags.interfaces import Connection
 
 IMAGE = 'sensor_msgs/msg/Image'
+# Ubuntu 24.04 has no package of it, and its pip refuses to install beside apt (PEP 668).
+NO_ROSBAGS = (
+    'rosbags is not installed: python3 -m pip install --break-system-packages rosbags (in a '
+    'virtual environment without that option)'
+)
 
 
 class RecordingError(ValueError):
@@ -100,9 +105,7 @@ def opened(bag: Path) -> Iterator[AnyReader]:
         from rosbags.highlevel import AnyReader, AnyReaderError
         from rosbags.typesys import get_typestore, Stores
     except ImportError:
-        raise RecordingError(
-            'rosbags is not installed: pip install rosbags, or play the bag with `ros2 bag play`'
-        ) from None
+        raise RecordingError(f'{NO_ROSBAGS}, or use `ros2 bag play`') from None
     if not bag.exists():
         raise RecordingError(f'there is no bag {bag}')
     if bag.is_file() and bag.suffix == '.bag':

@@ -21,18 +21,16 @@ class WindowTopics:
         Publishes it.
     topic : str
         What the names begin with: target, or target/<name>.
-    lost_after_ns : int
-        Time without the light, by the stamps, after which it is no longer visible.
 
     Attributes
     ----------
     lost_after_ns : int
-        As above; it may change.
+        Time without the light, by the stamps, after which it is no longer visible.
 
     """
 
-    def __init__(self, node: Node, topic: str, lost_after_ns: int) -> None:
-        self.lost_after_ns = lost_after_ns
+    def __init__(self, node: Node, topic: str) -> None:
+        self.lost_after_ns = 0
         self._windows, self._infos, self._visible = (
             publisher(node, kind, f'{topic}/{name}', qos)
             for kind, name, qos in (

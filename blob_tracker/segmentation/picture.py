@@ -7,8 +7,8 @@ import math
 from typing import Any, NamedTuple
 
 from blob_tracker.drawing import (
-    beside, blank, Colour, GAP, in_grey, LINE, nearest_pixel, PAPER, paragraphs, Picture, stack,
-    TEXT, text_width, within, wrap, write,
+    beside, blank, Colour, FOUND, GAP, in_grey, LINE, nearest_pixel, PAPER, paragraphs, Picture,
+    REFUSED, stack, TEXT, text_width, titled, within, wrap, write,
 )
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
@@ -17,8 +17,6 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-ACCEPTED: Colour = (90, 230, 90)
-REFUSED: Colour = (40, 150, 255)
 WINDOW: Colour = (0, 255, 255)
 REGION: Colour = (255, 170, 70)
 
@@ -81,14 +79,16 @@ def draw(look: Look) -> Picture:
     brightest = _brightest(look.lit)
     noise = within(look.noise, LEAST_NOISE, MOST, 1.0)
     rise = _rise(look, within(look.background, -MOST, MOST, 0.0))
-    frame = _panel(
+    frame = titled(
         in_grey(look.lit, 0.0, brightest, zoom.scale),
         f'frame {shape[1]} x {shape[0]} px, white is {brightest:.0f} DN',
+        NARROWEST,
     )
-    difference = _panel(
+    difference = titled(
         in_grey(rise, -STRETCH * noise, STRETCH * noise, zoom.scale),
         f'{"frame less its background" if look.unlit is None else "lit less unlit"}, '
         f'grey to white is {STRETCH:g} x the noise of {noise:.2f} DN',
+        NARROWEST,
     )
     for panel in (frame[LINE:], difference[LINE:]):
         if look.region != whole:
@@ -106,7 +106,7 @@ def draw(look: Look) -> Picture:
     room = max(insets.shape[0] // LINE, 3)
     state = f'{look.state}: {look.reason or "target in view"}'
     below = beside(insets, paragraphs(_in_words(look.candidates, words, room), words))
-    colour = ACCEPTED if look.windows else REFUSED
+    colour = FOUND if look.windows else REFUSED
     parts = [panels, paragraphs([(state, colour)], panels.shape[1]), below]
     return np.pad(stack(parts), [(0, 0), (GAP, GAP), (0, 0)], constant_values=PAPER[0])
 
@@ -135,15 +135,6 @@ def _rise(look: Look, background: float) -> NDArray[np.float32]:
     return np.nan_to_num(lit)
 
 
-def _panel(shown: Picture, title: str) -> Picture:
-    """Return a picture with a line of text above it, as wide as a panel is at least."""
-    height, width = shown.shape[:2]
-    panel = blank(LINE + height, max(width, NARROWEST))
-    write(panel, title, 0, 0, TEXT)
-    panel[LINE:, :width] = shown
-    return panel
-
-
 def _mark(
     panel: Picture,
     candidates: Sequence[Candidate],
@@ -152,7 +143,7 @@ def _mark(
 ) -> None:
     """Circle and number the candidates; a number that finds no free place is left out."""
     for number, candidate in enumerate(candidates, 1):
-        colour = REFUSED if candidate.refused else ACCEPTED
+        colour = REFUSED if candidate.refused else FOUND
         x, y = zoom.place(candidate.x, candidate.y)
         radius = max(nearest_pixel(3.0 * candidate.sigma_major * zoom.scale), 6)
         radius = min(radius, LARGEST_CIRCLE)
@@ -197,7 +188,7 @@ def _insets(look: Look, rise: NDArray[np.float32], noise: float) -> Picture:
         x, y = nearest_pixel(strongest.x), nearest_pixel(strongest.y)
         number = look.candidates.index(strongest) + 1
         zoomed = [(f'candidate {number}', Box(x - half, y - half, x + half + 1, y + half + 1))]
-        outline = REFUSED if strongest.refused else ACCEPTED
+        outline = REFUSED if strongest.refused else FOUND
     rows = []
     for title, box in zoomed[:MOST_INSETS]:
         around = Box(
@@ -247,7 +238,7 @@ def _in_words(
             f'{each.sigma_minor:.1f} px at ({each.x:.1f}, {each.y:.1f}): '
             f'{each.refused or "may be the target"}'
         )
-        colour = REFUSED if each.refused else ACCEPTED
+        colour = REFUSED if each.refused else FOUND
         wrapped = [(line, colour) for line in wrap(text, width)]
         left = len(candidates) - count
         if len(lines) + len(wrapped) + (left > 1) > room:

@@ -19,7 +19,7 @@ WIDTH_IN_THE_TEXT = 7.95  # mm
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of `python -m blob_tracker optics`."""
+    """Declare the options of `python3 -m blob_tracker optics`."""
     parser.description = (
         "Without a lens' numbers: Table 2.1 of the thesis, computed and as printed. With them: "
         'what that lens sees, what a location in px is worth as an angle and at a range, and how '

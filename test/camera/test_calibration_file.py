@@ -87,6 +87,12 @@ def test_missing_file_is_named() -> None:
         CameraModel.from_yaml('/no/such.yaml')
 
 
+def test_a_device_is_not_read() -> None:
+    """It may never end."""
+    with pytest.raises(CalibrationError, match='/dev/zero: it is no regular file'):
+        CameraModel.from_yaml('/dev/zero')
+
+
 def test_impossible_value_names_the_file(tmp_path: Path) -> None:
     """A focal length of 0 in a file is found in that file."""
     path = tmp_path / 'camera.yaml'

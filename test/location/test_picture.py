@@ -5,11 +5,9 @@ from __future__ import annotations
 from math import inf
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
-from blob_tracker.drawing import GAP, LINE, PAPER
+from blob_tracker.drawing import CLIPPED, FOUND, GAP, LINE, PAPER, REFUSED
 from blob_tracker.location import locate
-from blob_tracker.location.picture import (
-    CENTRE, CLIPPED, COVARIANCE, draw, LOCATED, PANEL, REFUSED, WIDTH,
-)
+from blob_tracker.location.picture import CENTRE, COVARIANCE, draw, PANEL, WIDTH
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
 from blob_tracker.types import Location, LocationError, SensorNoise, Window
 from hypothesis import given, settings, strategies as st
@@ -62,7 +60,7 @@ def test_what_was_found_is_marked_whatever_the_window(height, width, saturation,
     assert (picture[:, :GAP] == PAPER).all()
     assert (picture[:, -GAP:] == PAPER).all()
     assert (picture[-GAP:] == PAPER).all()
-    for colour in (CENTRE, WIDTH, COVARIANCE, LOCATED):
+    for colour in (CENTRE, WIDTH, COVARIANCE, FOUND):
         assert places(picture, colour)[0].size
 
 
@@ -116,7 +114,7 @@ def test_a_refusal_is_said():
     picture = draw(window(), NOISE, reason='the window does not hold one blob ' * 8)
     assert picture.shape[1] == 3 * (PANEL + GAP) + GAP
     assert places(picture, REFUSED)[0].size
-    assert not places(picture, LOCATED)[0].size
+    assert not places(picture, FOUND)[0].size
     assert (picture[:, -GAP:] == PAPER).all()
 
 

@@ -20,6 +20,7 @@ from blob_tracker.nodes.doctor import log_folder, profile, python, security, sha
 from blob_tracker.nodes.doctor.finding import error, Finding, Level, ok, warn
 from blob_tracker.nodes.doctor.report import as_json, Report, summary
 from blob_tracker.nodes.doctor.self_test import free_domain, judge, Run
+from blob_tracker.nodes.interface import NODES
 from blob_tracker.resources import config_path
 from blob_tracker.types import Frame
 import numpy as np
@@ -151,7 +152,7 @@ def test_package(tmp_path: Path) -> None:
 
     folder = prefix / 'lib' / 'blob_tracker'
     folder.mkdir(parents=True)
-    for name in installation.NODES:
+    for name in NODES:
         (folder / name).touch(mode=0o755)
     installed = prefix / 'lib' / 'python3.12' / 'site-packages' / 'blob_tracker'
     installed.mkdir(parents=True)
@@ -165,11 +166,12 @@ def test_package(tmp_path: Path) -> None:
 
 
 def test_kernels() -> None:
-    """Rooms of which nothing is compiled, and a Numba that is switched off."""
-    told([compiled.judge({'location': (3, 5, '/c'), 'segmentation': (1, 1, '/c')})], Level.OK,
-         'location 3 of 5')
-    told([compiled.judge({'location': (0, 5, '/c'), 'segmentation': (1, 1, '/c')})], Level.WARN,
-         'location 0 of 5', 'compile_ahead()')
+    """One of those that the defaults need is not compiled; and a Numba that is switched off."""
+    all_needed = {name: (2, 2, '/c') for name in compiled.NEEDED}
+    rooms = {'location': (3, 5, '/c'), 'segmentation': (1, 1, '/c')}
+    told([compiled.judge({**rooms, **all_needed})], Level.OK, 'location 3 of 5')
+    told([compiled.judge({**rooms, **all_needed, 'location.locate': (1, 2, '/c')})], Level.WARN,
+         'location 3 of 5', 'need (location.locate)', sys.executable, 'compile_ahead()')
     told(compiled.check_compiled({'NUMBA_DISABLE_JIT': '1'}, None), Level.ERROR, 'unset')
     # The build compiles them ahead.
     told(compiled.check_compiled(os.environ, Path('/')), Level.OK, 'location', '__pycache__')

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 import time
+from types import SimpleNamespace
 
 from blob_tracker.ros import health as health_module
 from blob_tracker.ros.health import ERROR, Health, OK, WARN
@@ -100,3 +101,14 @@ def test_a_rate_that_falls_is_a_fault_where_it_should_stand(
             f'0.0 Hz arrive where 30.0 Hz were usual in the last minute: {slowed}'
             if slowed else 'streaming'
         )
+
+
+def test_the_log_is_not_flooded(domain: int) -> None:
+    """What is fed to a node may make a new sentence of each message."""
+    with probe(domain) as node:
+        logged: list[str] = []
+        node.get_logger = lambda: SimpleNamespace(error=logged.append)
+        health = Health(node, 'nothing')
+        for index in range(10_000):
+            health.fault(ERROR, f'the encoding is {chr(0x4e00 + index)}')
+    assert len(logged) == health_module.MOST_LOGGED

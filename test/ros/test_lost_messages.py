@@ -64,3 +64,21 @@ def test_a_publisher_that_begins_again_loses_nothing(domain: int) -> None:
             )
         node.spin_until(lambda: len(node.received['/diagnostics']) >= 3)
         assert 'images not taken in time' not in values(node)
+
+
+def test_publishers_in_turns_are_told_from_one_that_begins_again(domain: int) -> None:
+    """Numbers go back once where a publisher begins again, and time and again where two come."""
+    with probe(domain) as node:
+        lost = LostMessages(node, 'images', Health(node, 'nothing'))
+
+        def took(number: int, sent: float) -> bool:
+            sent_ns = round(sent * 1e9)
+            lost.took(
+                100, {'publication_sequence_number': number, 'source_timestamp': sent_ns}
+            )
+            return lost.mixed
+
+        assert not any([took(70, 0.0), took(71, 0.1), took(1, 0.2), took(2, 0.3)])
+        assert [took(72, 0.4), took(3, 0.5)] == [False, True]
+        # The other one has stopped.
+        assert not any(took(4 + index, 1.6 + 0.1 * index) for index in range(5))

@@ -38,6 +38,7 @@ def test_what_is_no_mask_is_named(tmp_path: Path) -> None:
     cv2.imwrite(str(black), np.zeros_like(PIXELS))
     for url, sentence in (
         ('/no/mask.png', 'there is no file /no/mask.png'),
+        ('/' + 'a' * 300, 'File name too long'),
         (str(tmp_path), 'there is no file'),
         (str(text), 'text.png is no image'),
         (str(deep), 'deep.png has 16 bits a channel; it must have 8'),

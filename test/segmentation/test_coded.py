@@ -129,3 +129,9 @@ def test_bits_are_read_in_any_phase() -> None:
             frame = Frame(scene.frame(index), scene.stamp_ns(index), 255)
             seen |= {name for name, _ in segmenter.sightings(frame)}
         assert seen == set(CODES)
+
+
+def test_a_code_that_is_too_long_is_refused() -> None:
+    """Every phase of it is compared: memory grows with the square."""
+    with pytest.raises(ValueError, match='a code of 20000 frames is too long'):
+        Coded(codes={'a': '10' * 5000}, frames_per_bit=2)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from math import inf, nan
 
-from blob_tracker.drawing import GAP, PAPER
+from blob_tracker.drawing import FOUND, GAP, PAPER, REFUSED
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.look import Look
-from blob_tracker.segmentation.picture import ACCEPTED, draw, REFUSED, REGION, WINDOW
+from blob_tracker.segmentation.picture import draw, REGION, WINDOW
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
 from blob_tracker.types import SensorNoise
 from hypothesis import given, settings, strategies as st
@@ -95,12 +95,12 @@ def test_candidates_and_region_have_colours_of_their_own():
     one = look(windows={}, candidates=(), reason='nothing lit up')
     # The line of text that says the reason is orange as well: panels only.
     plain = draw(one)[TITLE:TITLE + 480]
-    assert not any(has(plain, colour) for colour in (ACCEPTED, REFUSED, REGION))
+    assert not any(has(plain, colour) for colour in (FOUND, REFUSED, REGION))
     picture = draw(one._replace(
         candidates=(candidate(), candidate(x=300.0, refused='a lone pixel')),
         region=Box(50, 40, 400, 300),
     ))[TITLE:TITLE + 480]
-    assert all(has(picture, colour) for colour in (ACCEPTED, REFUSED, REGION))
+    assert all(has(picture, colour) for colour in (FOUND, REFUSED, REGION))
 
 
 def test_long_text_stays_inside():

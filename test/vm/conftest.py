@@ -86,8 +86,7 @@ def results(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
         'NUMBA_CACHE_DIR': str(CACHE / 'numba'),
     }
     compile_kernels = (
-        'import blob_tracker.location as l, blob_tracker.segmentation as s; '
-        's.compile_ahead(); l.compile_ahead(["maximum_likelihood"])'
+        'from blob_tracker.pipeline import compile_ahead; compile_ahead(["maximum_likelihood"])'
     )
     subprocess.run(
         [sys.executable, '-c', compile_kernels], env=os.environ | fits, cwd=folder, check=True

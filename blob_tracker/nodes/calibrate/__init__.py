@@ -1,4 +1,4 @@
-"""The calibrations of `python -m blob_tracker calibrate`, one file for each."""
+"""The calibrations of `python3 -m blob_tracker calibrate`, one file for each."""
 
 from __future__ import annotations
 

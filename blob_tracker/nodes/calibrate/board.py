@@ -42,7 +42,7 @@ TELLING_VIEWS = 4  # from which on the progress tells what is missing
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of `python -m blob_tracker calibrate board`."""
+    """Declare the options of `python3 -m blob_tracker calibrate board`."""
     add_source(parser, 'a board in many poses')
     parser.add_argument('--kind', choices=KINDS, required=True, help='what is on the board')
     parser.add_argument(
@@ -305,8 +305,8 @@ def _write(
 ) -> None:
     """Write calibration and picture, and say which files are new and which were replaced."""
     comments = [
-        f'{datetime.now(timezone.utc):%Y-%m-%d %H:%M} UTC: python -m blob_tracker calibrate board '
-        f'{shlex.quote(arguments.source)}',
+        f'{datetime.now(timezone.utc):%Y-%m-%d %H:%M} UTC: python3 -m blob_tracker calibrate '
+        f'board {shlex.quote(arguments.source)}',
         f'{board.description}, {len(found.views)} views, {found.rms:.4f} px rms',
         'standard deviations: ' + ', '.join(
             f'{name} {sigma:.2g}' for name, sigma in zip(found.names, found.sigmas)

@@ -66,7 +66,7 @@ def main(arguments: argparse.Namespace) -> int:
         measurement.jitter.to_yaml(
             arguments.out,
             [
-                f'python -m blob_tracker calibrate jitter, {len(measurement.places)} frames',
+                f'python3 -m blob_tracker calibrate jitter, {len(measurement.places)} frames',
                 'px; offset and standard deviation of each line, less a straight line over all',
             ],
         )

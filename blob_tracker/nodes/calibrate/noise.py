@@ -459,7 +459,7 @@ def _write(
     sigma = np.sqrt(np.diag(line.noise_covariance))
     words = 'overwritten' if out.exists() else 'written'
     out.write_text(
-        f'# Noise of a camera, by `python -m blob_tracker calibrate noise '
+        f'# Noise of a camera, by `python3 -m blob_tracker calibrate noise '
         f'{shlex.quote(arguments.source)}`.\n'
         f'# Standard deviations: gain {sigma[0]:.2g} e-/DN, read noise {sigma[1]:.2g} DN; '
         f'covariance {line.noise_covariance[0, 1]:.2g} e-.\n'

@@ -170,7 +170,7 @@ def _comments(result: TurnCalibration) -> list[str]:
         if result.sigmas[name] > 0.0
     )
     return [
-        f'python -m blob_tracker calibrate turn, {len(result.residuals)} stations',
+        f'python3 -m blob_tracker calibrate turn, {len(result.residuals)} stations',
         f'standard deviations (px, k1 without unit): {sigmas}',
         *result.notes,
     ]

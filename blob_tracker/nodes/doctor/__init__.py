@@ -37,7 +37,7 @@ Check = Callable[[], Iterable[Finding]]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of `python -m blob_tracker doctor`."""
+    """Declare the options of `python3 -m blob_tracker doctor`."""
     parser.add_argument('--device', help='look at this camera alone, and read frames from it')
     parser.add_argument(
         '--no-self-test', action='store_true', help='leave out the 2 s of tracking by real nodes'

@@ -5,19 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 import json
 from pathlib import Path
+import shlex
 import subprocess
 import sys
 
 from blob_tracker.nodes.doctor.finding import error, Finding, ok, warn
 
-COMPILE = (
-    "cd / && python -c 'from blob_tracker import location, segmentation; "
-    "location.compile_ahead(); segmentation.compile_ahead()'"
+ROOMS = ('location', 'segmentation')
+# Modules with the loops that run with the parameters as they are by default, and no others.
+NEEDED = (
+    'location.locate', 'location.maximum_likelihood', 'segmentation.adaptive_moments',
+    'segmentation.description', 'segmentation.local_maxima', 'segmentation.peaks',
+    'segmentation.tile_noise',
 )
+COMPILE = 'from blob_tracker.pipeline import compile_ahead; compile_ahead({})'  # the methods
 TELL = (
     'import json; from blob_tracker import location, segmentation; '
     'from blob_tracker.kernel import compiled; '
-    "print(json.dumps({r: compiled(f'blob_tracker.{r}') for r in ('location', 'segmentation')}))"
+    f"print(json.dumps({{m: compiled(f'blob_tracker.{{m}}') for m in {ROOMS + NEEDED}}}))"
 )
 TIMEOUT = 60.0  # s to load Numba, on a machine that is busy
 
@@ -65,18 +70,19 @@ def judge(compiled: Mapping[str, tuple[int, int, str]]) -> Finding:
     Parameters
     ----------
     compiled : mapping
-        room -> how many of its loops are compiled for this processor, how many it has, and the
-        folder that the machine code is in.
+        Each of `ROOMS` and `NEEDED` -> how many of its loops are compiled for this processor, how
+        many it has, and the folder that the machine code is in.
 
     """
-    words = ', '.join(f'{room} {done} of {all_}' for room, (done, all_, _) in compiled.items())
-    folder = next(iter(compiled.values()))[2]
-    words = f'compiled for this processor: {words}, in {folder}'
-    if all(done for done, _, _ in compiled.values()):
+    words = ', '.join('{} {} of {}'.format(room, *compiled[room][:2]) for room in ROOMS)
+    words = f'compiled for this processor: {words}, in {compiled[ROOMS[0]][2]}'
+    lacking = [module for module in NEEDED if compiled[module][0] < compiled[module][1]]
+    if not lacking:
         return ok('kernels', words)
     return warn(
         'kernels',
-        f'{words}; a node compiles what it lacks as it starts, which takes half a minute, once',
+        f'{words}; not all that the defaults need ({", ".join(lacking)}): a node compiles what it '
+        'lacks as it starts, which takes half a minute, once',
         'to do it now',
-        COMPILE,
+        f'cd / && {shlex.quote(sys.executable)} -c {shlex.quote(COMPILE.format(""))}',
     )

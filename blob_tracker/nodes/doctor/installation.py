@@ -10,10 +10,10 @@ import subprocess
 import sys
 
 from blob_tracker.nodes.doctor.finding import error, Finding, ok, warn
+from blob_tracker.nodes.interface import NODES
 
 DISTRIBUTION = 'jazzy'
 DEFAULT_RMW = 'rmw_fastrtps_cpp'
-NODES = ('camera', 'segmenter', 'locator', 'pipeline', 'simulator')
 OPT = Path('/opt/ros')
 SETUP = 'source {}/{}/setup.bash'
 WHEELS = "pip install 'ros-jazzy-rclpy[fastrtps]' ros-jazzy-common-interfaces"

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from importlib import import_module, metadata
+from pathlib import Path
 import sys
+import sysconfig
 
 from blob_tracker.nodes.doctor.finding import error, Finding, ok, warn
 
@@ -20,7 +22,7 @@ REQUIRED = {
 }
 OPTIONAL = {
     'matplotlib': ('matplotlib', 'python3-matplotlib', 'the pictures of demo and calibrate'),
-    'rosbags': ('rosbags', '', '`python -m blob_tracker replay` and calibrations from bags'),
+    'rosbags': ('rosbags', '', '`python3 -m blob_tracker replay` and calibrations from bags'),
 }
 
 
@@ -80,4 +82,8 @@ def _install(wheel: str, package: str) -> tuple[str, str]:
     """Return the advice and the command for this kind of Python."""
     if sys.prefix == sys.base_prefix and package:  # no virtual environment
         return 'install it', f'sudo apt install {package}'
-    return 'install it', f'{sys.executable} -m pip install {wheel}'
+    # Outside of a virtual environment pip refuses where the distribution says so (PEP 668).
+    managed = (Path(sysconfig.get_path('stdlib')) / 'EXTERNALLY-MANAGED').is_file()
+    forced = managed and sys.prefix == sys.base_prefix
+    option = '--break-system-packages ' if forced else ''
+    return 'install it', f'{sys.executable} -m pip install {option}{wheel}'

@@ -15,6 +15,7 @@ import tempfile
 import time
 
 from blob_tracker.nodes.child import child
+from blob_tracker.nodes.doctor.compiled import COMPILE
 from blob_tracker.nodes.doctor.discovery import PORT_BASE, PORTS
 from blob_tracker.nodes.doctor.finding import error, Finding, ok, warn
 from blob_tracker.nodes.monitor import Monitor
@@ -36,10 +37,7 @@ TOLERATED = 0.02  # share of lit frames that may be lost
 COLOUR = re.compile(r'\x1b\[[0-9;]*m')
 LAST_DOMAIN = 101  # the ports of the next run into those that Linux gives to anybody
 NO_LOGS = ['--ros-args', '--disable-external-lib-logs']  # their folder has its own check
-COMPILE = (
-    'from blob_tracker import location, segmentation; '
-    "location.compile_ahead(['maximum_likelihood']); segmentation.compile_ahead()"
-)
+METHODS = ['maximum_likelihood']  # the default: compiling all of them takes several times as long
 # On this machine, in a domain of its own, and not secured: the keys are for other names.
 NOT_INHERITED = (
     'ROS_LOCALHOST_ONLY', 'ROS_STATIC_PEERS', 'ROS_DISCOVERY_SERVER', 'ROS_SECURITY_ENABLE',
@@ -160,34 +158,48 @@ def track(environment: Mapping[str, str], folder: Path | None) -> Run:
         # Elsewhere than here: Python would take the package of this folder, and not the nodes'.
         place = None if folder is None else logs
         result = subprocess.run(
-            [sys.executable, '-c', COMPILE], cwd=place, env=own, timeout=COMPILING,
+            [sys.executable, '-c', COMPILE.format(METHODS)], cwd=place, env=own, timeout=COMPILING,
             capture_output=True, text=True,
         )
         if result.returncode:
             last = (result.stderr.strip().splitlines() or ['it says nothing'])[-1]
             return Run(domain, f'the fits cannot be compiled: {last}')
-        os.environ.clear()  # rclpy and Fast DDS read that of the process
-        os.environ.update(own)
-        context = Context()
-        rclpy.init(args=NO_LOGS, context=context, domain_id=domain)
-        monitor = Monitor(NAMESPACE, context)
-        executor = SingleThreadedExecutor(context=context)
-        executor.add_node(monitor)
+        before = dict(os.environ)
+        _become(own)  # rclpy and Fast DDS read that of the process
         try:
-            with ExitStack() as stack:
-                processes = {
-                    node: stack.enter_context(
-                        child(_command(node, folder), NAMESPACE, {}, logs / f'{node}.log', own)
-                    )
-                    for node in NODES
-                }
-                fault = _listen(executor, monitor, processes, logs)
-            if fault:
-                return Run(domain, fault)
-            return _compare(domain, monitor)
+            return _measure(domain, own, folder, logs)
         finally:
-            monitor.destroy_node()
-            rclpy.try_shutdown(context=context)
+            _become(before)
+
+
+def _become(environment: Mapping[str, str]) -> None:
+    """Make the environment variables of this process these."""
+    os.environ.clear()
+    os.environ.update(environment)
+
+
+def _measure(domain: int, own: Mapping[str, str], folder: Path | None, logs: Path) -> Run:
+    """Run the nodes in an environment that this process has as well."""
+    context = Context()
+    rclpy.init(args=NO_LOGS, context=context, domain_id=domain)
+    monitor = Monitor(NAMESPACE, context)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(monitor)
+    try:
+        with ExitStack() as stack:
+            processes = {
+                node: stack.enter_context(
+                    child(_command(node, folder), NAMESPACE, {}, logs / f'{node}.log', own)
+                )
+                for node in NODES
+            }
+            fault = _listen(executor, monitor, processes, logs)
+        if fault:
+            return Run(domain, fault)
+        return _compare(domain, monitor)
+    finally:
+        monitor.destroy_node()
+        rclpy.try_shutdown(context=context)
 
 
 def _command(node: str, folder: Path | None) -> Sequence[str | Path]:
