@@ -218,7 +218,14 @@ class SegmenterNode(Node):
         """Look for the lights in the next frame; publish the window of each that is there."""
         came_ns = time.monotonic_ns()
         with self._lock:
-            self._segment(clipping_frame(frame, self._saturation), info, frame_id)
+            clipped = clipping_frame(frame, self._saturation)
+            if frame.saturation < clipped.saturation:
+                self._health.fault(
+                    WARN,
+                    f'the camera clips at {frame.saturation} DN; set saturation to that in '
+                    'segmenter and locator',
+                )
+            self._segment(clipped, info, frame_id)
         self._health.arrived(frame.stamp_ns, came_ns)
         self._losses.add(self._gaps.missing(frame.stamp_ns))
 

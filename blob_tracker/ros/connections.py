@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 
 from blob_tracker.ros.health import Health, WARN
@@ -31,6 +32,38 @@ _ENOUGH = (
 )
 
 
+class Publishers:
+    """
+    Tell whether several nodes publish a topic, once it is sure.
+
+    Attributes
+    ----------
+    names : list of str
+        Of those that did at the last check, each once.
+    count : int
+        Nodes that did.
+
+    """
+
+    def __init__(self) -> None:
+        self.names: list[str] = []
+        self.count = 0
+        self._checks = 0  # in which there were several
+
+    def check(self, publishers: Iterable[TopicEndpointInfo]) -> None:
+        """Take the publishers of the graph, once a second."""
+        # One node may have several publishers: those of one participant, whose GUIDs begin alike.
+        nodes = {(full_name(each), bytes(each.endpoint_gid)[:12]) for each in publishers}
+        self.count = len(nodes)
+        self.names = sorted({name for name, _ in nodes})
+        self._checks = self._checks + 1 if self.count > 1 else 0
+
+    @property
+    def several(self) -> bool:
+        """Whether there are several, and none is likely to be one that has ended."""
+        return self._checks >= (LEASE if len(self.names) == 1 else SETTLED)
+
+
 class Connections:
     """
     Report what keeps a node and those at the other ends of its topics from understanding.
@@ -50,7 +83,7 @@ class Connections:
     def __init__(self, node: Node, health: Health) -> None:
         self._node = node
         self._health = health
-        self._twice: dict[str, int] = {}  # checks in which a topic had several publishers
+        self._publishers: defaultdict[str, Publishers] = defaultdict(Publishers)
         health.watch(self._check)
 
     def _check(self) -> None:
@@ -84,19 +117,15 @@ class Connections:
 
     def _published_twice(self, topic: str, publishers: Sequence[TopicEndpointInfo]) -> str:
         """Return what to say of a topic that several nodes publish, once it is sure."""
-        # One node may have several publishers: those of one participant, whose GUIDs begin alike.
-        nodes = {(full_name(each), bytes(each.endpoint_gid)[:12]) for each in publishers}
-        if len(nodes) < 2:
-            self._twice.pop(topic, None)
-            return ''
-        self._twice[topic] = self._twice.get(topic, 0) + 1
-        names = sorted({name for name, _ in nodes})
-        if self._twice[topic] < (LEASE if len(names) == 1 else SETTLED):
+        known = self._publishers[topic]
+        known.check(publishers)
+        names = known.names
+        if not known.several:
             return ''
         if len(names) == 1:
             return (
-                f'{len(nodes)} nodes of the name {names[0]} publish {topic}; stop all but one, or '
-                'give each a name or a namespace of its own'
+                f'{known.count} nodes of the name {names[0]} publish {topic}; stop all but one, '
+                'or give each a name or a namespace of its own'
             )
         return f'{len(names)} nodes publish {topic}: {", ".join(names)}; stop all but one'
 

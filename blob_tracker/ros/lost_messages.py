@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping
 
-from blob_tracker.ros.connections import full_name
+from blob_tracker.ros.connections import full_name, Publishers
 from blob_tracker.ros.health import Health, WARN
 from blob_tracker.ros.losses import grave
 from blob_tracker.ros.shared_memory import environment_of, export, same_host, segment_size
@@ -14,6 +14,7 @@ from rclpy.node import Node
 from rclpy.utilities import get_rmw_implementation_identifier
 
 WINDOW = 5  # s over which losses are a share
+IMAGE = 'sensor_msgs/msg/Image'
 QUEUE = 10  # messages: less room than a publisher's queue is the cause of a loss
 SILENCE_NS = 10**9  # after it a publisher may be another one, that counts from anew
 
@@ -40,6 +41,7 @@ class LostMessages:
         self._node = node
         self._topic = node.resolve_topic_name(topic)
         self._health = health
+        self._publishers = Publishers()
         self._size = 0  # bytes of a message
         self._taken = self._lost = self._late = 0  # so far
         self._last: tuple[int, int] | None = None  # number and time of the last message
@@ -78,16 +80,19 @@ class LostMessages:
         Tell whether the messages of several publishers come in turns.
 
         Each has numbers of its own, and they go back time and again; those of a publisher that is
-        started again do so once.
+        started again do so once. Where there are no numbers, or one publishes seldom, the graph
+        tells of it after a while.
         """
+        if self._publishers.several:
+            return True
         if self._last is None or len(self._backwards) < 2:
             return False
         return self._last[1] - self._backwards[0] < SILENCE_NS
 
-    def publishers(self) -> str:
-        """Return the names of the nodes that publish the topic."""
-        known = self._node.get_publishers_info_by_topic(self._topic)
-        return ', '.join(sorted({full_name(each) for each in known}))
+    @property
+    def publishers(self) -> list[str]:
+        """Names of the nodes that published the topic at the last check."""
+        return self._publishers.names
 
     def _begin(self) -> None:
         """Begin with the numbers of a publisher."""
@@ -97,6 +102,8 @@ class LostMessages:
     def _tell(self) -> None:
         """Say what was lost in the last seconds."""
         publishers = self._node.get_publishers_info_by_topic(self._topic)
+        # Nothing arrives from those of another type.
+        self._publishers.check(each for each in publishers if each.topic_type == IMAGE)
         if len(publishers) != 1:  # each has numbers of its own; `Connections` says that there are
             self._begin()
         late = max(self._missing - self._missing_lost - self._missing_late, 0)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TypeVar
 
+from blob_tracker.ros.connections import Publishers
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.lost_messages import LostMessages
 from blob_tracker.ros.qos import IMAGE_IN, subscription
@@ -111,10 +112,13 @@ class FramePairs:
     def __init__(
         self, node: Node, topic: str, health: Health, deliver: Callable[[Image, CameraInfo], None]
     ) -> None:
+        self._node = node
         self._topic = topic
         self._health = health
         self._pairing = StampPairing(deliver)
         self._lost = LostMessages(node, f'{topic}/image_raw', health)
+        self._info_publishers = Publishers()
+        health.watch(self._check_infos)
         self._subscriptions = (
             subscription(
                 node, Image, f'{topic}/image_raw', self._take_image, IMAGE_IN, self._lost.lost
@@ -126,24 +130,45 @@ class FramePairs:
         """Give up what waits for its partner and has a later stamp, ns."""
         self._pairing.forget(after_ns)
 
+    def _check_infos(self) -> None:
+        """See who publishes the camera_info."""
+        topic = self._node.resolve_topic_name(f'{self._topic}/camera_info')
+        self._info_publishers.check(self._node.get_publishers_info_by_topic(topic))
+
+    @property
+    def _mixed(self) -> bool:
+        """Whether one of the topics is that of several cameras."""
+        return self._lost.mixed or self._info_publishers.several
+
     def _take_image(self, message: Image, information: Mapping[str, int | None]) -> None:
         self._lost.took(len(message.data), information)
-        if self._lost.mixed:
+        if self._mixed:
             # What differs from one camera to the other flashes as a target does.
-            self._health.fault(
-                ERROR,
-                f'{self._topic}/image_raw: several nodes publish it ({self._lost.publishers()}), '
-                'and none of the images is used; stop all but one',
-            )
+            if self._lost.mixed:
+                self._say_mixed('image_raw', self._lost.publishers)
+            else:
+                self._say_mixed('camera_info', self._info_publishers.names)
             return
         self._pairing.image(message)
         if self._pairing.lonely_images >= DEPTH:
             self._say_lonely('image_raw', 'camera_info')
 
     def _take_info(self, message: CameraInfo) -> None:
+        if self._mixed:  # no image waits for it
+            return
         self._pairing.camera_info(message)
         if self._pairing.lonely_infos >= DEPTH:
             self._say_lonely('camera_info', 'image_raw')
+
+    def _say_mixed(self, kind: str, names: Sequence[str]) -> None:
+        """Say whose messages come in turns."""
+        # The numbers of the messages may tell of the second before the graph was looked at.
+        known = f' ({", ".join(names)})' if len(names) > 1 else ''
+        self._health.fault(
+            ERROR,
+            f'{self._topic}/{kind}: several nodes publish it{known}, and none of the images is '
+            'used; stop all but one',
+        )
 
     def _say_lonely(self, one: str, other: str) -> None:
         """Say that what should come in pairs does not."""

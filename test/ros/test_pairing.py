@@ -1,8 +1,14 @@
 """Images meet the camera_info of their stamp, whichever comes first."""
 
 from blob_tracker.ros.camera_info import stamped
-from blob_tracker.ros.pairing import DEPTH, StampPairing
+from blob_tracker.ros.health import Health
+from blob_tracker.ros.pairing import DEPTH, FramePairs, StampPairing
+from blob_tracker.ros.qos import IMAGE_OUT
 from blob_tracker.ros.stamp import from_ns, to_ns
+from diagnostic_msgs.msg import DiagnosticArray
+from processes import probe
+import pytest
+from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 
 
@@ -62,3 +68,43 @@ def test_a_clock_that_jumps_back_takes_what_waits_with_it() -> None:
         pairing.camera_info(stamped(CameraInfo(), stamp_ns + 10, ''))
     pairing.forget(2)
     assert (pairing.lonely_images, pairing.lonely_infos) == (2, 0)
+
+
+@pytest.mark.parametrize('kind, topic', [
+    (Image, 'camera/image_raw'), (CameraInfo, 'camera/camera_info')
+])
+def test_a_second_camera_that_is_silent_is_noticed(kind: type, topic: str, domain: int) -> None:
+    """The numbers of its messages tell nothing; the graph does, in two checks."""
+    pairs: list[Image] = []
+    with probe(domain) as node:
+        node.record(DiagnosticArray, '/diagnostics')
+        health = Health(node, 'nothing')
+        frames = FramePairs(node, 'camera', health, lambda i, c: pairs.append(i))
+        images = node.create_publisher(Image, 'camera/image_raw', IMAGE_OUT)
+        infos = node.create_publisher(CameraInfo, 'camera/camera_info', IMAGE_OUT)
+        stamps = iter(range(1, 10**9))
+
+        def publish() -> None:
+            stamp_ns = next(stamps)
+            infos.publish(stamped(CameraInfo(), stamp_ns, ''))
+            images.publish(image(stamp_ns))
+            node.spin(0.03)
+
+        node.spin_until(lambda: publish() or pairs)
+        other = Node('other', context=node.context)
+        other.create_publisher(kind, topic, IMAGE_OUT)
+        sentence = f'{topic}: several nodes publish it (/other, /probe), and none of the images'
+
+        def said() -> list[str]:
+            arrays = node.received['/diagnostics']
+            return [each.status[0].message for each in arrays]
+
+        node.spin_until(lambda: publish() or any(sentence in each for each in said()))
+        pairs.clear()
+        node.received['/diagnostics'].clear()
+        node.spin_until(lambda: publish() or len(said()) >= 2)
+        assert not pairs
+        assert not any('without a' in each for each in said())
+        other.destroy_node()
+        node.spin_until(lambda: publish() or pairs)
+        assert frames is not None
