@@ -14,6 +14,7 @@ from blob_tracker.ros.stamp import to_ns
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 
+INFO = 'sensor_msgs/msg/CameraInfo'
 DEPTH = 10  # messages that wait for their partner; the queue of either topic holds as many
 _Message = TypeVar('_Message', Image, CameraInfo)
 
@@ -133,7 +134,10 @@ class FramePairs:
     def _check_infos(self) -> None:
         """See who publishes the camera_info."""
         topic = self._node.resolve_topic_name(f'{self._topic}/camera_info')
-        self._info_publishers.check(self._node.get_publishers_info_by_topic(topic))
+        self._info_publishers.check(
+            each for each in self._node.get_publishers_info_by_topic(topic)
+            if each.topic_type == INFO
+        )
 
     @property
     def _mixed(self) -> bool:
