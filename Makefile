@@ -43,7 +43,7 @@ doctor: install/.built
 
 test: install/.built .venv/.test
 	@# pytest alone, not python -m: what colcon installed is tested, not what lies here. One
-	@# process runs what starts nodes and the virtual machine, the other what only computes.
+	@# process runs what starts nodes, the other the virtual machine and what only computes.
 	@$(ENVIRONMENT) && pytest -n 2 $(PYTEST)
 
 soak: export SOAK_SECONDS := $(SOAK_SECONDS)

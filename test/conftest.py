@@ -24,7 +24,6 @@ for _ in range(os.getppid() % 100):
 # What starts nodes in processes, by the beginning of its path in here.
 WITH_PROCESSES = (
     'benchmarks/test_latency', 'examples', 'nodes', 'test_launch', 'test_security', 'test_views',
-    'vm',
 )
 
 
@@ -34,10 +33,12 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     from xdist.scheduler import LoadScopeScheduling
 
     class NodesTogether(LoadScopeScheduling):
-        """One process gets all that starts nodes, which takes longest and so begins."""
+        """One process gets all that starts nodes, the other the virtual machine and the rest."""
 
         def _split_scope(self, nodeid: str) -> str:
             place = nodeid.removeprefix('test/')
+            if place.startswith('vm'):
+                return 'vm'
             return 'nodes' if place.startswith(WITH_PROCESSES) else nodeid
 
     return NodesTogether(config, log)

@@ -256,14 +256,21 @@ def test_garbage_on_the_topics_of_a_camera(garbage: Garbage) -> None:
 def test_garbage_on_the_topics_of_a_segmenter(domain: int) -> None:
     """Windows and noise that the segmenter never sent, to the locator."""
     deep = _deep('/target/window/image_raw') | _deep('/target/window/camera_info')
+    # The windows of the segmenter go through the test: of two publishers none would be heeded.
+    aside = ('image_raw', 'camera_info')
+    remaps = [word for name in aside for word in ('-r', f'target/window/{name}:=seen/{name}')]
     with (
         probe(domain) as node,
-        start('segmenter', domain) as segmenter,
+        start('segmenter', domain, *remaps) as segmenter,
         start('locator', domain, **deep) as locator,
     ):
         camera = PlayedCamera(node, SCENE)
-        windows = node.record(Image, 'target/window/image_raw')
-        infos = node.record(CameraInfo, 'target/window/camera_info')
+        windows = node.record(Image, 'seen/image_raw')
+        infos = node.record(CameraInfo, 'seen/camera_info')
+        images = node.create_publisher(Image, 'target/window/image_raw', DEEP)
+        camera_infos = node.create_publisher(CameraInfo, 'target/window/camera_info', DEEP)
+        node.create_subscription(Image, 'seen/image_raw', images.publish, 100)
+        node.create_subscription(CameraInfo, 'seen/camera_info', camera_infos.publish, 100)
         garbage = Garbage(camera, [segmenter, locator])
         camera.flash()
         node.spin_until(lambda: _pair(windows, infos))
@@ -271,8 +278,6 @@ def test_garbage_on_the_topics_of_a_segmenter(domain: int) -> None:
         truth = camera.sent[to_ns(window.header.stamp)][0].place
         place = truth[0] - info.roi.x_offset, truth[1] - info.roi.y_offset
         raw_window, raw_info = serialize_message(window), serialize_message(info)
-        images = node.create_publisher(Image, 'target/window/image_raw', DEEP)
-        camera_infos = node.create_publisher(CameraInfo, 'target/window/camera_info', DEEP)
         noises = node.create_publisher(Vector3Stamped, 'target/noise', STATE)
 
         @settings(SETTINGS, max_examples=BATCHES // 3)
