@@ -10,6 +10,7 @@ from blob_tracker.ros.health import ERROR, Health
 from blob_tracker.ros.image import from_pixels
 from blob_tracker.ros.qos import IMAGE_OUT, publisher
 from blob_tracker.types import Frame
+import rclpy
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 
@@ -55,6 +56,8 @@ class FrameTopics:
             try:
                 self._deliver(frame, info, frame_id)
             except Exception as error:  # a fault of theirs is none of the camera's
+                if not rclpy.ok():  # a signal came: nothing can be published any more
+                    raise
                 self._node.get_logger().error(traceback.format_exc(), throttle_duration_sec=60.0)
                 self._health.fault(
                     ERROR,

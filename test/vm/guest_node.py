@@ -40,7 +40,7 @@ SETS: tuple[tuple[str, Any], ...] = (
     ('brightness', 200), ('integer_64_bits', -2**40), ('string', 'abc'), ('boolean', False),
     ('menu', 4), ('bitmask', 0x80000000), ('button', True),
     ('brightness', 256), ('menu', 2), ('string', 'a'), ('button', False), ('brightness', 'high'),
-    ('read_only_integer_32_bits', 1), ('width', 640),
+    ('read_only_integer_32_bits', 1),
 )
 
 

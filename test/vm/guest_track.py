@@ -28,6 +28,7 @@ from rclpy.qos import QoSProfile
 COUNT = 60  # bearings of the three processes and of the one: all lit places four times
 STARTUP = 90.0  # s until the first bearing: four Pythons on two emulated processors
 END = 40.0  # s; two on a quiet machine
+LAST_WORDS = 2.0  # s in which the last messages of processes that have ended are taken
 LONGEST = 100.0  # s for each half; 5 s are enough on a quiet machine
 PARAMETERS: dict[str, dict[str, object]] = {
     'camera': {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT, 'pixel_format': 'GREY'},
@@ -133,8 +134,9 @@ def main(folder: Path, nodes: Path) -> None:
         together: dict[str, object] = {}
         for values in parameters.values():
             together |= values
-        processes = {'pipeline': start('pipeline', together, folder, nodes)}
+        wait(recorder, sys.maxsize, LAST_WORDS)
         recorder.take()
+        processes = {'pipeline': start('pipeline', together, folder, nodes)}
         found['startup of the pipeline'] = wait(recorder, 1, STARTUP)
         v4l2_ctl(CAPTURE, '-c', 'disconnect=1')
     # The driver comes back when the last program has let go of it.
