@@ -21,6 +21,7 @@ from blob_tracker.nodes.pipeline import compile_all
 from blob_tracker.nodes.segmenter import SegmenterNode
 from blob_tracker.ros.camera_info import from_camera_model
 from blob_tracker.ros.frame_topics import Deliver, FrameTopics
+from blob_tracker.ros.health import Health
 from blob_tracker.ros.process import run
 from blob_tracker.types import Frame, Pixels
 import rclpy
@@ -42,7 +43,7 @@ class Source(Node):
 
     def __init__(self, deliver: Deliver) -> None:
         super().__init__('source')
-        self._frames = FrameTopics(self, deliver)
+        self._frames = FrameTopics(self, Health(self, 'no frame was sent'), deliver)
         Thread(target=self._stream, daemon=True).start()
 
     def _stream(self) -> None:
