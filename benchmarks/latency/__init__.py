@@ -29,6 +29,7 @@ NAMESPACE = 'one'  # of the pipeline: it lives beside the three
 WARM_UP = 1.0  # s
 GRACE = 0.3  # s after the end of a stream for the last message
 LONGEST_START = 20.0  # s that the nodes have to start
+MEETINGS = 20  # streams until the first bearing
 
 
 @dataclass(frozen=True)
@@ -296,6 +297,17 @@ class Nodes:
         self._one = stack.enter_context(
             Process('pipeline', '--ros-args', '-r', f'__ns:=/{NAMESPACE}')
         )
+        self._camera = stack.enter_context(_camera('camera', info=True, subscribers=1))
+        self._camera.answer()
+        self._listeners = {
+            way: stack.enter_context(Process('subscriber', 'bearing', topic))
+            for way, topic in (
+                (THREE, 'target/bearing'), (ONE, f'{NAMESPACE}/target/bearing'),
+            )
+        }
+        for way, listener in self._listeners.items():
+            listener.answer()
+            self._meet(way, listener)
         self._streams: list[tuple[int, int]] = []  # begin and end of each, monotonic, ns
         self._memory: dict[str, list[tuple[float, float, float]]] = {}  # when, all, its own
 
@@ -318,22 +330,36 @@ class Nodes:
             )
         return streams
 
+    def _meet(self, way: str, listener: Process) -> None:
+        """Stream until a bearing has come: at times Fast DDS takes seconds to match the topics."""
+        listener.ask('first')
+        for _ in range(MEETINGS):
+            self._stream(way, USUAL, 60.0, 0.5)
+            try:
+                listener.answer(GRACE)
+            except TimeoutError:
+                continue
+            return
+        raise TimeoutError(f'{way}: no bearing comes')
+
+    def _stream(
+        self, way: str, size: tuple[int, int], rate: float, seconds: float
+    ) -> list[tuple[int, int, bool]]:
+        """Send frames on one of the ways; return what was sent."""
+        sender = self._camera if way == THREE else self._one
+        return _stream(sender, size, rate, seconds)
+
     def walk(self, way: str, size: tuple[int, int], rate: float, seconds: float) -> Stream:
         """Stream once through one of the ways."""
         processes = self._three if way == THREE else {'pipeline': self._one}
-        topic = 'target/bearing' if way == THREE else f'{NAMESPACE}/target/bearing'
+        listener = self._listeners[way]
+        self._stream(way, size, rate, 0.0)
+        _arrived(listener)  # what came late of the stream before
         began_ns = time.monotonic_ns()
-        with Process('subscriber', 'bearing', topic) as subscriber:
-            subscriber.answer()
-            busy = {name: -process.busy() for name, process in processes.items()}
-            if way == THREE:
-                sent = _camera('camera', size, rate, WARM_UP + seconds, info=True)
-            else:
-                self._one.ask({'width': size[0], 'height': size[1], 'rate': rate,
-                               'seconds': WARM_UP + seconds})
-                sent = self._one.answer()
-            time.sleep(GRACE)
-            found = pair(sent, _arrived(subscriber), lit_alone=True)
+        busy = {name: -process.busy() for name, process in processes.items()}
+        sent = self._stream(way, size, rate, WARM_UP + seconds)
+        time.sleep(GRACE)
+        found = pair(sent, _arrived(listener), lit_alone=True)
         lasted = (sent[-1][1] - sent[0][1]) / 1e9
         found.busy = {
             name: (busy[name] + process.busy()) / lasted for name, process in processes.items()
@@ -367,28 +393,30 @@ def hop(
     size: tuple[int, int], rate: float, seconds: float, warm_up: float = WARM_UP
 ) -> Stream:
     """Publish images in one process and receive them in another."""
-    with Process('subscriber', 'image', 'hop/image_raw') as subscriber:
+    with ExitStack() as stack:
+        subscriber = stack.enter_context(Process('subscriber', 'image', 'hop/image_raw'))
+        camera = stack.enter_context(_camera('hop', info=False, subscribers=1))
         subscriber.answer()
-        sent = _camera('hop', size, rate, warm_up + seconds, info=False)
+        camera.answer()
+        sent = _stream(camera, size, rate, warm_up + seconds)
         return pair(sent, _arrived(subscriber), lit_alone=False, warm_up=warm_up)
 
 
 def _arrived(subscriber: Process) -> Sequence[tuple[int, int]]:
-    """Return all that a subscriber received."""
-    subscriber.close_input()
-    first = subscriber.answer()
-    return subscriber.answer() if first else ()
+    """Return what a subscriber received since it was asked last."""
+    subscriber.ask('new')
+    return subscriber.answer()
 
 
 def _start(way: str) -> float:
     """Return the seconds from the start of a way's nodes to the first bearing received."""
     with ExitStack() as stack:
         subscriber = stack.enter_context(Process('subscriber', 'bearing', 'target/bearing'))
-        camera = stack.enter_context(
-            _camera_process('camera', USUAL, 60.0, 2.0 * LONGEST_START, info=True, subscribers=0)
-        )
+        camera = stack.enter_context(_camera('camera', info=True, subscribers=0))
         subscriber.answer()
         camera.answer()
+        camera.ask(_request(USUAL, 60.0, 2.0 * LONGEST_START))
+        subscriber.ask('first')
         began_ns = time.monotonic_ns()
         if way == THREE:
             stack.enter_context(Process('node', 'segmenter'))
@@ -396,27 +424,26 @@ def _start(way: str) -> float:
         else:
             stack.enter_context(Process('node', 'pipeline', '--ros-args', '-p', 'source:=images'))
         try:
-            ((_, at_ns),) = subscriber.answer(LONGEST_START)
+            _, at_ns = subscriber.answer(LONGEST_START)
         except TimeoutError:
             return nan
     return (at_ns - began_ns) / 1e9
 
 
-def _camera(
-    topic: str, size: tuple[int, int], rate: float, seconds: float, *, info: bool
-) -> Any:
-    """Stream once from a process of its own, as soon as somebody has subscribed."""
-    with _camera_process(topic, size, rate, seconds, info=info, subscribers=1) as camera:
-        camera.answer()
-        return camera.answer()
+def _camera(topic: str, *, info: bool, subscribers: int) -> Process:
+    """Start a camera; it says `[]` when so many have subscribed."""
+    options = {'topic': topic, 'info': info, 'subscribers': subscribers}
+    return Process('camera', json.dumps(options))
 
 
-def _camera_process(
-    topic: str, size: tuple[int, int], rate: float, seconds: float, *, info: bool,
-    subscribers: int,
-) -> Process:
-    """Start a camera; it says `[]` when it begins, and what it sent when it ends."""
-    return Process('camera', json.dumps({
-        'topic': topic, 'width': size[0], 'height': size[1], 'rate': rate, 'seconds': seconds,
-        'info': info, 'subscribers': subscribers,
-    }))
+def _stream(
+    sender: Process, size: tuple[int, int], rate: float, seconds: float
+) -> list[tuple[int, int, bool]]:
+    """Have frames sent; return stamp and monotonic time, ns, and whether lit, of each."""
+    sender.ask(_request(size, rate, seconds))
+    sent: list[tuple[int, int, bool]] = sender.answer()
+    return sent
+
+
+def _request(size: tuple[int, int], rate: float, seconds: float) -> dict[str, float]:
+    return {'width': size[0], 'height': size[1], 'rate': rate, 'seconds': seconds}

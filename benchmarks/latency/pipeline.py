@@ -9,13 +9,12 @@ whether lit of each frame, ns, and at the end its garbage collections as node.py
 from __future__ import annotations
 
 from collections.abc import Iterator
-import json
 import sys
 from threading import Thread
 import time
 
 from benchmarks.latency import pauses
-from benchmarks.latency.source import camera_model, draw, FRAME_ID, report, send
+from benchmarks.latency.source import camera_model, draw, FRAME_ID, report, requests, send
 from blob_tracker.nodes.locator import LocatorNode
 from blob_tracker.nodes.pipeline import compile_all
 from blob_tracker.nodes.segmenter import SegmenterNode
@@ -48,8 +47,8 @@ class Source(Node):
 
     def _stream(self) -> None:
         """Stream as often as asked to, then end the process."""
-        for line in sys.stdin:
-            self._stream_once(**json.loads(line))
+        for asked in requests():
+            self._stream_once(**asked)
         report(pauses.watch())
         rclpy.try_shutdown()
 

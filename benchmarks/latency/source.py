@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 import json
 import sys
 import time
+from typing import Any
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
 from blob_tracker.simulation import FlashingLight
@@ -17,6 +19,7 @@ FOCAL_LENGTH = 600.0  # px
 FRAME_ID = 'camera_optical_frame'
 
 
+@lru_cache(maxsize=1)  # a stream of no length has them drawn before anything is measured
 def draw(width: int, height: int, rate: float) -> list[Pixels]:
     """Return the frames of one turn, lit in the even places: a flash in step with the frames."""
     scene = FlashingLight(width=width, height=height, rate=rate, period=PERIOD)
@@ -75,6 +78,7 @@ def report(result: object) -> None:
     print(json.dumps(result), flush=True)
 
 
-def wait_for_the_end() -> None:
-    """Return when the process that started this one has no more need of it."""
-    sys.stdin.read()
+def requests() -> Iterator[Any]:
+    """Yield what the process that started this one asks for, until it has no more need of it."""
+    for line in sys.stdin:
+        yield json.loads(line)
