@@ -202,18 +202,21 @@ NO_ROOM = {
 
 @pytest.mark.parametrize('where', NO_ROOM)
 def test_tracking_needs_no_room_for_logs(where: str, tmp_path: Path, domain: int) -> None:
-    """Words are lost, bearings are not."""
+    """Words are lost, bearings are not; that a disk is full is said where it can be heard."""
     command = [str(executable('pipeline')), '--ros-args', '-p', 'source:=simulator']
     for name, value in SMALL.items():
         command += ['-p', f'{name}:={value}']
     with probe(domain) as node:
         truth = Truth(node)
+        diagnostics = node.record(DiagnosticArray, '/diagnostics')
         with Process(['sh', '-c', NO_ROOM[where].format(tmp_path), 'sh', *command], domain) as it:
             truth.expect_new()
             for rate in (50.0, 70.0) * 10:  # each is a line in the log, of several hundred bytes
                 assert node.set_parameter('simulator', 'rate', rate).successful
             truth.expect_new()
             truth.expect_right()
+            full = _said(diagnostics, 'the disk of the log files is full')
+            assert full is (where == 'disk of the log files is full')
             assert it.end() == 0
         assert 'Traceback' not in it.output
         assert where != 'folder of the log files cannot be' or 'set ROS_LOG_DIR' in it.output
