@@ -72,7 +72,8 @@ class Optics:
         steps = 0.5 * STEP * np.array([across, -across, np.cross(ray, across)])
         steps = np.vstack([steps, -steps[2:]])
         (x, y), first, second, third, fourth = self.camera.project(np.vstack([ray, ray + steps]))
-        area = np.linalg.det(np.array([first - second, third - fourth]) / STEP)  # px^2/rad^2
+        (a, b), (c, d) = (first - second) / STEP, (third - fourth) / STEP  # px/rad
+        area = a * d - b * c
         if not np.isfinite(area):
             return Spot(nan, nan, nan, nan)
         own = 0.25 * diameter / distance * np.sqrt(abs(area))

@@ -185,7 +185,7 @@ def test_a_faint_target_on_texture_is_not_refused(sigma: float) -> None:
         light = pixel_integrated_gaussian(SHAPE, round(x), round(y), sigma)
         lit = scene.wall + 10 * noise / light.max() * light
         found = searched(contrast_of(
-            expose(mean, scene.sensor.noise, random) for mean in (lit, scene.wall)
+            *(expose(mean, scene.sensor.noise, random) for mean in (lit, scene.wall))
         ))
         missed += not any(
             not each.refused and np.hypot(each.x - round(x), each.y - round(y)) < 2.0 + sigma

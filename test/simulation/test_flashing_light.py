@@ -45,7 +45,8 @@ def test_odd_frames_are_dark() -> None:
 
 def test_path_leaves_the_frame_without_harm() -> None:
     """A light beyond the border is cut off, not wrapped around."""
-    wide = dataclasses.replace(QUIET, reach=1.3)
+    far = flashing_light(width=160, height=120, reach=1.3).target
+    wide = dataclasses.replace(QUIET, target=far)
     for index in range(0, 540, 2):
         truth = wide.truth(index)
         image = wide.frame(index)

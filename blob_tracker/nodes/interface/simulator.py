@@ -24,7 +24,7 @@ PARAMETERS = (
     Parameter(
         'sigma',
         _LIGHT.sigma,
-        "Standard deviation of the light's image, of the narrowest Gaussian in it.",
+        "Standard deviation of the light's image, or of the narrowest Gaussian in it.",
         least=0.1,
         most=100.0,
         unit='px',
