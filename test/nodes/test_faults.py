@@ -8,7 +8,7 @@ import signal
 import time
 
 from blob_tracker.ros.stamp import from_ns, to_ns
-from blob_tracker.simulation import FlashingLight
+from blob_tracker.simulation import flashing_light
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Vector3Stamped
 from played_camera import PlayedCamera
@@ -17,7 +17,7 @@ import pytest
 from rosgraph_msgs.msg import Clock
 
 SMALL = {'width': 160, 'height': 120, 'focal_length': 200.0}
-SCENE = FlashingLight(width=160, height=120, period=3.0)
+SCENE = flashing_light(width=160, height=120, period=3.0)
 # What runs in each arrangement, by the name that it is killed by.
 ARRANGEMENTS = {
     'three processes': {'simulator': SMALL, 'segmenter': {}, 'locator': {}},
@@ -138,7 +138,7 @@ def test_a_camera_that_stalls_is_named_and_tracked_again(arrangement: str, domai
 @pytest.mark.parametrize('arrangement', TAKERS)
 def test_a_flood_is_taken_or_its_loss_is_named(arrangement: str, domain: int) -> None:
     """640x480 at 600 Hz, ten times the rate: memory stays, and every bearing is right."""
-    scene = FlashingLight(reach=0.0)  # a light that jumps where the frames begin again is lost
+    scene = flashing_light(reach=0.0)  # a light that jumps where the frames begin again is lost
     rate, frames = 600.0, 1200
     with probe(domain) as node, ExitStack() as stack:
         processes = _start_takers(stack, arrangement, domain)
