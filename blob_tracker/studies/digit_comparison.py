@@ -118,7 +118,7 @@ def draw_errors(
     """
     figure, panels = new_axes(2)
     sizes = list(dict.fromkeys(row[0] for row in printed.rows))
-    for axes, column, name in ((panels[0], 1, 'mean |error|, px'), (panels[1], 3, 'largest |error|, px')):
+    for axes, column, name in zip(panels, (1, 3), ('mean |error|, px', 'largest |error|, px')):
         for size, colour in zip(sizes, COLOURS):
             chosen = [k for k, row in enumerate(printed.rows) if row[0] == size]
             s = [float(printed.rows[k][1]) for k in chosen]
