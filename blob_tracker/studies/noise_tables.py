@@ -29,6 +29,7 @@ import numpy as np
 
 MEAN_OF_NORMAL = math.sqrt(2.0 / math.pi)  # the mean |error| of a normal one, in its sigma
 STATISTICS = ('mean error, px', 'variance of the error, px^2', 'largest error, px', 'mean SNR')
+EXCLUDED = 5.0  # standard deviations, beyond which a reading is not that of the table
 Results = Sequence[tuple[Case, Measured]]
 
 
@@ -190,11 +191,11 @@ def _readings_table(
         f'{name}_readings', 'Ways to put the noise on: printed less ours, in standard deviations',
         ['reading', 'window, px', 's, px', *STATISTICS], cells,
     )
-    others = min(score for reading, score in worst.items() if reading)
+    excluded = sum(score > EXCLUDED for reading, score in worst.items() if reading)
     return table, (
-        f'So it is with this reading: {plan.readings[0].says}. Of the {len(worst) - 1} others '
-        f'that were tried on {len(plan.tried)} rows, each puts a printed number {others:.0f} '
-        'standard deviations away or more.'
+        f'So it is with this reading: {plan.readings[0].says}. {excluded} of the '
+        f'{len(worst) - 1} others that were tried on {len(plan.tried)} rows put a printed number '
+        f'more than {EXCLUDED:g} standard deviations away.'
     )
 
 
