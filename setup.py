@@ -10,7 +10,9 @@ setup(
     name=NAME,
     version='0.1.0',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
-    package_data={NAME: ['config/*', 'config/security/*', 'studies/*.css', 'studies/*.yaml']},
+    package_data={
+        NAME: ['config/*', 'config/security/*', 'studies/*.css', 'studies/printed/*.yaml'],
+    },
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import argparse
 from decimal import Decimal, ROUND_HALF_UP
-from importlib.resources import files
 import sys
 
 from blob_tracker.camera import CalibrationError, DataSheet
+from blob_tracker.studies.printed import load
 import numpy as np
 from rich.console import Console
 from rich.table import Table
-import yaml
 
 # The sensor that gives the printed table. The text has one of 7.95 x 6.45 mm (page 11).
 THESIS_WIDTH, THESIS_HEIGHT, THESIS_PIXEL = 641, 489, 10.0  # px, px, um
@@ -97,8 +96,9 @@ def main(arguments: argparse.Namespace) -> int:
 
 def printed() -> dict[float, tuple[str, str]]:
     """Return Table 2.1 as it is printed: focal length, mm -> angle, mrad; field, degrees."""
-    text = (files('blob_tracker.studies') / 'table_2_1.yaml').read_text(encoding='utf-8')
-    return {float(length): (row[0], row[1]) for length, row in yaml.safe_load(text).items()}
+    return {
+        float(length): (angle, field) for length, angle, field in load('table_2_1').rows
+    }
 
 
 def computed(focal_length: float, width_mm: float | None = None) -> tuple[str, str]:
