@@ -163,8 +163,10 @@ class TrailingEdge:
         """
         Undo the filter in a window, ahead of locating.
 
-        Pixels whose doubt is above half a DN are given the value of saturation, so that the
-        locators leave them out, as they leave out those that are clipped.
+        Of the columns those are kept that hang together with the brightest pixel and hold no
+        pixel whose doubt is above half a DN: the flank that is left places the blob without
+        bias. Noise that came before the filter is restored with the light; what came after it is
+        damped by up to 1 + a, and the covariance, which knows the pixels alone, is then wide.
 
         Parameters
         ----------
@@ -174,17 +176,31 @@ class TrailingEdge:
         Returns
         -------
         Window
-            In DN as before, not rounded; its saturation is above all that is kept.
+            In DN as before, not rounded, perhaps narrower. A pixel that was clipped as too bright
+            is still at the saturation or above it.
 
         """
         least = DOUBT * window.looks
-        lit, doubt = self.restored(window.lit, window.saturation)
-        kept = doubt <= least
+        bright = window.saturation
+        lit, doubt = self.restored(window.lit, bright)
+        if bright is not None:
+            clipped = np.asarray(window.lit) >= bright
+            # What is restored may be above full scale and yet not clipped.
+            bright = max(bright, 1.0 + float(lit[~clipped].max(initial=0.0)))
+            lit[clipped] = bright
+            doubt[clipped] = 0.0  # of themselves, as nothing reads them; what they left stays
         unlit = window.unlit
         if unlit is not None:
             unlit, dark_doubt = self.restored(unlit, window.saturation)
-            kept &= dark_doubt <= least
-        clipped = 1.0 + max(float(lit.max(initial=0.0)), window.saturation or 0.0)
+            doubt = np.maximum(doubt, dark_doubt)
+        column = int(np.argmax(np.asarray(window.lit).max(axis=0)))
+        doubtful = np.flatnonzero((doubt > least).any(axis=0))
+        first = int(max(doubtful[doubtful < column], default=-1)) + 1
+        last = int(min(doubtful[doubtful > column], default=lit.shape[1]))
         return replace(
-            window, lit=np.where(kept, lit, clipped), unlit=unlit, saturation=clipped
+            window,
+            lit=lit[:, first:last],
+            unlit=None if unlit is None else unlit[:, first:last],
+            x0=window.x0 + first * window.binning[0],
+            saturation=bright,
         )
