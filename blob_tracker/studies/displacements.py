@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from typing import Any
 
+from blob_tracker.camera.trailing_edge import TrailingEdge
 from blob_tracker.location import locate
+from blob_tracker.location.limits import cramer_rao_bound
 from blob_tracker.location.multi_gaussian import AMPLITUDES, WIDTHS
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
@@ -13,9 +16,8 @@ from blob_tracker.segmentation.thresholds import threshold_by_name
 from blob_tracker.simulation import expose
 from blob_tracker.simulation.analogue_chain import AnalogueChain
 from blob_tracker.simulation.trailing_edge import MEMORY, PEAKING
-from blob_tracker.camera.trailing_edge import TrailingEdge
 from blob_tracker.studies.printed import load
-from blob_tracker.types import Frame, LocationError, Pixels, SensorNoise, Window
+from blob_tracker.types import Frame, LocationError, SensorNoise, Window
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,7 +33,7 @@ SEGMENTATIONS = {
     'histogram_extended': 'Extended Histogram',
     'histogram_shortened': 'Shortened Histogram',
 }
-IN_DOUBT = float('nan')
+NOISE = SensorNoise(gain=np.inf, read_noise=1.0)  # thesis, section 2.2.3
 
 
 @dataclass(frozen=True)
@@ -58,8 +60,9 @@ class Conditions:
 
     Parameters
     ----------
-    noise : SensorNoise
-        Of the grabbed pixel: 1 DN rms by default (thesis, section 2.2.3).
+    noise : SensorNoise or None
+        Of the grabbed pixel: 1 DN rms by default (thesis, section 2.2.3). None is a converter
+        without noise or steps.
     chain : AnalogueChain
         The camera and the grabber.
     caliper : float
@@ -71,8 +74,8 @@ class Conditions:
 
     """
 
-    noise: SensorNoise = field(default_factory=lambda: SensorNoise(np.inf, 1.0))
-    chain: AnalogueChain = field(default_factory=AnalogueChain)
+    noise: SensorNoise | None = NOISE
+    chain: AnalogueChain = AnalogueChain()
     caliper: float = 0.0
     turn: float = 0.0
     tremble: float = 0.0
@@ -110,7 +113,7 @@ class Sequence:
     asked: NDArray[np.float64]
     truth: NDArray[np.float64]
     y: float
-    looks: Pixels
+    looks: NDArray[Any]
     corner: tuple[int, int]
     amplitude: float
 
@@ -164,14 +167,18 @@ def draw(
     amplitude = brightness(target, conditions)
     peaks = amplitude * target.amplitudes if lit else 0.0 * target.amplitudes
     noise = np.random.default_rng([seed, STEPS.index(step), int(lit)])
-    looks = np.empty((PLACES, LOOKS, SIDE, SIDE), np.uint8)
+    kind = np.float64 if conditions.noise is None else np.uint8
+    looks = np.empty((PLACES, LOOKS, SIDE, SIDE), kind)
     for index in range(PLACES):
         for look in range(LOOKS):
             x = place[index] + conditions.tremble * noise.standard_normal()
             mean = conditions.chain.window(
                 (SIDE, SIDE), corner, x, start[1], peaks, target.sigmas, target.background, noise
             )
-            looks[index, look] = expose(mean, conditions.noise, noise)
+            looks[index, look] = (
+                np.clip(mean, 0.0, 255.0) if conditions.noise is None
+                else expose(mean, conditions.noise, noise)
+            )
     chain = conditions.chain
     return Sequence(
         chain.seen_at(asked), chain.seen_at(place), float(start[1]), looks, corner, amplitude
@@ -202,8 +209,8 @@ def placed(
     *,
     averaged: bool,
     removed: bool,
-    noise: SensorNoise,
     elliptical: bool = False,
+    held: bool = False,
 ) -> NDArray[np.float64]:
     """
     Return the (11,) x that a method finds; NaN where it finds none.
@@ -219,27 +226,49 @@ def placed(
     removed : bool
         With the background, the median of the crop's border, taken off ahead of locating; else
         as the thesis does, from the light and what is below it together.
-    noise : SensorNoise
-        Of a pixel.
     elliptical : bool
         Passed on, where it is True.
+    held : bool
+        Whether the window of the first place is kept for all of them.
 
     """
-    found = np.full(PLACES, IN_DOUBT)
+    found = np.full(PLACES, np.nan)
     options = {'elliptical': True} if elliptical else {}
+    first: Box | None = None
     for index, looks in enumerate(sequence.looks):
         picture = looks.mean(axis=0) if averaged else looks[0].astype(float)
-        box = segmented(picture, segmentation)
+        box = first or segmented(picture, segmentation)
         if box is None:
             continue
+        first = box if held else None
         level = border_median(picture) if removed else 0.0
         part = picture[box.slices]
         window = Window(part, np.full_like(part, level), box.x0, box.y0)
         try:
-            found[index] = locate(window, method=method, noise=noise, **options).x
+            found[index] = locate(window, method=method, noise=NOISE, **options).x
         except LocationError:
             continue
     return found + sequence.corner[0]
+
+
+def bound(target: Target, amplitude: float, *, averaged: bool) -> float:
+    """
+    Return the Cramer-Rao bound of x, rms px, in the whole crop and without defects.
+
+    It is that of 1 DN of noise and the rounding, amplitudes, widths and background unknown, as
+    the mean over places within a pixel.
+    """
+    deviation = np.sqrt((NOISE.read_noise**2 + 1.0 / 12.0) / (LOOKS if averaged else 1))
+    noise = SensorNoise(np.inf, float(np.sqrt(max(deviation**2 - 1.0 / 12.0, 0.0))))
+    middle = (SIDE - 1) / 2.0
+    variances = [
+        cramer_rao_bound(
+            (SIDE, SIDE), x=middle + phase, y=middle, sigma=target.sigmas,
+            amplitude=amplitude * target.amplitudes, background=target.background, noise=noise,
+        )[0, 0]
+        for phase in (0.0, 0.25, 0.5)
+    ]
+    return float(np.sqrt(np.mean(variances)))
 
 
 def border_median(picture: NDArray[np.floating]) -> float:
