@@ -10,14 +10,14 @@ from typing import Any
 from blob_tracker.studies.chapter_5_pictures import draw_places, draw_spread
 from blob_tracker.studies.displacements import (
     bound, brightness, draw, figures_of, inches_per_pixel, LABORATORY, placed, PLACES,
-    SEGMENTATIONS, STEPS, TARGETS,
+    SEGMENTATIONS, STEPS, TARGETS, WHOLE,
 )
 from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
 import numpy as np
 
 SHIO_OTSU = 'otsu_window'
-TOGETHER = 4  # seeds in a case: about a second
+TOGETHER = 4  # seeds in a case: some seconds at most
 
 
 @dataclass(frozen=True)
@@ -57,14 +57,14 @@ MULTI = (
 THREE = ('otsu_window', 'histogram', 'histogram_extended')
 FOUR = tuple(SEGMENTATIONS)
 TRIALS = (
-    _Trial('5_2', 108, 'passive', 'centroid, passive target', CENTROID, THREE, (16, 200)),
-    _Trial('5_3', 109, 'active', 'centroid, active target', CENTROID, THREE, (16, 200),
+    _Trial('5_2', 108, 'passive', 'centroid, passive target', CENTROID, THREE, (12, 200)),
+    _Trial('5_3', 109, 'active', 'centroid, active target', CENTROID, THREE, (12, 200),
            '5_5', 110, '0.10'),
-    _Trial('5_4', 111, 'passive', 'one Gaussian, linear, passive target', LINEAR, FOUR, (8, 100)),
-    _Trial('5_5', 112, 'active', 'one Gaussian, linear, active target', LINEAR, FOUR, (8, 100),
+    _Trial('5_4', 111, 'passive', 'one Gaussian, linear, passive target', LINEAR, FOUR, (4, 100)),
+    _Trial('5_5', 112, 'active', 'one Gaussian, linear, active target', LINEAR, FOUR, (4, 100),
            '5_6', 113, '1.00'),
-    _Trial('5_6', 114, 'passive', 'three Gaussians, passive target', MULTI, (SHIO_OTSU,), (4, 40)),
-    _Trial('5_7', 115, 'active', 'three Gaussians, active target', MULTI, (SHIO_OTSU,), (4, 40),
+    _Trial('5_6', 114, 'passive', 'three Gaussians, passive target', MULTI, (SHIO_OTSU,), (2, 24)),
+    _Trial('5_7', 115, 'active', 'three Gaussians, active target', MULTI, (SHIO_OTSU,), (2, 24),
            '5_7', 116, '0.05'),
 )
 
@@ -103,6 +103,10 @@ def measure(case: Case) -> Measured:
                             places[key] = [
                                 None if np.isnan(value) else float(value) for value in x
                             ]
+        if trial.fits is LINEAR:
+            x = placed(sequence, WHOLE, LINEAR[0].method, averaged=False, removed=False)
+            key = _key(WHOLE, LINEAR[0], False, False)
+            found.setdefault(key, []).append(figures_of(x, sequence.truth))
         if seed == 0:
             places['truth'] = [float(value) for value in sequence.truth]
     return {'found': found, 'places': places}
@@ -182,19 +186,18 @@ def _conclude(trial: _Trial, results: Sequence[tuple[Case, Measured]]) -> Findin
         )
     text = load('figure_5_5').statements['accuracy']
     middle = float(np.median(worst))
-    checks = [
-        Check(
-            'the variance that the thesis prints lies between 5 and 95 % of ours',
-            'counted, none demanded: the thesis took one sequence with a camera of its own',
-            f'{within} of {compared} rows', True,
-        ),
-    ]
+    checks = []
     if trial.fits is CENTROID:
         checks.append(Check(
             f'the centroid is good to about {text.value} px (page {text.page})',
             f'the worst of eleven places within a factor of 2 of {text.value} px',
             f'{middle:.3f} px, the median over rows and seeds',
             0.5 <= middle / float(text.value) <= 2.0,
+        ))
+        checks.append(Check(
+            'the printed variances are those of such an experiment',
+            'half of them between 5 and 95 % of ours, or more', f'{within} of {compared}',
+            2 * within >= compared,
         ))
     if trial.fits is LINEAR:
         whole = _median([float(str(row[6])) for row in rows if row[0] == '1.00'])
@@ -209,13 +212,21 @@ def _conclude(trial: _Trial, results: Sequence[tuple[Case, Measured]]) -> Findin
             '0.05 px rms; the thesis has 0.25 px', f'{max(apart):.3f} px at most',
             max(apart) <= 0.05,
         ))
+    window = ''
+    if trial.fits is LINEAR:
+        steps = _gathered(results, '1.00', _key(WHOLE, LINEAR[0], False, False))['mean']
+        window = (
+            ' The printed steps, far too small, are those of a window that does not follow the '
+            'target: fitted to the whole crop, with its background, ours of 1.00 px come out as '
+            f'{_median(steps):.2f} px.'
+        )
     return Findings(
         shows=(
             f'Over {_seeds(results)} sequences each, the places scatter by '
             f'{min(apart):.3f} to {max(apart):.3f} px rms about the truth and their common offset '
             f'(the trailing edge), the worst of eleven by {min(worst):.2f} to {max(worst):.2f} px; '
             f'the bound is {limits["single"]:.4f} px for one look. Of the printed variances '
-            f'{within} of {compared} lie between 5 and 95 % of ours.'
+            f'{within} of {compared} lie between 5 and 95 % of ours.{window}'
         ),
         agreement=f'{within} of {compared} variances within our 5 to 95 %',
         tables=[table],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from blob_tracker.studies.study import Cell
 from matplotlib.figure import Figure
@@ -11,7 +12,7 @@ import numpy as np
 # Okabe and Ito's colours, which the colour-blind tell apart.
 COLOURS = ('#0072B2', '#D55E00', '#009E73', '#CC79A7', '#E69F00', '#56B4E9', '#000000')
 MARKERS = ('o', 's', '^', 'D', 'v', 'P', 'x')
-THIN = {'linewidth': 0.4, 'color': '#cccccc'}
+THIN: dict[str, Any] = {'linewidth': 0.4, 'color': '#cccccc'}
 
 
 def draw_spread(title: str, rows: Sequence[Sequence[Cell]], axis: str) -> Figure:
@@ -66,8 +67,10 @@ def draw_places(
         error = found - np.asarray(truth)
         about = error - np.nanmean(error)
         style = {
-            'color': COLOURS[index % 6], 'marker': MARKERS[index % 7], 'markersize': 4,
-            'linewidth': 1.0,
+            'color': COLOURS[index % 6], 'marker': MARKERS[index % 7], 'linewidth': 1.0,
+            # Curves that lie on each other must be seen: the first ones are large and hollow.
+            'markersize': 8 if len(curves) > 2 and index < 2 else 4,
+            'fillstyle': 'none' if len(curves) > 2 and index < 2 else 'full',
         }
         upper.plot(places, places + about, label=_name(name), **style)
         lower.plot(places, about, **style)

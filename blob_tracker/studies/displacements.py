@@ -33,6 +33,7 @@ SEGMENTATIONS = {
     'histogram_extended': 'Extended Histogram',
     'histogram_shortened': 'Shortened Histogram',
 }
+WHOLE, CROP = 'whole', Box(0, 0, SIDE, SIDE)  # no segmentation at all
 NOISE = SensorNoise(gain=np.inf, read_noise=1.0)  # thesis, section 2.2.3
 
 
@@ -220,7 +221,7 @@ def placed(
     sequence : Sequence
         The pictures.
     segmentation, method : str
-        Keys of `THRESHOLDS` and of `METHODS`.
+        Keys of `THRESHOLDS`, or WHOLE, and of `METHODS`.
     averaged : bool
         Of the mean of five looks; else of the first one.
     removed : bool
@@ -237,7 +238,9 @@ def placed(
     first: Box | None = None
     for index, looks in enumerate(sequence.looks):
         picture = looks.mean(axis=0) if averaged else looks[0].astype(float)
-        box = first or segmented(picture, segmentation)
+        box = first or (
+            CROP if segmentation == WHOLE else segmented(picture, segmentation)
+        )
         if box is None:
             continue
         first = box if held else None
