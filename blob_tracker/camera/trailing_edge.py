@@ -163,15 +163,17 @@ class TrailingEdge:
         """
         Undo the filter in a window, ahead of locating.
 
-        Of the columns those are kept that hang together with the brightest pixel and hold no
-        pixel whose doubt is above half a DN: the flank that is left places the blob without
-        bias. Noise that came before the filter is restored with the light; what came after it is
-        damped by up to 1 + a, and the covariance, which knows the pixels alone, is then wide.
+        Where pixels were clipped at black, only columns are kept that are known to half a DN,
+        and as many on either side of the brightest pixel: what is left is even-sided, and a blob
+        that is not quite the Gaussian that is fitted to it does not lean to the side that is
+        longer. Noise that came before the filter is restored with the light; what came after it
+        is damped by up to 1 + a, and the covariance, which knows the pixels alone, is then wide.
 
         Parameters
         ----------
         window : Window
-            Raw, black at 0 DN; one that reaches out to the background on its left.
+            Raw, black at 0 DN. Its left side must lie on the background, some 6 sigma from the
+            blob: what a tail ahead of it left in the memory cannot be known.
 
         Returns
         -------
@@ -195,8 +197,10 @@ class TrailingEdge:
             doubt = np.maximum(doubt, dark_doubt)
         column = int(np.argmax(np.asarray(window.lit).max(axis=0)))
         doubtful = np.flatnonzero((doubt > least).any(axis=0))
-        first = int(max(doubtful[doubtful < column], default=-1)) + 1
-        last = int(min(doubtful[doubtful > column], default=lit.shape[1]))
+        first, last = 0, lit.shape[1]
+        if doubtful.size:
+            reach = int(np.abs(doubtful - column)[doubtful != column].min(initial=last)) - 1
+            first, last = max(column - reach, 0), min(column + reach + 1, last)
         return replace(
             window,
             lit=lit[:, first:last],

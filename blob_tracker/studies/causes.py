@@ -12,7 +12,7 @@ from blob_tracker.simulation.analogue_chain import AnalogueChain
 from blob_tracker.simulation.trailing_edge import MEMORY, PEAKING
 from blob_tracker.studies.causes_pictures import draw_causes, draw_sizes
 from blob_tracker.studies.displacements import (
-    bound, brightness, Conditions, draw, figures_of, LABORATORY, NOISE, placed, TARGETS,
+    bound, Conditions, draw, figures_of, LABORATORY, NOISE, placed, TARGETS,
 )
 from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
@@ -146,9 +146,7 @@ def _entries(
 
 @cache
 def _limit(target: str, averaged: bool) -> float:
-    return bound(
-        TARGETS[target], brightness(TARGETS[target], LABORATORY), averaged=averaged
-    )
+    return bound(TARGETS[target], averaged=averaged)
 
 
 def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:

@@ -9,6 +9,10 @@ from matplotlib.figure import Figure
 import numpy as np
 
 LEAST = 3e-4  # px: what is less is drawn there
+TITLES = {
+    'noise': 'noise', 'per_line': 'jitter of each line', 'per_frame': 'jitter of each frame',
+    'caliper': 'place of the stage', 'turn': 'turn of the camera',
+}
 
 
 def draw_causes(
@@ -62,7 +66,9 @@ def draw_sizes(
                      label='Cramer-Rao bound (rms), noise 1 DN')
         axes.set_xscale('log')
         axes.set_yscale('log')
-        axes.set_xlabel(f'{name}, {units[name]}', fontsize=8)
+        axes.set_xticks(sizes, [f'{size:g}' for size in sizes])
+        axes.minorticks_off()
+        axes.set_xlabel(f'{TITLES[name]}, {units[name]}', fontsize=8)
         axes.tick_params(labelsize=7)
         axes.grid(True, **THIN)
     panels[0].set_ylabel('worst of eleven places, median, px', fontsize=8)

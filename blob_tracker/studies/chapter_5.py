@@ -9,7 +9,7 @@ from typing import Any
 
 from blob_tracker.studies.chapter_5_pictures import draw_places, draw_spread
 from blob_tracker.studies.displacements import (
-    bound, brightness, draw, figures_of, inches_per_pixel, LABORATORY, placed, PLACES,
+    bound, draw, figures_of, inches_per_pixel, LABORATORY, placed, PLACES,
     SEGMENTATIONS, STEPS, TARGETS, WHOLE,
 )
 from blob_tracker.studies.printed import load
@@ -126,7 +126,7 @@ def _conclude(trial: _Trial, results: Sequence[tuple[Case, Measured]]) -> Findin
     printed = load(f'table_{trial.number}')
     target = TARGETS[trial.target]
     limits = {
-        looks: bound(target, brightness(target, LABORATORY), averaged=looks == 'multi')
+        looks: bound(target, averaged=looks == 'multi')
         for looks in ('single', 'multi')
     }
     rows: list[list[Cell]] = []

@@ -146,7 +146,8 @@ def _draw_rows(narrow: Measured, wide: Measured) -> Figure:
         axes.set_title(title, fontsize=9)
         axes.grid(True, **THIN)
     figure.axes[0].set_ylabel('DN')
-    figure.axes[0].legend(fontsize=8)
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc='outside lower center',
+                  ncols=2, fontsize=8)
     figure.suptitle('A row like Figure 5.3', fontsize=10)
     return figure
 

@@ -7,7 +7,7 @@ from math import sqrt
 
 from blob_tracker.studies.chapter_5_pictures import COLOURS, THIN
 from blob_tracker.studies.displacements import (
-    bound, brightness, draw, LABORATORY, placed, PX_PER_MRAD, STEPS, TARGETS,
+    bound, draw, LABORATORY, placed, PX_PER_MRAD, STEPS, TARGETS,
 )
 from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
@@ -43,7 +43,7 @@ def measure(case: Case) -> Measured:
     found = {METHOD: [], 'multi_gaussian_lm': []}  # type: dict[str, list[float]]
     for seed in case['seeds']:
         random = np.random.default_rng([seed, case['row']])
-        sequence = draw(TARGETS['passive'], '1.00', LABORATORY, seed)
+        sequence = draw(TARGETS['passive'], '1.00', LABORATORY, seed + 1000 * case['row'])
         # The stage is where it is; the caliper reads it with its error.
         stage = (sequence.truth - sequence.truth[0]) * per_pixel
         read = stage + LABORATORY.caliper * random.standard_normal(stage.size)
@@ -84,10 +84,10 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
             2.0 * in_pixels**2,
         ])
         axes.hist(
-            100.0 * (wanted / float(inches) - 1.0), bins=np.linspace(-5, 5, 41), alpha=0.5,
-            color=COLOURS[index], label=f'{feet} ft, steps of {step} px',
+            100.0 * (wanted / float(inches) - 1.0), bins=np.linspace(-5, 5, 41),
+            histtype='step', linewidth=1.5 - 0.3 * index, color=COLOURS[index], label=f'{feet} ft, steps of {step} px',
         )
-    limit = bound(TARGETS['passive'], brightness(TARGETS['passive'], LABORATORY), averaged=False)
+    limit = bound(TARGETS['passive'], averaged=False)
     least = 100.0 * limit / sqrt(float(np.sum((np.arange(11) - 5.0) ** 2)))
     axes.axvspan(-least, least, color='#000000', alpha=0.25,
                  label=f'+- Cramer-Rao bound of eleven places, {least:.3f} %')

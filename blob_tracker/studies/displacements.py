@@ -254,13 +254,14 @@ def placed(
     return found + sequence.corner[0]
 
 
-def bound(target: Target, amplitude: float, *, averaged: bool) -> float:
+def bound(target: Target, *, averaged: bool) -> float:
     """
     Return the Cramer-Rao bound of x, rms px, in the whole crop and without defects.
 
     It is that of 1 DN of noise and the rounding, amplitudes, widths and background unknown, as
     the mean over places within a pixel.
     """
+    amplitude = brightness(target, Conditions())
     deviation = np.sqrt((NOISE.read_noise**2 + 1.0 / 12.0) / (LOOKS if averaged else 1))
     noise = SensorNoise(np.inf, float(np.sqrt(max(deviation**2 - 1.0 / 12.0, 0.0))))
     middle = (SIDE - 1) / 2.0
