@@ -114,3 +114,68 @@ def draw_pulse(
     height, width = shape
     down = integrated_profile(height, y, sigma)[0]
     return amplitude * down[:, None] * integrated_profile(width, places, sigma)[0]
+
+
+def displaced_lines(
+    mean: NDArray[np.floating], offsets: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """
+    Return a picture whose lines are seen at an offset, by cubic splines along each.
+
+    Parameters
+    ----------
+    mean : (h, w) array
+        Mean signal, DN.
+    offsets : (h,) array
+        px; what was at x is seen at x + offset. What comes in from beyond the border is as the
+        border pixel.
+
+    Returns
+    -------
+    (h, w) array
+        DN; good to 1e-3 of the peak for what is no sharper than a Gaussian of sigma 1 px.
+
+    """
+    height, width = mean.shape
+    across = np.arange(width) - np.reshape(offsets, (height, 1))
+    spline = scipy.ndimage.spline_filter1d(
+        np.asarray(mean, dtype=float), order=3, axis=1, mode='nearest'
+    )
+    picture = np.empty((height, width))
+    for row in range(height):
+        picture[row] = scipy.ndimage.map_coordinates(
+            spline[row], [across[row]], order=3, mode='nearest', prefilter=False
+        )
+    return picture
+
+
+def jittering_offsets(
+    offsets: NDArray[np.float64],
+    random: np.random.Generator,
+    *,
+    per_line: float = REMAINDER,
+    per_frame: float = 0.0,
+) -> NDArray[np.float64]:
+    """
+    Draw the offsets of the lines of one frame about their mean.
+
+    Parameters
+    ----------
+    offsets : (h,) array
+        Mean offsets, px, as of `line_offsets`.
+    random : Generator
+        Source of the jitter.
+    per_line : float
+        Standard deviation of each line, independent of the others, px.
+    per_frame : float
+        Standard deviation of the start of all the frame's lines together, px: of a grabber whose
+        oscillator finds the pulse at the frame's start anew.
+
+    Returns
+    -------
+    (h,) array
+        px.
+
+    """
+    together = per_frame * random.standard_normal()
+    return offsets + together + per_line * random.standard_normal(offsets.shape)

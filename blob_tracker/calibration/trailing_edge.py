@@ -1,0 +1,134 @@
+"""The peaking filter of an analogue camera, from pictures of a vertical edge."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from blob_tracker.calibration.edge import edge_places, EdgeError, find_edge
+from blob_tracker.camera.trailing_edge import MOST_MEMORY, MOST_PEAKING, TrailingEdge
+import numpy as np
+from numpy.typing import NDArray
+import scipy  # which loads optimize, 25 MB, when it is first used
+
+BEFORE, AFTER = 16, 48  # px beside the edge: three sigma of its blur, and four memories of 12 px
+LEAST_LINES = 8
+
+
+@dataclass(frozen=True)
+class TrailingEdgeMeasurement:
+    """
+    The filter and what it was had from.
+
+    Parameters
+    ----------
+    trailing_edge : TrailingEdge
+        Peaking and memory with their covariance.
+    edge_sigma : float
+        Blur of the edge ahead of the filter, px.
+    dark, bright : float
+        Levels on the left and on the right of the edge, DN.
+    chi2 : float
+        Squared residuals over their variance, per degree of freedom: of the mean of the frames,
+        whose variance is that of the scatter of the frames about it.
+
+    """
+
+    trailing_edge: TrailingEdge
+    edge_sigma: float
+    dark: float
+    bright: float
+    chi2: float
+
+
+def measure_trailing_edge(frames: Iterable[NDArray[np.generic]]) -> TrailingEdgeMeasurement:
+    """
+    Measure the filter from frames of one still, straight, nearly vertical edge.
+
+    A step from b to b + c, blurred by sigma, leaves the filter with an overshoot that fades:
+
+        y_k = x_k + a (x_k - m_k),   m_k+1 = e m_k + (1 - e) x_k,   e = exp(-1 / tau)
+        x_k = b + c [G(k + 1/2 - p) - G(k - 1/2 - p)],   G as in `edge_places`
+
+    a, tau, sigma, b, c and one shift of all places are fitted by least squares to the mean of
+    the frames. The place of the edge in each line is that of `edge_places`, which the filter
+    shifts in all lines alike. The pictures are those of `calibrate jitter`.
+
+    Parameters
+    ----------
+    frames : iterable of (h, w) arrays
+        DN above black, 2 or more; the edge with room on its right.
+
+    Returns
+    -------
+    TrailingEdgeMeasurement
+        The filter, with the covariance that the scatter of the frames gives it.
+
+    Raises
+    ------
+    EdgeError
+        Where there are too few frames, there is no vertical edge, it is clipped, or no such
+        filter fits.
+
+    """
+    stack = [np.asarray(frame, dtype=float) for frame in frames]
+    if len(stack) < 2:
+        raise EdgeError(f'there are {len(stack)} frames; the trailing edge needs 2 or more')
+    if len({frame.shape for frame in stack}) > 1:
+        raise EdgeError('the frames differ in size; they must be of one camera')
+    picture = np.mean(stack, axis=0)
+    scatter = float(np.mean(np.var(stack, axis=0, ddof=1))) / len(stack)
+    places, _, _ = edge_places(picture, find_edge(picture))
+    pixels, places = _about(picture, places)
+    if pixels.min() <= 0.0:
+        raise EdgeError('the picture is clipped at black beside the edge; light its dark side')
+    lines = np.arange(pixels.shape[1])
+
+    def model(theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        peaking, memory, sigma, dark, contrast, shift = theta
+        borders = (np.arange(lines.size + 1) - 0.5 - (places + shift)[:, None]) / sigma
+        bell = np.exp(-0.5 * borders**2) / np.sqrt(2.0 * np.pi)
+        step = np.diff(sigma * (borders * scipy.special.ndtr(borders) + bell), axis=1)
+        kept = np.exp(-1.0 / memory)
+        slow = scipy.signal.lfilter([0.0, 1.0 - kept], [1.0, -kept], step, axis=1)
+        return np.asarray(dark + contrast * (step + peaking * (step - slow)))
+
+    dark, bright = float(np.median(pixels[:, :4])), float(np.median(pixels[:, -4:]))
+    start = np.array([0.3, 4.0, 1.2, dark, bright - dark, 0.5])
+    # Wider than what a calibration may hold only in sigma and the levels.
+    least = [0.0, 0.3, 0.2, -np.inf, -np.inf, -6.0]
+    most = [MOST_PEAKING, MOST_MEMORY, 8.0, np.inf, np.inf, 6.0]
+    found = scipy.optimize.least_squares(
+        lambda theta: (model(theta) - pixels).ravel(), start, bounds=(least, most),
+        x_scale=np.array([1.0, 4.0, 1.0, 10.0, 100.0, 1.0]),
+    )
+    if not found.success:
+        raise EdgeError(f'no peaking filter fits the edge: {found.message}')
+    freedom = pixels.size - found.x.size
+    rest = 2.0 * float(found.cost) / freedom
+    normal = found.jac.T @ found.jac
+    if np.linalg.cond(normal / np.outer(*2 * [np.sqrt(np.diag(normal)) + 1e-30])) > 1e12:
+        raise EdgeError('the edge shows no overshoot: there is no trailing edge to take off')
+    # What the model leaves is as much in the way as the noise is.
+    covariance = np.linalg.inv(normal) * max(rest, scatter)
+    peaking, memory, sigma, level, contrast, _ = (float(value) for value in found.x)
+    return TrailingEdgeMeasurement(
+        TrailingEdge(peaking, memory, covariance[:2, :2]),
+        sigma, level, level + contrast, rest / max(scatter, 1e-12),
+    )
+
+
+def _about(
+    picture: NDArray[np.float64], places: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the pixels beside the edge in each line that shows it, and its places in them."""
+    first = np.floor(places) - BEFORE
+    seen = np.isfinite(places) & (first >= 0)
+    reach = min(AFTER, int(np.min(picture.shape[1] - 1 - np.floor(places[seen]), initial=AFTER)))
+    if seen.sum() < LEAST_LINES or reach < BEFORE:
+        raise EdgeError(
+            f'the edge must be seen in {LEAST_LINES} lines with {BEFORE} px on either side'
+        )
+    columns = first[seen].astype(int)[:, None] + np.arange(BEFORE + reach)
+    pixels = np.take_along_axis(picture[seen], columns, axis=1)
+    return pixels, places[seen] - first[seen]
