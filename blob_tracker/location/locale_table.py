@@ -22,7 +22,8 @@ EVERY = 16  # px: shorter supports have tables each, of the longer ones pairs 1/
 NARROWEST = 0.35  # px: a narrower pulse leaves its place in the pixel open
 LOOKS_UP = 8  # looks at most until support and weights fit the pulse; it takes two or three
 NEAR, ALIKE = 0.3, 0.15  # px from the support's middle and in ln w: another look gains nothing
-FURTHEST = 0.75  # px, or w where that is more: from the support's middle to the table's end
+ENDS = 0.98  # of the table's reach: beyond it the place is not known to lie in it
+FALLEN = 0.35  # of e's peak: where e has fallen to it a table ends, since R is a ratio over e
 # The best width of the weights over the pulse's: 1 in even noise, 1 + BROADER ln(1 + q) where the
 # shot noise of the peak is q times the other, measured for q up to 130.
 BROADER, BROADEST = 0.25, 2.2
@@ -50,6 +51,8 @@ class Tables(NamedTuple):
         v, d, e and u of `locale_table`.
     whole : (T,) array
         Sum of v.
+    furthest : (T,) array
+        The largest |x| that the table holds, px.
     least : (T, 2) array
         The smallest |R| and Q that the table holds.
     step : (T, 2) array
@@ -65,6 +68,7 @@ class Tables(NamedTuple):
     scale: Array
     weights: Array
     whole: Array
+    furthest: Array
     least: Array
     step: Array
     value: Array
@@ -185,12 +189,14 @@ def tables_up_to(limit: int) -> Tables:
         weights[place, :, :length] = (
             bell, offset * bell, bell - bell.mean(), (offset / scale[place]) ** 2 * bell
         )
+    mean = weights[:, _V].sum(axis=1) / length_of
     tables = Tables(
         of_length,
         length_of,
         scale,
         weights,
         weights[:, _V].sum(axis=1),
+        scale * np.sqrt(-2.0 * np.log(mean + FALLEN * (1.0 - mean))),
         np.zeros((scale.size, 2)),
         np.zeros((scale.size, 2)),
         np.zeros((scale.size, NODES, NODES, 4)),
@@ -208,7 +214,7 @@ def _invert_all(tables: Tables) -> None:
     for t in range(tables.length.size):
         length, scale = tables.length[t], tables.scale[t]
         weights = tables.weights[t]
-        furthest = FURTHEST * max(1.0, scale)
+        furthest = tables.furthest[t]
         slim, wide = max(0.25 * scale, 0.5 * NARROWEST), 2.5 * scale
         for a in range(DENSE):
             for b in range(DENSE):
@@ -522,9 +528,6 @@ def _judge(
         return _NARROW
     if max(on_x.sigma, on_y.sigma) > 0.5 * extent:
         return _WIDE
-    # At the end of a table the place is not known to lie in it.
-    if abs(on_x.x) > 0.98 * FURTHEST * max(1.0, tables.scale[tx]):
-        return _OUTSIDE
-    if abs(on_y.x) > 0.98 * FURTHEST * max(1.0, tables.scale[ty]):
+    if abs(on_x.x) > ENDS * tables.furthest[tx] or abs(on_y.x) > ENDS * tables.furthest[ty]:
         return _OUTSIDE
     return _NONE
