@@ -14,6 +14,7 @@ from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
 
+SLIMMEST_W = 0.7
 NODES = 33  # of a table along each ratio: the look-up is then true to some 3e-4 px
 DENSE = 65  # places, and widths, from which a table is inverted
 SCALES = 7  # of the weights in a support of one length, evenly in the logarithm:
@@ -23,7 +24,7 @@ NARROWEST = 0.35  # px: a narrower pulse leaves its place in the pixel open
 LOOKS_UP = 8  # looks at most until support and weights fit the pulse; it takes two or three
 NEAR, ALIKE = 0.3, 0.15  # px from the support's middle and in ln w: another look gains nothing
 ENDS = 0.98  # of the table's reach: beyond it the place is not known to lie in it
-FALLEN = 0.35  # of e's peak: where e has fallen to it a table ends, since R is a ratio over e
+FALLEN = 0.5  # of e's peak: where e has fallen to it a table ends, since R is a ratio over e
 # The best width of the weights over the pulse's: 1 in even noise, 1 + BROADER ln(1 + q) where the
 # shot noise of the peak is q times the other, measured for q up to 130.
 BROADER, BROADEST = 0.25, 2.2
@@ -435,6 +436,7 @@ def _look_up_all(
                 level /= tables.whole[tx] * tables.whole[ty]
                 dark = max(level, 0.0) * shot + floor
             best = sigma * min(1.0 + BROADER * math.log(1.0 + amplitude * shot / dark), BROADEST)
+            best = max(best, SLIMMEST_W)
             now = math.sqrt(tables.scale[tx] * tables.scale[ty])
             to_x = _middle(0.5 * cx + on_x.x, width)
             to_y = _middle(0.5 * cy + on_y.x, height)
