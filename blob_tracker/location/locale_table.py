@@ -8,21 +8,23 @@ from typing import NamedTuple
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.estimates import Estimates, Failure
-from blob_tracker.location.likelihood import empty_profiles, fill_profile
+from blob_tracker.location.likelihood import fill_profile
 from blob_tracker.location.maximum_likelihood import FAINTEST, FLATTERY, MISFIT
 from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
+import scipy  # which loads special, 20 MB, when it is first used
 
-SLIMMEST_W = 0.7
 NODES = 33  # of a table along each ratio: the look-up is then true to some 3e-4 px
 DENSE = 65  # places, and widths, from which a table is inverted
 SCALES = 7  # of the weights in a support of one length, evenly in the logarithm:
+ERF_STEPS, ERF_REACH = 128, 6  # nodes to 1, and the last: between them it is true to 8e-6
 SLIMMEST, WIDEST = 1.0 / 7.5, 1.0 / 2.5  # of the support's length, the first and the last
 EVERY = 16  # px: shorter supports have tables each, of the longer ones pairs 1/8 apart
 NARROWEST = 0.35  # px: a narrower pulse leaves its place in the pixel open
+LEAST = 0.7  # px: of w; narrower weights see one pixel, and no width
 LOOKS_UP = 8  # looks at most until support and weights fit the pulse; it takes two or three
-NEAR, ALIKE = 0.3, 0.15  # px from the support's middle and in ln w: another look gains nothing
+NEAR, ALIKE = 0.3, 1.15  # px from the support's middle, ratio of w: another look gains nothing
 ENDS = 0.98  # of the table's reach: beyond it the place is not known to lie in it
 FALLEN = 0.5  # of e's peak: where e has fallen to it a table ends, since R is a ratio over e
 # The best width of the weights over the pulse's: 1 in even noise, 1 + BROADER ln(1 + q) where the
@@ -33,7 +35,8 @@ _NONE, _NO_SIGNAL, _OUTSIDE = int(Failure.NONE), int(Failure.NO_SIGNAL), int(Fai
 _NARROW, _WIDE = int(Failure.TOO_NARROW), int(Failure.TOO_WIDE)
 _DIVERGED, _CLIPPED = int(Failure.NOT_CONVERGED), int(Failure.CLIPPED)
 _V, _D, _E, _U = 0, 1, 2, 3  # rows of the weights
-_LOG_RANGE = math.log(WIDEST / SLIMMEST)
+_HALF_WAY = (WIDEST / SLIMMEST) ** (0.5 / (SCALES - 1))  # from one w to the next
+_SQRT2, _SQRT_HALF_PI = math.sqrt(2.0), math.sqrt(math.pi / 2.0)
 
 
 class Tables(NamedTuple):
@@ -58,6 +61,8 @@ class Tables(NamedTuple):
         The smallest |R| and Q that the table holds.
     step : (T, 2) array
         From node to node.
+    erf : (E,) array
+        The error function, ERF_STEPS to 1.
     value : (T, NODES, NODES, 4) array
         By |R| and Q: x from the support's middle, px; sigma, px; and what the weights v and e
         make of the unit pulse.
@@ -72,6 +77,7 @@ class Tables(NamedTuple):
     furthest: Array
     least: Array
     step: Array
+    erf: Array
     value: Array
 
 
@@ -200,6 +206,7 @@ def tables_up_to(limit: int) -> Tables:
         scale * np.sqrt(-2.0 * np.log(mean + FALLEN * (1.0 - mean))),
         np.zeros((scale.size, 2)),
         np.zeros((scale.size, 2)),
+        scipy.special.erf(np.arange(ERF_STEPS * ERF_REACH + 1) / ERF_STEPS),
         np.zeros((scale.size, NODES, NODES, 4)),
     )
     _invert_all(tables)
@@ -313,15 +320,34 @@ def _table_for(tables: Tables, twice: int, extent: int, width: float) -> int:
     if length > most:
         length = most - (most - length) % 2
     first = tables.of_length[length]
-    ratio = width / tables.length[first]
-    place = round((SCALES - 1) * math.log(ratio / SLIMMEST) / _LOG_RANGE)
-    return int(first + min(max(place, 0), SCALES - 1))
+    last = first + SCALES - 1
+    while first < last and width > _HALF_WAY * tables.scale[first]:
+        first += 1
+    return int(first)
 
 
 @kernel
 def _middle(place: float, extent: int) -> int:
     """Return the nearest middle that a support of 3 px or more can have, in half pixels."""
     return int(min(max(round(2.0 * place), 2), 2 * extent - 4))
+
+
+@kernel
+def _profile(erf: Array, centre: float, sigma: float, out: Array, size: int) -> float:
+    """Fill out with `integrated_profile` by looking erf up; return its sum."""
+    inverse = ERF_STEPS / (_SQRT2 * sigma)
+    height = _SQRT_HALF_PI * sigma
+    area, total = 0.0, 0.0
+    for k in range(-1, size):
+        edge = (k + 0.5 - centre) * inverse
+        far = min(abs(edge), ERF_STEPS * ERF_REACH - 1.0)
+        node = int(far)
+        next_area = math.copysign(erf[node] + (far - node) * (erf[node + 1] - erf[node]), edge)
+        if k >= 0:
+            out[k] = height * (next_area - area)
+            total += out[k]
+        area = next_area
+    return total
 
 
 @kernel
@@ -392,7 +418,6 @@ def _look_up_all(
     paired = unlit.shape[0] > 0
     light = np.empty((height, width))
     across, down = np.empty(width), np.empty(height)
-    profiles = empty_profiles(height, width)
     for n in range(count):
         across[:] = 0.0
         down[:] = 0.0
@@ -436,15 +461,15 @@ def _look_up_all(
                 level /= tables.whole[tx] * tables.whole[ty]
                 dark = max(level, 0.0) * shot + floor
             best = sigma * min(1.0 + BROADER * math.log(1.0 + amplitude * shot / dark), BROADEST)
-            best = max(best, SLIMMEST_W)
+            best = max(best, LEAST)
             now = math.sqrt(tables.scale[tx] * tables.scale[ty])
             to_x = _middle(0.5 * cx + on_x.x, width)
             to_y = _middle(0.5 * cy + on_y.x, height)
             next_x = _table_for(tables, to_x, width, best)
             next_y = _table_for(tables, to_y, height, best)
             same = to_x == cx and to_y == cy and next_x == tx and next_y == ty
-            near = max(abs(on_x.x), abs(on_y.x)) < NEAR and abs(math.log(best / now)) < ALIKE
-            if same or near:
+            near = max(abs(on_x.x), abs(on_y.x)) < NEAR
+            if same or (near and now < best * ALIKE and best < now * ALIKE):
                 failure[n] = _NONE
                 break
             cx, cy, tx, ty = to_x, to_y, next_x, next_y
@@ -454,18 +479,15 @@ def _look_up_all(
         failure[n] = _judge(tables, tx, ty, on_x, on_y, max(height, width))
         if failure[n] != _NONE:
             continue
-        fill_profile(x - left, on_x.sigma, profiles.across[:, :size_x])
-        fill_profile(y - top, on_y.sigma, profiles.down[:, :size_y])
         # The level that leaves nothing over in the support.
-        level = 0.0
+        level = -amplitude * _profile(tables.erf, x - left, on_x.sigma, across, size_x)
+        level *= _profile(tables.erf, y - top, on_y.sigma, down, size_y)
         for j in range(size_y):
             for i in range(size_x):
-                pulse = amplitude * profiles.down[0, j] * profiles.across[0, i]
-                level += light[top + j, left + i] - pulse
-                masked = lit[n, top + j, left + i] >= saturation
-                if paired:
-                    masked = masked or unlit[n, top + j, left + i] >= saturation
-                if masked:
+                level += light[top + j, left + i]
+                if lit[n, top + j, left + i] >= saturation:
+                    failure[n] = _CLIPPED
+                if paired and unlit[n, top + j, left + i] >= saturation:
                     failure[n] = _CLIPPED
         if failure[n] != _NONE:
             continue
@@ -483,7 +505,7 @@ def _look_up_all(
                 bx = on_x.by_q / sums.ve * (wx[_U, i] - moment_x * wx[_V, i])
                 moves_x = ax * wy[_V, j] + bx * wy[_E, j]
                 moves_y = ay * wx[_V, i] + by * wx[_E, i]
-                pulse = amplitude * profiles.down[0, j] * profiles.across[0, i]
+                pulse = amplitude * down[j] * across[i]
                 if paired:
                     variance = max(pulse + unlit[n, top + j, left + i], 0.0) * shot + floor
                     variance += max(unlit[n, top + j, left + i], 0.0) * shot + floor
