@@ -187,10 +187,11 @@ def _shape(case: Case) -> Measured:
     x, y = (size - 1) / 2 + offset + random.uniform(-0.5, 0.5, (2, count))
     amplitude = _amplitude(case['snr'])
     if shape.get('three'):
-        parts = ((154.25, 1.0), (77.68, 2.57), (22.07, 4.97))  # DN, s: thesis, page 45
-        light = sum(
-            peak * _round_pulses(size, x, y, s / np.sqrt(2.0)) for peak, s in parts
-        ) * (amplitude / sum(peak for peak, _ in parts))
+        parts = ((154.25, 1.0), (77.68, 2.57), (22.07, 4.97))  # DN, px of s: thesis, 4.35
+        unit = amplitude / sum(peak for peak, _ in parts)
+        light = np.sum([
+            unit * peak * _round_pulses(size, x, y, s / np.sqrt(2.0)) for peak, s in parts
+        ], axis=0)
     elif 'ratio' in shape:
         light = amplitude * _ellipses(size, x, y, shape['ratio'], shape.get('tilt', 0.0))
     else:
@@ -377,6 +378,7 @@ def _draw_pictures(pictures: Sequence[tuple[Case, Measured]]) -> Figure:
     for column, (case, found) in enumerate(pictures):
         axes = _axes(figure, 'displacement in x, px', 'displacement in y, px', 121 + column)
         axes.grid(False)
+        axes.locator_params(nbins=5)
         nodes, reach = case['nodes'], case['reach']
         # Numbers of neighbours are near one another: shuffled, so that their colours are not.
         shuffled = np.random.default_rng(0).permutation(found['count'])
@@ -403,19 +405,20 @@ def _draw_sizes(locales: Sequence[tuple[Case, Measured]]) -> Figure:
                     MARKERS[method] + '-', color=COLOURS[method], label=method)
     axes.loglog(amplitudes, [found['bound'] for _, found in rows], '--', color=COLOURS['bound'],
                 label='bound, variance 1/12')
-    axes.set_title('s 1.5 px, no noise but the rounding', fontsize=10)
+    axes.set_title('s 1.5 px, no noise but the rounding;\nonly the exact map is told A and s', fontsize=10)
     axes.legend(fontsize=8)
     right = _axes(figure, 'amplitude A, DN', 'half the extent of a locale in x, px', 122)
-    for style, s in zip(('o-', 'v-', 's-', '^-'), (1.0, 1.5, 2.0, 3.0)):
+    styles = zip(('o-', 'v-', 's-', '^-'), COLOURS.values(), (1.0, 1.5, 2.0, 3.0))
+    for style, colour, s in styles:
         own = [(case['amplitude'], found) for case, found in locales if case['s'] == s]
-        line, = right.loglog(
+        right.loglog(
             [amplitude for amplitude, _ in own], [found['locale_most'] for _, found in own],
-            style, label=f's {s:g} px: most',
+            style, color=colour, label=f's {s:g} px',
         )
         right.loglog([amplitude for amplitude, _ in own],
                      [found['locale_rms'] * np.sqrt(3.0) for _, found in own], ':',
-                     color=line.get_color())
-    right.set_title('widest locale (solid) and rms over places (dotted)', fontsize=10)
+                     color=colour)
+    right.set_title('widest locale (solid)\nand rms over places (dotted)', fontsize=10)
     right.legend(fontsize=8)
     return figure
 
