@@ -9,7 +9,7 @@ import math
 from blob_tracker.location import locate
 from blob_tracker.location.limits import cramer_rao_bound
 from blob_tracker.segmentation import Segmenter
-from blob_tracker.simulation.light import add_pulse
+from blob_tracker.simulation.light import pixel_integrated_gaussian
 from blob_tracker.simulation.noise_bank import NoiseBank
 from blob_tracker.simulation.sensor import expose
 from blob_tracker.studies.study import Case, Check, Findings, Measured, Study, Table
@@ -111,7 +111,9 @@ def _measure(case: Case) -> Measured:
         if lit and light.get('disc'):
             _add_disc(picture, target, exposure * light['radiance'])
         elif lit:
-            add_pulse(picture, target.x, target.y, target.sigma, exposure * target.peak)
+            picture += exposure * target.peak * pixel_integrated_gaussian(
+                picture.shape, target.x, target.y, target.sigma
+            ).astype(np.float32)
         pixels = expose(picture, NOISE, NoiseBank(case['seed'], index), saturation=FULL)
         window = segmenter.update(Frame(pixels, round(1e9 * (1 + index / RATE)), FULL))
         if lit:

@@ -2,7 +2,35 @@
 
 from __future__ import annotations
 
+from blob_tracker.studies import (
+    beyond,
+    causes,
+    centroid_sweeps,
+    chapter_2,
+    chapter_5,
+    chapter_5_artefact,
+    chapter_5_calibration,
+    digit_tables,
+    error_surface,
+    growing_target,
+    locale_table,
+    log_linear_sweeps,
+    noise_tables,
+    snr_tables,
+    three_gaussian_sweeps,
+)
 from blob_tracker.studies.study import Study
 
-ALL: tuple[Study, ...] = ()
-STUDIES: dict[str, Study] = {study.name: study for study in ALL}
+ALL: tuple[Study, ...] = (
+    *chapter_2.STUDIES,
+    *centroid_sweeps.STUDIES,
+    *digit_tables.STUDIES,
+    *noise_tables.STUDIES,
+    *snr_tables.STUDIES,
+    *log_linear_sweeps.STUDIES,
+    *error_surface.STUDIES,
+    *three_gaussian_sweeps.STUDIES,
+    chapter_5_calibration.STUDY, chapter_5_artefact.STUDY, *chapter_5.STUDIES,
+    causes.STUDY, beyond.STUDY, locale_table.STUDY, growing_target.STUDY,
+)
+STUDIES = {study.name: study for study in ALL}
