@@ -23,6 +23,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 EVERY = 'all'
+AHEAD = 2  # jobs that wait for each worker
 INTERRUPTED = 130  # exit code of what Ctrl-C ended
 
 
@@ -87,12 +88,13 @@ def main(arguments: argparse.Namespace) -> int:
     outcomes: dict[str, Outcome] = {}
     try:
         with ExitStack() as stack:
-            executor = stack.enter_context(workers(arguments.jobs, arguments.dask))
+            executor, at_once = stack.enter_context(workers(arguments.jobs, arguments.dask))
             progress = stack.enter_context(_progress(console))
             count = sum(len(study.cases(arguments.quick)) for study in studies)
             task = progress.add_task('', total=count)
             for outcome in run(
                 studies, quick=arguments.quick, kept=kept, executor=executor,
+                ahead=AHEAD * at_once,
                 tick=lambda name: progress.update(task, advance=1, description=name),
             ):
                 outcomes[outcome.name] = outcome

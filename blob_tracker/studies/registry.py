@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from blob_tracker.studies import (
     beyond,
     causes,
@@ -21,6 +23,7 @@ from blob_tracker.studies import (
 )
 from blob_tracker.studies.study import Study
 
+BEYOND = (9, '', 0)
 ALL: tuple[Study, ...] = (
     *chapter_2.STUDIES,
     *centroid_sweeps.STUDIES,
@@ -33,4 +36,12 @@ ALL: tuple[Study, ...] = (
     chapter_5_calibration.STUDY, chapter_5_artefact.STUDY, *chapter_5.STUDIES,
     causes.STUDY, beyond.STUDY, locale_table.STUDY, growing_target.STUDY,
 )
-STUDIES = {study.name: study for study in ALL}
+
+
+def _place(study: Study) -> tuple[int, str, int]:
+    """Return the place of a study in the thesis: chapter, figure or table, number."""
+    found = re.fullmatch(r'(figure|table)_(\d+)_(\d+)', study.name)
+    return (int(found[2]), found[1], int(found[3])) if found else BEYOND
+
+
+STUDIES = {study.name: study for study in sorted(ALL, key=_place)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field, replace
@@ -60,6 +61,7 @@ def run(
     quick: bool,
     kept: Kept,
     executor: Executor,
+    ahead: int,
     tick: Callable[[str], None],
 ) -> Iterator[Outcome]:
     """
@@ -75,6 +77,8 @@ def run(
         What was measured already; what is measured now is added.
     executor : Executor
         Runs the jobs.
+    ahead : int
+        Jobs that it is given at a time, so that a study is concluded as soon as it can be.
     tick : callable
         Told the name of the study after each job, also of one that was kept.
 
@@ -88,23 +92,30 @@ def run(
     found: dict[str, dict[int, Measured]] = {name: {} for name in cases}
     seconds = dict.fromkeys(cases, 0.0)
     failed: set[str] = set()
+    waiting: deque[tuple[str, int]] = deque()  # study and number of the case
     jobs: dict[Future[Any], tuple[str, int]] = {}
 
-    def conclude(name: str) -> None:
-        whole = [(case, found[name][place]) for place, case in enumerate(cases[name])]
-        jobs[executor.submit(_conclude, name, whole)] = name, CONCLUSION
+    def begin(name: str, place: int) -> None:
+        if place == CONCLUSION:
+            whole = [(case, found[name][place]) for place, case in enumerate(cases[name])]
+            future: Future[Any] = executor.submit(_conclude, name, whole)
+        else:
+            future = executor.submit(_measure, name, cases[name][place])
+        jobs[future] = name, place
 
     for name in cases:
         for place, case in enumerate(cases[name]):
             measured = kept.get(name, case)
             if measured is None:
-                jobs[executor.submit(_measure, name, case)] = name, place
+                waiting.append((name, place))
             else:
                 found[name][place] = measured
                 tick(name)
         if len(found[name]) == len(cases[name]):
-            conclude(name)
-    while jobs:
+            waiting.append((name, CONCLUSION))
+    while waiting or jobs:
+        while waiting and len(jobs) < ahead:
+            begin(*waiting.popleft())
         for future in wait(jobs, return_when=FIRST_COMPLETED).done:
             name, place = jobs.pop(future)
             if place == CONCLUSION:
@@ -125,7 +136,7 @@ def run(
             found[name][place] = measured
             seconds[name] += took
             if len(found[name]) == len(cases[name]):
-                conclude(name)
+                waiting.appendleft((name, CONCLUSION))
 
 
 def _measure(name: str, case: Case) -> tuple[Measured, float]:

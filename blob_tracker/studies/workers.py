@@ -18,9 +18,9 @@ class ClusterError(RuntimeError):
 
 
 @contextmanager
-def workers(count: int, dask: str | None) -> Iterator[Executor]:
+def workers(count: int, dask: str | None) -> Iterator[tuple[Executor, int]]:
     """
-    Yield an executor.
+    Yield an executor, and how many jobs it can do at once.
 
     Parameters
     ----------
@@ -36,15 +36,15 @@ def workers(count: int, dask: str | None) -> Iterator[Executor]:
 
     """
     if dask is not None:
-        with _cluster(dask) as executor:
-            yield executor
+        with _cluster(dask) as cluster:
+            yield cluster
         return
     for name in THREADS:  # the processes are the parallelism
         os.environ.setdefault(name, '1')
     # Spawned, not forked: Numba and OpenCV have threads that a fork would leave behind.
     executor = ProcessPoolExecutor(count, get_context('spawn'), _leave_interrupts)
     try:
-        yield executor
+        yield executor, count
     finally:
         executor.shutdown(cancel_futures=True)
 
@@ -55,7 +55,7 @@ def _leave_interrupts() -> None:
 
 
 @contextmanager
-def _cluster(address: str) -> Iterator[Executor]:
+def _cluster(address: str) -> Iterator[tuple[Executor, int]]:
     try:
         from distributed import Client
     except ImportError:
@@ -70,6 +70,6 @@ def _cluster(address: str) -> Iterator[Executor]:
     with client:
         executor = client.get_executor()
         try:
-            yield executor
+            yield executor, max(sum(client.ncores().values()), 1)
         finally:
             executor.shutdown(wait=False)

@@ -58,7 +58,8 @@ def _run(folder: Path, *studies: Study, quick: bool = True) -> dict[str, runner.
     """Run in threads, which see the studies of this file."""
     with ThreadPoolExecutor(2) as executor:
         outcomes = list(runner.run(
-            studies, quick=quick, kept=Kept(folder), executor=executor, tick=lambda name: None
+            studies, quick=quick, kept=Kept(folder), executor=executor, ahead=3,
+            tick=lambda name: None,
         ))
     assert len({outcome.name for outcome in outcomes}) == len(outcomes) == len(studies)
     return {outcome.name: outcome for outcome in outcomes}
