@@ -16,6 +16,7 @@ from blob_tracker.simulation.profiles import (
 from blob_tracker.simulation.quantisation import gain_plus_uniform
 from blob_tracker.simulation.scene import Scene
 from blob_tracker.simulation.sensor import expose, Sensor, Stage
+from blob_tracker.simulation.spot import add_spot, Spot, truth_of
 from blob_tracker.simulation.sun_disc import SunDisc
 from blob_tracker.simulation.truth import Truth
 from blob_tracker.simulation.waveforms import always, coded, in_step, periodic, sinusoid
@@ -36,11 +37,13 @@ __all__ = [
     'Scene',
     'Sensor',
     'SpatialLight',
+    'Spot',
     'Stage',
     'Stepping',
     'SunDisc',
     'ThreeGaussians',
     'Truth',
+    'add_spot',
     'always',
     'coded',
     'expose',
@@ -50,4 +53,5 @@ __all__ = [
     'periodic',
     'pixel_integrated_gaussian',
     'sinusoid',
+    'truth_of',
 ]

@@ -149,7 +149,8 @@ class Sensor:
             full_well = self.full_well / noise.gain
             if self.blooming:
                 spill(charge, full_well)
-            np.minimum(charge, full_well, out=charge)
+            else:
+                np.minimum(charge, full_well, out=charge)
         charge += np.float32(noise.read_noise) * (
             random.standard_normal(charge.shape, dtype=np.float32)
         )

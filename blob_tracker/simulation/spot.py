@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import ceil, isfinite
 from typing import NamedTuple, Protocol
 
-from blob_tracker.simulation.profiles import Profile
+from blob_tracker.simulation.profiles import Gaussian, Profile
 from blob_tracker.simulation.shot import Shot
 from blob_tracker.simulation.truth import Truth
 from blob_tracker.simulation.waveforms import mean_over, Waveform
@@ -75,21 +75,14 @@ def draw_light(light: LightSource, picture: NDArray[np.float32], shot: Shot) -> 
     time, spot = _seen(light, shot)
     if not isfinite(time):
         return
-    half = ceil(light.profile.reach * spot.sigma)
-    column, row = round(spot.x), round(spot.y)
-    left, top = max(column - half, 0), max(row - half, 0)
-    # A stop below 0 would count from the far border.
-    bottom, right = max(row + half + 1, 0), max(column + half + 1, 0)
-    part = picture[top:bottom, left:right]
-    if not part.size:
-        return
-    shape = (part.shape[0], part.shape[1])
     if shot.row_time == 0.0:
-        amplitude = spot.amplitude * float(mean_over(light.waveform, time, shot.exposure))
-        if amplitude:
-            part += amplitude * light.profile.over_pixels(
-                shape, spot.x - left, spot.y - top, spot.sigma, shot.aperture
-            ).astype(np.float32)
+        brightness = float(mean_over(light.waveform, time, shot.exposure))
+        spot = spot._replace(amplitude=spot.amplitude * brightness)
+        if spot.amplitude:
+            add_spot(picture, spot, light.profile, shot.aperture)
+        return
+    part, left, top = _about(picture, spot, light.profile)
+    if not part.size:
         return
     times = shot.time_of(np.arange(top, top + len(part), dtype=float))
     x, y, _, amplitudes = np.array([light.spot(each) for each in times.tolist()]).T
@@ -97,8 +90,48 @@ def draw_light(light: LightSource, picture: NDArray[np.float32], shot: Shot) -> 
     amplitudes = amplitudes * mean_over(light.waveform, times, shot.exposure)
     if amplitudes.any():
         part += (amplitudes[:, None] * light.profile.over_pixels(
-            shape, x - left, y - top, spot.sigma, shot.aperture
+            (part.shape[0], part.shape[1]), x - left, y - top, spot.sigma, shot.aperture
         )).astype(np.float32)
+
+
+def add_spot(
+    picture: NDArray[np.float32],
+    spot: Spot,
+    profile: Profile = Gaussian(),
+    aperture: float = 1.0,
+) -> None:
+    """
+    Add the image of a light to a picture; what lies beyond its border is cut off.
+
+    Parameters
+    ----------
+    picture : (h, w) array
+        Mean signal, DN; written to.
+    spot : Spot
+        Of the picture, px and DN.
+    profile : Profile
+        Its shape.
+    aperture : float
+        Side of the light-sensitive middle of a pixel, px.
+
+    """
+    part, left, top = _about(picture, spot, profile)
+    if part.size:
+        part += spot.amplitude * profile.over_pixels(
+            (part.shape[0], part.shape[1]), spot.x - left, spot.y - top, spot.sigma, aperture
+        ).astype(np.float32)
+
+
+def _about(
+    picture: NDArray[np.float32], spot: Spot, profile: Profile
+) -> tuple[NDArray[np.float32], int, int]:
+    """Return the part of a picture that a light reaches, its first column and its first row."""
+    half = ceil(profile.reach * spot.sigma)
+    column, row = round(spot.x), round(spot.y)
+    left, top = max(column - half, 0), max(row - half, 0)
+    # A stop below 0 would count from the far border.
+    bottom, right = max(row + half + 1, 0), max(column + half + 1, 0)
+    return picture[top:bottom, left:right], left, top
 
 
 def _seen(light: LightSource, shot: Shot) -> tuple[float, Spot]:

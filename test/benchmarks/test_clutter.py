@@ -3,8 +3,7 @@
 from dataclasses import replace
 
 from benchmarks.clutter import amplitude, clutter, IN_STEP_RATE, LAMPS, with_target
-from blob_tracker.simulation import AmbientLight, HotPixels, Scene, Sensor
-from blob_tracker.simulation.spot import truth_of
+from blob_tracker.simulation import AmbientLight, HotPixels, Scene, Sensor, truth_of
 from blob_tracker.types import SensorNoise
 import numpy as np
 import pytest

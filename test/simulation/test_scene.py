@@ -26,7 +26,7 @@ FULL = replace(
         HotPixels(),
     ),
     camera=Drifting(3.0, radius=20.0, turn=1.0),
-    sensor=Sensor(),
+    sensor=Sensor(row_time=2e-5, prnu=0.01, dsnu=0.3, full_well=9_000.0, blooming=True),
     texture=8.0,
 )
 
