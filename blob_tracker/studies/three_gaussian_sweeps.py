@@ -41,7 +41,8 @@ def _figure_4_7(curves: list[Curve]) -> Look:
     ends = sum(curve.value in (1.0, 15.0) for curve in order[:2])
     return (
         f'The largest error is {_listed(curves, 5)}; in the middle it is '
-        f'{_middle(curves, _SIMPLEX):.1g} px, by Levenberg-Marquardt {_middle(curves, _LM):.1g} px.',
+        f'{_middle(curves, _SIMPLEX):.1g} px, and {_middle(curves, _LM):.1g} px by '
+        'Levenberg-Marquardt.',
         [says(
             statement,
             f'{ends}: the largest are at s = {order[0].value:g} and {order[1].value:g} px',
