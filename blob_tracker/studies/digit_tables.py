@@ -169,9 +169,9 @@ def _remark(name: str, comparison: DigitComparison, results: Results) -> str:
     if name == 'table_4_9':
         largest, second = results[0][1]['columns'][3], results[0][1]['second']
         return (
-            f' The largest error in the window of 5 px at s = 1 is that of one place: {largest:.4f} '
-            f'px at the minimum of the squares, which the fit also finds from the true '
-            f'parameters; the next largest is {second:.4f} px.'
+            f' The largest error in the window of 5 px at s = 1 is that of one place, '
+            f'{largest:.4f} px at the minimum of the squares, where a start at the true '
+            f'parameters ends too; the next largest is {second:.4f} px.'
         )
     return ''
 
