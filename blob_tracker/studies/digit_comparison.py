@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import math
 
 from blob_tracker.studies.axes import COLOURS, legend_below, new_axes
-from blob_tracker.studies.printed import Printed, units_off
+from blob_tracker.studies.printed import Printed, unit, units_off
 from blob_tracker.studies.study import Cell, Table
 from matplotlib.figure import Figure
 import numpy as np
@@ -24,11 +24,15 @@ class DigitComparison:
         Both, and the differences.
     off : (rows, columns) array of int
         By how many units of the last printed digit ours is above.
+    edge : float
+        The farthest that a number which differs lies from where it would be rounded to what is
+        printed, units of the last digit.
 
     """
 
     table: Table
     off: np.ndarray
+    edge: float
 
     @property
     def same(self) -> int:
@@ -83,14 +87,17 @@ def compare_digits(
     for heading in printed.columns[keys:]:
         columns += [heading, 'printed', 'difference']
     cells: list[list[Cell]] = []
+    edge = 0.0
     off = np.zeros((len(printed.rows), len(printed.columns) - keys), dtype=int)
     for n, (row, values) in enumerate(zip(printed.rows, found)):
         line: list[Cell] = list(row[:keys])
         for k, (value, digits) in enumerate(zip(values, row[keys:])):
             off[n, k] = units_off(value, digits)
+            if off[n, k]:
+                edge = max(edge, abs(value - float(digits)) / unit(digits) - 0.5)
             line += [value, digits, value - float(digits)]
         cells.append(line)
-    return DigitComparison(Table(name, title, columns, cells), off)
+    return DigitComparison(Table(name, title, columns, cells), off, edge)
 
 
 def draw_errors(

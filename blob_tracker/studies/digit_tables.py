@@ -120,6 +120,10 @@ def _conclude_digits(name: str, what: str, results: Results) -> Findings:
     if lost:
         shows += f' {lost} windows could not be located.'
     if comparison.same < comparison.off.size:
+        shows += (
+            f' What differs lies {comparison.edge:.2g} units or less from where it would be '
+            'rounded to what is printed.'
+        )
         shows += _remark(name, comparison, results)
     return Findings(
         shows=shows,

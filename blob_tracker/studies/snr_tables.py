@@ -110,7 +110,11 @@ def _conclude_rounded(name: str, what: str, results: Results) -> Findings:
             f'{rises} of 5, in the printed table too', rises == int(statement.value),
         ))
     return Findings(
-        shows=f'{what} {comparison.sentence().capitalize()}.', agreement=comparison.sentence(),
+        shows=f'{what} {comparison.sentence().capitalize()}.' + (
+            f' What differs lies {comparison.edge:.2g} units from where it would be rounded to '
+            'what is printed.' if comparison.one_off else ''
+        ),
+        agreement=comparison.sentence(),
         tables=[comparison.table], figures={name: figure}, checks=checks,
     )
 
