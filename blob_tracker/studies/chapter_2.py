@@ -122,9 +122,9 @@ def _conclude_rounding(results: Results) -> Findings:
     return Findings(
         shows=(
             f'Of {error.size} rounding errors {100 * dark:.0f} % are zero to three decimals, all '
-            f'in the tails below half a level; the pixels above have a variance of {variance:.4f}, '
-            f'where an even error has {ROUNDING:.4f}. That is the noise with which the bounds of '
-            'the figures of rounded pulses are drawn.'
+            f'in the tails below half a level; the pixels above have a variance of '
+            f'{variance:.4f}, where an even error has {ROUNDING:.4f}. That is the noise '
+            'with which the bounds of the figures of rounded pulses are drawn.'
         ),
         agreement='the same shape: even, with a spike at 0',
         tables=[Table(
@@ -139,7 +139,7 @@ def _conclude_rounding(results: Results) -> Findings:
                 bool(np.abs(error).max() <= float(statements['range'].value)),
             ),
             says(
-                statements['spike'], f'{spike + 0.0:.2f}, {share.max() / level:.0f} times the rest',
+                statements['spike'], f'{abs(spike):.2f}, {share.max() / level:.0f} times the rest',
                 abs(spike) < _BIN,
             ),
             Check(

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+import math
 
 from blob_tracker.studies.axes import COLOURS, legend_below, new_axes
-from blob_tracker.studies.printed import Printed, units_off
+from blob_tracker.studies.printed import Printed, unit, units_off
 from blob_tracker.studies.study import Cell, Table
 from matplotlib.figure import Figure
 import numpy as np
@@ -23,11 +24,15 @@ class DigitComparison:
         Both, and the differences.
     off : (rows, columns) array of int
         By how many units of the last printed digit ours is above.
+    edge : float
+        The farthest that a number which differs lies from where it would be rounded to what is
+        printed, units of the last digit.
 
     """
 
     table: Table
     off: np.ndarray
+    edge: float
 
     @property
     def same(self) -> int:
@@ -82,14 +87,17 @@ def compare_digits(
     for heading in printed.columns[keys:]:
         columns += [heading, 'printed', 'difference']
     cells: list[list[Cell]] = []
+    edge = 0.0
     off = np.zeros((len(printed.rows), len(printed.columns) - keys), dtype=int)
     for n, (row, values) in enumerate(zip(printed.rows, found)):
         line: list[Cell] = list(row[:keys])
         for k, (value, digits) in enumerate(zip(values, row[keys:])):
             off[n, k] = units_off(value, digits)
+            if off[n, k]:
+                edge = max(edge, abs(value - float(digits)) / unit(digits) - 0.5)
             line += [value, digits, value - float(digits)]
         cells.append(line)
-    return DigitComparison(Table(name, title, columns, cells), off)
+    return DigitComparison(Table(name, title, columns, cells), off, edge)
 
 
 def draw_errors(
@@ -109,7 +117,7 @@ def draw_errors(
     found : sequence of sequence of float
         Ours, from the least error on.
     bounds : sequence of float or None
-        The Cramer-Rao bound for each row, px, where there is noise.
+        The Cramer-Rao bound on the mean error of each row, px, where there is noise.
     least : float
         px: what is smaller is drawn here.
     bound_label : str
@@ -123,10 +131,11 @@ def draw_errors(
             chosen = [k for k, row in enumerate(printed.rows) if row[0] == size]
             s = [float(printed.rows[k][1]) for k in chosen]
             ours = [max(found[k][column], least) for k in chosen]
-            theirs = [max(float(printed.rows[k][2 + column]), least) for k in chosen]
+            # A printed zero has no place on a logarithmic axis.
+            theirs = [float(printed.rows[k][2 + column]) or math.nan for k in chosen]
             axes.plot(s, ours, color=colour, linewidth=1.2, label=f'window {size} px')
             axes.plot(s, theirs, 'o', color=colour, fillstyle='none', markersize=7)
-            if bounds is not None:
+            if bounds is not None and column == 1:
                 axes.plot(s, [bounds[k] for k in chosen], '--', color=colour, linewidth=0.8)
         axes.set(xlabel='s, px', ylabel=name, xscale='log', yscale='log')
         axes.set_xticks([1, 3, 5, 7, 10, 15], labels=['1', '3', '5', '7', '10', '15'])

@@ -37,7 +37,11 @@ _BOUND = {
     'rounded': 'Cramer-Rao bound, rounding taken for noise of 1/12 DN^2',
     'noisy': 'Cramer-Rao bound, noise of 1 + 1/12 DN^2',
 }
-_UNITS = {'s': 's', 'window': 'window', 'shift': 'displacement'}
+_NAMES = {'s': 's', 'window': 'window', 'shift': 'displacement'}
+_LETTERS = {'s': 's', 'window': 'w', 'shift': 'd'}
+_METHODS = {
+    'multi_gaussian_simplex': 'simplex', 'multi_gaussian_lm': 'Levenberg-Marquardt',
+}
 
 
 @dataclass(frozen=True)
@@ -213,6 +217,8 @@ def conclude(
     shows = f'{what} {sentence}'
     if lost:
         shows += f' {lost} of {located} rows could not be located.'
+    if any(np.isnan(curve.bound).any() for curve in curves):
+        shows += ' The bound is drawn where the pixels determine all the parameters.'
     if sweep.pixels == 'sampled':
         shows += ' Without noise the Cramer-Rao bound is 0.'
     met = sum(check.met for check in checks)
@@ -227,7 +233,7 @@ def conclude(
 
 def _table(sweep: Sweep, curves: list[Curve]) -> Table:
     """Return all numbers of a figure."""
-    columns = [f'{_UNITS[sweep.curves[0]]}, px', f'{_UNITS[sweep.along[0]]}, px']
+    columns = [f'{_NAMES[sweep.curves[0]]}, px', f'{_NAMES[sweep.along[0]]}, px']
     for method in sweep.methods:
         columns += [f'{method}: error, px', f'{method}: rms error, px']
     columns.append('Cramer-Rao bound, px')
@@ -254,7 +260,7 @@ def draw(sweep: Sweep, curves: list[Curve]) -> Figure:
     # Below this all is rounding of the sums.
     least = 1e-16 if sweep.pixels == 'sampled' else 1e-5
     for curve, colour in zip(curves, COLOURS):
-        label = f'{_UNITS[sweep.curves[0]]} {curve.value:g} px'
+        label = f'{_LETTERS[sweep.curves[0]]} = {curve.value:g} px'
         left.plot(curve.along, curve.error[method], color=colour, linewidth=1.0, label=label)
         for name, style in zip(sweep.methods, ('-', ':')):
             size = np.maximum(curve.rms[name], least)
@@ -263,8 +269,9 @@ def draw(sweep: Sweep, curves: list[Curve]) -> Figure:
             right.plot(curve.along, curve.bound, '--', color=colour, linewidth=0.8)
     if sweep.pixels != 'sampled':
         left.plot([], [], '--', color='black', linewidth=0.8, label=_BOUND[sweep.pixels])
-    for name, style in zip(sweep.methods[1:], (':',)):
-        left.plot([], [], style, color='black', label=f'right: {name} (-: {method})')
+    if len(sweep.methods) > 1:
+        for name, style in zip(sweep.methods, ('-', ':')):
+            left.plot([], [], style, color='black', linewidth=1.0, label=_METHODS[name])
     right.axhline(GOAL, color='grey', linewidth=0.8)
     right.annotate(
         '0.05 px', (0.99, GOAL), xycoords=('axes fraction', 'data'), ha='right', va='bottom',

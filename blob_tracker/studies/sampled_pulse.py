@@ -15,8 +15,8 @@ Numbers = NDArray[np.float64]
 
 # Each step is added to the last, as a loop does: the sum decides which halves round up.
 FINE = np.cumsum([-0.5] + 49 * [0.02])  # px: chapter 3 and section 4.2
-# The step of section 4.3 is not printed. Of all from 0.01 to 0.25 px, this one alone gives the
-# SNR of Tables 4.6 and 4.9, and it gives all of their ten values to the last digit.
+# The step of section 4.3 is not printed. Of the multiples of 0.005 px up to 0.25 px this one
+# alone gives the SNR of Table 4.6, and all ten of Tables 4.6 and 4.9 to the last digit.
 COARSE = np.cumsum([-0.5] + 11 * [0.09])  # px
 ROUNDING = 1.0 / 12.0  # DN^2: the variance of an error that is even over one DN
 NO_NOISE = SensorNoise(gain=np.inf, read_noise=0.0)
