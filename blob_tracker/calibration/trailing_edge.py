@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from blob_tracker.calibration.edge import edge_places, EdgeError, find_edge
+from blob_tracker.calibration.edge import EdgeError, find_edge
 from blob_tracker.camera.trailing_edge import MOST_MEMORY, MOST_PEAKING, TrailingEdge
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,8 @@ import scipy  # which loads optimize, 25 MB, when it is first used
 
 BEFORE, AFTER = 16, 48  # px beside the edge: three sigma of its blur, and four memories of 12 px
 LEAST_LINES = 8
+ROUNDS = 4  # of the filter and the places in turn; two are enough
+STEP = 0.01  # px, of the derivative by the place
 
 
 @dataclass(frozen=True)
@@ -50,9 +52,9 @@ def measure_trailing_edge(frames: Iterable[NDArray[np.generic]]) -> TrailingEdge
         y_k = x_k + a (x_k - m_k),   m_k+1 = e m_k + (1 - e) x_k,   e = exp(-1 / tau)
         x_k = b + c [G(k + 1/2 - p) - G(k - 1/2 - p)],   G as in `edge_places`
 
-    a, tau, sigma, b, c and one shift of all places are fitted by least squares to the mean of
-    the frames. The place of the edge in each line is that of `edge_places`, which the filter
-    shifts in all lines alike. The pictures are those of `calibrate jitter`.
+    a, tau, sigma, b and c are fitted by least squares to the mean of the frames, in turn with the
+    place p of the edge in each line, which jitter puts beside the straight line. The pictures
+    are those of `calibrate jitter`.
 
     Parameters
     ----------
@@ -78,33 +80,30 @@ def measure_trailing_edge(frames: Iterable[NDArray[np.generic]]) -> TrailingEdge
         raise EdgeError('the frames differ in size; they must be of one camera')
     picture = np.mean(stack, axis=0)
     scatter = float(np.mean(np.var(stack, axis=0, ddof=1))) / len(stack)
-    places, _, _ = edge_places(picture, find_edge(picture))
-    pixels, places = _about(picture, places)
+    start, slope = find_edge(picture)
+    pixels, places = _about(picture, start + slope * np.arange(len(picture)))
     if pixels.min() <= 0.0:
         raise EdgeError('the picture is clipped at black beside the edge; light its dark side')
-    lines = np.arange(pixels.shape[1])
-
-    def model(theta: NDArray[np.float64]) -> NDArray[np.float64]:
-        peaking, memory, sigma, dark, contrast, shift = theta
-        borders = (np.arange(lines.size + 1) - 0.5 - (places + shift)[:, None]) / sigma
-        bell = np.exp(-0.5 * borders**2) / np.sqrt(2.0 * np.pi)
-        step = np.diff(sigma * (borders * scipy.special.ndtr(borders) + bell), axis=1)
-        kept = np.exp(-1.0 / memory)
-        slow = scipy.signal.lfilter([0.0, 1.0 - kept], [1.0, -kept], step, axis=1)
-        return np.asarray(dark + contrast * (step + peaking * (step - slow)))
-
     dark, bright = float(np.median(pixels[:, :4])), float(np.median(pixels[:, -4:]))
-    start = np.array([0.3, 4.0, 1.2, dark, bright - dark, 0.5])
+    theta = np.array([0.3, 4.0, 1.2, dark, bright - dark, 0.5])
     # Wider than what a calibration may hold only in sigma and the levels.
-    least = [0.0, 0.3, 0.2, -np.inf, -np.inf, -6.0]
-    most = [MOST_PEAKING, MOST_MEMORY, 8.0, np.inf, np.inf, 6.0]
-    found = scipy.optimize.least_squares(
-        lambda theta: (model(theta) - pixels).ravel(), start, bounds=(least, most),
-        x_scale=np.array([1.0, 4.0, 1.0, 10.0, 100.0, 1.0]),
-    )
+    least = [0.0, 0.3, 0.2, -np.inf, -np.inf, -8.0]
+    most = [MOST_PEAKING, MOST_MEMORY, 8.0, np.inf, np.inf, 8.0]
+    for _ in range(ROUNDS):
+        found = scipy.optimize.least_squares(
+            lambda trial: (_model(trial, places, pixels.shape[1]) - pixels).ravel(), theta,
+            bounds=(least, most), x_scale=np.array([1.0, 4.0, 1.0, 10.0, 100.0, 1.0]),
+        )
+        theta = found.x.copy()
+        places, theta[5] = places + theta[5], 0.0
+        # A step of Gauss and Newton for the place in each line by itself.
+        steeper = _model(theta, places + STEP, pixels.shape[1])
+        slopes = (steeper - _model(theta, places - STEP, pixels.shape[1])) / (2.0 * STEP)
+        residuals = pixels - _model(theta, places, pixels.shape[1])
+        places = places + (residuals * slopes).sum(axis=1) / (slopes**2).sum(axis=1)
     if not found.success:
         raise EdgeError(f'no peaking filter fits the edge: {found.message}')
-    freedom = pixels.size - found.x.size
+    freedom = pixels.size - found.x.size - places.size
     rest = 2.0 * float(found.cost) / freedom
     normal = found.jac.T @ found.jac
     if np.linalg.cond(normal / np.outer(*2 * [np.sqrt(np.diag(normal)) + 1e-30])) > 1e12:
@@ -118,12 +117,25 @@ def measure_trailing_edge(frames: Iterable[NDArray[np.generic]]) -> TrailingEdge
     )
 
 
+def _model(
+    theta: NDArray[np.float64], places: NDArray[np.float64], count: int
+) -> NDArray[np.float64]:
+    """Return the (h, count) mean behind the filter."""
+    peaking, memory, sigma, dark, contrast, shift = theta
+    borders = (np.arange(count + 1) - 0.5 - (places + shift)[:, None]) / sigma
+    bell = np.exp(-0.5 * borders**2) / np.sqrt(2.0 * np.pi)
+    step = np.diff(sigma * (borders * scipy.special.ndtr(borders) + bell), axis=1)
+    kept = np.exp(-1.0 / memory)
+    slow = scipy.signal.lfilter([0.0, 1.0 - kept], [1.0, -kept], step, axis=1)
+    return np.asarray(dark + contrast * (step + peaking * (step - slow)))
+
+
 def _about(
     picture: NDArray[np.float64], places: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the pixels beside the edge in each line that shows it, and its places in them."""
+    """Return the pixels beside the edge in each line that has them, and its places in them."""
     first = np.floor(places) - BEFORE
-    seen = np.isfinite(places) & (first >= 0)
+    seen = first >= 0
     reach = min(AFTER, int(np.min(picture.shape[1] - 1 - np.floor(places[seen]), initial=AFTER)))
     if seen.sum() < LEAST_LINES or reach < BEFORE:
         raise EdgeError(
