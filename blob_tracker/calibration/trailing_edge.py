@@ -14,6 +14,7 @@ import scipy  # which loads optimize, 25 MB, when it is first used
 BEFORE, AFTER = 16, 48  # px beside the edge: three sigma of its blur, and four memories of 12 px
 LEAST_LINES = 8
 ROUNDS = 4  # of the filter and the places in turn; two are enough
+WORST = 1e10  # condition of the normal equations, their columns of length one
 STEP = 0.01  # px, of the derivative by the place
 
 
@@ -78,10 +79,11 @@ def measure_trailing_edge(frames: Iterable[NDArray[np.generic]]) -> TrailingEdge
         raise EdgeError(f'there are {len(stack)} frames; the trailing edge needs 2 or more')
     if len({frame.shape for frame in stack}) > 1:
         raise EdgeError('the frames differ in size; they must be of one camera')
-    picture = np.mean(stack, axis=0)
+    picture: NDArray[np.float64] = np.mean(stack, axis=0, dtype=np.float64)
     scatter = float(np.mean(np.var(stack, axis=0, ddof=1))) / len(stack)
     start, slope = find_edge(picture)
-    pixels, places = _about(picture, start + slope * np.arange(len(picture)))
+    straight: NDArray[np.float64] = start + slope * np.arange(float(len(picture)))
+    pixels, places = _about(picture, straight)
     if pixels.min() <= 0.0:
         raise EdgeError('the picture is clipped at black beside the edge; light its dark side')
     dark, bright = float(np.median(pixels[:, :4])), float(np.median(pixels[:, -4:]))
@@ -103,14 +105,23 @@ def measure_trailing_edge(frames: Iterable[NDArray[np.generic]]) -> TrailingEdge
         places = places + (residuals * slopes).sum(axis=1) / (slopes**2).sum(axis=1)
     if not found.success:
         raise EdgeError(f'no peaking filter fits the edge: {found.message}')
-    freedom = pixels.size - found.x.size - places.size
-    rest = 2.0 * float(found.cost) / freedom
-    normal = found.jac.T @ found.jac
-    if np.linalg.cond(normal / np.outer(*2 * [np.sqrt(np.diag(normal)) + 1e-30])) > 1e12:
+    residuals = pixels - _model(theta, places, pixels.shape[1])
+    freedom = pixels.size - theta.size - places.size
+    # The place in each line is found with the filter: what it could take over is not the filter's.
+    own = found.jac.reshape(*pixels.shape, theta.size)[:, :, :-1]
+    shared = np.einsum('hk,hkp->hp', slopes, own) / (slopes**2).sum(axis=1)[:, None]
+    own = own - slopes[:, :, None] * shared[:, None, :]
+    length = np.sqrt((own**2).sum(axis=(0, 1)))
+    unit = own / np.maximum(length, 1e-30)
+    normal = np.einsum('hkp,hkq->pq', unit, unit)
+    if not (length > 0.0).all() or np.linalg.cond(normal) > WORST:
         raise EdgeError('the edge shows no overshoot: there is no trailing edge to take off')
-    # What the model leaves is as much in the way as the noise is.
-    covariance = np.linalg.inv(normal) * max(rest, scatter)
-    peaking, memory, sigma, level, contrast, _ = (float(value) for value in found.x)
+    # Of the residuals as they are: where the edge is steep the jitter of its frames adds to them.
+    inverse = np.linalg.inv(normal) / length[:, None]
+    moved = np.einsum('pq,hkq->hkp', inverse, unit)
+    covariance = np.einsum('hkp,hkq,hk->pq', moved, moved, residuals**2) * pixels.size / freedom
+    rest = float((residuals**2).sum()) / freedom
+    peaking, memory, sigma, level, contrast, _ = (float(value) for value in theta)
     return TrailingEdgeMeasurement(
         TrailingEdge(peaking, memory, covariance[:2, :2]),
         sigma, level, level + contrast, rest / max(scatter, 1e-12),

@@ -148,7 +148,8 @@ def limits(looks: int, *, jitter: bool) -> float:
     """
     target, middle = TARGETS['active'], (SIDE - 1) / 2.0
     amplitude = brightness(target, Conditions()) * target.amplitudes
-    noise = replace(NOISE, read_noise=sqrt(max((NOISE.read_noise**2 + 1 / 12) / looks - 1 / 12, 0)))
+    floor = (NOISE.read_noise**2 + 1.0 / 12.0) / looks  # of the mean of the looks
+    noise = replace(NOISE, read_noise=sqrt(max(floor - 1.0 / 12.0, 0.0)))
     variance = float(np.mean([
         cramer_rao_bound(
             (SIDE, SIDE), x=middle + phase, y=middle, sigma=target.sigmas, amplitude=amplitude,
@@ -188,8 +189,8 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
         values = [float(str(row[index])) for row in rows if row[0] == way and row[2] == looks]
         return sqrt(float(np.mean(np.square(values))))
 
-    with_rms, removed_rms = (column(way, 'single', 3) for way in ('with the defects',
-                                                                    'defects removed'))
+    with_rms = column('with the defects', 'single', 3)
+    removed_rms = column('defects removed', 'single', 3)
     clean, apart = column('no defects', 'single', 3), column('with the defects', 'single', 4)
     removed_five = column('defects removed', 'multi', 3)
     lost = sum(int(str(row[8])) for row in rows)

@@ -224,8 +224,8 @@ def _conclude(trial: _Trial, results: Sequence[tuple[Case, Measured]]) -> Findin
         shows=(
             f'Over {_seeds(results)} sequences each, the places scatter by '
             f'{min(apart):.3f} to {max(apart):.3f} px rms about the truth and their common offset '
-            f'(the trailing edge), the worst of eleven by {min(worst):.2f} to {max(worst):.2f} px; '
-            f'the bound is {limits["single"]:.4f} px for one look. Of the printed variances '
+            f'(the trailing edge), the worst of eleven by {min(worst):.2f} to {max(worst):.2f} px'
+            f'; the bound is {limits["single"]:.4f} px for one look. Of the printed variances '
             f'{within} of {compared} lie between 5 and 95 % of ours.{window}'
         ),
         agreement=f'{within} of {compared} variances within our 5 to 95 %',

@@ -81,6 +81,7 @@ def _removed(background: float, amplitude: float, count: int, seed: int) -> Meas
     true = TrailingEdge(PEAKING, MEMORY)
     peaking, memory = _calibrated(0, seed)[:2]
     known = TrailingEdge(peaking, memory)
+    half = int(np.ceil(3 * SIGMA))
     errors: dict[str, list[list[float]]] = {way: [] for way in WAYS}
     lost = dict.fromkeys(WAYS, 0)
     for _ in range(count):
@@ -88,7 +89,7 @@ def _removed(background: float, amplitude: float, count: int, seed: int) -> Meas
         light = background + amplitude * pixel_integrated_gaussian((SIDE, SIDE), x, y, SIGMA)
         plain = expose(light, NOISE, random)
         seen = expose(peaked(light, true), NOISE, random)
-        box = box_about(round(x), round(y), *2 * [int(np.ceil(3 * SIGMA))], seen.shape)
+        box = box_about(round(x), round(y), half, half, seen.shape)
         for way in WAYS:
             window = _window(plain if way == 'no filter' else seen, box)
             method = 'maximum_likelihood'
@@ -96,7 +97,7 @@ def _removed(background: float, amplitude: float, count: int, seed: int) -> Meas
                 # Restored to the border of the crop, and then cut as the others.
                 window = _within(known.corrected(_window(seen, Box(0, 0, SIDE, SIDE))), box)
             elif way.startswith('shortened'):
-                short = segmented(seen, 'histogram_shortened')
+                short = segmented(seen.astype(float), 'histogram_shortened')
                 if short is None:
                     lost[way] += 1
                     continue
@@ -169,7 +170,7 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
     ratio = max(float(str(row[8])) for row in restored)
     bright = (BACKGROUNDS[0], AMPLITUDES[-1])
     before, after, short = (
-        at[(*bright, way)] for way in ('as it comes', 'restored', 'shortened window, centroid')
+        at[bright[0], bright[1], way] for way in ('as it comes', 'restored', WAYS[2])
     )
     example = next(
         measured['row'] for case, measured in results
@@ -181,9 +182,9 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
             f'{100 * worst:.1f} % or better, with honest errors (mean square {squares:.2f} of '
             f'those stated). Undone, a small bright blob that was off by '
             f'{-float(str(before[3])):.2f} px is off by {abs(float(str(after[3]))):.4f} px and '
-            f'scatters by {float(str(after[4])):.4f} px (bound of an unfiltered blob '
-            f'{float(str(after[7])):.4f} px, which the filter betters: it raises the light ahead of '
-            f'the grabber, where the noise comes in); the shortened window of the thesis leaves '
+            f'scatters by {float(str(after[4])):.4f} px (bound without the filter '
+            f'{float(str(after[7])):.4f} px, which the filter betters: it raises the light ahead '
+            f'of the grabber, where the noise comes in); the shortened window of the thesis leaves '
             f'{-float(str(short[3])):.2f} px. What was clipped at black is not guessed: the '
             'columns in doubt are left out.'
         ),
