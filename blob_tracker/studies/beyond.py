@@ -92,7 +92,9 @@ def calibration(chain: AnalogueChain, seed: int) -> tuple[LineJitter, TrailingEd
         if chain.own_clock:
             mean = grabbed(mean, first=left, count=EDGE_WIDTH)
         frames.append(expose(mean, NOISE, random))
-    return measure_line_jitter(frames).jitter, measure_trailing_edge(frames).trailing_edge
+    edge = measure_trailing_edge(frames).trailing_edge
+    # In this order: an edge that overshoots passes for noise, in which the jitter is lost.
+    return measure_line_jitter([edge.restored(frame)[0] for frame in frames]).jitter, edge
 
 
 def _located(
