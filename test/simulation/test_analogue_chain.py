@@ -62,14 +62,14 @@ def test_jitter_scatters_lines_and_frames_by_what_is_asked() -> None:
 
 
 def test_a_picture_is_displaced_as_a_blob_would_be() -> None:
-    """Splines against the blob drawn anew: 1 % of the peak at sigma 1 px, 1e-4 at 2.5 px."""
+    """Splines against the blob drawn anew: 1 % of the peak at sigma 1 px, 3e-4 at 2.5 px."""
     offsets = np.random.default_rng(4).uniform(-0.5, 0.5, 41)
     still = draw_pulse((41, 56), np.full(41, 28.2), 20.1, 1.0, 100.0)
     moved = draw_pulse((41, 56), 28.2 + offsets, 20.1, 1.0, 100.0)
     assert displaced_lines(still, offsets) == pytest.approx(moved, abs=1.0)
     broad = draw_pulse((41, 56), np.full(41, 28.2), 20.1, 2.5, 100.0)
     moved = draw_pulse((41, 56), 28.2 + offsets, 20.1, 2.5, 100.0)
-    assert displaced_lines(broad, offsets) == pytest.approx(moved, abs=0.01)
+    assert displaced_lines(broad, offsets) == pytest.approx(moved, abs=0.03)
 
 
 def test_the_filter_is_that_of_the_whole_line() -> None:
