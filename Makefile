@@ -12,6 +12,8 @@
 #      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion, capture,
 #                              latency), less of it
 #      BLOB_TRACKER_DATA=folder   where the real pixels are
+# make study              the thesis' tables and figures done again, out/studies/report.html
+#      STUDY='table_3_3 beyond --quick'   a part of them, less of it
 # make reference          config/tracker.yaml and README's tables, from the nodes' declarations
 # PYTHON=python3.12       another interpreter, 3.10 to 3.13, after `make clean`
 
@@ -22,6 +24,7 @@ PYTHON ?= python3
 DEVICE ?=
 CAMERA_INFO ?=
 OUT ?= out
+STUDY ?= all
 SOAK_SECONDS ?= 1800
 
 BIN := .venv/bin
@@ -30,7 +33,7 @@ SOURCES := $(shell find blob_tracker config examples launch resource -type f -no
 ENVIRONMENT := source install/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH" \
 	FASTRTPS_DEFAULT_PROFILES_FILE="$(CURDIR)/config/fastdds.xml"
 
-.PHONY: help demo doctor test soak bench reference clean
+.PHONY: help demo doctor test soak bench study reference clean
 help:
 	@grep '^# ' Makefile | cut -c3-
 
@@ -52,6 +55,9 @@ soak: install/.built .venv/.test
 
 bench: .venv/.bench  # reads the package from the source tree: it needs neither ROS nor a build
 	@OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks --out $(OUT)/benchmarks $(BENCH)
+
+study: .venv/.run  # as bench does
+	@PYTHONPATH=. $(BIN)/python -m blob_tracker study --out $(OUT)/studies $(STUDY)
 
 reference: .venv/.run  # as bench does
 	@PYTHONPATH=. $(BIN)/python docs/reference.py

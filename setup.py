@@ -10,7 +10,9 @@ setup(
     name=NAME,
     version='0.1.0',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
-    package_data={NAME: ['config/*', 'config/security/*', 'studies/printed/*.yaml']},
+    package_data={
+        NAME: ['config/*', 'config/security/*', 'studies/*.css', 'studies/printed/*.yaml'],
+    },
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
@@ -20,7 +22,7 @@ setup(
         (f'share/{NAME}/examples', glob('examples/*.py')),
     ],
     install_requires=['setuptools'],
-    extras_require={'test': ['pytest']},
+    extras_require={'test': ['pytest'], 'cluster': ['distributed']},
     zip_safe=True,
     maintainer='blob_tracker maintainers',
     maintainer_email='maintainers@blob-tracker.example',

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from blob_tracker.simulation import (
     AmbientLight, Drifting, Glints, HotPixels, in_step, Light, PassingObject, periodic, Scene,
-    sinusoid, SunDisc,
+    Sensor, sinusoid, SunDisc,
 )
 import numpy as np
 
@@ -52,7 +52,8 @@ HOT = (
 SUN = SunDisc(262.0, 65.0, radius=10.0)
 # None of these is brighter than 1: the target's SNR is never below the one that is named. A pair
 # across a step or a band differs by its texture too, times the change.
-BANDS = AmbientLight(lambda times: sinusoid(100.0, 0.15)(times) / 1.15, readout=0.9)
+BANDS = AmbientLight(lambda times: sinusoid(100.0, 0.15)(times) / 1.15)
+ROLLING = Sensor(row_time=0.9 / (RATE * HEIGHT))  # all but the whole of the time of a frame
 CLOUDS = AmbientLight(lambda times: sinusoid(0.7, 0.3)(times) / 1.3)
 SWITCHED = AmbientLight(lambda times: 1.0 - 0.1 * periodic(2.3, 0.5)(times))
 
@@ -89,7 +90,7 @@ def clutter() -> dict[str, Clutter]:
         'passing objects': Clutter(replace(wall, elements=PASSING)),
         'glints': Clutter(replace(wall, elements=(GLINTS,))),
         'hot pixels': Clutter(replace(wall, elements=HOT)),
-        'rolling shutter': Clutter(replace(wall, elements=(BANDS,))),
+        'rolling shutter': Clutter(replace(wall, elements=(BANDS,), sensor=ROLLING)),
         'changing light': Clutter(replace(wall, elements=(CLOUDS, SWITCHED))),
         'sun': Clutter(replace(wall, elements=(SUN,), camera=SLOW), 'affine'),
         'everything': Clutter(replace(wall, elements=every, camera=SLOW), 'affine'),
@@ -98,7 +99,7 @@ def clutter() -> dict[str, Clutter]:
 
 def amplitude(scene: Scene, snr: float) -> float:
     """Return the DN at which A^2 = SNR^2 ((A + b) / gain + read_noise^2 + 1/12)."""
-    square, noise = snr**2, scene.noise
+    square, noise = snr**2, scene.sensor.noise
     linear = square / noise.gain
     fixed = square * (scene.background / noise.gain + noise.read_noise**2 + 1 / 12)
     return linear / 2 + float(np.sqrt(linear**2 / 4 + fixed))

@@ -172,7 +172,7 @@ def look_at(take: Take) -> list[Row]:
     unlit = None
     for index in range(take.first, take.first + take.count):
         image, truth = scene.frame(index), scene.truth(index)
-        window = segmenter.update(Frame(image, scene.stamp_ns(index), scene.saturation))
+        window = segmenter.update(Frame(image, scene.stamp_ns(index), scene.sensor.saturation))
         if index < take.first + FIRST:
             unlit = image
             continue

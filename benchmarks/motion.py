@@ -94,7 +94,7 @@ def errors(scene: Scene, registration: str, count: int) -> NDArray[np.float64]:
     )
     found = []
     for index in range(count):
-        frame = Frame(scene.frame(index), scene.stamp_ns(index), scene.saturation)
+        frame = Frame(scene.frame(index), scene.stamp_ns(index), scene.sensor.saturation)
         window = segmenter.update(frame)
         truth = scene.truth(index)
         if index < FIRST or not truth.lit:
@@ -102,7 +102,7 @@ def errors(scene: Scene, registration: str, count: int) -> NDArray[np.float64]:
         error = (np.nan, np.nan)
         if window is not None and contains(window, truth):
             try:
-                location = locate(window, method='maximum_likelihood', noise=scene.noise)
+                location = locate(window, method='maximum_likelihood', noise=scene.sensor.noise)
                 error = (location.x - truth.x, location.y - truth.y)
             except LocationError:
                 pass  # not found

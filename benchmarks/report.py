@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from benchmarks import (
-    accuracy, bearing, capture, detection, latency, motion, real_frames, real_pixels, search,
+    accuracy, bearing, capture, detection, lab, latency, motion, real_frames, real_pixels, search,
     speed,
 )
 from benchmarks.accuracy import Bias, Row
@@ -15,6 +15,7 @@ from benchmarks.bearing import Row as BearingRow
 from benchmarks.capture import Row as CaptureRow
 from benchmarks.contender import Contender
 from benchmarks.detection import Counts, Row as DetectionRow
+from benchmarks.lab import Row as LabRow
 from benchmarks.motion import Row as MotionRow
 from benchmarks.real_frames import Row as FrameRow
 from benchmarks.real_pixels import Row as RealRow
@@ -61,6 +62,7 @@ class Report:
     bias: list[Bias] = field(default_factory=list)
     bearing: list[BearingRow] = field(default_factory=list)
     speed: list[Pace] = field(default_factory=list)
+    lab: list[LabRow] = field(default_factory=list)
     real: list[RealRow] = field(default_factory=list)
     frames: list[FrameRow] = field(default_factory=list)
     detection: list[DetectionRow] = field(default_factory=list)
@@ -74,7 +76,7 @@ def steps(parts: Collection[str], sizes: Sizes) -> int:
     """Return how often `measure` reports what it is at."""
     each = {
         'accuracy': accuracy.steps() + bearing.steps(),
-        'speed': speed.steps(),
+        'speed': speed.steps() + lab.steps(),
         'real': 3,
         'detection': detection.steps(),
         'search': search.steps(),
@@ -100,6 +102,7 @@ def measure(
         report.bearing.extend(bearing.run(sizes.bearing, tick))
     if 'speed' in parts:
         report.speed.extend(speed.run(contenders, sizes.stack, sizes.repeats, tick))
+        report.lab.extend(lab.run(sizes.repeats, tick))
     if 'real' in parts and data is not None:
         report.real.extend(real_pixels.run(contenders, data, tick))
         tick('real frames')

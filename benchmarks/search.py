@@ -9,7 +9,7 @@ from time import perf_counter
 
 from benchmarks.clutter import amplitude
 from blob_tracker.segmentation import Segmenter
-from blob_tracker.simulation import in_step, Light, Scene
+from blob_tracker.simulation import in_step, Light, Scene, Sensor
 from blob_tracker.types import Frame, Pixels, SensorNoise
 import cv2
 import numpy as np
@@ -120,8 +120,7 @@ def pool(size: tuple[int, int], full_scale: int, lit: bool) -> list[Pixels]:
         height=size[1],
         background=40.0 * scale,
         texture=8.0 * scale,
-        noise=noise,
-        saturation=full_scale,
+        sensor=Sensor(noise, full_scale.bit_length()),
     )
     if lit:
         light = Light(

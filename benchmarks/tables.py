@@ -11,6 +11,7 @@ from benchmarks.capture import Row as CaptureRow
 from benchmarks.contender import Contender
 from benchmarks.detection import ASKED_SNR, OURS, Row as DetectionRow, share, SNRS
 from benchmarks.finders import FINDERS
+from benchmarks.lab import Row as LabRow
 from benchmarks.latency import Figures
 from benchmarks.motion import Row as MotionRow
 from benchmarks.real_frames import Row as FrameRow
@@ -56,6 +57,7 @@ def figures(report: Report, ours: Sequence[str]) -> list[Table]:
             speed([pace for pace in report.speed if pace.scene.endswith(PAIRED) == paired])
             for paired in (False, True)
         ]
+    tables += [lab(report.lab)] if report.lab else []
     tables += [real(report.real)] if report.real else []
     tables += [frames(report.frames)] if report.frames else []
     tables += detection(report.detection) if report.detection else []
@@ -139,6 +141,14 @@ def speed(paces: Sequence[Pace]) -> Table:
     for name in dict.fromkeys(pace.contender for pace in paces):
         found = {pace.scene: pace for pace in paces if pace.contender == name}
         table.add_row(name, *(_pace(found[scene]) for scene in scenes))
+    return table
+
+
+def lab(rows: Sequence[LabRow]) -> Table:
+    """Return frames a second of the virtual lab."""
+    table = Table('scene', 'frames a second', title='The virtual lab on one core')
+    for row in rows:
+        table.add_row(row.scene, f'{row.per_second:,.0f}')
     return table
 
 

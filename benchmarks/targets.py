@@ -11,6 +11,7 @@ from benchmarks.accuracy import Bias, Row, TARGET
 from benchmarks.bearing import Row as BearingRow
 from benchmarks.capture import Row as CaptureRow
 from benchmarks.detection import ASKED_SNR, OURS, Row as DetectionRow, share
+from benchmarks.lab import DEFAULT, Row as LabRow
 from benchmarks.latency import Figures, LARGE, ONE, Row as LatencyRow, THREE, USUAL
 from benchmarks.motion import Row as MotionRow
 from benchmarks.ours import CHAMPION, DIFFERENCE, LIT_ONLY
@@ -96,6 +97,7 @@ def judge(report: Report, ours: Sequence[str]) -> list[Target]:
     judged = accuracy_targets(report.accuracy, report.bias, ours) if report.accuracy else []
     judged += [_bearing_target(report.bearing)] if report.bearing else []
     judged += speed_targets(report.speed) if report.speed else []
+    judged += [_lab_target(report.lab)] if report.lab else []
     judged += frame_targets(report.frames) if report.frames else []
     judged += detection_targets(report.detection) if report.detection else []
     judged += search_targets(report.search) if report.search else []
@@ -176,6 +178,15 @@ def detection_targets(rows: Sequence[DetectionRow]) -> list[Target]:
         _false_target('without a target', [row for row in ours if isnan(row.snr)]),
         _false_target('with a target', [row for row in ours if not isnan(row.snr)]),
     ]
+
+
+def _lab_target(rows: Sequence[LabRow]) -> Target:
+    """Return the target that the drawing of frames decides."""
+    (row,) = (row for row in rows if row.scene == DEFAULT)
+    return Target(
+        'frames of the virtual lab a second', 200.0, row.per_second, floor=True, unit='/s',
+        where=row.scene,
+    )
 
 
 def _capture_target(rows: Sequence[CaptureRow]) -> Target:

@@ -1,4 +1,4 @@
-"""The command line: python3 -m blob_tracker calibrate | demo | doctor | optics | replay."""
+"""The command line: python3 -m blob_tracker COMMAND, which `COMMANDS` lists."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ COMMANDS = {
     'doctor': ('blob_tracker.nodes.doctor', 'say what is wrong with this machine, and what to do'),
     'optics': ('blob_tracker.studies.optics', 'what a lens sees and resolves, by its data sheet'),
     'replay': ('blob_tracker.nodes.replay', 'publish the messages of a bag, without ros2 bag'),
+    'study': ('blob_tracker.studies.command', "the thesis' tables and figures, and beyond them"),
 }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import signal
 from typing import Any
 
 from blob_tracker.resources import config_path
@@ -20,6 +21,8 @@ _DOMAINS = itertools.cycle(range(1 + _WORKER, 101, _WORKERS))
 for _ in range(os.getppid() % 100):
     next(_DOMAINS)
 
+# A run in the background of a script inherits that Ctrl-C is ignored, and so would its nodes.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # What starts nodes in processes, by the beginning of its path in here.
 WITH_PROCESSES = (

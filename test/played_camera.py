@@ -11,7 +11,7 @@ from blob_tracker.ros.camera_info import from_camera_model, stamped
 from blob_tracker.ros.image import from_pixels
 from blob_tracker.ros.qos import IMAGE_OUT
 from blob_tracker.ros.stamp import to_ns
-from blob_tracker.simulation import FlashingLight
+from blob_tracker.simulation import Scene
 import cv2
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped
 import numpy as np
@@ -46,7 +46,7 @@ class PlayedCamera:
     ----------
     node : Probe
         Publishes, and takes what comes back.
-    scene : FlashingLight
+    scene : Scene
         What the camera sees; its light moves far enough from frame to frame to tell them apart.
     namespace : str
         Of the nodes that it plays to.
@@ -58,7 +58,7 @@ class PlayedCamera:
     def __init__(
         self,
         node: Probe,
-        scene: FlashingLight,
+        scene: Scene,
         namespace: str = '',
         qos: QoSProfile = IMAGE_OUT,
     ) -> None:

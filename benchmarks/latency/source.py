@@ -10,7 +10,7 @@ import time
 from typing import Any
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
-from blob_tracker.simulation import FlashingLight
+from blob_tracker.simulation import flashing_light
 from blob_tracker.types import Pixels
 
 COUNT = 32  # frames that are drawn, even, and shown to and fro: the light never jumps
@@ -22,7 +22,7 @@ FRAME_ID = 'camera_optical_frame'
 @lru_cache(maxsize=1)  # a stream of no length has them drawn before anything is measured
 def draw(width: int, height: int, rate: float) -> list[Pixels]:
     """Return the frames of one turn, lit in the even places: a flash in step with the frames."""
-    scene = FlashingLight(width=width, height=height, rate=rate, period=PERIOD)
+    scene = flashing_light(width=width, height=height, rate=rate, period=PERIOD)
     there = [scene.frame(index) for index in range(COUNT)]
     return there + there[-2:0:-1]
 

@@ -22,6 +22,7 @@ class Failure(IntEnum):
     NOT_CONVERGED = 7
     TOO_NARROW = 8
     TOO_WIDE = 9
+    CLIPPED = 10
 
 
 REASONS = {
@@ -34,6 +35,8 @@ REASONS = {
     Failure.NOT_CONVERGED: 'the fit did not settle: the window does not hold one blob',
     Failure.TOO_NARROW: 'the blob is a single pixel: a hot pixel, or a lens too sharp to place it',
     Failure.TOO_WIDE: 'the blob is wider than the window; enlarge the window',
+    Failure.CLIPPED: 'the blob holds saturated pixels, which no look-up can leave out; lower the '
+    'exposure or take maximum_likelihood',
 }
 
 

@@ -106,8 +106,64 @@ def cramer_rao_bound(
     seen = np.ones(pulse.shape, dtype=bool)
     if saturation is not None:
         seen = pulse + background < saturation
+    weighted = np.stack(columns, axis=1)[seen] / np.sqrt(variance[seen])[:, None]
+    return _least_covariance(weighted, 2)
+
+
+def cramer_rao_bound_1d(
+    count: int,
+    *,
+    x: float,
+    sigma: ArrayLike,
+    amplitude: ArrayLike,
+    variance: float,
+    sampled: bool = False,
+) -> float:
+    """
+    Return the least variance of a position in a row of pixels, estimated without bias.
+
+    As `cramer_rao_bound`, with theta = (x, every A, every sigma): the background is known, and
+    each pixel has the same noise.
+
+    Parameters
+    ----------
+    count : int
+        Pixels in the row.
+    x : float
+        True position, px from the centre of the first pixel.
+    sigma : float or (K,) array
+        Standard deviation of the pulse, px; several for a sum of pulses with one mean (thesis,
+        eq. 4.32).
+    amplitude : float or (K,) array
+        Peak of each, DN.
+    variance : float
+        Of a pixel, DN^2.
+    sampled : bool
+        The pulse is sampled at the pixels' centres (as in the thesis), not integrated over them.
+
+    Returns
+    -------
+    float
+        px^2.
+
+    Raises
+    ------
+    ValueError
+        Where the pixels do not determine the parameters.
+
+    """
+    widths = np.atleast_1d(np.asarray(sigma, dtype=float))
+    peaks = np.atleast_1d(np.asarray(amplitude, dtype=float))
+    if widths.shape != peaks.shape:
+        raise ValueError(f'there are {peaks.size} amplitudes and {widths.size} sigma')
+    value, by_x, by_sigma = (sampled_profile if sampled else integrated_profile)(count, x, widths)
+    columns = [peaks @ by_x, *value, *(peaks[:, None] * by_sigma)]
+    return float(_least_covariance(np.stack(columns, axis=1) / np.sqrt(variance), 1)[0, 0])
+
+
+def _least_covariance(jacobian: NDArray[np.float64], positions: int) -> NDArray[np.float64]:
+    """Return (J^T J)^-1 over the first parameters, J in standard deviations of the pixels."""
     # Columns of unit length: amplitudes and widths differ by orders of magnitude.
-    jacobian = np.stack(columns, axis=1)[seen] / np.sqrt(variance[seen])[:, None]
     length = np.sqrt((jacobian**2).sum(axis=0))
     if jacobian.shape[0] < jacobian.shape[1] or not (length > 0.0).all():
         raise ValueError('the pixels left do not determine the pulse')
@@ -115,8 +171,8 @@ def cramer_rao_bound(
     triangle = np.linalg.qr(jacobian / length, mode='r')
     if np.abs(np.diag(triangle)).min() < 1e-12:
         raise ValueError('the pixels left do not determine the pulse')
-    root = np.linalg.solve(triangle, np.eye(length.size))[:2]
-    return (root @ root.T) / np.outer(length[:2], length[:2])
+    root = np.linalg.solve(triangle, np.eye(length.size))[:positions]
+    return (root @ root.T) / np.outer(length[:positions], length[:positions])
 
 
 def locale_extent(

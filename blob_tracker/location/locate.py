@@ -11,6 +11,7 @@ from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.centroid import centroid
 from blob_tracker.location.estimates import Estimates, Failure, NOTHING, REASONS
 from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_linear_elliptical
+from blob_tracker.location.locale_table import locale_table
 from blob_tracker.location.maximum_likelihood import maximum_likelihood
 from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm
 from blob_tracker.location.multi_gaussian_simplex import multi_gaussian_simplex
@@ -27,6 +28,7 @@ METHODS: dict[str, Callable[..., Estimates]] = {
     'gaussian_linear_elliptical': gaussian_linear_elliptical,
     'multi_gaussian_simplex': multi_gaussian_simplex,
     'multi_gaussian_lm': multi_gaussian_lm,
+    'locale_table': locale_table,
     'maximum_likelihood': maximum_likelihood,
 }
 LARGEST = 1e9  # DN: no sensor counts so far, and its fourth power is still a number

@@ -141,6 +141,17 @@ def start_1d(values: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.concatenate([[centre], peak * AMPLITUDES, scale * WIDTHS])
 
 
+def vouch_1d(theta: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+    """Return the parameters of a row's fit; raise where they are no pulse in the row."""
+    if not np.isfinite(theta).all() or np.abs(theta).max() >= FARTHEST:
+        raise LocationError('the fit of three Gaussians did not settle')
+    if not -0.5 <= theta[0] <= count - 0.5:
+        raise LocationError(f'the mean of the three Gaussians leaves the row, at {theta[0]:.1f} px')
+    if theta[1:4].sum() <= 0.0:
+        raise LocationError('the three Gaussians together are no peak')
+    return theta
+
+
 def locate_by_fit(
     lit: NDArray[np.float64],
     unlit: NDArray[np.float64] | None,

@@ -10,6 +10,7 @@ from blob_tracker.location.multi_gaussian import (
     start_1d,
     three_gaussians,
     three_gaussians_1d,
+    vouch_1d,
 )
 from blob_tracker.types import LocationError, SensorNoise
 import numpy as np
@@ -86,7 +87,8 @@ def multi_gaussian_lm_1d(values: ArrayLike) -> NDArray[np.float64]:
     Raises
     ------
     LocationError
-        Where there are fewer than seven values, none above zero, or the fit does not end.
+        Where there are fewer than seven values, none above zero, the fit does not end, or what
+        it ends with is no peak in the row.
 
     """
     row = np.asarray(values, dtype=float)
@@ -96,9 +98,9 @@ def multi_gaussian_lm_1d(values: ArrayLike) -> NDArray[np.float64]:
             lambda theta: jacobian_1d(theta, row.size), method='lm', x_scale='jac',
             ftol=SETTLED, xtol=1e-10, max_nfev=ROUNDS * EVALUATIONS,
         )
-    if found.status <= 0 or not np.isfinite(found.x).all():
+    if found.status <= 0:
         raise LocationError('the fit of three Gaussians did not settle')
-    return found.x
+    return vouch_1d(found.x, row.size)
 
 
 def _fit(

@@ -11,6 +11,7 @@ from blob_tracker.location.multi_gaussian import (
     start_1d,
     three_gaussians,
     three_gaussians_1d,
+    vouch_1d,
 )
 from blob_tracker.types import LocationError, SensorNoise
 import numpy as np
@@ -80,7 +81,7 @@ def multi_gaussian_simplex_1d(values: ArrayLike) -> NDArray[np.float64]:
     best, at_rest = _descend(squared_error, start, edge, ROUNDS * EVALUATIONS)
     if not at_rest:
         raise LocationError('the fit of three Gaussians did not settle')
-    return best
+    return vouch_1d(best, row.size)
 
 
 def _fit(

@@ -24,7 +24,7 @@ from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.frame_topics import Deliver, FrameTopics
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.losses import Losses
-from blob_tracker.ros.parameters import declare, on_change, undeclared
+from blob_tracker.ros.parameters import about, declare, on_change, undeclared
 from blob_tracker.ros.process import run
 from blob_tracker.ros.url import DEFAULT_CALIBRATION_URL, to_path
 from blob_tracker.types import Frame
@@ -102,19 +102,15 @@ class CameraNode(Node):
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Read the calibration of these parameters; return what puts them into effect."""
         url = values['camera_info_url']
-        try:
+        with about('camera_info_url'):
             calibration = to_path(url or DEFAULT_CALIBRATION_URL, values['camera_name'])
             model = CameraModel.from_yaml(calibration) if url or calibration.exists() else None
-        except (CalibrationError, ParameterError, OSError) as error:
-            raise ParameterError(f"parameter 'camera_info_url': {error}") from None
         device = {name: values[name] for name in DEVICE}
         for name in ('exposure_time', 'readout_time'):
             device[name] = device[name] or None
         if model is not None and device == self._settings:
-            try:
+            with about('camera_info_url'):
                 self._check_size(model)
-            except MessageError as error:
-                raise ParameterError(f"parameter 'camera_info_url': {error}") from None
 
         def use() -> None:
             self._calibration = calibration

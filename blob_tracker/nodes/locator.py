@@ -28,7 +28,7 @@ from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_window
 from blob_tracker.ros.names import check_light, target_topic
 from blob_tracker.ros.pairing import FramePairs
-from blob_tracker.ros.parameters import declare, on_change
+from blob_tracker.ros.parameters import about, declare, on_change
 from blob_tracker.ros.process import run, say
 from blob_tracker.ros.qos import STATE, subscription
 from blob_tracker.ros.target import to_noise
@@ -323,10 +323,8 @@ def _line_jitter(url: str) -> LineJitter | None:
     """Return the line jitter of the parameter; None where it is empty."""
     if not url:
         return None
-    try:
+    with about('line_jitter_url'):
         return LineJitter.from_yaml(to_path(url))
-    except (CalibrationError, ParameterError) as error:
-        raise ParameterError(f"parameter 'line_jitter_url': {error}") from None
 
 
 def _in_words(noise: SensorNoise) -> str:

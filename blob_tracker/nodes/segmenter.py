@@ -15,14 +15,14 @@ from blob_tracker.ros.clipping import clipping_frame
 from blob_tracker.ros.clock_jumps import on_clock_jump
 from blob_tracker.ros.connections import Connections
 from blob_tracker.ros.debug_image import DebugImage
-from blob_tracker.ros.errors import MessageError, ParameterError
+from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_frame
 from blob_tracker.ros.losses import Losses, StampGaps
 from blob_tracker.ros.mask import read_mask
 from blob_tracker.ros.names import check_light, target_topic
 from blob_tracker.ros.pairing import FramePairs
-from blob_tracker.ros.parameters import declare, on_change
+from blob_tracker.ros.parameters import about, declare, on_change
 from blob_tracker.ros.process import run, say
 from blob_tracker.ros.qos import publisher, STATE
 from blob_tracker.ros.target import noise_message
@@ -128,7 +128,7 @@ class SegmenterNode(Node):
             for name, value in values.items()
             if name.startswith('flash.') or name in FLASH
         }
-        try:
+        with about('flash'):
             codes = codes_from_text(values['flash.codes'])
             for name in codes:
                 check_light(name)
@@ -136,12 +136,8 @@ class SegmenterNode(Node):
             new_flash = partial(flash_by_name, **options | {'codes': codes})
             same = self._flash is not None and self._flash[0] == asked
             flash = self._flash[1] if self._flash is not None and same else new_flash()
-        except ValueError as error:
-            raise ParameterError(f"parameters 'flash': {error}") from None
-        try:
+        with about('mask_url'):
             mask = read_mask(values['mask_url'])
-        except ParameterError as error:
-            raise ParameterError(f"parameter 'mask_url': {error}") from None
         new_segmenter = partial(
             Segmenter,
             threshold=threshold_by_name(

@@ -19,7 +19,7 @@ from blob_tracker.ros.parameters import declare, on_change
 from blob_tracker.ros.process import run
 from blob_tracker.ros.qos import publisher, RESULT
 from blob_tracker.ros.target import bearing_message, centroid_message
-from blob_tracker.simulation import FlashingLight
+from blob_tracker.simulation import flashing_light, PROFILES, Sensor
 from blob_tracker.types import Frame, Location, SensorNoise
 from geometry_msgs.msg import PointStamped, Vector3Stamped
 import numpy as np
@@ -29,7 +29,7 @@ from rclpy.timer import Timer
 
 class SimulatorNode(Node):
     """
-    See the module's first line; the work is `blob_tracker.simulation.FlashingLight`'s.
+    See the module's first line; the work is that of `blob_tracker.simulation`.
 
     Parameters
     ----------
@@ -69,8 +69,16 @@ class SimulatorNode(Node):
         """Build the scene and the camera of these parameters; return what starts them."""
         settings = dict(values)
         frame_id, focal_length = settings.pop('frame_id'), settings.pop('focal_length')
-        noise = SensorNoise(settings.pop('noise.gain'), settings.pop('noise.read_noise'))
-        scene = FlashingLight(**settings, noise=noise)
+        sensor = Sensor(
+            SensorNoise(settings.pop('noise.gain'), settings.pop('noise.read_noise')),
+            settings.pop('bits'),
+            row_time=settings.pop('row_time'),
+        )
+        profile = PROFILES[settings.pop('profile')]
+        try:
+            scene = flashing_light(**settings, profile=profile, sensor=sensor)
+        except ValueError as error:
+            raise ParameterError(f'{error}; lower row_time, height or rate') from None
         width, height = scene.width, scene.height
         model = CameraModel(width, height, pinhole_matrix(focal_length, width, height))
         try:
@@ -96,7 +104,7 @@ class SimulatorNode(Node):
     def _publish(self) -> None:
         """Publish the frame that is ready, then draw the next: drawing costs no latency."""
         stamp_ns = self.get_clock().now().nanoseconds
-        frame = Frame(self._pixels, stamp_ns, self._scene.saturation)
+        frame = Frame(self._pixels, stamp_ns, self._scene.sensor.saturation)
         self._health.arrived(stamp_ns)
         self._frames.publish(frame, self._info, self._frame_id)
         self._health.left(stamp_ns)
@@ -106,9 +114,9 @@ class SimulatorNode(Node):
                 x=truth.x,
                 y=truth.y,
                 covariance=np.zeros((2, 2)),
-                amplitude=self._scene.amplitude,
+                amplitude=truth.amplitude,
                 background=self._scene.background,
-                sigma=self._scene.sigma,
+                sigma=truth.sigma,
                 snr=np.inf,
                 chi2=0.0,
                 saturated=0,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 import math
+import os
 import re
 from threading import Lock
 import time
@@ -13,6 +14,7 @@ from blob_tracker.ros.qos import publisher, RESULT
 from blob_tracker.ros.timing import Figures, plausible, Timing, UsualRate
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
+from rclpy.logging import get_logging_directory
 from rclpy.node import Node
 
 OK = DiagnosticStatus.OK
@@ -64,7 +66,7 @@ class Health:
         self._idle = idle
         self._slowed = slowed
         self._describe = describe
-        self._checks: list[Callable[[], None]] = []
+        self._checks: list[Callable[[], None]] = [self._check_log]
         self._timing = Timing()
         self._usual_rate = UsualRate()
         self._load = Load()
@@ -182,6 +184,20 @@ class Health:
         array = DiagnosticArray(status=[status])
         array.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(array)
+
+    def _check_log(self) -> None:
+        """Report a full disk: the log goes on without a word of what it loses."""
+        folder = get_logging_directory()
+        try:
+            full = os.statvfs(folder).f_bavail == 0
+        except OSError:  # there are no log files, which was said at the start
+            return
+        if full:
+            self.fault(
+                WARN,
+                f'the disk of the log files is full ({folder}), and what is logged is lost; free '
+                'some of it, or set ROS_LOG_DIR to a folder on another one',
+            )
 
     def _show(self, figures: Figures) -> None:
         """Show rate, age, latency and load."""

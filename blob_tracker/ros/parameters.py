@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from difflib import get_close_matches
 from typing import Any
 
@@ -111,6 +112,15 @@ def on_change(
 
     node.add_on_set_parameters_callback(check)
     node.add_post_set_parameters_callback(carry_out)
+
+
+@contextmanager
+def about(name: str) -> Iterator[None]:
+    """Raise what is wrong with a value as a ParameterError that names the parameter."""
+    try:
+        yield
+    except (OSError, ValueError) as error:
+        raise ParameterError(f"parameter '{name}': {error}") from None
 
 
 def undeclared(node: Node, elsewhere: Collection[str] = ()) -> dict[str, Any]:

@@ -19,19 +19,14 @@ class AmbientLight:
     ----------
     waveform : callable
         From times, s, to brightness; 1 leaves the picture as it is.
-    readout : float
-        Time from the first row's exposure to the last one's, as a part of the time between
-        frames: 0 for a global shutter, near 1 for most rolling ones.
 
     """
 
     waveform: Waveform
-    readout: float = 0.0
 
     def draw(self, picture: NDArray[np.float32], shot: Shot) -> None:
         """Multiply each row by the mean brightness of its own exposure."""
-        rows = (np.arange(len(picture)) + 0.5) / len(picture) - 0.5
-        middles = shot.time + self.readout * shot.interval * rows
+        middles = shot.time_of(np.arange(len(picture), dtype=float))
         # The integral at fine steps; a row's mean is the difference of two values.
         step = shot.exposure / SLICES
         first = middles[0] - 0.5 * shot.exposure

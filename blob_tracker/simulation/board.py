@@ -7,8 +7,8 @@ from functools import lru_cache
 from typing import Any
 
 from blob_tracker.camera import CameraModel
-from blob_tracker.simulation.sensor import expose
-from blob_tracker.types import Pixels, SensorNoise
+from blob_tracker.simulation.sensor import Sensor
+from blob_tracker.types import Pixels
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -144,10 +144,8 @@ class BoardScene:
         Mean signal of the board's ink and paper and of what is behind it, DN.
     blur : float
         Sigma of the lens' point spread, px.
-    noise : SensorNoise
-        Gain and read noise of the sensor.
-    saturation : int
-        Full scale of the sensor, DN: 255 gives uint8, more gives uint16.
+    sensor : Sensor
+        What turns the light into numbers.
     samples : int
         Rays to a pixel along x and y.
 
@@ -159,8 +157,7 @@ class BoardScene:
     white: float = 190.0
     surroundings: float = 90.0
     blur: float = 0.6
-    noise: SensorNoise = SensorNoise(gain=40.0, read_noise=0.7)
-    saturation: int = 255
+    sensor: Sensor = Sensor()
     samples: int = 4
 
     def truth(self, points: NDArray[np.float64], pose: Pose) -> NDArray[np.float64]:
@@ -221,7 +218,7 @@ class BoardScene:
 
     def frame(self, pose: Pose, random: np.random.Generator) -> Pixels:
         """Return the (h, w) pixels of a frame, DN."""
-        return expose(self.mean(pose), self.noise, random, saturation=self.saturation)
+        return self.sensor.expose(self.mean(pose), random)
 
     def _region(self, pose: Pose) -> tuple[slice, slice] | None:
         """Return the rows and columns of the picture that the board reaches, or None."""

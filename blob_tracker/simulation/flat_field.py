@@ -3,46 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
 
-from blob_tracker.simulation.sensor import expose
-from blob_tracker.types import Pixels, SensorNoise
+from blob_tracker.simulation.sensor import Sensor
+from blob_tracker.types import Pixels
 import numpy as np
 
 
 @dataclass(frozen=True)
 class FlatField:
     """
-    A sensor whose pixels differ, evenly lit.
+    A sensor, evenly lit.
 
     Parameters
     ----------
-    noise : SensorNoise
-        Gain, read noise and black level.
-    prnu : float
-        Standard deviation of the pixels' response over its mean.
-    dsnu : float
-        Standard deviation of the pixels' black levels, DN.
-    saturation : int
-        Full scale, DN.
-    full_well : float
-        Greatest charge of a pixel, as DN above its black level: charge beyond it is lost, and
-        the noise of that charge with it.
+    sensor : Sensor
+        Whose pixels may differ.
     width, height : int
         Size, px.
-    seed : int
-        Of the pixels' differences.
 
     """
 
-    noise: SensorNoise
-    prnu: float = 0.0
-    dsnu: float = 0.0
-    saturation: int = 255
-    full_well: float = inf
+    sensor: Sensor
     width: int = 640
     height: int = 480
-    seed: int = 1
 
     def frame(self, signal: float, random: np.random.Generator) -> Pixels:
         """
@@ -56,16 +39,5 @@ class FlatField:
             Source of the temporal noise.
 
         """
-        shape = (self.height, self.width)
-        own = np.random.default_rng(self.seed)
-        response = 1.0 + self.prnu * own.standard_normal(shape)
-        black = self.noise.black_level + self.dsnu * own.standard_normal(shape)
-        charge = signal * response
-        shot_noise = np.sqrt(np.maximum(charge, 0.0) / self.noise.gain)
-        charge += shot_noise * random.standard_normal(shape)
-        # What is left is read out: its noise comes after the well.
-        read_out = SensorNoise(inf, self.noise.read_noise)
-        return expose(
-            black + np.minimum(charge, self.full_well), read_out, random,
-            saturation=self.saturation,
-        )
+        level = self.sensor.noise.black_level + signal
+        return self.sensor.expose(np.full((self.height, self.width), level), random)

@@ -31,10 +31,10 @@ class NoiseBank:
     def standard_normal(
         self, shape: tuple[int, ...], dtype: type[np.float32] = np.float32
     ) -> NDArray[np.float32]:
-        """Return deviates of mean 0 and variance 1 that may not be written to."""
+        """Return deviates of mean 0 and variance 1, which may be read-only."""
         size = int(np.prod(shape))
-        if size > COUNT:
-            raise ValueError(f'{size} pixels; the bank holds noise for {COUNT}')
+        if size > COUNT // 2:  # frames would be alike, or do not fit: these are drawn anew
+            return self._random.standard_normal(shape, dtype)
         start = int(self._random.integers(COUNT - size + 1))
         return _bank()[start:start + size].reshape(shape).astype(dtype, copy=False)
 

@@ -1,12 +1,13 @@
-"""A light: a target, a lamp, a reflection."""
+"""A light in the picture: a target, a lamp, a reflection."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from blob_tracker.simulation.light import add_pulse
+from blob_tracker.simulation.profiles import Gaussian, Profile
 from blob_tracker.simulation.shot import Shot
-from blob_tracker.simulation.waveforms import always, mean_over, Waveform
+from blob_tracker.simulation.spot import draw_light, Spot
+from blob_tracker.simulation.waveforms import always, Waveform
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,6 +31,8 @@ class Light:
         Greatest distance of its path from the middle, px.
     period : float
         Time in which it goes across and back, s.
+    profile : Profile
+        Shape of its image, see `profiles`.
 
     """
 
@@ -41,10 +44,11 @@ class Light:
     reach_x: float = 0.0
     reach_y: float = 0.0
     period: float = 9.0
+    profile: Profile = Gaussian()
 
-    def place(self, time: float) -> tuple[float, float]:
+    def spot(self, time: float) -> Spot:
         """
-        Return where it is, px of the scene.
+        Return its image at a time, px of the scene.
 
         The path is a Lissajous figure of the frequencies 2 and 3, which goes in all directions
         and visits every sub-pixel phase.
@@ -52,14 +56,8 @@ class Light:
         angle = 2.0 * np.pi * time / self.period
         x = self.x + self.reach_x * np.sin(2.0 * angle)
         y = self.y + self.reach_y * np.sin(3.0 * angle + 0.5)
-        return float(x), float(y)
-
-    def brightness(self, shot: Shot) -> float:
-        """Return the mean of its waveform over an exposure."""
-        return mean_over(self.waveform, shot.time, shot.exposure)
+        return Spot(float(x), float(y), self.sigma, self.amplitude)
 
     def draw(self, picture: NDArray[np.float32], shot: Shot) -> None:
-        """Add the light; it stands still within an exposure."""
-        amplitude = self.amplitude * self.brightness(shot)
-        if amplitude:
-            add_pulse(picture, *shot.place(*self.place(shot.time)), self.sigma, amplitude)
+        """Add the light, see `draw_light`."""
+        draw_light(self, picture, shot)

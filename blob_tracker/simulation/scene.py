@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from math import nan
+from math import nan, sqrt
 
 from blob_tracker.simulation.camera_motion import CameraMotion
 from blob_tracker.simulation.noise_bank import NoiseBank
-from blob_tracker.simulation.point_light import Light
-from blob_tracker.simulation.sensor import expose
+from blob_tracker.simulation.sensor import Sensor
 from blob_tracker.simulation.shot import Element, Shot
+from blob_tracker.simulation.spot import LightSource, truth_of
 from blob_tracker.simulation.truth import Truth
 from blob_tracker.simulation.wall import textured_wall
-from blob_tracker.types import Pixels, SensorNoise
+from blob_tracker.types import Pixels
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -31,8 +31,8 @@ class Scene:
 
     Parameters
     ----------
-    target : Light or None
-        The light that `truth` tells of.
+    target : LightSource or None
+        The light that `truth` tells of: a `Light`, or a `SpatialLight`.
     elements : sequence of Element
         What else is there, in the order in which it is drawn: lights, things that pass, glints,
         hot pixels, the sun, and light on what was drawn before. The target comes last.
@@ -46,16 +46,19 @@ class Scene:
         Length of the exposure, as a part of the time between frames.
     background, texture : float
         Mean of the wall and standard deviation of its pattern, DN.
-    noise : SensorNoise
-        Gain and read noise of the sensor.
-    saturation : int
-        Full scale of the sensor, DN.
+    sensor : Sensor
+        What turns the light into numbers.
     seed : int
         Of texture and noise.
 
+    Raises
+    ------
+    ValueError
+        Where the rows of a rolling shutter take longer than a frame.
+
     """
 
-    target: Light | None = None
+    target: LightSource | None = None
     elements: Sequence[Element] = ()
     camera: CameraMotion | None = None
     width: int = 640
@@ -64,12 +67,19 @@ class Scene:
     exposure: float = 0.5
     background: float = 40.0
     texture: float = 8.0
-    noise: SensorNoise = SensorNoise(gain=40.0, read_noise=0.7)
-    saturation: int = 255
+    sensor: Sensor = Sensor()
     seed: int = 1
 
+    def __post_init__(self) -> None:
+        read_out = self.sensor.row_time * self.height
+        if read_out * self.rate > 1.0:
+            raise ValueError(
+                f'{self.height} rows of {self.sensor.row_time:g} s take {read_out:g} s, longer '
+                f'than a frame, {1.0 / self.rate:g} s'
+            )
+
     def stamp_ns(self, index: int) -> int:
-        """Return the middle of a frame's exposure, ns."""
+        """Return the middle of a frame's exposure, of its middle row's, ns."""
         return 10**9 + round(1e9 * index / self.rate)
 
     def shot(self, index: int) -> Shot:
@@ -78,35 +88,49 @@ class Scene:
         if self.camera is not None:
             motion = self.camera.motion(index, (self.height, self.width))
         interval = 1.0 / self.rate
-        return Shot(index, index * interval, interval, self.exposure * interval, motion)
+        return Shot(
+            index,
+            index * interval,
+            interval,
+            self.exposure * interval,
+            motion,
+            self.sensor.row_time,
+            0.5 * (self.height - 1),
+            sqrt(self.sensor.fill_factor),
+        )
 
     def truth(self, index: int) -> Truth:
         """Return where the target is in the picture, px, and whether it is on: half or more."""
         if self.target is None:
             return Truth(nan, nan, False)
-        shot = self.shot(index)
-        x, y = shot.place(*self.target.place(shot.time))
-        lit = self.target.amplitude > 0.0 and self.target.brightness(shot) >= 0.5
-        return Truth(x, y, lit)
+        return truth_of(self.target, self.shot(index))
 
     def frame(self, index: int) -> Pixels:
         """Return the (h, w) pixels of a frame, DN."""
+        return self.sensor.expose(self.mean(index), NoiseBank(self.seed, index))
+
+    def mean(self, index: int) -> NDArray[np.float32]:
+        """Return the (h, w) mean signal of a frame before its sensor, DN."""
         shot = self.shot(index)
         picture = self._seen(shot)
         for element in self.elements:
             element.draw(picture, shot)
         if self.target is not None:
             self.target.draw(picture, shot)
-        return expose(
-            picture, self.noise, NoiseBank(self.seed, index), saturation=self.saturation
+        return picture
+
+    @property
+    def wall(self) -> NDArray[np.float32]:
+        """(h, w) mean signal of the wall that a camera at rest sees, DN; it is read-only."""
+        return _wall_at_rest(
+            self.width, self.height, self.background, self.texture, self.seed
         )
 
     def _seen(self, shot: Shot) -> NDArray[np.float32]:
         """Return the (h, w) wall as the camera sees it, DN."""
-        wall = _wall(self.width, self.height, self.background, self.texture, self.seed)
         if self.camera is None:
-            inside = slice(PITCH * MARGIN, -PITCH * MARGIN, PITCH)
-            return wall[inside, inside].copy()
+            return self.wall.copy()
+        wall = _wall(self.width, self.height, self.background, self.texture, self.seed)
         # From elements of the wall to pixels of the scene to those of the picture.
         motion = shot.motion.copy()
         motion[:, 2] -= motion[:, :2] @ (MARGIN, MARGIN)
@@ -126,5 +150,16 @@ def _wall(
     wall = textured_wall(
         shape, background=background, texture=texture, seed=seed, pitch=PITCH
     )
+    wall.flags.writeable = False
+    return wall
+
+
+@lru_cache(maxsize=2)
+def _wall_at_rest(
+    width: int, height: int, background: float, texture: float, seed: int
+) -> NDArray[np.float32]:
+    """Return the elements of the wall that are the pixels of a camera at rest."""
+    inside = slice(PITCH * MARGIN, -PITCH * MARGIN, PITCH)
+    wall = _wall(width, height, background, texture, seed)[inside, inside].copy()
     wall.flags.writeable = False
     return wall

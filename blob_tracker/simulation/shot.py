@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+Places = TypeVar('Places', float, NDArray[np.float64])
 
 
 @dataclass(frozen=True)
@@ -19,11 +21,17 @@ class Shot:
     index : int
         Of the frame.
     time : float
-        Middle of the exposure, s; frame 0 has 0.
+        Middle of the exposure, s; frame 0 has 0. Of the middle row, where each has its own.
     interval, exposure : float
         Time from frame to frame and length of the exposure, s.
     motion : (2, 3) array
         From places in the scene to places in the picture, px.
+    row_time : float
+        From the exposure of a row to that of the next, s; 0 for a global shutter.
+    middle_row : float
+        The row that is exposed about `time`.
+    aperture : float
+        Side of the light-sensitive middle of a pixel, px.
 
     """
 
@@ -32,11 +40,18 @@ class Shot:
     interval: float
     exposure: float
     motion: NDArray[np.float64]
+    row_time: float = 0.0
+    middle_row: float = 0.0
+    aperture: float = 1.0
 
-    def place(self, x: float, y: float) -> tuple[float, float]:
-        """Return where in the picture a place of the scene is, px."""
+    def place(self, x: Places, y: Places) -> tuple[Places, Places]:
+        """Return where in the picture places of the scene are, px."""
         (a, b, c), (d, e, f) = self.motion.tolist()
         return a * x + b * y + c, d * x + e * y + f
+
+    def time_of(self, row: Places) -> Places:
+        """Return the middle of the exposure of rows, which may lie outside of the picture, s."""
+        return self.time + self.row_time * (row - self.middle_row)
 
 
 class Element(Protocol):

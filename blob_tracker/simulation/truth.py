@@ -2,12 +2,31 @@
 
 from __future__ import annotations
 
+from math import nan
 from typing import NamedTuple
 
 
 class Truth(NamedTuple):
-    """Where the light is (px) and whether it is on in the frame; NaN where there is none."""
+    """
+    The light in a frame; NaN where there is none.
+
+    Parameters
+    ----------
+    x, y : float
+        Its centre of gravity, px. With a rolling shutter it is that of the moment at which the
+        row that it lies in is exposed.
+    lit : bool
+        Whether it is on for half of that exposure, or more.
+    amplitude : float
+        Its peak above what is behind it, DN, on the mean of the exposure: before the pixels take
+        their means, and before the sensor.
+    sigma : float
+        Its size, px: that of a Gaussian, see `profiles` for others.
+
+    """
 
     x: float
     y: float
     lit: bool
+    amplitude: float = nan
+    sigma: float = nan

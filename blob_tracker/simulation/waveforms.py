@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+Times = TypeVar('Times', float, NDArray[np.float64])
 Waveform = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 SLICES = 64  # of an exposure; the part of it in which a light is on is known to one of them
@@ -54,7 +56,7 @@ def sinusoid(frequency: float, modulation: float, phase: float = 0.0) -> Wavefor
     return lambda times: 1.0 + modulation * np.cos(turn * (frequency * times + phase))
 
 
-def mean_over(waveform: Waveform, time: float, length: float) -> float:
-    """Return the mean brightness over an exposure of `length` s about a time."""
+def mean_over(waveform: Waveform, times: Times, length: float) -> Times:
+    """Return the mean brightness over exposures of `length` s about each time."""
     parts = (np.arange(SLICES) + 0.5) / SLICES - 0.5
-    return float(np.mean(waveform(time + length * parts)))
+    return np.mean(waveform(np.expand_dims(times, -1) + length * parts), axis=-1)

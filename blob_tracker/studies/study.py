@@ -8,7 +8,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-# The parameters of one job and what it found: what JSON can hold, so that both can be kept on disk.
+# The parameters of a job and what it found: of what JSON can hold, as both are kept on disk.
 Case = dict[str, Any]
 Measured = dict[str, Any]
 Cell = float | int | str | None

@@ -18,7 +18,7 @@ from blob_tracker.camera import CameraModel, pinhole_matrix
 from blob_tracker.ros.camera_info import from_camera_model, stamped
 from blob_tracker.ros.image import from_pixels
 from blob_tracker.ros.target import bearing_message, centroid_message
-from blob_tracker.simulation import FlashingLight
+from blob_tracker.simulation import flashing_light
 from blob_tracker.types import Location
 import numpy as np
 from rclpy.serialization import serialize_message
@@ -49,7 +49,7 @@ TYPES = {
 
 def messages() -> Iterator[tuple[str, int, Any]]:
     """Yield topic, stamp and ROS message in the order of the stamps."""
-    scene = FlashingLight(width=112, height=88, rate=30.0, sigma=1.6, seed=7, period=5.0)
+    scene = flashing_light(width=112, height=88, rate=30.0, sigma=1.6, seed=7, period=5.0)
     model = CameraModel(112, 88, pinhole_matrix(150.0, 112, 88))
     for index in range(FRAMES):
         if index == DROPPED:
@@ -61,7 +61,7 @@ def messages() -> Iterator[tuple[str, int, Any]]:
         truth = scene.truth(index)
         if truth.lit:
             location = Location(
-                truth.x, truth.y, np.zeros((2, 2)), scene.amplitude, 0.0, scene.sigma, 0.0, 0.0, 0,
+                truth.x, truth.y, np.zeros((2, 2)), truth.amplitude, 0.0, truth.sigma, 0.0, 0.0, 0,
                 stamp_ns,
             )
             yield 'simulator/truth/centroid', stamp_ns, centroid_message(location, FRAME_ID)

@@ -3,7 +3,8 @@
 from dataclasses import replace
 
 from benchmarks.clutter import amplitude, clutter, IN_STEP_RATE, LAMPS, with_target
-from blob_tracker.simulation import AmbientLight, HotPixels, Scene
+from blob_tracker.simulation import AmbientLight, HotPixels, Scene, Sensor
+from blob_tracker.simulation.spot import truth_of
 from blob_tracker.types import SensorNoise
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ REACH = 14  # px: 3 sigma of the widest target and two pixels
 @pytest.mark.parametrize('name', clutter())
 def test_nothing_hides_the_target(name):
     """What stands in the scene adds at most 1 DN of rounding and far tails near the target."""
-    scene = replace(clutter()[name].scene, noise=SILENT)
+    scene = replace(clutter()[name].scene, sensor=Sensor(SILENT))
     # Light on the whole picture is no thing in it, and the constant hot pixels are everywhere.
     things = [
         each for each in scene.elements
@@ -25,7 +26,7 @@ def test_nothing_hides_the_target(name):
     cluttered, bare = replace(scene, elements=things), replace(scene, elements=())
     aimed = with_target(clutter()[name].scene, 8.0, 4.0)
     for index in range(0, 600, 7):
-        x, y, _ = aimed.truth(index)
+        x, y, *_ = aimed.truth(index)
         left, top = round(x) - REACH, round(y) - REACH
         assert left >= 0 and top >= 0
         part = slice(top, top + 2 * REACH + 1), slice(left, left + 2 * REACH + 1)
@@ -47,7 +48,7 @@ def test_snr_is_that_of_the_pixel_at_the_peak():
 
 def test_amplitude_solves_its_equation():
     """A = SNR sqrt((A + b) / gain + read_noise^2 + 1/12)."""
-    scene = Scene(background=60.0, noise=SensorNoise(gain=10.0, read_noise=2.0))
+    scene = Scene(background=60.0, sensor=Sensor(SensorNoise(gain=10.0, read_noise=2.0)))
     level = amplitude(scene, 8.0)
     noise = np.sqrt((level + 60.0) / 10.0 + 4.0 + 1.0 / 12.0)
     assert level / noise == pytest.approx(8.0, rel=1e-12)
@@ -56,7 +57,8 @@ def test_amplitude_solves_its_equation():
 def test_lamps_in_step_are_brighter_in_every_other_frame():
     """100 Hz at 40 frames a second: the worst that the mains can do."""
     scene = replace(clutter()['lamps in step'].scene, rate=IN_STEP_RATE)
-    levels = [[lamp.brightness(scene.shot(index)) for index in range(6)] for lamp in LAMPS[:3]]
+    shots = [scene.shot(index) for index in range(6)]
+    levels = [[truth_of(lamp, shot).amplitude for shot in shots] for lamp in LAMPS[:3]]
     for each in levels:
         assert each[::2] == pytest.approx([each[0]] * 3, abs=1e-6)
         assert each[1::2] == pytest.approx([each[1]] * 3, abs=1e-6)

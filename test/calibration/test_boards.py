@@ -5,6 +5,7 @@ from __future__ import annotations
 from blob_tracker.calibration.boards import BoardError, CharucoBoard, Chessboard, DotGrid
 from blob_tracker.calibration.dot_centres import centre_offsets
 from blob_tracker.simulation.board import BoardScene
+from blob_tracker.simulation.sensor import Sensor
 from blob_tracker.types import SensorNoise
 from boards import ASYMMETRIC, camera, CHARUCO, CHESSBOARD, DOTS, poses, printed
 import cv2
@@ -25,7 +26,7 @@ def test_points_are_where_they_truly_are(kind: str, saturation: int) -> None:
     board, model, scale = BOARDS[kind], camera(np.random.default_rng(41)), saturation / 255
     scene = BoardScene(
         printed(board), model, 30.0 * scale, 190.0 * scale, 90.0 * scale,
-        noise=SensorNoise(40.0 / scale, 0.7 * scale), saturation=saturation,
+        sensor=Sensor(SensorNoise(40.0 / scale, 0.7 * scale), saturation.bit_length()),
     )
     errors = []
     for pose in poses(random, board, model, count=6):

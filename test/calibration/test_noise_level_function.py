@@ -9,7 +9,7 @@ from blob_tracker import CameraModel, Frame, Pipeline
 from blob_tracker.calibration.noise_level_function import NoiseLevelFunction
 from blob_tracker.location.noise import pixel_variance
 from blob_tracker.simulation import (
-    AmbientLight, Drifting, expose, in_step, Light, PassingObject, Scene, sinusoid,
+    AmbientLight, Drifting, expose, in_step, Light, PassingObject, Scene, Sensor, sinusoid,
 )
 from blob_tracker.types import SensorNoise
 import cv2
@@ -19,7 +19,7 @@ import pytest
 DRAWS = 100
 BOUND = 1.96 * 2.0 / np.sqrt(DRAWS)  # 95 % of means of chi-square with 2 degrees of freedom
 NOISE = SensorNoise(gain=8.0, read_noise=1.2)
-SCENE = Scene(width=480, height=360, background=90.0, texture=15.0, noise=NOISE)
+SCENE = Scene(width=480, height=360, background=90.0, texture=15.0, sensor=Sensor(NOISE))
 SECOND = 10**9  # ns
 
 
@@ -28,7 +28,7 @@ def measured(scene: Scene, pairs: int = 20, gap: int = 2) -> NoiseLevelFunction:
     found = NoiseLevelFunction(memory=1e6)
     for index in range(pairs):
         first, second = scene.frame(60 * index), scene.frame(60 * index + gap)
-        found.add(first, second, scene.saturation, index * SECOND)
+        found.add(first, second, scene.sensor.saturation, index * SECOND)
     return found
 
 
@@ -71,7 +71,7 @@ def test_the_truth_is_within_the_sigmas() -> None:
 def test_a_pedestal_is_no_obstacle(black_level: float) -> None:
     """Read noise and black level are not told apart, and the variance is right at every level."""
     noise = replace(NOISE, black_level=black_level)
-    scene = replace(SCENE, background=SCENE.background + black_level, noise=noise)
+    scene = replace(SCENE, background=SCENE.background + black_level, sensor=Sensor(noise))
     line = measured(scene, pairs=40).line()
     assert line is not None
     assert (line.noise.read_noise == 0.0) == (black_level > NOISE.gain * NOISE.read_noise**2)
@@ -147,7 +147,7 @@ def test_one_level_tells_the_variance_there() -> None:
 
 def test_noise_below_the_rounding_is_not_told() -> None:
     """With 0.1 DN of noise nothing but the rounding is seen."""
-    found = measured(replace(SCENE, noise=SensorNoise(5000.0, 0.1)), pairs=10)
+    found = measured(replace(SCENE, sensor=Sensor(SensorNoise(5000.0, 0.1))), pairs=10)
     assert found.line() is None
     assert 'rounding' in found.reason or 'plain noise' in found.reason
 
@@ -168,7 +168,7 @@ def test_it_forgets_by_the_stamps() -> None:
     """After the gain changed the new one is told within a few times the memory."""
     found = NoiseLevelFunction(memory=10.0)
     for index in range(60):
-        scene = SCENE if index < 20 else replace(SCENE, noise=SensorNoise(2.0, 2.0))
+        scene = SCENE if index < 20 else replace(SCENE, sensor=Sensor(SensorNoise(2.0, 2.0)))
         found.add(scene.frame(60 * index), scene.frame(60 * index + 2), 255, index * SECOND)
     line = found.line()
     assert line is not None
@@ -195,7 +195,7 @@ def test_stamps_that_jump_back_begin_afresh() -> None:
     """A bag that is played again gives the same numbers again."""
     once = measured(SCENE, pairs=10).line()
     twice = NoiseLevelFunction(memory=1e6)
-    scenes = (replace(SCENE, noise=SensorNoise(2.0, 2.0)), SCENE)
+    scenes = (replace(SCENE, sensor=Sensor(SensorNoise(2.0, 2.0))), SCENE)
     for scene in scenes:
         for index in range(10):
             first, second = scene.frame(60 * index), scene.frame(60 * index + 2)
@@ -221,7 +221,7 @@ def tracked_nees(
     light = Light(120.3, 90.2, 2.0, 80.0, in_step(60.0), reach_x=30.0, reach_y=20.0)
     scene = replace(
         SCENE, target=light, width=240, height=180, background=60.0 + black_level,
-        noise=replace(NOISE, black_level=black_level),
+        sensor=Sensor(replace(NOISE, black_level=black_level)),
     )
     model = CameraModel.from_field_of_view(240, 180, 40.0)
     pipeline = Pipeline(model, noise=noise, method=method)

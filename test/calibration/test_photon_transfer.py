@@ -13,7 +13,7 @@ from blob_tracker.calibration.photon_transfer import (
     PhotonTransferError,
 )
 from blob_tracker.location.noise import pixel_variance
-from blob_tracker.simulation import FlatField
+from blob_tracker.simulation import FlatField, Sensor
 from blob_tracker.types import SensorNoise
 import cv2
 import numpy as np
@@ -25,14 +25,19 @@ DRAWS = 100
 BOUND = 1.96 * 2.0 / np.sqrt(DRAWS)
 LEVELS = (0.02, 0.1, 0.2, 0.35, 0.5, 0.65, 0.85, 1.1)  # of full scale above black
 FIELD = FlatField(
-    SensorNoise(gain=3.6, read_noise=3.0, black_level=20.0), prnu=0.01, dsnu=0.5, saturation=4095,
+    Sensor(SensorNoise(gain=3.6, read_noise=3.0, black_level=20.0), 12, prnu=0.01, dsnu=0.5),
     width=320, height=240,
 )
 
 
+def of_noise(noise: SensorNoise, **changes: float) -> FlatField:
+    """Return the field with another sensor."""
+    return replace(FIELD, sensor=replace(FIELD.sensor, noise=noise, **changes))
+
+
 def pairs_of(field: FlatField, random: np.random.Generator, levels=LEVELS, darks: int = 4):
     """Return the pairs of a field at these parts of full scale, and dark ones."""
-    top = field.saturation - field.noise.black_level
+    top = field.sensor.saturation - field.sensor.noise.black_level
     return [
         pair_of(
             field.frame(level * top, random), field.frame(level * top, random),
@@ -47,21 +52,24 @@ def drawn(random: np.random.Generator) -> FlatField:
     gain = float(np.exp(random.uniform(np.log(0.5), np.log(200.0))))
     read_noise = float(np.exp(random.uniform(np.log(0.3), np.log(5.0))))
     clipped = random.random() < 0.25  # a quarter of the sensors has its dark pixels at 0 DN
-    saturation = int(random.choice([255, 1023, 4095, 65535]))
+    bits = int(random.choice([8, 10, 12, 16]))
+    saturation = 2**bits - 1
     black_level = 0.0
     if not clipped:
         # Up to 300 DN, but of 8 bits no more than a tenth.
         pedestal = random.uniform(0.0, min(300.0, 0.1 * saturation))
         black_level = max(pedestal, 6.0 * read_noise + 1.0)
     return FlatField(
-        SensorNoise(gain, read_noise, black_level),
-        prnu=random.uniform(0.0, 0.02),
-        dsnu=0.0 if clipped else random.uniform(0.1, 0.5),
-        saturation=saturation,
-        full_well=np.inf if random.random() < 0.5 else 0.9 * saturation,
+        Sensor(
+            SensorNoise(gain, read_noise, black_level),
+            bits,
+            prnu=random.uniform(0.0, 0.02),
+            dsnu=0.0 if clipped else random.uniform(0.1, 0.5),
+            full_well=np.inf if random.random() < 0.5 else 0.9 * saturation * gain,
+            seed=int(random.integers(2**31)),
+        ),
         width=160,
         height=120,
-        seed=int(random.integers(2**31)),
     )
 
 
@@ -72,7 +80,7 @@ def test_the_truth_is_within_the_sigmas() -> None:
     for _ in range(DRAWS):
         field = drawn(random)
         found = photon_transfer(pairs_of(field, random))
-        line, noise = found.line, field.noise
+        line, noise = found.line, field.sensor.noise
         squares.append([
             error @ np.linalg.solve(covariance, error)
             for error, covariance in (
@@ -91,7 +99,7 @@ def test_the_truth_is_within_the_sigmas() -> None:
             )
         ])
         # A full well shows as the last exposure below it: 0.85 of full scale.
-        assert 0.84 * field.saturation <= found.saturation <= field.saturation
+        assert 0.84 * field.sensor.saturation <= found.saturation <= field.sensor.saturation
     np.testing.assert_allclose(np.mean(squares, axis=0), 2.0, atol=BOUND)
 
 
@@ -127,28 +135,28 @@ def test_the_locator_gets_the_three_apart(sensor: PhotonTransfer) -> None:
 
 def test_without_dark_frames_the_variance_is_right() -> None:
     """The foot of the line tells no black level; its noise is that of the pixels all the same."""
-    field = replace(FIELD, noise=SensorNoise(3.6, 3.0, 240.0))
+    field = of_noise(SensorNoise(3.6, 3.0, 240.0))
     found = photon_transfer(pairs_of(field, np.random.default_rng(9), darks=0))
     assert found.noise.read_noise == 0.0 and 0.0 < found.noise.black_level < 240.0
     levels = np.array([300.0, 1000.0, 2500.0])
     np.testing.assert_allclose(
-        pixel_variance(levels, found.noise), pixel_variance(levels, field.noise), rtol=0.02
+        pixel_variance(levels, found.noise), pixel_variance(levels, field.sensor.noise), rtol=0.02
     )
 
 
 def test_full_well_below_the_converter() -> None:
     """A well that is full at 2,500 DN shows as the peak of the curve; no DN is clipped."""
     levels = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.9)
-    found = photon_transfer(
-        pairs_of(replace(FIELD, full_well=2500.0), np.random.default_rng(4), levels)
-    )
+    noise = FIELD.sensor.noise
+    field = of_noise(noise, full_well=2500.0 * noise.gain)
+    found = photon_transfer(pairs_of(field, np.random.default_rng(4), levels))
     assert abs(found.saturation - 2500) < 300  # a step of the exposure is 400 DN
     assert found.line.gain == pytest.approx(3.6, rel=0.02)
 
 
 def test_dark_pixels_at_zero_are_left_out_and_warned_of() -> None:
     """Half of the dark noise is cut off; the line finds it in the bright frames."""
-    field = replace(FIELD, noise=SensorNoise(3.6, 3.0))
+    field = of_noise(SensorNoise(3.6, 3.0))
     found = photon_transfer(pairs_of(field, np.random.default_rng(5), (0.003, *LEVELS)))
     assert any('clipped at 0 DN' in warning for warning in found.warnings)
     sigma = np.sqrt(found.line.noise_covariance[1, 1])
@@ -163,7 +171,7 @@ def test_a_hot_pixel_costs_no_pair() -> None:
     for level in (0, 0, 300, 900, 1800, 2500):
         two = [FIELD.frame(level, random) for _ in range(2)]
         for each in two:
-            each[100, 100] = FIELD.saturation
+            each[100, 100] = FIELD.sensor.saturation
         pairs.append(pair_of(*two, dark=level == 0))
     found = photon_transfer(pairs)
     assert found.used.all()
@@ -180,7 +188,7 @@ def test_a_hot_pixel_costs_no_pair() -> None:
 
 def test_constant_dark_frames_tell_the_black_level() -> None:
     """Rounding hides the read noise: the level is known to the rounding, 0.29 DN."""
-    field = replace(FIELD, noise=SensorNoise(3.6, 0.05, 16.0), dsnu=0.0)
+    field = of_noise(SensorNoise(3.6, 0.05, 16.0), dsnu=0.0)
     found = photon_transfer(pairs_of(field, np.random.default_rng(11)))
     assert found.black_level == (16.0, pytest.approx(np.sqrt(1 / 12), rel=1e-6))
     assert found.noise.black_level == 16.0
@@ -190,7 +198,7 @@ def test_constant_dark_frames_tell_the_black_level() -> None:
 def test_processed_frames_are_warned_of() -> None:
     """Blurred frames by their correlated noise, shifted bits by their step."""
     random = np.random.default_rng(6)
-    top = FIELD.saturation - FIELD.noise.black_level
+    top = FIELD.sensor.saturation - FIELD.sensor.noise.black_level
     frames = [[FIELD.frame(part * top, random) for _ in range(2)] for part in (0.1, 0.3, 0.5)]
     blurred = [pair_of(*(cv2.GaussianBlur(each, (3, 3), 0.8) for each in two)) for two in frames]
     assert any('compressed, demosaiced' in each for each in photon_transfer(blurred).warnings)
@@ -205,7 +213,7 @@ def gamma(image: np.ndarray, exponent: float) -> np.ndarray:
 
 def test_gamma_is_refused_or_warned_of() -> None:
     """Under sRGB's the variance falls with the level; a weaker one bends the curve."""
-    field = replace(FIELD, noise=SensorNoise(0.4, 3.0, 20.0))
+    field = of_noise(SensorNoise(0.4, 3.0, 20.0))
     random = np.random.default_rng(7)
     for exponent, says in ((1 / 2.2, 'does not grow'), (0.8, 'not linear')):
         pairs = [

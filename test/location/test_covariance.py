@@ -16,6 +16,7 @@ CASES = [
     ('centroid_skew_corrected', {}, 4000),
     ('multi_gaussian_lm', {}, 2000),
     ('multi_gaussian_lm', {'elliptical': True}, 2000),
+    ('locale_table', {}, 20000),
     ('maximum_likelihood', {}, 20000),
     ('maximum_likelihood', {'elliptical': True}, 20000),
 ]
@@ -52,7 +53,7 @@ def test_nees(scene, nees_bounds, method, options, count, unlit):
     assert found.ok.mean() > 0.95
     shots = replace(shots, x=shots.x[found.ok], y=shots.y[found.ok])
     errors = np.stack([found.x[found.ok] - shots.x, found.y[found.ok] - shots.y], axis=1)
-    if method != 'maximum_likelihood':
+    if method not in ('locale_table', 'maximum_likelihood'):
         errors = about_the_mean(errors, shots)
     low, high = nees_bounds(len(errors))
     assert low < nees(errors, found.covariance[found.ok]) < high

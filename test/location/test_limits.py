@@ -1,6 +1,6 @@
 """The Cramer-Rao bound against closed forms and brute force; Havelock's locales by moving."""
 
-from blob_tracker.location.limits import cramer_rao_bound, locale_extent
+from blob_tracker.location.limits import cramer_rao_bound, cramer_rao_bound_1d, locale_extent
 from blob_tracker.location.pulse import integrated_profile, sampled_profile
 from blob_tracker.types import SensorNoise
 import numpy as np
@@ -83,6 +83,21 @@ def test_three_gaussians_bound():
     )
     # The nine parameters nearly stand in for one another: numerical slopes lose half the digits.
     np.testing.assert_allclose(bound, brute_force(mean, theta, variance), rtol=1e-3, atol=1e-9)
+
+
+def test_row_bound():
+    """Agree with numerical derivatives; a row of two pixels has too few for three parameters."""
+    def mean(theta):
+        return theta[1] * sampled_profile(9, theta[0], theta[2])[0]
+
+    theta = [4.3, 200.0, 1.6]
+    bound = cramer_rao_bound_1d(
+        9, x=4.3, sigma=1.6, amplitude=200.0, variance=1.2, sampled=True
+    )
+    expected = brute_force(mean, theta, np.full(9, 1.2))[0, 0]
+    assert bound == pytest.approx(expected, rel=1e-6)
+    with pytest.raises(ValueError, match='do not determine'):
+        cramer_rao_bound_1d(2, x=0.4, sigma=1.6, amplitude=200.0, variance=1.2)
 
 
 def test_clipped_pixels_carry_nothing():

@@ -69,6 +69,13 @@ def test_1d(fit, tolerance):
             fit(row)
 
 
+def test_1d_refuses_a_mean_outside_the_row():
+    """Say so where the least squares of seven rounded, nearly flat pixels lie far away."""
+    theta = np.concatenate([[3.18], AMPLITUDES, 10.0 * WIDTHS])
+    with pytest.raises(LocationError, match='leaves the row'):
+        multi_gaussian_lm_1d(np.rint(three_gaussians_1d(theta, 7)))
+
+
 @pytest.mark.parametrize(
     ('method', 'tolerance'), [('multi_gaussian_lm', 1e-4), ('multi_gaussian_simplex', 0.005)]
 )

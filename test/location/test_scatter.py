@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from blob_tracker.location import locate_batch
 from blob_tracker.location.scatter import RecentPlaces, scatter
-from blob_tracker.simulation import expose, FlashingLight, pixel_integrated_gaussian
+from blob_tracker.simulation import expose, flashing_light, pixel_integrated_gaussian
 from blob_tracker.types import Location, SensorNoise
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ COUNT = 240
 RUNS = 150
 RATE = 30.0  # lit frames a second of the demo
 COVARIANCE = np.array([[0.02**2, 0.3 * 0.02 * 0.03], [0.3 * 0.02 * 0.03, 0.03**2]])  # px^2
-LIGHT = FlashingLight()
+LIGHT = flashing_light()
 
 
 def still(times):

@@ -12,7 +12,7 @@ from blob_tracker.ros.camera_info import from_camera_model, stamped
 from blob_tracker.ros.image import from_pixels
 from blob_tracker.ros.qos import IMAGE_OUT, STATE
 from blob_tracker.ros.stamp import to_ns
-from blob_tracker.simulation import FlashingLight
+from blob_tracker.simulation import flashing_light, Scene
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Vector3Stamped
 from processes import Probe, probe, Process, start
@@ -20,7 +20,7 @@ import pytest
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Bool
 
-SCENE = FlashingLight(width=160, height=120, period=3.0)
+SCENE = flashing_light(width=160, height=120, period=3.0)
 MODEL = CameraModel.from_field_of_view(160, 120, 40.0)
 STEP_NS = 16_666_667
 _NOW = 10**18
@@ -53,7 +53,7 @@ class Tracker:
         change_image: Callable[[Image], None] = lambda image: None,
         change_info: Callable[[CameraInfo], None] | None = lambda info: None,
         step_ns: int = STEP_NS,
-        scene: FlashingLight = SCENE,
+        scene: Scene = SCENE,
     ) -> None:
         """Publish a frame of the scene with something changed; no camera_info for None."""
         self.stamp_ns += step_ns
@@ -216,7 +216,7 @@ def test_repeated_and_old_frames_are_named_and_left_out(tracker: Tracker) -> Non
 
 def test_a_change_of_resolution_starts_afresh(tracker: Tracker) -> None:
     """The change is a WARN, and the new size is tracked."""
-    scene = FlashingLight(width=200, height=150, period=3.0)
+    scene = flashing_light(width=200, height=150, period=3.0)
     tracker.send(1)
     tracker.send(2, scene=scene)
     tracker.expect('changed from 160 x 120', DiagnosticStatus.WARN)

@@ -11,7 +11,7 @@ from typing import Any
 
 from blob_tracker.ros.qos import STATE
 from blob_tracker.ros.stamp import from_ns, to_ns
-from blob_tracker.simulation import FlashingLight
+from blob_tracker.simulation import flashing_light
 from geometry_msgs.msg import Vector3, Vector3Stamped
 from hypothesis import example, given, HealthCheck, Phase, settings, strategies as st
 import numpy as np
@@ -28,7 +28,7 @@ TAKE = 0.02  # s after each batch to take what has come of it
 GOOD = 9  # batches between two looks at whether good frames are still tracked
 # Deep queues, reliable at both ends: every message reaches the node.
 DEEP = QoSProfile(depth=2000, reliability=ReliabilityPolicy.RELIABLE)
-SCENE = FlashingLight(width=96, height=64, period=3.0)
+SCENE = flashing_light(width=96, height=64, period=3.0)
 U32 = st.integers(0, 2**32 - 1) | st.sampled_from((0, 1, 2, 64, 96, 255, 2**31, 2**32 - 1))
 STAMP = st.tuples(
     st.integers(-(2**31), 2**31 - 1) | st.sampled_from((0, -1, -(2**31), 2**31 - 1)),

@@ -11,7 +11,7 @@ from blob_tracker.ros.camera_info import from_camera_model, stamped
 from blob_tracker.ros.image import from_pixels
 from blob_tracker.ros.qos import IMAGE_OUT, STATE
 from blob_tracker.ros.stamp import to_ns
-from blob_tracker.simulation import coded, in_step, Light, periodic, Scene
+from blob_tracker.simulation import coded, in_step, Light, periodic, Scene, Sensor
 from blob_tracker.types import SensorNoise
 import cv2
 from diagnostic_msgs.msg import DiagnosticArray
@@ -29,7 +29,7 @@ CODES = {'port': '1101000', 'starboard': '1111010'}
 
 
 def before_a_wall(
-    *lights: Light, exposure: float = 0.5, read_noise: float = 0.7, saturation: int = 255
+    *lights: Light, exposure: float = 0.5, read_noise: float = 0.7, bits: int = 8
 ) -> Scene:
     """Return a scene of these lights."""
     return Scene(
@@ -39,8 +39,7 @@ def before_a_wall(
         rate=RATE,
         exposure=exposure,
         texture=0.0,
-        noise=SensorNoise(gain=40.0, read_noise=read_noise),
-        saturation=saturation,
+        sensor=Sensor(SensorNoise(gain=40.0, read_noise=read_noise), bits),
     )
 
 
@@ -207,7 +206,7 @@ def test_the_debug_image_and_the_diagnostics_show_the_look(domain: int) -> None:
 
 def test_more_looks_than_16_bits_hold_are_named(domain: int) -> None:
     """A camera of 16 bits whose full scale is not said."""
-    scene = before_a_wall(alternate(71.3, 52.6, 600.0), saturation=4095)
+    scene = before_a_wall(alternate(71.3, 52.6, 600.0), bits=12)
     with probe(domain) as node:
         windows = node.record(Image, 'target/window/image_raw')
         diagnostics = node.record(DiagnosticArray, '/diagnostics')

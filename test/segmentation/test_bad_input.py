@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from blob_tracker.segmentation import flash_by_name, FLASH_MODES, Segmenter
-from blob_tracker.simulation import FlashingLight
+from blob_tracker.simulation import flashing_light
 from blob_tracker.types import Frame
 import numpy as np
 import pytest
 
 STEP_NS = 16_666_667
 FRAMES = 40  # two blocks of the periodic mode, four codes
-SCENE = FlashingLight(width=160, height=120, period=3.0)
-DARK = FlashingLight(width=160, height=120, period=3.0, background=1.0, texture=0.3)
+SCENE = flashing_light(width=160, height=120, period=3.0)
+DARK = flashing_light(width=160, height=120, period=3.0, background=1.0, texture=0.3)
 OPTIONS = {
     'max_pair_interval': 0.1,
     'frequency': 15.0,
@@ -65,7 +65,7 @@ def test_frames_without_a_target_give_no_window(mode, stream):
 def test_a_light_that_is_always_on_is_no_flash(mode):
     """Still, with noise of its own in each frame."""
     segmenter = Segmenter(flash=flash_by_name(mode, **OPTIONS))
-    still = FlashingLight(width=160, height=120, reach=0.0)
+    still = flashing_light(width=160, height=120, reach=0.0)
     for index in range(FRAMES):
         frame = Frame(still.frame(2 * index), 10**18 + index * STEP_NS, 255)
         assert segmenter.sightings(frame) == []

@@ -1,7 +1,7 @@
 """Frames in which no target could be seen are told from those in which one could."""
 
 from blob_tracker.segmentation import exposure_fault
-from blob_tracker.simulation import FlashingLight
+from blob_tracker.simulation import flashing_light
 from blob_tracker.types import Frame
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def test_a_frame_that_is_mostly_clipped_is_named():
 
 def test_a_scene_has_no_fault():
     """Also at night, with nothing but the light, and with a third of it in the sun."""
-    scene = FlashingLight(width=160, height=120)
+    scene = flashing_light(width=160, height=120)
     image = scene.frame(2)
     assert exposure_fault(Frame(image, 0, 255)) == ''
     night = np.zeros_like(image)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from blob_tracker.segmentation import Segmenter
 from blob_tracker.segmentation.illumination import relit, row_gains
-from blob_tracker.simulation import expose, FlashingLight, pixel_integrated_gaussian
+from blob_tracker.simulation import expose, flashing_light, pixel_integrated_gaussian
 from blob_tracker.types import Frame, SensorNoise
 from contrasts import contrast_of, searched
 import numpy as np
@@ -12,7 +12,7 @@ import pytest
 
 SHAPE = (240, 320)
 NOISE = SensorNoise(gain=40.0, read_noise=0.7)
-WALL = FlashingLight(width=320, height=240, background=80.0, texture=15.0).wall.astype(float)
+WALL = flashing_light(width=320, height=240, background=80.0, texture=15.0).wall.astype(float)
 ROWS = np.arange(SHAPE[0])
 CHANGES = {
     'brighter': np.full(SHAPE[0], 1.12),

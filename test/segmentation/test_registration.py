@@ -10,7 +10,7 @@ from blob_tracker.segmentation import Segmenter
 from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.registration import affine, laid_over, overlap, translation
-from blob_tracker.simulation import FlashingLight, in_step, Light, Scene, Stepping
+from blob_tracker.simulation import flashing_light, in_step, Light, Scene, Stepping
 from blob_tracker.simulation.light import pixel_integrated_gaussian
 from blob_tracker.simulation.sensor import expose
 from blob_tracker.types import Frame, SensorNoise
@@ -24,7 +24,7 @@ MARGIN = 24  # px of wall about the frame
 NOISE = SensorNoise(gain=40.0, read_noise=0.7)  # 1.6 DN at 90 DN
 SIGMA = 2.0  # px of the lights
 SHIFTS = [(0.0, 0.0), (0.5, -0.5), (2.5, 1.2), (5.0, 0.0), (8.0, -8.0), (-5.7, 5.7)]
-SCENE = FlashingLight(width=WIDTH, height=HEIGHT, texture=15.0)
+SCENE = flashing_light(width=WIDTH, height=HEIGHT, texture=15.0)
 LIGHT = Light(160.0, 120.0, SIGMA, 150.0, in_step(60.0), reach_x=100.0, reach_y=70.0)
 STEP_NS = 16_666_667
 
@@ -292,7 +292,7 @@ def located(camera: Scene, registration: str, lit: range) -> list[float]:
         segmenter.update(Frame(camera.frame(index - 1), 1, 255))
         window = segmenter.update(Frame(camera.frame(index), STEP_NS, 255))
         if window is not None:
-            found, truth = locate(window, noise=SCENE.noise), camera.truth(index)
+            found, truth = locate(window, noise=SCENE.sensor.noise), camera.truth(index)
             errors += [found.x - truth.x, found.y - truth.y]
     return errors
 

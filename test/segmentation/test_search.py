@@ -5,7 +5,7 @@ from __future__ import annotations
 from blob_tracker.segmentation import Segmenter
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.contrast import Contrast
-from blob_tracker.simulation import expose, FlashingLight, pixel_integrated_gaussian
+from blob_tracker.simulation import expose, flashing_light, pixel_integrated_gaussian
 from blob_tracker.types import Frame, SensorNoise
 from contrasts import contrast_of, DEVIATION, noisy_blob, READ_NOISE, searched
 import numpy as np
@@ -175,7 +175,7 @@ def test_the_brightest_are_kept_of_too_many_peaks() -> None:
 @pytest.mark.parametrize('sigma', [0.6, 1.0, 2.0, 5.0])
 def test_a_faint_target_on_texture_is_not_refused(sigma: float) -> None:
     """At a peak SNR of 10, texture four times the noise: 4 of 200 at most look like an edge."""
-    scene = FlashingLight(width=320, height=240)
+    scene = flashing_light(width=320, height=240)
     random = np.random.default_rng(7)
     noise = np.sqrt(2 * (40 / 40 + 0.7**2 + 1 / 12))
     missed = 0
@@ -185,7 +185,7 @@ def test_a_faint_target_on_texture_is_not_refused(sigma: float) -> None:
         light = pixel_integrated_gaussian(SHAPE, round(x), round(y), sigma)
         lit = scene.wall + 10 * noise / light.max() * light
         found = searched(contrast_of(
-            expose(lit, scene.noise, random), expose(scene.wall, scene.noise, random)
+            *(expose(mean, scene.sensor.noise, random) for mean in (lit, scene.wall))
         ))
         missed += not any(
             not each.refused and np.hypot(each.x - round(x), each.y - round(y)) < 2.0 + sigma
@@ -218,7 +218,7 @@ def test_an_exposure_jump_is_named() -> None:
 @pytest.mark.parametrize('kind', ['read-only', 'every other column', 'transposed', 'reversed'])
 def test_frames_in_any_memory_are_taken(kind: str) -> None:
     """A message's buffer cannot be written to, a cut-out is not contiguous."""
-    scene = FlashingLight(width=160, height=120, period=3.0)
+    scene = flashing_light(width=160, height=120, period=3.0)
 
     def stored(image: np.ndarray) -> np.ndarray:
         if kind == 'every other column':

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from blob_tracker.segmentation import flash_by_name, FrameError, Segmenter
 from blob_tracker.segmentation.alternate import Alternate
-from blob_tracker.simulation import FlashingLight
+from blob_tracker.simulation import flashing_light
 from blob_tracker.types import Frame, Window
 import numpy as np
 import pytest
 
-SCENE = FlashingLight(width=160, height=120, period=3.0)
+SCENE = flashing_light(width=160, height=120, period=3.0)
 STEP_NS = 16_666_667
 
 
@@ -39,7 +39,7 @@ def assert_on_target(found: dict[int, Window]) -> None:
         assert truth.lit
         assert abs(truth.x - (window.x0 + (width - 1) / 2)) <= 1.5
         assert abs(truth.y - (window.y0 + (height - 1) / 2)) <= 1.5
-        assert int(window.lit.max()) - int(window.unlit.max()) > 0.5 * SCENE.amplitude
+        assert int(window.lit.max()) - int(window.unlit.max()) > 0.5 * truth.amplitude
 
 
 @pytest.mark.parametrize('first', [0, 1])
@@ -131,7 +131,7 @@ def test_a_change_of_size_starts_afresh() -> None:
 
 def test_a_jump_back_with_another_size_starts_afresh() -> None:
     """A second bag of another camera after the first: nothing of the first is left."""
-    big = FlashingLight(width=200, height=150, period=3.0)
+    big = flashing_light(width=200, height=150, period=3.0)
     segmenter = Segmenter()
     for index in (1, 2):
         segmenter.update(frame(index, at=1000 + index))
@@ -174,13 +174,13 @@ def test_what_is_no_flash_gives_no_window(images: list[np.ndarray], reason: str)
 
 def test_a_light_that_stays_on_and_moves_is_no_flash() -> None:
     """Two lit frames of a moving light leave a rise beside a fall, and no window."""
-    moving = FlashingLight(width=160, height=120, period=3.0)
+    moving = flashing_light(width=160, height=120, period=3.0)
     for index in range(0, 120, 2):
         segmenter = Segmenter()
         segmenter.update(Frame(moving.frame(index), 10**18, 255))
         window = segmenter.update(Frame(moving.frame(index + 2), 10**18 + STEP_NS, 255))
         here, there = moving.truth(index), moving.truth(index + 2)
-        if np.hypot(here.x - there.x, here.y - there.y) < 2 * 2.5 * moving.sigma:
+        if np.hypot(here.x - there.x, here.y - there.y) < 2 * 2.5 * here.sigma:
             assert window is None, segmenter.reason
 
 
@@ -225,7 +225,7 @@ def test_unlit_pairs_are_raw_and_hold_no_light() -> None:
 
 def test_unlit_pairs_of_a_block_and_across_gaps() -> None:
     """A free-running light gives those of its block; frames far apart are no pair."""
-    scene = FlashingLight(width=160, height=120, amplitude=0.0)
+    scene = flashing_light(width=160, height=120, amplitude=0.0)
     periodic = Segmenter(flash=flash_by_name('periodic', frequency=15.0, frames=16))
     for index in range(16):
         assert periodic.unlit_pair is None

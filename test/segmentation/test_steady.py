@@ -3,12 +3,12 @@
 from blob_tracker.location import locate
 from blob_tracker.segmentation import FrameError, Segmenter
 from blob_tracker.segmentation.steady import Steady
-from blob_tracker.simulation import FlashingLight
+from blob_tracker.simulation import flashing_light
 from blob_tracker.types import Frame
 import numpy as np
 import pytest
 
-SCENE = FlashingLight(width=160, height=120, period=3.0)
+SCENE = flashing_light(width=160, height=120, period=3.0)
 
 
 def steady() -> Segmenter:
@@ -23,7 +23,7 @@ def test_every_lit_frame_gives_a_window() -> None:
     for index in range(0, 60, 2):
         window = segmenter.update(Frame(SCENE.frame(index), 1 + index * 10**7, 255))
         assert window is not None and window.unlit is None
-        found, truth = locate(window, noise=SCENE.noise), SCENE.truth(index)
+        found, truth = locate(window, noise=SCENE.sensor.noise), SCENE.truth(index)
         errors.append((found.x - truth.x, found.y - truth.y))
     # Nothing can be subtracted: sigma_x is about sigma over the peak SNR, 2 px / 19, and twice
     # that for texture of the blob's own size.
@@ -31,7 +31,7 @@ def test_every_lit_frame_gives_a_window() -> None:
 
 
 @pytest.mark.parametrize('image, reason', [
-    (SCENE.frame(1), '2.9 times its noise and texture'),
+    (flashing_light(width=160, height=120, seed=3).frame(1), '2.9 times its noise and texture'),
     (np.zeros((120, 160), np.uint8), 'nothing lit up'),
     (np.full((120, 160), 255, np.uint8), 'nothing lit up'),
 ], ids=['texture', 'lens cap', 'all saturated'])

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from blob_tracker.location import locate
 from blob_tracker.segmentation import Segmenter, threshold_by_name, THRESHOLDS
-from blob_tracker.simulation import FlashingLight, pixel_integrated_gaussian
+from blob_tracker.simulation import flashing_light, pixel_integrated_gaussian
 from blob_tracker.types import Frame
 from contrasts import candidate_at, contrast_of
 import numpy as np
 import pytest
 
-SCENE = FlashingLight(width=160, height=120, period=3.0)
+SCENE = flashing_light(width=160, height=120, period=3.0)
 
 
 @pytest.mark.parametrize('method', THRESHOLDS)
@@ -21,7 +21,7 @@ def test_each_method_finds_the_light(method: str) -> None:
     for index in range(60):
         window = segmenter.update(Frame(SCENE.frame(index), 1 + round(index * 1e9 / 60), 255))
         if window is not None:
-            found, truth = locate(window, noise=SCENE.noise), SCENE.truth(index)
+            found, truth = locate(window, noise=SCENE.sensor.noise), SCENE.truth(index)
             errors.append((found.x - truth.x, found.y - truth.y))
     assert len(errors) == 29  # the first lit frame has none before it
     assert np.sqrt(np.mean(np.square(errors))) < 0.05

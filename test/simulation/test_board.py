@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.simulation.board import BoardPrint, BoardScene, Pose
+from blob_tracker.simulation.sensor import Sensor
 from blob_tracker.types import SensorNoise
 from boards import camera, CHESSBOARD, printed
 import numpy as np
@@ -47,7 +48,7 @@ def test_area_and_levels_are_those_of_the_board() -> None:
 def test_noise_is_the_sensor_s_and_the_seed_repeats_it() -> None:
     """The same generator state gives the same bits; the scatter is that of the sensor."""
     model = camera(np.random.default_rng(3))
-    scene = BoardScene(printed(CHESSBOARD), model, noise=SensorNoise(5.0, 1.0))
+    scene = BoardScene(printed(CHESSBOARD), model, sensor=Sensor(SensorNoise(5.0, 1.0)))
     first = scene.frame(SQUARE_ON, np.random.default_rng(4))
     assert (first == scene.frame(SQUARE_ON, np.random.default_rng(4))).all()
     behind = scene.mean(SQUARE_ON) == scene.surroundings

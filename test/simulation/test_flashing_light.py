@@ -2,19 +2,22 @@
 
 import dataclasses
 
-from blob_tracker.simulation import FlashingLight
+from blob_tracker.simulation import flashing_light, Sensor
 from blob_tracker.types import SensorNoise
 import numpy as np
 
-SCENE = FlashingLight(width=160, height=120)
+SCENE = flashing_light(width=160, height=120)
 QUIET = dataclasses.replace(
-    SCENE, texture=0.0, background=0.0, noise=SensorNoise(gain=np.inf, read_noise=0.0)
+    SCENE,
+    texture=0.0,
+    background=0.0,
+    sensor=Sensor(SensorNoise(gain=np.inf, read_noise=0.0)),
 )
 
 
 def test_same_seed_same_bits_in_any_order() -> None:
     """A frame depends on its index and the seed alone."""
-    again = FlashingLight(width=160, height=120)
+    again = flashing_light(width=160, height=120)
     backwards = {index: again.frame(index) for index in (7, 4, 0)}
     for index, image in backwards.items():
         np.testing.assert_array_equal(SCENE.frame(index), image)
@@ -42,7 +45,8 @@ def test_odd_frames_are_dark() -> None:
 
 def test_path_leaves_the_frame_without_harm() -> None:
     """A light beyond the border is cut off, not wrapped around."""
-    wide = dataclasses.replace(QUIET, reach=1.3)
+    far = flashing_light(width=160, height=120, reach=1.3).target
+    wide = dataclasses.replace(QUIET, target=far)
     for index in range(0, 540, 2):
         truth = wide.truth(index)
         image = wide.frame(index)

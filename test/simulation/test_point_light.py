@@ -1,18 +1,18 @@
 """Lights are as bright in a frame as they were on the mean of its exposure."""
 
-from blob_tracker.simulation import coded, Light, periodic, Scene, sinusoid
+from blob_tracker.simulation import coded, Light, periodic, Scene, Sensor, sinusoid
 from blob_tracker.types import SensorNoise
 import numpy as np
 import pytest
 
-SILENT = SensorNoise(gain=np.inf, read_noise=0.0)
+SILENT = Sensor(SensorNoise(gain=np.inf, read_noise=0.0), bits=12)
 
 
 def peaks(light: Light, frames: int, exposure: float, rate: float = 50.0) -> list[int]:
     """Return the brightest pixel of each frame."""
     scene = Scene(
         light, width=160, height=120, rate=rate, exposure=exposure, background=0.0, texture=0.0,
-        noise=SILENT, saturation=4095,
+        sensor=SILENT,
     )
     return [int(scene.frame(index).max()) for index in range(frames)]
 
@@ -54,6 +54,6 @@ def test_a_longer_exposure_evens_the_flicker_out(exposure: float) -> None:
 def test_path_is_closed_and_reaches_as_far_as_said() -> None:
     """Back at its beginning after a period."""
     light = Light(80.0, 60.0, 2.0, 1.0, reach_x=30.0, reach_y=10.0, period=4.0)
-    assert light.place(4.0) == pytest.approx(light.place(0.0))
-    places = np.array([light.place(time) for time in np.linspace(0.0, 4.0, 2001)])
+    assert light.spot(4.0) == pytest.approx(light.spot(0.0))
+    places = np.array([light.spot(time)[:2] for time in np.linspace(0.0, 4.0, 2001)])
     assert np.abs(places - (80.0, 60.0)).max(axis=0) == pytest.approx((30.0, 10.0), abs=0.01)

@@ -5,16 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 
 from blob_tracker.simulation import (
-    Drifting, Glints, HotPixels, in_step, Light, PassingObject, Scene, sinusoid, Stepping, SunDisc,
+    Drifting, Glints, HotPixels, in_step, Light, PassingObject, Scene, Sensor, sinusoid, Stepping,
+    SunDisc,
 )
 from blob_tracker.types import SensorNoise
 import numpy as np
 import pytest
 
-SILENT = SensorNoise(gain=np.inf, read_noise=0.0)
+SILENT = Sensor(SensorNoise(gain=np.inf, read_noise=0.0))
 LIGHT = Light(60.2, 44.7, 3.0, 150.0, in_step(60.0), reach_x=20.0, reach_y=10.0)
 EMPTY = Scene(width=120, height=90, texture=0.0)
-QUIET = replace(EMPTY, target=LIGHT, background=0.0, noise=SILENT)
+QUIET = replace(EMPTY, target=LIGHT, background=0.0, sensor=SILENT)
 FULL = replace(
     QUIET,
     elements=(
@@ -25,7 +26,7 @@ FULL = replace(
         HotPixels(),
     ),
     camera=Drifting(3.0, radius=20.0, turn=1.0),
-    noise=SensorNoise(gain=40.0, read_noise=0.7),
+    sensor=Sensor(),
     texture=8.0,
 )
 
@@ -61,13 +62,13 @@ def test_light_stands_where_the_truth_says(camera) -> None:
 
 def test_wall_moves_by_whole_pixels_as_a_roll() -> None:
     """Three to the right and two up in the even frames, nothing interpolated."""
-    scene = replace(EMPTY, texture=8.0, noise=SILENT, camera=Stepping(3.0, -2.0))
+    scene = replace(EMPTY, texture=8.0, sensor=SILENT, camera=Stepping(3.0, -2.0))
     np.testing.assert_array_equal(scene.frame(2)[:-2, 3:], scene.frame(1)[2:, :-3])
 
 
 def test_wall_moves_by_parts_of_a_pixel_without_a_trace() -> None:
     """Half a pixel there and back through a band-limited shift is what the camera saw at rest."""
-    scene = replace(EMPTY, width=256, height=256, texture=8.0, noise=SILENT, saturation=65535)
+    scene = replace(EMPTY, width=256, height=256, texture=8.0, sensor=replace(SILENT, bits=16))
     bright = replace(scene, background=4000.0, texture=800.0)
     still = bright.frame(0).astype(float)
     moved = replace(bright, camera=Stepping(0.5, 0.0)).frame(0).astype(float)
@@ -103,4 +104,4 @@ def test_no_target_is_nowhere() -> None:
 
 def test_sixteen_bits() -> None:
     """Above 255 DN of full scale."""
-    assert replace(EMPTY, saturation=4095).frame(0).dtype == np.uint16
+    assert replace(EMPTY, sensor=Sensor(bits=12)).frame(0).dtype == np.uint16

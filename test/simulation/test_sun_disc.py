@@ -1,6 +1,6 @@
 """The sun is a clipped disc that moves with the picture."""
 
-from blob_tracker.simulation import Scene, Stepping, SunDisc
+from blob_tracker.simulation import Scene, Sensor, Stepping, SunDisc
 from blob_tracker.types import SensorNoise
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ SCENE = Scene(
     height=120,
     texture=0.0,
     background=20.0,
-    noise=SensorNoise(gain=np.inf, read_noise=0.0),
+    sensor=Sensor(SensorNoise(gain=np.inf, read_noise=0.0)),
 )
 
 

@@ -1,6 +1,7 @@
 """What the locator node shows of itself."""
 
 from blob_tracker.location import METHODS
+from blob_tracker.nodes.interface.saturation import SATURATION
 from blob_tracker.nodes.interface.topics import (
     BEARING, CENTROID, DIAGNOSTICS, NOISE, RAY, WINDOW_IMAGE, WINDOW_INFO, WINDOW_PICTURE,
 )
@@ -61,15 +62,7 @@ PARAMETERS = (
         least=1,
         most=256,
     ),
-    Parameter(
-        'saturation',
-        0,
-        'Level at which a pixel is clipped; 0 is full scale of the encoding. Set 4095 for 12 bits '
-        'in 16.',
-        least=0,
-        most=65535,
-        unit='DN',
-    ),
+    SATURATION,
     Parameter(
         'line_jitter_url',
         '',

@@ -1,5 +1,6 @@
 """What the segmenter node shows of itself."""
 
+from blob_tracker.nodes.interface.saturation import SATURATION
 from blob_tracker.nodes.interface.topics import (
     CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, NOISE, SEGMENTER_PICTURE, VISIBLE, WINDOW_IMAGE,
     WINDOW_INFO,
@@ -138,15 +139,7 @@ PARAMETERS = (
         'Image of 8 bits and of the size of the frames, white where the target may be: a path, '
         'file:// or package:// URL. Empty searches everywhere.',
     ),
-    Parameter(
-        'saturation',
-        0,
-        'Level at which a pixel is clipped; 0 is full scale of the encoding. Set 4095 for 12 bits '
-        'in 16.',
-        least=0,
-        most=65535,
-        unit='DN',
-    ),
+    SATURATION,
     Parameter(
         'noise.measure',
         False,

@@ -4,9 +4,10 @@ from blob_tracker.nodes.interface.topics import (
     CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, FRAME_PICTURE, TRUE_BEARING, TRUE_CENTROID,
 )
 from blob_tracker.ros.interface import Interface, Parameter
-from blob_tracker.simulation import FlashingLight
+from blob_tracker.simulation import flashing_light, PROFILES
 
-_SCENE = FlashingLight()
+_SCENE = flashing_light()
+_LIGHT, _SENSOR = _SCENE.truth(0), _SCENE.sensor
 PARAMETERS = (
     Parameter('width', _SCENE.width, 'Width of the frames.', least=16, most=8192, unit='px'),
     Parameter('height', _SCENE.height, 'Height of the frames.', least=16, most=8192, unit='px'),
@@ -15,16 +16,22 @@ PARAMETERS = (
         'focal_length', 600.0, 'Focal length of the lens.', least=1.0, most=1e6, unit='px'
     ),
     Parameter(
+        'profile',
+        'gaussian',
+        "Shape of the light's image: a Gaussian, the three of the thesis, or one with a tail.",
+        choices=tuple(PROFILES),
+    ),
+    Parameter(
         'sigma',
-        _SCENE.sigma,
-        "Standard deviation of the light's image.",
+        _LIGHT.sigma,
+        "Standard deviation of the light's image, or of the narrowest Gaussian in it.",
         least=0.1,
         most=100.0,
         unit='px',
     ),
     Parameter(
         'amplitude',
-        _SCENE.amplitude,
+        _LIGHT.amplitude,
         'Peak of the light above the background.',
         least=0.0,
         most=65535.0,
@@ -47,8 +54,23 @@ PARAMETERS = (
         unit='DN',
     ),
     Parameter(
+        'bits',
+        _SENSOR.bits,
+        'Bits of a pixel: full scale is 2^bits - 1 DN, and above 8 the frames are mono16.',
+        least=1,
+        most=16,
+    ),
+    Parameter(
+        'row_time',
+        _SENSOR.row_time,
+        'Time from the exposure of a row to that of the next: 0 for a global shutter.',
+        least=0.0,
+        most=1e-3,
+        unit='s',
+    ),
+    Parameter(
         'noise.gain',
-        _SCENE.noise.gain,
+        _SENSOR.noise.gain,
         'Electrons per DN of the sensor.',
         least=1e-3,
         most=1e6,
@@ -56,7 +78,7 @@ PARAMETERS = (
     ),
     Parameter(
         'noise.read_noise',
-        _SCENE.noise.read_noise,
+        _SENSOR.noise.read_noise,
         'Noise of a dark pixel before quantisation.',
         least=0.0,
         most=1e4,

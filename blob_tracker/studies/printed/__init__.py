@@ -85,3 +85,18 @@ def load(name: str) -> Printed:
         if not isinstance(value, str):
             raise ValueError(f'{name}: {value} must be in quotes, or its digits are lost')
     return Printed(content['source'], columns, rows, statements)
+
+
+def unit(value: str) -> float:
+    """Return what one step of the last printed digit is worth."""
+    return 10.0 ** -len(value.partition('.')[2])
+
+
+def units_off(value: float, printed: str) -> int:
+    """
+    Return by how many units of the last digit a value, rounded alike, is above what is printed.
+
+    The sign of a printed zero ('-0.000000') means nothing.
+    """
+    digits = len(printed.partition('.')[2])
+    return round((float(f'{value:.{digits}f}') - float(printed)) / unit(printed))

@@ -17,6 +17,7 @@ from blob_tracker.nodes.calibrate import board as board_command
 from blob_tracker.ros.image import from_pixels
 from blob_tracker.ros.qos import IMAGE_OUT
 from blob_tracker.simulation.board import BoardScene
+from blob_tracker.simulation.sensor import Sensor
 from blob_tracker.types import Pixels
 from boards import camera, CHARUCO, CHESSBOARD, poses, printed
 import cv2
@@ -92,7 +93,7 @@ def test_a_folder_becomes_a_camera_info(
 def test_sixteen_bits_of_a_charuco_board(tmp_path: Path) -> None:
     """TIFF files of 12 bits of signal, another kind, another distortion model."""
     true, images = pictures(CHARUCO, black=300.0, white=3000.0, surroundings=900.0,
-                            saturation=4095)
+                            sensor=Sensor(bits=12))
     folder = save(tmp_path / 'images', images, 'tif')
     board = ['--kind', 'charuco', '--columns', '8', '--rows', '6', '--square', '30']
     assert calibrate(folder, tmp_path, *board, '--marker', '22') == 0

@@ -14,7 +14,7 @@ from blob_tracker.__main__ import main
 from blob_tracker.nodes.calibrate.noise import _steps, _until_interrupt
 from blob_tracker.ros.image import from_pixels
 from blob_tracker.ros.qos import IMAGE_OUT
-from blob_tracker.simulation import FlatField, Scene
+from blob_tracker.simulation import FlatField, Scene, Sensor
 from blob_tracker.simulation.sensor import expose
 from blob_tracker.types import Pixels, SensorNoise
 import cv2
@@ -25,8 +25,7 @@ from sensor_msgs.msg import Image
 import yaml
 
 FIELD = FlatField(
-    SensorNoise(3.6, 3.0, 20.0), prnu=0.005, dsnu=0.3, saturation=4095, width=200,
-    height=150,
+    Sensor(SensorNoise(3.6, 3.0, 20.0), bits=12, prnu=0.005, dsnu=0.3), width=200, height=150,
 )
 SIGNALS = (0, 200, 600, 1200, 2400, 5000)  # DN above black; the last is clipped
 
@@ -91,7 +90,7 @@ def test_folders_of_bright_and_dark(tmp_path: Path) -> None:
 
 def test_a_still_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """No flat light, no dark frames."""
-    scene = Scene(width=320, height=240, background=90.0, noise=SensorNoise(8.0, 1.2))
+    scene = Scene(width=320, height=240, background=90.0, sensor=Sensor(SensorNoise(8.0, 1.2)))
     for index in range(12):
         write(tmp_path / 'scene', f'{index:02d}.png', scene.frame(index))
     out = tmp_path / 'noise.yaml'
@@ -105,7 +104,7 @@ def test_a_scene_that_brightens(tmp_path: Path, capsys: pytest.CaptureFixture[st
     random = np.random.default_rng(12)
     ramp = np.tile(np.linspace(60.0, 700.0, 320), (240, 1))
     for index, light in enumerate((1, 1, 1, 1, 3, 3, 3, 3)):
-        image = expose(light * ramp, FIELD.noise, random, saturation=4095)
+        image = expose(light * ramp, FIELD.sensor.noise, random, saturation=4095)
         write(tmp_path / 'scene', f'{index:02d}.png', image)
     out = tmp_path / 'noise.yaml'
     assert run(tmp_path / 'scene', '--scene', '--out', out) == 0
