@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from blob_tracker.calibration.edge import edge_places, EdgeError, find_edge
+from blob_tracker.calibration.edge import EdgeError, find_edge
 from blob_tracker.camera.trailing_edge import MOST_MEMORY, MOST_PEAKING, TrailingEdge
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,9 @@ import scipy  # which loads optimize, 25 MB, when it is first used
 
 BEFORE, AFTER = 16, 48  # px beside the edge: three sigma of its blur, and four memories of 12 px
 LEAST_LINES = 8
+ROUNDS = 4  # of the filter and the places in turn; two are enough
+WORST = 1e10  # condition of the normal equations, their columns of length one
+STEP = 0.01  # px, of the derivative by the place
 
 
 @dataclass(frozen=True)
@@ -50,9 +53,9 @@ def measure_trailing_edge(frames: Iterable[NDArray[np.generic]]) -> TrailingEdge
         y_k = x_k + a (x_k - m_k),   m_k+1 = e m_k + (1 - e) x_k,   e = exp(-1 / tau)
         x_k = b + c [G(k + 1/2 - p) - G(k - 1/2 - p)],   G as in `edge_places`
 
-    a, tau, sigma, b, c and one shift of all places are fitted by least squares to the mean of
-    the frames. The place of the edge in each line is that of `edge_places`, which the filter
-    shifts in all lines alike. The pictures are those of `calibrate jitter`.
+    a, tau, sigma, b and c are fitted by least squares to the mean of the frames, in turn with the
+    place p of the edge in each line, which jitter puts beside the straight line. The pictures
+    are those of `calibrate jitter`.
 
     Parameters
     ----------
@@ -76,54 +79,74 @@ def measure_trailing_edge(frames: Iterable[NDArray[np.generic]]) -> TrailingEdge
         raise EdgeError(f'there are {len(stack)} frames; the trailing edge needs 2 or more')
     if len({frame.shape for frame in stack}) > 1:
         raise EdgeError('the frames differ in size; they must be of one camera')
-    picture = np.mean(stack, axis=0)
+    picture: NDArray[np.float64] = np.mean(stack, axis=0, dtype=np.float64)
     scatter = float(np.mean(np.var(stack, axis=0, ddof=1))) / len(stack)
-    places, _, _ = edge_places(picture, find_edge(picture))
-    pixels, places = _about(picture, places)
+    start, slope = find_edge(picture)
+    straight: NDArray[np.float64] = start + slope * np.arange(float(len(picture)))
+    pixels, places = _about(picture, straight)
     if pixels.min() <= 0.0:
         raise EdgeError('the picture is clipped at black beside the edge; light its dark side')
-    lines = np.arange(pixels.shape[1])
-
-    def model(theta: NDArray[np.float64]) -> NDArray[np.float64]:
-        peaking, memory, sigma, dark, contrast, shift = theta
-        borders = (np.arange(lines.size + 1) - 0.5 - (places + shift)[:, None]) / sigma
-        bell = np.exp(-0.5 * borders**2) / np.sqrt(2.0 * np.pi)
-        step = np.diff(sigma * (borders * scipy.special.ndtr(borders) + bell), axis=1)
-        kept = np.exp(-1.0 / memory)
-        slow = scipy.signal.lfilter([0.0, 1.0 - kept], [1.0, -kept], step, axis=1)
-        return np.asarray(dark + contrast * (step + peaking * (step - slow)))
-
     dark, bright = float(np.median(pixels[:, :4])), float(np.median(pixels[:, -4:]))
-    start = np.array([0.3, 4.0, 1.2, dark, bright - dark, 0.5])
+    theta = np.array([0.3, 4.0, 1.2, dark, bright - dark, 0.5])
     # Wider than what a calibration may hold only in sigma and the levels.
-    least = [0.0, 0.3, 0.2, -np.inf, -np.inf, -6.0]
-    most = [MOST_PEAKING, MOST_MEMORY, 8.0, np.inf, np.inf, 6.0]
-    found = scipy.optimize.least_squares(
-        lambda theta: (model(theta) - pixels).ravel(), start, bounds=(least, most),
-        x_scale=np.array([1.0, 4.0, 1.0, 10.0, 100.0, 1.0]),
-    )
+    least = [0.0, 0.3, 0.2, -np.inf, -np.inf, -8.0]
+    most = [MOST_PEAKING, MOST_MEMORY, 8.0, np.inf, np.inf, 8.0]
+    for _ in range(ROUNDS):
+        found = scipy.optimize.least_squares(
+            lambda trial: (_model(trial, places, pixels.shape[1]) - pixels).ravel(), theta,
+            bounds=(least, most), x_scale=np.array([1.0, 4.0, 1.0, 10.0, 100.0, 1.0]),
+        )
+        theta = found.x.copy()
+        places, theta[5] = places + theta[5], 0.0
+        # A step of Gauss and Newton for the place in each line by itself.
+        steeper = _model(theta, places + STEP, pixels.shape[1])
+        slopes = (steeper - _model(theta, places - STEP, pixels.shape[1])) / (2.0 * STEP)
+        residuals = pixels - _model(theta, places, pixels.shape[1])
+        places = places + (residuals * slopes).sum(axis=1) / (slopes**2).sum(axis=1)
     if not found.success:
         raise EdgeError(f'no peaking filter fits the edge: {found.message}')
-    freedom = pixels.size - found.x.size
-    rest = 2.0 * float(found.cost) / freedom
-    normal = found.jac.T @ found.jac
-    if np.linalg.cond(normal / np.outer(*2 * [np.sqrt(np.diag(normal)) + 1e-30])) > 1e12:
+    residuals = pixels - _model(theta, places, pixels.shape[1])
+    freedom = pixels.size - theta.size - places.size
+    # The place in each line is found with the filter: what it could take over is not the filter's.
+    own = found.jac.reshape(*pixels.shape, theta.size)[:, :, :-1]
+    shared = np.einsum('hk,hkp->hp', slopes, own) / (slopes**2).sum(axis=1)[:, None]
+    own = own - slopes[:, :, None] * shared[:, None, :]
+    length = np.sqrt((own**2).sum(axis=(0, 1)))
+    unit = own / np.maximum(length, 1e-30)
+    normal = np.einsum('hkp,hkq->pq', unit, unit)
+    if not (length > 0.0).all() or np.linalg.cond(normal) > WORST:
         raise EdgeError('the edge shows no overshoot: there is no trailing edge to take off')
-    # What the model leaves is as much in the way as the noise is.
-    covariance = np.linalg.inv(normal) * max(rest, scatter)
-    peaking, memory, sigma, level, contrast, _ = (float(value) for value in found.x)
+    # Of the residuals as they are: where the edge is steep the jitter of its frames adds to them.
+    inverse = np.linalg.inv(normal) / length[:, None]
+    moved = np.einsum('pq,hkq->hkp', inverse, unit)
+    covariance = np.einsum('hkp,hkq,hk->pq', moved, moved, residuals**2) * pixels.size / freedom
+    rest = float((residuals**2).sum()) / freedom
+    peaking, memory, sigma, level, contrast, _ = (float(value) for value in theta)
     return TrailingEdgeMeasurement(
         TrailingEdge(peaking, memory, covariance[:2, :2]),
         sigma, level, level + contrast, rest / max(scatter, 1e-12),
     )
 
 
+def _model(
+    theta: NDArray[np.float64], places: NDArray[np.float64], count: int
+) -> NDArray[np.float64]:
+    """Return the (h, count) mean behind the filter."""
+    peaking, memory, sigma, dark, contrast, shift = theta
+    borders = (np.arange(count + 1) - 0.5 - (places + shift)[:, None]) / sigma
+    bell = np.exp(-0.5 * borders**2) / np.sqrt(2.0 * np.pi)
+    step = np.diff(sigma * (borders * scipy.special.ndtr(borders) + bell), axis=1)
+    kept = np.exp(-1.0 / memory)
+    slow = scipy.signal.lfilter([0.0, 1.0 - kept], [1.0, -kept], step, axis=1)
+    return np.asarray(dark + contrast * (step + peaking * (step - slow)))
+
+
 def _about(
     picture: NDArray[np.float64], places: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the pixels beside the edge in each line that shows it, and its places in them."""
+    """Return the pixels beside the edge in each line that has them, and its places in them."""
     first = np.floor(places) - BEFORE
-    seen = np.isfinite(places) & (first >= 0)
+    seen = first >= 0
     reach = min(AFTER, int(np.min(picture.shape[1] - 1 - np.floor(places[seen]), initial=AFTER)))
     if seen.sum() < LEAST_LINES or reach < BEFORE:
         raise EdgeError(

@@ -92,7 +92,9 @@ def calibration(chain: AnalogueChain, seed: int) -> tuple[LineJitter, TrailingEd
         if chain.own_clock:
             mean = grabbed(mean, first=left, count=EDGE_WIDTH)
         frames.append(expose(mean, NOISE, random))
-    return measure_line_jitter(frames).jitter, measure_trailing_edge(frames).trailing_edge
+    edge = measure_trailing_edge(frames).trailing_edge
+    # In this order: an edge that overshoots passes for noise, in which the jitter is lost.
+    return measure_line_jitter([edge.restored(frame)[0] for frame in frames]).jitter, edge
 
 
 def _located(
@@ -148,7 +150,8 @@ def limits(looks: int, *, jitter: bool) -> float:
     """
     target, middle = TARGETS['active'], (SIDE - 1) / 2.0
     amplitude = brightness(target, Conditions()) * target.amplitudes
-    noise = replace(NOISE, read_noise=sqrt(max((NOISE.read_noise**2 + 1 / 12) / looks - 1 / 12, 0)))
+    floor = (NOISE.read_noise**2 + 1.0 / 12.0) / looks  # of the mean of the looks
+    noise = replace(NOISE, read_noise=sqrt(max(floor - 1.0 / 12.0, 0.0)))
     variance = float(np.mean([
         cramer_rao_bound(
             (SIDE, SIDE), x=middle + phase, y=middle, sigma=target.sigmas, amplitude=amplitude,
@@ -188,8 +191,8 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
         values = [float(str(row[index])) for row in rows if row[0] == way and row[2] == looks]
         return sqrt(float(np.mean(np.square(values))))
 
-    with_rms, removed_rms = (column(way, 'single', 3) for way in ('with the defects',
-                                                                    'defects removed'))
+    with_rms = column('with the defects', 'single', 3)
+    removed_rms = column('defects removed', 'single', 3)
     clean, apart = column('no defects', 'single', 3), column('with the defects', 'single', 4)
     removed_five = column('defects removed', 'multi', 3)
     lost = sum(int(str(row[8])) for row in rows)

@@ -11,6 +11,7 @@ from blob_tracker.camera.trailing_edge import TrailingEdge
 from blob_tracker.simulation.analogue_chain import AnalogueChain
 from blob_tracker.simulation.trailing_edge import MEMORY, PEAKING
 from blob_tracker.studies.causes_pictures import draw_causes, draw_sizes
+from blob_tracker.studies.causes_printed import implied, ratio_of_looks, results_here
 from blob_tracker.studies.displacements import (
     bound, Conditions, draw, figures_of, LABORATORY, NOISE, placed, TARGETS,
 )
@@ -18,6 +19,7 @@ from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
 from blob_tracker.types import SensorNoise
 import numpy as np
+from numpy.typing import NDArray
 
 STEP = '0.05'
 SEEDS = (4, 60)  # quick and full
@@ -121,16 +123,23 @@ def _raised(name: str, size: float) -> Conditions:
     """Return one defect of that size, with the noise of 1 DN that no camera is without."""
     if name == 'noise':
         return Conditions(noise=SensorNoise(np.inf, size))
-    if name in ('caliper', 'turn'):
-        return replace(Conditions(), **{name: size})
-    chain = replace(AnalogueChain(), **{name: size})
-    return Conditions(chain=chain)
+    if name == 'caliper':
+        return Conditions(caliper=size)
+    if name == 'turn':
+        return Conditions(turn=size)
+    if name == 'per_line':
+        return Conditions(chain=AnalogueChain(per_line=size))
+    return Conditions(chain=AnalogueChain(per_frame=size))
 
 
-def _rms(entries: Sequence[dict[str, float | None]], name: str) -> float:
-    """Return the root of the mean square over seeds."""
-    values = [entry[name] for entry in entries if entry[name] is not None]
-    return math.sqrt(float(np.mean(np.square(values)))) if values else math.nan
+def _of(entries: Sequence[dict[str, float | None]], name: str) -> NDArray[np.float64]:
+    """Return one figure of all sequences that have it."""
+    return np.array([entry[name] for entry in entries if entry[name] is not None], dtype=float)
+
+
+def _rms(values: NDArray[np.float64]) -> float:
+    """Return the root of the mean square."""
+    return math.sqrt(float(np.mean(values**2)))
 
 
 def _entries(
@@ -159,14 +168,12 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
                 row: list[Cell] = [target, cause, name]
                 for looks in ('single', 'multi'):
                     entries = _entries(results, f'{name}|{looks}', cause=cause, target=target)
-                    variances = [e['variance'] for e in entries if e['variance'] is not None]
                     summary = {
-                        'rms': _rms(entries, 'rms'), 'apart': _rms(entries, 'apart'),
-                        'worst': float(np.median(
-                            [e['worst'] for e in entries if e['worst'] is not None]
-                        )),
-                        'variance': float(np.mean(variances)),
-                        'mean': float(np.mean([e['mean'] for e in entries if e['mean'] is not None])),
+                        'rms': _rms(_of(entries, 'rms')),
+                        'apart': _rms(_of(entries, 'apart')),
+                        'worst': float(np.median(_of(entries, 'worst'))),
+                        'variance': float(np.mean(_of(entries, 'variance'))),
+                        'mean': float(np.mean(_of(entries, 'mean'))),
                     }
                     table[target, cause, f'{name}|{looks}'] = summary
                     row += list(summary.values())
@@ -178,7 +185,10 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
             f'variance of the steps, {looks}, px^2', f'mean step, {looks}, px',
         ]
     needed, curves = _needed(results)
-    ratios = _ratios()
+    here = {
+        name: table['active', TOGETHER_ALL, f'{name}|single'] for name in LOCATORS
+    }
+    ratios = ratio_of_looks()
     everything = table['active', TOGETHER_ALL, f'{LM}|single']
     centroids = [
         table[target, TOGETHER_ALL, f'{name}|single']['worst']
@@ -204,7 +214,8 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
             f'all defects of the text, {min(silent):.2f} to {max(silent):.2f} px with nothing '
             'but rounding. In a window that is held, its background taken off, the steps scatter '
             f'with {held["variance"]:.5f} px^2 in place of {moving["variance"]:.3f}, though the '
-            f'light that it cuts off shrinks them to {held["mean"]:.3f} px. The trailing edge moves every place alike: by '
+            f'light that it cuts off shrinks them to {held["mean"]:.3f} px. The trailing edge '
+            'moves every place alike: by '
             f'{table["active", "trailing edge", f"{LM}|single"]["rms"]:.2f} px for LM, of which '
             f'{table["active", "trailing edge", f"{LM}|single"]["apart"]:.3f} px are left when '
             'the common offset is off. Of the three Gaussians no defect at the size of the text, '
@@ -223,8 +234,17 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
                   f'places of {quarter} px with three Gaussians',
                   ['defect', 'size needed', 'size in the text'],
                   [[name, needed[name], _in_text(name)] for name in SIZES]),
+            Table('causes_implied', 'What the printed variances of three Gaussians, '
+                  'Levenberg-Marquardt, circular, one look, ask for',
+                  ['target', 'step, px', 'variance printed, px^2',
+                   'scatter of each place, sqrt(variance / 2), px', 'beyond ours, px',
+                   'as a turn of the camera, mrad', 'as a place of the stage, inches'],
+                  implied({
+                      target: table[target, TOGETHER_ALL, f'{LM}|single']['variance']
+                      for target in TARGETS
+                  })),
             Table('results_5_6', 'The results of section 5.6, page 117, here',
-                  ['result', 'here', 'holds'], _results(table, goal, quarter)),
+                  ['result', 'here', 'holds'], results_here(here)),
         ],
         figures={
             'causes_active': draw_causes('active', list(CAUSES), list(LOCATORS), table,
@@ -262,13 +282,12 @@ def _needed(
     quarter = float(load('results_5').statements['multi_gaussian'].value)
     needed, curves = {}, {}
     for name, (unit, sizes) in SIZES.items():
-        worst, centroid = [], []
+        worst: list[float] = []
+        centroid: list[float] = []
         for size in sizes:
             for key, into in ((LM, worst), (CENTROID, centroid)):
                 entries = _entries(results, f'{key}|single', raised=name, size=size)
-                into.append(float(np.median(
-                    [e['worst'] for e in entries if e['worst'] is not None] or [np.nan]
-                )))
+                into.append(float(np.median(_of(entries, 'worst'))))
         curves[name] = (list(sizes), worst, centroid)
         if max(worst) < quarter:
             needed[name] = f'more than {sizes[-1]:g} {unit}'
@@ -289,46 +308,6 @@ def _in_text(name: str) -> str:
         'caliper': '0.001 inch (page 95)',
         'turn': 'none; the pan and tilt mount is on page 95',
     }[name]
-
-
-def _ratios() -> float:
-    """Return the median ratio of the printed variances, mean of five looks over one."""
-    ratios = []
-    for name in ('table_5_2', 'table_5_3', 'table_5_6', 'table_5_7'):
-        rows = load(name).rows
-        for one, five in zip(rows[::2], rows[1::2]):
-            ratios += [float(five[k]) / float(one[k]) for k in range(4, len(one), 2)]
-    return float(np.median(ratios))
-
-
-def _results(
-    table: dict[tuple[str, str, str], dict[str, float]], goal: float, quarter: float
-) -> list[list[Cell]]:
-    """Return which results of page 117 hold in the virtual lab."""
-    said = load('results_5').statements
-
-    def of(name: str) -> dict[str, float]:
-        return table['active', TOGETHER_ALL, f'{name}|single']
-
-    linear, lm, likelihood = (
-        of('one Gaussian, linear, histogram'), of(LM), of('maximum likelihood, extended')
-    )
-    worst = [of(name)['worst'] for name in CENTROIDS]
-    return [
-        [said['single_gaussian'].says,
-         f'the linear fit scatters by {linear["apart"]:.3f} px rms, three Gaussians by '
-         f'{lm["apart"]:.3f}; but maximum likelihood with one Gaussian by '
-         f'{likelihood["apart"]:.3f}', 'for the linear fit'],
-        [f'{said["goal"].says}: {goal}',
-         f'three Gaussians {lm["apart"]:.3f} px rms (worst {lm["worst"]:.3f}), maximum '
-         f'likelihood {likelihood["apart"]:.3f} (worst {likelihood["worst"]:.3f})',
-         'no' if max(lm['apart'], likelihood['apart']) <= goal else 'yes'],
-        [f'{said["centroid"].says}: {quarter}',
-         f'worst place {min(worst):.2f} to {max(worst):.2f} px in the windows of the thesis',
-         'in these windows'],
-        [f'{said["multi_gaussian"].says}: {quarter}', f'worst place {lm["worst"]:.3f} px',
-         'no' if lm['worst'] < 0.6 * quarter else 'yes'],
-    ]
 
 
 STUDY = Study(

@@ -11,7 +11,7 @@ import numpy as np
 LEAST = 3e-4  # px: what is less is drawn there
 TITLES = {
     'noise': 'noise', 'per_line': 'jitter of each line', 'per_frame': 'jitter of each frame',
-    'caliper': 'place of the stage', 'turn': 'turn of the camera',
+    'caliper': 'stage', 'turn': 'turn of the camera',
 }
 
 

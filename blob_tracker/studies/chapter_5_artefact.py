@@ -101,12 +101,13 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
     }
     return Findings(
         shows=(
-            f'Behind a peaking filter of {PEAKING:g} and {MEMORY:g} px a blob {text["small"].value}'
-            f' px wide falls in {ratio:.2f} of the length of its rise and dives through black, one '
-            f'{text["wide"].value} px wide in {ratio_wide:.2f}, and a column not at all. The '
-            f'centroid of the small one is drawn to the left by {-bias[1.0].mean():.2f} px '
-            f'where it is faint and by {-bias[160.0].mean():.2f} px where it is clipped; over a '
-            f'pixel the bias varies by {np.ptp(bias[160.0]):.3f} px: it is an offset, not a '
+            f'Behind a peaking filter of {PEAKING:g} and {MEMORY:g} px a blob of '
+            f'{text["small"].value} px falls in {ratio:.2f} of the length of its rise and dives '
+            f'through black, one of {text["wide"].value} px in {ratio_wide:.2f}, and a column '
+            'not at all. The centroid of the small one is drawn to the left by '
+            f'{-bias[1.0].mean():.2f} px where it is faint and by {-bias[160.0].mean():.2f} px '
+            'where it is clipped; over a pixel the bias varies by '
+            f'{np.ptp(bias[160.0]):.3f} px: it is an offset, not a '
             'scatter, as long as amplitude and width stay.'
         ),
         agreement='the shape in words; the figure prints no numbers',

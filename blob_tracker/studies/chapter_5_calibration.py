@@ -40,7 +40,7 @@ def measure(case: Case) -> Measured:
     """
     _, step, inches = load('table_5_1').rows[case['row']]
     per_pixel = float(inches) / float(step)
-    found = {METHOD: [], 'multi_gaussian_lm': []}  # type: dict[str, list[float]]
+    found: dict[str, list[float]] = {METHOD: [], 'multi_gaussian_lm': []}
     for seed in case['seeds']:
         random = np.random.default_rng([seed, case['row']])
         sequence = draw(TARGETS['passive'], '1.00', LABORATORY, seed + 1000 * case['row'])
@@ -84,8 +84,9 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
             2.0 * in_pixels**2,
         ])
         axes.hist(
-            100.0 * (wanted / float(inches) - 1.0), bins=np.linspace(-5, 5, 41),
-            histtype='step', linewidth=1.5 - 0.3 * index, color=COLOURS[index], label=f'{feet} ft, steps of {step} px',
+            100.0 * (wanted / float(inches) - 1.0), bins=np.linspace(-5, 5, 41).tolist(),
+            histtype='step', linewidth=1.5 - 0.3 * index, color=COLOURS[index],
+            label=f'{feet} ft, steps of {step} px',
         )
     limit = bound(TARGETS['passive'], averaged=False)
     least = 100.0 * limit / sqrt(float(np.sum((np.arange(11) - 5.0) ** 2)))
@@ -100,13 +101,13 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
     return Findings(
         shows=(
             f'A calibration by eleven known shifts of 1 px is good to {100 * max(spread):.1f} % '
-            'with the centroid of the thesis; the printed fourth digit is beyond it, as the thesis '
-            f'says. One thousandth of an inch is {small[9]:.4f} px at {small[0]:.0f} ft, so the '
+            'with the centroid of the thesis; the printed fourth digit is beyond it, as it says '
+            f'itself. One thousandth of an inch is {small[9]:.4f} px at {small[0]:.0f} ft, so the '
             f'caliper alone puts {small[10]:.4f} px, {small[11]:.0f} %, on each step of 0.05 px '
             f'and a variance of {small[13]:.1e} px^2 on the steps: a hundredth of the printed '
             'ones. The pinhole of section 2.1 (6 mm, 1.67 mrad a pixel) wants '
-            f'{rows[0][7]:.4f} inches at 8 ft and {rows[1][7]:.4f} at 16 ft: the distances, "about"'
-            f' in the table, were {rows[0][8]:.0f} and {rows[1][8]:.0f} % off.'
+            f'{rows[0][7]:.4f} inches at 8 ft and {rows[1][7]:.4f} at 16 ft: the distances '
+            f'(about, in the table) were {rows[0][8]:.0f} and {rows[1][8]:.0f} % off.'
         ),
         agreement=f'within {max(agree):.1f} standard deviations of one calibration',
         tables=[Table(
