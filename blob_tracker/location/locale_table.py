@@ -108,8 +108,8 @@ def locale_table(
     along x and one along y, of which the second cancels with the amplitude. R and Q depend on
     the place and width along x alone, R nearly on the place and Q on the width, and so along y.
     Tables of x(|R|, Q) and sigma(|R|, Q), made by inverting the pixel-integrated Gaussian
-    (`integrated_profile`), one for each L and w / L, are read bilinearly. The place and width found
-    choose the support and the weights for the next look; two or three looks settle it.
+    (`integrated_profile`), one for each L and w / L, are read bilinearly. The place and width
+    that they give choose the support and the weights for the next look; two or three settle it.
 
     In even noise w = sigma is best, as for any matched filter, and the more of the noise is the
     peak's own shot noise the wider (the plain centroid is the limit). With sigma from 0.7 px to a

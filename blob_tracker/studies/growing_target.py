@@ -43,7 +43,7 @@ MARKERS = 'osv^'
 
 @dataclass(frozen=True)
 class _Target:
-    """The target in one frame: its place, widths (all of it, and its own), peak before exposure."""
+    """The target in one frame, px: place, width and its own part of it; its peak, DN."""
 
     x: float
     y: float
@@ -55,7 +55,7 @@ class _Target:
 def _cases(quick: bool) -> Sequence[Case]:
     """Return one approach each."""
     return [
-        {'light': light, 'seed': seed} for light in LIGHTS for seed in range(2 if quick else 12)
+        {'light': light, 'seed': seed} for light in LIGHTS for seed in range(2 if quick else 8)
     ]
 
 

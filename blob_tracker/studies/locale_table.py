@@ -77,7 +77,7 @@ def _measure(case: Case) -> Measured:
 
 
 def _picture(case: Case) -> Measured:
-    """Number the locales of a square of displacements by the rounded window that they give."""
+    """Tell which displacements of a square have one rounded window, and so one locale."""
     places = np.linspace(-case['reach'], case['reach'], case['nodes'])
     profile = sampled_profile(9, 4.0 + places, case['s'] / np.sqrt(2.0))[0]
     windows = np.rint(
