@@ -20,6 +20,7 @@ from blob_tracker.studies import (
     noise_tables,
     snr_tables,
     three_gaussian_sweeps,
+    trailing_edge,
 )
 from blob_tracker.studies.study import Study
 
@@ -34,7 +35,7 @@ ALL: tuple[Study, ...] = (
     *error_surface.STUDIES,
     *three_gaussian_sweeps.STUDIES,
     chapter_5_calibration.STUDY, chapter_5_artefact.STUDY, *chapter_5.STUDIES,
-    causes.STUDY, beyond.STUDY, locale_table.STUDY, growing_target.STUDY,
+    causes.STUDY, beyond.STUDY, trailing_edge.STUDY, locale_table.STUDY, growing_target.STUDY,
 )
 
 
