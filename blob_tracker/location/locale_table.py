@@ -118,6 +118,10 @@ def locale_table(
     the nodes show at a peak SNR above 5000. With an unlit window it comes to the bound of lit
     minus unlit, which `maximum_likelihood` undercuts where little texture lies behind the target.
 
+    Speed is what it is for: a stack of windows takes a quarter of the time of
+    `maximum_likelihood`, less than the centroid. A single window gains next to nothing, since
+    there the call takes longer than either.
+
     The covariance is that of the pixels, v_k of `pixel_variance` at the pulse that was found,
     carried through both ratios and the slopes of the table; as in `maximum_likelihood` it grows
     by 1 + 12 / S^2 and, where the pulse is no such Gaussian, by chi2. It does not hold the bias
