@@ -142,7 +142,10 @@ def _conclude(name: str, what: str, results: Results) -> Findings:
     columns += ['rms error, px', 'Cramer-Rao bound, px']
     drawn = type(printed)(printed.source, printed.columns, tuple(rows), {})
     times = len(np.concatenate([np.array(p['repeats']) for p in found[key]]))
-    lost = sum(measured['lost'] for case, measured in results if case['reading'] == 0)
+    first = [(case, measured) for case, measured in results if case['reading'] == 0]
+    lost = sum(measured['lost'] for _, measured in first)
+    places = (FINE if _TABLES[name].blob is ONE else COARSE).size ** 2
+    located = places * sum(case['repeats'] for case, _ in first)
     readings = _readings_table(name, found)
     return Findings(
         shows=(
@@ -150,7 +153,7 @@ def _conclude(name: str, what: str, results: Results) -> Findings:
             f'{times} repeats and {within[0.99]} in the 99 % interval (expected '
             f'{0.95 * count:.0f} and {0.99 * count:.0f}); the farthest is the {worst[1]}, '
             f'{worst[0]:+.1f} standard deviations. {readings[1]}'
-            + (f' {lost} fits did not end.' if lost else '')
+            + (f' {lost} of {located} fits did not end.' if lost else '')
         ),
         agreement=(
             f'{within[0.95]} of {count} numbers in the 95 % interval of our repeats, '

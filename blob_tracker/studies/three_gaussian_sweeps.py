@@ -186,7 +186,8 @@ STUDIES = (
             'figure_4_12', _METHODS, THREE, 'noisy', ('shift', (*_DISPLACEMENTS, 0.5)),
             ('s', _LONG[:-1]), ('window', 7.0), (8, 12),
         ),
-        'Three-Gaussian fit to noisy pulses along s', 'Noise of 1 DN at a peak of 254 DN.',
+        'Three-Gaussian fit to noisy pulses along s',
+        'Noise of 1 DN at a peak of 254 DN.' + _BIASED,
         _figure_4_12, 7,
     ),
 )
