@@ -184,8 +184,8 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
             f'{-float(str(before[3])):.2f} px is off by {abs(float(str(after[3]))):.4f} px and '
             f'scatters by {float(str(after[4])):.4f} px (bound without the filter '
             f'{float(str(after[7])):.4f} px, which the filter betters: it raises the light ahead '
-            f'of the grabber, where the noise comes in); the shortened window of the thesis leaves '
-            f'{-float(str(short[3])):.2f} px. What was clipped at black is not guessed: the '
+            'of the grabber, where the noise comes in); the shortened window of the thesis '
+            f'leaves {-float(str(short[3])):.2f} px. What was clipped at black is not guessed: the '
             'columns in doubt are left out.'
         ),
         agreement='beyond the thesis (future work, page 118)',
