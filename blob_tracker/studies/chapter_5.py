@@ -220,6 +220,7 @@ def _conclude(trial: _Trial, results: Sequence[tuple[Case, Measured]]) -> Findin
             '0.05 px rms; the thesis has 0.25 px', f'{max(apart):.3f} px at most',
             max(apart) <= 0.05,
         ))
+    centred = sum(float(str(row[8])) <= float(str(row[5])) <= float(str(row[9])) for row in rows)
     window = ''
     if trial.fits is LINEAR:
         steps = _gathered(results, '1.00', _key(WHOLE, LINEAR[0], False, False))['mean']
@@ -234,10 +235,11 @@ def _conclude(trial: _Trial, results: Sequence[tuple[Case, Measured]]) -> Findin
             f'Over {_seeds(results)} sequences each, the places scatter by '
             f'{min(apart):.3f} to {max(apart):.3f} px rms about the truth and their common offset '
             f'(the trailing edge), the worst of eleven by {min(worst):.2f} to {max(worst):.2f} px'
-            f'; the bound is {limits["single"]:.4f} px for one look. Of the printed variances '
-            f'{within} of {compared} lie between 5 and 95 % of ours.{window}'
+            f'; the bound is {limits["single"]:.4f} px for one look. Of what is printed '
+            f'{centred} of {compared} means and {within} of {compared} variances lie between 5 and '
+            f'95 % of ours.{window}'
         ),
-        agreement=f'{within} of {compared} variances within our 5 to 95 %',
+        agreement=f'{centred} means and {within} variances of {compared} within our 5 to 95 %',
         tables=[table],
         figures=figures,
         checks=checks,
