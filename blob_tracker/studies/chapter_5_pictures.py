@@ -94,7 +94,7 @@ def draw_places(
 
 
 def _name(key: str) -> str:
-    """Name a curve by its method and looks."""
+    """Name a curve by its method, looks and window."""
     words = key.split()
     looks = {'single': 'one look', 'multi': 'mean of five'}[words[-1]]
-    return f'{words[1]}, {looks}'
+    return f'{words[1]}, {looks}' + (', whole crop' if words[0] == 'whole' else '')

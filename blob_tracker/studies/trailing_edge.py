@@ -185,8 +185,8 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
             f'scatters by {float(str(after[4])):.4f} px (bound without the filter '
             f'{float(str(after[7])):.4f} px, which the filter betters: it raises the light ahead '
             'of the grabber, where the noise comes in); the shortened window of the thesis '
-            f'leaves {-float(str(short[3])):.2f} px. What was clipped at black is not guessed: the '
-            'columns in doubt are left out.'
+            f'leaves {-float(str(short[3])):.2f} px. What was clipped at black is not guessed: '
+            'the columns in doubt are left out.'
         ),
         agreement='beyond the thesis (future work, page 118)',
         tables=[
