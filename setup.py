@@ -11,7 +11,7 @@ setup(
     version='0.1.0',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
     package_data={
-        NAME: ['config/*', 'config/security/*', 'studies/*.css', 'studies/printed/*.yaml'],
+        NAME: ['config/*', 'config/security/*', 'studies/runner/*.css', 'studies/printed/*.yaml'],
     },
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),

@@ -12,7 +12,7 @@ COMMANDS = {
     'doctor': ('blob_tracker.nodes.doctor', 'say what is wrong with this machine, and what to do'),
     'optics': ('blob_tracker.studies.optics', 'what a lens sees and resolves, by its data sheet'),
     'replay': ('blob_tracker.nodes.replay', 'publish the messages of a bag, without ros2 bag'),
-    'study': ('blob_tracker.studies.command', "the thesis' tables and figures, and beyond them"),
+    'study': ('blob_tracker.studies.runner.command', "do the thesis' tables and figures again"),
 }
 
 

@@ -4,29 +4,29 @@ from __future__ import annotations
 
 import re
 
-from blob_tracker.studies import (
-    beyond,
+from blob_tracker.studies.beyond import (
     causes,
-    centroid_sweeps,
-    chapter_2,
-    chapter_5,
-    chapter_5_artefact,
-    chapter_5_calibration,
-    digit_tables,
-    error_surface,
+    default_pipeline,
     growing_target,
     locale_table,
+    trailing_edge,
+)
+from blob_tracker.studies.chapter_5 import known_shifts, steps, trailing_edge_row
+from blob_tracker.studies.chapters_2_to_4 import (
+    centroid_sweeps,
+    digit_tables,
+    error_surface,
+    imaging,
     log_linear_sweeps,
     noise_tables,
     snr_tables,
     three_gaussian_sweeps,
-    trailing_edge,
 )
 from blob_tracker.studies.study import Study
 
 BEYOND = (9, '', 0)
 ALL: tuple[Study, ...] = (
-    *chapter_2.STUDIES,
+    *imaging.STUDIES,
     *centroid_sweeps.STUDIES,
     *digit_tables.STUDIES,
     *noise_tables.STUDIES,
@@ -34,8 +34,14 @@ ALL: tuple[Study, ...] = (
     *log_linear_sweeps.STUDIES,
     *error_surface.STUDIES,
     *three_gaussian_sweeps.STUDIES,
-    chapter_5_calibration.STUDY, chapter_5_artefact.STUDY, *chapter_5.STUDIES,
-    causes.STUDY, beyond.STUDY, trailing_edge.STUDY, locale_table.STUDY, growing_target.STUDY,
+    *steps.STUDIES,
+    known_shifts.STUDY,
+    trailing_edge_row.STUDY,
+    causes.STUDY,
+    default_pipeline.STUDY,
+    trailing_edge.STUDY,
+    locale_table.STUDY,
+    growing_target.STUDY,
 )
 
 

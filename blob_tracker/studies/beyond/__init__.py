@@ -1,0 +1,1 @@
+"""Where the thesis could not go."""

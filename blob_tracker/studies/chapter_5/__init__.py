@@ -1,0 +1,1 @@
+"""The experiments of chapter 5 of the thesis, in the virtual lab."""

@@ -1,0 +1,1 @@
+"""Runs studies and writes down what they find."""

@@ -1,0 +1,12 @@
+"""The study of the trailing edge: every check of its quick run."""
+
+from __future__ import annotations
+
+from blob_tracker.studies.beyond.trailing_edge import STUDY
+
+
+def test_the_filter_is_known_and_taken_off() -> None:
+    """To 2 %, and the blob is where it is."""
+    findings = STUDY.conclude([(case, STUDY.measure(case)) for case in STUDY.cases(True)])
+    assert [check for check in findings.checks if not check.met] == []
+    assert len(findings.checks) == 3
