@@ -63,7 +63,8 @@ def test_the_readme_has_a_line_for_each() -> None:
     readme = (Path(__file__).parents[3] / 'README.md').read_text(encoding='utf-8')
     for study in STUDIES.values():
         if study.source:
-            assert re.search(rf'^\| {re.escape(study.source)} \| .+ \| `{study.name}` \|$', readme, re.M)
+            line = rf'^\| {re.escape(study.source)} \| .+ \| `{study.name}` \|$'
+            assert re.search(line, readme, re.MULTILINE), study.name
 
 
 def test_names_are_checked(capsys: pytest.CaptureFixture[str]) -> None:
