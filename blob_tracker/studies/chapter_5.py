@@ -236,8 +236,8 @@ def _conclude(trial: _Trial, results: Sequence[tuple[Case, Measured]]) -> Findin
             f'{min(apart):.3f} to {max(apart):.3f} px rms about the truth and their common offset '
             f'(the trailing edge), the worst of eleven by {min(worst):.2f} to {max(worst):.2f} px'
             f'; the bound is {limits["single"]:.4f} px for one look. Of what is printed '
-            f'{centred} of {compared} means and {within} of {compared} variances lie between 5 and '
-            f'95 % of ours.{window}'
+            f'{centred} of {compared} means and {within} of {compared} variances lie between 5 '
+            f'and 95 % of ours.{window}'
         ),
         agreement=f'{centred} means and {within} variances of {compared} within our 5 to 95 %',
         tables=[table],
