@@ -13,7 +13,7 @@ PARAMETERS = (
         'method',
         DEFAULT_METHOD,
         'How the blob is placed in its window. The default is at the limit that the noise sets; '
-        'the others are those of the thesis.',
+        'the others are those of the thesis, locale_table the look-up that it proposes.',
         choices=tuple(METHODS),
     ),
     Parameter(

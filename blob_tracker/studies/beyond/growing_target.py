@@ -317,8 +317,8 @@ def _draw_windows(results: Sequence[tuple[Case, Measured]]) -> Figure:
 
 STUDY = Study(
     name='growing_target',
-    title='a target that grows tenfold, and on, while it is approached',
-    source='Section 6.1 (future work)',
+    title='A target that grows tenfold, and on, while it is approached',
+    source='Section 6.1, page 119',
     cases=_cases,
     measure=_measure,
     conclude=_conclude,

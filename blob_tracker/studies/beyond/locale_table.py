@@ -477,8 +477,8 @@ def _draw_phase(results: Sequence[tuple[Case, Measured]]) -> Figure:
 
 STUDY = Study(
     name='locale_table',
-    title='locales as a look-up: what a table of them can do, and how fast',
-    source='Sections 2.3 and 6.1 (future work)',
+    title='Locales as a look-up: what a table of them can do, and how fast',
+    source='Sections 2.3 and 6.1, pages 21 and 118',
     cases=_cases,
     measure=_measure,
     conclude=_conclude,

@@ -85,7 +85,7 @@ def summary(outcomes: Sequence[Outcome]) -> str:
     for outcome in outcomes:
         source = STUDIES[outcome.name].source
         if source:
-            closely = 'failed' if outcome.failed else outcome.agreement
+            closely = 'failed' if outcome.failed else outcome.agreement or 'beyond the thesis'
             lines.append(f'| {source} | {closely} | `{outcome.name}` |')
     return '\n'.join(lines) + '\n'
 

@@ -18,7 +18,7 @@ from blob_tracker.studies.study import Case, Check, Measured, Study, Table
 from matplotlib.figure import Figure
 
 CONCLUSION = -1  # in place of the number of a case
-DOTS_PER_INCH = 130
+DOTS_PER_INCH = 110
 
 
 @dataclass(frozen=True)
