@@ -13,9 +13,9 @@ from blob_tracker.segmentation.box import Box, box_about
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
 from blob_tracker.simulation.line_jitter import draw_edge, jittering_offsets, line_offsets
 from blob_tracker.simulation.trailing_edge import MEMORY, peaked, PEAKING
+from blob_tracker.studies.beyond.trailing_edge_pictures import draw_removal, draw_row
 from blob_tracker.studies.chapter_5.displacements import segmented
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
-from blob_tracker.studies.beyond.trailing_edge_pictures import draw_removal, draw_row
 from blob_tracker.types import LocationError, SensorNoise, Window
 import numpy as np
 from numpy.typing import NDArray

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from blob_tracker.studies.chapter_5.pictures import draw_places, draw_spread
 from blob_tracker.studies.chapter_5.displacements import (
     bound, draw, figures_of, inches_per_pixel, LABORATORY, placed, PLACES,
     SEGMENTATIONS, STEPS, TARGETS, WHOLE,
 )
+from blob_tracker.studies.chapter_5.pictures import draw_places, draw_spread
 from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
 import numpy as np

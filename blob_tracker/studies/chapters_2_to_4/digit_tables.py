@@ -9,7 +9,6 @@ import math
 from blob_tracker.studies.chapters_2_to_4.digit_comparison import (
     compare_digits, DigitComparison, draw_errors,
 )
-from blob_tracker.studies.printed import load
 from blob_tracker.studies.chapters_2_to_4.sampled_pulse import (
     Blob,
     bound,
@@ -25,6 +24,7 @@ from blob_tracker.studies.chapters_2_to_4.sampled_pulse import (
     THREE,
     windows,
 )
+from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Case, Check, Findings, Measured, Study
 import numpy as np
 

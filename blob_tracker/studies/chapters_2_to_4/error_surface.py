@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from blob_tracker.studies.chapters_2_to_4.axes import new_axes
-from blob_tracker.studies.printed import load
 from blob_tracker.studies.chapters_2_to_4.row_sweeps import says
 from blob_tracker.studies.chapters_2_to_4.sampled_pulse import FINE, locate_stack, ONE, windows
+from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
 import numpy as np
 

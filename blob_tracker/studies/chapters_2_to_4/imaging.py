@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 from blob_tracker.studies.chapters_2_to_4.axes import COLOURS, legend_below, new_axes
 from blob_tracker.studies.chapters_2_to_4.digit_comparison import compare_digits
-from blob_tracker.studies.optics import computed, WIDTH_IN_THE_TEXT
-from blob_tracker.studies.printed import load
 from blob_tracker.studies.chapters_2_to_4.row_sweeps import says
 from blob_tracker.studies.chapters_2_to_4.sampled_pulse import ONE, rounded, ROUNDING, rows
+from blob_tracker.studies.optics import computed, WIDTH_IN_THE_TEXT
+from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
 import numpy as np
 

@@ -11,7 +11,6 @@ from blob_tracker.studies.chapters_2_to_4.digit_comparison import draw_errors
 from blob_tracker.studies.chapters_2_to_4.noise_readings import (
     CENTROID_READINGS, LOGARITHM_READINGS, Reading,
 )
-from blob_tracker.studies.printed import load
 from blob_tracker.studies.chapters_2_to_4.sampled_pulse import (
     Blob,
     bound,
@@ -26,6 +25,7 @@ from blob_tracker.studies.chapters_2_to_4.sampled_pulse import (
     windows,
 )
 from blob_tracker.studies.chapters_2_to_4.sampling import likely_count, place_among
+from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
 import numpy as np
 

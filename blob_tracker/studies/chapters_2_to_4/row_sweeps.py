@@ -13,15 +13,15 @@ from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm_1d
 from blob_tracker.location.multi_gaussian_simplex import multi_gaussian_simplex_1d
 from blob_tracker.studies.chapters_2_to_4.axes import COLOURS, GOAL, legend_below, new_axes
 from blob_tracker.studies.chapters_2_to_4.noise_readings import CENTROID_READINGS
-from blob_tracker.studies.printed import load, Statement
 from blob_tracker.studies.chapters_2_to_4.sampled_pulse import (
     Blob,
     Numbers,
-    row_bound,
     rounded,
     ROUNDING,
+    row_bound,
     rows,
 )
+from blob_tracker.studies.printed import load, Statement
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
 from blob_tracker.types import LocationError
 from matplotlib.figure import Figure

@@ -11,7 +11,6 @@ from blob_tracker.studies.chapters_2_to_4.digit_comparison import compare_digits
 from blob_tracker.studies.chapters_2_to_4.noise_readings import (
     CENTROID_READINGS, LOGARITHM_READINGS, Reading,
 )
-from blob_tracker.studies.printed import load
 from blob_tracker.studies.chapters_2_to_4.sampled_pulse import (
     Blob,
     COARSE,
@@ -24,6 +23,7 @@ from blob_tracker.studies.chapters_2_to_4.sampled_pulse import (
     THREE,
 )
 from blob_tracker.studies.chapters_2_to_4.sampling import place_among
+from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
 import numpy as np
 
@@ -224,7 +224,7 @@ STUDIES = (
     ),
     _study(
         'table_4_7', 'SNR of noisy three-Gaussian pulses, window 7 px',
-        "What is printed is Table 3.2 again, digit for digit: s = 1.0, 1.1 and 2.0, and not the "
+        'What is printed is Table 3.2 again, digit for digit: s = 1.0, 1.1 and 2.0, and not the '
         's = 2 to 15 of Figure 4.11; ours has those too.',
     ),
 )

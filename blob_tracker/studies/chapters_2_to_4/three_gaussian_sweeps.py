@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from blob_tracker.studies.chapters_2_to_4.axes import GOAL
-from blob_tracker.studies.printed import load
 from blob_tracker.studies.chapters_2_to_4.row_sweeps import Curve, says, study, Sweep
 from blob_tracker.studies.chapters_2_to_4.sampled_pulse import COARSE, THREE
+from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Check
 import numpy as np
 

@@ -11,12 +11,12 @@ from pathlib import Path
 import sys
 import time
 
-from blob_tracker.studies.runner.kept import Kept
 from blob_tracker.studies.registry import STUDIES
+from blob_tracker.studies.runner.kept import Kept
 from blob_tracker.studies.runner.report import write_report, write_study
 from blob_tracker.studies.runner.run import Outcome, run
-from blob_tracker.studies.study import Study
 from blob_tracker.studies.runner.workers import ClusterError, workers
+from blob_tracker.studies.study import Study
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn

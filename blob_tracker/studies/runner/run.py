@@ -12,8 +12,8 @@ import time
 import traceback
 from typing import Any
 
-from blob_tracker.studies.runner.kept import Kept
 from blob_tracker.studies.registry import STUDIES
+from blob_tracker.studies.runner.kept import Kept
 from blob_tracker.studies.study import Case, Check, Measured, Study, Table
 from matplotlib.figure import Figure
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from blob_tracker.studies.chapters_2_to_4.noise_tables import measure
-from blob_tracker.studies.printed import load
 from blob_tracker.studies.chapters_2_to_4.sampling import place_among
+from blob_tracker.studies.printed import load
 import numpy as np
 import pytest
 

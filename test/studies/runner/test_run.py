@@ -11,9 +11,9 @@ import sys
 import time
 
 from blob_tracker.__main__ import main
-from blob_tracker.studies.runner.kept import Kept
 from blob_tracker.studies.registry import STUDIES
 from blob_tracker.studies.runner import run as runner
+from blob_tracker.studies.runner.kept import Kept
 from blob_tracker.studies.study import Case, Findings, Measured, Study
 from distributed import LocalCluster
 from matplotlib.figure import Figure
