@@ -208,7 +208,10 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
             f'five looks). The jitter of the lines from frame to frame, which nothing can '
             f'take off, and the noise leave {floor:.4f} px.'
         ),
-        agreement='beyond the thesis',
+        agreement=(
+            f'the thesis ends at 0.25 px; the default pipeline at {clean:.4f} px rms, at '
+            f'{removed_rms:.3f} px where the analogue defects are taken off'
+        ),
         tables=[Table(
             'beyond', 'Default pipeline, active target, lit minus unlit, against the truth',
             ['what is in the pictures', 'step, px', 'looks', 'rms, px', 'less the offset, px',

@@ -61,7 +61,7 @@ class DigitComparison:
             )
         return (
             f'{self.same} of {count} numbers as printed, {self.one_off} one unit of the last '
-            f'digit off, {count - self.same - self.one_off} more'
+            f'digit off, {count - self.same - self.one_off} by more'
         )
 
 
