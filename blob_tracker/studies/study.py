@@ -107,7 +107,7 @@ class Study:
     title : str
         What it is about, in half a line.
     source : str
-        Which tables and figures of the thesis, with their pages; empty for what is beyond it.
+        Which tables, figures or sections of the thesis, with their pages.
     cases : callable
         From `quick` to the jobs, each of a second or so: they are spread over processes.
     measure : callable

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+from concurrent.futures import BrokenExecutor
 from contextlib import ExitStack
 from datetime import datetime, timezone
 from difflib import get_close_matches
 import os
 from pathlib import Path
+import re
 import sys
 import time
 
@@ -24,6 +26,7 @@ from rich.table import Table
 
 EVERY = 'all'
 AHEAD = 2  # jobs that wait for each worker
+KEPT = 'What was measured is kept: the same command goes on from there.'
 INTERRUPTED = 130  # exit code of what Ctrl-C ended
 
 
@@ -92,23 +95,29 @@ def main(arguments: argparse.Namespace) -> int:
             progress = stack.enter_context(_progress(console))
             count = sum(len(study.cases(arguments.quick)) for study in studies)
             task = progress.add_task('', total=count)
-            for outcome in run(
-                studies, quick=arguments.quick, kept=kept, executor=executor,
-                ahead=AHEAD * at_once,
-                tick=lambda name: progress.update(task, advance=1, description=name),
-            ):
-                outcomes[outcome.name] = outcome
-                write_study(arguments.out, outcome)
-                _print(progress.console, outcome)
+            try:
+                for outcome in run(
+                    studies, quick=arguments.quick, kept=kept, executor=executor,
+                    ahead=AHEAD * at_once,
+                    tick=lambda name: progress.update(task, advance=1, description=name),
+                ):
+                    outcomes[outcome.name] = outcome
+                    write_study(arguments.out, outcome)
+                    _print(progress.console, outcome)
+            except KeyboardInterrupt:
+                progress.stop()
+                print(f'\nInterrupted; a moment. {KEPT}', file=sys.stderr)
+                return INTERRUPTED
     except ClusterError as error:
         print(error, file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
-        print(
-            f'\nInterrupted. What was measured is kept in {arguments.out / "kept"}: the same '
-            'command goes on from there.', file=sys.stderr,
-        )
-        return INTERRUPTED
+    except BrokenExecutor as error:
+        print(f'{error}\nWhere a process was killed for want of memory: fewer --jobs. {KEPT}',
+              file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f'--out {arguments.out}: {error.strerror}. {KEPT}', file=sys.stderr)
+        return 1
     done = [outcomes[study.name] for study in studies]
     path = write_report(
         arguments.out, done, quick=arguments.quick, when=datetime.now(timezone.utc)
@@ -126,14 +135,26 @@ def main(arguments: argparse.Namespace) -> int:
 
 def _chosen(names: list[str]) -> list[Study]:
     """Return the studies of these names, in the order of the list; raise ValueError for others."""
-    for name in names:
+    chosen = {_containing(name) for name in names}
+    for name in chosen:
         if name != EVERY and name not in STUDIES:
-            near = get_close_matches(name, STUDIES, 3, 0.4)
+            near = get_close_matches(name.lower(), [EVERY, *STUDIES], 3, 0.4)
             hint = f'did you mean {", ".join(near)}?' if near else 'see the list'
             raise ValueError(
                 f"there is no study '{name}'; {hint} (python3 -m blob_tracker study lists them)"
             )
-    return [study for study in STUDIES.values() if EVERY in names or study.name in names]
+    return [study for study in STUDIES.values() if EVERY in chosen or study.name in chosen]
+
+
+def _containing(name: str) -> str:
+    """Return the study that holds a figure or table which has none of its own, or the name."""
+    found = re.fullmatch(r'(figure|table)_(\d+)_(\d+)', name)
+    if found and name not in STUDIES:
+        pattern = rf'{found[1]} {found[2]}\.{found[3]}\b'
+        for study in STUDIES.values():
+            if re.search(pattern, study.source, re.IGNORECASE):
+                return study.name
+    return name
 
 
 def _list(console: Console) -> None:
@@ -142,7 +163,7 @@ def _list(console: Console) -> None:
     for heading in ('name', 'what', 'in the thesis'):
         table.add_column(heading)
     for study in STUDIES.values():
-        table.add_row(study.name, study.title, study.source or '-')
+        table.add_row(study.name, study.title, study.source)
     console.print(table)
     console.print(f'python3 -m blob_tracker study NAME ... | {EVERY} [--quick]', highlight=False)
 

@@ -51,12 +51,12 @@ class Kept:
         os.replace(whole, path)  # a file is there whole, or not at all
 
     def _path(self, study: str, case: Case) -> Path:
-        key = json.dumps([_version(), case], sort_keys=True)
+        key = json.dumps([version(), case], sort_keys=True)
         return self._folder / f'{study}-{sha256(key.encode()).hexdigest()[:24]}.json'
 
 
 @lru_cache(maxsize=1)
-def _version() -> str:
+def version() -> str:
     """Return a digest of the package's files."""
     root = Path(blob_tracker.__file__).parent
     digest = sha256()

@@ -38,7 +38,10 @@ def write_report(
     folder: Path, outcomes: Sequence[Outcome], *, quick: bool, when: datetime
 ) -> Path:
     """
-    Write report.html, which needs no other file, and summary.md, the table of the README.
+    Write a page that needs no other file, and of all studies the table of the README.
+
+    report.html and summary.md are of all studies, part.html of some; a quick run adds _quick, so
+    that it leaves the page of the full one.
 
     Parameters
     ----------
@@ -73,9 +76,12 @@ def write_report(
         *(_section(outcome) for outcome in outcomes),
         '</main></body></html>',
     ]
-    path = folder / 'report.html'
+    whole = len(outcomes) == len(STUDIES)
+    ending = '_quick' if quick else ''
+    path = folder / f'{"report" if whole else "part"}{ending}.html'
     path.write_text('\n'.join(page), encoding='utf-8')
-    (folder / 'summary.md').write_text(summary(outcomes), encoding='utf-8')
+    if whole:
+        (folder / f'summary{ending}.md').write_text(summary(outcomes), encoding='utf-8')
     return path
 
 
@@ -83,10 +89,8 @@ def summary(outcomes: Sequence[Outcome]) -> str:
     """Return the table that says, line by line, what of the thesis is reproduced, as Markdown."""
     lines = ['| Thesis | How closely | `python3 -m blob_tracker study` ... |', '|---|---|---|']
     for outcome in outcomes:
-        source = STUDIES[outcome.name].source
-        if source:
-            closely = 'failed' if outcome.failed else outcome.agreement or 'beyond the thesis'
-            lines.append(f'| {source} | {closely} | `{outcome.name}` |')
+        closely = 'failed' if outcome.failed else outcome.agreement
+        lines.append(f'| {STUDIES[outcome.name].source} | {closely} | `{outcome.name}` |')
     return '\n'.join(lines) + '\n'
 
 
@@ -100,7 +104,7 @@ def _overview(outcomes: Sequence[Outcome]) -> str:
         good = not outcome.failed and met == len(outcome.checks)
         rows.append(
             f'<tr><td><a href="#{study.name}">{study.name}</a></td><td>{escape(study.title)}</td>'
-            f'<td>{escape(study.source) or "beyond it"}</td><td>{escape(outcome.agreement)}</td>'
+            f'<td>{escape(study.source)}</td><td>{escape(outcome.agreement)}</td>'
             f'<td class="{"met" if good else "unmet"}">{state}</td></tr>'
         )
     return (
@@ -114,8 +118,9 @@ def _section(outcome: Outcome) -> str:
     """Return the part of the page that a study has."""
     study = STUDIES[outcome.name]
     parts = [f'<section id="{study.name}"><h2>{escape(study.title)}</h2>']
-    source = f' &middot; {escape(study.source)}' if study.source else ''
-    parts.append(f'<p class="source"><code>{study.name}</code>{source}</p>')
+    parts.append(
+        f'<p class="source"><code>{study.name}</code> &middot; {escape(study.source)}</p>'
+    )
     if outcome.failed:
         return ''.join([*parts, f'<pre class="unmet">{escape(outcome.shows)}</pre></section>'])
     parts.append(f'<p class="shows">{escape(outcome.shows)}</p>')

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import BrokenExecutor, Executor, FIRST_COMPLETED, Future, wait
+from concurrent.futures import (
+    BrokenExecutor, CancelledError, Executor, FIRST_COMPLETED, Future, wait,
+)
 from dataclasses import dataclass, field, replace
 from io import BytesIO
 import json
@@ -13,7 +15,7 @@ import traceback
 from typing import Any
 
 from blob_tracker.studies.registry import STUDIES
-from blob_tracker.studies.runner.kept import Kept
+from blob_tracker.studies.runner.kept import Kept, version
 from blob_tracker.studies.study import Case, Check, Measured, Study, Table
 from matplotlib.figure import Figure
 
@@ -87,6 +89,11 @@ def run(
     Outcome
         In the order in which they end.
 
+    Raises
+    ------
+    BrokenExecutor
+        Where a worker or the cluster is gone, or has another version of the package.
+
     """
     cases = {study.name: list(study.cases(quick)) for study in studies}
     found: dict[str, dict[int, Measured]] = {name: {} for name in cases}
@@ -124,14 +131,18 @@ def run(
             tick(name)
             case = cases[name][place]
             try:
-                measured, took = future.result()
+                measured, took, theirs = future.result()
             except BrokenExecutor:
-                raise  # a worker was killed: nothing that follows would be done
+                raise  # nothing that follows would be done
+            except CancelledError:
+                raise BrokenExecutor('the scheduler of the cluster is gone') from None
             except Exception as error:  # of this study; the others go on
                 if name not in failed:
                     failed.add(name)
                     yield Outcome(name, f'{case}: {type(error).__name__}: {error}', failed=True)
                 continue
+            if theirs != version():
+                raise BrokenExecutor('the workers have another version of blob_tracker')
             kept.put(name, case, measured)
             found[name][place] = measured
             seconds[name] += took
@@ -139,11 +150,11 @@ def run(
                 waiting.appendleft((name, CONCLUSION))
 
 
-def _measure(name: str, case: Case) -> tuple[Measured, float]:
-    """Do one job; return what it found, as JSON keeps it, and the seconds that it took."""
+def _measure(name: str, case: Case) -> tuple[Measured, float, str]:
+    """Do one job; return what it found, as JSON keeps it, the seconds, and the version."""
     began = time.perf_counter()
     measured: Measured = json.loads(json.dumps(STUDIES[name].measure(case)))
-    return measured, time.perf_counter() - began
+    return measured, time.perf_counter() - began, version()
 
 
 def _conclude(name: str, whole: Sequence[tuple[Case, Measured]]) -> Outcome:

@@ -46,7 +46,10 @@ def workers(count: int, dask: str | None) -> Iterator[tuple[Executor, int]]:
     try:
         yield executor, count
     finally:
+        # A second Ctrl-C would leave processes that wait for each other.
+        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
         executor.shutdown(cancel_futures=True)
+        signal.signal(signal.SIGINT, before)
 
 
 def _leave_interrupts() -> None:

@@ -43,7 +43,7 @@ def test_all_quick(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(['study', 'all', '--quick', '--jobs', '1', '--out', str(tmp_path)]) == 0
     assert 'failed' not in capsys.readouterr().out
     page = _Page()
-    page.feed((tmp_path / 'report.html').read_text(encoding='utf-8'))
+    page.feed((tmp_path / 'report_quick.html').read_text(encoding='utf-8'))
     assert page.open == []
     assert page.places == list(STUDIES)
     assert page.anchors == [f'#{name}' for name in STUDIES]
@@ -54,7 +54,7 @@ def test_all_quick(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         for path in tables:
             rows = list(csv.reader(path.open(encoding='utf-8')))
             assert len(rows) > 1 and {len(row) for row in rows} == {len(rows[0])}, path
-    summary = (tmp_path / 'summary.md').read_text(encoding='utf-8')
+    summary = (tmp_path / 'summary_quick.md').read_text(encoding='utf-8')
     assert all(study.source in summary for study in STUDIES.values())
 
 
@@ -62,15 +62,16 @@ def test_the_readme_has_a_line_for_each() -> None:
     """In the table that says what of the thesis is reproduced, how closely and by what."""
     readme = (Path(__file__).parents[3] / 'README.md').read_text(encoding='utf-8')
     for study in STUDIES.values():
-        if study.source:
-            line = rf'^\| {re.escape(study.source)} \| .+ \| `{study.name}` \|$'
-            assert re.search(line, readme, re.MULTILINE), study.name
+        line = rf'^\| {re.escape(study.source)} \| .+ \| `{study.name}` \|$'
+        assert re.search(line, readme, re.MULTILINE), study.name
 
 
 def test_names_are_checked(capsys: pytest.CaptureFixture[str]) -> None:
     """A wrong name is wrong use, and near ones are named."""
     assert main(['study', 'table_3_33']) == 2
     assert 'did you mean table_3_3' in capsys.readouterr().err
+    assert main(['study', 'ALL']) == 2
+    assert 'did you mean all' in capsys.readouterr().err
 
 
 def test_the_list(capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 from math import isnan
 from pathlib import Path
 import signal
@@ -12,7 +12,8 @@ import time
 
 from blob_tracker.__main__ import main
 from blob_tracker.studies.registry import STUDIES
-from blob_tracker.studies.runner import run as runner
+from blob_tracker.studies.runner import command, run as runner
+from blob_tracker.studies.runner.command import _chosen
 from blob_tracker.studies.runner.kept import Kept
 from blob_tracker.studies.study import Case, Findings, Measured, Study
 from distributed import LocalCluster
@@ -131,6 +132,28 @@ def test_on_a_cluster(tmp_path: Path) -> None:
     assert tables[0]
     for one, other in zip(*tables, strict=True):
         assert one.read_bytes() == other.read_bytes()
+
+
+def test_a_figure_within_another_study_and_a_part_of_all(tmp_path: Path) -> None:
+    """What has no study of its own is found by its number; the page of all stays as it is."""
+    (tmp_path / 'report.html').write_text('of all')
+    assert main(['study', 'figure_2_3', '--out', str(tmp_path)]) == 0
+    assert (tmp_path / 'report.html').read_text() == 'of all'
+    assert 'Rounding as noise' in (tmp_path / 'part.html').read_text()
+    assert [study.name for study in _chosen(['figure_5_6'])] == ['table_5_5']
+
+
+def test_a_worker_that_is_killed_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As it is where the memory ends: a line, and what was measured stays."""
+    def broken(*_: object, **__: object) -> None:
+        raise BrokenExecutor('a process of the pool is gone')
+
+    monkeypatch.setattr(command, 'run', broken)
+    assert main(['study', SMALL, '--out', str(tmp_path)]) == 1
+    said = capsys.readouterr().err
+    assert 'a process of the pool is gone' in said and 'is kept' in said
 
 
 def test_no_cluster(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
