@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isnan
+from math import isnan, nan
 
 from benchmarks.accuracy import Bias, Row, TARGET
 from benchmarks.bearing import Row as BearingRow
@@ -12,7 +12,7 @@ from benchmarks.contender import Contender
 from benchmarks.detection import ASKED_SNR, OURS, Row as DetectionRow, share, SNRS
 from benchmarks.finders import FINDERS
 from benchmarks.lab import Row as LabRow
-from benchmarks.latency import Figures
+from benchmarks.latency import Figures, HOP, NO_FRAME, SMALL, USUAL
 from benchmarks.motion import Row as MotionRow
 from benchmarks.real_frames import Row as FrameRow
 from benchmarks.real_pixels import Row as RealRow
@@ -245,12 +245,14 @@ def latency(figures: Figures) -> list[Table]:
         'way', 'frames', 'Hz', 'median, ms', 'p99, ms', 'p99.9, ms', 'over bare hops: median, p99',
         'lost', 'of one core, %',
         title='From a frame to its bearing in another process',
-        caption='medians over the rounds; p99.9 of all of them together',
+        caption='medians over the rounds; p99.9 of all of them together; the three hops to a '
+        f'bearing, bare, take {_three_hops(figures):.2f} times as long as the two',
     )
     for row in figures.rows:
+        size = f'{row.size[0]} x {row.size[1]}' if row.size != NO_FRAME else 'a bearing'
         compared = f'{row.over_hops:.2f}, {row.tails_over_hops:.2f}'
         ways.add_row(
-            row.way, f'{row.size[0]} x {row.size[1]}', f'{row.rate:g}',
+            row.way, size, f'{row.rate:g}',
             f'{1e3 * np.median(row.medians):.2f}', f'{1e3 * np.median(row.tails):.2f}',
             f'{1e3 * row.late:.2f}', '' if isnan(row.over_hops) else compared,
             f'{row.lost} of {row.expected:,}',
@@ -270,6 +272,13 @@ def latency(figures: Figures) -> list[Table]:
             str(each.collections), f'{1e3 * each.pause:.2f}',
         )
     return [ways, nodes]
+
+
+def _three_hops(figures: Figures) -> float:
+    """Return what the hops of frame, window and bearing take over those of frame and window."""
+    hops = {row.size: float(np.median(row.medians)) for row in figures.rows if row.way == HOP}
+    two = hops.get(USUAL, nan) + hops.get(SMALL, nan)
+    return (two + hops.get(NO_FRAME, nan)) / two
 
 
 def motion(rows: Sequence[MotionRow]) -> Table:

@@ -25,6 +25,7 @@ Tick = Callable[[str], None]
 
 SMALL, USUAL, LARGE = (64, 64), (640, 480), (1920, 1200)
 HOP, THREE, ONE = 'bare hop', 'three processes', 'one process'
+NO_FRAME = (0, 0)  # the size of a hop that carries a bearing
 NAMESPACE = 'one'  # of the pipeline: it lives beside the three
 WARM_UP = 1.0  # s
 GRACE = 0.3  # s after the end of a stream for the last message
@@ -258,10 +259,12 @@ def run(plan: Plan, tick: Tick) -> Figures:
     with ExitStack() as stack:
         nodes = Nodes(stack, tick)
         rounds = [nodes.one_round(plan.seconds, index) for index in range(plan.rounds)]
-        small, usual, three, one = ([each[place] for each in rounds] for place in range(4))
+        small, usual, bearing, three, one = zip(*rounds)
         rows = [
             row(HOP, SMALL, 60.0, small),
             row(HOP, USUAL, 60.0, usual),
+            # Of a frame and the unlit one after it comes one bearing.
+            row(HOP, NO_FRAME, 30.0, bearing),
             row(THREE, USUAL, 60.0, three, (small, usual)),
             row(ONE, USUAL, 60.0, one, (small,)),
         ]
@@ -316,11 +319,12 @@ class Nodes:
         return {**self._three, 'pipeline': self._one}
 
     def one_round(self, seconds: float, index: int) -> list[Stream]:
-        """Walk both hops and both ways once at 60 Hz."""
+        """Walk the hops and both ways once at 60 Hz, lit and unlit in turn."""
         self._tick(f'ways and bare hops at 60 Hz, round {index + 1}')
         streams = [
             hop(SMALL, 60.0, seconds),
             hop(USUAL, 60.0, seconds),
+            bearing_hop(30.0, seconds),
             self.walk(THREE, USUAL, 60.0, seconds),
             self.walk(ONE, USUAL, 60.0, seconds),
         ]
@@ -400,6 +404,17 @@ def hop(
         camera.answer()
         sent = _stream(camera, size, rate, warm_up + seconds)
         return pair(sent, _arrived(subscriber), lit_alone=False, warm_up=warm_up)
+
+
+def bearing_hop(rate: float, seconds: float) -> Stream:
+    """Publish bearings in one process and receive them in another."""
+    with ExitStack() as stack:
+        subscriber = stack.enter_context(Process('subscriber', 'bearing', 'hop/bearing'))
+        sender = stack.enter_context(Process('bearings', 'hop/bearing'))
+        subscriber.answer()
+        sender.answer()
+        sender.ask({'rate': rate, 'seconds': WARM_UP + seconds})
+        return pair(sender.answer(), _arrived(subscriber), lit_alone=False)
 
 
 def _arrived(subscriber: Process) -> Sequence[tuple[int, int]]:
