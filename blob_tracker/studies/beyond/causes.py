@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache
 import math
 
 from blob_tracker.camera.trailing_edge import TrailingEdge
@@ -153,15 +152,11 @@ def _entries(
     ]
 
 
-@cache
-def _limit(target: str, averaged: bool) -> float:
-    return bound(TARGETS[target], averaged=averaged)
-
-
 def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
     """Lay out the causes, what size each would need, and what holds of the thesis' results."""
     rows: list[list[Cell]] = []
     table: dict[tuple[str, str, str], dict[str, float]] = {}
+    limits = {name: bound(target, 1) for name, target in TARGETS.items()}
     for target in TARGETS:
         for cause in CAUSES:
             for name in LOCATORS:
@@ -177,7 +172,7 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
                     }
                     table[target, cause, f'{name}|{looks}'] = summary
                     row += list(summary.values())
-                rows.append([*row, _limit(target, False)])
+                rows.append([*row, limits[target]])
     columns = ['target', 'cause', 'locator']
     for looks in ('one look', 'mean of five'):
         columns += [
@@ -259,11 +254,11 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
         ],
         figures={
             'causes_active': draw_causes('active', list(CAUSES), list(LOCATORS), table,
-                                         _limit('active', False)),
+                                         limits['active']),
             'causes_passive': draw_causes('passive', list(CAUSES), list(LOCATORS), table,
-                                          _limit('passive', False)),
+                                          limits['passive']),
             'causes_sizes': draw_sizes(curves, {name: SIZES[name][0] for name in SIZES},
-                                       quarter, _limit('active', False)),
+                                       quarter, limits['active']),
         },
         checks=[
             Check('the windows of the thesis alone make its centroid err by a quarter pixel',

@@ -254,21 +254,33 @@ def placed(
     return found + sequence.corner[0]
 
 
-def bound(target: Target, *, averaged: bool) -> float:
+def bound(target: Target, looks: int, *, unlit: bool = False) -> float:
     """
     Return the Cramer-Rao bound of x, rms px, in the whole crop and without defects.
 
-    It is that of 1 DN of noise and the rounding, amplitudes, widths and background unknown, as
-    the mean over places within a pixel.
+    It is that of 1 DN of noise and the rounding, amplitudes and widths unknown, as the mean over
+    places within a pixel. They and the background are even about the place, x is odd: whether
+    they are known makes no difference to it.
+
+    Parameters
+    ----------
+    target : Target
+        What is looked at.
+    looks : int
+        Pictures of which the mean is taken.
+    unlit : bool
+        Of lit minus unlit: pixel by pixel, with the noise of both.
+
     """
     amplitude = brightness(target, Conditions())
-    deviation = np.sqrt((NOISE.read_noise**2 + 1.0 / 12.0) / (LOOKS if averaged else 1))
-    noise = SensorNoise(np.inf, float(np.sqrt(max(deviation**2 - 1.0 / 12.0, 0.0))))
+    floor = (NOISE.read_noise**2 + 1.0 / 12.0) / looks  # of the mean of the looks
+    noise = replace(NOISE, read_noise=float(np.sqrt(max(floor - 1.0 / 12.0, 0.0))))
     middle = (SIDE - 1) / 2.0
     variances = [
         cramer_rao_bound(
             (SIDE, SIDE), x=middle + phase, y=middle, sigma=target.sigmas,
             amplitude=amplitude * target.amplitudes, background=target.background, noise=noise,
+            unlit=unlit,
         )[0, 0]
         for phase in (0.0, 0.25, 0.5)
     ]

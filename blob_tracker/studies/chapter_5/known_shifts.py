@@ -88,7 +88,7 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
             histtype='step', linewidth=1.5 - 0.3 * index, color=COLOURS[index],
             label=f'{feet} ft, steps of {step} px',
         )
-    limit = bound(TARGETS['passive'], averaged=False)
+    limit = bound(TARGETS['passive'], 1)
     least = 100.0 * limit / sqrt(float(np.sum((np.arange(11) - 5.0) ** 2)))
     axes.axvspan(-least, least, color='#000000', alpha=0.25,
                  label=f'+- Cramer-Rao bound of eleven places, {least:.3f} %')

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 from blob_tracker.studies.chapter_5.displacements import (
-    bound, draw, figures_of, inches_per_pixel, LABORATORY, placed, PLACES,
+    bound, draw, figures_of, inches_per_pixel, LABORATORY, LOOKS, placed, PLACES,
     SEGMENTATIONS, STEPS, TARGETS, WHOLE,
 )
 from blob_tracker.studies.chapter_5.pictures import draw_places, draw_spread
@@ -132,8 +132,7 @@ def _conclude(trial: _Trial, results: Sequence[tuple[Case, Measured]]) -> Findin
     printed = load(f'table_{trial.number}')
     target = TARGETS[trial.target]
     limits = {
-        looks: bound(target, averaged=looks == 'multi')
-        for looks in ('single', 'multi')
+        looks: bound(target, count) for looks, count in (('single', 1), ('multi', LOOKS))
     }
     rows: list[list[Cell]] = []
     within, compared, worst = 0, 0, []

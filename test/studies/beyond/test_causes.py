@@ -36,7 +36,7 @@ def test_windows_alone_spoil_the_centroid() -> None:
 
 def test_noise_alone_leaves_three_gaussians_near_the_bound() -> None:
     """To 1.3 times of it: one sixth of the 44 errors is sampling, the small window the rest."""
-    assert apart('noise 1 DN', LM) < 1.5 * bound(TARGETS['active'], averaged=False)
+    assert apart('noise 1 DN', LM) < 1.5 * bound(TARGETS['active'], 1)
 
 
 def test_the_trailing_edge_is_an_offset() -> None:

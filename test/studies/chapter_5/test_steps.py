@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from blob_tracker.studies.chapter_5 import known_shifts, steps, trailing_edge_row
 from blob_tracker.studies.chapter_5.displacements import (
-    bound, Conditions, draw, figures_of, inches_per_pixel, LABORATORY, placed, SEGMENTATIONS,
+    bound, Conditions, draw, figures_of, inches_per_pixel, LABORATORY, LOOKS, placed, SEGMENTATIONS,
     segmented, STEPS, TARGETS,
 )
 from blob_tracker.studies.printed import load
@@ -62,7 +62,7 @@ def test_steps_are_the_camera_s() -> None:
     sequence = draw(TARGETS['active'], '1.00', Conditions(), 5)
     x = placed(sequence, 'otsu_window', 'multi_gaussian_lm', averaged=True, removed=False)
     found = figures_of(x, sequence.truth)
-    error = bound(TARGETS['active'], averaged=True)
+    error = bound(TARGETS['active'], LOOKS)
     assert found['mean'] == pytest.approx(1.0, abs=4 * np.sqrt(2.0) * error / 10)
     assert found['rms'] is not None
     assert found['rms'] < 3.0 * error
