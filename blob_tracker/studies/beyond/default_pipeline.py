@@ -204,8 +204,8 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
             'shears the picture, which a camera calibration takes up and pictures of an edge '
             f'cannot tell from its lean. With that line left in it is {sheared:.4f} px. The '
             'jitter of the lines from frame to frame, which nothing can take off, and the noise '
-            f'leave {floor:.4f} px. Without defects the error is {clean / limits(1, jitter=False):.2f} '
-            f'times the Cramer-Rao bound of lit minus unlit, {limits(1, jitter=False):.4f} px. It '
+            f'leave {floor:.4f} px. Without defects the error is '
+            f'{clean / limits(1, jitter=False):.2f} times the Cramer-Rao bound of lit minus unlit, {limits(1, jitter=False):.4f} px. It '
             'may be below it: that bound pays the noise of the unlit picture in each pixel, of '
             'which the likelihood takes only the mean where it is flat. What bounds it is one '
             f'picture with its background known, {flat:.4f} px. The covariance is not the true '
@@ -222,7 +222,8 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
         agreement=(
             f'the thesis ends at 0.25 px; the default pipeline at {clean:.4f} px rms, at '
             f'{removed:.3f} px where the analogue defects are taken off ({sheared:.3f} px with '
-            f"the jitter's straight line left in); NEES of x {_range(nees['no defects', 'single'])}"
+            f"the jitter's straight line left in); NEES of x without them "
+            f'{_range(nees["no defects", "single"])}'
         ),
         tables=[Table(
             'beyond', 'Default pipeline, active target, lit minus unlit, against the truth',

@@ -58,7 +58,7 @@ def test_pictures_are_as_the_thesis_took_them(target: str) -> None:
 
 
 def test_steps_are_the_camera_s() -> None:
-    """Three Gaussians on rounded pixels without defects: 1 px steps to four of their errors."""
+    """Three Gaussians in 1 DN of noise without defects: 1 px steps to four of their errors."""
     sequence = draw(TARGETS['active'], '1.00', Conditions(), 5)
     x = placed(sequence, 'otsu_window', 'multi_gaussian_lm', averaged=True, removed=False)
     found = figures_of(x, sequence.truth)
