@@ -228,8 +228,9 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
             'the common offset is off. Of the three Gaussians no defect at the size of the text, '
             f'nor all together (active target, one look: {everything["apart"]:.3f} px rms, worst '
             f'{everything["worst"]:.2f} px), makes {quarter} px but for the common offset (either '
-            f'target, worst {severest:.2f} px): it takes {needed["turn"]} of turning of the camera at each '
-            f'setting, {needed["caliper"]} of the stage, or {needed["per_frame"]} from frame to '
+            f'target, worst {severest:.2f} px): it takes {needed["turn"]} of turning of the '
+            f'camera at each setting, {needed["caliper"]} of the stage, or {needed["per_frame"]} '
+            'from frame to '
             'frame. As the mean of five looks did not help the thesis (its variances are '
             f'{ratios:.2f} of those of one look, the median, where what is new in each look '
             'would give 0.2), what it suffered from stays for all looks of a place: the stage or '
@@ -281,8 +282,8 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
                   'each cause but the turning camera, both targets, one look and five',
                   f'{severest:.3f} px at most; {everything["worst"]:.3f} px with all, active '
                   'target, one look', severest < quarter),
-            Check('maximum likelihood is within the goal with all defects, active target, one look, '
-                  'but for the common offset',
+            Check('maximum likelihood is within the goal with all defects, active target, one '
+                  'look, but for the common offset',
                   f'{goal} px rms', f'{best["apart"]:.4f} px', best['apart'] <= goal),
             Check('turning of the camera, of 0.1 mrad, gives the printed variance of LM',
                   f'{least:.4f} to {most:.4f} px^2, those of the active target',

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from blob_tracker.studies.chapter_5 import known_shifts, steps, trailing_edge_row
 from blob_tracker.studies.chapter_5.displacements import (
-    bound, Conditions, draw, figures_of, inches_per_pixel, LABORATORY, LOOKS, placed, SEGMENTATIONS,
-    segmented, STEPS, TARGETS,
+    bound, Conditions, draw, figures_of, inches_per_pixel, LABORATORY, LOOKS, placed,
+    SEGMENTATIONS, segmented, STEPS, TARGETS,
 )
 from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Findings, Study
