@@ -30,11 +30,11 @@ def draw_errors(
             label=f'{way}, {"one look" if looks == "single" else "five looks"}',
         )
     axes.axvline(limit, color='#000000', linewidth=1.0,
-                 label='Cramer-Rao bound, lit minus unlit, one look')
+                 label='Cramer-Rao bound, lit minus unlit')
     axes.axvline(flat, color='#000000', linestyle=':', linewidth=1.0,
-                 label='the same, flat background known')
+                 label='the same, background known')
     axes.axvline(floor, color='#888888', linewidth=1.0,
-                 label='bound, lit minus unlit, and line jitter')
+                 label='that of lit minus unlit, line jitter')
     axes.axvline(goal, color='#000000', linestyle='-.', linewidth=1.0, label=f'goal, {goal} px')
     axes.axvline(0.25, color='#000000', linestyle='--', linewidth=1.0, label='the thesis, 0.25 px')
     axes.set_xscale('log')
@@ -42,10 +42,11 @@ def draw_errors(
     axes.set_xlabel('error of a place against the truth, px')
     axes.set_ylabel('part of the places below it')
     axes.grid(True, **THIN)
-    figure.legend(loc='outside lower center', ncols=3, fontsize=8)
+    figure.legend(loc='outside lower center', ncols=3, fontsize=7.5)
     figure.suptitle(
         'Default pipeline: absolute errors, active target, all steps\n'
-        "(defects removed: but for the straight line through the lines' jitter)", fontsize=10,
+        '(bounds of one look; defects removed: but for the straight line through the jitter)',
+        fontsize=10,
     )
     return figure
 
