@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from blob_tracker.camera.trailing_edge import TrailingEdge
-from blob_tracker.location.pulse import integrated_profile
 from blob_tracker.simulation.frame_grabber import CELLS, grabbed, PIXELS
 from blob_tracker.simulation.line_jitter import jittering_offsets, line_offsets
+from blob_tracker.simulation.profiles import Profile
 from blob_tracker.simulation.trailing_edge import peaked
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -70,8 +70,9 @@ class AnalogueChain:
         corner: tuple[int, int],
         x: float,
         y: float,
-        amplitudes: NDArray[np.float64],
-        sigmas: NDArray[np.float64],
+        profile: Profile,
+        sigma: float,
+        amplitude: float,
         background: float,
         random: np.random.Generator,
     ) -> NDArray[np.float64]:
@@ -89,8 +90,12 @@ class AnalogueChain:
             Column and row of its first pixel in the picture.
         x, y : float
             Place of the blob on the cells, px of the whole picture.
-        amplitudes, sigmas : (K,) arrays
-            Peaks above the background, DN, and standard deviations, px, of its Gaussians.
+        profile : Profile
+            Shape of the blob.
+        sigma : float
+            Its size, px.
+        amplitude : float
+            Peak above the background, DN.
         background : float
             DN above black.
         random : Generator
@@ -109,10 +114,9 @@ class AnalogueChain:
             self.offsets()[lines], random, per_line=self.per_line, per_frame=self.per_frame
         )
         count = corner[0] - left + width + 2  # the cells of a pixel reach past it
-        down = integrated_profile(height, np.full(sigmas.shape, y - corner[1]), sigmas)[0]
-        places = np.broadcast_to(x - left + offsets, (sigmas.size, height))
-        across = integrated_profile(count, places, sigmas[:, None])[0]
-        mean = background + np.einsum('l,lh,lhw->hw', amplitudes, down, across)
+        mean = background + amplitude * profile.over_pixels(
+            (height, count), x - left + offsets, y - corner[1], sigma
+        )
         if self.trailing_edge is not None:
             mean = peaked(mean, self.trailing_edge)
         if self.own_clock:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from blob_tracker.location.pulse import integrated_profile
 import numpy as np
 from numpy.typing import NDArray
 import scipy  # which loads special, 20 MB, when it is first used
@@ -80,40 +79,6 @@ def draw_edge(
     phi = np.exp(-0.5 * scaled**2) / np.sqrt(2.0 * np.pi)
     integral = borders * 0.5 * (1.0 + scipy.special.erf(scaled / np.sqrt(2.0))) + sigma * phi
     return dark + (bright - dark) * np.diff(integral, axis=1)
-
-
-def draw_pulse(
-    shape: tuple[int, int],
-    places: NDArray[np.float64],
-    y: float,
-    sigma: float,
-    amplitude: float,
-) -> NDArray[np.float64]:
-    """
-    Return the mean signal of a round pulse, integrated over each pixel, its lines displaced.
-
-    Parameters
-    ----------
-    shape : (int, int)
-        Height and width, px.
-    places : (h,) array
-        x of the pulse's centre in each line, px.
-    y : float
-        Its line, px.
-    sigma : float
-        Standard deviation, px.
-    amplitude : float
-        Peak, DN.
-
-    Returns
-    -------
-    (h, w) array
-        DN.
-
-    """
-    height, width = shape
-    down = integrated_profile(height, y, sigma)[0]
-    return amplitude * down[:, None] * integrated_profile(width, places, sigma)[0]
 
 
 def displaced_lines(

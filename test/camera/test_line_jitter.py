@@ -8,8 +8,8 @@ from pathlib import Path
 from blob_tracker.camera import CalibrationError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import locate
-from blob_tracker.simulation import expose
-from blob_tracker.simulation.line_jitter import draw_pulse, line_offsets
+from blob_tracker.simulation import expose, pixel_integrated_gaussian
+from blob_tracker.simulation.line_jitter import line_offsets
 from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +43,8 @@ def located(
         lit = np.zeros((SIZE, SIZE), np.uint16)
         for _ in range(looks):
             lines = offsets + jitter.sigma_from_frame_to_frame * random.standard_normal(SIZE)
-            mean = 10.0 + draw_pulse((SIZE, SIZE), x + lines, y, sigma, 150.0)
+            pulse = pixel_integrated_gaussian((SIZE, SIZE), x + lines, y, sigma)
+            mean = 10.0 + 150.0 * pulse
             lit += expose(mean, noise, random, saturation=4095)
         location = locate(Window(lit, y0=top, x0=100, looks=looks), noise=noise)
         if corrected:

@@ -8,22 +8,20 @@ from blob_tracker.camera.trailing_edge import TrailingEdge
 from blob_tracker.simulation import pixel_integrated_gaussian
 from blob_tracker.simulation.analogue_chain import AnalogueChain, LINES
 from blob_tracker.simulation.frame_grabber import CELLS, grabbed, PIXELS
-from blob_tracker.simulation.line_jitter import (
-    displaced_lines, draw_pulse, jittering_offsets, line_offsets,
-)
+from blob_tracker.simulation.line_jitter import displaced_lines, jittering_offsets, line_offsets
+from blob_tracker.simulation.profiles import Gaussian
 from blob_tracker.simulation.trailing_edge import peaked
 import numpy as np
 from numpy.typing import NDArray
 import pytest
 
 SHAPE, CORNER = (41, 56), (300, 220)
-ONE, SIGMA = np.array([100.0]), np.array([2.5])
 
 
 def drawn(chain: AnalogueChain, seed: int = 0) -> NDArray[np.float64]:
     """Return a window of a blob at (328.3, 239.7)."""
     random = np.random.default_rng(seed)
-    return chain.window(SHAPE, CORNER, 328.3, 239.7, ONE, SIGMA, 10.0, random)
+    return chain.window(SHAPE, CORNER, 328.3, 239.7, Gaussian(), 2.5, 100.0, 10.0, random)
 
 
 def centre(picture: NDArray[np.float64]) -> float:
@@ -64,12 +62,10 @@ def test_jitter_scatters_lines_and_frames_by_what_is_asked() -> None:
 def test_a_picture_is_displaced_as_a_blob_would_be() -> None:
     """Splines against the blob drawn anew: 1 % of the peak at sigma 1 px, 3e-4 at 2.5 px."""
     offsets = np.random.default_rng(4).uniform(-0.5, 0.5, 41)
-    still = draw_pulse((41, 56), np.full(41, 28.2), 20.1, 1.0, 100.0)
-    moved = draw_pulse((41, 56), 28.2 + offsets, 20.1, 1.0, 100.0)
-    assert displaced_lines(still, offsets) == pytest.approx(moved, abs=1.0)
-    broad = draw_pulse((41, 56), np.full(41, 28.2), 20.1, 2.5, 100.0)
-    moved = draw_pulse((41, 56), 28.2 + offsets, 20.1, 2.5, 100.0)
-    assert displaced_lines(broad, offsets) == pytest.approx(moved, abs=0.03)
+    for sigma, off in ((1.0, 1.0), (2.5, 0.03)):
+        still = 100.0 * pixel_integrated_gaussian((41, 56), 28.2, 20.1, sigma)
+        moved = 100.0 * pixel_integrated_gaussian((41, 56), 28.2 + offsets, 20.1, sigma)
+        assert displaced_lines(still, offsets) == pytest.approx(moved, abs=off)
 
 
 def test_the_filter_is_that_of_the_whole_line() -> None:

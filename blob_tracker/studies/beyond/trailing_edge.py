@@ -144,7 +144,7 @@ def _within(window: Window, box: Box) -> Window:
 
 def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
     """Lay out how well the filter is known and what is left of it."""
-    filters, worst, squares = _filters(results)
+    filters, worst, squares, doubt = _filters(results)
     rows: list[list[Cell]] = []
     for case, measured in results:
         if 'background' not in case:
@@ -168,6 +168,8 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
         abs(float(str(row[3]))) / (float(str(row[4])) / sqrt(_blobs(results))) for row in restored
     )
     ratio = max(float(str(row[8])) for row in restored)
+    # A few blobs, the faint ones, do not tell the mean to 0.005 px: it is asked of the full run.
+    full = _blobs(results) >= BLOBS[1]
     bright = (BACKGROUNDS[0], AMPLITUDES[-1])
     before, after, short = (
         at[bright[0], bright[1], way] for way in ('as it comes', 'restored', WAYS[2])
@@ -179,8 +181,8 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
     return Findings(
         shows=(
             f'From {FRAMES} pictures of an edge the two parameters of the filter are known to '
-            f'{100 * worst:.1f} % or better, with honest errors (mean square {squares:.2f} of '
-            f'those stated). Undone, a small bright blob that was off by '
+            f'{100 * worst:.1f} % or better (mean square of the errors over those stated '
+            f'{squares:.2f}). Undone, a small bright blob that was off by '
             f'{-float(str(before[3])):.2f} px is off by {abs(float(str(after[3]))):.4f} px and '
             f'scatters by {float(str(after[4])):.4f} px (bound without the filter '
             f'{float(str(after[7])):.4f} px, which the filter betters: it raises the light ahead '
@@ -205,9 +207,14 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
         checks=[
             Check('the filter is known from pictures of an edge', '2 % of either parameter, rms',
                   f'{100 * worst:.2f} %', worst <= 0.02),
+            Check('and its stated errors are the true ones',
+                  f'mean square over those stated 1, to 4 standard errors, {doubt:.2f}',
+                  f'{squares:.2f}', abs(squares - 1.0) <= doubt),
             Check('a restored blob is where it is',
-                  '0.005 px off, the mean of all, or 4 standard errors of it',
-                  f'{offset:.4f} px, {sure:.1f} standard errors', offset <= 0.005 or sure <= 4.0),
+                  'the mean of all off by 4 standard errors of it at most'
+                  + (', and by 0.005 px' if full else ' (quick run: too few blobs for 0.005 px)'),
+                  f'{offset:.4f} px, {sure:.1f} standard errors',
+                  sure <= 4.0 and (offset <= 0.005 or not full)),
             Check('and as good as without the filter', '1.1 times the bound of no filter',
                   f'{ratio:.2f} times', ratio <= 1.1),
         ],
@@ -221,8 +228,13 @@ def _blobs(results: Sequence[tuple[Case, Measured]]) -> int:
 
 def _filters(
     results: Sequence[tuple[Case, Measured]],
-) -> tuple[list[list[Cell]], float, float]:
-    """Return the table of the calibrations, the worst relative error and the mean square."""
+) -> tuple[list[list[Cell]], float, float, float]:
+    """
+    Return the table of the calibrations, the worst relative error, and the mean square.
+
+    The last is that of the errors over those stated, with four of its standard errors where each
+    is drawn from a Gaussian.
+    """
     rows: list[list[Cell]] = []
     worst, squares = 0.0, []
     for index, (peaking, memory) in enumerate(FILTERS):
@@ -239,7 +251,8 @@ def _filters(
             peaking, memory, float(found[:, 0].mean()), float(rms[0]), float(stated[0]),
             float(found[:, 1].mean()), float(rms[1]), float(stated[1]),
         ])
-    return rows, float(worst), float(np.mean(np.concatenate(squares)))
+    every = np.concatenate(squares)
+    return rows, float(worst), float(np.mean(every)), 4.0 * sqrt(2.0 / every.size)
 
 
 STUDY = Study(

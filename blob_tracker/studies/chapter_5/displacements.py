@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import sqrt
 from typing import Any
 
 from blob_tracker.camera.trailing_edge import TrailingEdge
 from blob_tracker.location import locate
 from blob_tracker.location.limits import cramer_rao_bound
-from blob_tracker.location.multi_gaussian import AMPLITUDES, WIDTHS
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.thresholds import threshold_by_name
 from blob_tracker.simulation import expose
 from blob_tracker.simulation.analogue_chain import AnalogueChain
+from blob_tracker.simulation.profiles import AMPLITUDES, Gaussian, ThreeGaussians, WIDTHS
 from blob_tracker.simulation.trailing_edge import MEMORY, PEAKING
 from blob_tracker.studies.printed import load
 from blob_tracker.types import Frame, LocationError, SensorNoise, Window
@@ -39,18 +40,32 @@ NOISE = SensorNoise(gain=np.inf, read_noise=1.0)  # thesis, section 2.2.3
 
 @dataclass(frozen=True)
 class Target:
-    """A target: amplitudes in parts of its peak, sigmas in px, and the level about it in DN."""
+    """A target: its shape, its sigma in px, and the level about it in DN."""
 
-    amplitudes: NDArray[np.float64]
-    sigmas: NDArray[np.float64]
+    profile: Gaussian | ThreeGaussians
+    sigma: float
     background: float
+
+    @property
+    def amplitudes(self) -> NDArray[np.float64]:
+        """Peaks of its round Gaussians, in parts of its own."""
+        if isinstance(self.profile, Gaussian):
+            return np.ones(1)
+        return np.array(AMPLITUDES) / sum(AMPLITUDES)
+
+    @property
+    def sigmas(self) -> NDArray[np.float64]:
+        """Their standard deviations, px."""
+        if isinstance(self.profile, Gaussian):
+            return np.array([self.sigma])
+        return self.sigma * np.array(WIDTHS)
 
 
 # 10 px wide, as page 102 has it: the printed Gaussian at 2 sigma to either side on lit paper, the
 # lamp's blob (three Gaussians, section 4.3.2) with a base s of 2 px, in the dark.
 TARGETS = {
-    'passive': Target(np.array([1.0]), np.array([2.5]), 40.0),
-    'active': Target(AMPLITUDES, 2.0 * WIDTHS, 10.0),
+    'passive': Target(Gaussian(), 2.5, 40.0),
+    'active': Target(ThreeGaussians(), 2.0 / sqrt(2.0), 10.0),
 }
 
 
@@ -133,7 +148,7 @@ def brightness(target: Target, conditions: Conditions) -> float:
     chain = replace(conditions.chain, per_line=0.0, per_frame=0.0)
     random = np.random.default_rng(0)
     unit = chain.window(
-        shape, corner, *MIDDLE, target.amplitudes, target.sigmas, 0.0, random
+        shape, corner, *MIDDLE, target.profile, target.sigma, 1.0, 0.0, random
     ).max()
     return (BRIGHTEST - target.background) / float(unit)
 
@@ -166,7 +181,6 @@ def draw(
     place = place + conditions.turn * PX_PER_MRAD * random.standard_normal(PLACES)
     corner = (int(MIDDLE[0]) - SIDE // 2, int(MIDDLE[1]) - SIDE // 2)
     amplitude = brightness(target, conditions)
-    peaks = amplitude * target.amplitudes if lit else 0.0 * target.amplitudes
     noise = np.random.default_rng([seed, STEPS.index(step), int(lit)])
     kind = np.float64 if conditions.noise is None else np.uint8
     looks = np.empty((PLACES, LOOKS, SIDE, SIDE), kind)
@@ -174,7 +188,8 @@ def draw(
         for look in range(LOOKS):
             x = place[index] + conditions.tremble * noise.standard_normal()
             mean = conditions.chain.window(
-                (SIDE, SIDE), corner, x, start[1], peaks, target.sigmas, target.background, noise
+                (SIDE, SIDE), corner, x, start[1], target.profile, target.sigma,
+                amplitude if lit else 0.0, target.background, noise,
             )
             looks[index, look] = (
                 np.clip(mean, 0.0, 255.0) if conditions.noise is None
@@ -254,21 +269,33 @@ def placed(
     return found + sequence.corner[0]
 
 
-def bound(target: Target, *, averaged: bool) -> float:
+def bound(target: Target, looks: int, *, unlit: bool = False) -> float:
     """
     Return the Cramer-Rao bound of x, rms px, in the whole crop and without defects.
 
-    It is that of 1 DN of noise and the rounding, amplitudes, widths and background unknown, as
-    the mean over places within a pixel.
+    It is that of 1 DN of noise and the rounding, amplitudes and widths unknown, as the mean over
+    places within a pixel. They and the background are even about the place, x is odd: whether
+    they are known makes no difference to it.
+
+    Parameters
+    ----------
+    target : Target
+        What is looked at.
+    looks : int
+        Pictures of which the mean is taken.
+    unlit : bool
+        Of lit minus unlit: pixel by pixel, with the noise of both.
+
     """
     amplitude = brightness(target, Conditions())
-    deviation = np.sqrt((NOISE.read_noise**2 + 1.0 / 12.0) / (LOOKS if averaged else 1))
-    noise = SensorNoise(np.inf, float(np.sqrt(max(deviation**2 - 1.0 / 12.0, 0.0))))
+    floor = (NOISE.read_noise**2 + 1.0 / 12.0) / looks  # of the mean of the looks
+    noise = replace(NOISE, read_noise=float(np.sqrt(max(floor - 1.0 / 12.0, 0.0))))
     middle = (SIDE - 1) / 2.0
     variances = [
         cramer_rao_bound(
             (SIDE, SIDE), x=middle + phase, y=middle, sigma=target.sigmas,
             amplitude=amplitude * target.amplitudes, background=target.background, noise=noise,
+            unlit=unlit,
         )[0, 0]
         for phase in (0.0, 0.25, 0.5)
     ]

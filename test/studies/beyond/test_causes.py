@@ -29,14 +29,15 @@ def test_every_cause_is_measured_for_both_targets() -> None:
 
 
 def test_windows_alone_spoil_the_centroid() -> None:
-    """Nothing but rounding: three Gaussians are a hundred times better than the centroid."""
-    assert apart('rounding to 8 bit', CENTROID) > 0.05
-    assert apart('rounding to 8 bit', LM) < 0.01 * 0.5
+    """Nothing but rounding: beyond the goal, three Gaussians fifty times better (75 found)."""
+    centroid = apart('rounding to 8 bit', CENTROID)
+    assert centroid > 0.05
+    assert apart('rounding to 8 bit', LM) < centroid / 50
 
 
 def test_noise_alone_leaves_three_gaussians_near_the_bound() -> None:
     """To 1.3 times of it: one sixth of the 44 errors is sampling, the small window the rest."""
-    assert apart('noise 1 DN', LM) < 1.5 * bound(TARGETS['active'], averaged=False)
+    assert apart('noise 1 DN', LM) < 1.5 * bound(TARGETS['active'], 1)
 
 
 def test_the_trailing_edge_is_an_offset() -> None:

@@ -9,4 +9,4 @@ def test_the_filter_is_known_and_taken_off() -> None:
     """To 2 %, and the blob is where it is."""
     findings = STUDY.conclude([(case, STUDY.measure(case)) for case in STUDY.cases(True)])
     assert [check for check in findings.checks if not check.met] == []
-    assert len(findings.checks) == 3
+    assert len(findings.checks) == 4

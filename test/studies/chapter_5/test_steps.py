@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from blob_tracker.studies.chapter_5 import known_shifts, steps, trailing_edge_row
 from blob_tracker.studies.chapter_5.displacements import (
-    bound, Conditions, draw, figures_of, inches_per_pixel, LABORATORY, placed, SEGMENTATIONS,
-    segmented, STEPS, TARGETS,
+    bound, Conditions, draw, figures_of, inches_per_pixel, LABORATORY, LOOKS, placed,
+    SEGMENTATIONS, segmented, STEPS, TARGETS,
 )
 from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Findings, Study
@@ -58,11 +58,11 @@ def test_pictures_are_as_the_thesis_took_them(target: str) -> None:
 
 
 def test_steps_are_the_camera_s() -> None:
-    """Three Gaussians on rounded pixels without defects: 1 px steps to four of their errors."""
+    """Three Gaussians in 1 DN of noise without defects: 1 px steps to four of their errors."""
     sequence = draw(TARGETS['active'], '1.00', Conditions(), 5)
     x = placed(sequence, 'otsu_window', 'multi_gaussian_lm', averaged=True, removed=False)
     found = figures_of(x, sequence.truth)
-    error = bound(TARGETS['active'], averaged=True)
+    error = bound(TARGETS['active'], LOOKS)
     assert found['mean'] == pytest.approx(1.0, abs=4 * np.sqrt(2.0) * error / 10)
     assert found['rms'] is not None
     assert found['rms'] < 3.0 * error
