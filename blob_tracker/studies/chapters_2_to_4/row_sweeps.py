@@ -272,7 +272,7 @@ def draw(sweep: Sweep, curves: list[Curve]) -> Figure:
             left.plot([], [], style, color='black', linewidth=1.0, label=_METHODS[name])
     right.axhline(GOAL, color='grey', linewidth=0.8)
     right.annotate(
-        '0.05 px', (0.99, GOAL), xycoords=('axes fraction', 'data'), ha='right', va='bottom',
+        f'{GOAL:g} px', (0.99, GOAL), xycoords=('axes fraction', 'data'), ha='right', va='bottom',
         fontsize='small', color='grey',
     )
     name = 's, px' if by_s else 'displacement, px'

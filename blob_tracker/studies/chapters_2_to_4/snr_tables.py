@@ -222,7 +222,8 @@ STUDIES = (
     ),
     _study(
         'table_3_2', 'SNR of noisy 1-D pulses, window 7 px',
-        'Noise of 1 DN beside the rounding divides the SNR by sqrt(13) = 3.6.',
+        'Noise of 1 DN beside the rounding divides the SNR by sqrt(13) = 3.6 in one window; that '
+        'of Table 3.1, which the text compares, is not 7 px but 25 px wide.',
     ),
     _study(
         'table_4_1', 'SNR of rounded 1-D pulses, window 9 px',
