@@ -12,9 +12,12 @@ from blob_tracker.types import LocationError, SensorNoise
 import numpy as np
 from numpy.typing import NDArray
 
-# The blob of the thesis' camera (section 4.3.2), from which each fit starts.
-AMPLITUDES = np.array([154.25, 77.68, 22.07]) / 254.0
-WIDTHS = np.array([1.0, 2.57, 4.97]) / math.sqrt(2.0)
+# The lamp of the thesis' camera (section 4.3.2, eq. 4.35): peaks, DN, and s over the least s.
+LAMP_AMPLITUDES = (154.25, 77.68, 22.07)
+LAMP_WIDTHS = (1.0, 2.57, 4.97)
+# Of a peak of 1 and in standard deviations: the blob from which each fit starts.
+AMPLITUDES = np.array(LAMP_AMPLITUDES) / sum(LAMP_AMPLITUDES)
+WIDTHS = np.array(LAMP_WIDTHS) / math.sqrt(2.0)
 HALF_AREA = 4.15  # s^2 of the first Gaussian: the area where that blob is above half its peak
 FAINTEST = 3.0  # standard deviations of the brightest pixel
 NARROWEST = 0.5  # px: a narrower Gaussian is one pixel's, and a fit gives it that pixel's noise

@@ -6,16 +6,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
+from blob_tracker.location.multi_gaussian import LAMP_AMPLITUDES, LAMP_WIDTHS
 from blob_tracker.simulation.light import (
     pixel_integrated_gaussian, Place, REACH, rotated_gaussian,
 )
 import numpy as np
 from numpy.typing import NDArray
 import scipy  # which loads its parts when they are first used
-
-# Thesis, 4.3.2 and eq. 4.35: peaks in DN, and widths relative to the narrowest.
-AMPLITUDES = (154.25, 77.68, 22.07)
-WIDTHS = (1.0, 2.57, 4.97)
 
 
 class Profile(Protocol):
@@ -84,7 +81,7 @@ class ThreeGaussians:
     exponent: s = sqrt2 sigma, with sigma that of the light and of the narrowest of the three.
     """
 
-    reach = REACH * WIDTHS[-1]
+    reach = REACH * LAMP_WIDTHS[-1]
     peak = (0.0, 0.0)
 
     def over_pixels(
@@ -92,8 +89,8 @@ class ThreeGaussians:
     ) -> NDArray[np.float64]:
         """Return the (h, w) means over the pixels, see `pixel_integrated_gaussian`."""
         picture = np.zeros(shape)
-        for amplitude, width in zip(AMPLITUDES, WIDTHS, strict=True):
-            picture += amplitude / sum(AMPLITUDES) * pixel_integrated_gaussian(
+        for amplitude, width in zip(LAMP_AMPLITUDES, LAMP_WIDTHS, strict=True):
+            picture += amplitude / sum(LAMP_AMPLITUDES) * pixel_integrated_gaussian(
                 shape, x, y, width * sigma, aperture=aperture
             )
         return picture

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from blob_tracker.studies.chapter_5.pictures import COLOURS, MARKERS, THIN
+from blob_tracker.studies.axes import COLOURS, GOAL, REACHED
+from blob_tracker.studies.chapter_5.pictures import MARKERS, THIN
 from matplotlib.figure import Figure
 import numpy as np
 
@@ -36,8 +37,8 @@ def draw_causes(
             fillstyle='none' if index >= 7 else 'full',
         )
     axes.axvline(limit, color='#000000', linewidth=1.0, label='Cramer-Rao bound, noise 1 DN')
-    axes.axvline(0.05, color='#000000', linestyle=':', linewidth=1.0, label='goal, 0.05 px')
-    axes.axvline(0.25, color='#000000', linestyle='--', linewidth=1.0, label='0.25 px')
+    axes.axvline(GOAL, color='#000000', linestyle=':', linewidth=1.0, label=f'goal, {GOAL:g} px')
+    axes.axvline(REACHED, color='#000000', linestyle='--', linewidth=1.0, label=f'{REACHED:g} px')
     axes.set_yticks(y, causes, fontsize=8)
     axes.set_xscale('log')
     axes.set_xlim(0.8 * LEAST, 0.6)

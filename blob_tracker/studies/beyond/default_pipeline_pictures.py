@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from blob_tracker.studies.chapter_5.pictures import COLOURS, MARKERS, THIN
+from blob_tracker.studies.axes import COLOURS, REACHED
+from blob_tracker.studies.chapter_5.pictures import MARKERS, THIN
 from blob_tracker.studies.printed import load
 from matplotlib.figure import Figure
 import numpy as np
@@ -36,7 +37,8 @@ def draw_errors(
     axes.axvline(floor, color='#888888', linewidth=1.0,
                  label='that of lit minus unlit, line jitter')
     axes.axvline(goal, color='#000000', linestyle='-.', linewidth=1.0, label=f'goal, {goal} px')
-    axes.axvline(0.25, color='#000000', linestyle='--', linewidth=1.0, label='the thesis, 0.25 px')
+    axes.axvline(REACHED, color='#000000', linestyle='--', linewidth=1.0,
+                 label=f'the thesis, {REACHED:g} px')
     axes.set_xscale('log')
     axes.set_xlim(1e-4, 2.0)
     axes.set_xlabel('error of a place against the truth, px')

@@ -12,9 +12,9 @@ from blob_tracker.segmentation import Segmenter
 from blob_tracker.simulation.light import pixel_integrated_gaussian
 from blob_tracker.simulation.noise_bank import NoiseBank
 from blob_tracker.simulation.sensor import expose
+from blob_tracker.studies.axes import COLOURS, legend_below, new_axes
 from blob_tracker.studies.study import Case, Check, Findings, Measured, Study, Table
 from blob_tracker.types import Frame, LocationError, SensorNoise, Window
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 import numpy as np
 from numpy.typing import NDArray
@@ -37,8 +37,8 @@ LIGHTS = {
     'exposure control': {'radiance': 1020.0, 'control': True},
     'even exposure, a disc': {'radiance': 180.0, 'disc': True},
 }
-COLOURS = ('#0072B2', '#D55E00', '#009E73', '#CC79A7')
 MARKERS = 'osv^'
+SIZE = 'sigma of the target in the picture, px'
 
 
 @dataclass(frozen=True)
@@ -195,6 +195,11 @@ def _conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
     ))
     return Findings(
         shows=shows,
+        agreement=(
+            f'followed until it has grown {grown[first]:.0f}-fold, to {max(over):.2f} times the '
+            'Cramer-Rao bound at most; a disc '
+            f'{grown[list(LIGHTS)[-1]]:.0f}-fold'
+        ),
         tables=(
             Table(
                 'growing_target', 'Along the approach, by the size of the target',
@@ -265,19 +270,10 @@ def _end(light: str, approaches: Sequence[Sequence[Measured]]) -> list[float | s
     ]
 
 
-def _axes(figure: Figure, y: str, place: int) -> Axes:
-    axes = figure.add_subplot(place)
-    axes.set_xlabel('sigma of the target in the picture, px')
-    axes.set_ylabel(y)
-    axes.set_xscale('log')
-    axes.grid(True, which='both', linewidth=0.3)
-    return axes
-
-
 def _draw_errors(rows: Sequence[Sequence[float | str | None]]) -> Figure:
-    figure = Figure(figsize=(10.0, 4.5), layout='constrained')
-    left, right = _axes(figure, 'rms error, px', 121), _axes(figure, 'rms error / bound', 122)
-    left.set_yscale('log')
+    figure, (left, right) = new_axes(2)
+    left.set(xlabel=SIZE, ylabel='rms error, px', xscale='log', yscale='log')
+    right.set(xlabel=SIZE, ylabel='rms error / bound', xscale='log')
     for light, colour, marker in zip(LIGHTS, COLOURS, MARKERS):
         own = np.array(
             [[np.nan if cell is None else cell for cell in row[1:]] for row in rows
@@ -290,14 +286,14 @@ def _draw_errors(rows: Sequence[Sequence[float | str | None]]) -> Figure:
     left.plot([], [], 'k--', label='Cramer-Rao bound of the window')
     right.axhline(1.0, linestyle='--', color='black')
     right.set_ylim(bottom=0.0)
-    left.legend(fontsize=8)
+    legend_below(figure, left, 3)
     return figure
 
 
 def _draw_windows(results: Sequence[tuple[Case, Measured]]) -> Figure:
-    figure = Figure(figsize=(10.0, 4.5), layout='constrained')
-    left = _axes(figure, 'half the window, px', 121)
-    right = _axes(figure, 'peak of the target, DN', 122)
+    figure, (left, right) = new_axes(2)
+    left.set(xlabel=SIZE, ylabel='half the window, px', xscale='log', yscale='log')
+    right.set(xlabel=SIZE, ylabel='peak of the target, DN', xscale='log', yscale='log')
     # Those below show around those above where the two fall together.
     for light, colour, marker, area in zip(LIGHTS, COLOURS, MARKERS, (8, 3, 4, 3)):
         seen = next(found['seen'] for case, found in results if case['light'] == light)
@@ -309,9 +305,8 @@ def _draw_windows(results: Sequence[tuple[Case, Measured]]) -> Figure:
     left.plot(sizes, 3.0 * sizes, 'k--', label='3 sigma')
     left.axhline(128.0, linestyle=':', color='black', label='max_blob')
     right.axhline(FULL, linestyle=':', color='black', label='full scale')
-    for axes in (left, right):
-        axes.set_yscale('log')
-        axes.legend(fontsize=8)
+    right.legend(fontsize='small')
+    legend_below(figure, left, 3)
     return figure
 
 

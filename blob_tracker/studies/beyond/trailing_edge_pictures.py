@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from blob_tracker.studies.chapter_5.pictures import COLOURS, MARKERS, THIN
+from blob_tracker.studies.axes import COLOURS
+from blob_tracker.studies.chapter_5.pictures import MARKERS, THIN
 from blob_tracker.studies.study import Cell
 from matplotlib.figure import Figure
 import numpy as np

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import sqrt
 
+from blob_tracker.studies.axes import COLOURS
 from blob_tracker.studies.chapter_5.displacements import (
     bound, draw, LABORATORY, placed, PX_PER_MRAD, STEPS, TARGETS,
 )
-from blob_tracker.studies.chapter_5.pictures import COLOURS, THIN
+from blob_tracker.studies.chapter_5.pictures import THIN
 from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
 from matplotlib.figure import Figure

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from blob_tracker.studies.axes import COLOURS, GOAL, REACHED
 from blob_tracker.studies.study import Cell
 from matplotlib.figure import Figure
 import numpy as np
 
-# Okabe and Ito's colours, which the colour-blind tell apart.
-COLOURS = ('#0072B2', '#D55E00', '#009E73', '#CC79A7', '#E69F00', '#56B4E9', '#000000')
 MARKERS = ('o', 's', '^', 'D', 'v', 'P', 'x')
 THIN: dict[str, Any] = {'linewidth': 0.4, 'color': '#cccccc'}
 
@@ -24,7 +23,7 @@ def draw_spread(title: str, rows: Sequence[Sequence[Cell]], axis: str) -> Figure
     def column(index: int) -> list[float]:
         return [float(str(row[index])) for row in rows]
 
-    axes.hlines(y, column(14), column(15), color=COLOURS[5], linewidth=4,
+    axes.hlines(y, column(14), column(15), color=COLOURS[4], linewidth=4,
                 label='ours, 5 to 95 % of the seeds')
     axes.plot(column(12), y, 'o', color=COLOURS[0], markersize=4, label='ours, median')
     axes.plot(column(11), y, 'x', color=COLOURS[1], markersize=6, markeredgewidth=1.6,
@@ -76,12 +75,12 @@ def draw_places(
         lower.plot(places, about, **style)
     lower.axhspan(-limits['single'], limits['single'], color='#bbbbbb',
                   label='+- Cramer-Rao bound, one look')
-    for level in (-0.05, 0.05):
+    for level in (-GOAL, GOAL):
         lower.axhline(level, color='#000000', linestyle=':', linewidth=0.8,
-                      label='+-0.05 px' if level > 0 else None)
-    for level in (-0.25, 0.25):
+                      label=f'+-{GOAL:g} px' if level > 0 else None)
+    for level in (-REACHED, REACHED):
         lower.axhline(level, color='#000000', linestyle='--', linewidth=0.8,
-                      label='+-0.25 px (the thesis)' if level > 0 else None)
+                      label=f'+-{REACHED:g} px (the thesis)' if level > 0 else None)
     upper.set_ylabel('displacement found, px')
     lower.set_ylabel('error less its mean, px')
     lower.set_xlabel('true displacement of the target, px')

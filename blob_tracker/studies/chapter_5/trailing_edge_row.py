@@ -8,7 +8,8 @@ from blob_tracker.camera.trailing_edge import TrailingEdge
 from blob_tracker.location.centroid import centroid_1d
 from blob_tracker.location.pulse import integrated_profile
 from blob_tracker.simulation.trailing_edge import MEMORY, peaked, PEAKING
-from blob_tracker.studies.chapter_5.pictures import COLOURS, MARKERS, THIN
+from blob_tracker.studies.axes import COLOURS
+from blob_tracker.studies.chapter_5.pictures import MARKERS, THIN
 from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
 from matplotlib.figure import Figure

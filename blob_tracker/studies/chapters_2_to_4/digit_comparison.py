@@ -6,11 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 import math
 
-from blob_tracker.studies.chapters_2_to_4.axes import COLOURS, legend_below, new_axes
+from blob_tracker.studies.axes import COLOURS, legend_below, new_axes
 from blob_tracker.studies.printed import Printed, unit, units_off
-from blob_tracker.studies.study import Cell, Table
+from blob_tracker.studies.study import Case, Cell, Measured, Table
 from matplotlib.figure import Figure
 import numpy as np
+
+MEAN_OF_NORMAL = math.sqrt(2.0 / math.pi)  # the mean |error| of a normal one, in its sigma
+Results = Sequence[tuple[Case, Measured]]
 
 
 @dataclass(frozen=True)

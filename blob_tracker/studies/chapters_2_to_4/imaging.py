@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from blob_tracker.studies.chapters_2_to_4.axes import COLOURS, legend_below, new_axes
-from blob_tracker.studies.chapters_2_to_4.digit_comparison import compare_digits
+from blob_tracker.studies.axes import COLOURS, legend_below, new_axes
+from blob_tracker.studies.chapters_2_to_4.digit_comparison import compare_digits, Results
 from blob_tracker.studies.chapters_2_to_4.row_sweeps import says
 from blob_tracker.studies.chapters_2_to_4.sampled_pulse import ONE, rounded, ROUNDING, rows
 from blob_tracker.studies.optics import computed, WIDTH_IN_THE_TEXT
@@ -13,7 +11,6 @@ from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
 import numpy as np
 
-Results = Sequence[tuple[Case, Measured]]
 _BIN = 0.02  # levels
 
 
@@ -135,12 +132,14 @@ def _conclude_rounding(results: Results) -> Findings:
         figures={'figure_2_3': figure},
         checks=[
             says(
-                statements['range'], f'{np.abs(error).max():.3f} at most',
+                statements['range'], f'<= {statements["range"].value} levels',
+                f'{np.abs(error).max():.3f} at most',
                 bool(np.abs(error).max() <= float(statements['range'].value)),
             ),
             says(
-                statements['spike'], f'{abs(spike):.2f}, {share.max() / level:.0f} times the rest',
-                abs(spike) < _BIN,
+                statements['spike'], f'at {statements["spike"].value} levels within {_BIN:g}',
+                f'at {abs(spike):.2f}, {share.max() / level:.0f} times the rest',
+                abs(spike - float(statements['spike'].value)) < _BIN,
             ),
             Check(
                 'the error of lit pixels is even: its variance', f'{ROUNDING:.4f} within a tenth',

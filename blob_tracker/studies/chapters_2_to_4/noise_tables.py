@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-import math
 
-from blob_tracker.studies.chapters_2_to_4.digit_comparison import draw_errors
+from blob_tracker.studies.chapters_2_to_4.digit_comparison import (
+    draw_errors, MEAN_OF_NORMAL, Results,
+)
 from blob_tracker.studies.chapters_2_to_4.noise_readings import (
     CENTROID_READINGS, LOGARITHM_READINGS, Reading,
 )
@@ -29,10 +29,8 @@ from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
 import numpy as np
 
-MEAN_OF_NORMAL = math.sqrt(2.0 / math.pi)  # the mean |error| of a normal one, in its sigma
 STATISTICS = ('mean error, px', 'variance of the error, px^2', 'largest error, px', 'mean SNR')
 EXCLUDED = 5.0  # standard deviations, beyond which a reading is not that of the table
-Results = Sequence[tuple[Case, Measured]]
 
 
 @dataclass(frozen=True)

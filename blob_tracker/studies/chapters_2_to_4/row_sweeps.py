@@ -11,7 +11,7 @@ from blob_tracker.location.centroid import centroid_1d
 from blob_tracker.location.gaussian_linear import gaussian_linear_1d
 from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm_1d
 from blob_tracker.location.multi_gaussian_simplex import multi_gaussian_simplex_1d
-from blob_tracker.studies.chapters_2_to_4.axes import COLOURS, GOAL, legend_below, new_axes
+from blob_tracker.studies.axes import COLOURS, GOAL, legend_below, new_axes
 from blob_tracker.studies.chapters_2_to_4.noise_readings import CENTROID_READINGS
 from blob_tracker.studies.chapters_2_to_4.sampled_pulse import (
     Blob,
@@ -182,11 +182,9 @@ def curves_of(sweep: Sweep, results: Sequence[tuple[Case, Measured]]) -> list[Cu
     return found
 
 
-def says(statement: Statement, found: str, met: bool) -> Check:
-    """Return the check of what the text says."""
-    return Check(
-        f'page {statement.page}: {statement.says}', statement.value, found, met
-    )
+def says(statement: Statement, asked: str, found: str, met: bool) -> Check:
+    """Return the check of what the text says; `asked` has its number, relation and unit."""
+    return Check(f'page {statement.page}: {statement.says}', asked, found, met)
 
 
 def conclude(
@@ -274,7 +272,7 @@ def draw(sweep: Sweep, curves: list[Curve]) -> Figure:
             left.plot([], [], style, color='black', linewidth=1.0, label=_METHODS[name])
     right.axhline(GOAL, color='grey', linewidth=0.8)
     right.annotate(
-        '0.05 px', (0.99, GOAL), xycoords=('axes fraction', 'data'), ha='right', va='bottom',
+        f'{GOAL:g} px', (0.99, GOAL), xycoords=('axes fraction', 'data'), ha='right', va='bottom',
         fontsize='small', color='grey',
     )
     name = 's, px' if by_s else 'displacement, px'

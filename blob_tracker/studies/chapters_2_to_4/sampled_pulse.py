@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from blob_tracker.location import locate_batch
 from blob_tracker.location.centroid import centroid_1d
 from blob_tracker.location.limits import cramer_rao_bound, cramer_rao_bound_1d
+from blob_tracker.location.multi_gaussian import LAMP_AMPLITUDES, LAMP_WIDTHS
 from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +50,7 @@ class Blob:
 
 
 ONE = Blob((255.0,), (1.0,), centred=True)
-THREE = Blob((154.25, 77.68, 22.07), (1.0, 2.57, 4.97), centred=False)
+THREE = Blob(LAMP_AMPLITUDES, LAMP_WIDTHS, centred=False)
 
 
 def rows(blob: Blob, count: int, s: float, shifts: Numbers) -> Numbers:

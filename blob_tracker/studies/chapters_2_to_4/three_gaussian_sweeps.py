@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from blob_tracker.studies.chapters_2_to_4.axes import GOAL
+from blob_tracker.studies.axes import GOAL
 from blob_tracker.studies.chapters_2_to_4.row_sweeps import Curve, says, study, Sweep
 from blob_tracker.studies.chapters_2_to_4.sampled_pulse import COARSE, THREE
 from blob_tracker.studies.printed import load
@@ -48,7 +48,7 @@ def _figure_4_7(curves: list[Curve]) -> Look:
         f'{_middle(curves, _SIMPLEX):.1g} px, and {_middle(curves, _LM):.1g} px by '
         'Levenberg-Marquardt.',
         [says(
-            statement,
+            statement, f'{statement.value} of the two largest',
             f'{ends}: the largest are at s = {order[0].value:g} and {order[1].value:g} px',
             ends == int(statement.value),
         )],
@@ -71,8 +71,14 @@ def _figure_4_8(curves: list[Curve]) -> Look:
         f'By the simplex the error from s = 1 px on is {filled:.4f} px at most; that of '
         f'Levenberg-Marquardt is smaller by {orders:.1f} orders of magnitude in the middle.',
         [
-            says(printed['orders'], f'{orders:.1f}', orders >= float(printed['orders'].value)),
-            says(printed['fills'], f'{filled:.4f} px', filled < float(printed['fills'].value)),
+            says(
+                printed['orders'], f'>= {printed["orders"].value} in the middle',
+                f'{orders:.1f}', orders >= float(printed['orders'].value),
+            ),
+            says(
+                printed['fills'], f'< {printed["fills"].value} px from s = 1 px on',
+                f'{filled:.4f} px', filled < float(printed['fills'].value),
+            ),
         ],
     )
 
@@ -85,7 +91,10 @@ def _figure_4_9(curves: list[Curve]) -> Look:
         f'The largest error is {_listed(curves)}; in the middle of all it is '
         f'{_middle(curves, _SIMPLEX):.4f} px by the simplex and {_middle(curves, _LM):.4f} px by '
         'Levenberg-Marquardt.',
-        [says(statement, f's = {", ".join(within)} px', within == ['1'])],
+        [says(
+            statement, f's = 1 px alone within {statement.value} px',
+            f's = {", ".join(within)} px', within == ['1'],
+        )],
     )
 
 
@@ -103,11 +112,13 @@ def _figure_4_10(curves: list[Curve]) -> Look:
         f'{beyond.max():.3f} px.',
         [
             says(
-                printed['narrow'], f'{narrow:.3f} px, then {three:.4f} px',
-                three < GOAL and three < narrow,
+                printed['narrow'], f'falls, to < {printed["narrow"].value} px at s = 3 px',
+                f'{narrow:.3f} px, then {three:.4f} px',
+                three < float(printed['narrow'].value) and three < narrow,
             ),
             says(
-                printed['wide'], f'at {(beyond > limit).sum()} of {beyond.size} s',
+                printed['wide'], f'> {printed["wide"].value} px at every s',
+                f'at {(beyond > limit).sum()} of {beyond.size} s',
                 bool((beyond > limit).all()),
             ),
         ],
@@ -120,8 +131,9 @@ def _figure_4_11(curves: list[Curve]) -> Look:
     return (
         f'The largest error is {_listed(curves)}.',
         [says(
-            statement, f'{max(map(_largest, curves)):.2f} px at most',
-            max(map(_largest, curves)) > GOAL,
+            statement, f'> {statement.value} px',
+            f'{max(map(_largest, curves)):.2f} px at most',
+            max(map(_largest, curves)) > float(statement.value),
         )],
     )
 
@@ -133,7 +145,10 @@ def _figure_4_12(curves: list[Curve]) -> Look:
     return (
         f'In the middle of all places the rms error is {_middle(curves, _SIMPLEX):.4f} px by the '
         f'simplex and {_middle(curves, _LM):.4f} px by Levenberg-Marquardt.',
-        [says(statement, f'{ratio:.3f}', ratio < float(statement.value))],
+        [says(
+            statement, f'< {statement.value} in the middle', f'{ratio:.3f}',
+            ratio < float(statement.value),
+        )],
     )
 
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from blob_tracker.studies.printed import load
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 # Okabe and Ito's colours, which the colour-blind can tell apart; their yellow is too pale here.
 COLOURS = ('#0072B2', '#D55E00', '#009E73', '#CC79A7', '#56B4E9', '#E69F00', '#000000')
-GOAL = 0.05  # px: what the thesis is after (page 13)
+_RESULTS = load('results_5').statements
+GOAL = float(_RESULTS['goal'].value)  # px: what the thesis is after (page 13)
+REACHED = float(_RESULTS['multi_gaussian'].value)  # px: where it ends (page 117)
 
 
 def new_axes(panels: int = 1) -> tuple[Figure, list[Axes]]:
