@@ -9,13 +9,14 @@ from typing import Any
 from blob_tracker.camera.trailing_edge import TrailingEdge
 from blob_tracker.location import locate
 from blob_tracker.location.limits import cramer_rao_bound
+from blob_tracker.location.multi_gaussian import LAMP_AMPLITUDES, LAMP_WIDTHS
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.thresholds import threshold_by_name
 from blob_tracker.simulation import expose
 from blob_tracker.simulation.analogue_chain import AnalogueChain
-from blob_tracker.simulation.profiles import AMPLITUDES, Gaussian, ThreeGaussians, WIDTHS
+from blob_tracker.simulation.profiles import Gaussian, ThreeGaussians
 from blob_tracker.simulation.trailing_edge import MEMORY, PEAKING
 from blob_tracker.studies.printed import load
 from blob_tracker.types import Frame, LocationError, SensorNoise, Window
@@ -51,14 +52,14 @@ class Target:
         """Peaks of its round Gaussians, in parts of its own."""
         if isinstance(self.profile, Gaussian):
             return np.ones(1)
-        return np.array(AMPLITUDES) / sum(AMPLITUDES)
+        return np.array(LAMP_AMPLITUDES) / sum(LAMP_AMPLITUDES)
 
     @property
     def sigmas(self) -> NDArray[np.float64]:
         """Their standard deviations, px."""
         if isinstance(self.profile, Gaussian):
             return np.array([self.sigma])
-        return self.sigma * np.array(WIDTHS)
+        return self.sigma * np.array(LAMP_WIDTHS)
 
 
 # 10 px wide, as page 102 has it: the printed Gaussian at 2 sigma to either side on lit paper, the
