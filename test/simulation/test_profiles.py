@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from blob_tracker.location import multi_gaussian
 from blob_tracker.simulation import (
     Comatic, Gaussian, Measured, pixel_integrated_gaussian, PROFILES, ThreeGaussians,
 )
-from blob_tracker.simulation.profiles import Profile
+from blob_tracker.simulation.profiles import LAMP_AMPLITUDES, LAMP_WIDTHS, Profile
 import numpy as np
 import pytest
 from scipy.integrate import dblquad
@@ -31,6 +32,12 @@ def moments(picture: np.ndarray) -> tuple[float, float, float, float, float]:
         x, y, (light * (columns - x) ** 2).sum(), (light * (rows - y) ** 2).sum(),
         (light * (columns - x) * (rows - y)).sum(),
     )
+
+
+def test_the_lamp_is_the_one_from_which_the_fits_start() -> None:
+    """The thesis' numbers stand in two places, as the lab does without the locators' compiler."""
+    assert LAMP_AMPLITUDES == multi_gaussian.LAMP_AMPLITUDES
+    assert LAMP_WIDTHS == multi_gaussian.LAMP_WIDTHS
 
 
 @pytest.mark.parametrize('name', ALL)
