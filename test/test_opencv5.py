@@ -12,8 +12,8 @@ import pytest
 HERE = Path(__file__).parent
 OPENCV5 = Path(sys.prefix) / 'opencv5'  # `make test` puts it there
 ROOMS = (
-    'segmentation', 'simulation', 'studies/test_track_report.py',
-    'studies/beyond/test_default_pipeline.py', 'capture/pixel_formats', 'calibration/test_board.py',
+    'segmentation', 'simulation', 'capture/pixel_formats', 'calibration/test_board.py',
+    'studies/test_track_report.py', 'studies/beyond/test_default_pipeline.py',
 )
 
 

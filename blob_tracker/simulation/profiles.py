@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 import scipy  # which loads its parts when they are first used
 
-# The lamp of the thesis (section 4.3.2, eq. 4.35): peaks, DN, and s over the least s. They are those
-# of location/multi_gaussian.py, which a simulator would load the compiler for.
+# The lamp of the thesis (section 4.3.2, eq. 4.35): peaks, DN, and s over the least s. They are
+# those of location/multi_gaussian.py, which a simulator would load the compiler for.
 LAMP_AMPLITUDES = (154.25, 77.68, 22.07)
 LAMP_WIDTHS = (1.0, 2.57, 4.97)
 

@@ -278,8 +278,8 @@ def test_nothing_grows_while_streaming(soak):
     for sample in others:
         assert sample['fds'] == first['fds']
         assert sample['device_maps'] == first['device_maps'] == 4  # the ring
-        # Pages of the interpreter's here and there, 1.3 MB at most so far; one leaked frame in ten,
-        # of 77 kB each, would be 4 MB.
+        # Pages of the interpreter's here and there, 1.3 MB at most so far; one leaked frame in
+        # ten, of 77 kB each, would be 4 MB.
         assert sample['maps'] <= first['maps'] + 2
         assert sample['rss'] <= first['rss'] + 2_000_000
 
