@@ -153,13 +153,39 @@ def edge_places(
     return np.where(seen, place, np.nan), np.where(seen, covariance, np.nan), sigma
 
 
+def blurred_step(
+    count: int, places: NDArray[np.float64], sigma: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """
+    Return the mean of a blurred step from 0 to 1 over each pixel, see `edge_places`.
+
+    Parameters
+    ----------
+    count : int
+        Pixels in a line.
+    places : (h,) array
+        x of the step in each line, px.
+    sigma : float
+        Standard deviation of the blur, px.
+
+    Returns
+    -------
+    step : (h, count) array
+        G(k + 1/2 - x) - G(k - 1/2 - x).
+    borders : (h, count + 1) array
+        Of the pixels, from the step, in sigma.
+
+    """
+    borders = (np.arange(count + 1) - 0.5 - places[:, None]) / sigma
+    phi = np.exp(-0.5 * borders**2) / np.sqrt(2.0 * np.pi)
+    return np.diff(sigma * (borders * ndtr(borders) + phi), axis=1), borders
+
+
 def _model(
     count: int, parameters: NDArray[np.float64], sigma: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Return the mean, the unit step, and the borders of the pixels from the edge in sigma."""
-    borders = (np.arange(count + 1) - 0.5 - parameters[:, :1]) / sigma
-    phi = np.exp(-0.5 * borders**2) / np.sqrt(2.0 * np.pi)
-    step = np.diff(sigma * (borders * ndtr(borders) + phi), axis=1)
+    step, borders = blurred_step(count, parameters[:, 0], sigma)
     return parameters[:, 2:] + parameters[:, 1:2] * step, step, borders
 
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from blob_tracker.calibration.edge import EdgeError, find_edge
-from blob_tracker.camera.trailing_edge import MOST_MEMORY, MOST_PEAKING, TrailingEdge
+from blob_tracker.calibration.edge import blurred_step, EdgeError, find_edge
+from blob_tracker.camera.trailing_edge import (
+    fading_mean, MOST_MEMORY, MOST_PEAKING, TrailingEdge,
+)
 import numpy as np
 from numpy.typing import NDArray
 import scipy  # which loads optimize, 25 MB, when it is first used
@@ -133,12 +135,8 @@ def _model(
 ) -> NDArray[np.float64]:
     """Return the (h, count) mean behind the filter."""
     peaking, memory, sigma, dark, contrast, shift = theta
-    borders = (np.arange(count + 1) - 0.5 - (places + shift)[:, None]) / sigma
-    bell = np.exp(-0.5 * borders**2) / np.sqrt(2.0 * np.pi)
-    step = np.diff(sigma * (borders * scipy.special.ndtr(borders) + bell), axis=1)
-    kept = np.exp(-1.0 / memory)
-    slow = scipy.signal.lfilter([0.0, 1.0 - kept], [1.0, -kept], step, axis=1)
-    return np.asarray(dark + contrast * (step + peaking * (step - slow)))
+    step = blurred_step(count, places + shift, sigma)[0]
+    return np.asarray(dark + contrast * (step + peaking * (step - fading_mean(step, memory))))
 
 
 def _about(

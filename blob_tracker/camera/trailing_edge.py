@@ -12,10 +12,32 @@ from blob_tracker.camera.yaml_file import CalibrationError, content_of, write_co
 from blob_tracker.types import Window
 import numpy as np
 from numpy.typing import NDArray
+import scipy  # which loads signal when it is first used
 
 MOST_PEAKING = 10.0  # a camera that boosts its edges further shows no picture
 MOST_MEMORY = 200.0  # px: what is longer tilts whole lines and is no edge any more
 DOUBT = 0.5  # DN: what is known to the rounding is as good as known
+
+
+def fading_mean(lines: NDArray[np.float64], memory: float) -> NDArray[np.float64]:
+    """
+    Return the mean of what came before in each line, see `TrailingEdge`.
+
+    Parameters
+    ----------
+    lines : (..., w) array
+        Lines along the last axis; 0 came before the first pixel.
+    memory : float
+        Pixels in which it fades to 1/e.
+
+    Returns
+    -------
+    (..., w) array
+        m_k, with m_k+1 = e m_k + (1 - e) x_k and e = exp(-1 / memory).
+
+    """
+    kept = np.exp(-1.0 / memory)
+    return np.asarray(scipy.signal.lfilter([0.0, 1.0 - kept], [1.0, -kept], lines, axis=-1))
 
 
 @dataclass(frozen=True)

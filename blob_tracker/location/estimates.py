@@ -71,6 +71,39 @@ class Estimates:
     saturated: NDArray[np.int64]
     failure: NDArray[np.uint8]
 
+    @classmethod
+    def from_table(
+        cls,
+        table: NDArray[np.float64],
+        covariance: NDArray[np.float64],
+        saturated: NDArray[np.int64],
+        failure: NDArray[np.uint8],
+    ) -> Estimates:
+        """
+        Return the estimates that a kernel has filled in.
+
+        Parameters
+        ----------
+        table : (7, N) array
+            Rows x, y, amplitude, background, sigma, SNR, chi2.
+        covariance, saturated, failure
+            See the class.
+
+        """
+        x, y, amplitude, background, sigma, snr, chi2 = table
+        return cls(
+            x=x,
+            y=y,
+            covariance=covariance,
+            amplitude=amplitude,
+            background=background,
+            sigma=sigma,
+            snr=snr,
+            chi2=chi2,
+            saturated=saturated,
+            failure=failure,
+        )
+
     @property
     def ok(self) -> NDArray[np.bool_]:
         """(N,) bool: True where the window was located."""

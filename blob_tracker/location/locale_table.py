@@ -167,19 +167,7 @@ def locale_table(
         clipped,
         failure,
     )
-    x, y, amplitude, background, sigma, snr, chi2 = table
-    return Estimates(
-        x=x,
-        y=y,
-        covariance=covariance,
-        amplitude=amplitude,
-        background=background,
-        sigma=sigma,
-        snr=snr,
-        chi2=chi2,
-        saturated=clipped,
-        failure=failure,
-    )
+    return Estimates.from_table(table, covariance, clipped, failure)
 
 
 @cache

@@ -108,19 +108,8 @@ def centroid_skew_corrected(
         noise.read_noise**2 + 1.0 / 12.0, corner_weights(lit.shape[1], lit.shape[2]), found,
         table, covariance,
     )
-    x, y, amplitude, background, sigma, snr, chi2 = table
-    return Estimates(
-        x=x,
-        y=y,
-        covariance=covariance,
-        amplitude=amplitude,
-        background=background,
-        sigma=sigma,
-        snr=snr,
-        chi2=chi2,
-        saturated=count_clipped(lit, saturation),
-        failure=outside(x, y, lit.shape, failure),
-    )
+    failure = outside(table[0], table[1], lit.shape, failure)
+    return Estimates.from_table(table, covariance, count_clipped(lit, saturation), failure)
 
 
 @kernel

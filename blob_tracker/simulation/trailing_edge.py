@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from blob_tracker.camera.trailing_edge import TrailingEdge
+from blob_tracker.camera.trailing_edge import fading_mean, TrailingEdge
 import numpy as np
 from numpy.typing import NDArray
-import scipy  # which loads signal when it is first used
 
 # The thesis shows Figure 5.3 and prints no number of it; these are chosen so that the model does
 # what the text says (pages 102 and 103): a blob some 10 px wide falls in two thirds of the length
@@ -48,8 +47,7 @@ def peaked(mean: NDArray[Any], trailing_edge: TrailingEdge) -> NDArray[np.float6
         DN, also below 0: `expose` adds the noise and clips.
 
     """
-    kept = np.exp(-1.0 / trailing_edge.memory)
     rise = np.asarray(mean, dtype=float)
     rise = rise - rise[..., :1]
-    memory = scipy.signal.lfilter([0.0, 1.0 - kept], [1.0, -kept], rise, axis=-1)
+    memory = fading_mean(rise, trailing_edge.memory)
     return np.asarray(mean + trailing_edge.peaking * (rise - memory))
