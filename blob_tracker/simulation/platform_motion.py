@@ -320,9 +320,9 @@ DEGREE = pi / 180.0
 ENGINE = Swing(2e-5, 25.0, 0.02, 0.002)
 MOTIONS = {
     'sea': PlatformMotion(
-        roll=(Swing(3.0 * DEGREE, 0.40, 0.10, 0.1), ENGINE),
-        pitch=(Swing(1.5 * DEGREE, 0.45, 0.25, 0.1), ENGINE),
-        yaw=(Swing(1.5 * DEGREE, 0.17, 0.30, 0.2), ENGINE),
+        roll=(Swing(3.0 * DEGREE, 0.40, 0.10, 0.25), ENGINE),
+        pitch=(Swing(1.5 * DEGREE, 0.45, 0.25, 0.3), ENGINE),
+        yaw=(Swing(1.5 * DEGREE, 0.17, 0.30, 0.6), ENGINE),
     ),
     # Four wheels on a track, at a walk: the suspension's modes, and steering.
     'rover': PlatformMotion(
