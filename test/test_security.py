@@ -47,6 +47,7 @@ STARTS: dict[str, dict[str, object]] = {
     'camera': {'device': '/dev/no_such_camera'},
     'segmenter': {},
     'locator': {},
+    'tracker': {},
     'simulator': {},
     'pipeline': {'device': '/dev/no_such_camera'},
     'pipeline_simulator': {'source': 'simulator'},
@@ -56,6 +57,7 @@ STARTS: dict[str, dict[str, object]] = {
 CHANGES: dict[str, dict[str, Any]] = {
     'segmenter': {'flash.mode': 'coded', 'flash.codes': 'port:1101000,starboard:1110100'},
     'locator': {'lights': 'port,starboard', 'noise.online': True},
+    'tracker': {'imu.enabled': True, 'joints.pan': 'pan'},
 }
 Rights = dict[str, set[str]]  # kind of rule -> names
 
@@ -148,7 +150,7 @@ def change(observer: Probe, node: str, namespace: str, values: dict[str, Any]) -
     assert answer.result.successful, answer.result.reason
 
 
-@pytest.mark.timeout(180)  # seven processes start at once
+@pytest.mark.timeout(180)  # eight processes start at once
 def test_each_node_has_what_the_policy_allows_and_nothing_else(domain: int) -> None:
     """Topics, services and clients of every node, with all that is conditional opened."""
     profiles = [(enclave, profile) for enclave, element in enclaves()
