@@ -27,7 +27,7 @@ MS = 1_000_000  # ns
 FRAME = 33 * MS  # between two bearings
 LATENCY = 20 * MS  # from the stamp of a bearing to its arrival
 SIGMA = 0.02  # mrad, of the bearings
-COAST = 500 * MS  # the default
+COAST, MAX_SIGMA = 500 * MS, 20.0  # mrad; the defaults
 # mrad: doubles that go through a quaternion, once each way; angles are up to 1000 mrad.
 ROUNDING = 1e-9
 
@@ -155,7 +155,7 @@ def playing(domain: int, topic: str = 'target', **parameters: object) -> Iterato
 
 def test_predictions_and_tracks_are_those_of_the_filter(domain: int) -> None:
     """With each bearing, for its instant: angles, rates and covariances of the Python Tracker."""
-    tracker = Tracker()
+    tracker = Tracker(max_sigma=MAX_SIGMA)
     delay = 60 * MS
     with playing(domain, servo_delay=0.06, prediction_rate=0.0) as played:
         for _ in range(30):
@@ -172,8 +172,8 @@ def test_predictions_and_tracks_are_those_of_the_filter(domain: int) -> None:
 
 def test_the_timer_predicts_until_the_loss_rule_says_silence(domain: int) -> None:
     """By the clock of the stamps; target/tracked says so, also to who comes late."""
-    tracker = Tracker()
-    with playing(domain, prediction_rate=50.0) as played:
+    tracker = Tracker(max_sigma=100.0)
+    with playing(domain, prediction_rate=50.0, max_sigma=100.0) as played:
         for _ in range(10):
             played.tick(FRAME)
             message = played.message(*path(played.now_ns - LATENCY))
@@ -253,7 +253,7 @@ BAD = {
 
 def test_what_is_no_bearing_is_said_and_nothing_else(domain: int) -> None:
     """Each by its sentence; predictions go on as if it had not come."""
-    tracker = Tracker()
+    tracker = Tracker(max_sigma=MAX_SIGMA)
     with playing(domain, prediction_rate=0.0) as played:
         def good() -> None:
             played.tick(FRAME)
@@ -306,7 +306,7 @@ def test_stamps_and_clocks_that_jump_back_reset_it(domain: int) -> None:
         played.expect('the ROS clock jumped back by 3')
         played.predictions.clear()
         played.follow(10)
-        played.tick(200 * MS)
+        played.tick(100 * MS)
         newest = to_ns(played.predictions[-1].header.stamp)
         assert abs(newest - played.now_ns) < 50 * MS  # and the timer goes on
         assert played.predictions[-1].vector.x == pytest.approx(path(newest)[0], abs=5.0)
@@ -329,7 +329,7 @@ def _imu(played: Played, rate: tuple[float, float, float], frame_id: str = 'imu_
 def test_the_platform_s_rotation_is_taken_off(domain: int) -> None:
     """The filter that has the same rates, in the base's axes, says the same."""
     rates = PlatformRates()
-    tracker = Tracker(platform=rates)
+    tracker = Tracker(platform=rates, max_sigma=MAX_SIGMA)
     turn = turn_of(-0.5 * pi, 0.0, -0.5 * pi)
     with playing(domain, imu__enabled=True, prediction_rate=0.0, servo_delay=0.03) as played:
         played.node.spin_until(played.imu.get_subscription_count)
@@ -396,7 +396,7 @@ def _joints(played: Played, names: list[str], positions: list[float]) -> JointSt
 def test_with_joints_the_prediction_is_the_angle_to_command(domain: int) -> None:
     """A light at rest in the base, a camera that pans before it: x and y stay where they are."""
     angles = PanTiltAngles()
-    tracker = Tracker(pan_tilt=angles)
+    tracker = Tracker(pan_tilt=angles, max_sigma=MAX_SIGMA)
     with playing(
         domain, joints__pan='pan', joints__tilt='tilt', joints__tilt_reversed=True,
         prediction_rate=0.0,
@@ -482,7 +482,7 @@ def test_bearings_that_scatter_more_than_they_say_are_told(ratio: float, domain:
 
 def test_everything_changes_while_it_runs(domain: int) -> None:
     """Another model begins afresh; rate and delay leave the track as it is; all or none."""
-    with playing(domain) as played:
+    with playing(domain, max_sigma=100.0) as played:
         node = played.node
         played.follow(5)
         assert node.set_parameter('tracker', 'prediction_rate', 0.0).successful
