@@ -1,8 +1,8 @@
 """
 Turn a pan/tilt until the target is in the middle of the picture. Copy this file and change it.
 
-The camera rides on the pan/tilt, so a bearing is what is left to turn. With `predicted` the angles to
-command come from the tracker, which has to know those of the joints (its joints.pan, joints.tilt).
+The camera rides on the pan/tilt, so a bearing is what is left to turn. With `predicted` the angles
+to command come from the tracker, which has to know the joints (its joints.pan and joints.tilt).
 Angles are rad, pan to the right and tilt up. The first command is near 0, 0: drive the pan/tilt
 there before.
 """
