@@ -57,7 +57,7 @@ STARTS: dict[str, dict[str, object]] = {
 CHANGES: dict[str, dict[str, Any]] = {
     'segmenter': {'flash.mode': 'coded', 'flash.codes': 'port:1101000,starboard:1110100'},
     'locator': {'lights': 'port,starboard', 'noise.online': True},
-    'tracker': {'imu.enabled': True, 'joints.pan': 'pan'},
+    'tracker': {'lights': 'port,starboard', 'imu.enabled': True, 'joints.pan': 'pan'},
 }
 Rights = dict[str, set[str]]  # kind of rule -> names
 

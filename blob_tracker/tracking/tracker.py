@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from dataclasses import replace
-from math import inf, isfinite, pi
+from math import inf, isfinite, pi, sqrt
 from typing import NamedTuple
 
 from blob_tracker.tracking.direction import as_angles, MRAD, State, with_rates
@@ -360,7 +360,7 @@ class Tracker:
         # NaN and infinity pass no comparison that they must.
         if not (
             0.0 < a < inf and 0.0 < c < inf
-            and (b - other)**2 <= ASYMMETRY**2 * a * c
+            and abs(b - other) <= ASYMMETRY * sqrt(a) * sqrt(c)
             and a * c - b * b > LEAST_DETERMINANT * a * c
         ):
             raise TrackingError(
