@@ -321,17 +321,14 @@ RAY = _one_of(HEADER | {
     'orientation': st.tuples(st.sampled_from('xyzw'), NUMBER),
     'turn': st.tuples(*4 * [st.floats(-1.0, 1.0)]),
     'covariance': st.tuples(st.sampled_from((21, 22, 27, 28)), NUMBER),
-    'cut': st.integers(0, 300),
 })
 GYRO = _one_of(HEADER | {
     'rate': st.tuples(NUMBER, NUMBER, NUMBER),
     'gyro covariance': st.tuples(st.integers(0, 8), NUMBER | st.just(-1.0)),
-    'cut': st.integers(0, 300),
 })
 JOINTS = _one_of(HEADER | {
     'name': st.lists(st.sampled_from(('pan', 'tilt')) | st.text(max_size=40), max_size=4),
     'position': st.lists(NUMBER, max_size=4),
-    'cut': st.integers(0, 300),
 })
 SAMPLE = st.tuples(
     *(st.lists(each, max_size=2) for each in (RAY, GYRO, JOINTS))
@@ -417,6 +414,10 @@ def test_garbage_on_the_topics_of_a_tracker(model: str, domain: int) -> None:
         for _ in range(2):
             batch()
             expect_life()
+        # A few: the middleware says a paragraph of each, and nobody reads it before the end.
+        for cut in range(0, 300, 20):
+            send(*(3 * [[('cut', cut)]]))
+        expect_life()
         for each in predictions:
             assert abs(each.vector.x) <= 1e3 * pi and abs(each.vector.y) <= 500.0 * pi
         for each in tracks:
