@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from dataclasses import replace
-from math import inf, isfinite, pi, sqrt
+from math import isfinite, pi, sqrt
 from typing import NamedTuple
 
 from blob_tracker.kernel import Array
@@ -37,6 +37,9 @@ AGREEING = 3  # bearings in a row: two give a rate, the third is the first that 
 SUSPECTED = 2  # of them: one may be a false window, two that agree make the track doubtful
 MEMORY_NS = 1_000_000_000  # for which late bearings are put in their place: a message's delay
 ASYMMETRY = 1e-9  # of a covariance, of its standard deviations' product: rounding of a product
+# Of an angle, mrad^2: a nanoradian, far below any lens, and three circles. What lies outside knows
+# nothing, or so much that rounding makes a filter's covariance indefinite.
+LEAST_VARIANCE, MOST_VARIANCE = 1e-12, 4e8
 # Of a covariance's determinant, of its diagonal's product: a correlation that rounding can tell
 # from a perfect one.
 LEAST_DETERMINANT = 1e-12
@@ -322,7 +325,7 @@ class Tracker:
         state, step, stabilised, _ = self._step(track, stamp_ns)
         found = Hypothesis(predicted(state, *step), stamp_ns, stabilised, track.bearings)
         sigma = largest_deviation(found.state)
-        if sigma > self.max_sigma:
+        if not sigma <= self.max_sigma:  # nor NaN
             self.reason = (
                 f'the standard deviation of the direction is {sigma:.2f} mrad; max_sigma is '
                 f'{self.max_sigma:g} mrad'
@@ -361,13 +364,13 @@ class Tracker:
         (a, b), (other, c) = given.tolist()
         # NaN and infinity pass no comparison that they must.
         if not (
-            0.0 < a < inf and 0.0 < c < inf
+            LEAST_VARIANCE <= a <= MOST_VARIANCE and LEAST_VARIANCE <= c <= MOST_VARIANCE
             and abs(b - other) <= ASYMMETRY * sqrt(a) * sqrt(c)
             and a * c - b * b > LEAST_DETERMINANT * a * c
         ):
             raise TrackingError(
-                f"the bearing's covariance is {given.tolist()} mrad^2; it must be finite, "
-                'symmetric and positive definite'
+                f"the bearing's covariance is {given.tolist()} mrad^2; it must be symmetric and "
+                f'positive definite, its variances from {LEAST_VARIANCE:g} to {MOST_VARIANCE:g}'
             )
         camera = AHEAD
         if self.pan_tilt is not None:
