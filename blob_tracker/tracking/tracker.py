@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from dataclasses import replace
-from math import inf, isfinite, pi
+from math import isfinite, pi
 from typing import NamedTuple
 
 from blob_tracker.kernel import Array
@@ -40,6 +40,8 @@ ASYMMETRY = 1e-9  # of a covariance, of its standard deviations' product: roundi
 # Of a covariance's determinant, of its diagonal's product: a correlation that rounding can tell
 # from a perfect one.
 LEAST_DETERMINANT = 1e-12
+# mrad^2, from 2 milliseconds of arc, which no camera sees, to half a turn, which says nothing.
+LEAST_VARIANCE, MOST_VARIANCE = 1e-10, 1e7
 STRAIGHT_UP = 0.5 * pi / MRAD  # mrad
 AHEAD = np.eye(3)
 NO_TURN = np.eye(3)
@@ -322,7 +324,7 @@ class Tracker:
         state, step, stabilised, _ = self._step(track, stamp_ns)
         found = Hypothesis(predicted(state, *step), stamp_ns, stabilised, track.bearings)
         sigma = largest_deviation(found.state)
-        if sigma > self.max_sigma:
+        if not sigma <= self.max_sigma:
             self.reason = (
                 f'the standard deviation of the direction is {sigma:.2f} mrad; max_sigma is '
                 f'{self.max_sigma:g} mrad'
@@ -361,13 +363,13 @@ class Tracker:
         (a, b), (other, c) = given.tolist()
         # NaN and infinity pass no comparison that they must.
         if not (
-            0.0 < a < inf and 0.0 < c < inf
+            LEAST_VARIANCE <= a <= MOST_VARIANCE and LEAST_VARIANCE <= c <= MOST_VARIANCE
             and (b - other)**2 <= ASYMMETRY**2 * a * c
             and a * c - b * b > LEAST_DETERMINANT * a * c
         ):
             raise TrackingError(
-                f"the bearing's covariance is {given.tolist()} mrad^2; it must be finite, "
-                'symmetric and positive definite'
+                f"the bearing's covariance is {given.tolist()} mrad^2; it must be symmetric and "
+                f'positive definite, each variance from {LEAST_VARIANCE:g} to {MOST_VARIANCE:g}'
             )
         camera = AHEAD
         if self.pan_tilt is not None:
