@@ -37,12 +37,11 @@ AGREEING = 3  # bearings in a row: two give a rate, the third is the first that 
 SUSPECTED = 2  # of them: one may be a false window, two that agree make the track doubtful
 MEMORY_NS = 1_000_000_000  # for which late bearings are put in their place: a message's delay
 ASYMMETRY = 1e-9  # of a covariance, of its standard deviations' product: rounding of a product
-# Of an angle, mrad^2: a nanoradian, far below any lens, and three circles. What lies outside knows
-# nothing, or so much that rounding makes a filter's covariance indefinite.
-LEAST_VARIANCE, MOST_VARIANCE = 1e-12, 4e8
 # Of a covariance's determinant, of its diagonal's product: a correlation that rounding can tell
 # from a perfect one.
 LEAST_DETERMINANT = 1e-12
+# mrad^2, from 2 milliseconds of arc, which no camera sees, to half a turn, which says nothing.
+LEAST_VARIANCE, MOST_VARIANCE = 1e-10, 1e7
 STRAIGHT_UP = 0.5 * pi / MRAD  # mrad
 AHEAD = np.eye(3)
 NO_TURN = np.eye(3)
@@ -325,7 +324,7 @@ class Tracker:
         state, step, stabilised, _ = self._step(track, stamp_ns)
         found = Hypothesis(predicted(state, *step), stamp_ns, stabilised, track.bearings)
         sigma = largest_deviation(found.state)
-        if not sigma <= self.max_sigma:  # nor NaN
+        if not sigma <= self.max_sigma:
             self.reason = (
                 f'the standard deviation of the direction is {sigma:.2f} mrad; max_sigma is '
                 f'{self.max_sigma:g} mrad'
@@ -365,12 +364,12 @@ class Tracker:
         # NaN and infinity pass no comparison that they must.
         if not (
             LEAST_VARIANCE <= a <= MOST_VARIANCE and LEAST_VARIANCE <= c <= MOST_VARIANCE
-            and abs(b - other) <= ASYMMETRY * sqrt(a) * sqrt(c)
+            and abs(b - other) <= ASYMMETRY * sqrt(a * c)
             and a * c - b * b > LEAST_DETERMINANT * a * c
         ):
             raise TrackingError(
                 f"the bearing's covariance is {given.tolist()} mrad^2; it must be symmetric and "
-                f'positive definite, its variances from {LEAST_VARIANCE:g} to {MOST_VARIANCE:g}'
+                f'positive definite, each variance from {LEAST_VARIANCE:g} to {MOST_VARIANCE:g}'
             )
         camera = AHEAD
         if self.pan_tilt is not None:
