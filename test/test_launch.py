@@ -126,7 +126,8 @@ def test_fast_dds_gets_its_profile_unless_one_is_set(
 
 
 @pytest.mark.parametrize(
-    'pipeline, executables', [('false', ['segmenter', 'locator', 'tracker']), ('true', ['pipeline'])]
+    'pipeline, executables',
+    [('false', ['segmenter', 'locator', 'tracker']), ('true', ['pipeline'])],
 )
 def test_replay_plays_the_bag_into_the_nodes(
     pipeline: str, executables: list[str], start: Start, context: LaunchContext
