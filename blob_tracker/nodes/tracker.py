@@ -205,7 +205,7 @@ class TrackerNode(Node):
 
 def compile_filter() -> None:
     """Compile the filter, before the first bearing could wait for it."""
-    say('loading the filter; the first start compiles it for 20 s or so')
+    say('loading the filter; the first start compiles it for half a minute')
     compile_ahead()
 
 
