@@ -279,7 +279,8 @@ class Tracker:
         -------
         Track or None
             In the camera's optical frame; its rates are those of the picture, of the target less
-            those of the platform and of the pan/tilt. None as in `at`, and where the pan/tilt's
+            those of the platform and of the pan/tilt; accelerations, of which nobody knows the
+            platform's, are 0 and unsure then. None as in `at`, and where the pan/tilt's
             place is not known.
 
         """
@@ -289,10 +290,10 @@ class Tracker:
         state, camera = found.state, AHEAD
         try:
             if found.stabilised and self.platform is not None:
-                state = with_rates(state, self.platform.rate_at(stamp_ns), -1.0)
+                state = _with_rates(state, self.platform.rate_at(stamp_ns), -1.0)
             if self.pan_tilt is not None:
                 camera = self.pan_tilt.at(stamp_ns)
-                state = with_rates(state, self.pan_tilt.rate_at(stamp_ns), -1.0)
+                state = _with_rates(state, self.pan_tilt.rate_at(stamp_ns), -1.0)
         except PlatformGap as gap:
             self.reason = str(gap)
             return None
@@ -454,7 +455,7 @@ class Tracker:
             return state, Step(seconds, self._density, NO_TURN, 0.0), False, str(gap)
         state = track.state
         if not track.stabilised:
-            state = with_rates(state, self.platform.rate_at(track.stamp_ns), 1.0)
+            state = _with_rates(state, self.platform.rate_at(track.stamp_ns), 1.0)
         variance += self._beyond(track.stamp_ns, stamp_ns)
         step = Step(seconds, self._stabilised_density, turn, variance / MRAD**2)
         return state, step, True, ''
@@ -478,7 +479,7 @@ class Tracker:
         """Return the state with the rates that the platform's rotation leaves of them."""
         assert self.platform is not None
         try:
-            return with_rates(track.state, self.platform.rate_at(track.stamp_ns), -1.0)
+            return _with_rates(track.state, self.platform.rate_at(track.stamp_ns), -1.0)
         except PlatformGap:
             # Nobody knows how the base turned.
             return with_motion_forgotten(track.state, FIRST_RATE, FIRST_ACCELERATION)
@@ -493,6 +494,11 @@ class Tracker:
     @staticmethod
     def _track(state: Array, stamp_ns: int, frame: NDArray[np.float64]) -> Track:
         return Track(stamp_ns, *as_angles(state, frame))
+
+
+def _with_rates(state: Array, rotation: Array, sign: float) -> Array:
+    """Return a state with the rates of a frame; its accelerations are as at first sight."""
+    return with_rates(state, rotation, sign, FIRST_ACCELERATION)
 
 
 def compile_ahead() -> None:

@@ -300,12 +300,13 @@ def on_a_turning_base(count: int, rate: np.ndarray) -> list[Bearing]:
     return bearings
 
 
-def test_a_gap_of_the_platforms_rates() -> None:
+@pytest.mark.parametrize('model', list(MODELS))
+def test_a_gap_of_the_platforms_rates(model: str) -> None:
     """The track goes on without them, at the rate that the picture shows, and says so."""
     rate = np.array([0.1, -0.4, 0.2])
     platform = PlatformRates(hold=0.1)
     turning(platform, 0.5, rate)
-    tracker = Tracker(platform=platform)
+    tracker = Tracker(model, platform=platform)
     bearings = on_a_turning_base(30, rate)
     for index, bearing in enumerate(bearings):
         track = tracker.update(bearing)
