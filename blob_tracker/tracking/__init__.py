@@ -1,0 +1,1 @@
+"""Bearings over time and of several cameras -> where the target is."""
