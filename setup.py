@@ -31,7 +31,7 @@ setup(
     entry_points={
         'console_scripts': [
             f'{node} = {NAME}.nodes.start:{node}'
-            for node in ('camera', 'segmenter', 'locator', 'pipeline', 'simulator')
+            for node in ('camera', 'segmenter', 'locator', 'tracker', 'pipeline', 'simulator')
         ],
     },
 )

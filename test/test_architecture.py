@@ -14,6 +14,7 @@ ROS_MODULES = {
     'builtin_interfaces',
     'diagnostic_msgs',
     'geometry_msgs',
+    'nav_msgs',
     'rcl_interfaces',
     'rclpy',
     'rosgraph_msgs',

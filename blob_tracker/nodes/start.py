@@ -27,8 +27,13 @@ def locator() -> None:
     _start('locator')
 
 
+def tracker() -> None:
+    """Run the tracker node."""
+    _start('tracker')
+
+
 def pipeline() -> None:
-    """Run camera, segmenter and locator in one process."""
+    """Run camera, segmenter, locator and tracker in one process."""
     _start('pipeline')
 
 

@@ -1,19 +1,24 @@
-"""Location, Bearing and SensorNoise to the messages on target/..., and noise back."""
+"""Location, Bearing and SensorNoise to the messages on target/..., bearing and noise back."""
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from math import atan2, cos, hypot, pi, sin
 
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.stamp import from_ns
+from blob_tracker.ros.stamp import from_ns, to_ns
 from blob_tracker.types import Bearing, Location, SensorNoise
-from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
+from geometry_msgs.msg import (
+    PointStamped, PoseWithCovarianceStamped, Quaternion, Vector3Stamped,
+)
+import numpy as np
+from numpy.typing import NDArray
 
 MRAD = 1e-3  # rad
 LEAST_GAIN, MOST_GAIN = 1e-3, 1e6  # electrons per DN: those of no camera lie outside
 MOST_READ_NOISE, MOST_BLACK_LEVEL = 1e4, 65535.0  # DN
 # The turn about the ray cannot be seen: evenly spread over the circle, rad^2.
 ROLL_VARIANCE = pi**2 / 3.0
+UNIT = 1e-3  # that the length of a quaternion may be off 1: more is no rounding
 
 
 def bearing_message(
@@ -53,21 +58,86 @@ def ray_message(
     message = PoseWithCovarianceStamped() if message is None else message
     message.header.stamp = from_ns(bearing.stamp_ns)
     message.header.frame_id = frame_id
-    half_azimuth = 0.5 * MRAD * bearing.azimuth
-    half_elevation = 0.5 * MRAD * bearing.elevation
-    turn = message.pose.pose.orientation
+    turn_onto(bearing.azimuth, bearing.elevation, message.pose.pose.orientation)
+    message.pose.covariance = ray_covariance(bearing.covariance)
+    return message
+
+
+def turn_onto(azimuth: float, elevation: float, turn: Quaternion) -> None:
+    """Fill in the turn q = q_y q_x that takes the z axis to these angles, mrad."""
+    half_azimuth = 0.5 * MRAD * azimuth
+    half_elevation = 0.5 * MRAD * elevation
     turn.x = cos(half_azimuth) * sin(half_elevation)
     turn.y = sin(half_azimuth) * cos(half_elevation)
     turn.z = -sin(half_azimuth) * sin(half_elevation)
     turn.w = cos(half_azimuth) * cos(half_elevation)
+
+
+def ray_covariance(of_angles: NDArray[np.float64]) -> list[float]:
+    """Return the 36 numbers of a pose for a (2, 2) covariance of azimuth, elevation, mrad^2."""
+    covariance = about_x_and_y(of_angles)
+    covariance[5 * 6 + 5] = ROLL_VARIANCE
+    return covariance
+
+
+def about_x_and_y(of_angles: NDArray[np.float64]) -> list[float]:
+    """Return the same without the roll, as of rates: rad^2 about x (elevation), y (azimuth)."""
     covariance = [0.0] * 36
-    in_rad2 = MRAD**2 * bearing.covariance
+    in_rad2 = MRAD**2 * of_angles
     covariance[3 * 6 + 3] = float(in_rad2[1, 1])
     covariance[4 * 6 + 4] = float(in_rad2[0, 0])
     covariance[3 * 6 + 4] = covariance[4 * 6 + 3] = float(in_rad2[0, 1])
-    covariance[5 * 6 + 5] = ROLL_VARIANCE
-    message.pose.covariance = covariance
-    return message
+    return covariance
+
+
+def to_angles(turn: Quaternion) -> tuple[float, float]:
+    """
+    Return azimuth and elevation, mrad, of the z axis after a turn.
+
+    Raises
+    ------
+    MessageError
+        Where the quaternion is not of length 1.
+
+    """
+    x, y, z, w = turn.x, turn.y, turn.z, turn.w
+    square = x * x + y * y + z * z + w * w
+    if not abs(square - 1.0) <= 2.0 * UNIT:  # nor NaN
+        raise MessageError(
+            f'the orientation ({x:g}, {y:g}, {z:g}, {w:g}) is no turn; a quaternion must have the '
+            'length 1'
+        )
+    right = 2.0 * (x * z + w * y)
+    down = 2.0 * (y * z - w * x)
+    ahead = square - 2.0 * (x * x + y * y)
+    return atan2(right, ahead) / MRAD, atan2(-down, hypot(right, ahead)) / MRAD
+
+
+def to_covariance(numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the (2, 2) covariance of azimuth, elevation, mrad^2, of those of a pose or twist."""
+    # x is elevation, y azimuth. Not of NumPy, which warns where a number gets infinite.
+    yy, yx, xy, xx = (float(numbers[6 * i + j]) / MRAD**2 for i in (4, 3) for j in (4, 3))
+    return np.array([[yy, yx], [xy, xx]])
+
+
+def to_bearing(message: PoseWithCovarianceStamped) -> Bearing:
+    """
+    Return the bearing of a message on target/ray, with its covariance as it is.
+
+    Raises
+    ------
+    MessageError
+        Where its orientation is no turn. Whether its covariance can be one is the tracker's to
+        say, who needs it.
+
+    """
+    azimuth, elevation = to_angles(message.pose.pose.orientation)
+    return Bearing(
+        azimuth,
+        elevation,
+        to_covariance(message.pose.covariance),
+        to_ns(message.header.stamp),
+    )
 
 
 def noise_message(noise: SensorNoise, stamp_ns: int, frame_id: str) -> Vector3Stamped:

@@ -14,8 +14,9 @@ PARAMETERS = (
 )
 INTERFACE = Interface(
     'pipeline',
-    'Runs camera (or simulator), segmenter and locator in one process and hands frames over in '
-    'memory. Nodes, topics, services and parameters are those of the three, see their --help; '
+    'Runs camera (or simulator), segmenter, locator and tracker in one process and hands frames '
+    'over in memory. Nodes, topics, services and parameters are those of the four, see their '
+    '--help; '
     'images are published only while somebody subscribes. Besides them it has:',
     PARAMETERS,
     examples=(

@@ -43,6 +43,31 @@ RAY = Topic(
     'geometry_msgs/PoseWithCovarianceStamped',
     'the same as a turn, with covariance in rad^2',
 )
+PREDICTED = Topic(
+    'target/bearing_predicted',
+    'geometry_msgs/Vector3Stamped',
+    'as target/bearing, for the instant in the stamp, now + `servo_delay`; with `joints.pan` and '
+    '`joints.tilt` x and y are the angles to command; silent while the target is not tracked',
+)
+TRACK = Topic(
+    'target/track',
+    'nav_msgs/Odometry',
+    'with each bearing: filtered angle as target/ray has it, in `twist.angular` x the rate of the '
+    'elevation and y that of the azimuth, rad/s, each with covariance',
+)
+TRACKED = Topic(
+    'target/tracked',
+    'std_msgs/Bool',
+    'transient local, on change: whether the target is predicted',
+)
+IMU = Topic(
+    'imu', 'sensor_msgs/Imu', 'with `imu.enabled`: how the platform turns; angular velocity, rad/s'
+)
+JOINT_STATES = Topic(
+    'joint_states',
+    'sensor_msgs/JointState',
+    'with `joints.pan` or `joints.tilt`: where the pan/tilt under the camera stands, rad',
+)
 _PICTURE = '~/debug_image', 'sensor_msgs/Image'
 FRAME_PICTURE = Topic(*_PICTURE, 'bgr8, while somebody subscribes, at most 10 Hz: the frame')
 SEGMENTER_PICTURE = Topic(*_PICTURE, 'likewise: frame, difference, candidates and window')

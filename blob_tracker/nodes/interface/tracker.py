@@ -1,0 +1,154 @@
+"""What the tracker node shows of itself."""
+
+from math import pi
+
+from blob_tracker.nodes.interface.topics import (
+    DIAGNOSTICS, IMU, JOINT_STATES, PREDICTED, RAY, TRACK, TRACKED,
+)
+from blob_tracker.ros.interface import Interface, Parameter
+from blob_tracker.tracking import MODELS
+
+DEFAULT_MODEL = 'constant_velocity'
+PARAMETERS = (
+    Parameter(
+        'lights',
+        '',
+        'Names of the coded lights that are to be tracked, as flash.codes has them: '
+        'port,starboard. Empty for a light without a name. Within the pipeline every light is.',
+    ),
+    Parameter(
+        'model',
+        DEFAULT_MODEL,
+        'What goes on by itself between two bearings: the rate of the angles or their '
+        'acceleration as well. The latter leads further ahead where the motion is smooth, as of '
+        'waves, and is noisier where it is not.',
+        choices=tuple(MODELS),
+    ),
+    Parameter(
+        'acceleration',
+        300.0,
+        'How much the rate changes in a second, as the camera sees it: standard deviation, for '
+        'constant_velocity. Too small lags behind, too large follows the noise; the diagnostics '
+        'tell which.',
+        least=1e-3,
+        most=1e6,
+        unit='mrad/s^2',
+    ),
+    Parameter(
+        'jerk',
+        3000.0,
+        'How much the acceleration changes in a second: the same for constant_acceleration.',
+        least=1e-3,
+        most=1e7,
+        unit='mrad/s^3',
+    ),
+    Parameter(
+        'gate',
+        0.9999,
+        'Probability with which a right bearing is accepted. What is further off is another '
+        'light, or the target has leapt: three of them that agree are followed.',
+        least=0.5,
+        most=0.999999,
+    ),
+    Parameter(
+        'coast',
+        0.5,
+        'Time without a bearing for which the target is predicted; then silence.',
+        least=0.001,
+        most=60.0,
+        unit='s',
+    ),
+    Parameter(
+        'max_sigma',
+        5.0,
+        'Standard deviation of the prediction above which there is silence.',
+        least=1e-3,
+        most=1000.0,
+        unit='mrad',
+    ),
+    Parameter(
+        'servo_delay',
+        0.0,
+        'From the moment at which a prediction is published to that at which the servo is there: '
+        'its transport delay, and that of its bus.',
+        least=0.0,
+        most=1.0,
+        unit='s',
+    ),
+    Parameter(
+        'rate',
+        100.0,
+        'Predictions a second, besides the one with each bearing; 0 for none.',
+        least=0.0,
+        most=1000.0,
+        unit='Hz',
+    ),
+    Parameter(
+        'imu.enabled',
+        False,
+        'Take the turning of the platform from imu, so that the target is followed and not the '
+        'boat. The IMU must not turn with the pan/tilt.',
+    ),
+    Parameter('imu.frame_id', 'imu_link', 'Frame of the IMU: messages of any other are refused.'),
+    Parameter(
+        'imu.roll',
+        -pi / 2.0,
+        "Turn of the camera's optical frame in that of the IMU (of the pan/tilt at 0, 0, where "
+        'the camera rides on one), as static_transform_publisher has it. The default is an IMU '
+        'with x forward, y left, z up.',
+        least=-pi,
+        most=pi,
+        unit='rad',
+    ),
+    Parameter('imu.pitch', 0.0, 'The second angle of that turn.', least=-pi, most=pi, unit='rad'),
+    Parameter(
+        'imu.yaw', -pi / 2.0, 'The third angle of that turn.', least=-pi, most=pi, unit='rad'
+    ),
+    Parameter(
+        'imu.acceleration',
+        50.0,
+        "In place of `acceleration` while the platform's turning is known: what the target does.",
+        least=1e-3,
+        most=1e6,
+        unit='mrad/s^2',
+    ),
+    Parameter(
+        'imu.jerk',
+        500.0,
+        "In place of `jerk` while the platform's turning is known.",
+        least=1e-3,
+        most=1e7,
+        unit='mrad/s^3',
+    ),
+    Parameter(
+        'joints.pan',
+        '',
+        'Joint of joint_states that turns the camera to the right. Empty: there is none.',
+    ),
+    Parameter(
+        'joints.tilt',
+        '',
+        'Joint of joint_states that turns the camera up, on top of pan. Empty: there is none.',
+    ),
+    Parameter('joints.pan_reversed', False, 'Whether a growing angle turns it to the left.'),
+    Parameter('joints.tilt_reversed', False, 'Whether a growing angle turns it down.'),
+    Parameter(
+        'joints.frame_id',
+        'base_optical_frame',
+        'Name of the frame of the predictions where joints are read: the optical frame as it '
+        'stands at pan = tilt = 0.',
+    ),
+)
+INTERFACE = Interface(
+    'tracker',
+    'Filters the bearings over time and predicts the angle at which the target will be when the '
+    'servo moves.',
+    PARAMETERS,
+    subscribed=(RAY, IMU, JOINT_STATES),
+    published=(PREDICTED, TRACK, TRACKED, DIAGNOSTICS),
+    examples=(
+        'ros2 run blob_tracker tracker --ros-args -p servo_delay:=0.03',
+        'ros2 param set /tracker acceleration 500.0',
+        'ros2 topic echo /target/bearing_predicted',
+    ),
+)
