@@ -130,7 +130,7 @@ class Position:
 
 
 def triangulate(
-    bearings: Sequence[Bearing], poses: Sequence[CameraPose], *, gate: float = 4.0
+    bearings: Sequence[Bearing], poses: Sequence[CameraPose], *, gate: float = 0.9999
 ) -> Position:
     """
     Return where the rays of one light meet: the position of maximum likelihood.
@@ -167,8 +167,8 @@ def triangulate(
     poses : sequence of CameraPose
         Of the cameras, in the same order.
     gate : float
-        How far apart the rays may pass, in standard deviations: chi2 may be as improbable as a
-        Gaussian deviate beyond +-gate.
+        Probability with which rays that do meet are accepted: that of a chi2 below the greatest
+        that may be.
 
     Returns
     -------
@@ -255,8 +255,8 @@ def check_bearing(bearing: Bearing) -> None:
         and np.allclose(covariance, covariance.T, rtol=1e-6, atol=0.0)
     ):
         raise TriangulationError(
-            f'the covariance of the bearing is {np.asarray(covariance).tolist()} mrad^2; it must be '
-            'symmetric and positive definite: no camera sees without error'
+            f'the covariance of the bearing is {np.asarray(covariance).tolist()} mrad^2; it must '
+            'be symmetric and positive definite: no camera sees without error'
         )
 
 
@@ -359,5 +359,5 @@ def _linearised(
 
 @cache
 def _most(gate: float, degrees: int) -> float:
-    """Return the chi-square that is as improbable as a Gaussian deviate beyond +-gate."""
-    return float(scipy.stats.chi2.isf(math.erfc(gate / math.sqrt(2.0)), degrees))
+    """Return the chi-square that is not exceeded with this probability."""
+    return float(scipy.stats.chi2.ppf(gate, degrees))
