@@ -35,16 +35,17 @@ ROOMS = {
     'tracking': {'kernel'},
     'calibration': {'segmentation', 'location', 'camera'},
     'pipeline': {'capture', 'segmentation', 'location', 'camera', 'tracking'},
-    'simulation': {'capture', 'segmentation', 'location', 'camera', 'pipeline'},
+    'simulation': {'capture', 'segmentation', 'location', 'camera', 'tracking', 'pipeline'},
     'studies': {
-        'capture', 'segmentation', 'location', 'camera', 'calibration', 'pipeline', 'simulation',
+        'capture', 'segmentation', 'location', 'camera', 'tracking', 'calibration', 'pipeline',
+        'simulation',
     },
     'ros': {
-        'capture', 'segmentation', 'location', 'camera', 'calibration', 'tracking', 'pipeline',
+        'capture', 'segmentation', 'location', 'camera', 'tracking', 'calibration', 'pipeline',
         'resources',
     },
     'nodes': {
-        'capture', 'segmentation', 'location', 'camera', 'calibration', 'tracking', 'pipeline',
+        'capture', 'segmentation', 'location', 'camera', 'tracking', 'calibration', 'pipeline',
         'simulation', 'studies', 'ros', 'resources', 'kernel',
     },
     '__main__': {'nodes', 'studies'},

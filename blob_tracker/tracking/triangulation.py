@@ -8,12 +8,11 @@ from functools import cache
 from itertools import combinations
 import math
 
+from blob_tracker.kernel import Array
+from blob_tracker.tracking.errors import TrackingError
 from blob_tracker.types import Bearing
 import numpy as np
-from numpy.typing import NDArray
 import scipy  # which loads its parts when they are first used
-
-Array = NDArray[np.float64]
 
 RADIAN = 1e-3  # per mrad
 # Standard deviations of the angle between two rays: where it is less, the distance has no Gaussian
@@ -24,7 +23,7 @@ STEPS = 30
 CONVERGED = 1e-3  # standard deviations of the position
 
 
-class TriangulationError(ValueError):
+class TriangulationError(TrackingError):
     """Rays that give no position; the message says why."""
 
 
@@ -130,7 +129,7 @@ class Position:
 
 
 def triangulate(
-    bearings: Sequence[Bearing], poses: Sequence[CameraPose], *, gate: float = 0.9999
+    bearings: Sequence[Bearing], poses: Sequence[CameraPose], *, gate: float = 5.0
 ) -> Position:
     """
     Return where the rays of one light meet: the position of maximum likelihood.
@@ -167,8 +166,8 @@ def triangulate(
     poses : sequence of CameraPose
         Of the cameras, in the same order.
     gate : float
-        Probability with which rays that do meet are accepted: that of a chi2 below the greatest
-        that may be.
+        How far apart rays may pass that are said to meet, in standard deviations: chi2 may be as
+        improbable as a Gaussian deviate beyond +-gate.
 
     Returns
     -------
@@ -359,5 +358,5 @@ def _linearised(
 
 @cache
 def _most(gate: float, degrees: int) -> float:
-    """Return the chi-square that is not exceeded with this probability."""
-    return float(scipy.stats.chi2.ppf(gate, degrees))
+    """Return the chi-square that is as improbable as a Gaussian deviate beyond +-gate."""
+    return float(scipy.stats.chi2.isf(math.erfc(gate / math.sqrt(2.0)), degrees))

@@ -91,11 +91,12 @@ PARAMETERS = (
     ),
     Parameter(
         'gate',
-        0.9999,
-        'Probability with which rays that meet are accepted. Those that pass each other further '
-        'off are of two lights, or the poses of the cameras are wrong.',
-        least=0.5,
-        most=0.999999,
+        5.0,
+        'How far apart rays may pass that are said to meet. What is further off is of two lights, '
+        'or the poses of the cameras are wrong.',
+        least=1.0,
+        most=1000.0,
+        unit='standard deviations',
     ),
 )
 INTERFACE = Interface(

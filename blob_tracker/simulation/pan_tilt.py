@@ -1,0 +1,152 @@
+"""A pan/tilt: it answers late, lags behind, and turns no faster than its motors can."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from math import cos, exp, isfinite, sin, sqrt, tau
+
+STEP = 0.002  # s: within it the motors' limits hold on the mean
+
+
+@dataclass(frozen=True)
+class Joints:
+    """
+    What both joints of a pan/tilt can do.
+
+    Each follows its command c as a position loop does,
+
+        x'' = w^2 (c - x) - 2 d w x',    w = 2 pi frequency
+
+    with x' and x'' held within `rate` and `acceleration`. Behind a steady command it lags by
+    `lag`.
+
+    Parameters
+    ----------
+    delay : float
+        Time from the sending of a command to the motors, s.
+    frequency : float
+        Of the position loop, undamped, Hz.
+    damping : float
+        d: part of the critical damping, above 0 and below 1.
+    rate : float
+        rad/s.
+    acceleration : float
+        rad/s^2.
+    resolution : float
+        Step of the encoders, rad: of what is commanded and of what is reported; 0 for none.
+
+    Raises
+    ------
+    ValueError
+        Where one of them cannot be.
+
+    """
+
+    delay: float = 0.02
+    frequency: float = 15.0
+    damping: float = 0.8
+    rate: float = 1.75
+    acceleration: float = 10.0
+    resolution: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ('frequency', 'rate', 'acceleration'):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f'{name} is {getattr(self, name):g}; it must be above 0')
+        for name in ('delay', 'resolution'):
+            if not (isfinite(getattr(self, name)) and getattr(self, name) >= 0.0):
+                raise ValueError(f'{name} is {getattr(self, name):g}; it must be 0 or more')
+        if not 0.0 < self.damping < 1.0:
+            raise ValueError(f'damping is {self.damping:g}; it must be above 0 and below 1')
+
+    @property
+    def lag(self) -> float:
+        """Time by which a joint is behind a command that moves steadily, 2 d / w, s."""
+        return 2.0 * self.damping / (tau * self.frequency)
+
+
+class PanTilt:
+    """
+    A pan/tilt that is driven through time.
+
+    Parameters
+    ----------
+    joints : Joints
+        What it can do.
+    pan, tilt : float
+        Where it stands at the time 0, rad: to the right and up.
+
+    Attributes
+    ----------
+    time : float
+        Up to which it has been driven, s.
+    angles : (float, float)
+        Where pan and tilt truly are at that time, rad.
+
+    """
+
+    def __init__(self, joints: Joints, pan: float = 0.0, tilt: float = 0.0) -> None:
+        self.joints = joints
+        self.time = 0.0
+        self.angles = (pan, tilt)
+        self._rates = (0.0, 0.0)
+        self._goal = (pan, tilt)
+        self._underway: deque[tuple[float, tuple[float, float]]] = deque()
+
+    def command(self, pan: float, tilt: float) -> None:
+        """
+        Send the angles to go to, rad; the motors get them after the delay.
+
+        Raises
+        ------
+        ValueError
+            Where one of them is no number.
+
+        """
+        if not (isfinite(pan) and isfinite(tilt)):
+            raise ValueError(f'the command is {pan}, {tilt} rad; both must be finite')
+        goal = (self._rounded(pan), self._rounded(tilt))
+        self._underway.append((self.time + self.joints.delay, goal))
+
+    def reported(self) -> tuple[float, float]:
+        """Return what the encoders read at this time, rad."""
+        pan, tilt = self.angles
+        return self._rounded(pan), self._rounded(tilt)
+
+    def advance(self, time: float) -> None:
+        """Drive it up to a time in s; what was sent early enough is obeyed on the way."""
+        while self.time < time:
+            while self._underway and self._underway[0][0] <= self.time + 1e-12:
+                self._goal = self._underway.popleft()[1]
+            until = min(time, self.time + STEP)
+            if self._underway:
+                until = min(until, self._underway[0][0])
+            self._step(until - self.time)
+            self.time = until
+
+    def _step(self, interval: float) -> None:
+        """Move both joints by an interval in which the command stands."""
+        joints = self.joints
+        turn = tau * joints.frequency
+        fade = joints.damping * turn
+        own = turn * sqrt(1.0 - joints.damping**2)
+        decay = exp(-fade * interval)
+        cosine, sine = decay * cos(own * interval), decay * sin(own * interval) / own
+        moved = []
+        for angle, rate, goal in zip(self.angles, self._rates, self._goal):
+            away = angle - goal
+            after = away * (cosine + fade * sine) + rate * sine
+            speed = rate * (cosine - fade * sine) - away * turn**2 * sine
+            most = joints.acceleration * interval
+            held = min(max(speed, rate - most, -joints.rate), rate + most, joints.rate)
+            if held != speed:
+                after = away + 0.5 * (rate + held) * interval
+            moved.append((goal + after, held))
+        (pan, pan_rate), (tilt, tilt_rate) = moved
+        self.angles, self._rates = (pan, tilt), (pan_rate, tilt_rate)
+
+    def _rounded(self, angle: float) -> float:
+        """Return the nearest angle that the encoder has."""
+        step = self.joints.resolution
+        return step * round(angle / step) if step else angle

@@ -1,0 +1,175 @@
+"""A camera on a pan/tilt on a vehicle: a light in a known direction, as this camera sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from math import sqrt
+
+from blob_tracker.camera import CameraModel
+from blob_tracker.simulation.noise_bank import NoiseBank
+from blob_tracker.simulation.platform_motion import Ride, turn_about
+from blob_tracker.simulation.profiles import Gaussian, Profile
+from blob_tracker.simulation.sensor import Sensor
+from blob_tracker.simulation.spot import add_spot, Spot
+from blob_tracker.simulation.wall import textured_wall
+from blob_tracker.types import Frame
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+PARTS = 5  # of an exposure, in each of which the light stands still
+MARGIN = 96  # px of the shore around what the camera sees when it points at the light
+
+
+@dataclass(frozen=True)
+class PanTiltCamera:
+    """
+    What a camera on a pan/tilt sees of a light, and of the shore behind it.
+
+    The light is drawn where it is in each part of the exposure, so that it is smeared as the
+    camera turns. The shore is shifted and turned with it, as a whole and once a frame.
+
+    Parameters
+    ----------
+    model : CameraModel
+        The lens.
+    ride : Ride
+        How the vehicle turns.
+    light : callable
+        From times (n,) in s to (n, 3) unit vectors onto the light, in the level frame.
+    sigma, amplitude : float
+        Of the light's image: standard deviation, px, and peak above the background, DN.
+    profile : Profile
+        Shape of the image.
+    background, texture : float
+        Mean of the shore and standard deviation of its pattern, DN.
+    sensor : Sensor
+        What turns light into numbers.
+    exposure : float
+        s.
+    region : (int, int)
+        Width and height of the hardware crop in the middle of the sensor, px.
+    seed : int
+        Of texture and noise.
+
+    """
+
+    model: CameraModel
+    ride: Ride
+    light: Callable[[Array], Array]
+    sigma: float
+    amplitude: float
+    profile: Profile = Gaussian()
+    background: float = 40.0
+    texture: float = 8.0
+    sensor: Sensor = Sensor()
+    exposure: float = 0.002
+    region: tuple[int, int] = (160, 120)
+    seed: int = 1
+
+    def times(self, middle: float) -> Array:
+        """Return the middles of the parts of an exposure about a time, s."""
+        return middle + self.exposure * ((np.arange(PARTS) + 0.5) / PARTS - 0.5)
+
+    def rays(self, times: Array, joints: Array) -> Array:
+        """
+        Return the directions in which the camera sees the light.
+
+        Parameters
+        ----------
+        times : (n,) array
+            s.
+        joints : (n, 2) array
+            Where pan and tilt truly are at these times, rad.
+
+        Returns
+        -------
+        (n, 3) array
+            Unit vectors of the camera's optical frame.
+
+        """
+        in_base = np.einsum('nji,nj->ni', self.ride.rotations(times), self.light(times))
+        camera = turn_about(1, joints[:, 0]) @ turn_about(0, joints[:, 1])
+        return np.asarray(np.einsum('nji,nj->ni', camera, in_base))
+
+    def off_axis(self, times: Array, joints: Array) -> Array:
+        """Return the (n,) angles between the optical axis and the light, rad."""
+        x, y, z = self.rays(times, joints).T
+        return np.asarray(np.arctan2(np.hypot(x, y), z))
+
+    def frame(self, index: int, middle: float, joints: Array, *, lit: bool) -> Frame:
+        """
+        Take a picture.
+
+        Parameters
+        ----------
+        index : int
+            Of the frame: its noise.
+        middle : float
+            Of the exposure, s.
+        joints : (5, 2) array
+            Pan and tilt at the `times` of this exposure, rad.
+        lit : bool
+            Whether the light is on.
+
+        Returns
+        -------
+        Frame
+            With the stamp of the middle, counted from 1 s on.
+
+        """
+        width, height = self.region
+        left, top = (self.model.width - width) // 2, (self.model.height - height) // 2
+        rays = self.rays(self.times(middle), joints)
+        places = self.model.project(rays)
+        picture = self._shore(middle, joints[PARTS // 2], places[PARTS // 2])
+        if lit:
+            aperture = sqrt(self.sensor.fill_factor)
+            for x, y in places.tolist():
+                if np.isfinite(x) and np.isfinite(y):
+                    spot = Spot(x - left, y - top, self.sigma, self.amplitude / PARTS)
+                    add_spot(picture, spot, self.profile, aperture)
+        pixels = self.sensor.expose(picture, NoiseBank(self.seed, index))
+        return Frame(
+            pixels, 10**9 + round(1e9 * middle), self.sensor.saturation, left, top
+        )
+
+    def _shore(self, middle: float, joints: Array, place: Array) -> NDArray[np.float32]:
+        """Return the (h, w) shore behind the light: it is as far away, and turns about it."""
+        width, height = self.region
+        if self.texture == 0.0:
+            return np.full((height, width), self.background, dtype=np.float32)
+        (left, top) = (self.model.width - width) // 2, (self.model.height - height) // 2
+        camera = (
+            self.ride.rotations(np.array([middle]))[0]
+            @ turn_about(1, joints[:1])[0] @ turn_about(0, joints[1:])[0]
+        )
+        # The level frame's y seen by the camera: how far the picture is turned about its axis.
+        roll = np.arctan2(camera[1, 0], camera[1, 1])
+        cosine, sine = np.cos(roll), np.sin(roll)
+        wall = _shore(width, height, self.background, self.texture, self.seed)
+        middle_x, middle_y = 0.5 * wall.shape[1], 0.5 * wall.shape[0]
+        x, y = place - (left, top)
+        # From the picture to the shore; far off the light's surroundings are not the point.
+        back = np.array([
+            [cosine, -sine, middle_x - cosine * x + sine * y],
+            [sine, cosine, middle_y - sine * x - cosine * y],
+        ])
+        return np.asarray(cv2.warpAffine(
+            wall, back, (width, height), flags=cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP,
+            borderMode=cv2.BORDER_REFLECT_101,
+        ))
+
+
+@lru_cache(maxsize=4)
+def _shore(
+    width: int, height: int, background: float, texture: float, seed: int
+) -> NDArray[np.float32]:
+    """Return the mean signal of the shore, DN, with a margin on each side."""
+    return textured_wall(
+        (height + 2 * MARGIN, width + 2 * MARGIN), background=background, texture=texture,
+        seed=seed,
+    )
