@@ -26,7 +26,7 @@ from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_window
-from blob_tracker.ros.names import check_light, target_topic
+from blob_tracker.ros.names import lights_from_text, target_topic
 from blob_tracker.ros.pairing import FramePairs
 from blob_tracker.ros.parameters import about, declare, on_change
 from blob_tracker.ros.process import run, say
@@ -46,6 +46,8 @@ PLACES = 240  # of which the scatter is told to 5 %: the last 8 s at 30 Hz
 SUSPICIOUS = 1.5
 DIFFERENT = 1.5  # ratio of two variances; what is measured has sigmas far below that
 
+Deliver = Callable[[str, Bearing, str], None]
+
 
 class LocatorNode(Node):
     """
@@ -55,15 +57,24 @@ class LocatorNode(Node):
     ----------
     listen : bool
         Whether windows come from target/window/...; else whoever has them calls `locate`.
+    deliver : callable, optional
+        Takes each bearing in memory: the name of the light, its bearing and the name of the
+        optical frame.
     elsewhere : collection of str
         Parameters of other nodes in the same process.
 
     """
 
-    def __init__(self, *, listen: bool = True, elsewhere: Collection[str] = ()) -> None:
+    def __init__(
+        self,
+        *,
+        listen: bool = True,
+        deliver: Deliver | None = None,
+        elsewhere: Collection[str] = (),
+    ) -> None:
         super().__init__('locator')
         values = declare(self, PARAMETERS, elsewhere)
-        self._listen = listen
+        self._listen, self._deliver = listen, deliver
         self._lock = Lock()  # windows may come from a thread of the camera's
         self._health = Health(
             self, 'no window arrives; is the segmenter running?', describe=self._describe
@@ -98,16 +109,7 @@ class LocatorNode(Node):
             values['noise.gain'], values['noise.read_noise'], values['noise.black_level']
         )
         line_jitter = _line_jitter(values['line_jitter_url'])
-        lights = values['lights'].replace(' ', '').split(',')  # [''] where it is empty
-        if values['lights']:
-            for light in lights:
-                try:
-                    check_light(light)
-                except ParameterError as error:
-                    raise ParameterError(
-                        f"parameter 'lights': {error}; write port,starboard"
-                    ) from None
-
+        lights = lights_from_text(values['lights'])
         if self._listen:
             self._make_topics(lights)
 
@@ -227,6 +229,8 @@ class LocatorNode(Node):
             )
             return
         self._targets[light].publish(bearing, location, frame_id)
+        if self._deliver is not None:
+            self._deliver(light, bearing, frame_id)
         self._health.left(window.stamp_ns)
         self._health.count('bearings')
         self._health.ok('target located')

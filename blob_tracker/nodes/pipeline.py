@@ -1,11 +1,11 @@
-"""Camera, segmenter and locator in one process: frames and windows are handed over in memory."""
+"""Camera, segmenter, locator and tracker in one process: all is handed over in memory."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 import sys
 
-from blob_tracker.nodes import camera, locator, segmenter, simulator
+from blob_tracker.nodes import camera, locator, segmenter, simulator, tracker
 from blob_tracker.nodes.interface.pipeline import PARAMETERS
 from blob_tracker.ros.parameters import declare, given, unknown
 from blob_tracker.ros.process import run
@@ -30,7 +30,7 @@ def nodes() -> Iterator[Node]:
     yield pipeline
     common = given(pipeline)
     source = declare(pipeline, PARAMETERS, common)['source']
-    modules = [segmenter, locator] + {
+    modules = [segmenter, locator, tracker] + {
         'camera': [camera], 'simulator': [simulator], 'images': []
     }[source]
     known = {each.name for module in (*modules, sys.modules[__name__])
@@ -41,12 +41,19 @@ def nodes() -> Iterator[Node]:
             if name not in known:
                 raise unknown(name, sorted(known))
 
-    locating = locator.LocatorNode(listen=False, elsewhere=common)
+    tracking = tracker.TrackerNode(listen=False, elsewhere=common)
+    yield tracking
+    locating = locator.LocatorNode(listen=False, deliver=tracking.track, elsewhere=common)
     yield locating
+
+    def announce(lights: Collection[str]) -> None:
+        tracking.heed(lights)
+        locating.heed(lights)
+
     segmenting = segmenter.SegmenterNode(
         listen=source == 'images',
         deliver=locating.locate,
-        announce=locating.heed,
+        announce=announce,
         elsewhere=common,
     )
     yield segmenting
@@ -57,9 +64,10 @@ def nodes() -> Iterator[Node]:
 
 
 def compile_all() -> None:
-    """Compile search and fits, before the first frame could wait for them."""
+    """Compile search, fits and filter, before the first frame could wait for them."""
     segmenter.compile_search()
     locator.compile_default()
+    tracker.compile_filter()
 
 
 def main() -> None:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from blob_tracker.ros.errors import MessageError
 from sensor_msgs.msg import JointState
 
-MOST_ANGLE = 100.0  # rad: 16 turns; above it somebody means degrees
-
 
 def to_angle(message: JointState, name: str, reverse: bool) -> float | None:
     """
@@ -43,9 +41,4 @@ def to_angle(message: JointState, name: str, reverse: bool) -> float | None:
             f'{len(message.position)} positions; each joint must have one'
         )
     angle = message.position[index]
-    if not abs(angle) <= MOST_ANGLE:  # nor NaN
-        raise MessageError(
-            f"the position of the joint '{name}' is {angle:g} rad; it must be within "
-            f'+-{MOST_ANGLE:g}'
-        )
     return -angle if reverse else angle

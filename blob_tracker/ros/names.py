@@ -16,6 +16,28 @@ def target_topic(light: str) -> str:
     return f'target/{light}' if light else 'target'
 
 
+def lights_from_text(text: str) -> list[str]:
+    """
+    Return the names of the lights in the parameter `lights`; where it is empty, the one of none.
+
+    Raises
+    ------
+    ParameterError
+        Where one of them cannot be.
+
+    """
+    lights = text.replace(' ', '').split(',')  # [''] where it is empty
+    if text:
+        for light in lights:
+            try:
+                check_light(light)
+            except ParameterError as error:
+                raise ParameterError(
+                    f"parameter 'lights': {error}; write port,starboard"
+                ) from None
+    return lights
+
+
 def check_light(name: str) -> None:
     """Raise ParameterError where a light cannot have this name."""
     if not NAME.fullmatch(name):

@@ -23,6 +23,8 @@ from rclpy.subscription import Subscription
 # recorder may ask for more. Ten frames ride out the pause of a garbage collection at 300 Hz.
 IMAGE_OUT = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 IMAGE_IN = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+# Of an IMU or of joints, likewise: a tenth of a second at 1 kHz.
+SAMPLES_IN = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
 RESULT = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 STATE = QoSProfile(
     depth=1,

@@ -1,14 +1,15 @@
 """What the tracker node shows of itself."""
 
+from inspect import signature
 from math import pi
 
 from blob_tracker.nodes.interface.topics import (
     DIAGNOSTICS, IMU, JOINT_STATES, PREDICTED, RAY, TRACK, TRACKED,
 )
 from blob_tracker.ros.interface import Interface, Parameter
-from blob_tracker.tracking import MODELS
+from blob_tracker.tracking import MODELS, Tracker
 
-DEFAULT_MODEL = 'constant_velocity'
+_DEFAULTS = {each.name: each.default for each in signature(Tracker).parameters.values()}
 PARAMETERS = (
     Parameter(
         'lights',
@@ -18,7 +19,7 @@ PARAMETERS = (
     ),
     Parameter(
         'model',
-        DEFAULT_MODEL,
+        _DEFAULTS['model'],
         'What goes on by itself between two bearings: the rate of the angles or their '
         'acceleration as well. The latter leads further ahead where the motion is smooth, as of '
         'waves, and is noisier where it is not.',
@@ -26,7 +27,7 @@ PARAMETERS = (
     ),
     Parameter(
         'acceleration',
-        300.0,
+        _DEFAULTS['acceleration'],
         'How much the rate changes in a second, as the camera sees it: standard deviation, for '
         'constant_velocity. Too small lags behind, too large follows the noise; the diagnostics '
         'tell which.',
@@ -36,7 +37,7 @@ PARAMETERS = (
     ),
     Parameter(
         'jerk',
-        3000.0,
+        _DEFAULTS['jerk'],
         'How much the acceleration changes in a second: the same for constant_acceleration.',
         least=1e-3,
         most=1e7,
@@ -44,15 +45,16 @@ PARAMETERS = (
     ),
     Parameter(
         'gate',
-        0.9999,
-        'Probability with which a right bearing is accepted. What is further off is another '
-        'light, or the target has leapt: three of them that agree are followed.',
-        least=0.5,
-        most=0.999999,
+        _DEFAULTS['gate'],
+        'Standard deviations that a bearing may be off where it is expected; at 5 one right '
+        'bearing in 270,000 is refused. What is further off is another light, or the target has '
+        'leapt: three of them that agree are followed.',
+        least=1.0,
+        most=100.0,
     ),
     Parameter(
         'coast',
-        0.5,
+        _DEFAULTS['coast'],
         'Time without a bearing for which the target is predicted; then silence.',
         least=0.001,
         most=60.0,
@@ -60,7 +62,7 @@ PARAMETERS = (
     ),
     Parameter(
         'max_sigma',
-        5.0,
+        _DEFAULTS['max_sigma'],
         'Standard deviation of the prediction above which there is silence.',
         least=1e-3,
         most=1000.0,
@@ -106,7 +108,7 @@ PARAMETERS = (
     ),
     Parameter(
         'imu.acceleration',
-        50.0,
+        _DEFAULTS['stabilised_acceleration'],
         "In place of `acceleration` while the platform's turning is known: what the target does.",
         least=1e-3,
         most=1e6,
@@ -114,7 +116,7 @@ PARAMETERS = (
     ),
     Parameter(
         'imu.jerk',
-        500.0,
+        _DEFAULTS['stabilised_jerk'],
         "In place of `jerk` while the platform's turning is known.",
         least=1e-3,
         most=1e7,
