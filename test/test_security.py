@@ -47,6 +47,7 @@ STARTS: dict[str, dict[str, object]] = {
     'camera': {'device': '/dev/no_such_camera'},
     'segmenter': {},
     'locator': {},
+    'triangulator': {},
     'simulator': {},
     'pipeline': {'device': '/dev/no_such_camera'},
     'pipeline_simulator': {'source': 'simulator'},
@@ -148,7 +149,7 @@ def change(observer: Probe, node: str, namespace: str, values: dict[str, Any]) -
     assert answer.result.successful, answer.result.reason
 
 
-@pytest.mark.timeout(180)  # seven processes start at once
+@pytest.mark.timeout(180)  # nine processes start at once
 def test_each_node_has_what_the_policy_allows_and_nothing_else(domain: int) -> None:
     """Topics, services and clients of every node, with all that is conditional opened."""
     profiles = [(enclave, profile) for enclave, element in enclaves()

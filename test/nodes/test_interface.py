@@ -9,6 +9,7 @@ from blob_tracker.nodes.interface import interface_of
 from blob_tracker.nodes.locator import LocatorNode
 from blob_tracker.nodes.segmenter import SegmenterNode
 from blob_tracker.nodes.simulator import SimulatorNode
+from blob_tracker.nodes.triangulator import TriangulatorNode
 from blob_tracker.resources import config_path
 from blob_tracker.ros.interface import Interface, Service, Topic
 import pytest
@@ -42,7 +43,7 @@ def nodes(domain: int) -> Iterator[dict[str, Node]]:
     )
     made: list[Node] = []
     try:
-        for kind in (CameraNode, SegmenterNode, LocatorNode, SimulatorNode):
+        for kind in (CameraNode, SegmenterNode, LocatorNode, TriangulatorNode, SimulatorNode):
             made.append(kind())
         yield {node.get_name(): node for node in made}
     finally:
