@@ -77,6 +77,11 @@ def topics(interfaces: Iterable[Interface]) -> str:
         if readers:
             way += ' → ' + ', '.join(readers)
         rows.append((f'`{name}`', topic.kind, way, topic.description))
+    outside = {topic.name: topic for each in interfaces for topic in each.subscribed}
+    for name, topic in outside.items():
+        if name not in published:
+            readers = [each.node for each in interfaces if topic in each.subscribed]
+            rows.append((f'`{name}`', topic.kind, '→ ' + ', '.join(readers), topic.description))
     # What stands for all nodes comes last.
     rows.sort(key=lambda row: row[0].startswith('`/'))
     return _table(('topic', 'type', 'from → to', 'what'), rows)

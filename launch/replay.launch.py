@@ -1,4 +1,4 @@
-"""A bag through segmenter and locator, in the bag's time; ends when the bag does."""
+"""A bag through segmenter, locator and tracker, in the bag's time; ends when the bag does."""
 
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 from launch.actions import (
@@ -38,7 +38,7 @@ def generate_launch_description() -> LaunchDescription:
         ),
         DeclareLaunchArgument(
             'pipeline', default_value='false', choices=['true', 'false'],
-            description='segmenter and locator in one process',
+            description='segmenter, locator and tracker in one process',
         ),
         DeclareLaunchArgument(
             'params_file', default_value=PathJoinSubstitution([*CONFIG, 'tracker.yaml']),
@@ -75,13 +75,13 @@ def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     if argument('pipeline') == 'true':
         nodes = [node('pipeline', source='images')]
     else:
-        nodes = [node('segmenter'), node('locator')]
+        nodes = [node('segmenter'), node('locator'), node('tracker')]
     # Not `ros2 bag play`: that begins before the nodes are there, and the first frames are lost.
     player = ExecuteProcess(
         cmd=[
             'python3', '-m', 'blob_tracker', 'replay', argument('bag'),
             '--rate', argument('rate'), '--clock', '--wait', STARTUP,
-            '--nodes', 'segmenter', 'locator', '--topics', *argument('topics').split(),
+            '--nodes', 'segmenter', 'locator', 'tracker', '--topics', *argument('topics').split(),
         ],
         output='screen',
     )

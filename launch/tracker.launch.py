@@ -1,4 +1,4 @@
-"""Camera (or simulator), segmenter and locator: three processes, or one with pipeline:=true."""
+"""Camera (or simulator), segmenter, locator and tracker: a process each, or pipeline:=true."""
 
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
@@ -85,7 +85,7 @@ def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
         nodes = [node('pipeline', **({'source': 'simulator'} if simulate else camera))]
     else:
         source = node('simulator') if simulate else node('camera', **camera)
-        nodes = [source, node('segmenter'), node('locator')]
+        nodes = [source, node('segmenter'), node('locator'), node('tracker')]
     if argument('rviz') == 'true':
         view = PathJoinSubstitution([*CONFIG, 'blob_tracker.rviz'])
         # First: where there is no RViz, launch stops here, and leaves no node behind.

@@ -63,13 +63,13 @@ def parameters(node: Node, context: LaunchContext) -> tuple[list[str], dict[str,
 @pytest.mark.parametrize(
     'arguments, executables, given',
     [
-        ({}, ['camera', 'segmenter', 'locator'], {}),
-        ({'simulate': 'true'}, ['simulator', 'segmenter', 'locator'], {}),
+        ({}, ['camera', 'segmenter', 'locator', 'tracker'], {}),
+        ({'simulate': 'true'}, ['simulator', 'segmenter', 'locator', 'tracker'], {}),
         ({'pipeline': 'true'}, ['pipeline'], {}),
         ({'pipeline': 'true', 'simulate': 'true'}, ['pipeline'], {'source': 'simulator'}),
         (
             {'device': '/dev/video2', 'camera_info_url': 'lens.yaml'},
-            ['camera', 'segmenter', 'locator'],
+            ['camera', 'segmenter', 'locator', 'tracker'],
             {'device': '/dev/video2', 'camera_info_url': 'lens.yaml'},
         ),
         ({'pipeline': 'true', 'device': '/dev/video2'}, ['pipeline'], {'device': '/dev/video2'}),
@@ -101,7 +101,7 @@ def test_every_tracker_node_gets_namespace_file_and_log_level(
         'tracker', namespace='boat', params_file='mine.yaml', log_level='debug', rviz='true'
     )
     rviz, *trackers = nodes
-    assert len(trackers) == 3
+    assert len(trackers) == 4
     for node in trackers:
         assert node.namespace == 'boat'
         assert node.ros_arguments == ['--log-level', 'debug']
@@ -126,7 +126,7 @@ def test_fast_dds_gets_its_profile_unless_one_is_set(
 
 
 @pytest.mark.parametrize(
-    'pipeline, executables', [('false', ['segmenter', 'locator']), ('true', ['pipeline'])]
+    'pipeline, executables', [('false', ['segmenter', 'locator', 'tracker']), ('true', ['pipeline'])]
 )
 def test_replay_plays_the_bag_into_the_nodes(
     pipeline: str, executables: list[str], start: Start, context: LaunchContext
@@ -147,7 +147,7 @@ def test_replay_plays_the_bag_into_the_nodes(
     replay.add_arguments(parser)
     options = parser.parse_args(player.cmd[4:])
     assert (options.rate, options.clock) == (4.0, True)
-    assert options.nodes == ['segmenter', 'locator']
+    assert options.nodes == ['segmenter', 'locator', 'tracker']
     assert options.topics == ['/camera/image_raw', '/camera/camera_info']
 
 

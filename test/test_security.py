@@ -47,6 +47,7 @@ STARTS: dict[str, dict[str, object]] = {
     'camera': {'device': '/dev/no_such_camera'},
     'segmenter': {},
     'locator': {},
+    'tracker': {},
     'triangulator': {},
     'simulator': {},
     'pipeline': {'device': '/dev/no_such_camera'},
@@ -57,6 +58,7 @@ STARTS: dict[str, dict[str, object]] = {
 CHANGES: dict[str, dict[str, Any]] = {
     'segmenter': {'flash.mode': 'coded', 'flash.codes': 'port:1101000,starboard:1110100'},
     'locator': {'lights': 'port,starboard', 'noise.online': True},
+    'tracker': {'imu.enabled': True, 'joints.pan': 'pan'},
 }
 Rights = dict[str, set[str]]  # kind of rule -> names
 

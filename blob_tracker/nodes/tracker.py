@@ -13,29 +13,37 @@ from blob_tracker.nodes.interface.tracker import PARAMETERS
 from blob_tracker.ros.clock_jumps import on_clock_jump
 from blob_tracker.ros.connections import Connections
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.health import ERROR, Health, WARN
-from blob_tracker.ros.imu import to_rate, turn_of
-from blob_tracker.ros.joint_states import to_angles
+from blob_tracker.ros.health import ERROR, Health
 from blob_tracker.ros.light_track import LightTrack
 from blob_tracker.ros.names import lights_from_text, target_topic
 from blob_tracker.ros.parameters import declare, on_change
+from blob_tracker.ros.platform import Platform
 from blob_tracker.ros.process import run, say
-from blob_tracker.ros.qos import RESULT, SAMPLES_IN, subscription
-from blob_tracker.ros.stamp import to_ns
+from blob_tracker.ros.qos import RESULT, subscription
 from blob_tracker.ros.target import to_bearing
-from blob_tracker.tracking import (
-    compile_ahead, PanTiltAngles, PlatformRates, StampJump, Tracker, TrackingError,
-)
+from blob_tracker.tracking import compile_ahead, Tracker
 from blob_tracker.types import Bearing
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.subscription import Subscription
-from sensor_msgs.msg import Imu, JointState
 
-CHECK = 0.05  # s between two looks at whether the lights are still tracked
-STANDSTILL = 1.0  # s of wall time in which ROS time did not go on: nothing can be predicted
-SILENCE = 1.0  # s of wall time without a sample of the platform that is worth a word
+CHECK = 0.05  # s of wall time between two looks at whether the lights are still tracked
+STANDSTILL = 1.0  # s of wall time in which ROS time did not go on: it says nothing of the lights
+# What makes another filter of them, by the name that `Tracker` has for it; all else leaves a light
+# that is followed as it is.
+FILTER = {
+    'model': 'model',
+    'acceleration': 'acceleration',
+    'jerk': 'jerk',
+    'imu.acceleration': 'stabilised_acceleration',
+    'imu.jerk': 'stabilised_jerk',
+    'max_innovation': 'gate',
+    'coast': 'coast',
+    'max_sigma': 'max_sigma',
+}
+# A rate of 0 is a timer that is cancelled, of any period.
+SLOWEST = 1.0  # Hz
 
 
 class TrackerNode(Node):
@@ -59,10 +67,145 @@ class TrackerNode(Node):
         self._health = Health(
             self, 'no bearing arrives; is the locator running, and the target in view?'
         )
-        self._health.watch(self._report)
         self._connections = Connections(self, self._health)
+        self._platform = Platform(self, self._health, self._lock)
         self._topics: dict[str, LightTrack] = {}  # of all lights that there ever were
         self._lights: dict[str, LightTrack] = {}
         self._rays: dict[str, Subscription] = {}
-        self._inputs: dict[str, Subscription] = {}
-        ...
+        self._filter: dict[str, Any] = {}
+        self._new_tracker: Callable[[], Tracker]
+        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
+        # Of the ROS clock: where time is simulated and pauses, no prediction is due.
+        self._timer = self.create_timer(1.0 / SLOWEST, self._predict)
+        self._time = self._steady.now(), self.get_clock().now()
+        self._change(values)()
+        on_change(self, PARAMETERS, self._change)
+        self._health.watch(self._describe)
+        self._clock_jumps = on_clock_jump(self, self._health, self._forget)
+        self.create_timer(CHECK, self._check, clock=self._steady)
+
+    def _change(self, values: dict[str, Any]) -> Callable[[], None]:
+        """Build what these parameters ask for; return what puts it into effect."""
+        lights = lights_from_text(values['lights'])
+        if self._listen:
+            self._make_topics(lights)
+        change_platform = self._platform.change(values)
+        asked = {theirs: values[ours] for ours, theirs in FILTER.items()}
+
+        def use() -> None:
+            with self._lock:
+                changed = change_platform()
+                if changed or asked != self._filter:
+                    self._filter = asked
+                    self._new_tracker = partial(
+                        Tracker,
+                        **asked,
+                        platform=self._platform.rates,
+                        pan_tilt=self._platform.angles,
+                    )
+                    for light in self._lights.values():
+                        light.use(self._new_tracker(), self._platform.frame_id)
+                if self._listen:
+                    self._set_lights(lights)
+                self._ahead_ns = int(1e9 * values['servo_delay'])
+                self._set_rate(values['prediction_rate'])
+
+        return use
+
+    def _set_rate(self, rate: float) -> None:
+        """Predict so often by the timer."""
+        if rate == 0.0:
+            self._timer.cancel()
+        else:
+            self._timer.timer_period_ns = round(1e9 / rate)
+            self._timer.reset()
+
+    def heed(self, lights: Collection[str]) -> None:
+        """Be told in this process which lights will be handed over."""
+        self._make_topics(lights)
+        with self._lock:
+            self._set_lights(lights)
+
+    def _make_topics(self, lights: Collection[str]) -> None:
+        """Have the topics of these lights; those of others stay, see `process.run`."""
+        for name in lights:
+            if name not in self._topics:
+                self._topics[name] = LightTrack(self, self._health, name)
+            if self._listen and name not in self._rays:
+                self._rays[name] = subscription(
+                    self, PoseWithCovarianceStamped, f'{target_topic(name)}/ray',
+                    partial(self._take, name), RESULT,
+                )
+
+    def _set_lights(self, lights: Collection[str]) -> None:
+        """Track these lights and speak of no other."""
+        for name, light in self._lights.items():
+            if name not in lights:
+                light.lose()
+        for name in lights:
+            if name not in self._lights:
+                self._topics[name].use(self._new_tracker(), self._platform.frame_id)
+        self._lights = {name: self._topics[name] for name in lights}
+
+    def _take(self, light: str, message: PoseWithCovarianceStamped) -> None:
+        """Take a ray from the topics."""
+        try:
+            bearing = to_bearing(message)
+        except MessageError as error:
+            self._health.fault(ERROR, f'{target_topic(light)}/ray: {error}')
+            return
+        self.track(light, bearing, message.header.frame_id)
+
+    def track(self, light: str, bearing: Bearing, frame_id: str) -> None:
+        """Take the next bearing of a light; publish its track and where it will be."""
+        came_ns = time.monotonic_ns()
+        with self._lock:
+            if light in self._lights and self._lights[light].take(bearing, frame_id):
+                self._lights[light].predict(self._ahead_ns)
+                self._health.left(bearing.stamp_ns)
+                self._health.ok('target tracked')
+        self._health.arrived(bearing.stamp_ns, came_ns)
+
+    def _predict(self) -> None:
+        """Publish where the lights will be."""
+        with self._lock:
+            for light in self._lights.values():
+                light.predict(self._ahead_ns)
+
+    def _check(self) -> None:
+        """Say which lights are no longer tracked."""
+        steady, now = self._steady.now(), self.get_clock().now()
+        if now != self._time[1]:
+            self._time = steady, now
+        stands_still = (steady - self._time[0]).nanoseconds > 1e9 * STANDSTILL
+        with self._lock:
+            for light in self._lights.values():
+                if stands_still:
+                    light.lose()
+                else:
+                    light.check(self._ahead_ns)
+
+    def _forget(self, after_ns: int) -> None:
+        """Forget what has a later stamp, ns."""
+        with self._lock:
+            self._platform.reset()
+            for light in self._lights.values():
+                light.forget(after_ns)
+
+    def _describe(self) -> None:
+        """Show in the diagnostics how the lights are tracked."""
+        with self._lock:
+            self._platform.describe()
+            for light in self._lights.values():
+                light.describe()
+
+
+def compile_filter() -> None:
+    """Compile the filter, before the first bearing could wait for it."""
+    say('loading the filter; the first start compiles it for 20 s or so')
+    compile_ahead()
+
+
+def main() -> None:
+    """Run the node."""
+    sys.exit(run(lambda: [TrackerNode()], compile_filter))

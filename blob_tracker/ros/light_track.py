@@ -18,7 +18,6 @@ FEWEST = 30  # of them that are worth a word
 SUSPICIOUS = 4.0
 MOST = 50.0  # that one bearing counts in it: a target that leaps says nothing of the filter
 MISSED = 2.5  # usual times between two bearings, after which one is missing
-MRAD = 1e-3  # rad
 
 
 class LightTrack:
@@ -45,7 +44,7 @@ class LightTrack:
         self._tracker: Tracker
         self._base_frame_id = ''
         self._innovations: deque[float] = deque(maxlen=JUDGED)
-        self._interval_ns = 0
+        self._interval_ns = self._taken_ns = 0
         self._resets = 0
         self._prediction: Track | None = None
 
@@ -77,21 +76,115 @@ class LightTrack:
 
     def take(self, bearing: Bearing, frame_id: str) -> bool:
         """Filter a bearing and publish the track; False, and why in `health`, where refused."""
-        before_ns = self._tracker.stamp_ns
+        before_ns, refused = self._tracker.stamp_ns, self._tracker.refused
         try:
             self._filter(bearing)
         except TrackingError as error:
             self._health.fault(WARN, f'{self._topic}/ray: {error}')
             self._health.count(f'{self._name}bearings refused')
+            if self._tracker.refused > refused:
+                self._remember_innovation()
             return False
-        finally:
-            self._remember_innovation()
+        self._remember_innovation()
         newest_ns = self._tracker.stamp_ns
         assert newest_ns is not None
         if before_ns is not None and newest_ns > before_ns:
             self._interval_ns = newest_ns - before_ns
+        self._taken_ns = self._now_ns()
         self._frame_id = frame_id
         track = self._tracker.seen_at(newest_ns)
         if track is not None:
             self._topics.publish(track, frame_id)
         return True
+
+    def predict(self, ahead_ns: int) -> None:
+        """Publish where the light will be in so many ns, or that this is not known."""
+        self._prediction = self._tracker.at(self._now_ns() + ahead_ns)
+        if self._prediction is None:
+            self._topics.lose()
+        else:
+            self._topics.predict(self._prediction, self._base_frame_id or self._frame_id)
+
+    def check(self, ahead_ns: int) -> None:
+        """Say that the light is not tracked where it could not be predicted."""
+        if self._tracker.at(self._now_ns() + ahead_ns) is None:
+            self.lose()
+
+    def lose(self) -> None:
+        """Say that the light is not tracked."""
+        self._prediction = None
+        self._topics.lose()
+
+    def describe(self) -> None:
+        """Show how the light is tracked, and report what does not fit."""
+        tracker = self._tracker
+        state = f'lost: {tracker.reason or "ROS time stands still"}'
+        sigma = 'unknown: nothing is predicted'
+        if self._prediction is not None:
+            waited = self._now_ns() - self._taken_ns
+            state = 'coasting' if waited > MISSED * self._interval_ns else 'tracking'
+            sigma = f'{self._prediction.sigma:.4f}'
+        newest_ns = tracker.stamp_ns
+        age = 'unknown: none has come'
+        if newest_ns is not None:
+            age = f'{1e-9 * (self._now_ns() - newest_ns):.3f}'
+        for key, value in (
+            ('state', state),
+            ('predicted sigma (mrad)', sigma),
+            ('last bearing (s)', age),
+            ('bearings', tracker.bearings),
+            ('late', tracker.late),
+            ('outside the gate', tracker.refused),
+            ('tracks begun', tracker.begun),
+            ('resets', self._resets),
+        ):
+            self._health.show(self._name + key, value)
+        if tracker.platform is not None:
+            stabilised = f'no: {tracker.platform_gap}' if tracker.platform_gap else 'yes'
+            self._health.show(f'{self._name}stabilised', stabilised)
+            if tracker.platform_gap:
+                self._health.fault(
+                    WARN,
+                    f'{self._name}tracked without the rotation of the platform, as if there were '
+                    f'no IMU: {tracker.platform_gap}; is imu published, with stamps of the clock '
+                    'of the images?',
+                )
+        self._judge_innovations()
+
+    def _judge_innovations(self) -> None:
+        """Show how large the innovations are, and say what to change where they are too large."""
+        count = len(self._innovations)
+        if count < FEWEST:
+            return
+        mean = float(np.mean(self._innovations))
+        self._health.show(f'{self._name}innovation squared', f'{mean:.2f}')
+        if mean <= SUSPICIOUS:
+            return
+        parameter = MODELS[self._tracker.model].noise
+        if self._tracker.platform is not None and not self._tracker.platform_gap:
+            parameter = f'imu.{parameter}'
+        self._health.fault(
+            WARN,
+            f'{self._name}the mean normalised innovation squared is {mean:.1f} where 2 is right: '
+            f'the target moves more than is expected of it, raise {parameter}; or the bearings '
+            'scatter more than their covariance says, then scatter / sigma of the locator is '
+            'above 1 as well',
+        )
+
+    def _filter(self, bearing: Bearing) -> None:
+        """Have the tracker take a bearing; begin afresh where the stamps jumped back."""
+        try:
+            self._tracker.update(bearing)
+        except StampJump as error:
+            self._health.fault(WARN, f'{self._topic}/ray: {error}; starting afresh')
+            self.reset()
+            self._tracker.update(bearing)
+
+    def _remember_innovation(self) -> None:
+        """Keep the innovation of the last bearing; the first one of a track has none."""
+        innovation = self._tracker.innovation
+        if innovation is not None:
+            self._innovations.append(min(innovation.squared, MOST))
+
+    def _now_ns(self) -> int:
+        return self._node.get_clock().now().nanoseconds

@@ -44,7 +44,7 @@ PARAMETERS = (
         unit='mrad/s^3',
     ),
     Parameter(
-        'gate',
+        'max_innovation',  # not gate or rate: others in the pipeline have those
         _DEFAULTS['gate'],
         'Standard deviations that a bearing may be off where it is expected; at 5 one right '
         'bearing in 270,000 is refused. What is further off is another light, or the target has '
@@ -78,7 +78,7 @@ PARAMETERS = (
         unit='s',
     ),
     Parameter(
-        'rate',
+        'prediction_rate',
         100.0,
         'Predictions a second, besides the one with each bearing; 0 for none.',
         least=0.0,
