@@ -20,7 +20,7 @@ SMALL = {'width': 160, 'height': 120, 'focal_length': 200.0}
 SCENE = flashing_light(width=160, height=120, period=3.0)
 # What runs in each arrangement, by the name that it is killed by.
 ARRANGEMENTS = {
-    'three processes': {'simulator': SMALL, 'segmenter': {}, 'locator': {}},
+    'four processes': {'simulator': SMALL, 'segmenter': {}, 'locator': {}, 'tracker': {}},
     'pipeline': {'pipeline': {'source': 'simulator'} | SMALL},
     'pipeline with images': {'simulator': SMALL, 'pipeline': {'source': 'images'}},
 }
@@ -32,6 +32,7 @@ class Truth:
 
     def __init__(self, node: Probe) -> None:
         self.bearings = node.record(Vector3Stamped, 'target/bearing', 1000)
+        self.predictions = node.record(Vector3Stamped, 'target/bearing_predicted', 1000)
         self.truths = node.record(Vector3Stamped, 'simulator/truth/bearing', 1000)
         self._node = node
 
@@ -50,10 +51,11 @@ class Truth:
         assert judged > 0.5 * len(self.bearings)
 
     def expect_new(self) -> None:
-        """Wait for bearings of frames from now on."""
+        """Wait for bearings of frames from now on, and for predictions."""
         self._node.spin(ON_THE_WAY)
-        before = len(self.bearings)
-        self._node.spin_until(lambda: len(self.bearings) >= before + 3)
+        for messages in (self.bearings, self.predictions):
+            before = len(messages)
+            self._node.spin_until(lambda: len(messages) >= before + 3)
 
 
 @pytest.mark.parametrize('arrangement', ARRANGEMENTS)
@@ -91,7 +93,7 @@ def test_any_node_that_is_killed_may_come_back(arrangement: str, domain: int) ->
 
 # What takes the frames of a camera that the test plays.
 TAKERS = {
-    'three processes': {'segmenter': {}, 'locator': {}},
+    'four processes': {'segmenter': {}, 'locator': {}, 'tracker': {}},
     'pipeline': {'pipeline': {'source': 'images'}},
 }
 
@@ -229,7 +231,7 @@ def test_tracking_needs_no_room_for_logs(where: str, tmp_path: Path, domain: int
 def test_a_clock_that_jumps_is_named_and_forgotten(domain: int) -> None:
     """Back by an hour, forward by two, and back, as of bags that begin again."""
     with probe(domain) as node, ExitStack() as stack:
-        processes = _start_takers(stack, 'three processes', domain, use_sim_time='true')
+        processes = _start_takers(stack, 'four processes', domain, use_sim_time='true')
         camera = PlayedCamera(node, SCENE)
         clock = node.create_publisher(Clock, '/clock', 10)
         diagnostics = node.record(DiagnosticArray, '/diagnostics')

@@ -9,6 +9,7 @@ from blob_tracker.nodes.interface import interface_of
 from blob_tracker.nodes.locator import LocatorNode
 from blob_tracker.nodes.segmenter import SegmenterNode
 from blob_tracker.nodes.simulator import SimulatorNode
+from blob_tracker.nodes.tracker import TrackerNode
 from blob_tracker.nodes.triangulator import TriangulatorNode
 from blob_tracker.resources import config_path
 from blob_tracker.ros.interface import Interface, Service, Topic
@@ -28,7 +29,7 @@ PARAMETERS = {'use_sim_time', 'start_type_description_service'}
 # What has them take and give all that they can.
 ARGUMENTS = (
     'camera:device:=/dev/no_such_device', 'locator:noise.online:=true',
-    'segmenter:noise.measure:=true',
+    'segmenter:noise.measure:=true', 'tracker:imu.enabled:=true', 'tracker:joints.pan:=pan',
 )
 
 Ends = dict[str, str]  # type by name
@@ -43,7 +44,9 @@ def nodes(domain: int) -> Iterator[dict[str, Node]]:
     )
     made: list[Node] = []
     try:
-        for kind in (CameraNode, SegmenterNode, LocatorNode, TriangulatorNode, SimulatorNode):
+        for kind in (
+            CameraNode, SegmenterNode, LocatorNode, TrackerNode, TriangulatorNode, SimulatorNode,
+        ):
             made.append(kind())
         yield {node.get_name(): node for node in made}
     finally:
@@ -119,15 +122,18 @@ def test_each_coded_light_has_these_topics_under_its_name(nodes: dict[str, Node]
     """The topics of a light that is taken away stay, silent: `process.run` says why."""
     before = {
         name: {each for each in topics(nodes[name]) if each.startswith('/target/')}
-        for name, topics in (('segmenter', published), ('locator', published))
+        for name, topics in (
+            ('segmenter', published), ('locator', published), ('tracker', published)
+        )
     }
-    listened_before = set(subscribed(nodes['locator']))
-    segmenter, locator = nodes['segmenter'], nodes['locator']
+    segmenter, locator, tracker = (nodes[name] for name in ('segmenter', 'locator', 'tracker'))
+    listened_before = {node: set(subscribed(node)) for node in (locator, tracker)}
     assert segmenter.set_parameters_atomically([
         Parameter('flash.mode', value='coded'),
         Parameter('flash.codes', value='port:1101000,starboard:1110100'),
     ]).successful
-    assert locator.set_parameters([Parameter('lights', value='port')])[0].successful
+    for node in (locator, tracker):
+        assert node.set_parameters([Parameter('lights', value='port')])[0].successful
     named = {name for name in published(segmenter) if name.startswith('/target/')}
     ends = 'window/image_raw', 'window/camera_info', 'visible'
     lights = {f'/target/{light}/{end}' for light in ('port', 'starboard') for end in ends}
@@ -136,4 +142,8 @@ def test_each_coded_light_has_these_topics_under_its_name(nodes: dict[str, Node]
     ends = 'bearing', 'centroid', 'ray'
     assert named == {f'/target/port/{end}' for end in ends} | before['locator']
     listened = {f'/target/port/window/{end}' for end in ('image_raw', 'camera_info')}
-    assert set(subscribed(locator)) == listened | listened_before
+    assert set(subscribed(locator)) == listened | listened_before[locator]
+    named = {name for name in published(tracker) if name.startswith('/target/')}
+    ends = 'bearing_predicted', 'track', 'tracked'
+    assert named == {f'/target/port/{end}' for end in ends} | before['tracker']
+    assert set(subscribed(tracker)) == {'/target/port/ray'} | listened_before[tracker]

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import inf, nan
 from typing import Any
 
-from blob_tracker.nodes.interface import locator, segmenter, simulator
+from blob_tracker.nodes.interface import locator, segmenter, simulator, tracker
 from blob_tracker.ros.interface import Parameter
 from blob_tracker.ros.stamp import to_ns
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped
@@ -17,6 +17,7 @@ import pytest
 DECLARED = {
     'segmenter': segmenter.PARAMETERS,
     'locator': locator.PARAMETERS,
+    'tracker': tracker.PARAMETERS,
     'simulator': simulator.PARAMETERS,
 }
 SMALL = {'width': 160, 'height': 120, 'focal_length': 200.0}  # frames, for speed
@@ -64,6 +65,7 @@ class Edges:
         self.node = node
         self.processes = processes
         self.bearings = node.record(Vector3Stamped, 'target/bearing', 1000)
+        self.predictions = node.record(Vector3Stamped, 'target/bearing_predicted', 1000)
         self.rays = node.record(PoseWithCovarianceStamped, 'target/ray', 1000)
         self.truths = node.record(Vector3Stamped, 'simulator/truth/bearing', 1000)
 
@@ -103,11 +105,14 @@ class Edges:
         """Expect the light to be tracked as if nothing had been."""
         self.node.spin(0.3)  # what is on its way
         self.bearings.clear()
-        self.node.spin_until(lambda: len(self.bearings) >= 5, 3.0 * PATIENCE)
+        self.predictions.clear()
+        self.node.spin_until(
+            lambda: len(self.bearings) >= 5 and len(self.predictions) >= 5, 3.0 * PATIENCE
+        )
         self.expect_right(0.08)
 
 
-@pytest.fixture(params=['three processes', 'pipeline'])
+@pytest.fixture(params=['four processes', 'pipeline'])
 def edges(request: pytest.FixtureRequest, domain: int) -> Iterator[Edges]:
     """Start the tracker once for all nodes' parameters."""
     with probe(domain) as node:
@@ -119,9 +124,10 @@ def edges(request: pytest.FixtureRequest, domain: int) -> Iterator[Edges]:
             with (
                 start('segmenter', domain) as segmenter,
                 start('locator', domain) as locator,
+                start('tracker', domain) as tracker,
                 start('simulator', domain, **SMALL) as simulator,
             ):
-                processes = [segmenter, locator, simulator]
+                processes = [segmenter, locator, tracker, simulator]
                 yield Edges(node, processes)
     for process in processes:
         assert 'Traceback' not in process.output

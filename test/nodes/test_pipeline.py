@@ -1,4 +1,4 @@
-"""The three nodes in one process: the same names, topics and parameters as three processes."""
+"""All nodes in one process: the same names, topics and parameters as in processes of their own."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ import pytest
 SECONDS = float(os.environ.get('SOAK_SECONDS', 60.0))
 SCENE = {'width': 320, 'height': 240, 'focal_length': 400.0}
 ARRANGEMENTS = {
-    'three processes': {'simulator': SCENE, 'segmenter': {}, 'locator': {}},
+    'four processes': {'simulator': SCENE, 'segmenter': {}, 'locator': {}, 'tracker': {}},
     'pipeline': {'pipeline': {'source': 'simulator'} | SCENE},
 }
 WARM = 12.0  # s of them, until caches, rings and pools have the size that they keep
@@ -130,7 +130,7 @@ def _ends(values: list[float]) -> str:
 
 @pytest.mark.timeout(SECONDS + 120.0)
 def test_nothing_grows(domain: int) -> None:
-    """Three processes and the pipeline side by side, for SOAK_SECONDS, a minute by default."""
+    """Four processes and the pipeline side by side, for SOAK_SECONDS, a minute by default."""
     with ExitStack() as stack:
         soaked = {}
         for name, parts in ARRANGEMENTS.items():

@@ -11,7 +11,7 @@ from processes import PATIENCE, probe, start
 import pytest
 
 ATTEMPTS = 3  # a busy machine may be late once; a node that hangs is late each time
-NODES = ('camera', 'segmenter', 'locator', 'simulator')
+NODES = ('camera', 'segmenter', 'locator', 'tracker', 'simulator')
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
@@ -53,6 +53,9 @@ def test_ends_on_a_signal_without_a_trace(name: str, number: int, domain: int) -
         ('locator', {'method': 'magic'}, "'method' is 'magic'; it must be one of "),
         ('locator', {'method': 'centroid', 'elliptical': True}, "'centroid' has no such form"),
         ('locator', {'noise__gain': 0.0}, "'noise.gain' is 0.0"),
+        ('tracker', {'model': 'magic'}, "'model' is 'magic'; it must be one of constant_vel"),
+        ('tracker', {'joints__pan': 'a', 'joints__tilt': 'a'}, "are both 'a'; they must be two"),
+        ('tracker', {'imu__enabled': 1}, "'imu.enabled' is 1; it must be a boolean"),
         ('locator', {'looks': 0}, "'looks' is 0; it must be an integer from 1 to 256"),
         ('simulator', {'width': 5}, "'width' is 5; it must be an integer from 16 to 8192 px"),
     ],

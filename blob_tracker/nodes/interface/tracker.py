@@ -62,7 +62,9 @@ PARAMETERS = (
     ),
     Parameter(
         'max_sigma',
-        _DEFAULTS['max_sigma'],
+        # With the default acceleration 0.24 s after the last bearing: two flashes of a camera of
+        # 30 Hz, its latency and the servo's.
+        20.0,
         'Standard deviation of the prediction above which there is silence.',
         least=1e-3,
         most=1000.0,
