@@ -56,7 +56,10 @@ STARTS: dict[str, dict[str, object]] = {
 }
 # What opens each topic that is not there at the start.
 CHANGES: dict[str, dict[str, Any]] = {
-    'segmenter': {'flash.mode': 'coded', 'flash.codes': 'port:1101000,starboard:1110100'},
+    'segmenter': {
+        'flash.mode': 'coded', 'flash.codes': 'port:1101000,starboard:1110100',
+        'follow_prediction': True,
+    },
     'locator': {'lights': 'port,starboard', 'noise.online': True},
     'tracker': {'imu.enabled': True, 'joints.pan': 'pan'},
 }

@@ -332,7 +332,7 @@ class CameraModel:
             raise LensError(
                 f'the lens has no picture of the direction ({azimuth:.1f}, {elevation:.1f}) mrad'
             )
-        return x, y, np.linalg.inv(self.angles(x, y)[2])
+        return x, y, np.asarray(np.linalg.inv(self.angles(x, y)[2]), dtype=np.float64)
 
     def bearing(self, location: Location) -> Bearing:
         """

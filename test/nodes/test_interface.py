@@ -29,7 +29,8 @@ PARAMETERS = {'use_sim_time', 'start_type_description_service'}
 # What has them take and give all that they can.
 ARGUMENTS = (
     'camera:device:=/dev/no_such_device', 'locator:noise.online:=true',
-    'segmenter:noise.measure:=true', 'tracker:imu.enabled:=true', 'tracker:joints.pan:=pan',
+    'segmenter:noise.measure:=true', 'segmenter:follow_prediction:=true',
+    'tracker:imu.enabled:=true', 'tracker:joints.pan:=pan',
 )
 
 Ends = dict[str, str]  # type by name
