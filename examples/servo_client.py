@@ -1,8 +1,10 @@
 """
 Turn a pan/tilt until the target is in the middle of the picture. Copy this file and change it.
 
-The camera rides on the pan/tilt, so a bearing is what is left to turn. Angles are rad, pan to the
-right and tilt up. The first command is near 0, 0: drive the pan/tilt there before.
+The camera rides on the pan/tilt, so a bearing is what is left to turn. With `predicted` the angles
+to command come from the tracker, which has to know the joints (its joints.pan and joints.tilt).
+Angles are rad, pan to the right and tilt up. The first command is near 0, 0: drive the pan/tilt
+there before.
 """
 
 from geometry_msgs.msg import Vector3Stamped
@@ -18,13 +20,14 @@ PERIOD = 0.02  # s between two steps of the way home
 
 
 class ServoClient(Node):
-    """target/bearing and target/visible -> joint_command."""
+    """target/bearing and target/visible, or predicted and target/tracked -> joint_command."""
 
     def __init__(self):
         super().__init__('servo_client')
         # Part of each bearing that is turned, pan and tilt; negative for a joint that turns left
         # or down. Up to 4/27 = 0.148 nothing overshoots with two frames of delay.
         self.gain = np.array(self.declare_parameter('gain', [0.14, 0.14]).value)
+        self.predicted = self.declare_parameter('predicted', False).value
         self.dead_band = self.declare_parameter('dead_band', 0.2).value  # mrad: the noise's peaks
         self.speed = self.declare_parameter('speed', 1.0).value  # rad/s, at most
         self.limit = np.array(self.declare_parameter('limit', [1.5, 0.7]).value)  # rad, each way
@@ -36,21 +39,26 @@ class ServoClient(Node):
         # A JointState names its joints, and drivers of pan/tilt units (flir_ptu) take it.
         self.commands = self.create_publisher(JointState, 'joint_command', 10)
         held = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        self.create_subscription(Bool, 'target/visible', self.see, held)
-        self.create_subscription(Vector3Stamped, 'target/bearing', self.follow, 10)
+        known, bearing = 'target/visible', 'target/bearing'
+        if self.predicted:
+            known, bearing = 'target/tracked', 'target/bearing_predicted'
+        self.create_subscription(Bool, known, self.see, held)
+        self.create_subscription(Vector3Stamped, bearing, self.follow, 10)
         self.create_timer(PERIOD, self.go_home)
 
     def follow(self, bearing):
-        """Turn by a part of the bearing, unless it is old or no number."""
+        """Turn by a part of the bearing, or to what is predicted, unless old or no number."""
         stamp = bearing.header.stamp.sec + 1e-9 * bearing.header.stamp.nanosec
-        error = np.array([bearing.vector.x, bearing.vector.y])  # mrad
+        angle = np.array([bearing.vector.x, bearing.vector.y])  # mrad
         fresh = abs(self.now() - stamp) <= self.lost_after
-        if not (self.visible and fresh and np.isfinite(error).all()):
+        if not (self.visible and fresh and np.isfinite(angle).all()):
             return
         elapsed = stamp - self.stamp
         self.stamp = stamp
         if 0.0 < elapsed <= self.lost_after:  # else it is the first after a loss: no speed yet
-            step = np.where(np.abs(error) > self.dead_band, 1e-3 * self.gain * error, 0.0)
+            step = np.where(np.abs(angle) > self.dead_band, 1e-3 * self.gain * angle, 0.0)
+            if self.predicted:  # the angle itself: no gain, no overshoot, no delay to wait for
+                step = np.sign(self.gain) * 1e-3 * angle - self.angle
             self.turn(step, elapsed)
 
     def see(self, visible):

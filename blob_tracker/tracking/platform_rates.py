@@ -10,7 +10,7 @@ from blob_tracker.tracking.rotation import from_vector, product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-CAPACITY = 4096  # samples: two seconds of 2 kHz, the fastest rate gyros give
+DENSEST = 4000  # samples a second of the memory: twice as fast as a fused gyro publishes
 FASTEST = 100.0  # rad/s: 6000 degrees a second, past the range of any gyro
 
 
@@ -48,9 +48,10 @@ class PlatformRates:
         self.hold = hold
         self.memory = memory
         self._hold_ns, self._memory_ns = round(1e9 * hold), round(1e9 * memory)
-        self._stamps = np.empty(CAPACITY, np.int64)
-        self._rates = np.empty((CAPACITY, 3))
-        self._variances = np.empty(CAPACITY)
+        capacity = max(2, int(DENSEST * memory))
+        self._stamps = np.empty(capacity, np.int64)
+        self._rates = np.empty((capacity, 3))
+        self._variances = np.empty(capacity)
         self._first = self._end = 0  # of what is kept
 
     @property
@@ -161,11 +162,11 @@ class PlatformRates:
 
     def _place(self, stamp_ns: int) -> int:
         """Return where a sample belongs, with room at the end."""
-        if self._end == CAPACITY:
-            # Half of it is room again for as many samples; the oldest go where all are within
-            # the memory.
-            first = max(self._first, CAPACITY // 2)
-            count = CAPACITY - first
+        capacity = len(self._stamps)
+        if self._end == capacity:
+            # Half of it is room again; the oldest go even where all are within the memory.
+            first = max(self._first, capacity // 2)
+            count = capacity - first
             for kept in (self._stamps, self._rates, self._variances):
                 kept[:count] = kept[first:]
             self._first, self._end = 0, count
@@ -189,13 +190,13 @@ class PlatformRates:
             return 'no angular velocity of the platform has come'
         if gap == BEFORE:
             return (
-                f'the angular velocity of {1e-9 * (newest - t0_ns):.3f} s before the newest one is '
-                'not kept'
+                f'the angular velocity of {1e-9 * (newest - t0_ns):.3f} s before the newest '
+                'one is not kept'
             )
         if gap == AFTER:
             return (
-                f'the newest angular velocity is {1e-9 * (t1_ns - newest):.3f} s old; it holds for '
-                f'{self.hold:g} s'
+                f'the newest angular velocity is {1e-9 * (t1_ns - newest):.3f} s old; it holds '
+                f'for {self.hold:g} s'
             )
         return f'angular velocities are more than {self.hold:g} s apart'
 
@@ -264,9 +265,9 @@ def _integrated(
         # A vector at rest turns against the base.
         cone = dt * dt / 12.0
         turn = product(from_vector(
-            -0.5 * dt * (w0[0] + w1[0]) + cone * (w0[1] * w1[2] - w0[2] * w1[1]),
-            -0.5 * dt * (w0[1] + w1[1]) + cone * (w0[2] * w1[0] - w0[0] * w1[2]),
-            -0.5 * dt * (w0[2] + w1[2]) + cone * (w0[0] * w1[1] - w0[1] * w1[0]),
+            -0.5 * dt * (w0[0] + w1[0]) - cone * (w0[1] * w1[2] - w0[2] * w1[1]),
+            -0.5 * dt * (w0[1] + w1[1]) - cone * (w0[2] * w1[0] - w0[0] * w1[2]),
+            -0.5 * dt * (w0[2] + w1[2]) - cone * (w0[0] * w1[1] - w0[1] * w1[0]),
         ), turn)
         if following < count:
             # Each sample speaks for half the intervals beside it: its variance over its time

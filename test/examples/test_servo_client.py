@@ -34,10 +34,10 @@ DELAY = 2  # bearings from a command to the first one that shows it
 class PanTilt:
     """A pan/tilt with the camera on it, in simulated time, so that no test depends on the pace."""
 
-    def __init__(self, node: Probe) -> None:
+    def __init__(self, node: Probe, bearing: str, visible: str) -> None:
         self._node = node
-        self._bearings = node.create_publisher(Vector3Stamped, 'target/bearing', RESULT)
-        self._visible = node.create_publisher(Bool, 'target/visible', STATE)
+        self._bearings = node.create_publisher(Vector3Stamped, f'target/{bearing}', RESULT)
+        self._visible = node.create_publisher(Bool, f'target/{visible}', STATE)
         self._clock = node.create_publisher(Clock, '/clock', RESULT)
         self._events = node.record(ParameterEvent, '/parameter_events')
         self.commands: list[JointState] = node.record(JointState, 'joint_command')
@@ -113,7 +113,10 @@ def servo(domain: int, *parameters: str) -> Iterator[PanTilt]:
     for parameter in parameters:
         command += ['-p', parameter]
     with probe(domain) as node, Process(command, domain) as process:
-        yield PanTilt(node)
+        names = 'bearing', 'visible'
+        if 'predicted:=true' in parameters:
+            names = 'bearing_predicted', 'tracked'
+        yield PanTilt(node, *names)
         assert process.running
         assert process.end() == 0, process.output
     assert 'Traceback' not in process.output
@@ -199,3 +202,40 @@ def test_what_is_no_number_never_moves_it(domain: int) -> None:
             pan_tilt.bearing(50.0, 20.0)
         pan_tilt.quiet()
         assert not pan_tilt.commands
+
+
+@pytest.mark.parametrize('sense', [1.0, -1.0])
+def test_with_predictions_it_goes_where_they_say(sense: float, domain: int) -> None:
+    """As fast as it may, to the angles themselves and no further; silence and loss hold it."""
+    gain = f'gain:=[{sense}, {sense}]'
+    with servo(domain, 'predicted:=true', gain, 'limit:=[0.15, 0.7]') as pan_tilt:
+        pan_tilt.bearing(100.0, -20.0)  # nobody has said that it is tracked
+        pan_tilt.bearing(100.0, -20.0)
+        pan_tilt.quiet()
+        assert not pan_tilt.commands
+        pan_tilt.lock(100.0, -20.0)
+        for count in (2, 3, 4):
+            pan_tilt.bearing(100.0, -20.0)
+            pan_tilt.turned(count)
+        pan_tilt.bearing(100.0, -20.0)  # it is there: nothing more to say
+        pan_tilt.quiet()
+        way = [[0.0, 0.0], [FRAME, -20.0], [2 * FRAME, -20.0], [3 * FRAME, -20.0], [100.0, -20.0]]
+        assert sense * pan_tilt.angles == pytest.approx(np.array(way))
+
+        pan_tilt.show(False)
+        pan_tilt.bearing(0.0, 0.0)
+        pan_tilt.quiet()
+        assert len(pan_tilt.commands) == 4
+        pan_tilt.show(True)
+        pan_tilt.wait(2 * LOST_AFTER_NS)
+        pan_tilt.bearing(0.0, 0.0, 2 * LOST_AFTER_NS)  # old
+        pan_tilt.bearing(math.nan, 0.0)
+        pan_tilt.quiet()
+        assert len(pan_tilt.commands) == 4
+
+        pan_tilt.lock(400.0, -20.0)  # beyond the limit of the joint
+        for _ in range(4):
+            pan_tilt.bearing(400.0, -20.0)
+        pan_tilt.turned(6)
+        pan_tilt.quiet()
+        assert sense * pan_tilt.angles[-1] == pytest.approx([150.0, -20.0])

@@ -205,7 +205,7 @@ def test_shared_memory_that_is_not_there(tmp_path: Path) -> None:
     [
         (64, 64, Level.WARN, '--shm-size=1g'),  # as Docker comes
         (64, 30, Level.ERROR, '--shm-size=1g'),
-        (200, 130, Level.WARN, 'too little for 4'),
+        (200, 130, Level.WARN, 'too little for 5'),
         (1000, 30, Level.ERROR, 'ls -lS'),
         (1000, 500, Level.OK, '500 of 1000 MiB'),
     ],

@@ -1,4 +1,4 @@
-"""The tracker as a real process in simulated time: beside the same filter in Python, and fed ill."""
+"""The tracker as a real process in simulated time: beside the filter in Python, and fed ill."""
 
 from __future__ import annotations
 
@@ -347,7 +347,8 @@ def test_the_platform_s_rotation_is_taken_off(domain: int) -> None:
                 azimuth = 0.3 * 10.0 * count  # mrad: the platform's 0.3 rad/s
                 played.compare(played.message(azimuth, 0.0, age=age), tracker)
         assert not tracker.platform_gap
-        assert to_track(played.tracks[-1]).rate[0] == pytest.approx(300.0, abs=10.0)  # as the camera sees it
+        # As the camera sees it.
+        assert to_track(played.tracks[-1]).rate[0] == pytest.approx(300.0, abs=10.0)
         played.expect_shown('stabilised', 'yes')
 
 

@@ -13,7 +13,7 @@ from blob_tracker.nodes.doctor.finding import error, Finding, ok, warn
 MIB = 2**20
 FOLDER = Path('/dev/shm')
 SEGMENT = 35 * MIB  # of a process with config/fastdds.xml: 32 MiB of data, and the descriptors
-PROCESSES = 4  # camera, segmenter, locator, and one that listens
+PROCESSES = 5  # camera, segmenter, locator, tracker, and one that listens
 _SEGMENT_LOCK = re.compile(r'fast(rtps|dds)_[0-9a-f]{16}_el')
 
 
