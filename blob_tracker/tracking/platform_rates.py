@@ -250,24 +250,24 @@ def _integrated(
     count = len(stamps)
     variance = 0.0
     w0, gap = _rate(stamps, rates, t0, hold)
-    if gap:
-        return turn, variance, gap
     at = t0
     following = _search(stamps, t0)
-    while at < t1:
-        until = t1
-        if following < count:
-            until = min(t1, stamps[following])
-        w1, gap = _rate(stamps, rates, until, hold)
-        if gap:
-            return turn, variance, gap
+    while at < t1 and not gap:
+        if following < count and stamps[following] <= t1:
+            until = stamps[following]
+            w1 = rates[following]
+            if until - stamps[following - 1] > hold:
+                gap = BETWEEN
+        else:
+            until = t1
+            w1, gap = _rate(stamps, rates, t1, hold)
         dt = 1e-9 * (until - at)
+        half, cone = 0.5 * dt, dt * dt / 12.0
         # A vector at rest turns against the base.
-        cone = dt * dt / 12.0
         turn = product(from_vector(
-            -0.5 * dt * (w0[0] + w1[0]) - cone * (w0[1] * w1[2] - w0[2] * w1[1]),
-            -0.5 * dt * (w0[1] + w1[1]) - cone * (w0[2] * w1[0] - w0[0] * w1[2]),
-            -0.5 * dt * (w0[2] + w1[2]) - cone * (w0[0] * w1[1] - w0[1] * w1[0]),
+            -half * (w0[0] + w1[0]) - cone * (w0[1] * w1[2] - w0[2] * w1[1]),
+            -half * (w0[1] + w1[1]) - cone * (w0[2] * w1[0] - w0[0] * w1[2]),
+            -half * (w0[2] + w1[2]) - cone * (w0[0] * w1[1] - w0[1] * w1[0]),
         ), turn)
         if following < count:
             # Each sample speaks for half the intervals beside it: its variance over its time
@@ -278,4 +278,4 @@ def _integrated(
             variance += variances[count - 1] * dt * dt
         w0, at = w1, until
         following += 1
-    return turn, variance, 0
+    return turn, variance, gap

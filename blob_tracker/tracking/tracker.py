@@ -140,7 +140,7 @@ class Tracker:
         model: str = 'constant_velocity',
         *,
         acceleration: float = 300.0,
-        jerk: float = 3000.0,
+        jerk: float = 7000.0,
         stabilised_acceleration: float = 30.0,
         stabilised_jerk: float = 100.0,
         gate: float = 5.0,
