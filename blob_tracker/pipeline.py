@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from blob_tracker import location, segmentation
+from blob_tracker import location, segmentation, tracking
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import locate, METHODS
@@ -25,6 +25,7 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     """
     location.compile_ahead(methods)
     segmentation.compile_ahead()
+    tracking.compile_ahead()
 
 
 def expectation(track: Track, camera_model: CameraModel) -> Expectation | None:

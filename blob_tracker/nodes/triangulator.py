@@ -29,6 +29,7 @@ from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped
 import numpy as np
 from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
+from rclpy.validate_topic_name import validate_topic_name
 
 SILENCE = 2.0  # s of wall time without a ray, while the other camera has some
 TOGETHER = 0.1  # s of wall time within which the ages of two rays are compared
@@ -74,11 +75,12 @@ class TriangulatorNode(Node):
         for name in CAMERAS:
             topic = f'{values[f"{name}.namespace"]}/{target}/ray'
             try:
-                subscription(
-                    self, PoseWithCovarianceStamped, topic, partial(self._take, name), RESULT
-                )
+                validate_topic_name(topic)
             except InvalidTopicNameException as error:
                 raise ParameterError(f"parameter '{name}.namespace': {error}") from None
+            subscription(
+                self, PoseWithCovarianceStamped, topic, partial(self._take, name), RESULT
+            )
             self._cameras[name] = _Camera(self.resolve_topic_name(topic), time.monotonic())
         first, second = (self._cameras[name].topic for name in CAMERAS)
         if first == second:

@@ -121,7 +121,7 @@ def test_the_pipeline_hands_the_prediction_over_in_memory(domain: int) -> None:
             return values[-1] if values else 0
 
         # Of 60 frames a second, of which each has one from the first bearing on.
-        node.spin_until(lambda: shown('frames with a prediction') > 100, 40.0)
+        node.spin_until(lambda: shown('frames with a prediction') > 100)
         assert shown('windows') > 40
         assert node.count_subscribers('target/track') == 0
         assert pipeline.running
