@@ -14,6 +14,7 @@ from blob_tracker.ros.clock_jumps import on_clock_jump
 from blob_tracker.ros.connections import Connections
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.health import ERROR, Health, WARN
+from blob_tracker.ros.imu import turn_of
 from blob_tracker.ros.names import check_light, target_topic
 from blob_tracker.ros.parameters import about, declare, on_change
 from blob_tracker.ros.position import point_message, pose_message
@@ -94,9 +95,9 @@ class TriangulatorNode(Node):
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Build what these parameters ask for; return what puts it into effect."""
         poses = [
-            CameraPose.from_angles(
-                [values[f'{name}.{axis}'] for axis in 'xyz'],
-                *(values[f'{name}.{angle}'] for angle in ('roll', 'pitch', 'yaw')),
+            CameraPose(
+                np.array([values[f'{name}.{axis}'] for axis in 'xyz']),
+                turn_of(*(values[f'{name}.{angle}'] for angle in ('roll', 'pitch', 'yaw'))),
                 position_sigma=values[f'{name}.position_sigma'],
                 rotation_sigma=values[f'{name}.rotation_sigma'],
             )

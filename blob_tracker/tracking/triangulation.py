@@ -76,26 +76,6 @@ class CameraPose:
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ValueError(f'{name} is {getattr(self, name)}; it must be finite, 0 or more')
 
-    @classmethod
-    def from_angles(
-        cls,
-        position: Sequence[float],
-        roll: float,
-        pitch: float,
-        yaw: float,
-        *,
-        position_sigma: float = 0.0,
-        rotation_sigma: float = 0.0,
-    ) -> CameraPose:
-        """
-        Return the pose of an optical frame by fixed-axis angles (REP 103), rad.
-
-        R = R_z(yaw) R_y(pitch) R_x(roll), as static_transform_publisher has it. A camera that
-        looks along x of a frame whose z is up has -pi/2, 0, -pi/2.
-        """
-        turn = scipy.spatial.transform.Rotation.from_euler('xyz', [roll, pitch, yaw])
-        return cls(np.array(position, float), turn.as_matrix(), position_sigma, rotation_sigma)
-
 
 @dataclass(frozen=True)
 class Position:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from processes import Probe, probe, Process, start
 import pytest
+from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
 MS = 1_000_000
@@ -22,8 +23,10 @@ SIGMA = 0.1  # mrad
 START = np.array([15.0, 1.0, 2.5])
 VELOCITY = np.array([0.5, 3.0, -1.0])  # m/s: up to 0.2 rad/s
 POSES = {
-    'left': CameraPose.from_angles([0.0, 2.0, 1.0], -pi / 2, 0.0, -pi / 2),
-    'right': CameraPose.from_angles([0.0, -2.0, 1.0], -pi / 2, 0.0, -1.7),
+    name: CameraPose(
+        np.array([0.0, y, 1.0]), Rotation.from_euler('xyz', [-pi / 2, 0.0, yaw]).as_matrix()
+    )
+    for name, y, yaw in (('left', 2.0, -pi / 2), ('right', -2.0, -1.7))
 }
 PARAMETERS = {
     'first__y': 2.0, 'first__z': 1.0, 'second__y': -2.0, 'second__z': 1.0, 'second__yaw': -1.7,
