@@ -52,7 +52,7 @@ class Played:
         self.node.spin(0.5)
 
     def film(self, sigma: float | None) -> set[int]:
-        """Send the frames, each after its track with such a sigma, mrad; return which had windows."""
+        """Send the frames, each after its track of a sigma in mrad; return which had windows."""
         self.stamp_ns += 10**9
         begin_ns = self.stamp_ns
         self.windows.clear()

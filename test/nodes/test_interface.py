@@ -30,7 +30,7 @@ PARAMETERS = {'use_sim_time', 'start_type_description_service'}
 ARGUMENTS = (
     'camera:device:=/dev/no_such_device', 'locator:noise.online:=true',
     'segmenter:noise.measure:=true', 'segmenter:follow_prediction:=true',
-    'tracker:imu.enabled:=true', 'tracker:joints.pan:=pan',
+    'tracker:imu.enabled:=true', 'tracker:joints.pan:=pan', 'simulator:pan_tilt:=true',
 )
 
 Ends = dict[str, str]  # type by name

@@ -78,6 +78,11 @@ JOINT_STATES = Topic(
     'sensor_msgs/JointState',
     'with `joints.pan` or `joints.tilt`: where the pan/tilt under the camera stands, rad',
 )
+JOINT_COMMAND = Topic(
+    'joint_command',
+    'sensor_msgs/JointState',
+    'with `pan_tilt`: where the simulated pan/tilt is to go, rad; examples/servo_client.py',
+)
 _PICTURE = '~/debug_image', 'sensor_msgs/Image'
 FRAME_PICTURE = Topic(*_PICTURE, 'bgr8, while somebody subscribes, at most 10 Hz: the frame')
 SEGMENTER_PICTURE = Topic(*_PICTURE, 'likewise: frame, difference, candidates and window')
