@@ -21,12 +21,13 @@ from blob_tracker.ros.joint_states import to_angle
 from blob_tracker.ros.parameters import declare, on_change
 from blob_tracker.ros.process import run
 from blob_tracker.ros.qos import publisher, RESULT, subscription
+from blob_tracker.ros.stamp import from_ns
 from blob_tracker.ros.target import bearing_message, centroid_message
 from blob_tracker.simulation import flashing_light, PROFILES, Sensor, Truth
 from blob_tracker.simulation.pan_tilt import Joints, PanTilt
 from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera
 from blob_tracker.simulation.platform_motion import MOTIONS, Ride
-from blob_tracker.simulation.steered_camera import SteeredCamera
+from blob_tracker.simulation.steered_camera import STATES, SteeredCamera
 from blob_tracker.types import Frame, Location, SensorNoise
 from geometry_msgs.msg import PointStamped, Vector3Stamped
 import numpy as np
@@ -35,7 +36,6 @@ from rclpy.publisher import Publisher
 from rclpy.timer import Timer
 from sensor_msgs.msg import Imu, JointState
 
-STATES = 200.0  # joint states and samples of the IMU a second
 RIDE = 300.0  # s, after which it begins again: the vehicle leaps, once in five minutes
 BACK = 0.1  # s that the clock may be behind the end of an exposure; else it was set back
 JOINTS = ('pan', 'tilt')
@@ -76,7 +76,7 @@ class SimulatorNode(Node):
                 (Vector3Stamped, 'simulator/truth/bearing'),
             )
         )
-        self._timers: list[Timer] = []
+        self._beats: list[Timer] = []
         self._pan_tilt_states: Publisher | None = None
         self._imus: Publisher | None = None
         self._change(values)()
@@ -138,11 +138,11 @@ class SimulatorNode(Node):
             self._pixels = pixels
             self._vehicle, self._steered = vehicle, steered
             self._begin_ns = self.get_clock().now().nanoseconds
-            for timer in self._timers:
+            for timer in self._beats:
                 self.destroy_timer(timer)
-            self._timers = [self.create_timer(1.0 / self._scene.rate, self._publish)]
+            self._beats = [self.create_timer(1.0 / self._scene.rate, self._publish)]
             if vehicle is not None:
-                self._timers.append(self.create_timer(1.0 / STATES, self._publish_states))
+                self._beats.append(self.create_timer(1.0 / STATES, self._publish_states))
 
         return use
 
@@ -164,28 +164,29 @@ class SimulatorNode(Node):
             pan, tilt = (to_angle(message, name, False) for name in JOINTS)
             if pan is None or tilt is None:
                 raise MessageError(f'it is not of the joints {" and ".join(JOINTS)}')
-            self._vehicle.pan_tilt.advance(self._time(self.get_clock().now().nanoseconds))
+            time = self._time(self.get_clock().now().nanoseconds)
+            self._vehicle.advance(time)
             self._vehicle.pan_tilt.command(pan, tilt)
         except ValueError as error:
             self._health.fault(WARN, f'joint_command: {error}')
 
     def _publish_states(self) -> None:
-        """Publish how the vehicle turns, and where the pan/tilt stands."""
+        """Publish how the vehicle turned, and where the pan/tilt stood."""
         assert self._vehicle is not None and self._imus is not None
-        now = self.get_clock().now()
-        time = self._time(now.nanoseconds)
-        x, y, z = self._vehicle.rate(time).tolist()
-        imu = Imu()
-        imu.header.stamp, imu.header.frame_id = now.to_msg(), 'imu_link'
-        # x forward, y left, z up.
-        imu.angular_velocity.x, imu.angular_velocity.y, imu.angular_velocity.z = z, -x, -y
+        time = self._time(self.get_clock().now().nanoseconds)
+        self._vehicle.advance(time)
+        imu, states = Imu(), JointState(name=list(JOINTS))
+        imu.header.frame_id = 'imu_link'
         imu.orientation_covariance[0] = imu.linear_acceleration_covariance[0] = NO_DATA
-        self._imus.publish(imu)
-        if self._steered and self._pan_tilt_states is not None:
-            self._vehicle.pan_tilt.advance(time)
-            states = JointState(name=list(JOINTS), position=self._vehicle.pan_tilt.reported())
-            states.header.stamp = now.to_msg()
-            self._pan_tilt_states.publish(states)
+        for state in self._vehicle.states():
+            imu.header.stamp = from_ns(self._begin_ns + round(1e9 * state.time))
+            x, y, z = state.rate
+            # x forward, y left, z up.
+            imu.angular_velocity.x, imu.angular_velocity.y, imu.angular_velocity.z = z, -x, -y
+            self._imus.publish(imu)
+            if self._steered and self._pan_tilt_states is not None:
+                states.header.stamp, states.position = imu.header.stamp, state.angles
+                self._pan_tilt_states.publish(states)
 
     def _picture(self) -> tuple[Frame, Truth]:
         """Return the next frame: the one that is ready, or what the vehicle's camera sees now."""
@@ -195,6 +196,7 @@ class SimulatorNode(Node):
             return frame, self._scene.truth(self._index)
         time = max(self._time(stamp_ns), self._vehicle.pan_tilt.time)
         frame, truth = self._vehicle.picture(self._index, time)
+        self._publish_states()  # who is given the frame knows how the camera stood
         middle = time + 0.5 * self._vehicle.camera.exposure
         return replace(frame, stamp_ns=self._begin_ns + round(1e9 * middle)), truth
 

@@ -2,19 +2,43 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from blob_tracker.simulation.pan_tilt import PanTilt
 from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera
 from blob_tracker.simulation.truth import Truth
 from blob_tracker.types import Frame
 import numpy as np
-from numpy.typing import NDArray
+
+STATES = 200.0  # a second
+
+
+class State(NamedTuple):
+    """
+    What encoders and gyro tell of an instant.
+
+    Parameters
+    ----------
+    time : float
+        s.
+    angles : (float, float)
+        Pan and tilt, rad.
+    rate : (float, float, float)
+        Angular velocity of the vehicle in the axes of the base, rad/s.
+
+    """
+
+    time: float
+    angles: tuple[float, float]
+    rate: tuple[float, float, float]
 
 
 class SteeredCamera:
     """
     Drive a pan/tilt through time, and take pictures with the camera on it.
 
-    Times are s since the ride began, and never go back.
+    Times are s since the ride began, and never go back. The states are of even times, however
+    uneven those are at which it is driven.
 
     Parameters
     ----------
@@ -28,10 +52,23 @@ class SteeredCamera:
     def __init__(self, camera: PanTiltCamera, pan_tilt: PanTilt) -> None:
         self.camera = camera
         self.pan_tilt = pan_tilt
+        self._states: list[State] = []
+        self._count = 0
 
-    def rate(self, time: float) -> NDArray[np.float64]:
-        """Return the (3,) angular velocity of the vehicle in the axes of the base, rad/s."""
-        return np.asarray(self.camera.ride.rates(np.array([time]))[0])
+    def advance(self, time: float) -> None:
+        """Drive it up to a time, s."""
+        while self._count / STATES <= time:
+            at = self._count / STATES
+            self.pan_tilt.advance(at)
+            x, y, z = self.camera.ride.rates(np.array([at]))[0].tolist()
+            self._states.append(State(at, self.pan_tilt.reported(), (x, y, z)))
+            self._count += 1
+        self.pan_tilt.advance(time)
+
+    def states(self) -> list[State]:
+        """Return the states since this was last asked."""
+        states, self._states = self._states, []
+        return states
 
     def picture(self, index: int, begin: float) -> tuple[Frame, Truth]:
         """
@@ -55,7 +92,7 @@ class SteeredCamera:
         times = camera.times(middle)
         joints = np.empty((len(times), 2))
         for row, time in enumerate(times.tolist()):
-            self.pan_tilt.advance(time)
+            self.advance(time)
             joints[row] = self.pan_tilt.angles
         x, y = camera.model.project(camera.rays(times, joints)).mean(axis=0).tolist()
         frame = camera.frame(index, middle, joints, lit=lit)

@@ -17,9 +17,8 @@ from processes import Probe, probe, Process, start
 from sensor_msgs.msg import Imu, JointState
 
 EXAMPLE = Path(__file__).parents[2] / 'examples' / 'servo_client.py'
-# A rover: its swings of 0.5 s are what a late or lagging servo cannot follow.
 RIDE = {
-    'source': 'simulator', 'platform': 'rover', 'pan_tilt': True, 'width': 320, 'height': 240,
+    'source': 'simulator', 'platform': 'sea', 'pan_tilt': True, 'width': 320, 'height': 240,
     'joints__pan': 'pan', 'joints__tilt': 'tilt', 'imu__enabled': True,
     'follow_prediction': True,
     # Half an interval of the predictions is the mean time that one of them is acted on.
@@ -36,7 +35,7 @@ def pointing(node: Probe, truths: list[Vector3Stamped]) -> NDArray[np.float64]:
 
 
 def test_the_servo_holds_the_light(domain: int) -> None:
-    """In the median ten times better than a camera that is fixed to the rover."""
+    """In the median ten times better than a camera that is fixed to the boat."""
     with probe(domain) as node, ExitStack() as stack:
         truths = node.record(Vector3Stamped, 'simulator/truth/bearing')
         states = node.record(JointState, 'joint_states', 1000)
@@ -45,7 +44,7 @@ def test_the_servo_holds_the_light(domain: int) -> None:
         fixed = pointing(node, truths)
         assert {tuple(each.name) for each in states} == {('pan', 'tilt')}
         assert not np.any([each.position for each in states])
-        assert np.std([each.angular_velocity.y for each in imus]) > 0.01  # rad/s
+        assert np.std([each.angular_velocity.y for each in imus]) > 0.01  # rad/s; 0.05 or so
 
         servo = stack.enter_context(Process(
             [sys.executable, str(EXAMPLE), '--ros-args', '-p', 'predicted:=true'], domain
@@ -53,8 +52,9 @@ def test_the_servo_holds_the_light(domain: int) -> None:
         node.spin_until(lambda: np.any(states[-1].position))
         node.spin(2.0)
         held = pointing(node, truths)
-        # The machine is busy with other tests: what a late command costs is in the tail, and the
-        # median bears half of them. It was a fiftieth on a machine of its own.
+        # Real time on a machine that is busy with other tests: what late commands cost is in the
+        # tail, of which nothing is asked. It was 0.5 of 24 mrad on two cores, 2.2 without the IMU
+        # and 17 with target/bearing alone: a tenth tells the prediction from both.
         assert np.median(held) < 0.1 * np.median(fixed)
         assert pipeline.running and servo.running
 

@@ -8,7 +8,7 @@ from blob_tracker.segmentation import Segmenter
 from blob_tracker.simulation.pan_tilt import Joints, PanTilt
 from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera
 from blob_tracker.simulation.platform_motion import MOTIONS, Ride
-from blob_tracker.simulation.steered_camera import SteeredCamera
+from blob_tracker.simulation.steered_camera import STATES, SteeredCamera
 import numpy as np
 import pytest
 
@@ -30,7 +30,7 @@ def test_a_command_moves_the_light_in_the_picture() -> None:
     vehicle = steered(STILL)
     _, truth = vehicle.picture(2, 0.1)
     assert (truth.x, truth.y) == pytest.approx((79.5, 59.5), abs=1e-6)
-    assert not vehicle.rate(0.1).any()
+    assert {state.rate for state in vehicle.states()} == {(0.0, 0.0, 0.0)}
     vehicle.pan_tilt.command(0.02, 0.01)
     _, truth = vehicle.picture(4, 1.1)
     focal_length = MODEL.matrix[0, 0]
@@ -55,4 +55,32 @@ def test_the_light_is_found_where_the_truth_says() -> None:
         assert error @ np.linalg.solve(location.covariance, error) < 36.0
         found += 1
     assert found >= 55
-    assert np.abs(vehicle.rate(1.0)).max() > 1e-3
+
+
+def test_states_are_of_even_times_and_true() -> None:
+    """Driven in fits and starts, with a command and an exposure in between: as in small steps."""
+    ride = MOTIONS['rover'].ride(2.0, seed=4)
+    uneven, even = steered(ride), steered(ride)
+    for time in np.arange(0.0, 1.0, 0.001):
+        if time == 0.5:
+            for vehicle in (uneven, even):
+                vehicle.advance(0.5)
+                vehicle.pan_tilt.command(0.1, -0.05)
+        even.advance(time)
+    for time in (0.013, 0.4, 0.5):
+        uneven.advance(time)
+    uneven.picture(0, 0.5535)
+    uneven.advance(0.999)
+    ours, theirs = uneven.states(), even.states()
+    np.testing.assert_allclose([each.time for each in ours], np.arange(len(ours)) / STATES)
+    assert [each.time for each in ours] == [each.time for each in theirs]
+    np.testing.assert_array_equal(
+        [each.rate for each in ours], [each.rate for each in theirs]
+    )
+    # The motors' limits hold on the mean of steps of up to 2 ms, which here are not the same: it
+    # is as if a command of 0.1 rad came half a step, 1 ms, earlier or later at 1 rad/s.
+    np.testing.assert_allclose(
+        [each.angles for each in ours], [each.angles for each in theirs], atol=1e-3
+    )
+    assert ours[-1].angles == pytest.approx((0.1, -0.05), abs=1e-3)
+    assert uneven.states() == []
