@@ -63,6 +63,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     'locator': {'lights': 'port,starboard', 'noise.online': True},
     'tracker': {'imu.enabled': True, 'joints.pan': 'pan'},
     'simulator': {'pan_tilt': True},
+    'tracker': {'lights': 'port,starboard', 'imu.enabled': True, 'joints.pan': 'pan'},
 }
 Rights = dict[str, set[str]]  # kind of rule -> names
 

@@ -180,6 +180,9 @@ class TrackerNode(Node):
     def _check(self) -> None:
         """Say which lights are no longer tracked."""
         steady, now = self._steady.now(), self.get_clock().now()
+        if now < self._time[1] and not self._timer.is_canceled():
+            # A step of the system's clock is told to nobody: the timer would wait until then.
+            self._timer.reset()
         if now != self._time[1]:
             self._time = steady, now
         stands_still = (steady - self._time[0]).nanoseconds > 1e9 * STANDSTILL

@@ -188,7 +188,7 @@ class LightTrack:
         """Keep the innovation of the last bearing; the first one of a track has none."""
         innovation = self._tracker.innovation
         if innovation is not None:
-            self._innovations.append(min(innovation.squared, MOST))
+            self._innovations.append(min(MOST, innovation.squared))  # the former where it is NaN
 
     def _now_ns(self) -> int:
         return self._node.get_clock().now().nanoseconds

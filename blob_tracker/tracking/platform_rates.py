@@ -90,10 +90,10 @@ class PlatformRates:
                 f'the angular velocity is {vector.tolist()} rad/s; it must be 3 numbers within '
                 f'+-{FASTEST:g}'
             )
-        if not 0.0 <= variance < np.inf:
+        if not 0.0 <= variance <= FASTEST**2:
             raise TrackingError(
-                f'the variance of the angular velocity is {variance} (rad/s)^2; it must be 0 or '
-                'more and finite'
+                f'the variance of the angular velocity is {variance} (rad/s)^2; it must be from 0 '
+                f'to {FASTEST**2:g}'
             )
         place = self._place(stamp_ns)
         for kept, value in (

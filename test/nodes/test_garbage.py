@@ -6,21 +6,25 @@ from array import array
 from collections.abc import Collection, Iterator
 from contextlib import ExitStack
 from itertools import count
-from math import nan
+from math import nan, pi
 from typing import Any
 
 from blob_tracker.ros.qos import STATE
 from blob_tracker.ros.stamp import from_ns, to_ns
+from blob_tracker.ros.target import ray_message
+from blob_tracker.ros.track import to_track
 from blob_tracker.simulation import flashing_light
-from geometry_msgs.msg import Vector3, Vector3Stamped
+from blob_tracker.types import Bearing
+from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3, Vector3Stamped
 from hypothesis import example, given, HealthCheck, Phase, settings, strategies as st
+from nav_msgs.msg import Odometry
 import numpy as np
 from played_camera import PlayedCamera, Sent, STEP_NS
 from processes import probe, Process, start
 import pytest
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
-from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.msg import CameraInfo, Image, Imu, JointState
 
 PAIRS = 40  # of image and camera_info in a batch; hypothesis makes no longer lists
 BATCHES = 63  # so many for each arrangement: 2 * 63 * 40 * 2 are more than 10,000 messages
@@ -310,6 +314,116 @@ def test_garbage_on_the_topics_of_a_segmenter(domain: int) -> None:
         for process in (segmenter, locator):
             assert process.end() == 0
             assert 'Traceback' not in process.output
+
+
+# One thing that is wrong with a ray, with a sample of the gyro, with angles of joints.
+RAY = _one_of(HEADER | {
+    'orientation': st.tuples(st.sampled_from('xyzw'), NUMBER),
+    'turn': st.tuples(*4 * [st.floats(-1.0, 1.0)]),
+    'covariance': st.tuples(st.sampled_from((21, 22, 27, 28)), NUMBER),
+})
+GYRO = _one_of(HEADER | {
+    'rate': st.tuples(NUMBER, NUMBER, NUMBER),
+    'gyro covariance': st.tuples(st.integers(0, 8), NUMBER | st.just(-1.0)),
+})
+JOINTS = _one_of(HEADER | {
+    'name': st.lists(st.sampled_from(('pan', 'tilt')) | st.text(max_size=40), max_size=4),
+    'position': st.lists(NUMBER, max_size=4),
+})
+SAMPLE = st.tuples(
+    *(st.lists(each, max_size=2) for each in (RAY, GYRO, JOINTS))
+)
+
+
+def _spoil_sample(message: Any, changes: Any) -> Any:
+    """Return a message of a tracker's with the changes in it; bytes where it is cut off."""
+    cut = None
+    for name, value in changes:
+        if name == 'orientation':
+            setattr(message.pose.pose.orientation, *value)
+        elif name == 'turn':
+            length = float(np.linalg.norm(value)) or 1.0
+            for axis, part in zip('xyzw', value):
+                setattr(message.pose.pose.orientation, axis, part / length)
+        elif name == 'covariance':
+            message.pose.covariance[value[0]] = value[1]
+        elif name == 'rate':
+            for axis, part in zip('xyz', value):
+                setattr(message.angular_velocity, axis, part)
+        elif name == 'gyro covariance':
+            message.angular_velocity_covariance[value[0]] = value[1]
+        elif name == 'cut':
+            cut = value
+        else:
+            _set(message, name, value)
+    return message if cut is None else serialize_message(message)[:4 + cut]
+
+
+@pytest.mark.parametrize('model', ['constant_velocity', 'constant_acceleration'])
+def test_garbage_on_the_topics_of_a_tracker(model: str, domain: int) -> None:
+    """Rays, rates and joints that nobody ever sent: what is predicted is an angle, or nothing."""
+    parameters = {'imu.enabled': True, 'joints.pan': 'pan', 'joints.tilt': 'tilt', 'model': model}
+    for topic in ('/target/ray', '/imu', '/joint_states'):
+        parameters |= _deep(topic)
+    with probe(domain) as node, start('tracker', domain, **parameters) as tracker:
+        predictions = node.record(Vector3Stamped, 'target/bearing_predicted', DEEP)
+        tracks = node.record(Odometry, 'target/track', DEEP)
+        rays, gyro, joints = (
+            node.create_publisher(kind, topic, DEEP)
+            for kind, topic in (
+                (PoseWithCovarianceStamped, 'target/ray'), (Imu, 'imu'),
+                (JointState, 'joint_states'),
+            )
+        )
+        node.spin_until(lambda: all(
+            each.get_subscription_count() for each in (rays, gyro, joints)
+        ))
+
+        def send(ray_changes: Any, gyro_changes: Any, joint_changes: Any) -> None:
+            stamp_ns = node.get_clock().now().nanoseconds
+            ray = ray_message(Bearing(100.0, -50.0, 1e-4 * np.eye(2), stamp_ns), 'optical')
+            imu, states = Imu(), JointState(name=['pan', 'tilt'], position=[0.2, 0.1])
+            for message in (imu, states):
+                message.header.stamp = from_ns(stamp_ns)
+            imu.header.frame_id = 'imu_link'
+            gyro.publish(_spoil_sample(imu, gyro_changes))
+            joints.publish(_spoil_sample(states, joint_changes))
+            rays.publish(_spoil_sample(ray, ray_changes))
+
+        def expect_life() -> None:
+            """Expect a target at rest to be predicted where it is, once the filter sees it."""
+            assert tracker.running, (tracker.wait(), tracker.output)
+            for _ in range(40):
+                send((), (), ())
+                node.spin(0.03)
+            predictions.clear()
+            send((), (), ())
+            node.spin_until(lambda: predictions)
+            x, y = predictions[-1].vector.x, predictions[-1].vector.y
+            # As R_y(0.2) R_x(0.1) has it, to what is left of the last leap.
+            assert abs(x - 299.6) < 5.0 and abs(y - 49.6) < 5.0
+
+        @settings(SETTINGS, max_examples=BATCHES // 2)
+        @given(st.lists(SAMPLE, min_size=PAIRS, max_size=PAIRS))
+        def batch(samples: Any) -> None:
+            for sample in samples:
+                send(*sample)
+            node.spin(TAKE)
+
+        expect_life()
+        for _ in range(2):
+            batch()
+            expect_life()
+        # A few: the middleware says a paragraph of each, and nobody reads it before the end.
+        for cut in range(0, 300, 20):
+            send(*(3 * [[('cut', cut)]]))
+        expect_life()
+        for each in predictions:
+            assert abs(each.vector.x) <= 1e3 * pi and abs(each.vector.y) <= 500.0 * pi
+        for each in tracks:
+            to_track(each)
+        assert tracker.end() == 0
+        assert 'Traceback' not in tracker.output, tracker.output
 
 
 def _pair(images: list[Image], infos: list[CameraInfo]) -> tuple[Image, CameraInfo] | None:
