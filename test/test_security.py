@@ -61,9 +61,8 @@ CHANGES: dict[str, dict[str, Any]] = {
         'follow_prediction': True,
     },
     'locator': {'lights': 'port,starboard', 'noise.online': True},
-    'tracker': {'imu.enabled': True, 'joints.pan': 'pan'},
-    'simulator': {'pan_tilt': True},
     'tracker': {'lights': 'port,starboard', 'imu.enabled': True, 'joints.pan': 'pan'},
+    'simulator': {'pan_tilt': True},
 }
 Rights = dict[str, set[str]]  # kind of rule -> names
 
