@@ -31,7 +31,10 @@ setup(
     entry_points={
         'console_scripts': [
             f'{node} = {NAME}.nodes.start:{node}'
-            for node in ('camera', 'segmenter', 'locator', 'tracker', 'pipeline', 'simulator')
+            for node in (
+                'camera', 'segmenter', 'locator', 'tracker', 'triangulator', 'pipeline',
+                'simulator',
+            )
         ],
     },
 )

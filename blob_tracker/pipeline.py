@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from blob_tracker import location, segmentation
+from blob_tracker import location, segmentation, tracking
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import locate, METHODS
-from blob_tracker.segmentation import FrameError, Segmenter
+from blob_tracker.segmentation import Expectation, FrameError, Segmenter
+from blob_tracker.tracking import StampJump, Track, Tracker, TrackingError
 from blob_tracker.types import Bearing, Frame, LocationError, SensorNoise
 
 
@@ -24,6 +25,32 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     """
     location.compile_ahead(methods)
     segmentation.compile_ahead()
+    tracking.compile_ahead()
+
+
+def expectation(track: Track, camera_model: CameraModel) -> Expectation | None:
+    """
+    Return where in the picture a target is expected.
+
+    Parameters
+    ----------
+    track : Track
+        As the camera sees the target at the frame's stamp.
+    camera_model : CameraModel
+        The camera.
+
+    Returns
+    -------
+    Expectation or None
+        With the covariance of the angles, carried through the derivative of the place; None where
+        the lens has no picture of that direction.
+
+    """
+    try:
+        x, y, derivative = camera_model.place(track.azimuth, track.elevation)
+    except LensError:
+        return None
+    return Expectation(x, y, derivative @ track.angle_covariance @ derivative.T)
 
 
 class Pipeline:
@@ -43,6 +70,9 @@ class Pipeline:
         the last frame gave no bearing.
     line_jitter : LineJitter, optional
         Offsets of the lines of an analogue grabber, to be taken off each location.
+    tracker : Tracker, optional
+        Takes each bearing, and tells the segmenter where to look for the next one. What it
+        refuses is a bearing all the same.
 
     Raises
     ------
@@ -61,6 +91,7 @@ class Pipeline:
         method: str = 'maximum_likelihood',
         segmenter: Segmenter | None = None,
         line_jitter: LineJitter | None = None,
+        tracker: Tracker | None = None,
     ) -> None:
         if method not in METHODS:
             raise ValueError(f"no method '{method}'; there is {', '.join(METHODS)}")
@@ -71,6 +102,7 @@ class Pipeline:
         self.method = method
         self.segmenter = segmenter or Segmenter()
         self.line_jitter = line_jitter
+        self.tracker = tracker
 
     def run(self, frames: Iterable[Frame]) -> Iterator[Bearing]:
         """
@@ -95,16 +127,36 @@ class Pipeline:
         for frame in frames:
             self._check_size(frame)
             try:
-                window = self.segmenter.update(frame)
+                window = self.segmenter.update(frame, self._expected(frame))
                 if window is not None:
                     location = locate(window, method=self.method, noise=self.noise)
                     if self.line_jitter is not None:
                         location = self.line_jitter.corrected(
                             location, gain=self.noise.gain, looks=window.looks
                         )
-                    yield self.camera_model.bearing(location)
+                    bearing = self.camera_model.bearing(location)
+                    self._track(bearing)
+                    yield bearing
             except (FrameError, LocationError, LensError) as error:
                 self.segmenter.reason = str(error)  # silence, never a wrong angle
+
+    def _expected(self, frame: Frame) -> Expectation | None:
+        """Return where the tracker expects the target in a frame."""
+        track = self.tracker.seen_at(frame.stamp_ns) if self.tracker is not None else None
+        return None if track is None else expectation(track, self.camera_model)
+
+    def _track(self, bearing: Bearing) -> None:
+        """Have the tracker take a bearing; begin afresh where the stamps jumped back."""
+        if self.tracker is None:
+            return
+        try:
+            try:
+                self.tracker.update(bearing)
+            except StampJump:
+                self.tracker.reset()
+                self.tracker.update(bearing)
+        except TrackingError:
+            pass  # what it keeps is the better one; three in a row that agree are believed
 
     def _check_size(self, frame: Frame) -> None:
         """Refuse a frame that the calibration does not cover."""

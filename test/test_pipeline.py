@@ -1,12 +1,20 @@
 """Frames in, bearings out, without ROS: within the budget, and with a true covariance."""
 
-from blob_tracker import CameraModel, Frame, Pipeline
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from blob_tracker import CameraModel, Frame, Pipeline, SensorNoise
 from blob_tracker.camera import CalibrationError
 from blob_tracker.camera.line_jitter import LineJitter
+from blob_tracker.pipeline import expectation
 from blob_tracker.resources import config_path
-from blob_tracker.simulation import flashing_light
+from blob_tracker.simulation import flashing_light, in_step, Light, Scene
+from blob_tracker.tracking import PlatformRates, Track, Tracker
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 FRAMES = 240
 BUDGET = 0.05  # px rms, what the thesis wanted
@@ -70,3 +78,90 @@ def test_line_jitter_is_taken_off() -> None:
     with pytest.raises(CalibrationError, match='is for 120 lines and the picture has 240'):
         larger = CameraModel.from_field_of_view(320, 240, 50.0)
         Pipeline(larger, noise=scene.sensor.noise, line_jitter=jitter)
+
+
+def rocked(
+    model: CameraModel, rates: PlatformRates
+) -> Iterator[tuple[Frame, float, float]]:
+    """
+    Yield frames of a camera that is turned by up to 28 px from one flash to the next.
+
+    The rates that a gyroscope tells are there before each frame; with each comes where the light
+    is in it, px.
+    """
+    random = np.random.default_rng(11)
+    scene = Scene(width=320, height=240, rate=60.0, exposure=0.3)
+    turn, rate = Rotation.identity(), np.zeros(3)
+    for index in range(1, 161):
+        ray = turn.inv().apply([0.0, 0.0, 1.0])
+        angles = np.array([np.arctan2(ray[0], ray[2]), np.arctan2(-ray[1], np.hypot(*ray[::2]))])
+        x, y = model.project(ray)[0]
+        light = Light(x, y, 2.0, 60.0, in_step(60.0))
+        frame = replace(scene, target=light).frame(index)
+        if index % 2 == 0 and index > 40:  # a new push with each flash
+            wanted = np.clip(angles + random.uniform(-0.09, 0.09, 2), -0.25, 0.25)
+            azimuth_rate, elevation_rate = 30.0 * (angles - wanted)
+            rate = np.array([elevation_rate, azimuth_rate, 0.0])
+        # It is constant until the next frame, and the samples are linear in between.
+        rates.push(scene.stamp_ns(index), rate)
+        yield Frame(frame, scene.stamp_ns(index), 255), x, y
+        rates.push(scene.stamp_ns(index + 1) - 1000, rate)
+        turn = turn * Rotation.from_rotvec(rate / 60.0)
+
+
+@pytest.mark.parametrize('gated', [True, False])
+def test_a_tracker_that_knows_the_platform_keeps_the_light(gated: bool) -> None:
+    """Every flash is found; the same segmenter without it loses half of them."""
+    model = CameraModel.from_field_of_view(320, 240, 50.0)
+    rates = PlatformRates()
+    tracker = Tracker(platform=rates) if gated else None
+    places = {}
+
+    def frames() -> Iterator[Frame]:
+        for frame, x, y in rocked(model, rates):
+            places[frame.stamp_ns] = x, y
+            yield frame
+
+    noise = SensorNoise(40.0, 0.7)
+    bearings = list(Pipeline(model, noise=noise, tracker=tracker).run(frames()))
+    for bearing in bearings:
+        found = model.place(bearing.azimuth, bearing.elevation)[:2]
+        assert found == pytest.approx(places[bearing.stamp_ns], abs=0.2)  # 10 sigma
+    if tracker is None:
+        assert len(bearings) < 55
+    else:
+        assert len(bearings) == 80
+        # The gate of a gyroscope without noise refuses next to nothing, and the track lasts.
+        assert tracker.refused <= 2 and tracker.begun <= 2
+
+
+def test_a_tracker_of_another_time_begins_afresh() -> None:
+    """A film that is played twice: the stamps jump back, and no bearing is lost to it."""
+    scene = flashing_light(width=160, height=120)
+    model = CameraModel.from_field_of_view(160, 120, 50.0)
+    tracker = Tracker()
+    pipeline = Pipeline(model, noise=scene.sensor.noise, tracker=tracker)
+    film = [Frame(scene.frame(k), 1 + round(k * 1e9 / 60), 255) for k in range(200)]
+    first = list(pipeline.run(film))
+    again = list(pipeline.run(film))
+    assert len(first) == 99
+    assert len(again) >= 95
+    assert tracker.bearings == len(first) + len(again)
+    last = tracker.at(film[-1].stamp_ns)
+    assert last is not None and abs(last.azimuth - first[-1].azimuth) < 1.0
+
+
+def test_the_expectation_is_the_angle_and_its_covariance_in_pixels() -> None:
+    """Of the scale of the lens; None for what the lens does not see."""
+    model = CameraModel.from_field_of_view(640, 480, 50.0)
+    state = np.array([100.0, -50.0, 0.0, 0.0])
+    track = Track(5, state, np.diag([4.0, 1.0, 1.0, 1.0]))
+    expected = expectation(track, model)
+    assert expected is not None
+    x, y, derivative = model.place(100.0, -50.0)
+    assert (expected.x, expected.y) == (x, y)
+    np.testing.assert_allclose(
+        expected.covariance, derivative @ np.diag([4.0, 1.0]) @ derivative.T
+    )
+    assert np.sqrt(expected.covariance[0, 0]) == pytest.approx(2e-3 * model.matrix[0, 0], rel=0.05)
+    assert expectation(Track(5, np.array([3000.0, 0.0, 0.0, 0.0]), track.covariance), model) is None

@@ -48,6 +48,7 @@ STARTS: dict[str, dict[str, object]] = {
     'segmenter': {},
     'locator': {},
     'tracker': {},
+    'triangulator': {},
     'simulator': {},
     'pipeline': {'device': '/dev/no_such_camera'},
     'pipeline_simulator': {'source': 'simulator'},
@@ -55,9 +56,13 @@ STARTS: dict[str, dict[str, object]] = {
 }
 # What opens each topic that is not there at the start.
 CHANGES: dict[str, dict[str, Any]] = {
-    'segmenter': {'flash.mode': 'coded', 'flash.codes': 'port:1101000,starboard:1110100'},
+    'segmenter': {
+        'flash.mode': 'coded', 'flash.codes': 'port:1101000,starboard:1110100',
+        'follow_prediction': True,
+    },
     'locator': {'lights': 'port,starboard', 'noise.online': True},
     'tracker': {'lights': 'port,starboard', 'imu.enabled': True, 'joints.pan': 'pan'},
+    'simulator': {'pan_tilt': True},
 }
 Rights = dict[str, set[str]]  # kind of rule -> names
 
@@ -150,7 +155,7 @@ def change(observer: Probe, node: str, namespace: str, values: dict[str, Any]) -
     assert answer.result.successful, answer.result.reason
 
 
-@pytest.mark.timeout(180)  # eight processes start at once
+@pytest.mark.timeout(180)  # nine processes start at once
 def test_each_node_has_what_the_policy_allows_and_nothing_else(domain: int) -> None:
     """Topics, services and clients of every node, with all that is conditional opened."""
     profiles = [(enclave, profile) for enclave, element in enclaves()

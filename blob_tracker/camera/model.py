@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import atan2, hypot, inf, sqrt
+from math import atan2, cos, hypot, inf, isfinite, nan, sin, sqrt
 from pathlib import Path
 
 from blob_tracker.camera.calibration_file import read_calibration
@@ -299,6 +299,40 @@ class CameraModel:
                 'are out of all proportion'
             )
         return MRAD * atan2(ray_x, ray_z), MRAD * atan2(-ray_y, h), by_pixel
+
+    def place(
+        self, azimuth: float, elevation: float
+    ) -> tuple[float, float, NDArray[np.float64]]:
+        """
+        Return the pixel that looks in a direction: the way back of `angles`.
+
+        Parameters
+        ----------
+        azimuth, elevation : float
+            mrad.
+
+        Returns
+        -------
+        float, float, (2, 2) array
+            x and y in px on the full, unbinned sensor, which may lie outside of the image, and
+            their derivative by azimuth and elevation in px/mrad.
+
+        Raises
+        ------
+        LensError
+            Where the lens has no picture of that direction.
+
+        """
+        x = y = nan
+        if isfinite(azimuth + elevation):
+            a, e = azimuth / MRAD, elevation / MRAD
+            ray = np.array([[cos(e) * sin(a), -sin(e), cos(e) * cos(a)]])
+            x, y = self.project(ray)[0].tolist()
+        if not isfinite(x + y):
+            raise LensError(
+                f'the lens has no picture of the direction ({azimuth:.1f}, {elevation:.1f}) mrad'
+            )
+        return x, y, np.asarray(np.linalg.inv(self.angles(x, y)[2]), dtype=np.float64)
 
     def bearing(self, location: Location) -> Bearing:
         """

@@ -10,7 +10,7 @@ from threading import Lock
 import time
 from typing import Any
 
-from blob_tracker.camera import CalibrationError, CameraModel, LensError
+from blob_tracker.camera import CalibrationError, LensError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import compile_ahead, locate, METHODS
 from blob_tracker.location.noise import variance_ratio
@@ -18,7 +18,7 @@ from blob_tracker.location.picture import draw
 from blob_tracker.location.scatter import RecentPlaces
 from blob_tracker.nodes.interface.locator import DEFAULT_METHOD, PARAMETERS
 from blob_tracker.ros.bearing_topics import BearingTopics
-from blob_tracker.ros.camera_info import to_camera_model
+from blob_tracker.ros.camera_info import KnownCamera
 from blob_tracker.ros.clipping import clipping_window
 from blob_tracker.ros.clock_jumps import on_clock_jump
 from blob_tracker.ros.connections import Connections
@@ -84,8 +84,7 @@ class LocatorNode(Node):
         self._places: dict[str, RecentPlaces] = {}
         self._bearing: Bearing | None = None
         self._debug_image = DebugImage(self)
-        self._calibration: tuple[object, ...] = ()
-        self._camera_model: CameraModel | None = None
+        self._camera = KnownCamera()
         self._targets: dict[str, BearingTopics] = {}
         self._windows: dict[str, FramePairs] = {}
         self._measurements: Subscription | None = None
@@ -202,7 +201,7 @@ class LocatorNode(Node):
 
     def _locate(self, light: str, window: Window, info: CameraInfo, frame_id: str) -> None:
         try:
-            camera_model = self._model(info)
+            camera_model = self._camera.model(info)
             window = clipping_window(window, self._saturation, self._looks)
             location = locate(window, method=self._method, noise=self._noise, **self._options)
             if self._line_jitter is not None:
@@ -310,17 +309,6 @@ class LocatorNode(Node):
                 f'variance of the measured one, which is used; set noise.gain, '
                 f'noise.read_noise and noise.black_level to {_in_words(self._noise)}',
             )
-
-    def _model(self, info: CameraInfo) -> CameraModel:
-        """Return the camera of a camera_info, made anew only where the calibration changes."""
-        calibration = (
-            info.k.tobytes(), info.d.tobytes(), info.distortion_model, info.width, info.height
-        )
-        if self._camera_model is None or calibration != self._calibration:
-            self._camera_model = None
-            self._camera_model = to_camera_model(info)
-            self._calibration = calibration
-        return self._camera_model
 
 
 def _line_jitter(url: str) -> LineJitter | None:

@@ -54,6 +54,7 @@ def nodes() -> Iterator[Node]:
         listen=source == 'images',
         deliver=locating.locate,
         announce=announce,
+        predict=tracking.seen_at,
         elsewhere=common,
     )
     yield segmenting

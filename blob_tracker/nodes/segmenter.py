@@ -11,6 +11,8 @@ from typing import Any
 
 from blob_tracker.calibration.noise_level_function import NoiseLevelFunction
 from blob_tracker.nodes.interface.segmenter import PARAMETERS
+from blob_tracker.pipeline import expectation
+from blob_tracker.ros.camera_info import KnownCamera
 from blob_tracker.ros.clipping import clipping_frame
 from blob_tracker.ros.clock_jumps import on_clock_jump
 from blob_tracker.ros.connections import Connections
@@ -18,6 +20,7 @@ from blob_tracker.ros.debug_image import DebugImage
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.image import to_frame
+from blob_tracker.ros.latest_track import LatestTrack
 from blob_tracker.ros.losses import Losses, StampGaps
 from blob_tracker.ros.mask import read_mask
 from blob_tracker.ros.names import check_light, target_topic
@@ -30,6 +33,7 @@ from blob_tracker.ros.window_topics import WindowTopics
 from blob_tracker.segmentation import (
     codes_from_text,
     compile_ahead,
+    Expectation,
     exposure_fault,
     Flash,
     flash_by_name,
@@ -41,6 +45,7 @@ from blob_tracker.segmentation import (
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.periodic import HIGHEST
 from blob_tracker.segmentation.picture import draw
+from blob_tracker.tracking import Track
 from blob_tracker.types import Frame, Window
 from geometry_msgs.msg import Vector3Stamped
 from rclpy.clock import Clock, ClockType
@@ -58,6 +63,7 @@ CHECK = 0.25  # s between two looks at whether frames still come
 SILENCE = 1.0  # s of wall time without a good frame; slow bags and cameras pause for less
 
 Deliver = Callable[[str, Window, CameraInfo, str], None]
+Predict = Callable[[str, int], Track | None]
 
 
 class SegmenterNode(Node):
@@ -74,6 +80,8 @@ class SegmenterNode(Node):
         frame and the name of the optical frame.
     announce : callable, optional
         Told the names of the lights before the first window of any.
+    predict : callable, optional
+        Tells where the camera sees a light, by its name, at a stamp, ns; else target/track does.
     elsewhere : collection of str
         Parameters of other nodes in the same process.
 
@@ -85,11 +93,12 @@ class SegmenterNode(Node):
         listen: bool = True,
         deliver: Deliver | None = None,
         announce: Callable[[Collection[str]], None] | None = None,
+        predict: Predict | None = None,
         elsewhere: Collection[str] = (),
     ) -> None:
         super().__init__('segmenter')
         values = declare(self, PARAMETERS, elsewhere)
-        self._deliver, self._announce = deliver, announce
+        self._deliver, self._announce, self._predict = deliver, announce, predict
         self._lock = Lock()  # frames may come from a thread of the camera's
         self._health = Health(
             self,
@@ -108,6 +117,9 @@ class SegmenterNode(Node):
         self._newest_ns = -1  # of the stamps
         self._topics: dict[str, WindowTopics] = {}  # of all lights that there ever were
         self._targets: dict[str, WindowTopics] = {}
+        self._follow = False
+        self._track: LatestTrack | None = None
+        self._camera = KnownCamera()
         self._noise: NoiseLevelFunction | None = None
         self._noise_ns = 0
         self._noises = publisher(self, Vector3Stamped, 'target/noise', STATE)
@@ -155,6 +167,10 @@ class SegmenterNode(Node):
         for name in lights:
             if name not in self._topics:
                 self._topics[name] = WindowTopics(self, target_topic(name))
+        follow = values['follow_prediction']
+        if follow and self._predict is None and self._track is None:
+            # Of the light without a name: the others are those of modes that do not heed it.
+            self._track = LatestTrack(self, f'{target_topic("")}/track', self._health)
 
         def use() -> None:
             with self._lock:
@@ -163,6 +179,7 @@ class SegmenterNode(Node):
                 self._new_segmenter = lambda: new_segmenter(flash=new_flash())
                 self._late_ns = int(1e9 * values['max_pair_interval'])
                 self._saturation = values['saturation']
+                self._follow = follow
                 self._set_lights(lights, _lost_after_ns(values))
                 if not values['noise.measure']:
                     self._noise = None
@@ -236,7 +253,7 @@ class SegmenterNode(Node):
             self._start_afresh()
         self._newest_ns = max(self._newest_ns, frame.stamp_ns)
         try:
-            found = dict(self._segmenter.sightings(frame))
+            found = dict(self._segmenter.sightings(frame, self._expected(frame, info)))
         except FrameError as error:
             self._health.fault(WARN, f'camera/image_raw: {error}')
             return
@@ -269,6 +286,24 @@ class SegmenterNode(Node):
             )
         if self._noise is not None:
             self._measure_noise(self._noise, frame, frame_id)
+
+    def _expected(self, frame: Frame, info: CameraInfo) -> Expectation | None:
+        """Return where the tracker expects the light in a frame; None where it is not asked."""
+        if not self._follow:
+            return None
+        if self._predict is not None:
+            track = self._predict('', frame.stamp_ns)
+        else:
+            track = None if self._track is None else self._track.seen_at(frame.stamp_ns)
+        if track is None:
+            return None
+        try:
+            camera_model = self._camera.model(info)
+        except MessageError as error:
+            self._health.fault(WARN, f'follow_prediction: {error}')
+            return None
+        self._health.count('frames with a prediction')
+        return expectation(track, camera_model)
 
     def _say_why(self, frame: Frame) -> None:
         """Say why there is no target."""

@@ -3,28 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from dataclasses import replace
 import sys
 from typing import Any
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
 from blob_tracker.capture.picture import draw
-from blob_tracker.nodes.interface.simulator import PARAMETERS
+from blob_tracker.nodes.interface.simulator import PARAMETERS, STILL
 from blob_tracker.ros.camera_info import from_camera_model
 from blob_tracker.ros.connections import Connections
 from blob_tracker.ros.debug_image import DebugImage
-from blob_tracker.ros.errors import ParameterError
+from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.frame_topics import Deliver, FrameTopics
-from blob_tracker.ros.health import Health
+from blob_tracker.ros.health import Health, WARN
+from blob_tracker.ros.imu import NO_DATA
+from blob_tracker.ros.joint_states import to_angle
 from blob_tracker.ros.parameters import declare, on_change
 from blob_tracker.ros.process import run
-from blob_tracker.ros.qos import publisher, RESULT
+from blob_tracker.ros.qos import publisher, RESULT, subscription
+from blob_tracker.ros.stamp import from_ns
 from blob_tracker.ros.target import bearing_message, centroid_message
-from blob_tracker.simulation import flashing_light, PROFILES, Sensor
+from blob_tracker.simulation import flashing_light, PROFILES, Sensor, Truth
+from blob_tracker.simulation.pan_tilt import Joints, PanTilt
+from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera
+from blob_tracker.simulation.platform_motion import MOTIONS, Ride
+from blob_tracker.simulation.steered_camera import STATES, SteeredCamera
 from blob_tracker.types import Frame, Location, SensorNoise
 from geometry_msgs.msg import PointStamped, Vector3Stamped
 import numpy as np
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.timer import Timer
+from sensor_msgs.msg import Imu, JointState
+
+RIDE = 300.0  # s, after which it begins again: the vehicle leaps, once in five minutes
+BACK = 0.1  # s that the clock may be behind the end of an exposure; else it was set back
+JOINTS = ('pan', 'tilt')
+AHEAD = (0.0, 0.0, 1.0)  # the direction of the light, in the level frame
 
 
 class SimulatorNode(Node):
@@ -61,7 +76,9 @@ class SimulatorNode(Node):
                 (Vector3Stamped, 'simulator/truth/bearing'),
             )
         )
-        self._timer: Timer | None = None
+        self._beats: list[Timer] = []
+        self._pan_tilt_states: Publisher | None = None
+        self._imus: Publisher | None = None
         self._change(values)()
         on_change(self, PARAMETERS, self._change)
 
@@ -69,6 +86,7 @@ class SimulatorNode(Node):
         """Build the scene and the camera of these parameters; return what starts them."""
         settings = dict(values)
         frame_id, focal_length = settings.pop('frame_id'), settings.pop('focal_length')
+        platform, steered = settings.pop('platform'), settings.pop('pan_tilt')
         sensor = Sensor(
             SensorNoise(settings.pop('noise.gain'), settings.pop('noise.read_noise')),
             settings.pop('bits'),
@@ -87,6 +105,29 @@ class SimulatorNode(Node):
             raise ParameterError(
                 f'there is no room for frames of {width} x {height} px; take smaller ones'
             ) from None
+        vehicle = None
+        if steered or platform != STILL:
+            vehicle = SteeredCamera(
+                PanTiltCamera(
+                    model,
+                    _ride(platform, settings['seed']),
+                    lambda times: np.tile(AHEAD, (len(times), 1)),
+                    sigma=settings['sigma'],
+                    amplitude=settings['amplitude'],
+                    profile=profile,
+                    background=settings['background'],
+                    texture=settings['texture'],
+                    sensor=sensor,
+                    region=(width, height),
+                    seed=settings['seed'],
+                ),
+                PanTilt(Joints()),
+            )
+            if self._imus is None:
+                self._imus = publisher(self, Imu, 'imu', RESULT)
+        if steered and self._pan_tilt_states is None:
+            self._pan_tilt_states = publisher(self, JointState, 'joint_states', RESULT)
+            subscription(self, JointState, 'joint_command', self._command, RESULT)
 
         def use() -> None:
             self._frame_id = frame_id
@@ -95,21 +136,78 @@ class SimulatorNode(Node):
             self._info = from_camera_model(model, width, height)
             self._index = 0
             self._pixels = pixels
-            if self._timer is not None:
-                self.destroy_timer(self._timer)
-            self._timer = self.create_timer(1.0 / self._scene.rate, self._publish)
+            self._vehicle, self._steered = vehicle, steered
+            self._begin_ns = self.get_clock().now().nanoseconds
+            for timer in self._beats:
+                self.destroy_timer(timer)
+            self._beats = [self.create_timer(1.0 / self._scene.rate, self._publish)]
+            if vehicle is not None:
+                self._beats.append(self.create_timer(1.0 / STATES, self._publish_states))
 
         return use
 
-    def _publish(self) -> None:
-        """Publish the frame that is ready, then draw the next: drawing costs no latency."""
+    def _time(self, now_ns: int) -> float:
+        """Return the time since the ride began, s; it begins again where it is over."""
+        assert self._vehicle is not None
+        time = 1e-9 * (now_ns - self._begin_ns)
+        if not self._vehicle.pan_tilt.time <= time + BACK or time > RIDE:
+            self._begin_ns = now_ns
+            self._vehicle = SteeredCamera(self._vehicle.camera, PanTilt(Joints()))
+            return 0.0
+        return time
+
+    def _command(self, message: JointState) -> None:
+        """Have the pan/tilt go where it is told to."""
+        if self._vehicle is None or not self._steered:
+            return
+        try:
+            pan, tilt = (to_angle(message, name, False) for name in JOINTS)
+            if pan is None or tilt is None:
+                raise MessageError(f'it is not of the joints {" and ".join(JOINTS)}')
+            time = self._time(self.get_clock().now().nanoseconds)
+            self._vehicle.advance(time)
+            self._vehicle.pan_tilt.command(pan, tilt)
+        except ValueError as error:
+            self._health.fault(WARN, f'joint_command: {error}')
+
+    def _publish_states(self) -> None:
+        """Publish how the vehicle turned, and where the pan/tilt stood."""
+        assert self._vehicle is not None and self._imus is not None
+        time = self._time(self.get_clock().now().nanoseconds)
+        self._vehicle.advance(time)
+        imu, states = Imu(), JointState(name=list(JOINTS))
+        imu.header.frame_id = 'imu_link'
+        imu.orientation_covariance[0] = imu.linear_acceleration_covariance[0] = NO_DATA
+        for state in self._vehicle.states():
+            imu.header.stamp = from_ns(self._begin_ns + round(1e9 * state.time))
+            x, y, z = state.rate
+            # x forward, y left, z up.
+            imu.angular_velocity.x, imu.angular_velocity.y, imu.angular_velocity.z = z, -x, -y
+            self._imus.publish(imu)
+            if self._steered and self._pan_tilt_states is not None:
+                states.header.stamp, states.position = imu.header.stamp, state.angles
+                self._pan_tilt_states.publish(states)
+
+    def _picture(self) -> tuple[Frame, Truth]:
+        """Return the next frame: the one that is ready, or what the vehicle's camera sees now."""
         stamp_ns = self.get_clock().now().nanoseconds
-        frame = Frame(self._pixels, stamp_ns, self._scene.sensor.saturation)
+        if self._vehicle is None:
+            frame = Frame(self._pixels, stamp_ns, self._scene.sensor.saturation)
+            return frame, self._scene.truth(self._index)
+        time = max(self._time(stamp_ns), self._vehicle.pan_tilt.time)
+        frame, truth = self._vehicle.picture(self._index, time)
+        self._publish_states()  # who is given the frame knows how the camera stood
+        middle = time + 0.5 * self._vehicle.camera.exposure
+        return replace(frame, stamp_ns=self._begin_ns + round(1e9 * middle)), truth
+
+    def _publish(self) -> None:
+        """Publish a frame, then draw the next, if it is known: drawing costs no latency."""
+        frame, truth = self._picture()
+        stamp_ns = frame.stamp_ns
         self._health.arrived(stamp_ns)
         self._frames.publish(frame, self._info, self._frame_id)
         self._health.left(stamp_ns)
-        truth = self._scene.truth(self._index)
-        if truth.lit:
+        if truth.lit and np.isfinite(truth.x + truth.y):
             location = Location(
                 x=truth.x,
                 y=truth.y,
@@ -133,7 +231,15 @@ class SimulatorNode(Node):
             self._frame_id,
         )
         self._index += 1
-        self._pixels = self._scene.frame(self._index)
+        if self._vehicle is None:
+            self._pixels = self._scene.frame(self._index)
+
+
+def _ride(platform: str, seed: int) -> Ride:
+    """Return how a vehicle turns."""
+    if platform == STILL:
+        return Ride(RIDE, np.zeros((2, 3)), np.zeros((2, 3)))
+    return MOTIONS[platform].ride(RIDE + 1.0, seed)
 
 
 def main() -> None:

@@ -32,6 +32,11 @@ def tracker() -> None:
     _start('tracker')
 
 
+def triangulator() -> None:
+    """Run the triangulator node."""
+    _start('triangulator')
+
+
 def pipeline() -> None:
     """Run camera, segmenter, locator and tracker in one process."""
     _start('pipeline')

@@ -21,7 +21,7 @@ from blob_tracker.ros.platform import Platform
 from blob_tracker.ros.process import run, say
 from blob_tracker.ros.qos import RESULT, subscription
 from blob_tracker.ros.target import to_bearing
-from blob_tracker.tracking import compile_ahead, Tracker
+from blob_tracker.tracking import compile_ahead, Track, Tracker
 from blob_tracker.types import Bearing
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.clock import Clock, ClockType
@@ -165,6 +165,11 @@ class TrackerNode(Node):
                 self._health.left(bearing.stamp_ns)
                 self._health.ok('target tracked')
         self._health.arrived(bearing.stamp_ns, came_ns)
+
+    def seen_at(self, light: str, stamp_ns: int) -> Track | None:
+        """Return where the camera sees a light at a stamp, ns; None where this is not known."""
+        with self._lock:
+            return self._lights[light].seen_at(stamp_ns) if light in self._lights else None
 
     def _predict(self) -> None:
         """Publish where the lights will be."""

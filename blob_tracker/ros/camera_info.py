@@ -14,6 +14,25 @@ from sensor_msgs.msg import CameraInfo, RegionOfInterest
 from std_msgs.msg import Header
 
 
+class KnownCamera:
+    """Make the camera of camera_infos, anew only where the calibration changes."""
+
+    def __init__(self) -> None:
+        self._calibration: tuple[object, ...] = ()
+        self._model: CameraModel | None = None
+
+    def model(self, info: CameraInfo) -> CameraModel:
+        """Return what `to_camera_model` does, and raise its errors."""
+        calibration = (
+            info.k.tobytes(), info.d.tobytes(), info.distortion_model, info.width, info.height
+        )
+        if self._model is None or calibration != self._calibration:
+            self._model = None
+            self._model = to_camera_model(info)
+            self._calibration = calibration
+        return self._model
+
+
 def to_camera_model(info: CameraInfo) -> CameraModel:
     """
     Return the camera that a camera_info describes.

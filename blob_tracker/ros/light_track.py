@@ -105,6 +105,10 @@ class LightTrack:
         else:
             self._topics.predict(self._prediction, self._base_frame_id or self._frame_id)
 
+    def seen_at(self, stamp_ns: int) -> Track | None:
+        """Return where the camera sees the light at a stamp, ns; None where this is not known."""
+        return self._tracker.seen_at(stamp_ns)
+
     def check(self, ahead_ns: int) -> None:
         """Say that the light is not tracked where it could not be predicted."""
         if self._tracker.at(self._now_ns() + ahead_ns) is None:

@@ -1,6 +1,7 @@
 """Frame ... -> Window: find the flash, and cut out the pixels that hold it."""
 
 from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.exposure import exposure_fault
 from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.flash_modes import codes_from_text, flash_by_name, FLASH_MODES
@@ -13,6 +14,7 @@ from blob_tracker.segmentation.thresholds import threshold_by_name, THRESHOLDS
 
 __all__ = [
     'Candidate',
+    'Expectation',
     'FLASH_MODES',
     'Flash',
     'FrameError',

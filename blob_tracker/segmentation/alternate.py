@@ -8,9 +8,12 @@ from blob_tracker.segmentation.box import Box, common, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.confirmation import Confirmation
 from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.history import FrameError, FrameHistory
 from blob_tracker.segmentation.registration import laid_over, overlap, REGISTRATIONS
 from blob_tracker.types import Frame, Pixels
+import numpy as np
+from numpy.typing import NDArray
 
 
 class Alternate:
@@ -56,15 +59,16 @@ class Alternate:
         self._history = FrameHistory(2, max_pair_interval)
         self._confirmation = Confirmation(gate)
         self._region = Box(0, 0, 0, 0)
+        self._motion: NDArray[np.float64] | None = None  # of the camera since the last frame
 
     @property
     def locked(self) -> bool:
         """Whether the target is followed."""
         return self._confirmation.locked
 
-    def contrast(self, frame: Frame) -> Contrast | None:
+    def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
         """
-        Return the next frame and the one before it.
+        Return the next frame and the one before it; where to look is where it is expected.
 
         Raises
         ------
@@ -89,32 +93,46 @@ class Alternate:
             )
             return None
         unlit, lit = (each.image for each in self._history.frames)
-        self._confirmation.push(frame.stamp_ns)
-        self._region = self._confirmation.region(frame.image.shape)
+        if expected is not None:
+            expected = expected.in_frame(frame)
+        self._confirmation.push(frame.stamp_ns, expected, frame.image.shape)
         self.reason = ''
         if self._register is not None:
-            unlit = self._registered(lit, unlit)
+            self._motion = self._register(lit, unlit)
+            if self._motion is None:
+                # Little texture leaves little to lay over; what a wrong pair makes is not in step.
+                self.reason = (
+                    'too little in common with the unlit frame to lay it over the lit one'
+                )
+        return self._compared(frame)
+
+    def _compared(self, frame: Frame) -> Contrast:
+        """Return the contrast of the two frames in the region where the target can be."""
+        unlit, lit = (each.image for each in self._history.frames)
+        self._region = self._confirmation.region((lit.shape[0], lit.shape[1]))
+        if self._motion is not None:
+            unlit = self._laid_over(lit, unlit, self._motion)
         return Contrast(lit, unlit, frame.saturation, frame, (lit,), (unlit,))
 
-    def _registered(self, lit: Pixels, unlit: Pixels) -> Pixels:
+    def _laid_over(self, lit: Pixels, unlit: Pixels, motion: NDArray[np.float64]) -> Pixels:
         """Return the unlit frame laid over the lit one in the region, cut to what both see."""
-        assert self._register is not None
-        found = self._register(lit, unlit)
-        if found is None:
-            # Little texture leaves little to lay over; what a wrong pair makes is not in step.
-            self.reason = 'too little in common with the unlit frame to lay it over the lit one'
-            return unlit
-        seen = overlap(found, (lit.shape[0], lit.shape[1]))
+        seen = overlap(motion, (lit.shape[0], lit.shape[1]))
         self._region = common(self._region, seen)
         if self._region == whole((lit.shape[0], lit.shape[1])):
-            return laid_over(lit, unlit, found)
+            return laid_over(lit, unlit, motion)
         out = lit.copy()
-        out[self._region.slices] = laid_over(lit, unlit, found, self._region)
+        out[self._region.slices] = laid_over(lit, unlit, motion, self._region)
         return out
 
     def region(self, contrast: Contrast) -> Box:
         """Return the surroundings of the predicted place; the whole frame while it is lost."""
         return self._region
+
+    def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> Contrast | None:
+        """Return the contrast without the expectation, where that was wrong."""
+        if not self._confirmation.widened(candidates):
+            return None
+        return self._compared(contrast.frame)
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from blob_tracker.segmentation.box import Box, box_about, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.history import FrameError, FrameHistory
 from blob_tracker.types import Frame, Pixels
 import numpy as np
@@ -82,7 +83,7 @@ class Coded:
         """Whether any light has shown its code."""
         return any(self._name(each.levels) for each in self._spots)
 
-    def contrast(self, frame: Frame) -> Contrast | None:
+    def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
         """
         Return the next frame and the one before it.
 
@@ -114,6 +115,9 @@ class Coded:
     def region(self, contrast: Contrast) -> Box:
         """Return the whole frame: the lights may be anywhere in it."""
         return whole(contrast.shape)
+
+    def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Return None: the whole frame is searched in any case."""
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]

@@ -10,6 +10,7 @@ from statistics import median
 
 from blob_tracker.segmentation.box import Box, box_about, whole
 from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.expectation import Expectation
 
 PERIOD = 2  # frames from one flash to the next
 INTERVALS = 9  # of the last frames, whose median is the time between frames
@@ -67,6 +68,10 @@ class Confirmation:
     confirmed track is followed in a region about its predicted place, which grows with every
     flash that is missed, until the whole frame is searched again.
 
+    Where a tracker tells where it expects the target, the region lies about that place, and what
+    lights up there is the target, however it moved. Where nothing does when a flash is due, the
+    expectation is as if it had not been, in the same frame.
+
     A single light in the first frames, with nothing else, is trusted from its first flash on:
     nothing is known that speaks against it.
 
@@ -81,6 +86,7 @@ class Confirmation:
         self.gate = gate
         self._tracks: list[_Track] = []
         self._locked: _Track | None = None
+        self._expected: Expectation | None = None
         self._intervals: deque[int] = deque(maxlen=INTERVALS)
         self._stamp_ns: int | None = None
         self._frames = 0
@@ -92,8 +98,26 @@ class Confirmation:
         """Whether a confirmed light is followed."""
         return self._locked is not None
 
-    def push(self, stamp_ns: int) -> None:
-        """Take the stamp of the next frame, ns; tracks that are too old end."""
+    def push(
+        self,
+        stamp_ns: int,
+        expected: Expectation | None = None,
+        shape: tuple[int, int] = (0, 0),
+    ) -> None:
+        """
+        Take the next frame; tracks that are too old end.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Its stamp, ns.
+        expected : Expectation, optional
+            Where in it the target is expected, px of the frame. One that is outside, not finite,
+            or as wide as the frame is left aside, and any while no target is followed.
+        shape : (int, int)
+            Height and width of the frame, px.
+
+        """
         if self._stamp_ns is not None:
             self._intervals.append(stamp_ns - self._stamp_ns)
         self._stamp_ns = stamp_ns
@@ -101,21 +125,60 @@ class Confirmation:
         self._tracks = [each for each in self._tracks if self._age(each) <= FORGOTTEN]
         if self._locked is not None and self._age(self._locked) > FORGOTTEN:
             self._locked = None
+        self._expected = None
+        if expected is not None and self._followed and expected.inside(shape):
+            self._expected = expected
+            if 2.0 * self._half() > min(shape):
+                self._expected = None
+
+    @property
+    def _followed(self) -> bool:
+        """Whether a target is followed whose motion is known."""
+        return self._locked is not None and self._locked.flashes >= 2
 
     def region(self, shape: tuple[int, int]) -> Box:
         """Return where in a frame of (h, w) the target can be."""
         track = self._locked
-        if track is None or track.flashes < 2:
+        if track is None or not self._followed:
             return whole(shape)
-        age = self._age(track)
-        x, y = track.at(age)
-        half = REGION + track.reach(self.gate, PERIOD)
-        half *= 2.0 ** max(math.ceil(age / PERIOD - ON_TIME) - 1, 0)
-        if half > 0.5 * min(shape):
+        half = self._half()
+        if 2.0 * half > min(shape):
             return whole(shape)
+        x, y = self._place(track)
         column = min(max(round(x), 0), shape[1] - 1)
         row = min(max(round(y), 0), shape[0] - 1)
         return box_about(column, row, round(half), round(half), shape)
+
+    def _half(self) -> float:
+        """Return half the side of the region about the target that is followed, px."""
+        assert self._locked is not None
+        if self._expected is not None:
+            return REGION + self._reach(self._locked)
+        age = self._age(self._locked)
+        half = REGION + self._locked.reach(self.gate, PERIOD)
+        return half * 2.0 ** max(math.ceil(age / PERIOD - ON_TIME) - 1, 0)
+
+    def widened(self, everything: Sequence[Candidate]) -> bool:
+        """
+        Give up an expectation that was wrong, before anything is chosen; tell whether it was.
+
+        Parameters
+        ----------
+        everything : sequence of Candidate
+            What lit up in the region about it.
+
+        """
+        track = self._locked
+        if self._expected is None or track is None:
+            return False
+        age = self._age(track)
+        if age < PERIOD - ON_TIME or any(
+            not each.refused and self._fits(track, each, self._away(track, each))
+            for each in everything
+        ):
+            return False
+        self._expected = None
+        return True
 
     def choose(
         self, everything: Sequence[Candidate], shape: tuple[int, int]
@@ -171,15 +234,8 @@ class Confirmation:
         fresh = _Track(candidate.x, candidate.y, sigma, candidate.height, self._stamp_ns)
         nearest, distance = None, math.inf
         for track in self._tracks:
-            age = self._age(track)
-            x, y = track.at(age)
-            away = math.hypot(candidate.x - x, candidate.y - y)
-            if (
-                age > 0.0
-                and away < min(distance, track.reach(self.gate, age))
-                and track.height < ALIKE * candidate.height
-                and candidate.height < ALIKE * track.height
-            ):
+            away = self._away(track, candidate)
+            if away < distance and self._fits(track, candidate, away):
                 nearest, distance = track, away
         if nearest is None:
             return fresh
@@ -203,6 +259,32 @@ class Confirmation:
         self._replace(nearest, fresh)
         return fresh
 
+    def _place(self, track: _Track) -> tuple[float, float]:
+        """Return where a track is expected in this frame, px."""
+        if track is self._locked and self._expected is not None:
+            return self._expected.x, self._expected.y
+        return track.at(self._age(track))
+
+    def _reach(self, track: _Track) -> float:
+        """Return how far from there it may be, px."""
+        if track is self._locked and self._expected is not None:
+            return FLANK * track.sigma + self._expected.reach
+        return track.reach(self.gate, self._age(track))
+
+    def _away(self, track: _Track, candidate: Candidate) -> float:
+        """Return how far a candidate is from where a track is expected, px."""
+        x, y = self._place(track)
+        return math.hypot(candidate.x - x, candidate.y - y)
+
+    def _fits(self, track: _Track, candidate: Candidate, away: float) -> bool:
+        """Tell whether a candidate that is so far from a track may be the same light."""
+        return (
+            self._age(track) > 0.0
+            and away < self._reach(track)
+            and track.height < ALIKE * candidate.height
+            and candidate.height < ALIKE * track.height
+        )
+
     def _replace(self, track: _Track, by: _Track | None) -> None:
         """End a track; where it was the one that is followed, another is from now on, or none."""
         if track is self._locked:
@@ -212,13 +294,11 @@ class Confirmation:
     def _spoil(self, candidate: Candidate) -> None:
         """Mark the young track that is followed, and end all others, where it is out of step."""
         for track in list(self._tracks):
-            age = self._age(track)
-            x, y = track.at(age)
             near = FLANK * (track.sigma + 1.0)
             if (
                 track.flashes < MOST_FLASHES
-                and not self._in_step(age)
-                and math.hypot(candidate.x - x, candidate.y - y) < near
+                and not self._in_step(self._age(track))
+                and self._away(track, candidate) < near
                 and track.height < ALIKE * candidate.height
             ):
                 track.spoiled = True

@@ -8,6 +8,7 @@ from typing import Protocol
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.types import Frame
 
 
@@ -30,9 +31,11 @@ class Flash(Protocol):
     def locked(self) -> bool:
         """Whether the target is followed."""
 
-    def contrast(self, frame: Frame) -> Contrast | None:
+    def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
         """
         Take the next frame; return what to compare, or None where there is nothing yet.
+
+        A mode that looks for its light in the whole frame makes no use of where it is expected.
 
         Raises
         ------
@@ -43,6 +46,14 @@ class Flash(Protocol):
 
     def region(self, contrast: Contrast) -> Box:
         """Return the part of the frame in which the target can be."""
+
+    def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> Contrast | None:
+        """
+        Return the contrast of a wider region; None where there is no need of it, or none such.
+
+        It is needed where the target was expected in a region and is not among what lit up there:
+        the expectation was wrong. `region` is the wider one from then on.
+        """
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.history import FrameHistory
 from blob_tracker.segmentation.looks import most_looks
 from blob_tracker.segmentation.steady import strongest
@@ -74,7 +75,7 @@ class Periodic:
         self._history = FrameHistory(frames, max_pair_interval)
         self._fresh = 0
 
-    def contrast(self, frame: Frame) -> Contrast | None:
+    def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
         """
         Take the next frame; the last one of a block shows whether the light is there.
 
@@ -96,6 +97,9 @@ class Periodic:
     def region(self, contrast: Contrast) -> Box:
         """Return the whole frame."""
         return whole(contrast.shape)
+
+    def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Return None: the whole frame is searched in any case."""
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]

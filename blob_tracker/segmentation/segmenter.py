@@ -8,6 +8,7 @@ from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.history import FrameError
 from blob_tracker.segmentation.look import Look
@@ -91,16 +92,16 @@ class Segmenter:
         self._looks = Looks(looks)
         self._mask = ANYWHERE if mask is None else np.ascontiguousarray(mask != 0, dtype=np.uint8)
 
-    def update(self, frame: Frame) -> Window | None:
+    def update(self, frame: Frame, expected: Expectation | None = None) -> Window | None:
         """
         Take the next frame; return the window of the light that it shows.
 
         Of several lights it is the first one. Arguments and errors are those of `sightings`.
         """
-        found = self.sightings(frame)
+        found = self.sightings(frame, expected)
         return found[0].window if found else None
 
-    def sightings(self, frame: Frame) -> list[Sighting]:
+    def sightings(self, frame: Frame, expected: Expectation | None = None) -> list[Sighting]:
         """
         Take the next frame; return the lights that it shows.
 
@@ -108,6 +109,10 @@ class Segmenter:
         ----------
         frame : Frame
             The next frame of the same camera.
+        expected : Expectation, optional
+            Where a tracker expects the light that is followed: it is looked for there first, and
+            as without where it is not there. The mode alternate heeds it; the others search the
+            whole frame in any case.
 
         Returns
         -------
@@ -128,20 +133,15 @@ class Segmenter:
                 f'{frame.image.shape[1]} x {frame.image.shape[0]}; they must be of one size'
             )
         before, self._unlit, self.unlit_pair = self._unlit, None, None
-        contrast = self.flash.contrast(frame)
+        contrast = self.flash.contrast(frame, expected)
         if contrast is None:
             self.reason = self.flash.reason
             return []
-        region = self.flash.region(contrast)
-        # Within the gate there is little room for chance.
-        followed = self.flash.locked and 2 * region.size < contrast.lit.size
-        found = search(
-            contrast,
-            region,
-            min_snr=self.min_snr * (GATED if followed else 1.0),
-            followed=followed,
-            mask=self._mask,
-        )
+        found = self._search(contrast)
+        wider = self.flash.widened(contrast, () if found.reason else found.candidates)
+        if wider is not None:
+            contrast = wider
+            found = self._search(contrast)
         sightings: list[Sighting] = []
         windows: dict[str, Box] = {}
         if found.reason:
@@ -167,13 +167,26 @@ class Segmenter:
             contrast.unlit if contrast.unlit_looks else None,
             found.background,
             found.noise,
-            region,
+            self.flash.region(contrast),
             found.candidates,
             windows,
             'locked' if self.flash.locked else 'lost',
             self.reason,
         )
         return sightings
+
+    def _search(self, contrast: Contrast) -> Found:
+        """Return what lit up in the region in which the target can be."""
+        region = self.flash.region(contrast)
+        # Within the gate there is little room for chance.
+        followed = self.flash.locked and 2 * region.size < contrast.lit.size
+        return search(
+            contrast,
+            region,
+            min_snr=self.min_snr * (GATED if followed else 1.0),
+            followed=followed,
+            mask=self._mask,
+        )
 
     def _keep_unlit(
         self, frame: Frame, contrast: Contrast, before: Frame | None, *, lit: bool

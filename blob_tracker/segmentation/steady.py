@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.history import FrameHistory
 from blob_tracker.types import Frame, Pixels
 import numpy as np
@@ -38,7 +39,7 @@ class Steady:
         self._history = FrameHistory(1, max_pair_interval)
         self._nothing: Pixels = np.empty((0, 0), np.uint8)
 
-    def contrast(self, frame: Frame) -> Contrast:
+    def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast:
         """
         Return the next frame, and nothing to subtract from it.
 
@@ -57,6 +58,9 @@ class Steady:
     def region(self, contrast: Contrast) -> Box:
         """Return the whole frame."""
         return whole(contrast.shape)
+
+    def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Return None: the whole frame is searched in any case."""
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]

@@ -153,3 +153,33 @@ def test_a_finite_matrix_of_no_lens_gives_no_bearing(
     matrix[place] = value
     with pytest.raises(LensError, match='out of all proportion'):
         CameraModel(640, 480, matrix).angles(300.0, 200.0)
+
+
+@pytest.mark.parametrize('x, y', [(0.0, 0.0), (100.3, 400.8), (319.5, 239.5), (639.0, 10.0)])
+@pytest.mark.parametrize('distortion, kind', [
+    (np.array([-0.2, 0.05, 0.001, -0.002, 0.0]), 'plumb_bob'),
+    (np.array([0.05, -0.01, 0.002, 0.0]), 'equidistant'),
+])
+def test_place_is_the_way_back_of_angles(
+    x: float, y: float, distortion: np.ndarray, kind: str
+) -> None:
+    """To a millionth of a pixel, with the derivative of a small turn."""
+    model = dataclasses.replace(PINHOLE, distortion=distortion, distortion_model=kind)
+    azimuth, elevation, _ = model.angles(x, y)
+    back_x, back_y, derivative = model.place(azimuth, elevation)
+    assert (back_x, back_y) == pytest.approx((x, y), abs=1e-6)
+    turned = [
+        (np.array(model.place(azimuth + da, elevation + de)[:2])
+         - model.place(azimuth - da, elevation - de)[:2]) / 2e-3
+        for da, de in ((1e-3, 0.0), (0.0, 1e-3))
+    ]
+    np.testing.assert_allclose(derivative, np.transpose(turned), rtol=1e-4, atol=1e-6)
+
+
+@pytest.mark.parametrize('azimuth, elevation', [
+    (2000.0, 0.0), (3141.0, 0.0), (0.0, 1600.0), (np.nan, 0.0), (0.0, np.inf),
+])
+def test_a_direction_without_a_picture_is_refused(azimuth: float, elevation: float) -> None:
+    """Behind a pinhole camera, or none at all."""
+    with pytest.raises(LensError, match='the lens has no picture|out of all proportion'):
+        PINHOLE.place(azimuth, elevation)

@@ -10,6 +10,7 @@ from blob_tracker.nodes.locator import LocatorNode
 from blob_tracker.nodes.segmenter import SegmenterNode
 from blob_tracker.nodes.simulator import SimulatorNode
 from blob_tracker.nodes.tracker import TrackerNode
+from blob_tracker.nodes.triangulator import TriangulatorNode
 from blob_tracker.resources import config_path
 from blob_tracker.ros.interface import Interface, Service, Topic
 import pytest
@@ -28,7 +29,8 @@ PARAMETERS = {'use_sim_time', 'start_type_description_service'}
 # What has them take and give all that they can.
 ARGUMENTS = (
     'camera:device:=/dev/no_such_device', 'locator:noise.online:=true',
-    'segmenter:noise.measure:=true', 'tracker:imu.enabled:=true', 'tracker:joints.pan:=pan',
+    'segmenter:noise.measure:=true', 'segmenter:follow_prediction:=true',
+    'tracker:imu.enabled:=true', 'tracker:joints.pan:=pan', 'simulator:pan_tilt:=true',
 )
 
 Ends = dict[str, str]  # type by name
@@ -43,7 +45,9 @@ def nodes(domain: int) -> Iterator[dict[str, Node]]:
     )
     made: list[Node] = []
     try:
-        for kind in (CameraNode, SegmenterNode, LocatorNode, TrackerNode, SimulatorNode):
+        for kind in (
+            CameraNode, SegmenterNode, LocatorNode, TrackerNode, TriangulatorNode, SimulatorNode,
+        ):
             made.append(kind())
         yield {node.get_name(): node for node in made}
     finally:

@@ -4,7 +4,7 @@ from importlib import import_module
 
 from blob_tracker.ros.interface import Interface
 
-NODES = ('camera', 'segmenter', 'locator', 'tracker', 'pipeline', 'simulator')
+NODES = ('camera', 'segmenter', 'locator', 'tracker', 'triangulator', 'pipeline', 'simulator')
 
 
 def interface_of(node: str) -> Interface:

@@ -2,8 +2,8 @@
 
 from blob_tracker.nodes.interface.saturation import SATURATION
 from blob_tracker.nodes.interface.topics import (
-    CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, NOISE, SEGMENTER_PICTURE, VISIBLE, WINDOW_IMAGE,
-    WINDOW_INFO,
+    CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, NOISE, SEGMENTER_PICTURE, TRACK, VISIBLE,
+    WINDOW_IMAGE, WINDOW_INFO,
 )
 from blob_tracker.ros.interface import Interface, Parameter
 from blob_tracker.segmentation import FLASH_MODES, REGISTRATIONS, THRESHOLDS
@@ -95,6 +95,13 @@ PARAMETERS = (
         unit='px',
     ),
     Parameter(
+        'follow_prediction',
+        False,
+        'Look for the light where the tracker expects it, however far it moved, and in the whole '
+        'frame where it is not there. Of use in the mode alternate, with a tracker that knows '
+        'the platform. Off, a bag gives the same numbers each time.',
+    ),
+    Parameter(
         'threshold.method',
         'sigma_window',
         'How the window about the peak is found. The default follows the width of the blob; the '
@@ -161,7 +168,7 @@ INTERFACE = Interface(
     'segmenter',
     'Finds the flash in the frames and cuts its pixels out, lit and unlit.',
     PARAMETERS,
-    subscribed=(CAMERA_IMAGE, CAMERA_INFO),
+    subscribed=(CAMERA_IMAGE, CAMERA_INFO, TRACK),
     published=(WINDOW_IMAGE, WINDOW_INFO, VISIBLE, NOISE, SEGMENTER_PICTURE, DIAGNOSTICS),
     examples=(
         'ros2 run blob_tracker segmenter --ros-args -p registration:=translation',

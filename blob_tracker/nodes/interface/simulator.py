@@ -1,11 +1,14 @@
 """What the simulator node shows of itself."""
 
 from blob_tracker.nodes.interface.topics import (
-    CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, FRAME_PICTURE, TRUE_BEARING, TRUE_CENTROID,
+    CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, FRAME_PICTURE, IMU, JOINT_COMMAND, JOINT_STATES,
+    TRUE_BEARING, TRUE_CENTROID,
 )
 from blob_tracker.ros.interface import Interface, Parameter
 from blob_tracker.simulation import flashing_light, PROFILES
+from blob_tracker.simulation.platform_motion import MOTIONS
 
+STILL = 'still'
 _SCENE = flashing_light()
 _LIGHT, _SENSOR = _SCENE.truth(0), _SCENE.sensor
 PARAMETERS = (
@@ -92,16 +95,32 @@ PARAMETERS = (
         most=2**31 - 1,
     ),
     Parameter('frame_id', 'camera_optical_frame', 'Name of the optical frame.'),
+    Parameter(
+        'platform',
+        STILL,
+        'What the camera rides on. On a vehicle the light is far off and stands still, and imu '
+        'tells how the vehicle turns.',
+        choices=(STILL, *MOTIONS),
+    ),
+    Parameter(
+        'pan_tilt',
+        False,
+        'Whether a pan/tilt is between the two: it obeys joint_command, joints pan and tilt, and '
+        'publishes joint_states. Truth is what is left to turn.',
+    ),
 )
 INTERFACE = Interface(
     'simulator',
     'Publishes what a camera does that sees a flashing light move before a wall, and the truth.',
     PARAMETERS,
+    subscribed=(JOINT_COMMAND,),
     published=(
-        CAMERA_IMAGE, CAMERA_INFO, TRUE_CENTROID, TRUE_BEARING, FRAME_PICTURE, DIAGNOSTICS,
+        CAMERA_IMAGE, CAMERA_INFO, TRUE_CENTROID, TRUE_BEARING, IMU, JOINT_STATES, FRAME_PICTURE,
+        DIAGNOSTICS,
     ),
     examples=(
         'ros2 run blob_tracker simulator --ros-args -p rate:=100.0 -p amplitude:=60.0',
+        'ros2 run blob_tracker simulator --ros-args -p platform:=sea -p pan_tilt:=true',
         'ros2 param set /simulator amplitude 20.0',
     ),
 )

@@ -60,6 +60,16 @@ TRACKED = Topic(
     'std_msgs/Bool',
     'transient local, on change: whether the target is predicted',
 )
+FIRST_RAY = Topic('left/target/ray', RAY.kind, 'the one camera sees it, see `first.namespace`')
+SECOND_RAY = Topic('right/target/ray', RAY.kind, 'the other sees it, see `second.namespace`')
+POINT = Topic(
+    'target/point', 'geometry_msgs/PointStamped', 'where the light is in `frame_id`, m'
+)
+POSE = Topic(
+    'target/pose',
+    'geometry_msgs/PoseWithCovarianceStamped',
+    'the same with covariance in m^2; the orientation is unknown, as its variance says',
+)
 IMU = Topic(
     'imu', 'sensor_msgs/Imu', 'with `imu.enabled`: how the platform turns; angular velocity, rad/s'
 )
@@ -67,6 +77,11 @@ JOINT_STATES = Topic(
     'joint_states',
     'sensor_msgs/JointState',
     'with `joints.pan` or `joints.tilt`: where the pan/tilt under the camera stands, rad',
+)
+JOINT_COMMAND = Topic(
+    'joint_command',
+    'sensor_msgs/JointState',
+    'with `pan_tilt`: where the simulated pan/tilt is to go, rad; examples/servo_client.py',
 )
 _PICTURE = '~/debug_image', 'sensor_msgs/Image'
 FRAME_PICTURE = Topic(*_PICTURE, 'bgr8, while somebody subscribes, at most 10 Hz: the frame')

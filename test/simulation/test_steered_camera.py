@@ -1,0 +1,86 @@
+"""A camera that is steered: it turns as commanded, and its truth is where its light is."""
+
+from __future__ import annotations
+
+from blob_tracker.camera import CameraModel
+from blob_tracker.location import locate
+from blob_tracker.segmentation import Segmenter
+from blob_tracker.simulation.pan_tilt import Joints, PanTilt
+from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera
+from blob_tracker.simulation.platform_motion import MOTIONS, Ride
+from blob_tracker.simulation.steered_camera import STATES, SteeredCamera
+import numpy as np
+import pytest
+
+MODEL = CameraModel.from_field_of_view(160, 120, 20.0)
+STILL = Ride(1.0, np.zeros((9, 3)), np.zeros((9, 3)))
+
+
+def steered(ride: Ride) -> SteeredCamera:
+    """Return a camera that looks at a light straight ahead of the level frame."""
+    camera = PanTiltCamera(
+        MODEL, ride, lambda times: np.tile([0.0, 0.0, 1.0], (len(times), 1)), sigma=1.5,
+        amplitude=120.0, texture=0.0, region=(160, 120),
+    )
+    return SteeredCamera(camera, PanTilt(Joints(delay=0.0)))
+
+
+def test_a_command_moves_the_light_in_the_picture() -> None:
+    """By 20 mrad to the right and 10 up: the light goes to the left and down."""
+    vehicle = steered(STILL)
+    _, truth = vehicle.picture(2, 0.1)
+    assert (truth.x, truth.y) == pytest.approx((79.5, 59.5), abs=1e-6)
+    assert {state.rate for state in vehicle.states()} == {(0.0, 0.0, 0.0)}
+    vehicle.pan_tilt.command(0.02, 0.01)
+    _, truth = vehicle.picture(4, 1.1)
+    focal_length = MODEL.matrix[0, 0]
+    assert truth.x - 79.5 == pytest.approx(-0.02 * focal_length, rel=0.01)
+    assert truth.y - 59.5 == pytest.approx(0.01 * focal_length, rel=0.01)
+
+
+def test_the_light_is_found_where_the_truth_says() -> None:
+    """On a boat: each lit picture to 6 sigma before an even shore, and no dark one."""
+    ride = MOTIONS['sea'].ride(3.0, seed=3)
+    vehicle, segmenter = steered(ride), Segmenter()
+    found = 0
+    for index in range(120):
+        frame, truth = vehicle.picture(index, index / 60.0)
+        assert truth.lit is (index % 2 == 0)
+        window = segmenter.update(frame)
+        if window is None:
+            continue
+        assert truth.lit
+        location = locate(window, noise=vehicle.camera.sensor.noise)
+        error = np.array([location.x - truth.x, location.y - truth.y])
+        assert error @ np.linalg.solve(location.covariance, error) < 36.0
+        found += 1
+    assert found >= 55
+
+
+def test_states_are_of_even_times_and_true() -> None:
+    """Driven in fits and starts, with a command and an exposure in between: as in small steps."""
+    ride = MOTIONS['rover'].ride(2.0, seed=4)
+    uneven, even = steered(ride), steered(ride)
+    for time in np.arange(0.0, 1.0, 0.001):
+        if time == 0.5:
+            for vehicle in (uneven, even):
+                vehicle.advance(0.5)
+                vehicle.pan_tilt.command(0.1, -0.05)
+        even.advance(time)
+    for time in (0.013, 0.4, 0.5):
+        uneven.advance(time)
+    uneven.picture(0, 0.5535)
+    uneven.advance(0.999)
+    ours, theirs = uneven.states(), even.states()
+    np.testing.assert_allclose([each.time for each in ours], np.arange(len(ours)) / STATES)
+    assert [each.time for each in ours] == [each.time for each in theirs]
+    np.testing.assert_array_equal(
+        [each.rate for each in ours], [each.rate for each in theirs]
+    )
+    # The motors' limits hold on the mean of steps of up to 2 ms, which here are not the same: it
+    # is as if a command of 0.1 rad came half a step, 1 ms, earlier or later at 1 rad/s.
+    np.testing.assert_allclose(
+        [each.angles for each in ours], [each.angles for each in theirs], atol=1e-3
+    )
+    assert ours[-1].angles == pytest.approx((0.1, -0.05), abs=1e-3)
+    assert uneven.states() == []
