@@ -189,13 +189,13 @@ class PlatformRates:
             return 'no angular velocity of the platform has come'
         if gap == BEFORE:
             return (
-                f'the angular velocity of {1e-9 * (newest - t0_ns):.3f} s before the newest one is '
-                'not kept'
+                f'the angular velocity of {1e-9 * (newest - t0_ns):.3f} s before the newest '
+                'one is not kept'
             )
         if gap == AFTER:
             return (
-                f'the newest angular velocity is {1e-9 * (t1_ns - newest):.3f} s old; it holds for '
-                f'{self.hold:g} s'
+                f'the newest angular velocity is {1e-9 * (t1_ns - newest):.3f} s old; it holds '
+                f'for {self.hold:g} s'
             )
         return f'angular velocities are more than {self.hold:g} s apart'
 
