@@ -72,6 +72,9 @@ class Scenario:
         against the pan/tilt, rad about each axis.
     command_rate : float
         Of the predictions that are sent, Hz.
+    vehicle_acceleration, light_acceleration : float
+        Process noise of the tracker, mrad/s^2: what the boat does, and what is left of it, and of
+        the light's own way, where the gyro is used.
 
     """
 
@@ -103,6 +106,8 @@ class Scenario:
     gyro_scale: float = 0.003
     gyro_turn: float = 0.005
     command_rate: float = 100.0
+    vehicle_acceleration: float = 300.0
+    light_acceleration: float = 3.0
 
     def disturbed(self, factor: float) -> Scenario:
         """Return the scenario with a boat that turns, and is struck, so many times as much."""
@@ -175,8 +180,8 @@ class Proportional:
 
     GAIN, DEAD_BAND, SPEED, LOST_AFTER = 0.14, 0.2, 1.0, 0.2
 
-    def __init__(self) -> None:
-        self._angle = np.zeros(2)
+    def __init__(self, start: tuple[float, float]) -> None:
+        self._angle = np.array(start)
         self._stamp_ns: int | None = None
 
     def joints(self, stamp_ns: int, pan: float, tilt: float) -> None:
@@ -232,21 +237,25 @@ class Predicted:
 
     Parameters
     ----------
-    delay : float
-        Of the servo, s.
+    scenario : Scenario
+        Of which the servo's delay and the encoders' steps are known.
     imu : bool
         Whether the boat's gyro is used.
-    parameters
-        Of the `Tracker`.
 
     """
 
-    def __init__(self, delay: float, *, imu: bool, **parameters: float | str) -> None:
-        self._delay_ns = round(1e9 * delay)
+    def __init__(self, scenario: Scenario, *, imu: bool) -> None:
+        self._delay_ns = round(1e9 * scenario.servo_delay)
+        self._steps = (scenario.joints.resolution / MRAD) ** 2 / 12.0
         self._angles = PanTiltAngles()
         self._rates = PlatformRates() if imu else None
         self.tracker = Tracker(
-            pan_tilt=self._angles, platform=self._rates, **parameters,  # type: ignore[arg-type]
+            acceleration=scenario.vehicle_acceleration,
+            stabilised_acceleration=scenario.light_acceleration,
+            # A prediction is better than none: the pan/tilt's own limits bound what it does.
+            max_sigma=50.0,
+            pan_tilt=self._angles,
+            platform=self._rates,
         )
 
     def joints(self, stamp_ns: int, pan: float, tilt: float) -> None:
@@ -259,9 +268,10 @@ class Predicted:
             self._rates.push(stamp_ns, rate, variance)
 
     def bearing(self, bearing: Bearing) -> None:
-        """Take it into the track."""
+        """Take it into the track, with what the encoders' steps add."""
+        covariance = bearing.covariance + self._steps * np.eye(2)
         try:
-            self.tracker.update(bearing)
+            self.tracker.update(replace(bearing, covariance=covariance))
         except TrackingError:
             pass  # the track goes on without it
 
@@ -269,6 +279,15 @@ class Predicted:
         """Turn to where the target will be."""
         track = self.tracker.at(now_ns + self._delay_ns)
         return None if track is None else (MRAD * track.azimuth, MRAD * track.elevation)
+
+
+# By what they use: from the scenario and the angles at the beginning, rad.
+LAWS: dict[str, Callable[[Scenario, tuple[float, float]], Law]] = {
+    'proportional': lambda scenario, start: Proportional(start),
+    'last direction held': lambda scenario, start: Held(),
+    'predicted': lambda scenario, start: Predicted(scenario, imu=False),
+    'predicted, with the gyro': lambda scenario, start: Predicted(scenario, imu=True),
+}
 
 
 class History(NamedTuple):
@@ -291,16 +310,16 @@ class Loop:
         What happens.
     finder : Finder
         How the light is found.
-    law : Law
-        What turns the pan/tilt.
+    law : str
+        What turns the pan/tilt, a key of `LAWS`.
     duration : float
         s.
     seed : int
         Of the boat's motion and of all noise.
     region : (int, int)
         Of the sensor that is read out, px; the rest of the picture is left out of the drawing.
-    start : (float, float)
-        Pan and tilt at the beginning, rad.
+    off : (float, float)
+        How far pan and tilt are off the light at the beginning, rad.
     boresight : (float, float)
         Constant error of the bearings that was found when the laser was lined up, mrad.
     every : float
@@ -310,11 +329,11 @@ class Loop:
 
     scenario: Scenario
     finder: Finder
-    law: Law
+    law: str
     duration: float
     seed: int
     region: tuple[int, int] = (160, 120)
-    start: tuple[float, float] = (0.0, 0.0)
+    off: tuple[float, float] = (0.0, 0.0)
     boresight: tuple[float, float] = (0.0, 0.0)
     every: float = 0.002
     _events: list[tuple[float, int, Callable[[float, int], None], int]] = field(
@@ -333,7 +352,13 @@ class Loop:
             sensor=Sensor(self.finder.noise), exposure=scenario.exposure, chain=self.finder.chain,
             region=self.region, seed=self.seed,
         )
-        self.pan_tilt = PanTilt(scenario.joints, *self.start)
+        x, y, z = self.camera.rays(np.zeros(1), np.zeros((1, 2)))[0]
+        start = (
+            float(np.arctan2(x, z)) + self.off[0],
+            float(np.arctan2(-y, np.hypot(x, z))) + self.off[1],
+        )
+        self.pan_tilt = PanTilt(scenario.joints, *start)
+        self._law = LAWS[self.law](scenario, start)
         self.segmenter = Segmenter(
             threshold=threshold_by_name(self.finder.threshold, sigmas=3.0, extension=2)
         )
@@ -401,10 +426,10 @@ class Loop:
 
     def _take_bearing(self, time: float, index: int) -> None:
         self._bearings += 1
-        self._obey(self.law.bearing(self._underway.pop(index)))
+        self._obey(self._law.bearing(self._underway.pop(index)))
 
     def _tick(self, time: float, index: int) -> None:
-        self._obey(self.law.tick(stamp(time)))
+        self._obey(self._law.tick(stamp(time)))
 
     def _obey(self, command: tuple[float, float] | None) -> None:
         if command is not None:
@@ -415,12 +440,12 @@ class Loop:
         pan, tilt = self.pan_tilt.reported()
         self._at(
             [time + self.scenario.joint_latency],
-            lambda arrival, _: self.law.joints(stamp(time), pan, tilt),
+            lambda arrival, _: self._law.joints(stamp(time), pan, tilt),
         )
 
     def _take_gyro(self, time: float, index: int) -> None:
         middle, rate = self._gyro.sample(index)
-        self.law.gyro(stamp(middle), rate, self._gyro.variance)
+        self._law.gyro(stamp(middle), rate, self._gyro.variance)
 
 
 class _Gyro:
@@ -448,7 +473,7 @@ class _Gyro:
 
     def sample(self, index: int) -> tuple[float, Array]:
         """Return the time that a sample is of, s, and the rates, rad/s."""
-        return float(self._middles[index]), self._rates[index]
+        return float(self._middles[index]), np.asarray(self._rates[index])
 
 
 def stamp(time: float) -> int:
@@ -471,7 +496,7 @@ def boresight_of(scenario: Scenario, finder: Finder, seed: int) -> tuple[float, 
         scenario.disturbed(0.0), speed=0.0, rock=(0.0, 0.0, 0.0),
         motion=scenario.motion.scaled(0.0),
     )
-    loop = Loop(rest, finder, Proportional(), 1.0, seed)
+    loop = Loop(rest, finder, 'proportional', 1.0, seed)
     found = []
     for index in range(60):
         # Over 2 px: at every sub-pixel phase.
