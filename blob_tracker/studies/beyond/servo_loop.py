@@ -134,6 +134,17 @@ class Scenario:
         ], axis=1)
 
     @property
+    def joint_error(self) -> float:
+        """
+        Standard deviation of a joint's angle between two joint states, rad.
+
+        The encoder's step, even over its width, and the bend of the way between two states, which
+        at the greatest acceleration a is a t (T - t) / 2: a T^2 / sqrt(120) rms.
+        """
+        bend = self.joints.acceleration / self.joint_rate**2 / sqrt(120.0)
+        return sqrt(self.joints.resolution**2 / 12.0 + bend**2)
+
+    @property
     def servo_delay(self) -> float:
         """Time from sending a prediction to the middle of its being obeyed, s."""
         return self.joints.delay + self.joints.lag + 0.5 / self.command_rate
@@ -238,7 +249,7 @@ class Predicted:
     Parameters
     ----------
     scenario : Scenario
-        Of which the servo's delay and the encoders' steps are known.
+        Of which the servo's delay and the error of the joints' angles are known.
     imu : bool
         Whether the boat's gyro is used.
 
@@ -246,7 +257,7 @@ class Predicted:
 
     def __init__(self, scenario: Scenario, *, imu: bool) -> None:
         self._delay_ns = round(1e9 * scenario.servo_delay)
-        self._steps = (scenario.joints.resolution / MRAD) ** 2 / 12.0
+        self._of_joints = (scenario.joint_error / MRAD) ** 2
         self._angles = PanTiltAngles()
         self._rates = PlatformRates() if imu else None
         self.tracker = Tracker(
@@ -268,8 +279,8 @@ class Predicted:
             self._rates.push(stamp_ns, rate, variance)
 
     def bearing(self, bearing: Bearing) -> None:
-        """Take it into the track, with what the encoders' steps add."""
-        covariance = bearing.covariance + self._steps * np.eye(2)
+        """Take it into the track, with the error of the joints' angles added to its own."""
+        covariance = bearing.covariance + self._of_joints * np.eye(2)
         try:
             self.tracker.update(replace(bearing, covariance=covariance))
         except TrackingError:
@@ -429,7 +440,7 @@ class Loop:
         self._obey(self._law.bearing(self._underway.pop(index)))
 
     def _tick(self, time: float, index: int) -> None:
-        self._obey(self._law.tick(stamp(time)))
+        self._obey(self._law.tick(_stamp(time)))
 
     def _obey(self, command: tuple[float, float] | None) -> None:
         if command is not None:
@@ -440,12 +451,12 @@ class Loop:
         pan, tilt = self.pan_tilt.reported()
         self._at(
             [time + self.scenario.joint_latency],
-            lambda arrival, _: self._law.joints(stamp(time), pan, tilt),
+            lambda arrival, _: self._law.joints(_stamp(time), pan, tilt),
         )
 
     def _take_gyro(self, time: float, index: int) -> None:
         middle, rate = self._gyro.sample(index)
-        self._law.gyro(stamp(middle), rate, self._gyro.variance)
+        self._law.gyro(_stamp(middle), rate, self._gyro.variance)
 
 
 class _Gyro:
@@ -476,7 +487,7 @@ class _Gyro:
         return float(self._middles[index]), np.asarray(self._rates[index])
 
 
-def stamp(time: float) -> int:
+def _stamp(time: float) -> int:
     """Return the stamp of a time in s, ns."""
     return START_NS + round(1e9 * time)
 
