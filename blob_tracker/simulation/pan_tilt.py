@@ -6,6 +6,7 @@ from collections import deque
 from dataclasses import dataclass
 from math import cos, exp, isfinite, sin, sqrt, tau
 
+BRAKE = 0.6  # of the acceleration, with which a long way ends: the rest is for the loop
 STEP = 0.002  # s: within it the motors' limits hold on the mean
 
 
@@ -18,7 +19,8 @@ class Joints:
 
         x'' = w^2 (c - x) - 2 d w x',    w = 2 pi frequency
 
-    with x' and x'' held within `rate` and `acceleration`. Behind a steady command it lags by
+    with x' and x'' held within `rate` and `acceleration`; where they are reached it brakes in time,
+    as the controllers of such units do. Behind a steady command it lags by
     `lag`.
 
     Parameters
@@ -139,10 +141,13 @@ class PanTilt:
             after = away * (cosine + fade * sine) + rate * sine
             speed = rate * (cosine - fade * sine) - away * turn**2 * sine
             most = joints.acceleration * interval
-            held = min(max(speed, rate - most, -joints.rate), rate + most, joints.rate)
-            if held != speed:
-                after = away + 0.5 * (rate + held) * interval
-            moved.append((goal + after, held))
+            if abs(speed - rate) > most or abs(speed) > joints.rate:
+                # Not faster than can be braked in time.
+                top = min(joints.rate, sqrt(2.0 * BRAKE * joints.acceleration * abs(away)))
+                speed = min(max(speed, -top), top)
+                speed = min(max(speed, rate - most), rate + most)
+                after = away + 0.5 * (rate + speed) * interval
+            moved.append((goal + after, speed))
         (pan, pan_rate), (tilt, tilt_rate) = moved
         self.angles, self._rates = (pan, tilt), (pan_rate, tilt_rate)
 
