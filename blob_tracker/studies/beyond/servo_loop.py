@@ -13,6 +13,7 @@ from blob_tracker.camera import CameraModel, LensError
 from blob_tracker.location import locate
 from blob_tracker.segmentation import FrameError, Segmenter, threshold_by_name
 from blob_tracker.simulation.analogue_chain import AnalogueChain
+from blob_tracker.simulation.gyro import Gyro
 from blob_tracker.simulation.pan_tilt import Joints, PanTilt
 from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera, PARTS
 from blob_tracker.simulation.platform_motion import MOTIONS, PlatformMotion, Ride, Shock
@@ -63,13 +64,10 @@ class Scenario:
         Of the pan/tilt.
     joint_rate, joint_latency : float
         Of the joint states, Hz and s.
-    gyro_rate, gyro_latency : float
-        Of the boat's gyro, Hz, and from the end of a sample, s.
-    gyro_noise : float
-        Its rate noise density, rad/s/sqrt(Hz).
-    gyro_bias, gyro_scale, gyro_turn : float
-        What it is off by: rad/s about each axis, a part of the rate, and how it is mounted
-        against the pan/tilt, rad about each axis.
+    gyro : Gyro
+        Of the boat.
+    gyro_latency : float
+        From the end of a sample until it is there, s.
     command_rate : float
         Of the predictions that are sent, Hz.
     vehicle_acceleration, light_acceleration : float
@@ -99,12 +97,8 @@ class Scenario:
     joints: Joints = Joints(resolution=tau / 2**16)
     joint_rate: float = 200.0
     joint_latency: float = 0.003
-    gyro_rate: float = 200.0
+    gyro: Gyro = Gyro()
     gyro_latency: float = 0.002
-    gyro_noise: float = 1.4e-4
-    gyro_bias: float = 2e-3
-    gyro_scale: float = 0.003
-    gyro_turn: float = 0.005
     command_rate: float = 100.0
     vehicle_acceleration: float = 300.0
     light_acceleration: float = 3.0
@@ -373,11 +367,12 @@ class Loop:
         self.segmenter = Segmenter(
             threshold=threshold_by_name(self.finder.threshold, sigmas=3.0, extension=2)
         )
-        self._random = np.random.default_rng([self.seed, 11])
         self._order = count()
         self._underway: dict[int, Bearing] = {}
         self._bearings = 0
-        self._gyro = _Gyro(scenario, self.ride, self.duration, self._random)
+        self._felt = scenario.gyro.samples(
+            self.ride, self.duration, np.random.default_rng([self.seed, 11])
+        )
 
     def run(self) -> History:
         """Run it to the end."""
@@ -385,7 +380,8 @@ class Loop:
         self._at(_times(self.every, self.duration), lambda time, _: truth.append(
             (time, *self.pan_tilt.angles)))
         self._at(_times(1.0 / scenario.joint_rate, self.duration), self._read_joints)
-        self._at(self._gyro.arrivals, self._take_gyro)
+        there = 0.5 / scenario.gyro.rate + scenario.gyro_latency
+        self._at(self._felt[0] + there, self._take_gyro)
         self._at(_times(1.0 / scenario.command_rate, self.duration, first=0.0013), self._tick)
         # An exposure begins here; the bearing that comes of it is there when it has arrived.
         middles = _times(1.0 / scenario.rate, self.duration - scenario.latency, first=0.004)
@@ -455,36 +451,9 @@ class Loop:
         )
 
     def _take_gyro(self, time: float, index: int) -> None:
-        middle, rate = self._gyro.sample(index)
-        self._law.gyro(_stamp(middle), rate, self._gyro.variance)
-
-
-class _Gyro:
-    """The boat's gyro: means over the sampling interval, off by bias, scale and mounting."""
-
-    def __init__(
-        self, scenario: Scenario, ride: Ride, duration: float, random: np.random.Generator
-    ) -> None:
-        interval = 1.0 / scenario.gyro_rate
-        ends = _times(interval, duration, first=interval)
-        self.arrivals = ends + scenario.gyro_latency
-        self._middles = ends - 0.5 * interval
-        # Simpson's rule: 5 ms are a tenth of the engine's period.
-        mean = (
-            ride.rates(ends - interval) + 4.0 * ride.rates(self._middles) + ride.rates(ends)
-        ) / 6.0
-        self.variance = 0.5 * scenario.gyro_noise**2 * scenario.gyro_rate
-        turn = scenario.gyro_turn * random.choice([-1.0, 1.0], 3)
-        mounted = np.eye(3) + np.array([
-            [0.0, -turn[2], turn[1]], [turn[2], 0.0, -turn[0]], [-turn[1], turn[0], 0.0],
-        ])
-        bias = scenario.gyro_bias * random.choice([-1.0, 1.0], 3)
-        noise = sqrt(self.variance) * random.standard_normal(mean.shape)
-        self._rates = (1.0 + scenario.gyro_scale) * mean @ mounted.T + bias + noise
-
-    def sample(self, index: int) -> tuple[float, Array]:
-        """Return the time that a sample is of, s, and the rates, rad/s."""
-        return float(self._middles[index]), np.asarray(self._rates[index])
+        self._law.gyro(
+            _stamp(self._felt[0][index]), self._felt[1][index], self.scenario.gyro.variance
+        )
 
 
 def _stamp(time: float) -> int:
