@@ -10,7 +10,7 @@ from blob_tracker.tracking.rotation import from_vector, product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-CAPACITY = 4096  # samples: two seconds of 2 kHz, the fastest rate gyros give
+DENSEST = 4000  # samples a second of the memory: twice as fast as a fused gyro publishes
 # s of samples to which a line is fitted: a longer one follows a turn too late, a shorter one the
 # noise and the engine. On a boat 0.05 to 0.07 are alike (study servo).
 FITTED = 0.06
@@ -57,9 +57,10 @@ class PlatformRates:
         self.hold = hold
         self.memory = memory
         self._hold_ns, self._memory_ns = round(1e9 * hold), round(1e9 * memory)
-        self._stamps = np.empty(CAPACITY, np.int64)
-        self._rates = np.empty((CAPACITY, 3))
-        self._variances = np.empty(CAPACITY)
+        capacity = max(2, int(DENSEST * memory))
+        self._stamps = np.empty(capacity, np.int64)
+        self._rates = np.empty((capacity, 3))
+        self._variances = np.empty(capacity)
         self._first = self._end = 0  # of what is kept
 
     @property
@@ -170,11 +171,11 @@ class PlatformRates:
 
     def _place(self, stamp_ns: int) -> int:
         """Return where a sample belongs, with room at the end."""
-        if self._end == CAPACITY:
-            # Half of it is room again for as many samples; the oldest go where all are within
-            # the memory.
-            first = max(self._first, CAPACITY // 2)
-            count = CAPACITY - first
+        capacity = len(self._stamps)
+        if self._end == capacity:
+            # Half of it is room again; the oldest go even where all are within the memory.
+            first = max(self._first, capacity // 2)
+            count = capacity - first
             for kept in (self._stamps, self._rates, self._variances):
                 kept[:count] = kept[first:]
             self._first, self._end = 0, count
@@ -297,9 +298,9 @@ def _turned(w0: Array, w1: Array, dt: float) -> Array:
     """Return how a vector at rest turns against the base while the rate goes from w0 to w1."""
     cone = dt * dt / 12.0
     return from_vector(
-        -0.5 * dt * (w0[0] + w1[0]) + cone * (w0[1] * w1[2] - w0[2] * w1[1]),
-        -0.5 * dt * (w0[1] + w1[1]) + cone * (w0[2] * w1[0] - w0[0] * w1[2]),
-        -0.5 * dt * (w0[2] + w1[2]) + cone * (w0[0] * w1[1] - w0[1] * w1[0]),
+        -0.5 * dt * (w0[0] + w1[0]) - cone * (w0[1] * w1[2] - w0[2] * w1[1]),
+        -0.5 * dt * (w0[1] + w1[1]) - cone * (w0[2] * w1[0] - w0[0] * w1[2]),
+        -0.5 * dt * (w0[2] + w1[2]) - cone * (w0[0] * w1[1] - w0[1] * w1[0]),
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.tracking import PlatformGap, PlatformRates, StampJump, TrackingError
-from blob_tracker.tracking.platform_rates import CAPACITY
+from blob_tracker.tracking.platform_rates import DENSEST
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -41,7 +41,7 @@ def error_at(rate_hz: int) -> float:
 def test_rotation_is_exact_to_the_fourth_order_of_a_linear_rate() -> None:
     """What is left is the rate's bend between samples: its square falls with the interval's."""
     coarse, fine = error_at(100), error_at(200)
-    assert fine < 2e-5
+    assert fine < 5e-5  # rad, of a turn by 4.5 rad
     assert coarse / fine == pytest.approx(4.0, rel=0.3)
 
 
@@ -130,9 +130,13 @@ def test_memory_is_bounded() -> None:
     assert platform.rate_at(2_500 * MS) == pytest.approx([0.0, 0.0, 2.5])
     with pytest.raises(PlatformGap, match='is not kept'):
         platform.rate_at(1_998 * MS)
-    for index in range(3 * CAPACITY):
+    for index in range(3 * DENSEST):
         platform.push(3000 * MS + index * 1000, np.zeros(3))
-    platform.between(3000 * MS + (3 * CAPACITY - 2000) * 1000, platform.newest_ns)
+    newest = 3000 * MS + (3 * DENSEST - 1) * 1000
+    assert platform.newest_ns == newest
+    platform.between(newest - DENSEST // 2 * 1000, newest)
+    with pytest.raises(PlatformGap, match='is not kept'):
+        platform.between(newest - (DENSEST + 1) * 1000, newest)
 
 
 def test_stamps_that_jump() -> None:
