@@ -83,9 +83,11 @@ class Gyro:
         ends = interval * np.arange(1, int(duration * self.rate) + 1)
         middles = ends - 0.5 * interval
         # Simpson's rule.
-        mean = (ride.rates(ends - interval) + 4.0 * ride.rates(middles) + ride.rates(ends)) / 6.0
+        first, second, third = (ride.rates(each) for each in (ends - interval, middles, ends))
+        mean: Array = (first + 4.0 * second + third) / 6.0
         x, y, z = self.turn * random.choice([-1.0, 1.0], 3)
         mounted = np.array([[1.0, -z, y], [z, 1.0, -x], [-y, x, 1.0]])
         bias = self.bias * random.choice([-1.0, 1.0], 3)
         noise = sqrt(self.variance) * random.standard_normal(mean.shape)
-        return middles, (1.0 + self.scale) * mean @ mounted.T + bias + noise
+        rates: Array = (1.0 + self.scale) * mean @ mounted.T + bias + noise
+        return middles, rates

@@ -9,6 +9,7 @@ from blob_tracker.studies.beyond import (
     default_pipeline,
     growing_target,
     locale_table,
+    prediction,
     servo,
     trailing_edge,
 )
@@ -43,6 +44,7 @@ ALL: tuple[Study, ...] = (
     trailing_edge.STUDY,
     locale_table.STUDY,
     growing_target.STUDY,
+    prediction.STUDY,
     servo.STUDY,
 )
 

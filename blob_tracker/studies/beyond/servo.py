@@ -19,8 +19,8 @@ GOAL, WORST = 0.2, 1.0  # mrad: preferred, taken as the rms, and at worst (thesi
 LOCKED = 1.5  # s from the first frame until the error counts
 VEHICLES = {'calm': 0.35, 'normal': 1.0, 'rough': 2.0}  # times the boat's motion, and the rocks
 SIZES = (0.7, 1.3, 1.6, 3.0)  # the same, beside these
-DURATIONS, SEEDS = (4.0, 24.0), (1, 2)  # s, and rides: quick and full
-STEP, STEP_DURATION = np.radians(10.0), 2.0  # rad and s
+DURATIONS, SEEDS = (3.5, 24.0), (1, 2)  # s, and rides: quick and full
+STEP, STEP_DURATION = np.radians(10.0), 1.5  # rad and s
 TRACE = 5  # every so many looks at the error are kept for the pictures
 WIDE, NARROW = (360, 240), (160, 120)  # px that are read out
 EXACT = SensorNoise(gain=inf, read_noise=0.3)

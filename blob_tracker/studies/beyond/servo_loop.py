@@ -463,7 +463,7 @@ def _stamp(time: float) -> int:
 
 def _times(interval: float, end: float, *, first: float = 0.0) -> Array:
     """Return the instants of something periodic, s."""
-    return first + interval * np.arange(int((end - first) / interval) + 1)
+    return np.asarray(first + interval * np.arange(int((end - first) / interval) + 1))
 
 
 def boresight_of(scenario: Scenario, finder: Finder, seed: int) -> tuple[float, float]:
