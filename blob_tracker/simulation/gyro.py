@@ -79,8 +79,8 @@ class Gyro:
             Angular velocity in the base's axes, rad/s.
 
         """
-        interval = 1.0 / self.rate
-        ends = interval * np.arange(1, int(duration * self.rate) + 1)
+        interval, count = 1.0 / self.rate, int(duration * self.rate)
+        ends = np.linspace(interval, interval * count, count)
         middles = ends - 0.5 * interval
         # Simpson's rule.
         first, second, third = (ride.rates(each) for each in (ends - interval, middles, ends))
@@ -90,4 +90,4 @@ class Gyro:
         bias = self.bias * random.choice([-1.0, 1.0], 3)
         noise = sqrt(self.variance) * random.standard_normal(mean.shape)
         rates: Array = (1.0 + self.scale) * mean @ mounted.T + bias + noise
-        return middles, rates
+        return np.asarray(middles), rates

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 HORIZONS = (0.01, 0.03, 0.1)  # s from the bearing's stamp
 RATE, SIGMA = 30.0, 0.03  # bearings a second, and the deviation of each angle, mrad
 SETTLED = 1.0  # s after which errors count
-DURATIONS, SEEDS = (3.0, 12.0), (3, 20)  # s, and rides: quick and full
+DURATIONS, SEEDS = (3.0, 12.0), (2, 20)  # s, and rides: quick and full
 LAGS = 5  # frames over which innovations are compared
 START_NS = 10**9
 HELD, LIMIT = 'last bearing held', "the motion's own limit"
@@ -123,7 +123,8 @@ def _followed(
             taken += 1
         stamp = _stamp(time)
         try:
-            track = tracker.update(Bearing(*seen[index].tolist(), covariance, stamp))
+            azimuth, elevation = seen[index].tolist()
+            track = tracker.update(Bearing(azimuth, elevation, covariance, stamp))
             off = np.array([track.azimuth, track.elevation]) - truth[index]
             nees[index] = off @ np.linalg.solve(track.angle_covariance, off)
         except TrackingError:
