@@ -8,7 +8,7 @@ from math import inf, sqrt
 
 from blob_tracker.simulation.pan_tilt import Joints
 from blob_tracker.studies.beyond.servo_loop import (
-    boresight_of, Finder, FINDERS, LAWS, Loop, Scenario,
+    Boresight, boresight_of, Finder, FINDERS, LAWS, Loop, Scenario,
 )
 from blob_tracker.studies.beyond.servo_pictures import draw_disturbance, draw_sizes, draw_step
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
@@ -63,12 +63,12 @@ def cases(quick: bool) -> Sequence[Case]:
 def measure(case: Case) -> Measured:
     """Ride once; return the pointing error."""
     scenario, finder, off, region = Scenario(), FINDERS['default'], (0.0, 0.0), NARROW
-    law, boresight = case.get('law', PREDICTED), (0.0, 0.0)
+    law, boresight = case.get('law', PREDICTED), Boresight()
     if case['kind'] == 'ride':
         scenario, finder = scenario.disturbed(case['size']), FINDERS[case['finder']]
         if finder.chain != FINDERS['default'].chain:
             boresight = boresight_of(scenario, finder, case['seed'])
-        region = WIDE if law == PLAIN else NARROW
+        region = WIDE if law == PLAIN or case['size'] > VEHICLES['rough'] else NARROW
     elif case['kind'] == 'step':
         scenario, off, region = scenario.disturbed(0.0), (float(STEP), 0.0), WIDE
     else:
@@ -100,7 +100,7 @@ def without(scenario: Scenario, finder: Finder, what: str) -> tuple[Scenario, Fi
         return replace(scenario, joints=replace(scenario.joints, resolution=0.0)), finder
     if what == 'delay and lag of the pan/tilt':
         agile = replace(AGILE, resolution=scenario.joints.resolution)
-        return replace(scenario, joints=agile, command_rate=400.0), finder
+        return replace(scenario, joints=agile), finder
     if what == "the gyro's noise":
         return replace(scenario, gyro=replace(scenario.gyro, noise=0.0)), finder
     if what == "the gyro's bias, scale and mounting":

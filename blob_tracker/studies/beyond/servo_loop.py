@@ -73,6 +73,9 @@ class Scenario:
     vehicle_acceleration, light_acceleration : float
         Process noise of the tracker, mrad/s^2: what the boat does, and what is left of it, and of
         the light's own way, where the gyro is used.
+    gate : float
+        Of the tracker, standard deviations: wide, as only the light flashes in step, and the boat
+        does not move by the tracker's model.
 
     """
 
@@ -99,9 +102,10 @@ class Scenario:
     joint_latency: float = 0.003
     gyro: Gyro = Gyro()
     gyro_latency: float = 0.002
-    command_rate: float = 100.0
+    command_rate: float = 200.0
     vehicle_acceleration: float = 300.0
     light_acceleration: float = 3.0
+    gate: float = 8.0
 
     def disturbed(self, factor: float) -> Scenario:
         """Return the scenario with a boat that turns, and is struck, so many times as much."""
@@ -162,6 +166,24 @@ FINDERS = {
         AnalogueChain(),
     ),
 }
+
+
+class Boresight(NamedTuple):
+    """
+    What is found of the bearings when the laser is lined up with a light at rest.
+
+    Parameters
+    ----------
+    azimuth, elevation : float
+        Their mean error, which is taken off all bearings, mrad.
+    scatter : float
+        Variance of their errors beyond the one that they state, which is added to it, mrad^2.
+
+    """
+
+    azimuth: float = 0.0
+    elevation: float = 0.0
+    scatter: float = 0.0
 
 
 class Law(Protocol):
@@ -257,6 +279,7 @@ class Predicted:
         self.tracker = Tracker(
             acceleration=scenario.vehicle_acceleration,
             stabilised_acceleration=scenario.light_acceleration,
+            gate=scenario.gate,
             # A prediction is better than none: the pan/tilt's own limits bound what it does.
             max_sigma=50.0,
             pan_tilt=self._angles,
@@ -325,8 +348,8 @@ class Loop:
         Of the sensor that is read out, px; the rest of the picture is left out of the drawing.
     off : (float, float)
         How far pan and tilt are off the light at the beginning, rad.
-    boresight : (float, float)
-        Constant error of the bearings that was found when the laser was lined up, mrad.
+    boresight : Boresight
+        Of the camera.
     every : float
         Time between two looks at the true pointing error, s.
 
@@ -339,7 +362,7 @@ class Loop:
     seed: int
     region: tuple[int, int] = (160, 120)
     off: tuple[float, float] = (0.0, 0.0)
-    boresight: tuple[float, float] = (0.0, 0.0)
+    boresight: Boresight = Boresight()
     every: float = 0.002
     _events: list[tuple[float, int, Callable[[float, int], None], int]] = field(
         default_factory=list
@@ -427,8 +450,9 @@ class Loop:
         except (FrameError, LocationError, LensError):
             return None
         return replace(
-            bearing, azimuth=bearing.azimuth - self.boresight[0],
-            elevation=bearing.elevation - self.boresight[1],
+            bearing, azimuth=bearing.azimuth - self.boresight.azimuth,
+            elevation=bearing.elevation - self.boresight.elevation,
+            covariance=bearing.covariance + self.boresight.scatter * np.eye(2),
         )
 
     def _take_bearing(self, time: float, index: int) -> None:
@@ -466,26 +490,21 @@ def _times(interval: float, end: float, *, first: float = 0.0) -> Array:
     return np.asarray(first + interval * np.arange(int((end - first) / interval) + 1))
 
 
-def boresight_of(scenario: Scenario, finder: Finder, seed: int) -> tuple[float, float]:
-    """
-    Return the mean error of the bearings of a light straight ahead, mrad.
-
-    It is what is taken up when the laser is lined up with the picture, boat and light at rest.
-    """
-    rest = replace(
-        scenario.disturbed(0.0), speed=0.0, rock=(0.0, 0.0, 0.0),
-        motion=scenario.motion.scaled(0.0),
-    )
+def boresight_of(scenario: Scenario, finder: Finder, seed: int) -> Boresight:
+    """Return what a camera's bearings of a light straight ahead are off by, the boat at rest."""
+    rest = replace(scenario.disturbed(0.0), speed=0.0)
     loop = Loop(rest, finder, 'proportional', 1.0, seed)
-    found = []
+    found, stated = [], []
     for index in range(60):
         # Over 2 px: at every sub-pixel phase.
-        joints = np.tile([MRAD * 1.667 * index / 30.0, MRAD * 1.667 * index / 30.0], (PARTS, 1))
+        joints = np.full((PARTS, 2), index / 30.0 / loop.model.matrix[0, 0])
         middle = index / scenario.rate
         bearing = loop.bearing_of(loop.camera.frame(index, middle, joints, lit=index % 2 == 0))
         if bearing is not None:
             x, y, z = loop.camera.rays(np.array([middle]), joints[:1])[0]
             truth = np.arctan2(x, z), np.arctan2(-y, np.hypot(x, z))
             found.append((bearing.azimuth - truth[0] / MRAD, bearing.elevation - truth[1] / MRAD))
+            stated.append(np.trace(bearing.covariance) / 2.0)
     azimuth, elevation = np.mean(found, axis=0).tolist()
-    return azimuth, elevation
+    scatter = float(np.var(found, axis=0).mean() - np.mean(stated))
+    return Boresight(azimuth, elevation, max(scatter, 0.0))
