@@ -9,8 +9,8 @@
 #      SOAK_SECONDS=3600   another time
 #      PYTEST='-k grows'   the tracker alone
 # make bench              beside other people's methods, 20 minutes, out/benchmarks
-#      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion, capture,
-#                              latency), less of it
+#      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion, tracking,
+#                              capture, latency), less of it
 #      BLOB_TRACKER_DATA=folder   where the real pixels are
 # make study              the thesis' tables and figures done again, out/studies/report.html
 #      STUDY='table_3_3 beyond --quick'   a part of them, less of it

@@ -8,7 +8,7 @@ import platform
 
 PACKAGES = (
     'numpy', 'scipy', 'numba', 'opencv-python-headless',
-    'photutils', 'astropy', 'sep', 'trackpy', 'picassosr',
+    'photutils', 'astropy', 'sep', 'trackpy', 'picassosr', 'filterpy',
 )
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from benchmarks import (
     accuracy, bearing, capture, detection, lab, latency, motion, real_frames, real_pixels, search,
-    speed,
+    speed, tracking,
 )
 from benchmarks.accuracy import Bias, Row
 from benchmarks.bearing import Row as BearingRow
@@ -22,7 +22,8 @@ from benchmarks.real_pixels import Row as RealRow
 from benchmarks.search import Row as SearchRow
 from benchmarks.speed import Pace
 
-PARTS = ('accuracy', 'speed', 'real', 'detection', 'search', 'motion', 'capture', 'latency')
+PARTS = ('accuracy', 'speed', 'real', 'detection', 'search', 'motion', 'tracking', 'capture',
+         'latency')
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Sizes:
     How much is measured.
 
     Windows a scene, phase, lens and stack; repeats of the timing; frames of the clutter scenes
-    and of the moving camera; rounds and starts of the latency.
+    and of the moving camera; length of a vehicle's ride, s; rounds and starts of the latency.
     """
 
     scene: int
@@ -41,16 +42,17 @@ class Sizes:
     repeats: int
     detection: Counts
     motion: int
+    tracking: float
     latency: latency.Plan
 
 
 FULL = Sizes(
     scene=10_000, phase=400, bearing=2_000, stack=10_000, repeats=7,
-    detection=detection.FULL, motion=1_200, latency=latency.FULL,
+    detection=detection.FULL, motion=1_200, tracking=120.0, latency=latency.FULL,
 )
 QUICK = Sizes(
     scene=1_000, phase=60, bearing=500, stack=2_000, repeats=3,
-    detection=detection.QUICK, motion=100, latency=latency.QUICK,
+    detection=detection.QUICK, motion=100, tracking=30.0, latency=latency.QUICK,
 )
 
 
@@ -68,6 +70,7 @@ class Report:
     detection: list[DetectionRow] = field(default_factory=list)
     search: list[SearchRow] = field(default_factory=list)
     motion: list[MotionRow] = field(default_factory=list)
+    tracking: tracking.Figures = tracking.Figures()
     capture: list[CaptureRow] = field(default_factory=list)
     latency: latency.Figures = latency.Figures()
 
@@ -81,6 +84,7 @@ def steps(parts: Collection[str], sizes: Sizes) -> int:
         'detection': detection.steps(),
         'search': search.steps(),
         'motion': motion.steps(),
+        'tracking': tracking.steps(),
         'capture': capture.steps(),
         'latency': latency.steps(sizes.latency),
     }
@@ -113,6 +117,9 @@ def measure(
         report.search.extend(search.run(sizes.repeats, tick))
     if 'motion' in parts:
         report.motion.extend(motion.run(sizes.motion, tick))
+    if 'tracking' in parts:
+        found = tracking.run(sizes.tracking, sizes.repeats, tick)
+        report = replace(report, tracking=found)
     if 'capture' in parts:
         report.capture.extend(capture.run(sizes.repeats, tick))
     if 'latency' in parts:

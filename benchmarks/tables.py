@@ -20,6 +20,7 @@ from benchmarks.report import Report
 from benchmarks.search import Row as SearchRow
 from benchmarks.speed import Pace, PAIRED
 from benchmarks.targets import against_peers, Comparison, Target
+from benchmarks.tracking import Figures as TrackingFigures, HORIZONS, RATE, SIGMA
 import numpy as np
 from rich.table import Table
 
@@ -64,6 +65,7 @@ def figures(report: Report, ours: Sequence[str]) -> list[Table]:
     tables += [search(report.search)] if report.search else []
     tables += [capture(report.capture)] if report.capture else []
     tables += [motion(report.motion)] if report.motion else []
+    tables += tracking(report.tracking) if report.tracking.rows else []
     tables += latency(report.latency) if report.latency.rows else []
     return tables
 
@@ -302,6 +304,37 @@ def motion(rows: Sequence[MotionRow]) -> Table:
             f'{row.found_still}, {row.found_moving} of {row.lit}',
         )
     return table
+
+
+def tracking(figures: TrackingFigures) -> list[Table]:
+    """Return the errors of the predictions on each vehicle, and what a bearing costs."""
+    errors = Table(
+        'vehicle', 'prediction', 'process noise', *(f'{1e3 * each:.0f} ms' for each in HORIZONS),
+        'NEES', 'NIS', 'autocorrelation (95 % bound)',
+        title=f'rms error of the predicted bearing, mrad; {RATE:g} bearings a second of '
+        f'{SIGMA:g} mrad',
+        caption='limit: the filter that knows the motion; NEES and NIS over their degrees of '
+        'freedom; autocorrelation: the largest of the innovations of both axes over 10 lags',
+    )
+    for row in figures.rows:
+        judged = ('', '', '') if isnan(row.nis) else (
+            f'{row.nees:.3f}', f'{row.nis:.3f}', f'{row.correlation:.2f} ({row.bound:.2f})'
+        )
+        errors.add_row(
+            row.motion, row.contender, '' if isnan(row.noise) else f'{row.noise:,.0f}',
+            *(f'{each:.3f}' for each in row.rms), *judged,
+        )
+    costs = Table(
+        'model', 'update, us', 'with a gyro', 'at, us', 'filterpy predict + update, us',
+        'update over filterpy', title='What a bearing costs, one core',
+        caption='' if not isnan(figures.costs[0].reference) else 'filterpy is not importable',
+    )
+    for cost in figures.costs:
+        costs.add_row(
+            cost.model, f'{cost.seconds * 1e6:.1f}', f'{cost.stabilised * 1e6:.1f}',
+            f'{cost.answer * 1e6:.1f}', f'{cost.reference * 1e6:.1f}', f'{cost.ratio:.3f}',
+        )
+    return [errors, costs]
 
 
 def targets(found: Sequence[Target]) -> Table:

@@ -19,6 +19,7 @@ from benchmarks.real_frames import LASER, Row as FrameRow, STARS
 from benchmarks.report import Report
 from benchmarks.search import LOCKED, LOST, Row as SearchRow
 from benchmarks.speed import Pace, PAIRED, REFERENCE
+from benchmarks.tracking import Cost
 import numpy as np
 from scipy.stats import norm
 
@@ -102,6 +103,7 @@ def judge(report: Report, ours: Sequence[str]) -> list[Target]:
     judged += detection_targets(report.detection) if report.detection else []
     judged += search_targets(report.search) if report.search else []
     judged += [_motion_target(report.motion)] if report.motion else []
+    judged += [_tracking_target(report.tracking.costs)] if report.tracking.costs else []
     judged += [_capture_target(report.capture)] if report.capture else []
     return judged + (latency_targets(report.latency) if report.latency.rows else [])
 
@@ -186,6 +188,16 @@ def _lab_target(rows: Sequence[LabRow]) -> Target:
     return Target(
         'frames of the virtual lab a second', 200.0, row.per_second, floor=True, unit='/s',
         where=row.scene,
+    )
+
+
+def _tracking_target(costs: Sequence[Cost]) -> Target:
+    """Return the target that the costs of a bearing decide: with a gyro it is the dearest."""
+    worst = max(costs, key=lambda each: each.stabilised)
+    return Target(
+        'a bearing into the track', 20.0, worst.stabilised * 1e6, unit=' us',
+        where=f'{worst.model} with a gyro; without {worst.seconds * 1e6:.1f} us, '
+        f'{worst.ratio:.2f} of filterpy',
     )
 
 

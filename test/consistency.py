@@ -121,7 +121,7 @@ def share_within(nees: Array, freedom: int) -> float:
 
 
 def autocorrelation(innovations: Array, lags: int = 10) -> Array:
-    """Return the autocorrelation (lags,) of (runs, n, 2) normalised innovations."""
+    """Return how normalised innovations, (runs, n, 2), go with those up to so many lags before."""
     power = np.mean(innovations**2)
     return np.array([
         np.mean(innovations[:, lag:] * innovations[:, :-lag]) / power

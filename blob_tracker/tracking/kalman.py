@@ -37,14 +37,24 @@ class Step(NamedTuple):
 
 class Seen(NamedTuple):
     """
-    A bearing, mrad and mrad^2, and the axes of the camera in the base as columns, (3, 3).
+    A bearing of a camera.
 
-    `covariance` is of azimuth, of both, and of elevation.
+    Parameters
+    ----------
+    azimuth, elevation : float
+        mrad.
+    azimuth_variance, shared, elevation_variance : float
+        Its covariance, mrad^2.
+    camera : (3, 3) array
+        Axes of the camera in the base, as columns.
+
     """
 
     azimuth: float
     elevation: float
-    covariance: tuple[float, float, float]
+    azimuth_variance: float
+    shared: float
+    elevation_variance: float
     camera: Array
 
 
@@ -72,6 +82,13 @@ class Innovation(NamedTuple):
 
 
 @kernel
+def _across(axes: Array, place: Array, seen: Seen) -> tuple[float, float, float]:
+    """Return the bearing's covariance as that of turns right and up of some axes."""
+    variances = seen.azimuth_variance, seen.shared, seen.elevation_variance
+    return turned_covariance(axes, place, seen.elevation, variances)
+
+
+@kernel
 def started(seen: Seen, rate: float, acceleration: float, size: int) -> State:
     """
     Return the state that one bearing gives, with what may be expected of the motion.
@@ -88,7 +105,7 @@ def started(seen: Seen, rate: float, acceleration: float, size: int) -> State:
     """
     axes = placed(seen.azimuth, seen.elevation, seen.camera)
     covariance = np.zeros((size, size))
-    rr, ru, uu = turned_covariance(axes, axes, seen.elevation, seen.covariance)
+    rr, ru, uu = _across(axes, axes, seen)
     covariance[0, 0], covariance[1, 1] = rr, uu
     covariance[0, 1] = covariance[1, 0] = ru
     for k in range(2, size):
@@ -146,7 +163,7 @@ def corrected(state: State, seen: Seen, gate: float) -> tuple[bool, State, Innov
     size = state.covariance.shape[0]
     before = state.covariance
     axes = placed(seen.azimuth, seen.elevation, seen.camera)
-    rr, ru, uu = turned_covariance(state.axes, axes, seen.elevation, seen.covariance)
+    rr, ru, uu = _across(state.axes, axes, seen)
     right, up = offset(state.axes, axes[0, 2], axes[1, 2], axes[2, 2])
     a, b, c = before[0, 0] + rr, before[1, 0] + ru, before[1, 1] + uu
     # Cholesky of S: the second pivot is the variance of up once right is known.
@@ -182,11 +199,14 @@ def corrected(state: State, seen: Seen, gate: float) -> tuple[bool, State, Innov
 
 
 @kernel
-def tracked(
-    state: State, step: Step, seen: Seen, gate: float
-) -> tuple[bool, State, Innovation]:
-    """Return what `corrected` does of the state that is `predicted`: one call of a kernel."""
-    return corrected(predicted(state, step), seen, gate)
+def with_motion_forgotten(state: State, rate: float, acceleration: float) -> State:
+    """Return the direction of a state with the motion as at first sight; see `started`."""
+    size = state.covariance.shape[0]
+    covariance = np.zeros((size, size))
+    covariance[:2, :2] = state.covariance[:2, :2]
+    for k in range(2, size):
+        covariance[k, k] = rate * rate if k < 4 else acceleration * acceleration
+    return State(state.axes, np.zeros(size - 2), covariance)
 
 
 @kernel

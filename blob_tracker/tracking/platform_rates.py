@@ -296,11 +296,11 @@ def _rate(
 @kernel
 def _turned(w0: Array, w1: Array, dt: float) -> Array:
     """Return how a vector at rest turns against the base while the rate goes from w0 to w1."""
-    cone = dt * dt / 12.0
+    half, cone = 0.5 * dt, dt * dt / 12.0
     return from_vector(
-        -0.5 * dt * (w0[0] + w1[0]) - cone * (w0[1] * w1[2] - w0[2] * w1[1]),
-        -0.5 * dt * (w0[1] + w1[1]) - cone * (w0[2] * w1[0] - w0[0] * w1[2]),
-        -0.5 * dt * (w0[2] + w1[2]) - cone * (w0[0] * w1[1] - w0[1] * w1[0]),
+        -half * (w0[0] + w1[0]) - cone * (w0[1] * w1[2] - w0[2] * w1[1]),
+        -half * (w0[1] + w1[1]) - cone * (w0[2] * w1[0] - w0[0] * w1[2]),
+        -half * (w0[2] + w1[2]) - cone * (w0[0] * w1[1] - w0[1] * w1[0]),
     )
 
 
@@ -319,28 +319,31 @@ def _integrated(
         return turn, variance, AFTER
     following = _search(stamps, t0)
     at = t0
-    while following < count and at < t1:
-        if stamps[following] - stamps[following - 1] > hold:
-            return turn, variance, BETWEEN
-        until = min(t1, stamps[following])
-        interval = 1e-9 * (stamps[following] - stamps[following - 1])
-        before, after = rates[following - 1], rates[following]
-        w0 = before + 1e-9 * (at - stamps[following - 1]) / interval * (after - before)
-        w1 = before + 1e-9 * (until - stamps[following - 1]) / interval * (after - before)
+    w0, gap = _rate(stamps, rates, t0, hold)
+    while at < t1 and following < count:
+        if stamps[following] <= t1:
+            until = stamps[following]
+            w1 = rates[following]
+            if until - stamps[following - 1] > hold:
+                gap = BETWEEN
+        else:
+            until = t1
+            w1, gap = _rate(stamps, rates, t1, hold)
+        if gap:
+            return turn, variance, gap
         dt = 1e-9 * (until - at)
         turn = product(_turned(w0, w1, dt), turn)
         # Each sample speaks for half the intervals beside it: its variance over its time
         # squared, shared out evenly over the interval so that parts add up to the whole.
+        interval = 1e-9 * (stamps[following] - stamps[following - 1])
         variance += 0.5 * (variances[following - 1] + variances[following]) * interval * dt
-        at = until
+        w0, at = w1, until
         following += 1
     if at < t1:
         rate, slope, of_rate, of_both, of_slope = _line(stamps, rates)
         begin, end = 1e-9 * (at - newest), 1e-9 * (t1 - newest)
-        turn = product(
-            _turned(rate + begin * slope, rate + end * slope, end - begin), turn
-        )
         dt, half = end - begin, 0.5 * (end * end - begin * begin)
+        turn = product(_turned(rate + begin * slope, rate + end * slope, dt), turn)
         variance += variances[count - 1] * (
             of_rate * dt * dt + 2.0 * of_both * dt * half + of_slope * half * half
         )

@@ -16,8 +16,9 @@ def from_vector(x: float, y: float, z: float) -> Array:
     R = I + sin(a)/a K + (1 - cos(a))/a^2 K^2 with the cross-product matrix K of the vector.
     """
     square = x * x + y * y + z * z
-    if square < 1e-12:  # where the series' next terms are below rounding
-        s, c = 1.0 - square / 6.0, 0.5 - square / 24.0
+    if square < 1e-4:  # where the series' next terms are below rounding
+        s = 1.0 - square / 6.0 * (1.0 - square / 20.0)
+        c = 0.5 - square / 24.0 * (1.0 - square / 30.0)
     else:
         angle = math.sqrt(square)
         s = math.sin(angle) / angle

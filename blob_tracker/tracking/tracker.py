@@ -7,18 +7,20 @@ from dataclasses import replace
 from math import inf, isfinite, pi
 from typing import NamedTuple
 
-from blob_tracker.tracking.direction import as_angles, MRAD, State, with_rates
+from blob_tracker.kernel import Array
+from blob_tracker.tracking.direction import MRAD
 from blob_tracker.tracking.errors import PlatformGap, StampJump, TrackingError
-from blob_tracker.tracking.kalman import (
-    Innovation,
+from blob_tracker.tracking.kalman import Innovation, Seen, Step
+from blob_tracker.tracking.models import MODELS
+from blob_tracker.tracking.packed import (
+    as_angles,
     largest_deviation,
     predicted,
-    Seen,
     started,
-    Step,
     tracked,
+    with_motion_forgotten,
+    with_rates,
 )
-from blob_tracker.tracking.models import MODELS
 from blob_tracker.tracking.pan_tilt_angles import PanTiltAngles
 from blob_tracker.tracking.platform_rates import PlatformRates
 from blob_tracker.tracking.track import Track
@@ -44,9 +46,9 @@ NO_TURN = np.eye(3)
 
 
 class Hypothesis(NamedTuple):
-    """A state at an instant: of so many bearings, its rates those of the target alone or not."""
+    """A packed state at an instant: of so many bearings, its rates the target's alone or not."""
 
-    state: State
+    state: Array
     stamp_ns: int
     stabilised: bool
     bearings: int
@@ -140,7 +142,7 @@ class Tracker:
         model: str = 'constant_velocity',
         *,
         acceleration: float = 300.0,
-        jerk: float = 3000.0,
+        jerk: float = 7000.0,
         stabilised_acceleration: float = 30.0,
         stabilised_jerk: float = 100.0,
         gate: float = 5.0,
@@ -318,7 +320,7 @@ class Tracker:
             )
             return None
         state, step, stabilised, _ = self._step(track, stamp_ns)
-        found = Hypothesis(predicted(state, step), stamp_ns, stabilised, track.bearings)
+        found = Hypothesis(predicted(state, *step), stamp_ns, stabilised, track.bearings)
         sigma = largest_deviation(found.state)
         if sigma > self.max_sigma:
             self.reason = (
@@ -373,7 +375,7 @@ class Tracker:
                 camera = self.pan_tilt.at(bearing.stamp_ns)
             except PlatformGap as gap:
                 raise TrackingError(f'the bearing has no direction in the base: {gap}') from None
-        return Seen(azimuth, elevation, (a, b, c), camera)
+        return Seen(azimuth, elevation, a, b, c, camera)
 
     def _after(self, before: Situation, seen: Seen, stamp_ns: int) -> Situation:
         """Return the situation after a bearing."""
@@ -417,7 +419,7 @@ class Tracker:
                 stabilised, self.platform_gap = True, ''
             except PlatformGap as gap:
                 self.platform_gap = str(gap)
-        state = started(seen, FIRST_RATE, FIRST_ACCELERATION, self._size)
+        state = started(*seen, FIRST_RATE, FIRST_ACCELERATION, self._size)
         return Hypothesis(state, stamp_ns, stabilised, 1)
 
     def _tracked(
@@ -425,12 +427,16 @@ class Tracker:
     ) -> tuple[Hypothesis | None, Innovation]:
         """Return the track with a bearing, None where the gate refuses it, and the innovation."""
         state, step, stabilised, self.platform_gap = self._step(track, stamp_ns)
-        passed, state, innovation = tracked(state, step, seen, self._gate2)
+        azimuth, elevation, rr, ru, uu, camera = seen
+        passed, state, first, second, log_determinant = tracked(
+            state, self._gate2, *step, azimuth, elevation, rr, ru, uu, camera
+        )
+        innovation = Innovation(first, second, log_determinant)
         if not passed:
             return None, innovation
         return Hypothesis(state, stamp_ns, stabilised, track.bearings + 1), innovation
 
-    def _step(self, track: Hypothesis, stamp_ns: int) -> tuple[State, Step, bool, str]:
+    def _step(self, track: Hypothesis, stamp_ns: int) -> tuple[Array, Step, bool, str]:
         """
         Return the state to predict from and the step to an instant.
 
@@ -466,19 +472,14 @@ class Tracker:
         seconds = 1e-9 * (t1_ns - max(t0_ns, newest))
         return self._platform_density * (stale + seconds / 3.0) * seconds**2
 
-    def _unstabilised(self, track: Hypothesis) -> State:
+    def _unstabilised(self, track: Hypothesis) -> Array:
         """Return the state with the rates that the platform's rotation leaves of them."""
         assert self.platform is not None
         try:
             return with_rates(track.state, self.platform.rate_at(track.stamp_ns), -1.0)
         except PlatformGap:
-            # Nobody knows how the base turned: the motion is as at first sight.
-            axes, motion, covariance = track.state
-            covariance = covariance.copy()
-            covariance[2:, :] = covariance[:, 2:] = 0.0
-            covariance[2:4, 2:4] = FIRST_RATE**2 * np.eye(2)
-            covariance[4:, 4:] = FIRST_ACCELERATION**2 * np.eye(self._size - 4)
-            return State(axes, np.zeros_like(motion), covariance)
+            # Nobody knows how the base turned.
+            return with_motion_forgotten(track.state, FIRST_RATE, FIRST_ACCELERATION)
 
     def _forget(self) -> None:
         """Drop the bearings before which no late one can come."""
@@ -488,7 +489,7 @@ class Tracker:
             del self._entries[:count], self._stamps[:count]
 
     @staticmethod
-    def _track(state: State, stamp_ns: int, frame: NDArray[np.float64]) -> Track:
+    def _track(state: Array, stamp_ns: int, frame: NDArray[np.float64]) -> Track:
         return Track(stamp_ns, *as_angles(state, frame))
 
 

@@ -69,5 +69,5 @@ def test_unknown_part(capsys):
     """Refuse a part that is not there, and list those that are."""
     with pytest.raises(SystemExit, match='2'):
         __main__.main(['sped'])
-    parts = 'accuracy, speed, real, detection, search, motion, capture, latency'
+    parts = 'accuracy, speed, real, detection, search, motion, tracking, capture, latency'
     assert f'no part sped; there is {parts}' in capsys.readouterr().err

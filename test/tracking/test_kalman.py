@@ -103,11 +103,11 @@ def test_filter_is_the_most_likely_state(model: str) -> None:
 def test_covariance_stays_symmetric_and_positive(size: int) -> None:
     """Over steps in which bearings are a million times better than what is predicted."""
     camera = np.eye(3)
-    state = started(Seen(0.0, 0.0, (1e-8, 0.0, 1e-8), camera), 1e4, 1e6, size)
+    state = started(Seen(0.0, 0.0, 1e-8, 0.0, 1e-8, camera), 1e4, 1e6, size)
     for index in range(2000):
         dt = 1e-4 if index % 7 else 0.5
         state = predicted(state, Step(dt, 1e6, camera, 0.0))
-        seen = Seen(0.0, 0.0, (1e-8, 0.9e-8, 1e-8), camera)
+        seen = Seen(0.0, 0.0, 1e-8, 0.9e-8, 1e-8, camera)
         passed, state, _ = corrected(state, seen, np.inf)
         assert passed
         np.testing.assert_array_equal(state.covariance, state.covariance.T)
