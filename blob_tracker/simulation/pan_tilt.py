@@ -94,6 +94,8 @@ class PanTilt:
         self.angles = (pan, tilt)
         self._rates = (0.0, 0.0)
         self._goal = (pan, tilt)
+        self._goal_since = self._goal_until = 0.0
+        self._goal_rates = (0.0, 0.0)
         self._underway: deque[tuple[float, tuple[float, float]]] = deque()
 
     def command(self, pan: float, tilt: float) -> None:
@@ -120,12 +122,24 @@ class PanTilt:
         """Drive it up to a time in s; what was sent early enough is obeyed on the way."""
         while self.time < time:
             while self._underway and self._underway[0][0] <= self.time + 1e-12:
-                self._goal = self._underway.popleft()[1]
+                self._obey(*self._underway.popleft())
             until = min(time, self.time + STEP)
             if self._underway:
                 until = min(until, self._underway[0][0])
+            if self.time > self._goal_until:
+                self._goal_rates = (0.0, 0.0)
             self._step(until - self.time)
             self.time = until
+
+    def _obey(self, arrival: float, goal: tuple[float, float]) -> None:
+        """Take a command, and how fast commands move: a leap is no motion, nor is the last one."""
+        elapsed, most = arrival - self._goal_since, self.joints.rate
+        pan_rate, tilt_rate = (
+            (new - old) / elapsed if abs(new - old) < most * elapsed else 0.0
+            for old, new in zip(self._goal, goal)
+        )
+        self._goal, self._goal_since, self._goal_rates = goal, arrival, (pan_rate, tilt_rate)
+        self._goal_until = arrival + 2.0 * elapsed
 
     def _step(self, interval: float) -> None:
         """Move both joints by an interval in which the command stands."""
@@ -136,15 +150,17 @@ class PanTilt:
         decay = exp(-fade * interval)
         cosine, sine = decay * cos(own * interval), decay * sin(own * interval) / own
         moved = []
-        for angle, rate, goal in zip(self.angles, self._rates, self._goal):
+        for angle, rate, goal, along in zip(
+            self.angles, self._rates, self._goal, self._goal_rates
+        ):
             away = angle - goal
             after = away * (cosine + fade * sine) + rate * sine
             speed = rate * (cosine - fade * sine) - away * turn**2 * sine
             most = joints.acceleration * interval
             if abs(speed - rate) > most or abs(speed) > joints.rate:
-                # Not faster than can be braked in time.
-                top = min(joints.rate, sqrt(2.0 * BRAKE * joints.acceleration * abs(away)))
-                speed = min(max(speed, -top), top)
+                # Not faster than can be braked in time, to the speed of the commands.
+                top = sqrt(2.0 * BRAKE * joints.acceleration * abs(away))
+                speed = min(max(speed, along - top, -joints.rate), along + top, joints.rate)
                 speed = min(max(speed, rate - most), rate + most)
                 after = away + 0.5 * (rate + speed) * interval
             moved.append((goal + after, speed))

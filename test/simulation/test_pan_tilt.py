@@ -52,6 +52,21 @@ def test_it_keeps_within_rate_and_acceleration() -> None:
     assert angles.max() < 1.0 + 1e-3
 
 
+def test_a_fast_swing_within_the_limits_is_followed() -> None:
+    """0.6 rad/s and 1.8 rad/s^2 at most, sent in steps: never further behind than delay and lag."""
+    joints = Joints(acceleration=5.0)
+    pan_tilt, worst = PanTilt(joints), 0.0
+    for step in range(2000):
+        time = 5e-3 * step
+        pan_tilt.advance(time)
+        pan_tilt.command(0.2 * np.sin(3.0 * time), 0.0)
+        late = time - joints.delay - joints.lag - 0.0025
+        if time > 0.5:
+            worst = max(worst, abs(pan_tilt.angles[0] - 0.2 * np.sin(3.0 * late)))
+    # What the loop's second order leaves, 1.8 rad/s^2 over w^2, 0.2 mrad, and the steps' ripple.
+    assert worst < 1e-3
+
+
 def test_encoders_round() -> None:
     """What is reported, and what is gone to."""
     pan_tilt = PanTilt(Joints(resolution=1e-3))
