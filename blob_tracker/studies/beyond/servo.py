@@ -156,7 +156,8 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
             f'pictures with the defects of its grabber, points to {old_rms:.2f} mrad rms and '
             f'{old_worst:.2f} mrad at worst with the same prediction, and to {old_plain:.0f} mrad '
             f'without. 0.2 mrad rms hold up to {good:.2g} times the motion of the boat and 1 mrad '
-            f'at worst up to {safe:.2g} times (without the gyro up to {blind_safe:.2g} times).'
+            f'at worst up to {safe:.2g} times; without the gyro 1 mrad holds '
+            + (f'up to {blind_safe:.2g} times.' if blind_safe else 'at none of the sizes tried.')
         ),
         agreement=(
             f'asked for: 1 mrad at worst, 0.2 preferred; with prediction and gyro {rms:.2f} mrad '
@@ -251,12 +252,11 @@ def _budget(results: Sequence[tuple[Case, Measured]]) -> list[list[Cell]]:
 
 
 def _holds(by_size: dict[float, float], limit: float) -> float:
-    """Return up to which size a limit is kept, along straight lines; 0 where it never is."""
-    before, last = 0.0, 0.0
+    """Return up to which size a limit is kept, along straight lines; 0 where none tried has it."""
+    before, last = 0.0, limit
     for size, value in sorted(by_size.items()):
         if value > limit:
-            # Without motion nothing is lost: the line begins at 0 where none was measured.
-            return before + (size - before) * max(limit - last, 0.0) / (value - last)
+            return before + (size - before) * (limit - last) / (value - last)
         before, last = size, value
     return before
 

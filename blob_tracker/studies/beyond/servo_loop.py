@@ -70,9 +70,9 @@ class Scenario:
         From the end of a sample until it is there, s.
     command_rate : float
         Of the predictions that are sent, Hz.
-    vehicle_acceleration, light_acceleration : float
-        Process noise of the tracker, mrad/s^2: what the boat does, and what is left of it, and of
-        the light's own way, where the gyro is used.
+    vehicle_acceleration, vehicle_jerk, light_acceleration : float
+        Process noise of the tracker, mrad/s^2 and mrad/s^3: what the boat does, and what is left
+        of it, and of the light's own way, where the gyro is used.
     gate : float
         Of the tracker, standard deviations: wide, as only the light flashes in step, and the boat
         does not move by the tracker's model.
@@ -103,7 +103,8 @@ class Scenario:
     gyro: Gyro = Gyro()
     gyro_latency: float = 0.002
     command_rate: float = 200.0
-    vehicle_acceleration: float = 300.0
+    vehicle_acceleration: float = 36.0
+    vehicle_jerk: float = 410.0
     light_acceleration: float = 3.0
     gate: float = 8.0
 
@@ -276,7 +277,10 @@ class Predicted:
         self._of_joints = (scenario.joint_error / MRAD) ** 2
         self._angles = PanTiltAngles()
         self._rates = PlatformRates() if imu else None
+        # The better model in either case, here: what a gyro leaves has no acceleration to follow.
         self.tracker = Tracker(
+            'constant_velocity' if imu else 'constant_acceleration',
+            jerk=scenario.vehicle_jerk,
             acceleration=scenario.vehicle_acceleration,
             stabilised_acceleration=scenario.light_acceleration,
             gate=scenario.gate,
