@@ -19,9 +19,8 @@ class Joints:
 
         x'' = w^2 (c - x) - 2 d w x',    w = 2 pi frequency
 
-    with x' and x'' held within `rate` and `acceleration`; where they are reached it brakes in time,
-    as the controllers of such units do. Behind a steady command it lags by
-    `lag`.
+    with x' and x'' held within `rate` and `acceleration`; where they are reached it brakes in
+    time, as the controllers of such units do. Behind a steady command it lags by `lag`.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ def test_it_keeps_within_rate_and_acceleration() -> None:
 
 
 def test_a_fast_swing_within_the_limits_is_followed() -> None:
-    """0.6 rad/s and 1.8 rad/s^2 at most, sent in steps: never further behind than delay and lag."""
+    """0.6 rad/s and 1.8 rad/s^2, sent in steps: never further behind than delay and lag."""
     joints = Joints(acceleration=5.0)
     pan_tilt, worst = PanTilt(joints), 0.0
     for step in range(2000):

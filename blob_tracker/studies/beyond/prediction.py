@@ -1,4 +1,4 @@
-"""How well a direction is predicted on a boat, a rover and a drone, and whether the filter knows."""
+"""How well a direction is predicted on a boat, a rover and a drone; if the filter knows it."""
 
 from __future__ import annotations
 
@@ -227,8 +227,8 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
                 for motion, one in zip(MOTIONS, gain)
             ),
             *(
-                Check(f'{motion}: the better filter 30 ms ahead', "<= 1.3 times the motion's limit",
-                      f'{one:.2f} times', one <= 1.3)
+                Check(f'{motion}: the better filter 30 ms ahead',
+                      "<= 1.3 times the motion's limit", f'{one:.2f} times', one <= 1.3)
                 for motion, one in zip(MOTIONS, over)
             ),
             *(

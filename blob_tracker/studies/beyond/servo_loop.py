@@ -48,7 +48,8 @@ class Scenario:
     motion : PlatformMotion
         How it turns.
     rock : (float, float, float)
-        Greatest angular acceleration about roll, pitch and yaw as its tool strikes a rock, rad/s^2.
+        Greatest angular acceleration about roll, pitch and yaw as its tool strikes a rock,
+        rad/s^2.
     rock_every, rock_first, rock_duration : float
         Time between two strikes, until the first, and of one, s.
     focal_length, pixel : float
@@ -135,7 +136,7 @@ class Scenario:
     @property
     def joint_error(self) -> float:
         """
-        Standard deviation of a joint's angle between two joint states, rad.
+        Return the standard deviation of a joint's angle between two joint states, rad.
 
         The encoder's step, even over its width, and the bend of the way between two states, which
         at the greatest acceleration a is a t (T - t) / 2: a T^2 / sqrt(120) rms.

@@ -12,7 +12,7 @@ import pytest
 
 @pytest.mark.parametrize('motion', MOTIONS)
 def test_a_filter_lies_between_limit_and_the_bearing_held(motion: str) -> None:
-    """At 10 and 30 ms; two rides of 4 s have 120 bearings or so: 20 % below the limit by chance."""
+    """At 10 and 30 ms; two rides of 4 s have 240 bearings: by chance 20 % below the limit."""
     rides = [measure({'motion': motion, 'seed': seed, 'duration': 4.0}) for seed in (1, 2)]
     for name in ('constant velocity', 'constant acceleration'):
         for place in (0, 1):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from blob_tracker.studies.beyond.servo import (
-    HELD, measure, PLAIN, PREDICTED, STUDY, without, WITHOUT,
+    HELD, measure, PLAIN, PREDICTED, STUDY, WITHOUT, without,
 )
 from blob_tracker.studies.beyond.servo_loop import (
     boresight_of, FINDERS, LAWS, Loop, Scenario,
