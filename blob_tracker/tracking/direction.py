@@ -104,27 +104,34 @@ def turned_covariance(
 
 
 @kernel
-def with_rates(state: State, rotation: Array, sign: float) -> State:
+def with_rates(state: State, rotation: Array, sign: float, acceleration: float) -> State:
     """
-    Return the state with the rates of frame added (sign +1) or taken off (-1).
+    Return the state with the rates of a frame added (sign +1) or taken off (-1).
 
     Parameters
     ----------
     state : State
         Its rates are those against the turning frame, or against one that does not turn.
     rotation : (3,) array
-        Angular velocity of the frame in the state's own components, rad/s.
+        Angular velocity of the frame in the base, rad/s.
     sign : float
         +1 where the rates were against the frame.
+    acceleration : float
+        Standard deviation of the accelerations then, mrad/s^2: of the frame's nothing is known.
 
     """
     axes = state.axes
-    motion = state.motion.copy()
+    motion, covariance = state.motion.copy(), state.covariance.copy()
     x = axes[0, 0] * rotation[0] + axes[1, 0] * rotation[1] + axes[2, 0] * rotation[2]
     y = axes[0, 1] * rotation[0] + axes[1, 1] * rotation[1] + axes[2, 1] * rotation[2]
     motion[0] += sign * y / MRAD
     motion[1] += sign * x / MRAD
-    return State(axes, motion, state.covariance)
+    for k in range(4, covariance.shape[0]):
+        motion[k - 2] = 0.0
+        covariance[k, :] = 0.0
+        covariance[:, k] = 0.0
+        covariance[k, k] = acceleration * acceleration
+    return State(axes, motion, covariance)
 
 
 @kernel

@@ -12,6 +12,11 @@ from blob_tracker.tracking.rotation import product
 import numpy as np
 
 
+# Of each variance: more than rounding can take where a bearing is a million times better than what
+# was expected, so that no correlation reaches 1; of a standard deviation it is 5e-10.
+ROUNDING = 1e-9
+
+
 class Step(NamedTuple):
     """
     The way from one instant to the next.
@@ -147,8 +152,8 @@ def corrected(state: State, seen: Seen, gate: float) -> tuple[bool, State, Innov
     Return whether a bearing passes the gate, the state that it corrects, and its innovation.
 
     With the innovation v, its covariance S = P_angles + R inverted in closed form and the gain
-    K = P H^T / S, the covariance is Joseph's (I - K H) P (I - K H)^T + K R K^T: a sum of squares,
-    which rounding cannot make indefinite.
+    K = P H^T / S, the covariance is Joseph's (I - K H) P (I - K H)^T + K R K^T, symmetric and a
+    sum of squares, and a little more: what rounding may have taken.
 
     Parameters
     ----------
@@ -191,6 +196,8 @@ def corrected(state: State, seen: Seen, gate: float) -> tuple[bool, State, Innov
             g, h = gain[m, 0], gain[m, 1]
             value = kept[k, m] - kept[k, 0] * g - kept[k, 1] * h
             value += gain[k, 0] * (rr * g + ru * h) + gain[k, 1] * (ru * g + uu * h)
+            if m == k:
+                value *= 1.0 + ROUNDING
             covariance[k, m] = covariance[m, k] = value
     motion = np.empty(size - 2)
     for k in range(size - 2):

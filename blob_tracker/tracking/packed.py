@@ -71,9 +71,9 @@ def tracked(
 
 
 @kernel
-def with_rates(held: Array, rotation: Array, sign: float) -> Array:
+def with_rates(held: Array, rotation: Array, sign: float, acceleration: float) -> Array:
     """Return what `direction.with_rates` does."""
-    return packed(direction.with_rates(unpacked(held), rotation, sign))
+    return packed(direction.with_rates(unpacked(held), rotation, sign, acceleration))
 
 
 @kernel

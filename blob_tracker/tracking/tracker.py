@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from dataclasses import replace
-from math import inf, isfinite, pi
+from math import isfinite, pi
 from typing import NamedTuple
 
 from blob_tracker.kernel import Array
@@ -40,6 +40,8 @@ ASYMMETRY = 1e-9  # of a covariance, of its standard deviations' product: roundi
 # Of a covariance's determinant, of its diagonal's product: a correlation that rounding can tell
 # from a perfect one.
 LEAST_DETERMINANT = 1e-12
+# mrad^2, from 2 milliseconds of arc, which no camera sees, to half a turn, which says nothing.
+LEAST_VARIANCE, MOST_VARIANCE = 1e-10, 1e7
 STRAIGHT_UP = 0.5 * pi / MRAD  # mrad
 AHEAD = np.eye(3)
 NO_TURN = np.eye(3)
@@ -277,7 +279,8 @@ class Tracker:
         -------
         Track or None
             In the camera's optical frame; its rates are those of the picture, of the target less
-            those of the platform and of the pan/tilt. None as in `at`, and where the pan/tilt's
+            those of the platform and of the pan/tilt; accelerations, of which nobody knows the
+            platform's, are 0 and unsure then. None as in `at`, and where the pan/tilt's
             place is not known.
 
         """
@@ -287,10 +290,10 @@ class Tracker:
         state, camera = found.state, AHEAD
         try:
             if found.stabilised and self.platform is not None:
-                state = with_rates(state, self.platform.rate_at(stamp_ns), -1.0)
+                state = _with_rates(state, self.platform.rate_at(stamp_ns), -1.0)
             if self.pan_tilt is not None:
                 camera = self.pan_tilt.at(stamp_ns)
-                state = with_rates(state, self.pan_tilt.rate_at(stamp_ns), -1.0)
+                state = _with_rates(state, self.pan_tilt.rate_at(stamp_ns), -1.0)
         except PlatformGap as gap:
             self.reason = str(gap)
             return None
@@ -322,7 +325,7 @@ class Tracker:
         state, step, stabilised, _ = self._step(track, stamp_ns)
         found = Hypothesis(predicted(state, *step), stamp_ns, stabilised, track.bearings)
         sigma = largest_deviation(found.state)
-        if sigma > self.max_sigma:
+        if not sigma <= self.max_sigma:
             self.reason = (
                 f'the standard deviation of the direction is {sigma:.2f} mrad; max_sigma is '
                 f'{self.max_sigma:g} mrad'
@@ -361,13 +364,13 @@ class Tracker:
         (a, b), (other, c) = given.tolist()
         # NaN and infinity pass no comparison that they must.
         if not (
-            0.0 < a < inf and 0.0 < c < inf
+            LEAST_VARIANCE <= a <= MOST_VARIANCE and LEAST_VARIANCE <= c <= MOST_VARIANCE
             and (b - other)**2 <= ASYMMETRY**2 * a * c
             and a * c - b * b > LEAST_DETERMINANT * a * c
         ):
             raise TrackingError(
-                f"the bearing's covariance is {given.tolist()} mrad^2; it must be finite, "
-                'symmetric and positive definite'
+                f"the bearing's covariance is {given.tolist()} mrad^2; it must be symmetric and "
+                f'positive definite, each variance from {LEAST_VARIANCE:g} to {MOST_VARIANCE:g}'
             )
         camera = AHEAD
         if self.pan_tilt is not None:
@@ -452,7 +455,7 @@ class Tracker:
             return state, Step(seconds, self._density, NO_TURN, 0.0), False, str(gap)
         state = track.state
         if not track.stabilised:
-            state = with_rates(state, self.platform.rate_at(track.stamp_ns), 1.0)
+            state = _with_rates(state, self.platform.rate_at(track.stamp_ns), 1.0)
         variance += self._beyond(track.stamp_ns, stamp_ns)
         step = Step(seconds, self._stabilised_density, turn, variance / MRAD**2)
         return state, step, True, ''
@@ -476,7 +479,7 @@ class Tracker:
         """Return the state with the rates that the platform's rotation leaves of them."""
         assert self.platform is not None
         try:
-            return with_rates(track.state, self.platform.rate_at(track.stamp_ns), -1.0)
+            return _with_rates(track.state, self.platform.rate_at(track.stamp_ns), -1.0)
         except PlatformGap:
             # Nobody knows how the base turned.
             return with_motion_forgotten(track.state, FIRST_RATE, FIRST_ACCELERATION)
@@ -491,6 +494,11 @@ class Tracker:
     @staticmethod
     def _track(state: Array, stamp_ns: int, frame: NDArray[np.float64]) -> Track:
         return Track(stamp_ns, *as_angles(state, frame))
+
+
+def _with_rates(state: Array, rotation: Array, sign: float) -> Array:
+    """Return a state with the rates of a frame; its accelerations are as at first sight."""
+    return with_rates(state, rotation, sign, FIRST_ACCELERATION)
 
 
 def compile_ahead() -> None:

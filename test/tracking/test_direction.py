@@ -87,15 +87,20 @@ def test_rates_of_the_frame() -> None:
     """A target at rest moves against a turning base as its direction's derivative says."""
     rotation = np.array([0.03, -0.05, 0.2])
     state = State(placed(200.0, 100.0, AHEAD), np.zeros(2), np.eye(4))
-    apparent, _ = as_angles(with_rates(state, rotation, -1.0), AHEAD)
+    apparent, _ = as_angles(with_rates(state, rotation, -1.0, 5.0), AHEAD)
     ray = state.axes[:, 2]
     h = 1e-4
     angles = of_rays(np.array([ray - h * np.cross(rotation, ray),
                                ray + h * np.cross(rotation, ray)]))
     # Second derivatives cancel; third ones are below h^2.
     assert apparent[2:4] == pytest.approx((angles[0] - angles[1]) / (-2 * h) * -1.0, abs=1e-5)
-    back = with_rates(with_rates(state, rotation, -1.0), rotation, 1.0)
+    back = with_rates(with_rates(state, rotation, -1.0, 5.0), rotation, 1.0, 5.0)
     np.testing.assert_allclose(back.motion, 0.0, atol=1e-12)
+    with_acceleration = State(state.axes, np.ones(4), np.ones((6, 6)))
+    unsure = with_rates(with_acceleration, rotation, 1.0, 5.0)
+    np.testing.assert_array_equal(unsure.motion[2:], 0.0)
+    np.testing.assert_array_equal(unsure.covariance[4:], [[0] * 4 + [25, 0], [0] * 5 + [25]])
+    np.testing.assert_array_equal(unsure.covariance[:4, :4], 1.0)
 
 
 def test_a_turn_of_the_base_by_half_a_circle() -> None:

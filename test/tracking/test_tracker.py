@@ -144,6 +144,8 @@ def test_stamps() -> None:
     (np.array([[0.01, 0.02], [0.02, 0.01]]), 0.0, 0.0),
     (np.array([[0.01, 0.01], [0.01, 0.01]]), 0.0, 0.0),
     (np.array([0.01, 0.01]), 0.0, 0.0),
+    (np.diag([0.01, 1e-11]), 0.0, 0.0),
+    (np.diag([1.1e7, 0.01]), 0.0, 0.0),
     (COVARIANCE, np.nan, 0.0),
     (COVARIANCE, 0.0, np.inf),
     (COVARIANCE, 0.0, 1571.0),
@@ -298,12 +300,13 @@ def on_a_turning_base(count: int, rate: np.ndarray) -> list[Bearing]:
     return bearings
 
 
-def test_a_gap_of_the_platforms_rates() -> None:
+@pytest.mark.parametrize('model', list(MODELS))
+def test_a_gap_of_the_platforms_rates(model: str) -> None:
     """The track goes on without them, at the rate that the picture shows, and says so."""
     rate = np.array([0.1, -0.4, 0.2])
     platform = PlatformRates(hold=0.1)
     turning(platform, 0.5, rate)
-    tracker = Tracker(platform=platform)
+    tracker = Tracker(model, platform=platform)
     bearings = on_a_turning_base(30, rate)
     for index, bearing in enumerate(bearings):
         track = tracker.update(bearing)
@@ -416,3 +419,51 @@ def test_a_stabilised_target_is_as_good_as_from_a_still_camera(motion: str) -> N
     moving, resting = (np.sqrt(np.mean(each**2)) for each in errors)
     assert resting < 0.07
     assert moving == pytest.approx(resting, rel=0.15)
+
+
+@pytest.mark.parametrize('seed', range(20))
+def test_whatever_comes_the_track_is_one(seed: int) -> None:
+    """Wild bearings, covariances, stamps, rates and joints: a true covariance, or silence."""
+    random = np.random.default_rng(seed)
+    platform = PlatformRates() if seed % 3 else None
+    pan_tilt = PanTiltAngles() if seed % 5 == 0 else None
+    tracker = Tracker(
+        list(MODELS)[seed % 2], acceleration=10**random.uniform(-2, 6),
+        jerk=10**random.uniform(-2, 6), gate=10**random.uniform(0, 1.5), coast=1.0,
+        max_sigma=1e3, platform=platform, pan_tilt=pan_tilt,
+    )
+    now, told = 10**18, 0
+    for _ in range(150):
+        now += int(10**random.uniform(5, 8))
+        stamp = now - int(random.choice([0.0, 0.0, 1e7, 1e8, 2e9]) * random.random())
+        try:
+            if platform is not None:
+                platform.push(stamp, random.normal(size=3) * random.choice([0.01, 1, 50]), 1e-4)
+            if pan_tilt is not None:
+                pan_tilt.push(stamp, *random.normal(size=2))
+        except TrackingError:
+            pass  # a stamp from before the memory
+        wild = random.random() < 0.2
+        azimuth, elevation = random.uniform(-1, 1, 2) * ((4000, 1570.79) if wild else (10, 10))
+        deviations = 10**random.uniform(-5, 3, 2)
+        correlation = random.uniform(-1, 1) * deviations.prod()
+        covariance = np.diag(deviations**2) + correlation * (1 - np.eye(2))
+        tracks = []
+        try:
+            tracks.append(tracker.update(Bearing(azimuth, elevation, covariance, stamp)))
+        except TrackingError as error:
+            assert str(error)
+        tracks += [tracker.at(stamp + int(random.uniform(-1e9, 1e9))),
+                   tracker.seen_at(stamp + int(random.uniform(0, 2e8)))]
+        for track in tracks:
+            if track is None:
+                continue
+            told += 1
+            assert np.isfinite(track.state).all()
+            np.testing.assert_array_equal(track.covariance, track.covariance.T)
+            scale = np.sqrt(np.diag(track.covariance))
+            # Eigenvalues of correlations; rounding of the solver.
+            correlations = track.covariance / np.outer(scale, scale)
+            assert np.linalg.eigvalsh(correlations).min() > -1e-14
+            assert abs(track.azimuth) <= 1e3 * np.pi and abs(track.elevation) <= 500 * np.pi
+    assert told > 50
