@@ -6,6 +6,7 @@ from collections import deque
 from dataclasses import dataclass
 from math import cos, exp, isfinite, sin, sqrt, tau
 
+BRAKE = 0.6  # of the acceleration, with which a long way ends: the rest is for the loop
 STEP = 0.002  # s: within it the motors' limits hold on the mean
 
 
@@ -18,8 +19,8 @@ class Joints:
 
         x'' = w^2 (c - x) - 2 d w x',    w = 2 pi frequency
 
-    with x' and x'' held within `rate` and `acceleration`. Behind a steady command it lags by
-    `lag`.
+    with x' and x'' held within `rate` and `acceleration`; where they are reached it brakes in
+    time, as the controllers of such units do. Behind a steady command it lags by `lag`.
 
     Parameters
     ----------
@@ -92,6 +93,8 @@ class PanTilt:
         self.angles = (pan, tilt)
         self._rates = (0.0, 0.0)
         self._goal = (pan, tilt)
+        self._goal_since = self._goal_until = 0.0
+        self._goal_rates = (0.0, 0.0)
         self._underway: deque[tuple[float, tuple[float, float]]] = deque()
 
     def command(self, pan: float, tilt: float) -> None:
@@ -118,12 +121,24 @@ class PanTilt:
         """Drive it up to a time in s; what was sent early enough is obeyed on the way."""
         while self.time < time:
             while self._underway and self._underway[0][0] <= self.time + 1e-12:
-                self._goal = self._underway.popleft()[1]
+                self._obey(*self._underway.popleft())
             until = min(time, self.time + STEP)
             if self._underway:
                 until = min(until, self._underway[0][0])
+            if self.time > self._goal_until:
+                self._goal_rates = (0.0, 0.0)
             self._step(until - self.time)
             self.time = until
+
+    def _obey(self, arrival: float, goal: tuple[float, float]) -> None:
+        """Take a command, and how fast commands move: a leap is no motion, nor is the last one."""
+        elapsed, most = arrival - self._goal_since, self.joints.rate
+        pan_rate, tilt_rate = (
+            (new - old) / elapsed if abs(new - old) < most * elapsed else 0.0
+            for old, new in zip(self._goal, goal)
+        )
+        self._goal, self._goal_since, self._goal_rates = goal, arrival, (pan_rate, tilt_rate)
+        self._goal_until = arrival + 2.0 * elapsed
 
     def _step(self, interval: float) -> None:
         """Move both joints by an interval in which the command stands."""
@@ -134,15 +149,20 @@ class PanTilt:
         decay = exp(-fade * interval)
         cosine, sine = decay * cos(own * interval), decay * sin(own * interval) / own
         moved = []
-        for angle, rate, goal in zip(self.angles, self._rates, self._goal):
+        for angle, rate, goal, along in zip(
+            self.angles, self._rates, self._goal, self._goal_rates
+        ):
             away = angle - goal
             after = away * (cosine + fade * sine) + rate * sine
             speed = rate * (cosine - fade * sine) - away * turn**2 * sine
             most = joints.acceleration * interval
-            held = min(max(speed, rate - most, -joints.rate), rate + most, joints.rate)
-            if held != speed:
-                after = away + 0.5 * (rate + held) * interval
-            moved.append((goal + after, held))
+            if abs(speed - rate) > most or abs(speed) > joints.rate:
+                # Not faster than can be braked in time, to the speed of the commands.
+                top = sqrt(2.0 * BRAKE * joints.acceleration * abs(away))
+                speed = min(max(speed, along - top, -joints.rate), along + top, joints.rate)
+                speed = min(max(speed, rate - most), rate + most)
+                after = away + 0.5 * (rate + speed) * interval
+            moved.append((goal + after, speed))
         (pan, pan_rate), (tilt, tilt_rate) = moved
         self.angles, self._rates = (pan, tilt), (pan_rate, tilt_rate)
 

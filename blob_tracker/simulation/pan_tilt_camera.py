@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from math import sqrt
+from math import ceil, sqrt
 
 from blob_tracker.camera import CameraModel
+from blob_tracker.simulation.analogue_chain import AnalogueChain
+from blob_tracker.simulation.line_jitter import jittering_offsets
 from blob_tracker.simulation.noise_bank import NoiseBank
 from blob_tracker.simulation.platform_motion import Ride, turn_about
 from blob_tracker.simulation.profiles import Gaussian, Profile
 from blob_tracker.simulation.sensor import Sensor
-from blob_tracker.simulation.spot import add_spot, Spot
+from blob_tracker.simulation.trailing_edge import peaked
 from blob_tracker.simulation.wall import textured_wall
 from blob_tracker.types import Frame
 import cv2
@@ -50,6 +52,9 @@ class PanTiltCamera:
         What turns light into numbers.
     exposure : float
         s.
+    chain : AnalogueChain
+        Line jitter and trailing edge of an analogue camera of 480 lines; none as it stands. The
+        grabber's own clock is left out: it is one scale for all pictures, which a calibration has.
     region : (int, int)
         Width and height of the hardware crop in the middle of the sensor, px.
     seed : int
@@ -67,6 +72,7 @@ class PanTiltCamera:
     texture: float = 8.0
     sensor: Sensor = Sensor()
     exposure: float = 0.002
+    chain: AnalogueChain = AnalogueChain()
     region: tuple[int, int] = (160, 120)
     seed: int = 1
 
@@ -127,15 +133,34 @@ class PanTiltCamera:
         places = self.model.project(rays)
         picture = self._shore(middle, joints[PARTS // 2], places[PARTS // 2])
         if lit:
-            aperture = sqrt(self.sensor.fill_factor)
+            random = np.random.Generator(np.random.SFC64([self.seed, index, 1]))
+            lines = jittering_offsets(
+                self.chain.offsets()[top:top + height], random, per_line=self.chain.per_line,
+                per_frame=self.chain.per_frame,
+            )
             for x, y in places.tolist():
-                if np.isfinite(x) and np.isfinite(y):
-                    spot = Spot(x - left, y - top, self.sigma, self.amplitude / PARTS)
-                    add_spot(picture, spot, self.profile, aperture)
+                self._add(picture, x - left, y - top, lines)
+        if self.chain.trailing_edge is not None:
+            picture = peaked(picture, self.chain.trailing_edge).astype(np.float32)
         pixels = self.sensor.expose(picture, NoiseBank(self.seed, index))
         return Frame(
             pixels, 10**9 + round(1e9 * middle), self.sensor.saturation, left, top
         )
+
+    def _add(
+        self, picture: NDArray[np.float32], x: float, y: float, lines: Array
+    ) -> None:
+        """Add a part of an exposure to the picture; each line sees it at its own offset."""
+        if not (np.isfinite(x) and np.isfinite(y)):
+            return
+        half = ceil(self.profile.reach * self.sigma)
+        left, top = max(round(x) - half, 0), max(round(y) - half, 0)
+        part = picture[top:max(round(y) + half + 1, 0), left:max(round(x) + half + 1, 0)]
+        if part.size:
+            part += (self.amplitude / PARTS * self.profile.over_pixels(
+                (part.shape[0], part.shape[1]), x - left + lines[top:top + len(part)], y - top,
+                self.sigma, sqrt(self.sensor.fill_factor),
+            )).astype(np.float32)
 
     def _shore(self, middle: float, joints: Array, place: Array) -> NDArray[np.float32]:
         """Return the (h, w) shore behind the light: it is as far away, and turns about it."""

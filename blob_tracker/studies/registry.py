@@ -9,6 +9,8 @@ from blob_tracker.studies.beyond import (
     default_pipeline,
     growing_target,
     locale_table,
+    prediction,
+    servo,
     trailing_edge,
 )
 from blob_tracker.studies.chapter_5 import known_shifts, steps, trailing_edge_row
@@ -42,6 +44,8 @@ ALL: tuple[Study, ...] = (
     trailing_edge.STUDY,
     locale_table.STUDY,
     growing_target.STUDY,
+    prediction.STUDY,
+    servo.STUDY,
 )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from blob_tracker.camera import CameraModel
 from blob_tracker.location import locate
-from blob_tracker.simulation.pan_tilt_camera import PARTS, PanTiltCamera
+from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera, PARTS
 from blob_tracker.simulation.platform_motion import Ride
 from blob_tracker.simulation.sensor import Sensor
 from blob_tracker.types import SensorNoise, Window
