@@ -19,8 +19,9 @@ from sensor_msgs.msg import Imu, JointState
 
 MINE = (
     'imu.enabled', 'imu.frame_id', 'imu.roll', 'imu.pitch', 'imu.yaw', 'joints.pan', 'joints.tilt',
-    'joints.pan_reversed', 'joints.tilt_reversed', 'joints.frame_id',
+    'joints.pan_reversed', 'joints.tilt_reversed', 'joints.sigma', 'joints.frame_id',
 )
+MRAD = 1e-3  # rad
 SILENCE = 1_000_000_000  # ns of ROS time without angles that are worth a word
 
 
@@ -89,7 +90,9 @@ class Platform:
                 return False
             self._asked, self._turn = asked, turn
             self.rates = PlatformRates() if asked['imu.enabled'] else None
-            self.angles = PanTiltAngles() if pan or tilt else None
+            self.angles = None
+            if pan or tilt:
+                self.angles = PanTiltAngles(sigma=MRAD * asked['joints.sigma'])
             self.frame_id = asked['joints.frame_id'] if self.angles is not None else ''
             self._came_ns = self._now_ns()
             # They stay when they are no longer asked for, see `process.run`.

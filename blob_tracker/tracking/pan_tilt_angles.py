@@ -24,20 +24,27 @@ class PanTiltAngles:
         Longest time, s, for which that is done, and between two samples.
     memory : float
         Time for which samples are kept, s; a late one within it is put in its place.
+    sigma : float
+        Standard deviation of either angle at an instant, rad: of the encoder's step, over
+        sqrt(12), and of the bend between two samples. It is added to that of each bearing:
+        without it a track of good bearings refuses what is right.
 
     Raises
     ------
     TrackingError
-        Where one of them is not above 0 and finite.
+        Where hold or memory is not above 0, sigma is below, or one of them is not finite.
 
     """
 
-    def __init__(self, hold: float = 0.2, memory: float = 2.0) -> None:
+    def __init__(self, hold: float = 0.2, memory: float = 2.0, *, sigma: float = 0.0) -> None:
         for name, value in (('hold', hold), ('memory', memory)):
             if not (value > 0.0 and isfinite(value)):
                 raise TrackingError(f'{name} is {value} s; it must be above 0 and finite')
+        if not (sigma >= 0.0 and isfinite(sigma)):
+            raise TrackingError(f'sigma is {sigma} rad; it must be 0 or more and finite')
         self.hold = hold
         self.memory = memory
+        self.sigma = sigma
         self._hold_ns, self._memory_ns = round(1e9 * hold), round(1e9 * memory)
         self._stamps: list[int] = []
         self._angles: list[tuple[float, float]] = []

@@ -149,7 +149,7 @@ class Tracker:
         stabilised_jerk: float = 100.0,
         gate: float = 5.0,
         coast: float = 0.5,
-        max_sigma: float = 5.0,
+        max_sigma: float = 20.0,
         platform: PlatformRates | None = None,
         pan_tilt: PanTiltAngles | None = None,
     ) -> None:
@@ -378,6 +378,8 @@ class Tracker:
                 camera = self.pan_tilt.at(bearing.stamp_ns)
             except PlatformGap as gap:
                 raise TrackingError(f'the bearing has no direction in the base: {gap}') from None
+            of_joints = (self.pan_tilt.sigma / MRAD) ** 2
+            a, c = a + of_joints, c + of_joints
         return Seen(azimuth, elevation, a, b, c, camera)
 
     def _after(self, before: Situation, seen: Seen, stamp_ns: int) -> Situation:

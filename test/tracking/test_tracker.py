@@ -396,6 +396,18 @@ def test_pan_tilt() -> None:
     assert 'the newest joint angles' in tracker.reason
 
 
+def test_the_error_of_the_joints_is_in_the_covariance() -> None:
+    """A first bearing is as uncertain as it is and the joints are: 0.1 and 0.3 mrad."""
+    pan_tilt = PanTiltAngles(sigma=0.3e-3)
+    pan_tilt.push(0, 0.2, 0.1)
+    track = Tracker(pan_tilt=pan_tilt).update(Bearing(1.0, 2.0, 0.1**2 * np.eye(2), 0))
+    # The angles in the base, 200 mrad off: the azimuth's circle is smaller at 100 mrad up.
+    sigmas = np.sqrt(np.diag(track.angle_covariance)) * (np.cos(0.102), 1.0)
+    np.testing.assert_allclose(sigmas, np.hypot(0.1, 0.3), rtol=1e-4)
+    with pytest.raises(TrackingError, match='sigma is nan rad; it must be 0 or more'):
+        PanTiltAngles(sigma=np.nan)
+
+
 @pytest.mark.parametrize('motion', list(MOTIONS))
 def test_a_stabilised_target_is_as_good_as_from_a_still_camera(motion: str) -> None:
     """A resting light, an exact gyro: the error is that of a camera that does not move."""

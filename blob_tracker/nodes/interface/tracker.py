@@ -62,9 +62,7 @@ PARAMETERS = (
     ),
     Parameter(
         'max_sigma',
-        # With the default acceleration 0.24 s after the last bearing: two flashes of a camera of
-        # 30 Hz, its latency and the servo's.
-        20.0,
+        _DEFAULTS['max_sigma'],
         'Standard deviation of the prediction above which there is silence.',
         least=1e-3,
         most=1000.0,
@@ -136,6 +134,15 @@ PARAMETERS = (
     ),
     Parameter('joints.pan_reversed', False, 'Whether a growing angle turns it to the left.'),
     Parameter('joints.tilt_reversed', False, 'Whether a growing angle turns it down.'),
+    Parameter(
+        'joints.sigma',
+        0.03,
+        "Standard deviation of the joints' angles, which is added to the bearings': the encoder's "
+        'step over 3.5, and what they bend between two messages. The default is 16 bits a turn.',
+        least=0.0,
+        most=100.0,
+        unit='mrad',
+    ),
     Parameter(
         'joints.frame_id',
         'base_optical_frame',

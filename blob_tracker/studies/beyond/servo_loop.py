@@ -275,8 +275,7 @@ class Predicted:
 
     def __init__(self, scenario: Scenario, *, imu: bool) -> None:
         self._delay_ns = round(1e9 * scenario.servo_delay)
-        self._of_joints = (scenario.joint_error / MRAD) ** 2
-        self._angles = PanTiltAngles()
+        self._angles = PanTiltAngles(sigma=scenario.joint_error)
         self._rates = PlatformRates() if imu else None
         # The better model in either case, here: what a gyro leaves has no acceleration to follow.
         self.tracker = Tracker(
@@ -301,10 +300,9 @@ class Predicted:
             self._rates.push(stamp_ns, rate, variance)
 
     def bearing(self, bearing: Bearing) -> None:
-        """Take it into the track, with the error of the joints' angles added to its own."""
-        covariance = bearing.covariance + self._of_joints * np.eye(2)
+        """Take it into the track."""
         try:
-            self.tracker.update(replace(bearing, covariance=covariance))
+            self.tracker.update(bearing)
         except TrackingError:
             pass  # the track goes on without it
 
