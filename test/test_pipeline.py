@@ -164,4 +164,5 @@ def test_the_expectation_is_the_angle_and_its_covariance_in_pixels() -> None:
         expected.covariance, derivative @ np.diag([4.0, 1.0]) @ derivative.T
     )
     assert np.sqrt(expected.covariance[0, 0]) == pytest.approx(2e-3 * model.matrix[0, 0], rel=0.05)
-    assert expectation(Track(5, np.array([3000.0, 0.0, 0.0, 0.0]), track.covariance), model) is None
+    behind = Track(5, np.array([3000.0, 0.0, 0.0, 0.0]), track.covariance)
+    assert expectation(behind, model) is None

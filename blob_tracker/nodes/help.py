@@ -24,8 +24,11 @@ def help_text(interface: Interface, width: int) -> str:
 
     """
     parts = [
-        f'usage: ros2 run blob_tracker {interface.node} [--ros-args -p NAME:=VALUE '
-        '--params-file FILE -r OLD:=NEW]',
+        fill(
+            f'usage: ros2 run blob_tracker {interface.node} [--ros-args -p NAME:=VALUE '
+            '--params-file FILE -r OLD:=NEW]',
+            width,
+        ),
         fill(interface.summary, width),
     ]
     for title, entries in (
