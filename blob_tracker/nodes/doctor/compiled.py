@@ -11,16 +11,17 @@ import sys
 
 from blob_tracker.nodes.doctor.finding import error, Finding, ok, warn
 
-ROOMS = ('location', 'segmentation')
+ROOMS = ('location', 'segmentation', 'tracking')
 # Modules with the loops that run with the parameters as they are by default, and no others.
 NEEDED = (
     'location.locate', 'location.maximum_likelihood', 'segmentation.adaptive_moments',
     'segmentation.description', 'segmentation.local_maxima', 'segmentation.peaks',
-    'segmentation.tile_noise',
+    'segmentation.tile_noise', 'tracking.constant_velocity', 'tracking.direction',
+    'tracking.kalman', 'tracking.packed', 'tracking.platform_rates', 'tracking.rotation',
 )
 COMPILE = 'from blob_tracker.pipeline import compile_ahead; compile_ahead({})'  # the methods
 TELL = (
-    'import json; from blob_tracker import location, segmentation; '
+    'import json; from blob_tracker import location, segmentation, tracking; '
     'from blob_tracker.kernel import compiled; '
     f"print(json.dumps({{m: compiled(f'blob_tracker.{{m}}') for m in {ROOMS + NEEDED}}}))"
 )
