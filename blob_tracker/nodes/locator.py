@@ -287,8 +287,8 @@ class LocatorNode(Node):
             )
         else:
             cause = (
-                'while the pixels fit; the target or the camera shakes, or the method errs with '
-                f'the place in the pixel: compare the method {DEFAULT_METHOD}'
+                'while the pixels fit; the target or the camera shakes, a pan/tilt turns it, or '
+                f'the method errs with the place in the pixel: compare the method {DEFAULT_METHOD}'
             )
         self._health.fault(
             WARN,

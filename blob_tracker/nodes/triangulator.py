@@ -158,13 +158,7 @@ class TriangulatorNode(Node):
 
     def _triangulate(self, pair: tuple[Bearing, Bearing]) -> None:
         """Publish where the rays meet, or nothing at all."""
-        first, second = self._camera_poses
-        if np.linalg.norm(first.position - second.position) < LEAST_BASELINE:
-            self._health.fault(
-                ERROR,
-                'both cameras are at the same place; set first.x, first.y, first.z and second.x, '
-                'second.y, second.z to where they are in frame_id',
-            )
+        if self._at_one_place():  # which is said each second
             return
         try:
             position = triangulate(pair, self._camera_poses, gate=self._gate)
@@ -180,8 +174,19 @@ class TriangulatorNode(Node):
         self._health.ok('target placed')
         self._position = position
 
+    def _at_one_place(self) -> bool:
+        """Tell whether no one has said yet where the cameras are."""
+        first, second = self._camera_poses
+        return float(np.linalg.norm(first.position - second.position)) < LEAST_BASELINE
+
     def _check_cameras(self) -> None:
-        """Report a camera that is silent, and rays that come in vain."""
+        """Report cameras at one place, one that is silent, and rays that come in vain."""
+        if self._at_one_place():
+            self._health.fault(
+                ERROR,
+                'both cameras are at the same place; set first.x, first.y, first.z and second.x, '
+                'second.y, second.z to where they are in frame_id',
+            )
         now = time.monotonic()
         silent = [each for each in self._cameras.values() if now - each.came > SILENCE]
         if len(silent) == 1:

@@ -205,6 +205,11 @@ def test_parallel_rays_and_a_missing_baseline_are_named(cameras: Cameras) -> Non
         cameras.expect('no position: the rays are parallel', DiagnosticStatus.WARN)
         put(2.0)
         cameras.expect('both cameras are at the same place', DiagnosticStatus.ERROR)
+        cameras.diagnostics.clear()  # and also while no ray arrives
+        cameras.node.spin_until(lambda: any(
+            'both cameras are at the same place' in each.status[0].message
+            for each in cameras.diagnostics
+        ))
     finally:
         POSES['right'] = before
 
