@@ -3,6 +3,7 @@
 from inspect import signature
 from math import pi
 
+from blob_tracker.nodes.interface.optical_frame import PITCH, ROLL, YAW
 from blob_tracker.nodes.interface.topics import (
     DIAGNOSTICS, IMU, JOINT_STATES, PREDICTED, RAY, TRACK, TRACKED,
 )
@@ -94,7 +95,7 @@ PARAMETERS = (
     Parameter('imu.frame_id', 'imu_link', 'Frame of the IMU: messages of any other are refused.'),
     Parameter(
         'imu.roll',
-        -pi / 2.0,
+        ROLL,
         "Turn of the camera's optical frame in that of the IMU (of the pan/tilt at 0, 0, where "
         'the camera rides on one), as static_transform_publisher has it. The default is an IMU '
         'with x forward, y left, z up.',
@@ -102,9 +103,11 @@ PARAMETERS = (
         most=pi,
         unit='rad',
     ),
-    Parameter('imu.pitch', 0.0, 'The second angle of that turn.', least=-pi, most=pi, unit='rad'),
     Parameter(
-        'imu.yaw', -pi / 2.0, 'The third angle of that turn.', least=-pi, most=pi, unit='rad'
+        'imu.pitch', PITCH, 'The second angle of that turn.', least=-pi, most=pi, unit='rad'
+    ),
+    Parameter(
+        'imu.yaw', YAW, 'The third angle of that turn.', least=-pi, most=pi, unit='rad'
     ),
     Parameter(
         'imu.acceleration',
@@ -137,8 +140,9 @@ PARAMETERS = (
     Parameter(
         'joints.sigma',
         0.03,
-        "Standard deviation of the joints' angles, which is added to the bearings': the encoder's "
-        'step over 3.5, and what they bend between two messages. The default is 16 bits a turn.',
+        "Standard deviation of the joints' angles, which is added to the bearings'. It is the "
+        "encoder's step over 3.5, and what they bend between two messages; the default is that of "
+        '16 bits a turn.',
         least=0.0,
         most=100.0,
         unit='mrad',

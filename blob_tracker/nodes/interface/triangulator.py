@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from math import pi
 
+from blob_tracker.nodes.interface.optical_frame import PITCH, ROLL, YAW
 from blob_tracker.nodes.interface.topics import (
     DIAGNOSTICS, FIRST_RAY, POINT, POSE, SECOND_RAY,
 )
@@ -29,7 +30,7 @@ def _camera(name: str, namespace: str, role: str) -> Iterator[Parameter]:
             most=1e6,
             unit='m',
         )
-    for angle, default in (('roll', -pi / 2.0), ('pitch', 0.0), ('yaw', -pi / 2.0)):
+    for angle, default in (('roll', ROLL), ('pitch', PITCH), ('yaw', YAW)):
         text = f'How its optical frame is turned in frame_id: {angle} of the fixed-axis angles'
         if angle == 'roll':
             text += (
