@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isfinite
 
 from blob_tracker.kernel import Array, kernel
-from blob_tracker.tracking.errors import PlatformGap, StampJump, TrackingError
+from blob_tracker.tracking.errors import check_stamp, PlatformGap, StampJump, TrackingError
 from blob_tracker.tracking.rotation import from_vector, product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,11 @@ DENSEST = 4000  # samples a second of the memory: twice as fast as a fused gyro 
 # noise and the engine. On a boat 0.05 to 0.07 are alike (study servo).
 FITTED = 0.06
 FEWEST = 4  # samples of a line; of fewer the newest holds
+# s that they span at least: of a burst, stamped on arrival, the slope is noise over microseconds.
+SHORTEST = FITTED / 2.0
+# rad/s^2: past what a vehicle's drive, a rock under its tool or a camera drone's rotors give it.
+SWIFTEST = 100.0
+SHAKEN = 0.3  # rad/s from sample to sample: a gyro's noise and what an engine shakes it by
 FASTEST = 100.0  # rad/s: 6000 degrees a second, past the range of any gyro
 
 
@@ -32,8 +37,15 @@ class PlatformRates:
 
     Past the newest sample the angular velocity goes on along a straight line, the least-squares
     fit to the samples of the last `FITTED` seconds, whose weights rise evenly from 0 to 1 at the
-    newest. A vehicle swings: its last rate alone would be off by its acceleration times the
+    newest; of fewer than `FEWEST` or within less than `SHORTEST` seconds the newest rate holds. A
+    vehicle swings: its last rate alone would be off by its acceleration times the
     horizon, and the last sample is as noisy as any.
+
+    A sample is a fault of the sensor, or of its bus, where a component is above both neighbours or
+    below both by more than `SHAKEN` and than an angular acceleration of `SWIFTEST` explains: it
+    counts as the nearer neighbour, their median. Of the newest sample one neighbour is missing:
+    so far from the one before, it waits for the next, and a change of the rate that lasts is late
+    by one sample.
 
     Parameters
     ----------
@@ -59,18 +71,21 @@ class PlatformRates:
         self._hold_ns, self._memory_ns = round(1e9 * hold), round(1e9 * memory)
         capacity = max(2, int(DENSEST * memory))
         self._stamps = np.empty(capacity, np.int64)
-        self._rates = np.empty((capacity, 3))
+        self._samples = np.empty((capacity, 3))  # as they came
+        self._rates = np.empty((capacity, 3))  # without faults
         self._variances = np.empty(capacity)
         self._first = self._end = 0  # of what is kept
+        self._waiting = 0  # newest samples, 0 or 1, that the next one may prove wrong
 
     @property
     def newest_ns(self) -> int | None:
-        """Stamp of the newest sample, ns; None where there is none."""
-        return int(self._stamps[self._end - 1]) if self._end > self._first else None
+        """Stamp of the newest sample that counts, ns; None where there is none."""
+        newest = self._end - 1 - self._waiting
+        return int(self._stamps[newest]) if newest >= self._first else None
 
     def reset(self) -> None:
         """Forget all samples."""
-        self._first = self._end = 0
+        self._first = self._end = self._waiting = 0
 
     def push(self, stamp_ns: int, rate: ArrayLike, variance: float = 0.0) -> None:
         """
@@ -93,6 +108,7 @@ class PlatformRates:
             Where the stamp is from before the memory.
 
         """
+        check_stamp(stamp_ns)
         vector = np.asarray(rate, dtype=float)
         if vector.shape != (3,) or not np.abs(vector).max() <= FASTEST:
             raise TrackingError(
@@ -106,7 +122,8 @@ class PlatformRates:
             )
         place = self._place(stamp_ns)
         for kept, value in (
-            (self._stamps, stamp_ns), (self._rates, vector), (self._variances, variance)
+            (self._stamps, stamp_ns), (self._samples, vector), (self._rates, vector),
+            (self._variances, variance),
         ):
             if place < self._end:
                 kept[place + 1:self._end + 1] = kept[place:self._end].copy()
@@ -115,6 +132,10 @@ class PlatformRates:
         oldest = int(self._stamps[self._end - 1]) - self._memory_ns
         while self._stamps[self._first] < oldest:
             self._first += 1
+        known = slice(self._first, self._end)
+        self._waiting = _without_faults(
+            self._stamps[known], self._samples[known], self._rates[known], place - self._first
+        )
 
     def between(self, t0_ns: int, t1_ns: int) -> tuple[NDArray[np.float64], float]:
         """
@@ -139,7 +160,7 @@ class PlatformRates:
             Where the samples do not cover the time, with a reason.
 
         """
-        samples = slice(self._first, self._end)
+        samples = slice(self._first, self._end - self._waiting)
         turn, variance, gap = _integrated(
             self._stamps[samples], self._rates[samples], self._variances[samples], t0_ns, t1_ns,
             self._hold_ns,
@@ -163,7 +184,7 @@ class PlatformRates:
             As `between` does.
 
         """
-        samples = slice(self._first, self._end)
+        samples = slice(self._first, self._end - self._waiting)
         rate, gap = _rate(self._stamps[samples], self._rates[samples], stamp_ns, self._hold_ns)
         if gap:
             raise PlatformGap(self._reason(gap, stamp_ns, stamp_ns))
@@ -176,11 +197,10 @@ class PlatformRates:
             # Half of it is room again; the oldest go even where all are within the memory.
             first = max(self._first, capacity // 2)
             count = capacity - first
-            for kept in (self._stamps, self._rates, self._variances):
+            for kept in (self._stamps, self._samples, self._rates, self._variances):
                 kept[:count] = kept[first:]
             self._first, self._end = 0, count
-        newest = self.newest_ns
-        if newest is None or stamp_ns > newest:
+        if self._end == self._first or stamp_ns > (newest := int(self._stamps[self._end - 1])):
             return self._end
         if stamp_ns < newest - self._memory_ns:
             raise StampJump(
@@ -227,6 +247,36 @@ def _search(stamps: NDArray[np.int64], stamp: int) -> int:
 
 
 @kernel
+def _leaps(stamps: NDArray[np.int64], samples: Array, index: int, axis: int) -> int:
+    """Return whether the rate leaps up (1) or down (-1) from a sample to the next one, or 0."""
+    step = samples[index + 1, axis] - samples[index, axis]
+    if abs(step) <= SHAKEN + SWIFTEST * 1e-9 * (stamps[index + 1] - stamps[index]):
+        return 0
+    return 1 if step > 0.0 else -1
+
+
+@kernel
+def _without_faults(
+    stamps: NDArray[np.int64], samples: Array, rates: Array, place: int
+) -> int:
+    """Fill the rates about a sample that has come; return 1 where the newest one must wait."""
+    last = len(stamps) - 1
+    for index in range(max(place - 1, 1), min(place + 2, last)):
+        for k in range(3):
+            rates[index, k] = samples[index, k]
+            up = _leaps(stamps, samples, index - 1, k)
+            if up != 0 and _leaps(stamps, samples, index, k) == -up:
+                before, after = samples[index - 1, k], samples[index + 1, k]
+                rates[index, k] = max(before, after) if up > 0 else min(before, after)
+    if last == 0:
+        return 0
+    for k in range(3):
+        if _leaps(stamps, samples, last - 1, k) != 0:
+            return 1
+    return 0
+
+
+@kernel
 def _line(
     stamps: NDArray[np.int64], rates: Array
 ) -> tuple[Array, Array, float, float, float]:
@@ -239,7 +289,8 @@ def _line(
     newest = len(stamps) - 1
     rate, slope = rates[newest].copy(), np.zeros(3)
     first = _search(stamps, stamps[newest] - round(1e9 * FITTED))
-    if newest - first + 1 < FEWEST:
+    span = 1e-9 * (stamps[newest] - stamps[first])
+    if newest - first + 1 < FEWEST or span < SHORTEST:
         return rate, slope, 1.0, 0.0, 0.0
     a0 = a1 = a2 = b0 = b1 = b2 = 0.0
     sums, moments = np.zeros(3), np.zeros(3)
@@ -320,6 +371,8 @@ def _integrated(
     following = _search(stamps, t0)
     at = t0
     w0, gap = _rate(stamps, rates, t0, hold)
+    if gap:  # also where no time passes: nobody knows the rate there
+        return turn, variance, gap
     while at < t1 and following < count:
         if stamps[following] <= t1:
             until = stamps[following]
