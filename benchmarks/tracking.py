@@ -13,7 +13,7 @@ from blob_tracker.simulation.platform_motion import MOTIONS, Ride
 from blob_tracker.tracking import MODELS, PlatformRates, Tracker
 from blob_tracker.tracking.models import fill_step
 from blob_tracker.tracking.process_noise import process_noise
-from blob_tracker.tracking.tracker import FIRST_ACCELERATION, FIRST_RATE
+from blob_tracker.tracking.tracker import AGREEING, FIRST_ACCELERATION, FIRST_RATE
 from blob_tracker.types import Bearing
 import numpy as np
 from numpy.typing import NDArray
@@ -224,7 +224,8 @@ def ours(
         ahead = [tracker.at(bearing.stamp_ns + round(1e9 * each)) for each in HORIZONS]
         innovation = tracker.innovation
         answers.append(Answer(
-            track.state[:2], *(each.state[:2] for each in ahead if each is not None),
+            # Before there is a track that tells, the bearing held; it is not counted.
+            track.state[:2], *((track if each is None else each).state[:2] for each in ahead),
             covariance=track.angle_covariance,
             innovation=None if innovation is None else np.array(innovation[:2]),
         ))
@@ -321,8 +322,9 @@ def cost(model: str, repeats: int) -> Cost:
                 tracker.update(bearing)
             found[name].append((process_time() - began) / len(bearings))
         tracker = Tracker(model, acceleration=noise, jerk=noise)
-        tracker.update(bearings[0])
-        stamp = bearings[0].stamp_ns + 1
+        for bearing in bearings[:AGREEING]:
+            tracker.update(bearing)
+        stamp = bearing.stamp_ns + 1
         began = process_time()
         for _ in bearings:
             tracker.at(stamp)
