@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from math import atan2, cos, hypot, inf, nan, pi, sin
+import time
 
+from blob_tracker.nodes.tracker import TrackerNode
 from blob_tracker.ros.imu import turn_of
 from blob_tracker.ros.qos import RESULT, STATE
 from blob_tracker.ros.stamp import from_ns, to_ns
@@ -19,6 +21,10 @@ from nav_msgs.msg import Odometry
 import numpy as np
 from processes import Probe, probe, Process, start
 import pytest
+import rclpy
+from rclpy.clock import ClockType
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.time import Time
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, JointState
 from std_msgs.msg import Bool
@@ -327,6 +333,65 @@ def test_stamps_and_clocks_that_jump_back_reset_it(domain: int) -> None:
         assert played.predictions[-1].vector.x == pytest.approx(path(newest)[0], abs=5.0)
 
 
+class SetClock:
+    """The system's clock, for it cannot be set by a test."""
+
+    def __init__(self, now_ns: int) -> None:
+        self.now_ns = now_ns
+
+    def now(self) -> Time:
+        """Return the time."""
+        return Time(nanoseconds=self.now_ns, clock_type=ClockType.ROS_TIME)
+
+
+@pytest.mark.parametrize('step', [100 * MS, 500 * MS, 900 * MS])
+def test_a_step_of_the_system_s_clock_starts_it_afresh(
+    step: int, monkeypatch: pytest.MonkeyPatch, domain: int
+) -> None:
+    """Nobody tells of it, and late bearings are usual: those of before it must not stay."""
+    rate = 0.3  # mrad/ms
+    rclpy.init(args=[], domain_id=domain)
+    node = TrackerNode()
+    try:
+        clock = SetClock(node.get_clock().now().nanoseconds + 1000 * MS)
+        monkeypatch.setattr(node, 'get_clock', lambda: clock)
+        spinner = SingleThreadedExecutor()
+        spinner.add_node(node)
+        begin_ns, stepped = clock.now_ns, 0
+
+        def track() -> float | None:
+            """Let a frame's time pass; return how far off the light is said to be now, mrad."""
+            clock.now_ns += FRAME
+            truth = rate * (clock.now_ns + stepped - begin_ns) / MS
+            before = truth - rate * LATENCY / MS
+            bearing = Bearing(before, 0.0, SIGMA**2 * np.eye(2), clock.now_ns - LATENCY)
+            node.track('', bearing, 'optical')
+            said = node.seen_at('', clock.now_ns)
+            return None if said is None else abs(said.azimuth - truth)
+
+        for _ in range(40):  # longer than the step
+            error = track()
+        # What two bearings lead to over the latency, five standard deviations.
+        assert error is not None and error < 0.5
+        spinner.spin_once(1.0)  # the clock before the step is looked at
+        until = time.monotonic() + 10.0
+        while node._time[1] != clock.now() and time.monotonic() < until:
+            spinner.spin_once(0.1)
+        clock.now_ns -= step
+        stepped = step
+        track()  # one comes before it is noticed
+        while node._time[1] != clock.now() and time.monotonic() < until:
+            spinner.spin_once(0.1)
+        assert node._time[1] == clock.now()
+        errors = [track() for _ in range(30)]
+        assert all(each is None for each in errors[:1])
+        assert all(each is None or each < 0.5 for each in errors)
+        assert None not in errors[5:]
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
 def _imu(played: Played, rate: tuple[float, float, float], frame_id: str = 'imu_link') -> Imu:
     message = Imu()
     message.header.stamp, message.header.frame_id = from_ns(played.now_ns), frame_id
@@ -405,7 +470,7 @@ def _joints(played: Played, names: list[str], positions: list[float]) -> JointSt
 
 def test_with_joints_the_prediction_is_the_angle_to_command(domain: int) -> None:
     """A light at rest in the base, a camera that pans before it: x and y stay where they are."""
-    angles = PanTiltAngles()
+    angles = PanTiltAngles(sigma=3e-5)  # the default of joints.sigma
     tracker = Tracker(pan_tilt=angles, max_sigma=MAX_SIGMA)
     with playing(
         domain, joints__pan='pan', joints__tilt='tilt', joints__tilt_reversed=True,
@@ -508,6 +573,17 @@ def test_everything_changes_while_it_runs(domain: int) -> None:
         played.tick(100 * MS)
         assert 10 <= len(played.predictions) <= 21
         played.expect_shown('tracks begun', '1')
+        for name, value in (
+            ('coast', 2.0), ('max_sigma', 90.0), ('max_innovation', 8.0), ('joints.sigma', 0.5)
+        ):
+            assert node.set_parameter('tracker', name, value).successful
+            played.follow(1)
+        played.expect_shown('bearings', '10')
+        played.expect_shown('tracks begun', '1')
+        played.tick(1000 * MS)
+        assert played.tracked[-1].data is True  # twice the coast of before
+        assert node.set_parameter('tracker', 'coast', 0.5).successful
+        played.node.spin_until(lambda: played.tracked[-1].data is False)
         assert node.set_parameter('tracker', 'model', 'constant_acceleration').successful
         played.follow(5)
         played.expect_shown('bearings', '5')

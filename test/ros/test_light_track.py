@@ -179,3 +179,28 @@ def test_what_is_of_another_time_does_not_wait(patient: None, domain: int) -> No
         seen.track.stop()
         seen.joints(80)
         assert seen.released() == []
+
+
+@pytest.mark.parametrize('with_joints', [True, False])
+def test_innovations_that_are_too_large_may_be_the_joints(
+    with_joints: bool, monkeypatch: pytest.MonkeyPatch, domain: int
+) -> None:
+    """Where they are read it is said what to see to; else they are no part of it."""
+    random = np.random.default_rng(3)
+    said: list[str] = []
+    monkeypatch.setattr(Health, 'fault', lambda health, level, message: said.append(message))
+    with light(domain) as seen:
+        if not with_joints:
+            seen.platform.change(NO_JOINTS)()
+        # A filter that expects a light at rest, and bearings far off what they say.
+        seen.track.use(Tracker(acceleration=1.0, gate=100.0, pan_tilt=seen.platform.angles))
+        for time in range(0, 1000, 10):
+            if with_joints:
+                seen.platform.angles.push(seen.stamp(time), 0.0, 0.0)
+            noise = random.normal(scale=0.1, size=2)
+            seen.track.hold(Bearing(*noise, 4e-4 * np.eye(2), seen.stamp(time)), 'optical')
+            seen.released()
+        said.clear()
+        seen.track.describe()
+    assert 'raise acceleration' in said[-1]
+    assert ('raise joints.sigma to their error' in said[-1]) is with_joints
