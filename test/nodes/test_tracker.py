@@ -224,11 +224,13 @@ def test_the_timer_predicts_until_the_loss_rule_says_silence(domain: int) -> Non
 
 def test_a_deviation_that_grows_is_silence_as_well(domain: int) -> None:
     """Without bearings, until max_sigma is reached, long before coast."""
-    with playing(domain, max_sigma=0.5, coast=10.0) as played:
+    # 1.4 mrad over a frame, and 7 over a tenth of a second.
+    with playing(domain, max_sigma=5.0, coast=10.0) as played:
         played.follow(10)
+        assert played.tracked[-1].data is True
         played.tick(1000 * MS)
         played.node.spin_until(lambda: played.tracked[-1].data is False)
-        played.node.spin_until(lambda: 'max_sigma is 0.5 mrad' in played.shown('state'))
+        played.node.spin_until(lambda: 'max_sigma is 5 mrad' in played.shown('state'))
 
 
 def test_time_that_stands_still_is_silence(domain: int) -> None:
@@ -585,7 +587,7 @@ def test_everything_changes_while_it_runs(domain: int) -> None:
         assert 10 <= len(played.predictions) <= 21
         played.expect_shown('tracks begun', '1')
         for name, value in (
-            ('coast', 2.0), ('max_sigma', 90.0), ('max_innovation', 8.0), ('joints.sigma', 0.5)
+            ('coast', 2.0), ('max_sigma', 900.0), ('max_innovation', 8.0), ('joints.sigma', 0.5)
         ):
             assert node.set_parameter('tracker', name, value).successful
             played.follow(1)
