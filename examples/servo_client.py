@@ -50,8 +50,10 @@ class ServoClient(Node):
         """Turn by a part of the bearing, or to what is predicted, unless old or no number."""
         stamp = bearing.header.stamp.sec + 1e-9 * bearing.header.stamp.nanosec
         angle = np.array([bearing.vector.x, bearing.vector.y])  # mrad
-        fresh = abs(self.now() - stamp) <= self.lost_after
-        if not (self.visible and fresh and np.isfinite(angle).all()):
+        age = self.now() - stamp
+        if not self.predicted:  # whose stamps are of the instant to come
+            age = abs(age)
+        if not (self.visible and age <= self.lost_after and np.isfinite(angle).all()):
             return
         elapsed = stamp - self.stamp
         self.stamp = stamp

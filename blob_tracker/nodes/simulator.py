@@ -196,7 +196,7 @@ class SimulatorNode(Node):
             return frame, self._scene.truth(self._index)
         time = max(self._time(stamp_ns), self._vehicle.pan_tilt.time)
         frame, truth = self._vehicle.picture(self._index, time)
-        self._publish_states()  # who is given the frame knows how the camera stood
+        self._publish_states()  # on their way before the frame: who tracks it waits for them
         middle = time + 0.5 * self._vehicle.camera.exposure
         return replace(frame, stamp_ns=self._begin_ns + round(1e9 * middle)), truth
 

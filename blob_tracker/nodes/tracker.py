@@ -13,7 +13,7 @@ from blob_tracker.nodes.interface.tracker import PARAMETERS
 from blob_tracker.ros.clock_jumps import on_clock_jump
 from blob_tracker.ros.connections import Connections
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.health import ERROR, Health
+from blob_tracker.ros.health import ERROR, Health, WARN
 from blob_tracker.ros.light_track import LightTrack
 from blob_tracker.ros.names import lights_from_text, target_topic
 from blob_tracker.ros.parameters import declare, on_change
@@ -30,6 +30,7 @@ from rclpy.subscription import Subscription
 
 CHECK = 0.05  # s of wall time between two looks at whether the lights are still tracked
 STANDSTILL = 1.0  # s of wall time in which ROS time did not go on: it says nothing of the lights
+LOOK = 0.005  # s of wall time between two looks at whether a bearing has waited long enough
 # What makes another filter of them, by the name that `Tracker` has for it; all else leaves a light
 # that is followed as it is.
 FILTER = {
@@ -38,10 +39,8 @@ FILTER = {
     'jerk': 'jerk',
     'imu.acceleration': 'stabilised_acceleration',
     'imu.jerk': 'stabilised_jerk',
-    'max_innovation': 'gate',
-    'coast': 'coast',
-    'max_sigma': 'max_sigma',
 }
+LIMITS = {'max_innovation': 'gate', 'coast': 'coast', 'max_sigma': 'max_sigma'}
 # A rate of 0 is a timer that is cancelled, of any period.
 SLOWEST = 1.0  # Hz
 
@@ -68,7 +67,7 @@ class TrackerNode(Node):
             self, 'no bearing arrives; is the locator running, and the target in view?'
         )
         self._connections = Connections(self, self._health)
-        self._platform = Platform(self, self._health, self._lock)
+        self._platform = Platform(self, self._health, self._lock, self._release)
         self._topics: dict[str, LightTrack] = {}  # of all lights that there ever were
         self._lights: dict[str, LightTrack] = {}
         self._rays: dict[str, Subscription] = {}
@@ -77,6 +76,8 @@ class TrackerNode(Node):
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         # Of the ROS clock: where time is simulated and pauses, no prediction is due.
         self._timer = self.create_timer(1.0 / SLOWEST, self._predict)
+        # Not begun with each bearing that waits: a thread of the camera's would have to.
+        self._looks = self.create_timer(LOOK, self._look, clock=self._steady)
         self._time = self._steady.now(), self.get_clock().now()
         self._change(values)()
         on_change(self, PARAMETERS, self._change)
@@ -91,24 +92,33 @@ class TrackerNode(Node):
             self._make_topics(lights)
         change_platform = self._platform.change(values)
         asked = {theirs: values[ours] for ours, theirs in FILTER.items()}
+        limits = {theirs: values[ours] for ours, theirs in LIMITS.items()}
 
         def use() -> None:
             with self._lock:
-                changed = change_platform()
-                if changed or asked != self._filter:
-                    self._filter = asked
-                    self._new_tracker = partial(
-                        Tracker,
-                        **asked,
-                        platform=self._platform.rates,
-                        pan_tilt=self._platform.angles,
-                    )
-                    for light in self._lights.values():
-                        light.use(self._new_tracker(), self._platform.frame_id)
+                afresh = change_platform() or asked != self._filter
+                self._filter = asked
+                self._new_tracker = partial(
+                    Tracker,
+                    **asked,
+                    **limits,
+                    platform=self._platform.rates,
+                    pan_tilt=self._platform.angles,
+                )
+                for light in self._lights.values():
+                    if afresh:
+                        light.use(self._new_tracker())
+                    else:
+                        light.limit(limits)
                 if self._listen:
                     self._set_lights(lights)
                 self._ahead_ns = int(1e9 * values['servo_delay'])
                 self._set_rate(values['prediction_rate'])
+                if self._platform.angles is None:
+                    self._looks.cancel()
+                else:
+                    self._looks.reset()
+                self._release()  # where there are no joints any more, nothing waits for them
 
         return use
 
@@ -130,7 +140,7 @@ class TrackerNode(Node):
         """Have the topics of these lights; those of others stay, see `process.run`."""
         for name in lights:
             if name not in self._topics:
-                self._topics[name] = LightTrack(self, self._health, name)
+                self._topics[name] = LightTrack(self, self._health, name, self._platform)
             if self._listen and name not in self._rays:
                 self._rays[name] = subscription(
                     self, PoseWithCovarianceStamped, f'{target_topic(name)}/ray',
@@ -141,10 +151,10 @@ class TrackerNode(Node):
         """Track these lights and speak of no other."""
         for name, light in self._lights.items():
             if name not in lights:
-                light.lose()
+                light.stop()
         for name in lights:
             if name not in self._lights:
-                self._topics[name].use(self._new_tracker(), self._platform.frame_id)
+                self._topics[name].use(self._new_tracker())
         self._lights = {name: self._topics[name] for name in lights}
 
     def _take(self, light: str, message: PoseWithCovarianceStamped) -> None:
@@ -157,14 +167,30 @@ class TrackerNode(Node):
         self.track(light, bearing, message.header.frame_id)
 
     def track(self, light: str, bearing: Bearing, frame_id: str) -> None:
-        """Take the next bearing of a light; publish its track and where it will be."""
+        """
+        Take the next bearing of a light; publish its track and where it will be.
+
+        Where joints are read, once their angles at its stamp are there, see `LightTrack.release`.
+        """
         came_ns = time.monotonic_ns()
         with self._lock:
-            if light in self._lights and self._lights[light].take(bearing, frame_id):
-                self._lights[light].predict(self._ahead_ns)
-                self._health.left(bearing.stamp_ns)
-                self._health.ok('target tracked')
+            if light in self._lights:
+                self._lights[light].hold(bearing, frame_id)
+                self._release()
         self._health.arrived(bearing.stamp_ns, came_ns)
+
+    def _release(self) -> None:
+        """Filter the bearings that need not wait; the lock is held."""
+        for light in self._lights.values():
+            for stamp_ns in light.release():
+                light.predict(self._ahead_ns)
+                self._health.left(stamp_ns)
+                self._health.ok('target tracked')
+
+    def _look(self) -> None:
+        """Filter the bearings that have waited long enough."""
+        with self._lock:
+            self._release()
 
     def seen_at(self, light: str, stamp_ns: int) -> Track | None:
         """Return where the camera sees a light at a stamp, ns; None where this is not known."""
@@ -180,9 +206,16 @@ class TrackerNode(Node):
     def _check(self) -> None:
         """Say which lights are no longer tracked."""
         steady, now = self._steady.now(), self.get_clock().now()
-        if now < self._time[1] and not self._timer.is_canceled():
-            # A step of the system's clock is told to nobody: the timer would wait until then.
-            self._timer.reset()
+        if now < self._time[1]:
+            # A step of the system's clock is told to nobody. Of bearings and samples nobody knows
+            # on which side of it they were stamped, and the timer would wait until then.
+            back = 1e-9 * (self._time[1] - now).nanoseconds
+            self._health.fault(
+                WARN, f'the clock was set back by some {back:.3f} s; starting afresh'
+            )
+            self._forget(-1)
+            if not self._timer.is_canceled():
+                self._timer.reset()
         if now != self._time[1]:
             self._time = steady, now
         stands_still = (steady - self._time[0]).nanoseconds > 1e9 * STANDSTILL
@@ -195,6 +228,7 @@ class TrackerNode(Node):
 
     def _forget(self, after_ns: int) -> None:
         """Forget what has a later stamp, ns."""
+        self._time = self._steady.now(), self.get_clock().now()  # `_check` need not see it as well
         with self._lock:
             self._platform.reset()
             for light in self._lights.values():

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Iterator
+import time
+from typing import NamedTuple
 
 from blob_tracker.ros.health import Health, WARN
 from blob_tracker.ros.names import target_topic
+from blob_tracker.ros.platform import Platform
 from blob_tracker.ros.track_topics import TrackTopics
 from blob_tracker.tracking import MODELS, StampJump, Track, Tracker, TrackingError
 from blob_tracker.types import Bearing
@@ -18,6 +22,19 @@ FEWEST = 30  # of them that are worth a word
 SUSPICIOUS = 4.0
 MOST = 50.0  # that one bearing counts in it: a target that leaps says nothing of the filter
 MISSED = 2.5  # usual times between two bearings, after which one is missing
+# ns of wall time that a bearing waits for the joints' angles at its stamp: an interval of
+# joint_states at 50 Hz. By angles that are extrapolated over the half of it, a pan/tilt that
+# accelerates is worse known than by the bearing; later than this, the news is worth less.
+PATIENCE = 20_000_000
+MOST_HELD = 100  # bearings that wait: 5 kHz
+
+
+class Held(NamedTuple):
+    """A bearing that waits, the frame it is in, and when it came, ns of a monotonic clock."""
+
+    bearing: Bearing
+    frame_id: str
+    came_ns: int
 
 
 class LightTrack:
@@ -32,36 +49,32 @@ class LightTrack:
         Hears of bearings that are refused.
     light : str
         Name of the light; empty for the only one.
+    platform : Platform
+        Knows how the camera is turned.
 
     """
 
-    def __init__(self, node: Node, health: Health, light: str) -> None:
-        self._node, self._health = node, health
+    def __init__(self, node: Node, health: Health, light: str, platform: Platform) -> None:
+        self._node, self._health, self._platform = node, health, platform
         self._topic = target_topic(light)
         self._topics = TrackTopics(node, self._topic)
         self._name = f'{light}: ' if light else ''
         self._frame_id = ''
         self._tracker: Tracker
-        self._base_frame_id = ''
+        self._held: deque[Held] = deque()
         self._innovations: deque[float] = deque(maxlen=JUDGED)
         self._interval_ns = self._taken_ns = 0
-        self._resets = 0
+        self._resets = self._early = 0
         self._prediction: Track | None = None
 
-    def use(self, tracker: Tracker, base_frame_id: str) -> None:
-        """
-        Begin afresh with another tracker.
-
-        Parameters
-        ----------
-        tracker : Tracker
-            Follows the light from now on.
-        base_frame_id : str
-            Name of the frame of its predictions; empty for that of the bearings.
-
-        """
-        self._tracker, self._base_frame_id = tracker, base_frame_id
+    def use(self, tracker: Tracker) -> None:
+        """Begin afresh with another tracker; bearings that wait are for this one."""
+        self._tracker = tracker
         self._innovations.clear()
+
+    def limit(self, limits: dict[str, float]) -> None:
+        """Go on with other limits, by the name that `Tracker.set_limits` has for each."""
+        self._tracker.set_limits(**limits)
 
     def reset(self) -> None:
         """Forget where the light was: what follows is of another time."""
@@ -69,12 +82,42 @@ class LightTrack:
         self._resets += 1
 
     def forget(self, after_ns: int) -> None:
-        """Forget where the light was if that has a later stamp, ns."""
+        """Forget where the light was if that has a later stamp, ns, and what waits with one."""
+        self._held = deque(each for each in self._held if each.bearing.stamp_ns <= after_ns)
         newest_ns = self._tracker.stamp_ns
         if newest_ns is not None and newest_ns > after_ns:
             self.reset()
 
-    def take(self, bearing: Bearing, frame_id: str) -> bool:
+    def hold(self, bearing: Bearing, frame_id: str) -> None:
+        """Keep a bearing until `release` finds that it need not wait."""
+        self._held.append(Held(bearing, frame_id, time.monotonic_ns()))
+
+    def release(self) -> Iterator[int]:
+        """
+        Filter the bearings that need not wait any longer, in the order in which they came.
+
+        A bearing waits until the joints' angles at its stamp are there, for `PATIENCE` at most;
+        then it is used with those that the former angles lead to, and their variance. Who is at
+        the head of the line decides for those behind.
+
+        Yields
+        ------
+        int
+            Stamp of each bearing that became part of the track, ns.
+
+        """
+        while self._held:
+            bearing, frame_id, came_ns = self._held[0]
+            early = self._platform.awaits(bearing.stamp_ns)
+            waited_ns = time.monotonic_ns() - came_ns
+            if early and waited_ns < PATIENCE and len(self._held) <= MOST_HELD:
+                return
+            self._held.popleft()
+            self._early += early
+            if self._take(bearing, frame_id):
+                yield bearing.stamp_ns
+
+    def _take(self, bearing: Bearing, frame_id: str) -> bool:
         """Filter a bearing and publish the track; False, and why in `health`, where refused."""
         before_ns, refused = self._tracker.stamp_ns, self._tracker.refused
         try:
@@ -103,7 +146,7 @@ class LightTrack:
         if self._prediction is None:
             self._topics.lose()
         else:
-            self._topics.predict(self._prediction, self._base_frame_id or self._frame_id)
+            self._topics.predict(self._prediction, self._platform.frame_id or self._frame_id)
 
     def seen_at(self, stamp_ns: int) -> Track | None:
         """Return where the camera sees the light at a stamp, ns; None where this is not known."""
@@ -118,6 +161,11 @@ class LightTrack:
         """Say that the light is not tracked."""
         self._prediction = None
         self._topics.lose()
+
+    def stop(self) -> None:
+        """Speak of the light no more."""
+        self._held.clear()
+        self.lose()
 
     def describe(self) -> None:
         """Show how the light is tracked, and report what does not fit."""
@@ -153,6 +201,8 @@ class LightTrack:
                     f'no IMU: {tracker.platform_gap}; is imu published, with stamps of the clock '
                     'of the images?',
                 )
+        if tracker.pan_tilt is not None:
+            self._health.show(f'{self._name}ahead of the joints', self._early)
         self._judge_innovations()
 
     def _judge_innovations(self) -> None:
@@ -167,12 +217,19 @@ class LightTrack:
         parameter = MODELS[self._tracker.model].noise
         if self._tracker.platform is not None and not self._tracker.platform_gap:
             parameter = f'imu.{parameter}'
+        joints = ''
+        if self._tracker.pan_tilt is not None:
+            joints = (
+                'the joints are elsewhere than joint_states says, see to it that their stamps are '
+                'the instants at which they were read, by the clock of the images, and raise '
+                'joints.sigma to their error; '
+            )
         self._health.fault(
             WARN,
             f'{self._name}the mean normalised innovation squared is {mean:.1f} where 2 is right: '
-            f'the target moves more than is expected of it, raise {parameter}; or the bearings '
-            'scatter more than their covariance says, then scatter / sigma of the locator is '
-            'above 1 as well',
+            f'the target moves more than is expected of it, raise {parameter}; {joints}or the '
+            'bearings scatter more than their covariance says, then scatter / sigma of the '
+            'locator is above 1 as well',
         )
 
     def _filter(self, bearing: Bearing) -> None:

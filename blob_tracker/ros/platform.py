@@ -17,9 +17,10 @@ from rclpy.node import Node
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import Imu, JointState
 
+TURN = 'imu.roll', 'imu.pitch', 'imu.yaw'
+JOINTS = 'joints.pan', 'joints.tilt', 'joints.pan_reversed', 'joints.tilt_reversed'
 MINE = (
-    'imu.enabled', 'imu.frame_id', 'imu.roll', 'imu.pitch', 'imu.yaw', 'joints.pan', 'joints.tilt',
-    'joints.pan_reversed', 'joints.tilt_reversed', 'joints.sigma', 'joints.frame_id',
+    'imu.enabled', 'imu.frame_id', *TURN, *JOINTS, 'joints.sigma', 'joints.frame_id',
 )
 MRAD = 1e-3  # rad
 SILENCE = 1_000_000_000  # ns of ROS time without angles that are worth a word
@@ -37,6 +38,8 @@ class Platform:
         Hears of messages that cannot be used, and of joints that say nothing.
     lock : Lock
         Of all that is done with the rates and angles.
+    moved : callable
+        Called with the lock held when there are newer angles.
 
     Attributes
     ----------
@@ -49,11 +52,13 @@ class Platform:
 
     """
 
-    def __init__(self, node: Node, health: Health, lock: Lock) -> None:
+    def __init__(
+        self, node: Node, health: Health, lock: Lock, moved: Callable[[], None]
+    ) -> None:
         self.rates: PlatformRates | None = None
         self.angles: PanTiltAngles | None = None
         self.frame_id = ''
-        self._node, self._health, self._lock = node, health, lock
+        self._node, self._health, self._lock, self._moved = node, health, lock, moved
         self._asked: dict[str, Any] = {}
         self._turn = turn_of(0.0, 0.0, 0.0)
         self._imu: Subscription | None = None
@@ -68,7 +73,8 @@ class Platform:
         Returns
         -------
         callable
-            Puts it into effect, with the lock held, and tells whether anything changed.
+            Puts it into effect, with the lock held, and tells whether there are other rates or
+            angles now, of which no sample has come: what was tracked by the former means nothing.
 
         Raises
         ------
@@ -83,18 +89,23 @@ class Platform:
                 f"parameters 'joints.pan' and 'joints.tilt' are both {pan!r:.60}; they must be "
                 'two joints, or one of them empty'
             )
-        turn = turn_of(*(asked[f'imu.{name}'] for name in ('roll', 'pitch', 'yaw')))
+        turn = turn_of(*(asked[name] for name in TURN))
 
         def use() -> bool:
-            if asked == self._asked:
-                return False
+            other_rates = (self.rates is not None) != asked['imu.enabled'] or (
+                asked['imu.enabled'] and self._differs(asked, TURN)
+            )
+            other_angles = self._differs(asked, JOINTS)
             self._asked, self._turn = asked, turn
-            self.rates = PlatformRates() if asked['imu.enabled'] else None
-            self.angles = None
-            if pan or tilt:
-                self.angles = PanTiltAngles(sigma=MRAD * asked['joints.sigma'])
-            self.frame_id = asked['joints.frame_id'] if self.angles is not None else ''
-            self._came_ns = self._now_ns()
+            if other_rates:
+                self.rates = PlatformRates() if asked['imu.enabled'] else None
+            if other_angles:
+                self.angles = PanTiltAngles() if pan or tilt else None
+                self._came_ns = self._now_ns()
+            self.frame_id = ''
+            if self.angles is not None:
+                self.angles.sigma = MRAD * asked['joints.sigma']
+                self.frame_id = asked['joints.frame_id']
             # They stay when they are no longer asked for, see `process.run`.
             if self.rates is not None and self._imu is None:
                 self._imu = subscription(self._node, Imu, 'imu', self._take_imu, SAMPLES_IN)
@@ -102,9 +113,16 @@ class Platform:
                 self._joint_states = subscription(
                     self._node, JointState, 'joint_states', self._take_joints, SAMPLES_IN
                 )
-            return True
+            return other_rates or other_angles
 
         return use
+
+    def awaits(self, stamp_ns: int) -> bool:
+        """Tell whether the angles at a stamp, ns, are still to come."""
+        if self.angles is None:
+            return False
+        newest_ns = self.angles.newest_ns
+        return newest_ns is None or newest_ns < stamp_ns
 
     def reset(self) -> None:
         """Forget all samples: what follows is of another time."""
@@ -156,6 +174,11 @@ class Platform:
                 self._health.fault(ERROR, f'joint_states: {error}')
                 return
             self._came_ns = self._now_ns()
+            self._moved()
+
+    def _differs(self, asked: dict[str, Any], names: Collection[str]) -> bool:
+        """Tell whether one of these parameters is another than before."""
+        return any(asked[name] != self._asked.get(name) for name in names)
 
     def _push(
         self,

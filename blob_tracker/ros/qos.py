@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import copy
+from functools import partial
 from inspect import signature
 from typing import Any
 
 from blob_tracker.ros.errors import ParameterError
+from rclpy.context import Context
 from rclpy.event_handler import (
     PublisherEventCallbacks, QoSMessageLostInfo, SubscriptionEventCallbacks,
 )
@@ -42,9 +44,49 @@ OVERRIDABLE = {
 MOST = 100_000  # messages in a queue
 
 
+class QuietPublisher(Publisher):
+    """
+    A publisher that says nothing once ROS has ended.
+
+    A signal ends the context while a callback runs, maybe between two messages of its own. What
+    it still publishes is for nobody, and no reason for a trace on the terminal.
+
+    Parameters
+    ----------
+    context : Context
+        Of its node.
+    arguments, options
+        As rclpy makes it.
+
+    """
+
+    def __init__(self, context: Context, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self._context = context
+
+    def publish(self, msg: Any) -> None:
+        """Publish a message, if ROS is still there."""
+        try:
+            super().publish(msg)
+        except RuntimeError:  # of rclpy's C layer, whose type is not public
+            if self._context.ok():
+                raise
+
+    def get_subscription_count(self) -> int:
+        """Return how many listen: nobody where ROS has ended."""
+        try:
+            return super().get_subscription_count()
+        except RuntimeError:
+            if self._context.ok():
+                raise
+            return 0
+
+
 def publisher(node: Node, kind: type, topic: str, qos: QoSProfile) -> Publisher:
     """
     Return a publisher whose profile the parameters qos_overrides.<topic>.publisher... change.
+
+    Where ROS has ended meanwhile it publishes nothing, without a word.
 
     Raises
     ------
@@ -59,6 +101,7 @@ def publisher(node: Node, kind: type, topic: str, qos: QoSProfile) -> Publisher:
         qos_overriding_options=_options(node, topic, 'publisher'),
         # `Connections` tells more; the plain executor asks each of rclpy's own at every message.
         event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
+        publisher_class=partial(QuietPublisher, node.context),
     )
 
 

@@ -204,6 +204,21 @@ def test_what_is_no_number_never_moves_it(domain: int) -> None:
         assert not pan_tilt.commands
 
 
+def test_predictions_for_a_slow_servo_are_commands_as_well(domain: int) -> None:
+    """Their stamps are further ahead than lost_after; as old, they would be none."""
+    with servo(domain, 'predicted:=true') as pan_tilt:
+        pan_tilt.show(True)
+        for _ in range(2):
+            pan_tilt.bearing(20.0, -10.0, -2 * LOST_AFTER_NS)
+        pan_tilt.turned(1)
+        assert pan_tilt.angles[-1] == pytest.approx([20.0, -10.0])
+        pan_tilt.wait(4 * LOST_AFTER_NS)
+        for _ in range(2):
+            pan_tilt.bearing(0.0, 0.0, 2 * LOST_AFTER_NS)
+        pan_tilt.quiet()
+        assert len(pan_tilt.commands) == 1
+
+
 @pytest.mark.parametrize('sense', [1.0, -1.0])
 def test_with_predictions_it_goes_where_they_say(sense: float, domain: int) -> None:
     """As fast as it may, to the angles themselves and no further; silence and loss hold it."""

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 
+from geometry_msgs.msg import Vector3Stamped
 from processes import PATIENCE, probe, start
 import pytest
 
@@ -31,6 +32,20 @@ def test_ends_on_a_signal_without_a_trace(name: str, number: int, domain: int) -
                 return
             node.spin_until(lambda: name not in node.get_node_names())
     assert took < 1.0
+
+
+@pytest.mark.parametrize('pause', [0.0, 0.013, 0.026])
+def test_ctrl_c_in_the_midst_of_predictions_leaves_no_trace(pause: float, domain: int) -> None:
+    """A thousand of them a second: the signal comes in a callback that publishes."""
+    with probe(domain) as node, start(
+        'pipeline', domain, source='simulator', width=160, height=120, prediction_rate=1000.0
+    ) as process:
+        predictions = node.record(Vector3Stamped, 'target/bearing_predicted')
+        node.spin_until(lambda: len(predictions) > 100)
+        time.sleep(pause)
+        assert process.end(signal.SIGINT) == 0
+    assert 'Traceback' not in process.output
+    assert 'invalid' not in process.output
 
 
 @pytest.mark.parametrize(

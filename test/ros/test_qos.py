@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.qos import IMAGE_IN, IMAGE_OUT, publisher, subscription
 import pytest
 import rclpy
 from rclpy.context import Context
-from rclpy.executors import Executor, SingleThreadedExecutor
+from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, ReliabilityPolicy
@@ -97,3 +97,41 @@ def test_a_message_comes_with_what_the_middleware_says_of_it(
         executor.shutdown()
     first = numbers[0]
     assert numbers == [first, first + 1, first + 2]
+
+
+@pytest.mark.parametrize('make', [SingleThreadedExecutor, EventsExecutor])
+def test_what_is_published_after_the_end_goes_nowhere_without_a_trace(
+    make: type[Executor], domain: int, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """A signal ends the context in the midst of a callback: neither an error nor a word."""
+    said: list[int] = []
+    with node_with(domain) as node:
+        frames = publisher(node, Image, 'frames', IMAGE_OUT)
+
+        def publish() -> None:
+            frames.publish(Image())
+            said.append(1)
+            node.context.shutdown()
+            frames.publish(Image())
+            said.append(frames.get_subscription_count())
+
+        node.create_timer(0.01, publish)
+        executor = make(context=node.context)
+        executor.add_node(node)
+        with suppress(ExternalShutdownException):
+            executor.spin_until_future_complete(Future(), 5.0)
+        executor.shutdown()
+    assert said == [1, 0]
+    assert 'Traceback' not in capfd.readouterr().err
+
+
+def test_what_cannot_be_published_is_still_an_error(domain: int) -> None:
+    """While ROS is there nothing is swallowed."""
+    with node_with(domain) as node:
+        frames = publisher(node, Image, 'frames', IMAGE_OUT)
+        with pytest.raises(TypeError):
+            frames.publish('no image')
+        frames.destroy()
+        with pytest.raises(RuntimeError, match='Destroyable'):
+            frames.publish(Image())
+        assert node.context.ok()
