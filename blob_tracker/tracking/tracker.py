@@ -72,6 +72,9 @@ class Situation(NamedTuple):
         Of the bearing, against the track; None where there was none.
     refused : str
         Why it is not part of the track; empty where it is.
+    unsure : float
+        Deviation at which the track before ended, mrad, while the next is not yet told; 0 where
+        none did.
 
     """
 
@@ -79,6 +82,7 @@ class Situation(NamedTuple):
     rival: Hypothesis | None = None
     innovation: Innovation | None = None
     refused: str = ''
+    unsure: float = 0.0
 
 
 class Entry(NamedTuple):
@@ -336,7 +340,7 @@ class Tracker:
     def _at(self, stamp_ns: int) -> Hypothesis | None:
         """Return the track at an instant by the bearings until then, or say why there is none."""
         place = bisect_right(self._stamps, stamp_ns)
-        track, rival, _, _ = self._entries[place - 1].after if place else self._before
+        track, rival, _, _, unsure = self._entries[place - 1].after if place else self._before
         if track is None or stamp_ns < track.stamp_ns:
             self.reason = 'no bearing has come' if not self._entries else (
                 f'the instant is {1e-9 * (self._stamps[0] - stamp_ns):.3f} s before the oldest '
@@ -356,6 +360,11 @@ class Tracker:
             self.reason = (
                 f'only {track.bearings} of the {AGREEING} bearings that must agree have come'
             )
+            if unsure:
+                self.reason += (
+                    f'; the track before was sure to {unsure:.1f} mrad when its next bearing came, '
+                    f'max_sigma is {self.max_sigma:g}'
+                )
             return None
         state, step, stabilised, _ = self._step(track, stamp_ns)
         found = Hypothesis(predicted(state, *step), stamp_ns, stabilised, track.bearings)
@@ -420,6 +429,7 @@ class Tracker:
     def _after(self, before: Situation, seen: Seen, stamp_ns: int) -> Situation:
         """Return the situation after a bearing."""
         track, rival = before.track, before.rival
+        unsure = 0.0 if track is not None and track.bearings >= AGREEING else before.unsure
         if track is not None and self._lapsed(track, stamp_ns):
             track = None
         if rival is not None and self._lapsed(rival, stamp_ns):
@@ -429,21 +439,21 @@ class Tracker:
             found, against, sigma = self._tracked(track, seen, stamp_ns)
             # Of fewer bearings a track is not sure of anything, and learns it by the next one.
             if track.bearings >= AGREEING and not sigma <= self.max_sigma:
-                track = None
+                track, unsure = None, sigma
             elif found is not None:
-                return Situation(found, None, against)
+                return Situation(found, None, against, unsure=unsure)
         if rival is not None:
             found, _, _ = self._tracked(rival, seen, stamp_ns)
             if found is not None:
                 if track is None or found.bearings >= AGREEING:
-                    return Situation(found)
+                    return Situation(found, unsure=unsure)
                 rival = found
             else:
                 rival = None
         if rival is None:
             rival = self._started(seen, stamp_ns)
         if track is None:
-            return Situation(rival)
+            return Situation(rival, unsure=unsure)
         assert against is not None  # of the track that refused it
         return Situation(
             track, rival, against,

@@ -495,6 +495,18 @@ def test_the_future_of_the_platform_is_uncertain() -> None:
     np.testing.assert_allclose(np.diag(grown), 100.0**2 * 0.1**3 / 3.0, rtol=0.02)
 
 
+def test_a_track_that_can_never_be_sure_says_so() -> None:
+    """At 5 Hz and 300 mrad/s^2: sqrt(q t^3 / 3) is 15 mrad, and the rate's deviation the same."""
+    tracker = Tracker(max_sigma=10.0)
+    for index in range(10):
+        tracker.update(Bearing(0.0, 0.0, COVARIANCE, 200 * MS * index))
+        assert tracker.at(200 * MS * index) is None or index % 3 == 2
+    assert tracker.at(200 * MS * 9) is None
+    assert 'only 1 of the 3 bearings' in tracker.reason
+    assert 'the track before was sure to 21.2 mrad' in tracker.reason
+    assert 'max_sigma is 10' in tracker.reason
+
+
 def test_pan_tilt() -> None:
     """A target at rest stays in the base while the camera turns, and moves in its picture."""
     pan_tilt = PanTiltAngles()
