@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Felt = tuple[Array, Array]  # (n,) middles of the samples of a gyro, s, and (n, 3) rates, rad/s
 
 
 class State(NamedTuple):
@@ -53,20 +54,25 @@ class SteeredCamera:
         What it rides on.
     gyro : Gyro
         Of the vehicle.
-    felt : (n,) array, (n, 3) array
+    felt : Felt
         Its `samples` of the camera's ride.
 
     """
 
     def __init__(
-        self, camera: PanTiltCamera, pan_tilt: PanTilt, gyro: Gyro, felt: tuple[Array, Array]
+        self, camera: PanTiltCamera, pan_tilt: PanTilt, gyro: Gyro, felt: Felt
     ) -> None:
         self.camera = camera
         self.pan_tilt = pan_tilt
+        self._gyro, self._felt = gyro, felt
         self._ends = felt[0] + 0.5 / gyro.rate
-        self._felt = felt
         self._next = int(np.searchsorted(self._ends, pan_tilt.time, side='right'))
         self._states: list[State] = []
+
+    def again(self) -> SteeredCamera:
+        """Return the same from the beginning of the ride on; the pan/tilt stands where it is."""
+        pan_tilt = PanTilt(self.pan_tilt.joints, *self.pan_tilt.angles)
+        return SteeredCamera(self.camera, pan_tilt, self._gyro, self._felt)
 
     def advance(self, time: float) -> None:
         """Drive it up to a time, s."""
