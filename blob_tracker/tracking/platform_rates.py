@@ -15,6 +15,8 @@ DENSEST = 4000  # samples a second of the memory: twice as fast as a fused gyro 
 # noise and the engine. On a boat 0.05 to 0.07 are alike (study servo).
 FITTED = 0.06
 FEWEST = 4  # samples of a line; of fewer the newest holds
+# s that they span at least: of a burst, stamped on arrival, the slope is noise over microseconds.
+SHORTEST = FITTED / 2.0
 FASTEST = 100.0  # rad/s: 6000 degrees a second, past the range of any gyro
 
 
@@ -32,7 +34,8 @@ class PlatformRates:
 
     Past the newest sample the angular velocity goes on along a straight line, the least-squares
     fit to the samples of the last `FITTED` seconds, whose weights rise evenly from 0 to 1 at the
-    newest. A vehicle swings: its last rate alone would be off by its acceleration times the
+    newest; of fewer than `FEWEST` or within less than `SHORTEST` seconds the newest rate holds. A
+    vehicle swings: its last rate alone would be off by its acceleration times the
     horizon, and the last sample is as noisy as any.
 
     Parameters
@@ -239,7 +242,8 @@ def _line(
     newest = len(stamps) - 1
     rate, slope = rates[newest].copy(), np.zeros(3)
     first = _search(stamps, stamps[newest] - round(1e9 * FITTED))
-    if newest - first + 1 < FEWEST:
+    span = 1e-9 * (stamps[newest] - stamps[first])
+    if newest - first + 1 < FEWEST or span < SHORTEST:
         return rate, slope, 1.0, 0.0, 0.0
     a0 = a1 = a2 = b0 = b1 = b2 = 0.0
     sums, moments = np.zeros(3), np.zeros(3)
@@ -320,6 +324,8 @@ def _integrated(
     following = _search(stamps, t0)
     at = t0
     w0, gap = _rate(stamps, rates, t0, hold)
+    if gap:  # also where no time passes: nobody knows the rate there
+        return turn, variance, gap
     while at < t1 and following < count:
         if stamps[following] <= t1:
             until = stamps[following]

@@ -452,12 +452,12 @@ class Tracker:
             return track.state, Step(seconds, self._density, NO_TURN, 0.0), False, ''
         try:
             turn, variance = self.platform.between(track.stamp_ns, stamp_ns)
+            state = track.state
+            if not track.stabilised:
+                state = _with_rates(state, self.platform.rate_at(track.stamp_ns), 1.0)
         except PlatformGap as gap:
             state = self._unstabilised(track) if track.stabilised else track.state
             return state, Step(seconds, self._density, NO_TURN, 0.0), False, str(gap)
-        state = track.state
-        if not track.stabilised:
-            state = _with_rates(state, self.platform.rate_at(track.stamp_ns), 1.0)
         variance += self._beyond(track.stamp_ns, stamp_ns)
         step = Step(seconds, self._stabilised_density, turn, variance / MRAD**2)
         return state, step, True, ''

@@ -173,3 +173,15 @@ def test_impossible_parameters_are_refused() -> None:
         PlatformRates(hold=0.0)
     with pytest.raises(TrackingError, match='memory'):
         PlatformRates(memory=np.inf)
+
+
+def test_an_instant_in_a_gap_is_not_covered() -> None:
+    """Even where no time passes: the rate there is not known."""
+    platform = PlatformRates()
+    for stamp in (0, 50, 350, 355):
+        platform.push(stamp * MS, [0.0, 0.1, 0.0])
+    for stamp in (100, 200, 349):
+        with pytest.raises(PlatformGap, match=r'more than 0.2 s apart'):
+            platform.between(stamp * MS, stamp * MS)
+    turn, _ = platform.between(352 * MS, 352 * MS)
+    np.testing.assert_array_equal(turn, np.eye(3))

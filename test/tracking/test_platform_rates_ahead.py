@@ -58,3 +58,16 @@ def test_a_swing_is_predicted_better_than_by_its_last_rate() -> None:
         errors.append([turned(platform, 0.045) - truth, 0.045 * np.cos(phase) - truth])
     line, held = np.sqrt(np.mean(np.square(errors), axis=0))
     assert line < 0.15 * held
+
+
+@pytest.mark.parametrize('within', [1_000, 20_000, 200_000])
+def test_a_burst_tells_no_slope(within: int) -> None:
+    """Of 20 samples, stamped on arrival within 0.2 ms and less, the newest rate holds."""
+    random = np.random.default_rng(5)
+    platform = PlatformRates()
+    for burst in range(3):
+        rates = random.normal(scale=3e-3, size=20)
+        for index, rate in enumerate(rates):
+            late = (19 - index) * within // 20
+            platform.push(NEWEST - (2 - burst) * 100 * MS - late, [0.0, rate, 0.0])
+    assert turned(platform, 0.045) == pytest.approx(0.045 * rates[-1], abs=1e-9)

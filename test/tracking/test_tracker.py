@@ -332,6 +332,24 @@ def test_a_gap_of_the_platforms_rates(model: str) -> None:
     assert (tracker.refused, tracker.begun) == (0, 1)
 
 
+@pytest.mark.parametrize('model', list(MODELS))
+def test_rates_that_come_again_after_the_bearing(model: str) -> None:
+    """A bearing within the gap of a gyro that is back: followed and told without its rates."""
+    platform = PlatformRates()
+    turning(platform, 0.3, [0.0, 0.0, 0.0])
+    platform.push(600 * MS, np.zeros(3))
+    tracker = Tracker(model, platform=platform)
+    for bearing in steady(18, rate=0.0):
+        tracker.update(bearing)
+        tracker.at(bearing.stamp_ns)
+        tracker.seen_at(bearing.stamp_ns)
+    assert tracker.platform_gap == 'angular velocities are more than 0.2 s apart'
+    for ask in (tracker.at, tracker.seen_at):
+        track = present(ask(bearing.stamp_ns))
+        np.testing.assert_allclose(track.state[:2], 0.0, atol=1e-6)
+    assert tracker.refused == 0
+
+
 def test_without_any_rates_the_platform_changes_nothing() -> None:
     """But says that they are missing."""
     with_platform, without = Tracker(platform=PlatformRates()), Tracker()
