@@ -488,7 +488,11 @@ def _times(interval: float, end: float, *, first: float = 0.0) -> Array:
 
 
 def boresight_of(scenario: Scenario, finder: Finder, seed: int) -> Boresight:
-    """Return what a camera's bearings of a light straight ahead are off by, the boat at rest."""
+    """
+    Return what a camera's bearings of a light straight ahead are off by, the boat at rest.
+
+    Its seed, of the noise and the shore, is to be none of the rides to which it is applied.
+    """
     rest = replace(scenario.disturbed(0.0), speed=0.0)
     loop = Loop(rest, finder, 'proportional', 1.0, seed)
     found, stated = [], []
