@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+# ns, 146 years: ROS time ends before, and differences of stamps fit 64 bits.
+FARTHEST = 2**62
+
 
 class TrackingError(ValueError):
     """A bearing, rate or joint angle that cannot be used; the message says why."""
@@ -13,3 +16,11 @@ class StampJump(TrackingError):
 
 class PlatformGap(LookupError):
     """An instant at which the platform's motion, or the pan/tilt's place, is not known."""
+
+
+def check_stamp(stamp_ns: int) -> None:
+    """Raise TrackingError where a stamp is none of ROS time."""
+    if not -FARTHEST <= stamp_ns <= FARTHEST:
+        raise TrackingError(
+            f'the stamp is {stamp_ns} ns; it must be within 146 years of 0 (is it in ns?)'
+        )

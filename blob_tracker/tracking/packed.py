@@ -60,13 +60,14 @@ def predicted(
 def tracked(
     held: Array, gate: float, seconds: float, density: float, turn: Array, variance: float,
     azimuth: float, elevation: float, rr: float, ru: float, uu: float, camera: Array,
-) -> tuple[bool, Array, float, float, float]:
-    """Return what `kalman.corrected` does of the state that is `predicted`."""
+) -> tuple[bool, Array, float, float, float, float]:
+    """Return what `kalman.corrected` does of the state that is `predicted`, and its deviation."""
     before = kalman.predicted(unpacked(held), Step(seconds, density, turn, variance))
     seen = Seen(azimuth, elevation, rr, ru, uu, camera)
     passed, state, innovation = kalman.corrected(before, seen, gate)
     return (
-        passed, packed(state), innovation.first, innovation.second, innovation.log_determinant
+        passed, packed(state), innovation.first, innovation.second, innovation.log_determinant,
+        kalman.largest_deviation(before),
     )
 
 

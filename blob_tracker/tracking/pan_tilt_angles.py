@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from math import cos, isfinite, pi, remainder, sin
 
-from blob_tracker.tracking.errors import PlatformGap, StampJump, TrackingError
+from blob_tracker.tracking.errors import check_stamp, PlatformGap, StampJump, TrackingError
 from blob_tracker.tracking.rotation import pan_tilt
 import numpy as np
 from numpy.typing import NDArray
@@ -68,11 +68,12 @@ class PanTiltAngles:
         Raises
         ------
         TrackingError
-            Where an angle is not finite, or there is a sample with this stamp.
+            Where an angle or the stamp is none that can be, or there is a sample with this stamp.
         StampJump
             Where the stamp is from before the memory.
 
         """
+        check_stamp(stamp_ns)
         if not (isfinite(pan) and isfinite(tilt)):
             raise TrackingError(f'pan and tilt are {pan} and {tilt} rad; both must be finite')
         place = len(self._stamps)

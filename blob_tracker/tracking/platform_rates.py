@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isfinite
 
 from blob_tracker.kernel import Array, kernel
-from blob_tracker.tracking.errors import PlatformGap, StampJump, TrackingError
+from blob_tracker.tracking.errors import check_stamp, PlatformGap, StampJump, TrackingError
 from blob_tracker.tracking.rotation import from_vector, product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -96,6 +96,7 @@ class PlatformRates:
             Where the stamp is from before the memory.
 
         """
+        check_stamp(stamp_ns)
         vector = np.asarray(rate, dtype=float)
         if vector.shape != (3,) or not np.abs(vector).max() <= FASTEST:
             raise TrackingError(

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from blob_tracker.kernel import Array
 from blob_tracker.tracking.direction import MRAD
-from blob_tracker.tracking.errors import PlatformGap, StampJump, TrackingError
+from blob_tracker.tracking.errors import check_stamp, PlatformGap, StampJump, TrackingError
 from blob_tracker.tracking.kalman import Innovation, Seen, Step
 from blob_tracker.tracking.models import MODELS
 from blob_tracker.tracking.packed import (
@@ -33,7 +33,9 @@ from numpy.typing import NDArray
 FIRST_RATE = 1000.0
 # Of the acceleration, mrad/s^2: that rate gained within a fifth of a second.
 FIRST_ACCELERATION = 5000.0
-AGREEING = 3  # bearings in a row: two give a rate, the third is the first that can contradict it
+# Bearings in a row that are a track: two give a rate, the third is the first that can contradict
+# it. Of two, one of which is false, the rate is that of a leap within a frame.
+AGREEING = 3
 SUSPECTED = 2  # of them: one may be a false window, two that agree make the track doubtful
 MEMORY_NS = 1_000_000_000  # for which late bearings are put in their place: a message's delay
 ASYMMETRY = 1e-9  # of a covariance, of its standard deviations' product: rounding of a product
@@ -113,7 +115,8 @@ class Tracker:
     coast : float
         Longest time after the last bearing for which the track goes on, s.
     max_sigma : float
-        Largest standard deviation of a direction that is told, mrad.
+        Largest standard deviation of a direction that is told, mrad. A track that is less sure of
+        the next bearing ends: its gate would let anything in.
     platform : PlatformRates, optional
         Rotation of the base.
     pan_tilt : PanTiltAngles, optional
@@ -160,25 +163,49 @@ class Tracker:
             'stabilised_acceleration': stabilised_acceleration,
             'stabilised_jerk': stabilised_jerk,
         }
-        for name, value in {**noises, 'max_sigma': max_sigma}.items():
-            if not (value > 0.0 and isfinite(value)):
-                raise TrackingError(f'{name} is {value}; it must be above 0 and finite')
-        for name, value in {'gate': gate, 'coast': coast}.items():
-            if not value > 0.0:
-                raise TrackingError(f'{name} is {value}; it must be above 0')
+        for name, value in noises.items():
+            _check_positive(name, value)
+        self.gate, self.coast, self.max_sigma = gate, coast, max_sigma
+        self.set_limits(gate=gate, coast=coast, max_sigma=max_sigma)
         self.model = model
-        self.gate = gate
-        self.coast = coast
-        self.max_sigma = max_sigma
         self.platform = platform
         self.pan_tilt = pan_tilt
         self._size, noise = MODELS[model]
         self._density = noises[noise]**2
         self._stabilised_density = noises[f'stabilised_{noise}']**2
         self._platform_density = (MRAD * acceleration)**2  # rad^2/s^3
-        self._gate2 = gate**2
         self.bearings = self.refused = self.late = self.begun = 0
         self.reset()
+
+    def set_limits(
+        self,
+        *,
+        gate: float | None = None,
+        coast: float | None = None,
+        max_sigma: float | None = None,
+    ) -> None:
+        """
+        Set what is believed and told from now on; the track stays.
+
+        Parameters
+        ----------
+        gate, coast, max_sigma : float, optional
+            As at the beginning; without one it stays.
+
+        Raises
+        ------
+        TrackingError
+            Where one of them cannot be; then none is set.
+
+        """
+        if max_sigma is not None:
+            _check_positive('max_sigma', max_sigma)
+        for name, value in (('gate', gate), ('coast', coast)):
+            if value is not None and not value > 0.0:
+                raise TrackingError(f'{name} is {value}; it must be above 0')
+        self.gate = self.gate if gate is None else gate
+        self.coast = self.coast if coast is None else coast
+        self.max_sigma = self.max_sigma if max_sigma is None else max_sigma
 
     def reset(self) -> None:
         """Forget the target; what has been counted stays."""
@@ -216,13 +243,14 @@ class Tracker:
         Raises
         ------
         TrackingError
-            Where the bearing is none that can be, has the stamp of another, or is refused by the
+            Where the bearing or its stamp is none that can be, has the stamp of another, or is refused by the
             gate, or where the camera's direction at its stamp is not known; the track stays.
         StampJump
             Where its stamp is from before the memory: `reset` if the clock was set back.
 
         """
         stamp = bearing.stamp_ns
+        check_stamp(stamp)
         place = self._place(stamp)
         entry = Entry(self._checked(bearing), stamp, Situation())
         late = place < len(self._entries)
@@ -259,8 +287,9 @@ class Tracker:
         -------
         Track or None
             Its rates are those of the target alone where the platform's rotation is known. None
-            where there is no track, the last bearing is more than `coast` ago, the deviation is
-            above `max_sigma`, or two bearings that agree contradict it; `reason` tells.
+            where there is no track of three bearings, the last one is more than `coast` ago, the
+            deviation is above `max_sigma`, or two bearings that agree contradict it; `reason`
+            tells.
 
         """
         found = self._at(stamp_ns)
@@ -320,6 +349,11 @@ class Tracker:
         if rival is not None and rival.bearings >= SUSPECTED:
             self.reason = (
                 f'the last {rival.bearings} bearings agree with each other and not with the track'
+            )
+            return None
+        if track.bearings < AGREEING:
+            self.reason = (
+                f'only {track.bearings} of the {AGREEING} bearings that must agree have come'
             )
             return None
         state, step, stabilised, _ = self._step(track, stamp_ns)
@@ -391,11 +425,14 @@ class Tracker:
             rival = None
         against = None
         if track is not None:
-            found, against = self._tracked(track, seen, stamp_ns)
-            if found is not None:
+            found, against, sigma = self._tracked(track, seen, stamp_ns)
+            # Of fewer bearings a track is not sure of anything, and learns it by the next one.
+            if track.bearings >= AGREEING and not sigma <= self.max_sigma:
+                track = None
+            elif found is not None:
                 return Situation(found, None, against)
         if rival is not None:
-            found, _ = self._tracked(rival, seen, stamp_ns)
+            found, _, _ = self._tracked(rival, seen, stamp_ns)
             if found is not None:
                 if track is None or found.bearings >= AGREEING:
                     return Situation(found)
@@ -404,8 +441,9 @@ class Tracker:
                 rival = None
         if rival is None:
             rival = self._started(seen, stamp_ns)
-        if track is None or against is None:
+        if track is None:
             return Situation(rival)
+        assert against is not None  # of the track that refused it
         return Situation(
             track, rival, against,
             f'the bearing is {against.squared**0.5:.1f} standard deviations from where the track '
@@ -429,17 +467,21 @@ class Tracker:
 
     def _tracked(
         self, track: Hypothesis, seen: Seen, stamp_ns: int
-    ) -> tuple[Hypothesis | None, Innovation]:
-        """Return the track with a bearing, None where the gate refuses it, and the innovation."""
+    ) -> tuple[Hypothesis | None, Innovation, float]:
+        """
+        Return the track with a bearing, None where the gate refuses it.
+
+        Then the innovation, and how sure the direction was before, mrad.
+        """
         state, step, stabilised, self.platform_gap = self._step(track, stamp_ns)
         azimuth, elevation, rr, ru, uu, camera = seen
-        passed, state, first, second, log_determinant = tracked(
-            state, self._gate2, *step, azimuth, elevation, rr, ru, uu, camera
+        passed, state, first, second, log_determinant, sigma = tracked(
+            state, self.gate * self.gate, *step, azimuth, elevation, rr, ru, uu, camera
         )
         innovation = Innovation(first, second, log_determinant)
         if not passed:
-            return None, innovation
-        return Hypothesis(state, stamp_ns, stabilised, track.bearings + 1), innovation
+            return None, innovation, sigma
+        return Hypothesis(state, stamp_ns, stabilised, track.bearings + 1), innovation, sigma
 
     def _step(self, track: Hypothesis, stamp_ns: int) -> tuple[Array, Step, bool, str]:
         """
@@ -498,6 +540,11 @@ class Tracker:
         return Track(stamp_ns, *as_angles(state, frame))
 
 
+def _check_positive(name: str, value: float) -> None:
+    if not (value > 0.0 and isfinite(value)):
+        raise TrackingError(f'{name} is {value}; it must be above 0 and finite')
+
+
 def _with_rates(state: Array, rotation: Array, sign: float) -> Array:
     """Return a state with the rates of a frame; its accelerations are as at first sight."""
     return with_rates(state, rotation, sign, FIRST_ACCELERATION)
@@ -509,9 +556,11 @@ def compile_ahead() -> None:
         platform, pan_tilt = PlatformRates(), PanTiltAngles()
         tracker = Tracker(model, platform=platform, pan_tilt=pan_tilt)
         first = Bearing(0.0, 0.0, np.eye(2))
-        for stamp in (0, 10_000_000):
+        for stamp in range(0, 10_000_000 * AGREEING, 10_000_000):
             platform.push(stamp, np.zeros(3))
             pan_tilt.push(stamp, 0.0, 0.0)
             tracker.update(replace(first, stamp_ns=stamp))
-        tracker.at(20_000_000)
-        tracker.seen_at(20_000_000)
+        tracker.at(30_000_000)
+        tracker.seen_at(30_000_000)
+        platform.reset()  # the rates that it leaves
+        tracker.at(30_000_000)

@@ -122,9 +122,9 @@ def test_stamps() -> None:
         tracker.update(bearings[3])
     np.testing.assert_array_equal(present(tracker.at(60 * FRAME)).state, before.state)
     assert tracker.begun == 1
-    tracker.update(Bearing(-700.0, 0.0, COVARIANCE, 10**12))
+    track = tracker.update(Bearing(-700.0, 0.0, COVARIANCE, 10**12))
     assert tracker.begun == 2
-    assert present(tracker.at(10**12)).azimuth == pytest.approx(-700.0)
+    assert track.azimuth == pytest.approx(-700.0)
     tracker.reset()
     assert tracker.at(10**12) is None
     assert tracker.reason == 'no bearing has come'
@@ -191,17 +191,120 @@ def test_silence_after_coast() -> None:
     assert tracker.begun == 2
 
 
-def test_silence_above_the_largest_sigma() -> None:
-    """A single bearing tells a direction, and soon nothing; the second one a rate."""
+def test_two_bearings_are_no_track_yet() -> None:
+    """The third is the first that can contradict the rate that they give."""
     tracker = Tracker(max_sigma=5.0)
-    first, second, third = steady(3)
-    tracker.update(first)
-    assert present(tracker.at(0)).sigma == pytest.approx(0.1)
-    assert tracker.at(FRAME) is None
-    assert tracker.reason.startswith('the standard deviation of the direction is 33.')
-    tracker.update(second)
-    tracker.update(third)
-    assert tracker.at(3 * FRAME) is not None
+    for count, bearing in enumerate(steady(3), start=1):
+        assert tracker.update(bearing).sigma <= 0.1 * (1.0 + 1e-6)
+        assert (tracker.at(bearing.stamp_ns + FRAME) is None) == (count < 3)
+        if count < 3:
+            assert tracker.seen_at(bearing.stamp_ns) is None
+            assert tracker.reason == f'only {count} of the 3 bearings that must agree have come'
+
+
+@pytest.mark.parametrize('model', list(MODELS))
+@pytest.mark.parametrize('gap', [0, 200, 450, 600])
+def test_a_false_bearing_at_the_beginning_or_after_a_gap(model: str, gap: int) -> None:
+    """150 mrad off a target at rest: it is not told, nor is the leap from it as a rate."""
+    tracker = Tracker(model, max_sigma=5.0)
+    first = 0
+    if gap:
+        fed(tracker, steady(20, rate=0.0))
+        first = 19 * FRAME + gap * MS
+    told = 0
+    fed(tracker, [Bearing(150.0, 0.0, COVARIANCE, first)])
+    for index in range(10):
+        if index:
+            fed(tracker, [Bearing(0.0, 0.0, COVARIANCE, first + index * FRAME)])
+        for ahead in (0, 30, 60):
+            track = tracker.at(first + index * FRAME + ahead * MS)
+            if track is not None:
+                told += 1
+                # What is told is within what it says of itself, by far.
+                assert abs(track.azimuth) < 5.0
+    assert told >= 9
+
+
+def test_silence_above_the_largest_sigma() -> None:
+    """And the next bearing starts anew, wherever it is."""
+    tracker = Tracker(max_sigma=5.0)
+    fed(tracker, steady(20))
+    last = 19 * FRAME
+    assert tracker.at(last + 60 * MS) is not None
+    assert tracker.at(last + 300 * MS) is None
+    assert tracker.reason.startswith('the standard deviation of the direction is ')
+    # Within five of its deviations, which are great by then.
+    track = tracker.update(Bearing(80.0, 0.0, COVARIANCE, last + 300 * MS))
+    assert (track.azimuth, track.elevation) == pytest.approx((80.0, 0.0))
+    assert tracker.begun == 2
+    assert tracker.at(last + 300 * MS) is None
+    assert tracker.reason.startswith('only 1 of the 3 bearings')
+
+
+def test_order_does_not_matter_where_a_track_ends_by_its_sigma() -> None:
+    """Late bearings on both sides of the end leave the same track, bit for bit."""
+    random = np.random.default_rng(12)
+    stamps = 10 * MS * np.cumsum(random.choice([1, 2, 3, 25], 120, p=[0.5, 0.3, 0.1, 0.1]))
+    bearings = [
+        Bearing(3.0 * np.sin(1e-9 * stamp), 0.1 * random.standard_normal(), COVARIANCE, int(stamp))
+        for stamp in stamps
+    ]
+    shuffled = [bearings[k] for k in np.argsort(np.arange(120) + random.uniform(0, 4, 120))]
+    ordered, disordered = Tracker(max_sigma=5.0), Tracker(max_sigma=5.0)
+    assert not any(fed(ordered, bearings) + fed(disordered, shuffled))
+    assert ordered.begun > 5 and disordered.late > 10
+    told = 0
+    for stamp in range(int(stamps[-1]) - 900 * MS, int(stamps[-1]) + 20 * MS, 5 * MS):
+        first, second = ordered.at(stamp), disordered.at(stamp)
+        assert (first is None) == (second is None)
+        if first is not None and second is not None:
+            told += 1
+            np.testing.assert_array_equal(first.state, second.state)
+            np.testing.assert_array_equal(first.covariance, second.covariance)
+    assert told > 20
+
+
+def test_limits_are_set_while_it_follows() -> None:
+    """The track stays; what is believed and told changes; an impossible one changes nothing."""
+    tracker = Tracker(acceleration=10.0)
+    bearings = steady(31)
+    fed(tracker, bearings[:30])
+    last = 29 * FRAME
+    told = present(tracker.at(last + 300 * MS))
+    tracker.set_limits(coast=0.2)
+    assert tracker.at(last + 300 * MS) is None
+    tracker.set_limits(coast=0.5, max_sigma=0.01)
+    assert 'max_sigma' in (tracker.at(last + 300 * MS) or tracker.reason)
+    tracker.set_limits(max_sigma=20.0)
+    np.testing.assert_array_equal(present(tracker.at(last + 300 * MS)).state, told.state)
+    for name, value in (('gate', -1.0), ('coast', np.nan), ('max_sigma', np.inf)):
+        with pytest.raises(TrackingError, match=f'{name} is {value}'):
+            tracker.set_limits(**{'gate': 1.0, 'coast': 1.0, 'max_sigma': 1.0, name: value})
+    assert (tracker.gate, tracker.coast, tracker.max_sigma) == (5.0, 0.5, 20.0)
+    off = Bearing(bearings[30].azimuth + 1.0, 0.0, COVARIANCE, bearings[30].stamp_ns)
+    assert fed(tracker, [off]) != ['']
+    tracker.set_limits(gate=100.0)
+    assert fed(tracker, [Bearing(off.azimuth, 0.0, COVARIANCE, off.stamp_ns + MS)]) == ['']
+    assert tracker.begun == 1
+
+
+@pytest.mark.parametrize('stamp', [2**63, -2**63 - 1, 2**200])
+def test_stamps_of_no_clock_are_refused(stamp: int) -> None:
+    """Of bearings, rates and joints; what was known stays."""
+    platform, pan_tilt = PlatformRates(), PanTiltAngles()
+    platform.push(0, np.zeros(3))
+    pan_tilt.push(0, 0.0, 0.0)
+    tracker = Tracker(platform=platform, pan_tilt=pan_tilt)
+    tracker.update(Bearing(0.0, 0.0, COVARIANCE, 0))
+    for push in (
+        lambda: tracker.update(Bearing(0.0, 0.0, COVARIANCE, stamp)),
+        lambda: platform.push(stamp, np.zeros(3)),
+        lambda: pan_tilt.push(stamp, 0.0, 0.0),
+    ):
+        with pytest.raises(TrackingError, match='within 146 years'):
+            push()
+    tracker.update(Bearing(0.0, 0.0, COVARIANCE, 10 * MS))
+    assert tracker.bearings == 2
 
 
 def test_one_wild_bearing_is_refused() -> None:
