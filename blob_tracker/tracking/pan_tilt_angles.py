@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from math import cos, isfinite, pi, remainder, sin
+from math import cos, isfinite, remainder, sin, tau
 
 from blob_tracker.tracking.errors import check_stamp, PlatformGap, StampJump, TrackingError
 from blob_tracker.tracking.rotation import pan_tilt
 import numpy as np
 from numpy.typing import NDArray
+
+# ns over which a rate is taken at least: over less it is the encoder's step and the stamps' jitter
+# (1e-4 rad in 20 us are 5 rad/s). A little less than the interval of 100 Hz, which is common.
+SPAN_NS = 8_000_000
+# rad/s, standard deviation of a rate that no samples tell: what a pan/tilt turns at when it does.
+UNKNOWN_RATE = 1.0
 
 
 class PanTiltAngles:
@@ -16,7 +22,7 @@ class PanTiltAngles:
     How the camera is turned against the base at an instant.
 
     The angles are linear in time between samples; past the newest one they go on at the last
-    rate.
+    rate, which is taken over `SPAN_NS` or more.
 
     Parameters
     ----------
@@ -28,26 +34,46 @@ class PanTiltAngles:
         Standard deviation of either angle at an instant, rad: of the encoder's step, over
         sqrt(12), and of the bend between two samples. It is added to that of each bearing:
         without it a track of good bearings refuses what is right.
+    acceleration : float
+        Standard deviation of the joints' acceleration, rad/s^2, for how far off the angles are
+        past the newest sample: 5 is half of what a swift pan/tilt has (100 degrees/s in 0.2 s).
 
     Raises
     ------
     TrackingError
-        Where hold or memory is not above 0, sigma is below, or one of them is not finite.
+        Where hold or memory is not above 0, sigma or acceleration is below, or one of them is not
+        finite.
 
     """
 
-    def __init__(self, hold: float = 0.2, memory: float = 2.0, *, sigma: float = 0.0) -> None:
+    def __init__(
+        self,
+        hold: float = 0.2,
+        memory: float = 2.0,
+        *,
+        sigma: float = 0.0,
+        acceleration: float = 5.0,
+    ) -> None:
         for name, value in (('hold', hold), ('memory', memory)):
             if not (value > 0.0 and isfinite(value)):
                 raise TrackingError(f'{name} is {value} s; it must be above 0 and finite')
-        if not (sigma >= 0.0 and isfinite(sigma)):
-            raise TrackingError(f'sigma is {sigma} rad; it must be 0 or more and finite')
+        for name, value, unit in (
+            ('sigma', sigma, 'rad'), ('acceleration', acceleration, 'rad/s^2')
+        ):
+            if not (value >= 0.0 and isfinite(value)):
+                raise TrackingError(f'{name} is {value} {unit}; it must be 0 or more and finite')
         self.hold = hold
         self.memory = memory
         self.sigma = sigma
+        self.acceleration = acceleration
         self._hold_ns, self._memory_ns = round(1e9 * hold), round(1e9 * memory)
         self._stamps: list[int] = []
         self._angles: list[tuple[float, float]] = []
+
+    @property
+    def newest_ns(self) -> int | None:
+        """Stamp of the newest sample, ns; None where there is none."""
+        return self._stamps[-1] if self._stamps else None
 
     def reset(self) -> None:
         """Forget all samples."""
@@ -128,6 +154,48 @@ class PanTiltAngles:
         (pan, _), (pan_rate, tilt_rate) = self._interpolated(stamp_ns)
         return np.array([cos(pan) * tilt_rate, pan_rate, -sin(pan) * tilt_rate])
 
+    def variance_at(self, stamp_ns: int) -> float:
+        """
+        Return the variance of either angle at an instant, rad^2.
+
+        By t past the newest sample, with the rate over the interval h before it, an acceleration a
+        puts the angle off by a t (t + h) / 2, and the errors of both samples, each of the variance
+        s^2, are in it by 1 + t/h and t/h:
+
+            s^2 ((1 + t/h)^2 + (t/h)^2) + (a t (t + h) / 2)^2
+
+        Where no samples tell a rate, s^2 + (`UNKNOWN_RATE` t)^2; between samples s^2.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            ns of ROS time, that `at` has an answer for.
+
+        """
+        ahead = 1e-9 * (stamp_ns - self._stamps[-1])
+        if ahead <= 0.0:
+            return self.sigma**2
+        begin = self._begin(len(self._stamps) - 1)
+        if begin is None:
+            return self.sigma**2 + (UNKNOWN_RATE * ahead) ** 2
+        interval = 1e-9 * (self._stamps[-1] - self._stamps[begin])
+        share = ahead / interval
+        strayed = 0.5 * self.acceleration * ahead * (ahead + interval)
+        return self.sigma**2 * ((1.0 + share) ** 2 + share**2) + strayed**2
+
+    def _begin(self, end: int) -> int | None:
+        """Return the sample from which to one the rate is taken; None where there is none."""
+        stamps = self._stamps
+        begin = bisect_right(stamps, stamps[end] - SPAN_NS) - 1
+        return begin if begin >= 0 and stamps[end] - stamps[begin] <= self._hold_ns else None
+
+    def _rates(self, begin: int, end: int) -> tuple[float, float]:
+        """Return the rates of pan and tilt from one sample to another, rad/s."""
+        seconds = 1e-9 * (self._stamps[end] - self._stamps[begin])
+        (pan0, tilt0), (pan1, tilt1) = self._angles[begin], self._angles[end]
+        # The short way round: a joint that turns for ever may be read modulo a turn.
+        return remainder(pan1 - pan0, tau) / seconds, remainder(tilt1 - tilt0, tau) / seconds
+
     def _interpolated(self, stamp_ns: int) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return pan and tilt at an instant, rad, and their rates, rad/s."""
         stamps = self._stamps
@@ -144,19 +212,17 @@ class PanTiltAngles:
                 f'the newest joint angles are {1e-9 * (stamp_ns - stamps[-1]):.3f} s old; they '
                 f'hold for {self.hold:g} s'
             )
-        if len(stamps) == 1:
-            return self._angles[0], (0.0, 0.0)
-        end = min(after, len(stamps) - 1)
-        interval = stamps[end] - stamps[end - 1]
-        if interval > self._hold_ns:
-            if after < len(stamps):
-                raise PlatformGap(f'joint angles are more than {self.hold:g} s apart')
-            return self._angles[-1], (0.0, 0.0)
-        (pan0, tilt0), (pan1, tilt1) = self._angles[end - 1], self._angles[end]
-        # The short way round: a joint that turns for ever may be read modulo a turn.
-        pan_step, tilt_step = remainder(pan1 - pan0, 2.0 * pi), remainder(tilt1 - tilt0, 2.0 * pi)
-        share, seconds = (stamp_ns - stamps[end - 1]) / interval, 1e-9 * interval
-        return (
-            (pan0 + share * pan_step, tilt0 + share * tilt_step),
-            (pan_step / seconds, tilt_step / seconds),
-        )
+        pan, tilt = self._angles[after - 1]
+        since = 1e-9 * (stamp_ns - stamps[after - 1])
+        if after == len(stamps):
+            begin = self._begin(after - 1)
+            if begin is None:
+                return (pan, tilt), (0.0, 0.0)
+            rates = self._rates(begin, after - 1)
+            return (pan + since * rates[0], tilt + since * rates[1]), rates
+        if stamps[after] - stamps[after - 1] > self._hold_ns:
+            raise PlatformGap(f'joint angles are more than {self.hold:g} s apart')
+        line = self._rates(after - 1, after)
+        begin = self._begin(after)
+        rates = line if begin is None else self._rates(begin, after)
+        return (pan + since * line[0], tilt + since * line[1]), rates

@@ -17,6 +17,9 @@ FITTED = 0.06
 FEWEST = 4  # samples of a line; of fewer the newest holds
 # s that they span at least: of a burst, stamped on arrival, the slope is noise over microseconds.
 SHORTEST = FITTED / 2.0
+# rad/s^2: past what turns a vehicle, a rock under its tool or a light drone's rotors.
+SWIFTEST = 200.0
+SHAKEN = 0.3  # rad/s from sample to sample: a gyro's noise and what an engine shakes it by
 FASTEST = 100.0  # rad/s: 6000 degrees a second, past the range of any gyro
 
 
@@ -37,6 +40,12 @@ class PlatformRates:
     newest; of fewer than `FEWEST` or within less than `SHORTEST` seconds the newest rate holds. A
     vehicle swings: its last rate alone would be off by its acceleration times the
     horizon, and the last sample is as noisy as any.
+
+    A sample is a fault of the sensor, or of its bus, where a component is above both neighbours or
+    below both by more than `SHAKEN` and than an angular acceleration of `SWIFTEST` explains: it
+    counts as the nearer neighbour, their median. Of the newest sample one neighbour is missing:
+    so far from the one before, it waits for the next, and a change of the rate that lasts is late
+    by one sample.
 
     Parameters
     ----------
@@ -62,18 +71,21 @@ class PlatformRates:
         self._hold_ns, self._memory_ns = round(1e9 * hold), round(1e9 * memory)
         capacity = max(2, int(DENSEST * memory))
         self._stamps = np.empty(capacity, np.int64)
-        self._rates = np.empty((capacity, 3))
+        self._samples = np.empty((capacity, 3))  # as they came
+        self._rates = np.empty((capacity, 3))  # without faults
         self._variances = np.empty(capacity)
         self._first = self._end = 0  # of what is kept
+        self._waiting = 0  # newest samples, 0 or 1, that the next one may prove wrong
 
     @property
     def newest_ns(self) -> int | None:
-        """Stamp of the newest sample, ns; None where there is none."""
-        return int(self._stamps[self._end - 1]) if self._end > self._first else None
+        """Stamp of the newest sample that counts, ns; None where there is none."""
+        newest = self._end - 1 - self._waiting
+        return int(self._stamps[newest]) if newest >= self._first else None
 
     def reset(self) -> None:
         """Forget all samples."""
-        self._first = self._end = 0
+        self._first = self._end = self._waiting = 0
 
     def push(self, stamp_ns: int, rate: ArrayLike, variance: float = 0.0) -> None:
         """
@@ -110,7 +122,8 @@ class PlatformRates:
             )
         place = self._place(stamp_ns)
         for kept, value in (
-            (self._stamps, stamp_ns), (self._rates, vector), (self._variances, variance)
+            (self._stamps, stamp_ns), (self._samples, vector), (self._rates, vector),
+            (self._variances, variance),
         ):
             if place < self._end:
                 kept[place + 1:self._end + 1] = kept[place:self._end].copy()
@@ -119,6 +132,10 @@ class PlatformRates:
         oldest = int(self._stamps[self._end - 1]) - self._memory_ns
         while self._stamps[self._first] < oldest:
             self._first += 1
+        known = slice(self._first, self._end)
+        self._waiting = _without_faults(
+            self._stamps[known], self._samples[known], self._rates[known], place - self._first
+        )
 
     def between(self, t0_ns: int, t1_ns: int) -> tuple[NDArray[np.float64], float]:
         """
@@ -143,7 +160,7 @@ class PlatformRates:
             Where the samples do not cover the time, with a reason.
 
         """
-        samples = slice(self._first, self._end)
+        samples = slice(self._first, self._end - self._waiting)
         turn, variance, gap = _integrated(
             self._stamps[samples], self._rates[samples], self._variances[samples], t0_ns, t1_ns,
             self._hold_ns,
@@ -167,7 +184,7 @@ class PlatformRates:
             As `between` does.
 
         """
-        samples = slice(self._first, self._end)
+        samples = slice(self._first, self._end - self._waiting)
         rate, gap = _rate(self._stamps[samples], self._rates[samples], stamp_ns, self._hold_ns)
         if gap:
             raise PlatformGap(self._reason(gap, stamp_ns, stamp_ns))
@@ -180,11 +197,10 @@ class PlatformRates:
             # Half of it is room again; the oldest go even where all are within the memory.
             first = max(self._first, capacity // 2)
             count = capacity - first
-            for kept in (self._stamps, self._rates, self._variances):
+            for kept in (self._stamps, self._samples, self._rates, self._variances):
                 kept[:count] = kept[first:]
             self._first, self._end = 0, count
-        newest = self.newest_ns
-        if newest is None or stamp_ns > newest:
+        if self._end == self._first or stamp_ns > (newest := int(self._stamps[self._end - 1])):
             return self._end
         if stamp_ns < newest - self._memory_ns:
             raise StampJump(
@@ -228,6 +244,36 @@ def _search(stamps: NDArray[np.int64], stamp: int) -> int:
         else:
             high = middle
     return low
+
+
+@kernel
+def _leaps(stamps: NDArray[np.int64], samples: Array, index: int, axis: int) -> int:
+    """Return whether the rate leaps up (1) or down (-1) from a sample to the next one, or 0."""
+    step = samples[index + 1, axis] - samples[index, axis]
+    if abs(step) <= SHAKEN + SWIFTEST * 1e-9 * (stamps[index + 1] - stamps[index]):
+        return 0
+    return 1 if step > 0.0 else -1
+
+
+@kernel
+def _without_faults(
+    stamps: NDArray[np.int64], samples: Array, rates: Array, place: int
+) -> int:
+    """Fill the rates about a sample that has come; return 1 where the newest one must wait."""
+    last = len(stamps) - 1
+    for index in range(max(place - 1, 1), min(place + 2, last)):
+        for k in range(3):
+            rates[index, k] = samples[index, k]
+            up = _leaps(stamps, samples, index - 1, k)
+            if up != 0 and _leaps(stamps, samples, index, k) == -up:
+                before, after = samples[index - 1, k], samples[index + 1, k]
+                rates[index, k] = max(before, after) if up > 0 else min(before, after)
+    if last == 0:
+        return 0
+    for k in range(3):
+        if _leaps(stamps, samples, last - 1, k) != 0:
+            return 1
+    return 0
 
 
 @kernel

@@ -412,7 +412,7 @@ class Tracker:
                 camera = self.pan_tilt.at(bearing.stamp_ns)
             except PlatformGap as gap:
                 raise TrackingError(f'the bearing has no direction in the base: {gap}') from None
-            of_joints = (self.pan_tilt.sigma / MRAD) ** 2
+            of_joints = self.pan_tilt.variance_at(bearing.stamp_ns) / MRAD**2
             a, c = a + of_joints, c + of_joints
         return Seen(azimuth, elevation, a, b, c, camera)
 

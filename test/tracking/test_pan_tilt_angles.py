@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.tracking import PanTiltAngles, PlatformGap, StampJump, TrackingError
+from blob_tracker.tracking.pan_tilt_angles import UNKNOWN_RATE
 from consistency import of_rays
 import numpy as np
 import pytest
@@ -79,3 +80,55 @@ def test_impossible_angles_and_parameters_are_refused() -> None:
         PanTiltAngles(hold=-1.0)
     with pytest.raises(TrackingError, match='memory'):
         PanTiltAngles(memory=0.0)
+    with pytest.raises(TrackingError, match=r'acceleration is -1.0 rad/s\^2'):
+        PanTiltAngles(acceleration=-1.0)
+
+
+def test_the_rate_is_taken_over_a_span() -> None:
+    """Not over 20 us, in which an encoder's step of 0.1 mrad would be 5 rad/s."""
+    angles = PanTiltAngles()
+    assert angles.newest_ns is None
+    for index in range(3):
+        stamp = index * 50 * MS
+        angles.push(stamp, 0.01 * index - 1e-4, 0.0)
+        angles.push(stamp + 20_000, 0.01 * index, 0.0)
+    assert angles.newest_ns == stamp + 20_000
+    for asked in (stamp, stamp + 10_000, stamp + 20_000, stamp + 30 * MS):
+        # 0.2 rad/s, and the step over 50 ms.
+        assert angles.rate_at(asked)[1] == pytest.approx(0.2, abs=2.1e-3)
+    assert of_rays(angles.at(stamp + 30 * MS)[None, :, 2])[0, 0] == pytest.approx(26.0, abs=0.1)
+    # Of one burst alone nothing is known of a rate.
+    angles.reset()
+    angles.push(0, 0.0, 0.0)
+    angles.push(20_000, 1e-4, 0.0)
+    np.testing.assert_array_equal(angles.rate_at(10 * MS), np.zeros(3))
+
+
+def test_the_variance_past_the_newest_sample() -> None:
+    """That of joints that swing as strongly as stated, read with an error, at any horizon."""
+    random = np.random.default_rng(7)
+    swing, acceleration, sigma = 3.0, 5.0, 5e-5  # rad/s, far slower than the horizon
+    for ahead in (2, 5, 20):
+        strayed, stated = [], 0.0
+        for _ in range(2000):
+            phase = random.uniform(0.0, 2.0 * np.pi)
+            times = 1e-3 * np.array([-20, -10, 0, ahead])
+            true = np.sqrt(2.0) * acceleration / swing**2 * np.sin(swing * times + phase)
+            angles = PanTiltAngles(sigma=sigma, acceleration=acceleration)
+            for time, angle in zip((0, 10, 20), true + random.normal(scale=sigma, size=4)):
+                angles.push(time * MS, 0.0, angle)
+            seen = of_rays(angles.at((20 + ahead) * MS)[None, :, 2])[0, 1]
+            strayed.append(1e-3 * seen - true[3])
+            stated = angles.variance_at((20 + ahead) * MS)
+        # A variance of 2000 draws is known to 3 %, three times.
+        assert np.mean(np.square(strayed)) / stated == pytest.approx(1.0, abs=0.1)
+    for between in (0, 7, 20):
+        assert angles.variance_at(between * MS) == sigma**2
+
+
+def test_an_unknown_rate_is_uncertain() -> None:
+    """After a first sample the pan/tilt may turn, however still it seems."""
+    angles = PanTiltAngles(sigma=1e-3)
+    angles.push(0, 0.1, 0.2)
+    assert angles.variance_at(0) == 1e-6
+    assert angles.variance_at(10 * MS) == pytest.approx(1e-6 + (UNKNOWN_RATE * 0.01) ** 2)

@@ -185,3 +185,70 @@ def test_an_instant_in_a_gap_is_not_covered() -> None:
             platform.between(stamp * MS, stamp * MS)
     turn, _ = platform.between(352 * MS, 352 * MS)
     np.testing.assert_array_equal(turn, np.eye(3))
+
+
+def swinging(times: np.ndarray) -> np.ndarray:
+    """Return rates about the vertical axis of a boat, rad/s."""
+    return np.stack([0.0 * times, 0.3 * np.sin(2.0 * times), 0.0 * times], 1)
+
+
+@pytest.mark.parametrize('fault', [3.0, -10.0, 99.0])
+def test_a_fault_of_the_sensor_does_not_turn_the_platform(fault: float) -> None:
+    """One sample of 200 Hz: neither the turn nor what is ahead is off, in whatever order."""
+    times = 5e-3 * np.arange(200)
+    good, bad, late = PlatformRates(), PlatformRates(), PlatformRates()
+    faulty = swinging(times)
+    faulty[150] += [0.0, fault, 0.0]
+    stamps = [index * 5 * MS for index in range(200)]
+    for index, (stamp, rate) in enumerate(zip(stamps, swinging(times))):
+        good.push(stamp, rate)
+        bad.push(stamp, faulty[index])
+        if index > 50:
+            then = stamp - 50 * MS, stamp + 40 * MS
+            # The neighbour's rate, 0.003 rad/s off, at one of ten samples; ahead, by a sample
+            # less at the end of the line.
+            np.testing.assert_allclose(bad.between(*then)[0], good.between(*then)[0], atol=1e-4)
+            np.testing.assert_allclose(bad.rate_at(stamp), good.rate_at(stamp), atol=4e-3)
+    for index in np.random.default_rng(6).permutation(200):
+        late.push(stamps[index], faulty[index])
+    np.testing.assert_array_equal(late.between(0, 1000 * MS)[0], bad.between(0, 1000 * MS)[0])
+
+
+def test_faults_side_by_side_that_contradict_each_other() -> None:
+    """Up and down again: neither counts."""
+    platform = PlatformRates()
+    for index in range(40):
+        platform.push(index * 5 * MS, [{20: 10.0, 21: -10.0}.get(index, 0.1), 0.0, 0.0])
+        if index > 0:
+            rate = platform.rate_at(index * 5 * MS + 30 * MS)
+            np.testing.assert_allclose(rate, [0.1, 0.0, 0.0], atol=1e-12)
+    turn, _ = platform.between(0, 195 * MS)
+    exact = Rotation.from_rotvec([-0.1 * 0.195, 0.0, 0.0]).as_matrix()
+    np.testing.assert_allclose(turn, exact, atol=1e-12)
+
+
+def test_a_change_of_the_rate_that_lasts_counts() -> None:
+    """From the second sample on it is known, and from the first on it turned the platform."""
+    platform = PlatformRates()
+    for index in range(21):
+        platform.push(index * 5 * MS, [0.0, 5.0 if index >= 20 else 0.0, 0.0])
+    assert platform.newest_ns == 95 * MS
+    np.testing.assert_array_equal(platform.rate_at(100 * MS), np.zeros(3))
+    platform.push(105 * MS, [0.0, 5.0, 0.0])
+    assert platform.newest_ns == 105 * MS
+    turn, _ = platform.between(95 * MS, 105 * MS)
+    # Linear from 95 to 100 ms, then 5 rad/s.
+    exact = Rotation.from_rotvec([0.0, -5.0 * 0.0075, 0.0]).as_matrix()
+    np.testing.assert_allclose(turn, exact, atol=1e-12)
+
+
+def test_a_blow_that_is_real_is_no_fault() -> None:
+    """2 rad/s within 30 ms and back, 105 rad/s^2 at most: to the sample as it was measured."""
+    times = 5e-3 * np.arange(-10, 10)
+    rates = np.where(np.abs(times) < 0.03, 1.0 + np.cos(np.pi * times / 0.03), 0.0)
+    platform = PlatformRates()
+    for time, rate in zip(times, rates):
+        platform.push(round(1e9 * time), [rate, 0.0, 0.0])
+        assert platform.newest_ns == round(1e9 * time)
+    for time, rate in zip(times[:-1], rates):  # at the newest it is that of the line
+        np.testing.assert_array_equal(platform.rate_at(round(1e9 * time)), [rate, 0.0, 0.0])

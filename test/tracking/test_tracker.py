@@ -525,6 +525,13 @@ def test_the_error_of_the_joints_is_in_the_covariance() -> None:
     # The angles in the base, 200 mrad off: the azimuth's circle is smaller at 100 mrad up.
     sigmas = np.sqrt(np.diag(track.angle_covariance)) * (np.cos(0.102), 1.0)
     np.testing.assert_allclose(sigmas, np.hypot(0.1, 0.3), rtol=1e-4)
+    # Past the newest sample also as the joints may have moved: 20 ms after 33 ms, 5 rad/s^2.
+    pan_tilt = PanTiltAngles(acceleration=5.0)
+    for stamp in (0, FRAME):
+        pan_tilt.push(stamp, 0.0, 0.0)
+    late = Tracker(pan_tilt=pan_tilt).update(Bearing(0.0, 0.0, COVARIANCE, FRAME + 20 * MS))
+    strayed = 0.5 * 5e3 * 0.02 * (0.02 + 0.033)
+    np.testing.assert_allclose(late.sigma, np.hypot(0.1, strayed), rtol=1e-6)
     with pytest.raises(TrackingError, match='sigma is nan rad; it must be 0 or more'):
         PanTiltAngles(sigma=np.nan)
 
