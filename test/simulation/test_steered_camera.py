@@ -111,6 +111,7 @@ def test_another_camera_goes_on_with_the_same_pan_tilt() -> None:
     """Its states are those after the time up to which it was driven, each once."""
     vehicle = steered(STILL)
     vehicle.advance(0.0101)
-    other = SteeredCamera(vehicle.camera, vehicle.pan_tilt, GYRO, GYRO.samples(STILL, 1.0, np.random.default_rng(1)))
+    felt = GYRO.samples(STILL, 1.0, np.random.default_rng(1))
+    other = SteeredCamera(vehicle.camera, vehicle.pan_tilt, GYRO, felt)
     other.advance(0.0201)
     assert [state.time for state in other.states()] == pytest.approx([0.015, 0.02])

@@ -131,7 +131,9 @@ def test_what_the_encoders_say_is_of_its_stamp(monkeypatch: pytest.MonkeyPatch) 
     )
 
 
-@pytest.mark.parametrize('seed, duration', [(2, 3.0), (10, 20.0), (29, 3.0), (30, 3.0), (31, 3.0)])
+@pytest.mark.parametrize(
+    'seed, duration', [(2, 3.0), (10, 20.0), (29, 3.0), (30, 3.0), (31, 3.0)]
+)
 def test_the_first_bearings_drive_nothing_away(seed: int, duration: float) -> None:
     """
     Rides whose first two bearings make a wild rate: no prediction before three agree.
