@@ -162,9 +162,8 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
             f'to the servo in a way that no bearing tells; with the last direction held to '
             f'{held_rms:.1f} and {held_worst:.1f} mrad; and as the example does without '
             f'prediction, to {plain_rms:.0f} and {plain_worst:.0f} mrad. The prediction is worth '
-            f"a factor of {held_rms / blind_rms:.0f} on the direction held, with the gyro "
-            f'{held_rms / rms:.0f}. '
-            "The thesis' centroid, on "
+            f'a factor of {held_rms / blind_rms:.0f} on the direction held, with the gyro '
+            f"{held_rms / rms:.0f}. The thesis' centroid, on "
             f'pictures with the defects of its grabber, points to {old_rms:.2f} mrad rms and '
             f'{old_worst:.2f} mrad at worst with the same prediction, and to {old_plain:.0f} mrad '
             f'without. 0.2 mrad rms hold up to {good:.2g} times the motion of the boat and 1 mrad '
