@@ -17,8 +17,8 @@ FITTED = 0.06
 FEWEST = 4  # samples of a line; of fewer the newest holds
 # s that they span at least: of a burst, stamped on arrival, the slope is noise over microseconds.
 SHORTEST = FITTED / 2.0
-# rad/s^2: past what turns a vehicle, a rock under its tool or a light drone's rotors.
-SWIFTEST = 200.0
+# rad/s^2: past what a vehicle's drive, a rock under its tool or a camera drone's rotors give it.
+SWIFTEST = 100.0
 SHAKEN = 0.3  # rad/s from sample to sample: a gyro's noise and what an engine shakes it by
 FASTEST = 100.0  # rad/s: 6000 degrees a second, past the range of any gyro
 

@@ -18,6 +18,8 @@ import scipy
 LEAST, MOST = 1e-2, 1e6
 SETTLING = 3  # innovations at the start of a track, which tell of the prior
 FEWEST = 50  # innovations: the deviation of what is found is 10 % then
+# mrad: where a track ended by its deviation, a great noise would leave few innovations to explain.
+ANY_SIGMA = 1e12
 FOUND = 0.01  # of the value, to which it is searched for
 
 
@@ -63,7 +65,7 @@ def log_likelihood(
     noise = MODELS[model].noise
     tracker = Tracker(
         model, **{noise: value, f'stabilised_{noise}': value}, gate=inf, coast=coast,
-        platform=platform, pan_tilt=pan_tilt,
+        max_sigma=ANY_SIGMA, platform=platform, pan_tilt=pan_tilt,
     )
     total, count, age = 0.0, 0, 0
     for bearing in sorted(bearings, key=lambda each: each.stamp_ns):

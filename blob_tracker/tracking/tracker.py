@@ -243,8 +243,9 @@ class Tracker:
         Raises
         ------
         TrackingError
-            Where the bearing or its stamp is none that can be, has the stamp of another, or is refused by the
-            gate, or where the camera's direction at its stamp is not known; the track stays.
+            Where the bearing or its stamp is none that can be, has the stamp of another, or is
+            refused by the gate, or where the camera's direction at its stamp is not known; the
+            track stays.
         StampJump
             Where its stamp is from before the memory: `reset` if the clock was set back.
 

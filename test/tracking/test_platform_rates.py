@@ -192,7 +192,7 @@ def swinging(times: np.ndarray) -> np.ndarray:
     return np.stack([0.0 * times, 0.3 * np.sin(2.0 * times), 0.0 * times], 1)
 
 
-@pytest.mark.parametrize('fault', [3.0, -10.0, 99.0])
+@pytest.mark.parametrize('fault', [1.0, -10.0, 99.0])
 def test_a_fault_of_the_sensor_does_not_turn_the_platform(fault: float) -> None:
     """One sample of 200 Hz: neither the turn nor what is ahead is off, in whatever order."""
     times = 5e-3 * np.arange(200)

@@ -49,6 +49,8 @@ def test_gaps_and_order() -> None:
     whole = log_likelihood(bearings, 'constant_velocity', 40.0)
     assert log_likelihood(bearings[::-1], 'constant_velocity', 40.0) == whole
     assert whole[1] == RUNS * (150 - 4)
+    # Each noise is judged by the same innovations.
+    assert log_likelihood(bearings, 'constant_velocity', 1e5)[1] == whole[1]
 
 
 def test_too_few_are_refused() -> None:
