@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import replace
+from functools import lru_cache
 import sys
 from typing import Any
 
@@ -24,10 +25,11 @@ from blob_tracker.ros.qos import publisher, RESULT, subscription
 from blob_tracker.ros.stamp import from_ns
 from blob_tracker.ros.target import bearing_message, centroid_message
 from blob_tracker.simulation import flashing_light, PROFILES, Sensor, Truth
+from blob_tracker.simulation.gyro import Gyro
 from blob_tracker.simulation.pan_tilt import Joints, PanTilt
 from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera
 from blob_tracker.simulation.platform_motion import MOTIONS, Ride
-from blob_tracker.simulation.steered_camera import STATES, SteeredCamera
+from blob_tracker.simulation.steered_camera import Felt, SteeredCamera
 from blob_tracker.types import Frame, Location, SensorNoise
 from geometry_msgs.msg import PointStamped, Vector3Stamped
 import numpy as np
@@ -37,8 +39,9 @@ from rclpy.timer import Timer
 from sensor_msgs.msg import Imu, JointState
 
 RIDE = 300.0  # s, after which it begins again: the vehicle leaps, once in five minutes
-BACK = 0.1  # s that the clock may be behind the end of an exposure; else it was set back
+BACK = 0.1  # s that the clock may go back as it is slewed; else it was set back
 JOINTS = ('pan', 'tilt')
+GYRO = Gyro()
 AHEAD = (0.0, 0.0, 1.0)  # the direction of the light, in the level frame
 
 
@@ -79,6 +82,8 @@ class SimulatorNode(Node):
         self._beats: list[Timer] = []
         self._pan_tilt_states: Publisher | None = None
         self._imus: Publisher | None = None
+        self._vehicle: SteeredCamera | None = None
+        self._steered = False
         self._change(values)()
         on_change(self, PARAMETERS, self._change)
 
@@ -105,24 +110,22 @@ class SimulatorNode(Node):
             raise ParameterError(
                 f'there is no room for frames of {width} x {height} px; take smaller ones'
             ) from None
-        vehicle = None
+        rides: tuple[PanTiltCamera, Felt] | None = None
         if steered or platform != STILL:
-            vehicle = SteeredCamera(
-                PanTiltCamera(
-                    model,
-                    _ride(platform, settings['seed']),
-                    lambda times: np.tile(AHEAD, (len(times), 1)),
-                    sigma=settings['sigma'],
-                    amplitude=settings['amplitude'],
-                    profile=profile,
-                    background=settings['background'],
-                    texture=settings['texture'],
-                    sensor=sensor,
-                    region=(width, height),
-                    seed=settings['seed'],
-                ),
-                PanTilt(Joints()),
-            )
+            ride, felt = _ride(platform, settings['seed'])
+            rides = PanTiltCamera(
+                model,
+                ride,
+                lambda times: np.tile(AHEAD, (len(times), 1)),
+                sigma=settings['sigma'],
+                amplitude=settings['amplitude'],
+                profile=profile,
+                background=settings['background'],
+                texture=settings['texture'],
+                sensor=sensor,
+                region=(width, height),
+                seed=settings['seed'],
+            ), felt
             if self._imus is None:
                 self._imus = publisher(self, Imu, 'imu', RESULT)
         if steered and self._pan_tilt_states is None:
@@ -136,13 +139,18 @@ class SimulatorNode(Node):
             self._info = from_camera_model(model, width, height)
             self._index = 0
             self._pixels = pixels
-            self._vehicle, self._steered = vehicle, steered
-            self._begin_ns = self.get_clock().now().nanoseconds
+            before = self._vehicle if steered == self._steered else None
+            self._vehicle, self._steered = None, steered
+            if rides is not None:
+                pan_tilt = PanTilt(Joints()) if before is None else before.pan_tilt
+                self._vehicle = SteeredCamera(rides[0], pan_tilt, GYRO, rides[1])
+                if before is None:
+                    self._begin_ns = self.get_clock().now().nanoseconds
             for timer in self._beats:
                 self.destroy_timer(timer)
             self._beats = [self.create_timer(1.0 / self._scene.rate, self._publish)]
-            if vehicle is not None:
-                self._beats.append(self.create_timer(1.0 / STATES, self._publish_states))
+            if self._vehicle is not None:
+                self._beats.append(self.create_timer(1.0 / GYRO.rate, self._publish_states))
 
         return use
 
@@ -152,7 +160,7 @@ class SimulatorNode(Node):
         time = 1e-9 * (now_ns - self._begin_ns)
         if not self._vehicle.pan_tilt.time <= time + BACK or time > RIDE:
             self._begin_ns = now_ns
-            self._vehicle = SteeredCamera(self._vehicle.camera, PanTilt(Joints()))
+            self._vehicle = self._vehicle.again()
             return 0.0
         return time
 
@@ -178,27 +186,30 @@ class SimulatorNode(Node):
         imu, states = Imu(), JointState(name=list(JOINTS))
         imu.header.frame_id = 'imu_link'
         imu.orientation_covariance[0] = imu.linear_acceleration_covariance[0] = NO_DATA
+        imu.angular_velocity_covariance[[0, 4, 8]] = GYRO.variance
         for state in self._vehicle.states():
-            imu.header.stamp = from_ns(self._begin_ns + round(1e9 * state.time))
+            imu.header.stamp = from_ns(self._begin_ns + round(1e9 * state.felt_time))
             x, y, z = state.rate
             # x forward, y left, z up.
             imu.angular_velocity.x, imu.angular_velocity.y, imu.angular_velocity.z = z, -x, -y
             self._imus.publish(imu)
             if self._steered and self._pan_tilt_states is not None:
-                states.header.stamp, states.position = imu.header.stamp, state.angles
+                states.header.stamp = from_ns(self._begin_ns + round(1e9 * state.time))
+                states.position = state.angles
                 self._pan_tilt_states.publish(states)
 
     def _picture(self) -> tuple[Frame, Truth]:
-        """Return the next frame: the one that is ready, or what the vehicle's camera sees now."""
+        """Return the next frame: the one that is ready, or that whose exposure ends now."""
         stamp_ns = self.get_clock().now().nanoseconds
         if self._vehicle is None:
             frame = Frame(self._pixels, stamp_ns, self._scene.sensor.saturation)
             return frame, self._scene.truth(self._index)
-        time = max(self._time(stamp_ns), self._vehicle.pan_tilt.time)
-        frame, truth = self._vehicle.picture(self._index, time)
+        exposure = self._vehicle.camera.exposure
+        end = max(self._time(stamp_ns), self._vehicle.pan_tilt.time, exposure)
+        frame, truth = self._vehicle.picture(self._index, end)
         self._publish_states()  # on their way before the frame: who tracks it waits for them
-        middle = time + 0.5 * self._vehicle.camera.exposure
-        return replace(frame, stamp_ns=self._begin_ns + round(1e9 * middle)), truth
+        middle_ns = self._begin_ns + round(1e9 * (end - 0.5 * exposure))
+        return replace(frame, stamp_ns=middle_ns), truth
 
     def _publish(self) -> None:
         """Publish a frame, then draw the next, if it is known: drawing costs no latency."""
@@ -235,11 +246,14 @@ class SimulatorNode(Node):
             self._pixels = self._scene.frame(self._index)
 
 
-def _ride(platform: str, seed: int) -> Ride:
-    """Return how a vehicle turns."""
-    if platform == STILL:
-        return Ride(RIDE, np.zeros((2, 3)), np.zeros((2, 3)))
-    return MOTIONS[platform].ride(RIDE + 1.0, seed)
+@lru_cache(maxsize=2)
+def _ride(platform: str, seed: int) -> tuple[Ride, Felt]:
+    """Return how a vehicle turns, and what its gyro says of it: a second's work of a ride."""
+    ride = (
+        Ride(RIDE + 1.0, np.zeros((2, 3)), np.zeros((2, 3))) if platform == STILL
+        else MOTIONS[platform].ride(RIDE + 1.0, seed)
+    )
+    return ride, GYRO.samples(ride, RIDE, np.random.default_rng([seed, 11]))
 
 
 def main() -> None:

@@ -6,8 +6,15 @@ from collections import deque
 from dataclasses import dataclass
 from math import cos, exp, isfinite, sin, sqrt, tau
 
+import numpy as np
+from numpy.typing import NDArray
+import scipy  # which loads interpolate when it is first used
+
+Array = NDArray[np.float64]
+
 BRAKE = 0.6  # of the acceleration, with which a long way ends: the rest is for the loop
 STEP = 0.002  # s: within it the motors' limits hold on the mean
+KEPT = 0.05  # s of the past that is known: longer than an exposure
 
 
 @dataclass(frozen=True)
@@ -96,6 +103,7 @@ class PanTilt:
         self._goal_since = self._goal_until = 0.0
         self._goal_rates = (0.0, 0.0)
         self._underway: deque[tuple[float, tuple[float, float]]] = deque()
+        self._past = deque([(self.time, *self.angles, *self._rates)])
 
     def command(self, pan: float, tilt: float) -> None:
         """
@@ -117,6 +125,39 @@ class PanTilt:
         pan, tilt = self.angles
         return self._rounded(pan), self._rounded(tilt)
 
+    def at(self, times: Array) -> Array:
+        """
+        Return where pan and tilt were, cubics through angles and rates of the steps.
+
+        Parameters
+        ----------
+        times : (n,) array
+            From the last `KEPT` s, to which it has been driven, s.
+
+        Returns
+        -------
+        (n, 2) array
+            rad.
+
+        Raises
+        ------
+        ValueError
+            Where a time is not of them.
+
+        """
+        past = np.array(self._past)
+        if not past[0, 0] <= np.min(times) <= np.max(times) <= self.time:
+            raise ValueError(
+                f'times are from {np.min(times):g} to {np.max(times):g} s; known are '
+                f'{past[0, 0]:g} to {self.time:g} s: drive it up to the last one, and ask before '
+                f'the first is {KEPT:g} s ago'
+            )
+        if len(past) == 1:
+            return np.tile(past[0, 1:3], (len(times), 1))
+        return np.asarray(scipy.interpolate.CubicHermiteSpline(
+            past[:, 0], past[:, 1:3], past[:, 3:]
+        )(times))
+
     def advance(self, time: float) -> None:
         """Drive it up to a time in s; what was sent early enough is obeyed on the way."""
         while self.time < time:
@@ -129,6 +170,9 @@ class PanTilt:
                 self._goal_rates = (0.0, 0.0)
             self._step(until - self.time)
             self.time = until
+            self._past.append((until, *self.angles, *self._rates))
+            while self._past[1][0] <= until - KEPT:
+                self._past.popleft()
 
     def _obey(self, arrival: float, goal: tuple[float, float]) -> None:
         """Take a command, and how fast commands move: a leap is no motion, nor is the last one."""

@@ -98,8 +98,7 @@ class PanTiltCamera:
 
         """
         in_base = np.einsum('nji,nj->ni', self.ride.rotations(times), self.light(times))
-        camera = turn_about(1, joints[:, 0]) @ turn_about(0, joints[:, 1])
-        return np.asarray(np.einsum('nji,nj->ni', camera, in_base))
+        return np.asarray(np.einsum('nji,nj->ni', camera_turns(joints), in_base))
 
     def off_axis(self, times: Array, joints: Array) -> Array:
         """Return the (n,) angles between the optical axis and the light, rad."""
@@ -168,10 +167,7 @@ class PanTiltCamera:
         if self.texture == 0.0:
             return np.full((height, width), self.background, dtype=np.float32)
         (left, top) = (self.model.width - width) // 2, (self.model.height - height) // 2
-        camera = (
-            self.ride.rotations(np.array([middle]))[0]
-            @ turn_about(1, joints[:1])[0] @ turn_about(0, joints[1:])[0]
-        )
+        camera = self.ride.rotations(np.array([middle]))[0] @ camera_turns(joints[None])[0]
         # The level frame's y seen by the camera: how far the picture is turned about its axis.
         roll = np.arctan2(camera[1, 0], camera[1, 1])
         cosine, sine = np.cos(roll), np.sin(roll)
@@ -187,6 +183,11 @@ class PanTiltCamera:
             wall, back, (width, height), flags=cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP,
             borderMode=cv2.BORDER_REFLECT_101,
         ))
+
+
+def camera_turns(joints: Array) -> Array:
+    """Return (n, 3, 3) turns of the camera's components to the base's at (n, 2) pan and tilt."""
+    return turn_about(1, joints[:, 0]) @ turn_about(0, joints[:, 1])
 
 
 @lru_cache(maxsize=4)

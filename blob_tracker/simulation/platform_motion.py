@@ -317,7 +317,7 @@ DEGREE = pi / 180.0
 # A work boat of 10 m in the wind sea of a lake: 8 m/s of wind over 5 km make waves of 0.29 m and
 # 2.1 s (JONSWAP: Hasselmann et al. 1973), whose slope is 3.7 degrees rms. The beam follows it and
 # the length averages it. The last swing is the engine's: see docs/servo.md for all numbers.
-ENGINE = Swing(2e-5, 25.0, 0.02, 0.002)
+ENGINE = Swing(1.06e-5, 25.0, 0.02, 0.002)
 MOTIONS = {
     'sea': PlatformMotion(
         roll=(Swing(3.0 * DEGREE, 0.40, 0.10, 0.25), ENGINE),

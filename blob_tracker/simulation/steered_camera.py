@@ -4,32 +4,38 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from blob_tracker.simulation.gyro import Gyro
 from blob_tracker.simulation.pan_tilt import PanTilt
 from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera
 from blob_tracker.simulation.truth import Truth
 from blob_tracker.types import Frame
 import numpy as np
+from numpy.typing import NDArray
 
-STATES = 200.0  # a second
+Array = NDArray[np.float64]
+Felt = tuple[Array, Array]  # (n,) middles of the samples of a gyro, s, and (n, 3) rates, rad/s
 
 
 class State(NamedTuple):
     """
-    What encoders and gyro tell of an instant.
+    What encoders and gyro tell as a sample of the gyro ends.
 
     Parameters
     ----------
     time : float
-        s.
+        At which it ends, s.
     angles : (float, float)
-        Pan and tilt, rad.
+        Pan and tilt at that time, rad.
+    felt_time : float
+        Middle of the sample, s.
     rate : (float, float, float)
-        Angular velocity of the vehicle in the axes of the base, rad/s.
+        Angular velocity of the vehicle in the axes of the base, its mean over the sample, rad/s.
 
     """
 
     time: float
     angles: tuple[float, float]
+    felt_time: float
     rate: tuple[float, float, float]
 
 
@@ -37,8 +43,8 @@ class SteeredCamera:
     """
     Drive a pan/tilt through time, and take pictures with the camera on it.
 
-    Times are s since the ride began, and never go back. The states are of even times, however
-    uneven those are at which it is driven.
+    Times are s since the ride began, and never go back. The states are of even times, those of
+    the gyro, however uneven those are at which it is driven.
 
     Parameters
     ----------
@@ -46,23 +52,36 @@ class SteeredCamera:
         What it sees.
     pan_tilt : PanTilt
         What it rides on.
+    gyro : Gyro
+        Of the vehicle.
+    felt : Felt
+        Its `samples` of the camera's ride.
 
     """
 
-    def __init__(self, camera: PanTiltCamera, pan_tilt: PanTilt) -> None:
+    def __init__(
+        self, camera: PanTiltCamera, pan_tilt: PanTilt, gyro: Gyro, felt: Felt
+    ) -> None:
         self.camera = camera
         self.pan_tilt = pan_tilt
+        self._gyro, self._felt = gyro, felt
+        self._ends = felt[0] + 0.5 / gyro.rate
+        self._next = int(np.searchsorted(self._ends, pan_tilt.time, side='right'))
         self._states: list[State] = []
-        self._count = 0
+
+    def again(self) -> SteeredCamera:
+        """Return the same from the beginning of the ride on; the pan/tilt stands where it is."""
+        pan_tilt = PanTilt(self.pan_tilt.joints, *self.pan_tilt.angles)
+        return SteeredCamera(self.camera, pan_tilt, self._gyro, self._felt)
 
     def advance(self, time: float) -> None:
         """Drive it up to a time, s."""
-        while self._count / STATES <= time:
-            at = self._count / STATES
-            self.pan_tilt.advance(at)
-            x, y, z = self.camera.ride.rates(np.array([at]))[0].tolist()
-            self._states.append(State(at, self.pan_tilt.reported(), (x, y, z)))
-            self._count += 1
+        while self._next < len(self._ends) and self._ends[self._next] <= time:
+            end, middle = float(self._ends[self._next]), float(self._felt[0][self._next])
+            self.pan_tilt.advance(end)
+            x, y, z = self._felt[1][self._next].tolist()
+            self._states.append(State(end, self.pan_tilt.reported(), middle, (x, y, z)))
+            self._next += 1
         self.pan_tilt.advance(time)
 
     def states(self) -> list[State]:
@@ -70,7 +89,7 @@ class SteeredCamera:
         states, self._states = self._states, []
         return states
 
-    def picture(self, index: int, begin: float) -> tuple[Frame, Truth]:
+    def picture(self, index: int, end: float) -> tuple[Frame, Truth]:
         """
         Take a picture; the light is on in even ones.
 
@@ -78,8 +97,8 @@ class SteeredCamera:
         ----------
         index : int
             Of the picture.
-        begin : float
-            Of the exposure, s.
+        end : float
+            Of the exposure, s: it is driven up to there.
 
         Returns
         -------
@@ -88,12 +107,10 @@ class SteeredCamera:
 
         """
         camera, lit = self.camera, index % 2 == 0
-        middle = begin + 0.5 * camera.exposure
+        self.advance(end)
+        middle = end - 0.5 * camera.exposure
         times = camera.times(middle)
-        joints = np.empty((len(times), 2))
-        for row, time in enumerate(times.tolist()):
-            self.advance(time)
-            joints[row] = self.pan_tilt.angles
+        joints = self.pan_tilt.at(times)
         x, y = camera.model.project(camera.rays(times, joints)).mean(axis=0).tolist()
         frame = camera.frame(index, middle, joints, lit=lit)
         return frame, Truth(x, y, lit, camera.amplitude if lit else 0.0, camera.sigma)

@@ -362,8 +362,8 @@ class Tracker:
             )
             if unsure:
                 self.reason += (
-                    f'; the track before was sure to {unsure:.1f} mrad when its next bearing came, '
-                    f'max_sigma is {self.max_sigma:g}'
+                    f'; the track before was sure to {unsure:.1f} mrad when its next bearing '
+                    f'came, max_sigma is {self.max_sigma:g}'
                 )
             return None
         state, step, stabilised, _ = self._step(track, stamp_ns)

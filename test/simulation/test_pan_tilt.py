@@ -89,3 +89,21 @@ def test_a_command_that_is_no_number_is_refused() -> None:
     """A runaway begins with one."""
     with pytest.raises(ValueError, match='finite'):
         PanTilt(Joints()).command(np.nan, 0.0)
+
+
+def test_it_knows_where_it_was() -> None:
+    """As one that was driven up to there, in a swing and at the motors' limits; not long after."""
+    for joints in (Joints(delay=0.0), Joints(delay=0.0, acceleration=0.2)):
+        once = PanTilt(joints)
+        once.command(0.05, -0.02)
+        once.advance(0.101)
+        for time in (0.0611, 0.0805, 0.1, 0.101):
+            stopped = PanTilt(joints)
+            stopped.command(0.05, -0.02)
+            stopped.advance(time)
+            # 1 urad: a step in which a limit begins to hold is no cubic.
+            assert once.at(np.array([time]))[0] == pytest.approx(stopped.angles, abs=1e-6)
+    with pytest.raises(ValueError, match='drive it up to the last one'):
+        once.at(np.array([0.102]))
+    with pytest.raises(ValueError, match=r'known are 0\.05'):
+        once.at(np.array([0.01]))

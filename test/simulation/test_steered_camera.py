@@ -5,14 +5,16 @@ from __future__ import annotations
 from blob_tracker.camera import CameraModel
 from blob_tracker.location import locate
 from blob_tracker.segmentation import Segmenter
+from blob_tracker.simulation.gyro import Gyro
 from blob_tracker.simulation.pan_tilt import Joints, PanTilt
 from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera
 from blob_tracker.simulation.platform_motion import MOTIONS, Ride
-from blob_tracker.simulation.steered_camera import STATES, SteeredCamera
+from blob_tracker.simulation.steered_camera import SteeredCamera
 import numpy as np
 import pytest
 
 MODEL = CameraModel.from_field_of_view(160, 120, 20.0)
+GYRO = Gyro(noise=0.0, bias=0.0, scale=0.0, turn=0.0)
 STILL = Ride(1.0, np.zeros((9, 3)), np.zeros((9, 3)))
 
 
@@ -22,7 +24,8 @@ def steered(ride: Ride) -> SteeredCamera:
         MODEL, ride, lambda times: np.tile([0.0, 0.0, 1.0], (len(times), 1)), sigma=1.5,
         amplitude=120.0, texture=0.0, region=(160, 120),
     )
-    return SteeredCamera(camera, PanTilt(Joints(delay=0.0)))
+    felt = GYRO.samples(ride, 2.0, np.random.default_rng(1))
+    return SteeredCamera(camera, PanTilt(Joints(delay=0.0)), GYRO, felt)
 
 
 def test_a_command_moves_the_light_in_the_picture() -> None:
@@ -44,7 +47,7 @@ def test_the_light_is_found_where_the_truth_says() -> None:
     vehicle, segmenter = steered(ride), Segmenter()
     found = 0
     for index in range(120):
-        frame, truth = vehicle.picture(index, index / 60.0)
+        frame, truth = vehicle.picture(index, 0.002 + index / 60.0)
         assert truth.lit is (index % 2 == 0)
         window = segmenter.update(frame)
         if window is None:
@@ -69,10 +72,15 @@ def test_states_are_of_even_times_and_true() -> None:
         even.advance(time)
     for time in (0.013, 0.4, 0.5):
         uneven.advance(time)
-    uneven.picture(0, 0.5535)
+    uneven.picture(0, 0.5555)
     uneven.advance(0.999)
     ours, theirs = uneven.states(), even.states()
-    np.testing.assert_allclose([each.time for each in ours], np.arange(len(ours)) / STATES)
+    times = np.array([each.time for each in ours])
+    np.testing.assert_allclose(times, np.arange(1, 1 + len(ours)) / GYRO.rate)
+    felt_times = np.array([each.felt_time for each in ours])
+    np.testing.assert_allclose(felt_times, times - 0.5 / GYRO.rate)
+    # A mean is the rate in its middle but for the bend; half a sample later it is 0.016 rad/s off.
+    np.testing.assert_allclose([each.rate for each in ours], ride.rates(felt_times), atol=2e-3)
     assert [each.time for each in ours] == [each.time for each in theirs]
     np.testing.assert_array_equal(
         [each.rate for each in ours], [each.rate for each in theirs]
@@ -85,3 +93,25 @@ def test_states_are_of_even_times_and_true() -> None:
     # It may still swing about where it was sent.
     assert ours[-1].angles == pytest.approx((0.1, -0.05), abs=0.02)
     assert uneven.states() == []
+
+
+def test_it_begins_again_where_the_pan_tilt_stands() -> None:
+    """The ride leaps to its beginning; the camera does not."""
+    vehicle = steered(STILL)
+    vehicle.pan_tilt.command(0.02, 0.01)
+    vehicle.advance(0.9)
+    again = vehicle.again()
+    assert again.pan_tilt.time == 0.0
+    assert again.pan_tilt.angles == vehicle.pan_tilt.angles != (0.0, 0.0)
+    again.advance(0.0101)
+    assert [state.time for state in again.states()] == pytest.approx([0.005, 0.01])
+
+
+def test_another_camera_goes_on_with_the_same_pan_tilt() -> None:
+    """Its states are those after the time up to which it was driven, each once."""
+    vehicle = steered(STILL)
+    vehicle.advance(0.0101)
+    felt = GYRO.samples(STILL, 1.0, np.random.default_rng(1))
+    other = SteeredCamera(vehicle.camera, vehicle.pan_tilt, GYRO, felt)
+    other.advance(0.0201)
+    assert [state.time for state in other.states()] == pytest.approx([0.015, 0.02])

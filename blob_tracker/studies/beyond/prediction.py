@@ -114,12 +114,13 @@ def _followed(
 ) -> Measured:
     """Return the squares of the prediction's errors, NEES, and innovations; causal."""
     covariance = SIGMA**2 * np.eye(2)
-    gyro, variance, taken = tracker.platform, Gyro().variance, 0
+    platform, gyro, taken = tracker.platform, Gyro(), 0
+    there = felt[0] + 0.5 / gyro.rate  # a sample is a mean: it is there when it is over
     errors = {horizon: np.zeros_like(truth) for horizon in HORIZONS}
     nees, innovations = np.zeros(len(times)), np.zeros((len(times), 2))
     for index, time in enumerate(times.tolist()):
-        while gyro is not None and taken < len(felt[0]) and felt[0][taken] <= time:
-            gyro.push(_stamp(felt[0][taken]), felt[1][taken], variance)
+        while platform is not None and taken < len(there) and there[taken] <= time:
+            platform.push(_stamp(felt[0][taken]), felt[1][taken], gyro.variance)
             taken += 1
         stamp = _stamp(time)
         try:

@@ -16,10 +16,12 @@ from blob_tracker.types import SensorNoise
 import numpy as np
 
 GOAL, WORST = 0.2, 1.0  # mrad: preferred, taken as the rms, and at worst (thesis, page 13)
-LOCKED = 1.5  # s from the first frame until the error counts
+LOCKED = 0.5  # s from the first frame until the error counts: the light is found and caught up
 VEHICLES = {'calm': 0.35, 'normal': 1.0, 'rough': 2.0}  # times the boat's motion, and the rocks
 SIZES = (0.7, 1.3, 1.6, 3.0)  # the same, beside these
 DURATIONS, SEEDS = (3.5, 20.0), (1, 2)  # s, and rides: quick and full
+MOST = 12  # rides of the full run with what the demand is asked of
+LINED_UP = 1000  # added to the seed of a ride for the pictures with which the laser is lined up
 STEP, STEP_DURATION = np.radians(10.0), 1.5  # rad and s
 TRACE = 5  # every so many looks at the error are kept for the pictures
 WIDE, NARROW = (360, 240), (160, 120)  # px that are read out
@@ -56,8 +58,16 @@ def cases(quick: bool) -> Sequence[Case]:
     ]
     return [
         {**ride, 'duration': duration, 'seed': seed} for ride in rides
-        for seed in range(1, 1 + seeds)
+        for seed in range(1, 1 + (seeds if quick or not _decisive(ride) else MOST))
     ] + steps
+
+
+def _decisive(ride: Case) -> bool:
+    """Return whether the demand is asked of it."""
+    return bool(
+        ride['kind'] == 'ride' and ride['finder'] == 'default' and ride['size'] == 1.0
+        and ride['law'] == PREDICTED
+    )
 
 
 def measure(case: Case) -> Measured:
@@ -67,7 +77,7 @@ def measure(case: Case) -> Measured:
     if case['kind'] == 'ride':
         scenario, finder = scenario.disturbed(case['size']), FINDERS[case['finder']]
         if finder.chain != FINDERS['default'].chain:
-            boresight = boresight_of(scenario, finder, case['seed'])
+            boresight = boresight_of(scenario, finder, LINED_UP + case['seed'])
         region = WIDE if law == PLAIN or case['size'] > VEHICLES['rough'] else NARROW
     elif case['kind'] == 'step':
         scenario, off, region = scenario.disturbed(0.0), (float(STEP), 0.0), WIDE
@@ -152,7 +162,8 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
             f'to the servo in a way that no bearing tells; with the last direction held to '
             f'{held_rms:.1f} and {held_worst:.1f} mrad; and as the example does without '
             f'prediction, to {plain_rms:.0f} and {plain_worst:.0f} mrad. The prediction is worth '
-            f"a factor of {held_rms / rms:.0f} on the direction held. The thesis' centroid, on "
+            f'a factor of {held_rms / blind_rms:.0f} on the direction held, with the gyro '
+            f"{held_rms / rms:.0f}. The thesis' centroid, on "
             f'pictures with the defects of its grabber, points to {old_rms:.2f} mrad rms and '
             f'{old_worst:.2f} mrad at worst with the same prediction, and to {old_plain:.0f} mrad '
             f'without. 0.2 mrad rms hold up to {good:.2g} times the motion of the boat and 1 mrad '

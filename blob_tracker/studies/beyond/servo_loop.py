@@ -409,9 +409,9 @@ class Loop:
         there = 0.5 / scenario.gyro.rate + scenario.gyro_latency
         self._at(self._felt[0] + there, self._take_gyro)
         self._at(_times(1.0 / scenario.command_rate, self.duration, first=0.0013), self._tick)
-        # An exposure begins here; the bearing that comes of it is there when it has arrived.
+        # An exposure ends here; the bearing that comes of it is there when it has arrived.
         middles = _times(1.0 / scenario.rate, self.duration - scenario.latency, first=0.004)
-        self._at([middle - 0.5 * scenario.exposure for middle in middles], self._expose)
+        self._at(middles + 0.5 * scenario.exposure, self._expose)
         while self._events:
             time, _, event, index = heappop(self._events)
             self.pan_tilt.advance(time)
@@ -428,19 +428,13 @@ class Loop:
             heappush(self._events, (float(time), next(self._order), event, first + index))
 
     def _expose(self, time: float, index: int) -> None:
-        """Take a frame; what comes of it arrives later."""
-        scenario = self.scenario
-        middle = time + 0.5 * scenario.exposure
-        joints = np.empty((PARTS, 2))
-        # What is commanded from now on comes to the motors after the exposure.
-        for part, instant in enumerate(self.camera.times(middle).tolist()):
-            self.pan_tilt.advance(instant)
-            joints[part] = self.pan_tilt.angles
-        frame = self.camera.frame(index, middle, joints, lit=index % 2 == 0)
-        bearing = self.bearing_of(frame)
+        """Take the frame whose exposure is over; what comes of it arrives later."""
+        middle = time - 0.5 * self.scenario.exposure
+        joints = self.pan_tilt.at(self.camera.times(middle))
+        bearing = self.bearing_of(self.camera.frame(index, middle, joints, lit=index % 2 == 0))
         if bearing is not None:
             self._underway[index] = bearing
-            self._at([middle + scenario.latency], self._take_bearing, index)
+            self._at([middle + self.scenario.latency], self._take_bearing, index)
 
     def bearing_of(self, frame: Frame) -> Bearing | None:
         """Return what the default pipeline, or the thesis', makes of a frame."""
@@ -494,7 +488,11 @@ def _times(interval: float, end: float, *, first: float = 0.0) -> Array:
 
 
 def boresight_of(scenario: Scenario, finder: Finder, seed: int) -> Boresight:
-    """Return what a camera's bearings of a light straight ahead are off by, the boat at rest."""
+    """
+    Return what a camera's bearings of a light straight ahead are off by, the boat at rest.
+
+    Its seed, of the noise and the shore, is to be none of the rides to which it is applied.
+    """
     rest = replace(scenario.disturbed(0.0), speed=0.0)
     loop = Loop(rest, finder, 'proportional', 1.0, seed)
     found, stated = [], []

@@ -6,6 +6,8 @@ from blob_tracker.simulation.platform_motion import MOTIONS
 from blob_tracker.studies.beyond.prediction import (
     directions, FILTERS, HELD, HORIZONS, limit, measure, STUDY,
 )
+from blob_tracker.tracking import PlatformRates, Tracker
+from blob_tracker.types import Bearing
 import numpy as np
 import pytest
 
@@ -39,6 +41,28 @@ def test_a_light_ahead_goes_left_as_the_vehicle_turns_right() -> None:
     yaw = 1e3 * ride.angles(times)[:, 2]
     # Roll and pitch mix into it in second order: 50 x 26 urad.
     assert np.corrcoef(directions(ride, times)[:, 0], -yaw)[0, 1] > 0.95
+
+
+def test_no_sample_of_the_gyro_is_used_before_it_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its stamp is its middle: at 200 Hz it is over 2.5 ms later, and the next in 5 more."""
+    pushed: list[int] = []
+    ages: list[int] = []
+    push, update = PlatformRates.push, Tracker.update
+
+    def pushing(self: PlatformRates, stamp_ns: int, *sample: object) -> None:
+        pushed.append(stamp_ns)
+        push(self, stamp_ns, *sample)  # type: ignore[arg-type]
+
+    def updating(self: Tracker, bearing: Bearing) -> object:
+        if self.platform is not None:
+            ages.append(bearing.stamp_ns - pushed[-1])
+        return update(self, bearing)
+
+    monkeypatch.setattr(PlatformRates, 'push', pushing)
+    monkeypatch.setattr(Tracker, 'update', updating)
+    measure({'motion': 'sea', 'seed': 1, 'duration': 2.0})
+    assert len(ages) == 2 * 57
+    assert 2_500_000 - 1 <= min(ages) <= max(ages) < 7_500_000 + 1  # to the rounding of a ns
 
 
 def test_the_study_concludes() -> None:
