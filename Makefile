@@ -60,7 +60,7 @@ study: .venv/.run  # as bench does
 	@PYTHONPATH=. $(BIN)/python -m blob_tracker study --out $(OUT)/studies $(STUDY)
 
 reference: .venv/.run  # as bench does
-	@PYTHONPATH=. $(BIN)/python docs/reference.py
+	@PYTHONPATH=. $(BIN)/python tools/reference.py
 
 .venv/.run: requirements.txt
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 10) <= v <= (3, 13) else \

@@ -1,6 +1,7 @@
 """The ament_python build of blob_tracker."""
 
 from glob import glob
+from runpy import run_path
 
 from setuptools import find_packages, setup
 
@@ -31,10 +32,7 @@ setup(
     entry_points={
         'console_scripts': [
             f'{node} = {NAME}.nodes.start:{node}'
-            for node in (
-                'camera', 'segmenter', 'locator', 'tracker', 'triangulator', 'pipeline',
-                'simulator',
-            )
+            for node in run_path(f'{NAME}/nodes/__init__.py')['NODES']
         ],
     },
 )

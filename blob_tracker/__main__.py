@@ -5,15 +5,22 @@ from __future__ import annotations
 import argparse
 from importlib import import_module
 import sys
+from types import ModuleType
 
+# Each is a module of `commands/` with `add_arguments` and `main`, imported only when it runs.
 COMMANDS = {
-    'calibrate': ('blob_tracker.nodes.calibrate', 'measure a camera: lens, noise, line jitter'),
-    'demo': ('blob_tracker.nodes.demo', 'track a simulated light, or a camera, and show it live'),
-    'doctor': ('blob_tracker.nodes.doctor', 'say what is wrong with this machine, and what to do'),
-    'optics': ('blob_tracker.studies.optics', 'what a lens sees and resolves, by its data sheet'),
-    'replay': ('blob_tracker.nodes.replay', 'publish the messages of a bag, without ros2 bag'),
-    'study': ('blob_tracker.studies.runner.command', "do the thesis' tables and figures again"),
+    'calibrate': 'measure a camera: lens, noise, line jitter',
+    'demo': 'track a simulated light, or a camera, and show it live',
+    'doctor': 'say what is wrong with this machine, and what to do',
+    'optics': 'what a lens sees and resolves, by its data sheet',
+    'replay': 'publish the messages of a bag, without ros2 bag',
+    'study': "do the thesis' tables and figures again",
 }
+
+
+def command(name: str) -> ModuleType:
+    """Return the module of a command of `COMMANDS`."""
+    return import_module(f'blob_tracker.commands.{name}')
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -36,12 +43,12 @@ def main(arguments: list[str] | None = None) -> int:
     words = sys.argv[1:] if arguments is None else arguments
     if '--ros-args' in words:  # what follows is rclpy's, remappings say, which reads it itself
         words = words[: words.index('--ros-args')]
-    for name, (module, summary) in COMMANDS.items():
-        command = commands.add_parser(name, help=summary, description=summary)
+    for name, summary in COMMANDS.items():
+        subparser = commands.add_parser(name, help=summary, description=summary)
         if words[:1] == [name]:  # only the command that runs is imported, with all it needs
-            import_module(module).add_arguments(command)
+            command(name).add_arguments(subparser)
     parsed = parser.parse_args(words)
-    return int(import_module(COMMANDS[parsed.command][0]).main(parsed))
+    return int(command(parsed.command).main(parsed))
 
 
 if __name__ == '__main__':

@@ -26,7 +26,8 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # What starts nodes in processes, by the beginning of its path in here.
 WITH_PROCESSES = (
-    'benchmarks/test_latency', 'examples', 'nodes', 'test_launch', 'test_security', 'test_views',
+    'benchmarks/test_latency', 'commands/calibrate', 'commands/test_demo', 'commands/test_doctor',
+    'commands/test_replay', 'examples', 'nodes', 'test_launch', 'test_security', 'test_views',
 )
 
 

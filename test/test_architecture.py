@@ -8,7 +8,7 @@ from pathlib import Path
 import blob_tracker
 
 ROOT = Path(blob_tracker.__file__).parent
-ROS_FOLDERS = ('ros', 'nodes')
+ROS_FOLDERS = ('ros', 'nodes', 'commands')
 ROS_MODULES = {
     'ament_index_python',
     'builtin_interfaces',
@@ -46,9 +46,13 @@ ROOMS = {
     },
     'nodes': {
         'capture', 'segmentation', 'location', 'camera', 'tracking', 'calibration', 'pipeline',
-        'simulation', 'studies', 'ros', 'resources', 'kernel',
+        'simulation', 'ros', 'resources', 'kernel',
     },
-    '__main__': {'nodes', 'studies'},
+    'commands': {
+        'capture', 'segmentation', 'location', 'camera', 'tracking', 'calibration', 'pipeline',
+        'simulation', 'studies', 'ros', 'nodes', 'resources', 'kernel',
+    },
+    '__main__': {'commands'},
     '__init__': {'camera', 'pipeline'},
 }
 

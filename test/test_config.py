@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from xml.etree import ElementTree
 
-from blob_tracker.nodes.interface import interface_of, NODES
+from blob_tracker.nodes import NODES
+from blob_tracker.nodes.interface import interface_of
 from blob_tracker.resources import config_path
 import pytest
 import reference

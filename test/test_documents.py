@@ -5,15 +5,15 @@ from __future__ import annotations
 import argparse
 import ast
 from collections.abc import Iterator
-from importlib import import_module
 from pathlib import Path
 import re
 import shlex
 from typing import NamedTuple
 
-from blob_tracker.__main__ import COMMANDS
-from blob_tracker.nodes.calibrate import CALIBRATIONS
-from blob_tracker.nodes.interface import interface_of, NODES
+from blob_tracker.__main__ import command, COMMANDS
+from blob_tracker.commands.calibrate import CALIBRATIONS
+from blob_tracker.nodes import NODES
+from blob_tracker.nodes.interface import interface_of
 import pytest
 
 ROOT = Path(__file__).parents[1]
@@ -53,8 +53,8 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of `python3 -m blob_tracker` with all its commands."""
     whole = argparse.ArgumentParser(exit_on_error=False)
     commands = whole.add_subparsers(required=True)
-    for name, (module, _) in COMMANDS.items():
-        import_module(module).add_arguments(commands.add_parser(name))
+    for name in COMMANDS:
+        command(name).add_arguments(commands.add_parser(name))
     return whole
 
 

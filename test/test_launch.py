@@ -8,13 +8,13 @@ from pathlib import Path
 import sys
 from typing import Any
 
-from blob_tracker.nodes import replay
+from blob_tracker.commands import replay
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Vector3Stamped
-from processes import executable, probe, Process
 import pytest
-import stand_in_launch
-from stand_in_launch import ExecuteProcess, LaunchContext, Node, RegisterEventHandler
+from support import stand_in_launch
+from support.processes import executable, probe, Process
+from support.stand_in_launch import ExecuteProcess, LaunchContext, Node, RegisterEventHandler
 
 ROOT = Path(__file__).parents[1]
 BAG = ROOT / 'test' / 'bags' / 'flash_mcap'
@@ -23,10 +23,10 @@ CONFIG = '/share/blob_tracker/config'
 REASON = 'launch and launch_ros come with ROS 2 from apt alone'
 # What `ros2 launch FILE name:=value` does.
 LAUNCH = """
-import sys
 from launch import LaunchDescription, LaunchService
 from launch.actions import IncludeLaunchDescription
 from launch.launch_description_sources import PythonLaunchDescriptionSource
+import sys
 service = LaunchService()
 service.include_launch_description(LaunchDescription([IncludeLaunchDescription(
     PythonLaunchDescriptionSource(sys.argv[1]),

@@ -6,7 +6,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from blob_tracker.nodes.interface import interface_of, NODES
+from blob_tracker.nodes import NODES
+from blob_tracker.nodes.interface import interface_of
 import pytest
 import yaml
 

@@ -10,9 +10,9 @@ import sys
 
 from ament_index_python.packages import get_package_share_directory, get_packages_with_prefixes
 import blob_tracker
-from blob_tracker.nodes.interface import NODES
+from blob_tracker.nodes import NODES
 from catkin_pkg.package import parse_package
-from processes import executable
+from support.processes import executable
 import yaml
 
 ROOT = Path(__file__).parents[1]

@@ -9,10 +9,10 @@ from typing import Any
 from xml.etree import ElementTree
 
 from blob_tracker.resources import config_path
-from processes import Probe, probe, start
 import pytest
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.parameter import Parameter
+from support.processes import Probe, probe, start
 
 POLICY = config_path('security/policy.xml')
 # The schema of SROS2 (sros2/policy/schemas/policy.xsd, version 0.2.0): the children that an

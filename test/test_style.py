@@ -9,7 +9,7 @@ import sys
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PLACES = ['blob_tracker', 'test', 'launch', 'benchmarks', 'examples', 'docs', 'setup.py']
+PLACES = ['blob_tracker', 'test', 'launch', 'benchmarks', 'examples', 'tools', 'setup.py']
 
 
 @pytest.mark.parametrize('linter', ['ament_flake8', 'ament_pep257'])

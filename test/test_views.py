@@ -9,7 +9,6 @@ import re
 from typing import Any
 
 from blob_tracker.resources import config_path
-from processes import Probe, probe, start
 import pytest
 from rclpy.qos import (
     DurabilityPolicy,
@@ -20,6 +19,7 @@ from rclpy.qos import (
     QoSProfile,
     ReliabilityPolicy,
 )
+from support.processes import Probe, probe, start
 import yaml
 
 RVIZ = yaml.safe_load(config_path('blob_tracker.rviz').read_text())

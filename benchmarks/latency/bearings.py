@@ -11,8 +11,8 @@ import sys
 import time
 
 from benchmarks.latency.source import FRAME_ID, report, requests, send
-from blob_tracker.ros.qos import RESULT
-from blob_tracker.ros.stamp import from_ns
+from blob_tracker.ros.endpoints.qos import RESULT
+from blob_tracker.ros.messages.stamp import from_ns
 from blob_tracker.types import Pixels
 from geometry_msgs.msg import Vector3Stamped
 import numpy as np

@@ -14,9 +14,9 @@ import sys
 import time
 
 from benchmarks.latency.source import camera_model, draw, FRAME_ID, report, requests, send
-from blob_tracker.ros.camera_info import from_camera_model, stamped
-from blob_tracker.ros.image import from_pixels
-from blob_tracker.ros.qos import IMAGE_OUT
+from blob_tracker.ros.endpoints.qos import IMAGE_OUT
+from blob_tracker.ros.messages.camera_info import from_camera_model, stamped
+from blob_tracker.ros.messages.image import from_pixels
 from blob_tracker.types import Pixels
 import rclpy
 from sensor_msgs.msg import CameraInfo, Image

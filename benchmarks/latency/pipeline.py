@@ -18,9 +18,9 @@ from benchmarks.latency.source import camera_model, draw, FRAME_ID, report, requ
 from blob_tracker.nodes.locator import LocatorNode
 from blob_tracker.nodes.pipeline import compile_all
 from blob_tracker.nodes.segmenter import SegmenterNode
-from blob_tracker.ros.camera_info import from_camera_model
-from blob_tracker.ros.frame_topics import Deliver, FrameTopics
-from blob_tracker.ros.health import Health
+from blob_tracker.ros.diagnostics.health import Health
+from blob_tracker.ros.endpoints.frame_topics import Deliver, FrameTopics
+from blob_tracker.ros.messages.camera_info import from_camera_model
 from blob_tracker.ros.process import run
 from blob_tracker.types import Frame, Pixels
 import rclpy

@@ -15,8 +15,8 @@ import time
 from typing import Any
 
 from benchmarks.latency.source import report, requests
-from blob_tracker.ros.qos import IMAGE_IN, RESULT
-from blob_tracker.ros.stamp import to_ns
+from blob_tracker.ros.endpoints.qos import IMAGE_IN, RESULT
+from blob_tracker.ros.messages.stamp import to_ns
 from geometry_msgs.msg import Vector3Stamped
 import rclpy
 from rclpy.executors import ExternalShutdownException

@@ -16,17 +16,17 @@ from blob_tracker.capture import (
 )
 from blob_tracker.capture.picture import draw
 from blob_tracker.nodes.interface.camera import PARAMETERS
-from blob_tracker.ros.camera_info import from_camera_model, to_camera_model
-from blob_tracker.ros.connections import Connections
-from blob_tracker.ros.control_parameters import ControlParameters
-from blob_tracker.ros.debug_image import DebugImage
+from blob_tracker.ros.diagnostics.connections import Connections
+from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
+from blob_tracker.ros.diagnostics.losses import Losses
+from blob_tracker.ros.endpoints.debug_image import DebugImage
+from blob_tracker.ros.endpoints.frame_topics import Deliver, FrameTopics
 from blob_tracker.ros.errors import MessageError, ParameterError
-from blob_tracker.ros.frame_topics import Deliver, FrameTopics
-from blob_tracker.ros.health import ERROR, Health, WARN
-from blob_tracker.ros.losses import Losses
-from blob_tracker.ros.parameters import about, declare, on_change, undeclared
+from blob_tracker.ros.messages.camera_info import from_camera_model, to_camera_model
+from blob_tracker.ros.parameters.controls import ControlParameters
+from blob_tracker.ros.parameters.declaration import about, declare, on_change, undeclared
+from blob_tracker.ros.parameters.url import DEFAULT_CALIBRATION_URL, to_path
 from blob_tracker.ros.process import run
-from blob_tracker.ros.url import DEFAULT_CALIBRATION_URL, to_path
 from blob_tracker.types import Frame
 import rclpy
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup

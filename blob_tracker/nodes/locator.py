@@ -17,22 +17,22 @@ from blob_tracker.location.noise import variance_ratio
 from blob_tracker.location.picture import draw
 from blob_tracker.location.scatter import RecentPlaces
 from blob_tracker.nodes.interface.locator import DEFAULT_METHOD, PARAMETERS
-from blob_tracker.ros.bearing_topics import BearingTopics
-from blob_tracker.ros.camera_info import KnownCamera
-from blob_tracker.ros.clipping import clipping_window
-from blob_tracker.ros.clock_jumps import on_clock_jump
-from blob_tracker.ros.connections import Connections
-from blob_tracker.ros.debug_image import DebugImage
+from blob_tracker.ros.diagnostics.clock_jumps import on_clock_jump
+from blob_tracker.ros.diagnostics.connections import Connections
+from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
+from blob_tracker.ros.endpoints.bearing_topics import BearingTopics
+from blob_tracker.ros.endpoints.debug_image import DebugImage
+from blob_tracker.ros.endpoints.names import lights_from_text, target_topic
+from blob_tracker.ros.endpoints.pairing import FramePairs
+from blob_tracker.ros.endpoints.qos import STATE, subscription
 from blob_tracker.ros.errors import MessageError, ParameterError
-from blob_tracker.ros.health import ERROR, Health, WARN
-from blob_tracker.ros.image import to_window
-from blob_tracker.ros.names import lights_from_text, target_topic
-from blob_tracker.ros.pairing import FramePairs
-from blob_tracker.ros.parameters import about, declare, on_change
+from blob_tracker.ros.messages.camera_info import KnownCamera
+from blob_tracker.ros.messages.clipping import clipping_window
+from blob_tracker.ros.messages.image import to_window
+from blob_tracker.ros.messages.target import to_noise
+from blob_tracker.ros.parameters.declaration import about, declare, on_change
+from blob_tracker.ros.parameters.url import to_path
 from blob_tracker.ros.process import run, say
-from blob_tracker.ros.qos import STATE, subscription
-from blob_tracker.ros.target import to_noise
-from blob_tracker.ros.url import to_path
 from blob_tracker.types import Bearing, Location, LocationError, SensorNoise, Window
 from geometry_msgs.msg import Vector3Stamped
 import numpy as np

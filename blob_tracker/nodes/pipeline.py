@@ -7,7 +7,7 @@ import sys
 
 from blob_tracker.nodes import camera, locator, segmenter, simulator, tracker
 from blob_tracker.nodes.interface.pipeline import PARAMETERS
-from blob_tracker.ros.parameters import declare, given, unknown
+from blob_tracker.ros.parameters.declaration import declare, given, unknown
 from blob_tracker.ros.process import run
 from rclpy.node import Node
 

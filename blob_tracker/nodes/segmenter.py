@@ -12,24 +12,24 @@ from typing import Any
 from blob_tracker.calibration.noise_level_function import NoiseLevelFunction
 from blob_tracker.nodes.interface.segmenter import PARAMETERS
 from blob_tracker.pipeline import expectation
-from blob_tracker.ros.camera_info import KnownCamera
-from blob_tracker.ros.clipping import clipping_frame
-from blob_tracker.ros.clock_jumps import on_clock_jump
-from blob_tracker.ros.connections import Connections
-from blob_tracker.ros.debug_image import DebugImage
+from blob_tracker.ros.diagnostics.clock_jumps import on_clock_jump
+from blob_tracker.ros.diagnostics.connections import Connections
+from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
+from blob_tracker.ros.diagnostics.losses import Losses, StampGaps
+from blob_tracker.ros.endpoints.debug_image import DebugImage
+from blob_tracker.ros.endpoints.latest_track import LatestTrack
+from blob_tracker.ros.endpoints.names import check_light, target_topic
+from blob_tracker.ros.endpoints.pairing import FramePairs
+from blob_tracker.ros.endpoints.qos import publisher, STATE
+from blob_tracker.ros.endpoints.window_topics import WindowTopics
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.health import ERROR, Health, WARN
-from blob_tracker.ros.image import to_frame
-from blob_tracker.ros.latest_track import LatestTrack
-from blob_tracker.ros.losses import Losses, StampGaps
-from blob_tracker.ros.mask import read_mask
-from blob_tracker.ros.names import check_light, target_topic
-from blob_tracker.ros.pairing import FramePairs
-from blob_tracker.ros.parameters import about, declare, on_change
+from blob_tracker.ros.messages.camera_info import KnownCamera
+from blob_tracker.ros.messages.clipping import clipping_frame
+from blob_tracker.ros.messages.image import to_frame
+from blob_tracker.ros.messages.target import noise_message
+from blob_tracker.ros.parameters.declaration import about, declare, on_change
+from blob_tracker.ros.parameters.mask import read_mask
 from blob_tracker.ros.process import run, say
-from blob_tracker.ros.qos import publisher, STATE
-from blob_tracker.ros.target import noise_message
-from blob_tracker.ros.window_topics import WindowTopics
 from blob_tracker.segmentation import (
     codes_from_text,
     compile_ahead,

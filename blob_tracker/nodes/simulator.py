@@ -11,19 +11,19 @@ from typing import Any
 from blob_tracker.camera import CameraModel, pinhole_matrix
 from blob_tracker.capture.picture import draw
 from blob_tracker.nodes.interface.simulator import PARAMETERS, STILL
-from blob_tracker.ros.camera_info import from_camera_model
-from blob_tracker.ros.connections import Connections
-from blob_tracker.ros.debug_image import DebugImage
+from blob_tracker.ros.diagnostics.connections import Connections
+from blob_tracker.ros.diagnostics.health import Health, WARN
+from blob_tracker.ros.endpoints.debug_image import DebugImage
+from blob_tracker.ros.endpoints.frame_topics import Deliver, FrameTopics
+from blob_tracker.ros.endpoints.qos import publisher, RESULT, subscription
 from blob_tracker.ros.errors import MessageError, ParameterError
-from blob_tracker.ros.frame_topics import Deliver, FrameTopics
-from blob_tracker.ros.health import Health, WARN
-from blob_tracker.ros.imu import NO_DATA
-from blob_tracker.ros.joint_states import to_angle
-from blob_tracker.ros.parameters import declare, on_change
+from blob_tracker.ros.messages.camera_info import from_camera_model
+from blob_tracker.ros.messages.imu import NO_DATA
+from blob_tracker.ros.messages.joint_states import to_angle
+from blob_tracker.ros.messages.stamp import from_ns
+from blob_tracker.ros.messages.target import bearing_message, centroid_message
+from blob_tracker.ros.parameters.declaration import declare, on_change
 from blob_tracker.ros.process import run
-from blob_tracker.ros.qos import publisher, RESULT, subscription
-from blob_tracker.ros.stamp import from_ns
-from blob_tracker.ros.target import bearing_message, centroid_message
 from blob_tracker.simulation import flashing_light, PROFILES, Sensor, Truth
 from blob_tracker.simulation.gyro import Gyro
 from blob_tracker.simulation.pan_tilt import Joints, PanTilt

@@ -10,17 +10,17 @@ import time
 from typing import Any
 
 from blob_tracker.nodes.interface.triangulator import CAMERAS, PARAMETERS
-from blob_tracker.ros.clock_jumps import on_clock_jump
-from blob_tracker.ros.connections import Connections
+from blob_tracker.ros.diagnostics.clock_jumps import on_clock_jump
+from blob_tracker.ros.diagnostics.connections import Connections
+from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
+from blob_tracker.ros.endpoints.names import check_light, target_topic
+from blob_tracker.ros.endpoints.qos import publisher, RESULT, subscription
 from blob_tracker.ros.errors import MessageError, ParameterError
-from blob_tracker.ros.health import ERROR, Health, WARN
-from blob_tracker.ros.imu import turn_of
-from blob_tracker.ros.names import check_light, target_topic
-from blob_tracker.ros.parameters import about, declare, on_change
-from blob_tracker.ros.position import point_message, pose_message
+from blob_tracker.ros.messages.imu import turn_of
+from blob_tracker.ros.messages.position import point_message, pose_message
+from blob_tracker.ros.messages.target import to_bearing
+from blob_tracker.ros.parameters.declaration import about, declare, on_change
 from blob_tracker.ros.process import run
-from blob_tracker.ros.qos import publisher, RESULT, subscription
-from blob_tracker.ros.target import to_bearing
 from blob_tracker.tracking.simultaneous import Simultaneous
 from blob_tracker.tracking.triangulation import (
     CameraPose, check_bearing, Position, triangulate, TriangulationError,

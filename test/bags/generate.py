@@ -15,9 +15,9 @@ import shutil
 from typing import Any
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
-from blob_tracker.ros.camera_info import from_camera_model, stamped
-from blob_tracker.ros.image import from_pixels
-from blob_tracker.ros.target import bearing_message, centroid_message
+from blob_tracker.ros.messages.camera_info import from_camera_model, stamped
+from blob_tracker.ros.messages.image import from_pixels
+from blob_tracker.ros.messages.target import bearing_message, centroid_message
 from blob_tracker.simulation import flashing_light
 from blob_tracker.types import Location
 import numpy as np

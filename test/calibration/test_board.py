@@ -8,10 +8,10 @@ from blob_tracker.calibration.board import BoardCalibration, calibrate_board
 from blob_tracker.calibration.boards import DotGrid, View
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.simulation.board import BoardScene
-from boards import ASYMMETRIC, camera, CHARUCO, CHESSBOARD, DOTS, poses, printed
 import numpy as np
 import pytest
 from scipy.stats import chi2
+from support.boards import ASYMMETRIC, camera, CHARUCO, CHESSBOARD, DOTS, poses, printed
 
 # Where bearings are compared, as parts of width and height: where the views have points.
 PLACES = (0.5, 0.2)

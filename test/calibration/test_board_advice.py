@@ -8,8 +8,8 @@ from blob_tracker.calibration.board import calibrate_board
 from blob_tracker.calibration.board_advice import advice
 from blob_tracker.calibration.boards import View
 from blob_tracker.simulation.board import BoardScene, Pose
-from boards import camera, CHESSBOARD, poses, printed
 import numpy as np
+from support.boards import camera, CHESSBOARD, poses, printed
 
 POINTS = 25.0 * np.column_stack(np.divmod(np.arange(54), 9)[::-1]).astype(float)
 

@@ -7,10 +7,10 @@ from blob_tracker.calibration.dot_centres import centre_offsets
 from blob_tracker.simulation.board import BoardScene
 from blob_tracker.simulation.sensor import Sensor
 from blob_tracker.types import SensorNoise
-from boards import ASYMMETRIC, camera, CHARUCO, CHESSBOARD, DOTS, poses, printed
 import cv2
 import numpy as np
 import pytest
+from support.boards import ASYMMETRIC, camera, CHARUCO, CHESSBOARD, DOTS, poses, printed
 
 # rms of a coordinate, px, at a contrast of 160 DN and a noise of 2 DN: measured 0.006, 0.007,
 # 0.009, 0.009; what was asked for is 0.05.

@@ -8,10 +8,10 @@ from pathlib import Path
 
 from blob_tracker.camera import CalibrationError, CameraModel, write_calibration
 from blob_tracker.resources import config_path
-from camera_models import EQUIDISTANT, MODELS, PINHOLE
 from hypothesis import given, settings, strategies
 import numpy as np
 import pytest
+from support.camera_models import EQUIDISTANT, MODELS, PINHOLE
 import yaml
 
 # As the cameracalibrator of ROS' image_pipeline writes it: numbers padded to columns, zeros

@@ -8,9 +8,9 @@ from math import atan2, hypot
 from blob_tracker.camera import CalibrationError, CameraModel, LensError, pinhole_matrix
 from blob_tracker.resources import config_path
 from blob_tracker.types import Location
-from camera_models import MODELS, PINHOLE, rays_at
 import numpy as np
 import pytest
+from support.camera_models import MODELS, PINHOLE, rays_at
 
 
 def location(x: float, y: float, covariance: np.ndarray | None = None) -> Location:

@@ -8,11 +8,10 @@ import math
 from pathlib import Path
 import sys
 
-from blob_tracker.ros.qos import RESULT, STATE
-from blob_tracker.ros.stamp import from_ns, to_ns
+from blob_tracker.ros.endpoints.qos import RESULT, STATE
+from blob_tracker.ros.messages.stamp import from_ns, to_ns
 from geometry_msgs.msg import Vector3Stamped
 import numpy as np
-from processes import Probe, probe, Process
 import pytest
 from rcl_interfaces.msg import ParameterEvent
 from rcl_interfaces.srv import SetParameters
@@ -20,6 +19,7 @@ from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
+from support.processes import Probe, probe, Process
 
 EXAMPLE = Path(__file__).parents[2] / 'examples' / 'servo_client.py'
 FRAME_NS = 33_000_000  # between two bearings

@@ -8,17 +8,17 @@ from math import nan
 
 from blob_tracker.camera import CameraModel
 from blob_tracker.resources import config_path
-from blob_tracker.ros.camera_info import from_camera_model, stamped
-from blob_tracker.ros.image import from_pixels
-from blob_tracker.ros.qos import IMAGE_OUT, STATE
-from blob_tracker.ros.stamp import to_ns
+from blob_tracker.ros.endpoints.qos import IMAGE_OUT, STATE
+from blob_tracker.ros.messages.camera_info import from_camera_model, stamped
+from blob_tracker.ros.messages.image import from_pixels
+from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.simulation import flashing_light, Scene
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Vector3Stamped
-from processes import Probe, probe, Process, start
 import pytest
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Bool
+from support.processes import Probe, probe, Process, start
 
 SCENE = flashing_light(width=160, height=120, period=3.0)
 MODEL = CameraModel.from_field_of_view(160, 120, 40.0)

@@ -16,7 +16,6 @@ from blob_tracker.types import Frame
 import cv2
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 import numpy as np
-from processes import Probe, probe, start
 import pytest
 from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters
@@ -24,6 +23,7 @@ import rclpy
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import CameraInfo, Image
 from sensor_msgs.srv import SetCameraInfo
+from support.processes import Probe, probe, start
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.nodes.segmenter import SegmenterNode
-from blob_tracker.ros.health import Health
+from blob_tracker.ros.diagnostics.health import Health
 from blob_tracker.types import Frame
 import numpy as np
 import pytest

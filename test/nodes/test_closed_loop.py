@@ -7,14 +7,14 @@ from math import nan
 from pathlib import Path
 import sys
 
-from blob_tracker.ros.qos import RESULT
+from blob_tracker.ros.endpoints.qos import RESULT
 from blob_tracker.simulation.pan_tilt import Joints
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Vector3Stamped
 import numpy as np
 from numpy.typing import NDArray
-from processes import Probe, probe, Process, start
 from sensor_msgs.msg import Imu, JointState
+from support.processes import Probe, probe, Process, start
 
 EXAMPLE = Path(__file__).parents[2] / 'examples' / 'servo_client.py'
 RIDE = {

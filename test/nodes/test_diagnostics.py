@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from diagnostic_msgs.msg import DiagnosticArray
-from processes import probe, start
 from sensor_msgs.msg import Image
+from support.processes import probe, start
 
 NODES = ('simulator', 'segmenter', 'locator')
 ALL = {'rate (Hz)', 'age p50 (ms)', 'latency p50 (ms)', 'latency p99 (ms)', 'CPU (%)',

@@ -7,14 +7,14 @@ from pathlib import Path
 import signal
 import time
 
-from blob_tracker.ros.stamp import from_ns, to_ns
+from blob_tracker.ros.messages.stamp import from_ns, to_ns
 from blob_tracker.simulation import flashing_light
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Vector3Stamped
-from played_camera import PlayedCamera
-from processes import executable, Probe, probe, Process, start
 import pytest
 from rosgraph_msgs.msg import Clock
+from support.played_camera import PlayedCamera
+from support.processes import executable, Probe, probe, Process, start
 
 SMALL = {'width': 160, 'height': 120, 'focal_length': 200.0}
 SCENE = flashing_light(width=160, height=120, period=3.0)

@@ -6,18 +6,18 @@ from math import nan
 
 from blob_tracker.camera import CameraModel
 from blob_tracker.resources import config_path
-from blob_tracker.ros.camera_info import from_camera_model, stamped
-from blob_tracker.ros.image import from_pixels
-from blob_tracker.ros.qos import IMAGE_OUT, RESULT
-from blob_tracker.ros.stamp import to_ns
-from blob_tracker.ros.track import track_message
+from blob_tracker.ros.endpoints.qos import IMAGE_OUT, RESULT
+from blob_tracker.ros.messages.camera_info import from_camera_model, stamped
+from blob_tracker.ros.messages.image import from_pixels
+from blob_tracker.ros.messages.stamp import to_ns
+from blob_tracker.ros.messages.track import track_message
 from blob_tracker.simulation import in_step, Light, Scene
 from blob_tracker.tracking import Track
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from nav_msgs.msg import Odometry
 import numpy as np
-from processes import Probe, probe, start
 from sensor_msgs.msg import CameraInfo, Image
+from support.processes import Probe, probe, start
 
 SCENE = Scene(width=320, height=240, rate=60.0, exposure=0.3)
 MODEL = CameraModel.from_field_of_view(320, 240, 40.0)

@@ -9,22 +9,22 @@ from itertools import count
 from math import nan, pi
 from typing import Any
 
-from blob_tracker.ros.qos import STATE
-from blob_tracker.ros.stamp import from_ns, to_ns
-from blob_tracker.ros.target import ray_message
-from blob_tracker.ros.track import to_track
+from blob_tracker.ros.endpoints.qos import STATE
+from blob_tracker.ros.messages.stamp import from_ns, to_ns
+from blob_tracker.ros.messages.target import ray_message
+from blob_tracker.ros.messages.track import to_track
 from blob_tracker.simulation import flashing_light
 from blob_tracker.types import Bearing
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3, Vector3Stamped
 from hypothesis import example, given, HealthCheck, Phase, settings, strategies as st
 from nav_msgs.msg import Odometry
 import numpy as np
-from played_camera import PlayedCamera, Sent, STEP_NS
-from processes import probe, Process, start
 import pytest
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import CameraInfo, Image, Imu, JointState
+from support.played_camera import PlayedCamera, Sent, STEP_NS
+from support.processes import probe, Process, start
 
 PAIRS = 40  # of image and camera_info in a batch; hypothesis makes no longer lists
 BATCHES = 63  # so many for each arrangement: 2 * 63 * 40 * 2 are more than 10,000 messages

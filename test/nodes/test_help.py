@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import subprocess
 
+from blob_tracker.nodes import NODES
 from blob_tracker.nodes.help import help_text
-from blob_tracker.nodes.interface import interface_of, NODES
-from processes import executable
+from blob_tracker.nodes.interface import interface_of
 import pytest
+from support.processes import executable
 
 
 @pytest.mark.parametrize('node', NODES)

@@ -7,17 +7,17 @@ from pathlib import Path
 
 from blob_tracker.camera import CameraModel
 from blob_tracker.camera.line_jitter import LineJitter
-from blob_tracker.ros.camera_info import from_camera_model, of_window
-from blob_tracker.ros.image import from_window
-from blob_tracker.ros.qos import IMAGE_OUT
+from blob_tracker.ros.endpoints.qos import IMAGE_OUT
+from blob_tracker.ros.messages.camera_info import from_camera_model, of_window
+from blob_tracker.ros.messages.image import from_window
 from blob_tracker.simulation import pixel_integrated_gaussian
 from blob_tracker.types import Window
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PointStamped
 import numpy as np
-from processes import Probe, probe, start
 import pytest
 from sensor_msgs.msg import CameraInfo, Image
+from support.processes import Probe, probe, start
 
 WIDTH, HEIGHT = 320, 240
 OFFSET = 0.25  # px

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from blob_tracker.ros.qos import STATE
+from blob_tracker.ros.endpoints.qos import STATE
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Vector3Stamped
-from processes import Probe, probe, start
 import pytest
+from support.processes import Probe, probe, start
 
 GAIN, READ_NOISE = 8.0, 1.2
 

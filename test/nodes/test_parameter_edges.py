@@ -8,11 +8,11 @@ from typing import Any
 
 from blob_tracker.nodes.interface import locator, segmenter, simulator, tracker
 from blob_tracker.ros.interface import Parameter
-from blob_tracker.ros.stamp import to_ns
+from blob_tracker.ros.messages.stamp import to_ns
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped
 import numpy as np
-from processes import PATIENCE, Probe, probe, Process, start
 import pytest
+from support.processes import PATIENCE, Probe, probe, Process, start
 
 DECLARED = {
     'segmenter': segmenter.PARAMETERS,

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from blob_tracker.ros.qos import IMAGE_IN
-from blob_tracker.ros.stamp import to_ns
+from blob_tracker.ros.endpoints.qos import IMAGE_IN
+from blob_tracker.ros.messages.stamp import to_ns
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
 import numpy as np
-from processes import probe, start
 import pytest
 from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import CameraInfo, Image
+from support.processes import probe, start
 
 RIGHT = 0.15  # px: ten sigmas of the simulated light, which lies at 0.011 px
 

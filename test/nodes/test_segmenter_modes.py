@@ -7,21 +7,21 @@ from pathlib import Path
 import time
 
 from blob_tracker.camera import CameraModel
-from blob_tracker.ros.camera_info import from_camera_model, stamped
-from blob_tracker.ros.image import from_pixels
-from blob_tracker.ros.qos import IMAGE_OUT, STATE
-from blob_tracker.ros.stamp import to_ns
+from blob_tracker.ros.endpoints.qos import IMAGE_OUT, STATE
+from blob_tracker.ros.messages.camera_info import from_camera_model, stamped
+from blob_tracker.ros.messages.image import from_pixels
+from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.simulation import coded, in_step, Light, periodic, Scene, Sensor
 from blob_tracker.types import SensorNoise
 import cv2
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped
 import numpy as np
-from processes import PATIENCE, probe, start
 import pytest
 from scipy.stats import chi2
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Bool
+from support.processes import PATIENCE, probe, start
 
 RATE = 60.0
 MODEL = CameraModel.from_field_of_view(160, 120, 40.0)

@@ -10,8 +10,8 @@ import time
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Vector3Stamped
-from processes import PATIENCE, Probe, probe, Process, start
 import pytest
+from support.processes import PATIENCE, Probe, probe, Process, start
 
 SECONDS = float(os.environ.get('SOAK_SECONDS', 60.0))
 SCENE = {'width': 320, 'height': 240, 'focal_length': 400.0}

@@ -8,8 +8,8 @@ import sys
 import time
 
 from geometry_msgs.msg import Vector3Stamped
-from processes import PATIENCE, probe, start
 import pytest
+from support.processes import PATIENCE, probe, start
 
 ATTEMPTS = 3  # a busy machine may be late once; a node that hangs is late each time
 NODES = ('camera', 'segmenter', 'locator', 'tracker', 'simulator')

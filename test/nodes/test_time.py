@@ -6,15 +6,15 @@ from pathlib import Path
 from typing import Any
 
 from blob_tracker.resources import config_path
-from blob_tracker.ros.stamp import from_ns, to_ns
+from blob_tracker.ros.messages.stamp import from_ns, to_ns
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
-from processes import Probe, probe, start, start_replay
 from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image
+from support.processes import Probe, probe, start, start_replay
 
 BAGS = Path(__file__).parents[1] / 'bags'
 BEGIN, END = 1_700_000_000, 1_700_000_002  # s, of the bags

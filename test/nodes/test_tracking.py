@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from blob_tracker.ros.qos import STATE
-from blob_tracker.ros.stamp import to_ns
+from blob_tracker.ros.endpoints.qos import STATE
+from blob_tracker.ros.messages.stamp import to_ns
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
 import numpy as np
-from processes import probe, start
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Bool
+from support.processes import probe, start
 
 BUDGET = 0.05  # px rms, what the thesis wanted
 LENS = 200.0  # px

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import atan2, hypot, nan, pi
 
-from blob_tracker.ros.stamp import to_ns
-from blob_tracker.ros.target import ray_message
+from blob_tracker.ros.messages.stamp import to_ns
+from blob_tracker.ros.messages.target import ray_message
 from blob_tracker.tracking.triangulation import CameraPose
 from blob_tracker.types import Bearing
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped
 import numpy as np
 from numpy.typing import NDArray
-from processes import Probe, probe, Process, start
 import pytest
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
+from support.processes import Probe, probe, Process, start
 
 MS = 1_000_000
 SIGMA = 0.1  # mrad

@@ -6,9 +6,9 @@ from blob_tracker.segmentation.adaptive_moments import measure
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
-from contrasts import contrast_of, DEVIATION, noisy_blob, READ_NOISE
 import numpy as np
 import pytest
+from support.contrasts import contrast_of, DEVIATION, noisy_blob, READ_NOISE
 
 SHAPE = (400, 480)
 X, Y = 243.3, 198.6

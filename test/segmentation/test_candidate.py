@@ -1,6 +1,6 @@
 """What a candidate tells of itself."""
 
-from contrasts import candidate_at
+from support.contrasts import candidate_at
 
 
 def test_peak_is_a_pixel() -> None:

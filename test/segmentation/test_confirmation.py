@@ -7,9 +7,9 @@ from collections.abc import Callable
 from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.confirmation import Confirmation, FORGOTTEN
-from contrasts import candidate_at
 import numpy as np
 import pytest
+from support.contrasts import candidate_at
 
 SHAPE = (480, 640)
 STEP_NS = 16_666_667

@@ -1,9 +1,9 @@
 """Lit less unlit, cut out with its sign."""
 
 from blob_tracker.segmentation.box import Box
-from contrasts import contrast_of
 import numpy as np
 import pytest
+from support.contrasts import contrast_of
 
 
 @pytest.mark.parametrize('kind', [np.uint8, np.uint16])

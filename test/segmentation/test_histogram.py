@@ -7,9 +7,9 @@ from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.histogram import histogram, histogram_threshold
 from blob_tracker.segmentation.histogram_extended import histogram_extended
 from blob_tracker.segmentation.histogram_shortened import histogram_shortened
-from contrasts import candidate_at, contrast_of
 import numpy as np
 import pytest
+from support.contrasts import candidate_at, contrast_of
 
 
 def levels(count: dict[int, int]) -> np.ndarray:

@@ -6,9 +6,9 @@ from blob_tracker.segmentation import Segmenter
 from blob_tracker.segmentation.illumination import relit, row_gains
 from blob_tracker.simulation import expose, flashing_light, pixel_integrated_gaussian
 from blob_tracker.types import Frame, SensorNoise
-from contrasts import contrast_of, searched
 import numpy as np
 import pytest
+from support.contrasts import contrast_of, searched
 
 SHAPE = (240, 320)
 NOISE = SensorNoise(gain=40.0, read_noise=0.7)

@@ -6,9 +6,9 @@ from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.history import FrameError
 from blob_tracker.segmentation.looks import FULL, Looks, most_looks, sum_looks
 from blob_tracker.types import Frame, Window
-from contrasts import candidate_at, contrast_of
 import numpy as np
 import pytest
+from support.contrasts import candidate_at, contrast_of
 
 BOX = Box(3, 2, 10, 9)
 

@@ -3,9 +3,9 @@
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.otsu import otsu_threshold, otsu_window
 from blob_tracker.simulation import pixel_integrated_gaussian
-from contrasts import candidate_at, contrast_of
 import numpy as np
 import pytest
+from support.contrasts import candidate_at, contrast_of
 
 
 def test_threshold_of_two_levels_lies_between_them() -> None:

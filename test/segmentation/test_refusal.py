@@ -9,10 +9,10 @@ from blob_tracker.segmentation import Candidate, Segmenter
 from blob_tracker.segmentation.refusal import refuse
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
 from blob_tracker.types import Frame, SensorNoise, Window
-from contrasts import candidate_at, contrast_of, searched
 import cv2
 import numpy as np
 import pytest
+from support.contrasts import candidate_at, contrast_of, searched
 
 SHAPE = (240, 320)
 NOISE = SensorNoise(gain=40.0, read_noise=0.7)

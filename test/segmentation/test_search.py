@@ -7,9 +7,9 @@ from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.simulation import expose, flashing_light, pixel_integrated_gaussian
 from blob_tracker.types import Frame, SensorNoise
-from contrasts import contrast_of, DEVIATION, noisy_blob, READ_NOISE, searched
 import numpy as np
 import pytest
+from support.contrasts import contrast_of, DEVIATION, noisy_blob, READ_NOISE, searched
 
 SHAPE = (240, 320)
 PLACES = ((60.3, 50.6, 1.2), (160.8, 120.1, 2.0), (250.4, 190.7, 4.0))  # x, y, sigma, px

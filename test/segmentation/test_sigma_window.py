@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.sigma_window import sigma_window
-from contrasts import candidate_at, contrast_of, noisy_blob, searched
 import numpy as np
 import pytest
+from support.contrasts import candidate_at, contrast_of, noisy_blob, searched
 
 EVEN = contrast_of(np.zeros((400, 480), np.uint8))
 

@@ -6,9 +6,9 @@ from blob_tracker.location import locate
 from blob_tracker.segmentation import Segmenter, threshold_by_name, THRESHOLDS
 from blob_tracker.simulation import flashing_light, pixel_integrated_gaussian
 from blob_tracker.types import Frame
-from contrasts import candidate_at, contrast_of
 import numpy as np
 import pytest
+from support.contrasts import candidate_at, contrast_of
 
 SCENE = flashing_light(width=160, height=120, period=3.0)
 

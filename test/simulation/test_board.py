@@ -5,9 +5,9 @@ from __future__ import annotations
 from blob_tracker.simulation.board import BoardPrint, BoardScene, Pose
 from blob_tracker.simulation.sensor import Sensor
 from blob_tracker.types import SensorNoise
-from boards import camera, CHESSBOARD, printed
 import numpy as np
 import pytest
+from support.boards import camera, CHESSBOARD, printed
 
 SQUARE_ON = Pose(np.zeros(3), np.array([-100.0, -62.5, 400.0]))
 

@@ -10,7 +10,9 @@ from __future__ import annotations
 from blob_tracker.simulation.platform_motion import MOTIONS
 from blob_tracker.tracking import MODELS, PlatformRates, Tracker
 from blob_tracker.tracking.process_noise import process_noise
-from consistency import (
+import numpy as np
+import pytest
+from support.consistency import (
     bounds,
     followed,
     integrated,
@@ -20,8 +22,6 @@ from consistency import (
     seen_from,
     share_within,
 )
-import numpy as np
-import pytest
 
 RUNS = 60
 SEED = 100

@@ -5,9 +5,9 @@ from __future__ import annotations
 from blob_tracker.tracking import PlatformRates, Tracker
 from blob_tracker.tracking.direction import as_angles, moved, offset, placed, State, with_rates
 from blob_tracker.types import Bearing
-from consistency import of_rays
 import numpy as np
 import pytest
+from support.consistency import of_rays
 
 AHEAD = np.eye(3)
 PLACES = [(0.0, 0.0), (300.0, -200.0), (-3100.0, 900.0), (1000.0, 1570.0), (0.0, -1565.0)]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from blob_tracker.tracking import PanTiltAngles, PlatformGap, StampJump, TrackingError
 from blob_tracker.tracking.pan_tilt_angles import UNKNOWN_RATE
-from consistency import of_rays
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from support.consistency import of_rays
 
 MS = 1_000_000  # ns
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from blob_tracker.tracking import MODELS, PlatformRates, TrackingError
 from blob_tracker.tracking.process_noise import log_likelihood, process_noise
 from blob_tracker.types import Bearing
-from consistency import integrated, measured
 import numpy as np
 import pytest
+from support.consistency import integrated, measured
 
 TIMES = np.arange(150) / 30.0
 RUNS = 6

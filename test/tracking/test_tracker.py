@@ -15,9 +15,9 @@ from blob_tracker.tracking import (
     TrackingError,
 )
 from blob_tracker.types import Bearing
-from consistency import measured, nanoseconds, of_rays, rays_of, seen_from
 import numpy as np
 import pytest
+from support.consistency import measured, nanoseconds, of_rays, rays_of, seen_from
 
 MS = 1_000_000  # ns
 FRAME = 33 * MS

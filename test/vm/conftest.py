@@ -17,9 +17,9 @@ import sys
 from blob_tracker.resources import config_path
 from hdmi_loop import SIGNAL
 import machine
-from processes import executable
 import pytest
 from scene import CX, CY, flashing_scene, FX, FY, packed_yuyv, Scene
+from support.processes import executable
 
 HERE = Path(__file__).parent
 CACHE = HERE.parents[1] / '.cache/vm'

@@ -4,8 +4,6 @@ from importlib import import_module
 
 from blob_tracker.ros.interface import Interface
 
-NODES = ('camera', 'segmenter', 'locator', 'tracker', 'triangulator', 'pipeline', 'simulator')
-
 
 def interface_of(node: str) -> Interface:
     """Return what a node of `NODES` shows; only its own declarations are imported."""

@@ -5,7 +5,7 @@ from blob_tracker.nodes.interface.topics import (
     CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, FRAME_PICTURE,
 )
 from blob_tracker.ros.interface import Interface, Parameter, Service
-from blob_tracker.ros.url import DEFAULT_CALIBRATION_URL
+from blob_tracker.ros.parameters.url import DEFAULT_CALIBRATION_URL
 
 PARAMETERS = (
     Parameter(

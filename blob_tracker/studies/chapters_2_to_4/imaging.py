@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from blob_tracker.studies.axes import COLOURS, legend_below, new_axes
 from blob_tracker.studies.chapters_2_to_4.digit_comparison import compare_digits, Results
+from blob_tracker.studies.chapters_2_to_4.lens_table import computed, WIDTH_IN_THE_TEXT
 from blob_tracker.studies.chapters_2_to_4.row_sweeps import says
 from blob_tracker.studies.chapters_2_to_4.sampled_pulse import ONE, rounded, ROUNDING, rows
-from blob_tracker.studies.optics import computed, WIDTH_IN_THE_TEXT
 from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
 import numpy as np

@@ -5,10 +5,10 @@ from __future__ import annotations
 import dataclasses
 
 from blob_tracker.camera import LensError
-from camera_models import EQUIDISTANT, opencv_pixels, rays_at
 from hypothesis import given, settings, strategies
 import numpy as np
 import pytest
+from support.camera_models import EQUIDISTANT, opencv_pixels, rays_at
 
 
 def lens(*coefficients: float) -> np.ndarray:

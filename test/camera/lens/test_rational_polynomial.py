@@ -5,11 +5,11 @@ from __future__ import annotations
 import dataclasses
 
 from blob_tracker.camera import LensError
-from camera_models import MODELS, opencv_pixels, PINHOLE
 from hypothesis import given, settings, strategies
 import numpy as np
 from numpy.typing import NDArray
 import pytest
+from support.camera_models import MODELS, opencv_pixels, PINHOLE
 
 GRID = np.stack(np.meshgrid(np.linspace(-0.5, 639.5, 9), np.linspace(-0.5, 479.5, 9)), -1)
 PIXELS = GRID.reshape(-1, 2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from blob_tracker.studies.chapters_2_to_4.digit_tables import STUDIES
 import pytest
-from quick_study import by_name, quick_findings
+from support.quick_study import by_name, quick_findings
 
 STUDY = by_name(STUDIES)
 

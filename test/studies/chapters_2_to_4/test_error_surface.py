@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.studies.chapters_2_to_4.error_surface import STUDIES
-from quick_study import quick_findings
+from support.quick_study import quick_findings
 
 
 def test_caption_of_figure_4_6_contradicts_the_text() -> None:

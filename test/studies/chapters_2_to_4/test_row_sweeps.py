@@ -9,7 +9,7 @@ from blob_tracker.studies.chapters_2_to_4.row_sweeps import locate_rows
 from blob_tracker.studies.printed import load
 import numpy as np
 import pytest
-from quick_study import by_name, quick_findings
+from support.quick_study import by_name, quick_findings
 
 STUDY = by_name(
     centroid_sweeps.STUDIES + log_linear_sweeps.STUDIES + three_gaussian_sweeps.STUDIES

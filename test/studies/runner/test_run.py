@@ -11,9 +11,10 @@ import sys
 import time
 
 from blob_tracker.__main__ import main
+from blob_tracker.commands import study as command
+from blob_tracker.commands.study import _chosen
 from blob_tracker.studies.registry import STUDIES
-from blob_tracker.studies.runner import command, run as runner
-from blob_tracker.studies.runner.command import _chosen
+from blob_tracker.studies.runner import run as runner
 from blob_tracker.studies.runner.kept import Kept
 from blob_tracker.studies.study import Case, Findings, Measured, Study
 from distributed import LocalCluster

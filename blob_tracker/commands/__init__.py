@@ -1,0 +1,1 @@
+"""What `python3 -m blob_tracker` starts, one module or folder for each command."""

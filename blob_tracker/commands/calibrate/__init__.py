@@ -1,0 +1,47 @@
+"""The calibrations of `python3 -m blob_tracker calibrate`, one file for each."""
+
+from __future__ import annotations
+
+import argparse
+from importlib import import_module
+from types import ModuleType
+
+CALIBRATIONS: dict[str, str] = {
+    'board': 'lens, from images of a chessboard, a ChArUco board or a grid of dots',
+    'jitter': 'line offsets of an analogue grabber, from frames of a vertical edge',
+    'noise': 'gain, read noise and saturation: photon transfer',
+    'slide': 'pixels per millimetre, from a camera on a slide',
+    'turn': "focal length and principal point, from the servo's own steps",
+}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the calibrations and the options of each."""
+    kinds = parser.add_subparsers(dest='calibration', metavar='WHAT', required=True)
+    for name, summary in CALIBRATIONS.items():
+        _module(name).add_arguments(kinds.add_parser(name, help=summary, description=summary))
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """
+    Calibrate.
+
+    Parameters
+    ----------
+    arguments : Namespace
+        Of the parser that `add_arguments` filled.
+
+    Returns
+    -------
+    int
+        Exit code: 0 done, 1 failed, 2 called wrongly, 130 after Ctrl-C.
+
+    """
+    try:
+        return int(_module(arguments.calibration).main(arguments))
+    except KeyboardInterrupt:
+        return 130
+
+
+def _module(name: str) -> ModuleType:
+    return import_module(f'blob_tracker.commands.calibrate.{name}')

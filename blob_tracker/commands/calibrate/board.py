@@ -1,0 +1,326 @@
+"""Lens from images of a chessboard, a ChArUco board or a grid of dots."""
+
+from __future__ import annotations
+
+import argparse
+from datetime import datetime, timezone
+from pathlib import Path
+import shlex
+import sys
+
+from blob_tracker.calibration.board import (
+    BoardCalibration, calibrate_board, COEFFICIENTS, LEAST_VIEWS,
+)
+from blob_tracker.calibration.board_advice import advice
+from blob_tracker.calibration.board_picture import draw_board_calibration, SUFFIXES
+from blob_tracker.calibration.board_views import BoardViews
+from blob_tracker.calibration.boards import (
+    Board, BoardError, CharucoBoard, Chessboard, DotGrid, View,
+)
+from blob_tracker.camera import CalibrationError, LensError, write_calibration
+from blob_tracker.commands.calibrate.report import WORTHLESS
+from blob_tracker.commands.calibrate.sources import (
+    add_source, expected, frames, is_folder, is_live, SourceError,
+)
+from blob_tracker.types import Pixels
+import cv2
+import numpy as np
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+KINDS = ('charuco', 'chessboard', 'dots')
+LIVE_VIEWS = 30  # that differ: more add little
+PARTS = {  # of width and height
+    'centre': (0.5, 0.5),
+    'top left corner': (0.0, 0.0),
+    'top right corner': (1.0, 0.0),
+    'bottom left corner': (0.0, 1.0),
+    'bottom right corner': (1.0, 1.0),
+}
+TELLING_VIEWS = 4  # from which on the progress tells what is missing
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of `python3 -m blob_tracker calibrate board`."""
+    add_source(parser, 'a board in many poses')
+    parser.add_argument('--kind', choices=KINDS, required=True, help='what is on the board')
+    parser.add_argument(
+        '--columns', type=int, required=True,
+        help='of a chessboard the inner corners, of ChArUco the squares, of dots the dots',
+    )
+    parser.add_argument('--rows', type=int, required=True, help='likewise, the other way')
+    parser.add_argument(
+        '--square', type=float, required=True,
+        help='side of a square, or distance of two rows of dots, mm',
+    )
+    parser.add_argument('--marker', type=float, help='side of a ChArUco marker, mm')
+    parser.add_argument(
+        '--dictionary', default='DICT_4X4_50', help='of the ChArUco markers (%(default)s)'
+    )
+    parser.add_argument(
+        '--asymmetric', action='store_true', help='every other row of dots is shifted'
+    )
+    parser.add_argument(
+        '--model', choices=sorted(COEFFICIENTS), default='plumb_bob',
+        help='equidistant for a fish-eye (%(default)s)',
+    )
+    parser.add_argument(
+        '--views', type=int, default=LIVE_VIEWS,
+        help='of a topic: end with so many that differ (%(default)s)',
+    )
+    parser.add_argument(
+        '--out', type=Path, default=Path('camera_info.yaml'), help='calibration (%(default)s)'
+    )
+    parser.add_argument(
+        '--picture', type=Path, default=Path('out/calibration_board.png'),
+        help='of coverage and residuals (%(default)s)',
+    )
+    parser.add_argument('--name', default='camera', help='of the camera (%(default)s)')
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """
+    Calibrate a camera.
+
+    Parameters
+    ----------
+    arguments : Namespace
+        Of the parser that `add_arguments` filled.
+
+    Returns
+    -------
+    int
+        0 when the calibration is written, 1 where the images do not give one, 2 for a wrong
+        option.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        On Ctrl-C: the second one of a topic, of which the first ends the listening.
+
+    """
+    try:
+        board = _board(arguments)
+        if arguments.views < LEAST_VIEWS:
+            raise BoardError(f'--views is {arguments.views}; it must be {LEAST_VIEWS} or more')
+        if arguments.picture.suffix.lower() not in SUFFIXES:
+            raise BoardError(
+                f'--picture is {arguments.picture}; it must end in one of {", ".join(SUFFIXES)}'
+            )
+    except BoardError as error:
+        print(error, file=sys.stderr)
+        return 2
+    try:
+        views = _views(arguments, board)
+        found = calibrate_board(views, arguments.model, arguments.name)
+        console = Console()
+        _report(console, found)
+        relative = float((found.sigmas[:2] / found.values[:2]).max())
+        if relative > WORTHLESS:
+            raise CalibrationError(
+                f'the focal length is known to {100.0 * relative:.0f} % only: nothing is written'
+            )
+        _write(console, arguments, found, board)
+    except (CalibrationError, SourceError) as error:
+        print(error, file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f'{error.filename} cannot be written: {error.strerror}', file=sys.stderr)
+        return 1
+    return 0
+
+
+def _board(arguments: argparse.Namespace) -> Board:
+    """Return the board that the options speak of."""
+    columns, rows, square = arguments.columns, arguments.rows, arguments.square
+    if arguments.asymmetric and arguments.kind != 'dots':
+        raise BoardError(f'--asymmetric is for dots; the board is a {arguments.kind}')
+    if arguments.kind == 'chessboard':
+        return Chessboard(columns, rows, square)
+    if arguments.kind == 'dots':
+        return DotGrid(columns, rows, square, arguments.asymmetric)
+    if arguments.marker is None:
+        raise BoardError('a ChArUco board needs --marker, the side of its markers in mm')
+    return CharucoBoard(columns, rows, square, arguments.marker, arguments.dictionary)
+
+
+def _views(arguments: argparse.Namespace, board: Board) -> list[View]:
+    """Return the views of the board in a folder: all; of a stream: those that differ."""
+    every: list[View] = []
+    choice = None if is_folder(arguments) else BoardViews(board)
+    seen: tuple[str, Pixels] | None = None
+    without: list[str] = []
+    with Progress(
+        TextColumn('{task.description}'), BarColumn(), TaskProgressColumn(), TimeElapsedColumn(),
+        TextColumn('{task.fields[hint]}'),
+        console=Console(stderr=True),
+    ) as progress:
+        live = is_live(arguments)
+        total = arguments.views if live else expected(arguments)
+        task = progress.add_task('looking for the board', total=total, hint='')
+        if live:
+            progress.console.print(
+                f'Move the {board.description} about: tilted all ways, near and far, into all '
+                'corners; Ctrl-C ends it.', highlight=False,
+            )
+        try:
+            for count, (name, image) in enumerate(frames(arguments), start=1):
+                seen = name, image
+                view = board.find(image, name)
+                if view is None:
+                    without.append(name)
+                if choice is None:
+                    every += [] if view is None else [view]
+                elif choice.offer(view):
+                    every = choice.views
+                    progress.update(task, hint=_hint(every, arguments.model))
+                progress.update(
+                    task,
+                    completed=len(every) if live else count,
+                    description=f'{len(every)} views in {count} images',
+                )
+                if live and len(every) >= arguments.views:
+                    break
+        except KeyboardInterrupt:
+            if not live:
+                raise
+        except SourceError as error:
+            if not (live and len(every) >= LEAST_VIEWS):
+                raise
+            print(f'{error}; calibrating with what came before', file=sys.stderr)
+    if not every:
+        raise SourceError(_not_found(arguments, board, seen))
+    if without and choice is None:
+        print(
+            f'no {board.description} in {len(without)} of {len(without) + len(every)} images: '
+            + ', '.join(without),
+            file=sys.stderr,
+        )
+    return every
+
+
+def _hint(views: list[View], model: str) -> str:
+    """Return what is missing so far, for whoever holds the board."""
+    if len(views) < TELLING_VIEWS:
+        return ''
+    try:
+        missing = advice(calibrate_board(views, model))
+    except CalibrationError:
+        return 'tilt the board'
+    return missing[-1].split(': ')[-1] if missing else 'nothing is missing: Ctrl-C ends it'
+
+
+def _not_found(
+    arguments: argparse.Namespace, board: Board, seen: tuple[str, Pixels] | None
+) -> str:
+    """Say what was sought, and where to see what there was instead."""
+    if seen is None:
+        return f'no image came from {arguments.source}'
+    name, image = seen
+    if is_folder(arguments):
+        place = Path(arguments.source) / name
+    else:
+        place = arguments.picture.with_name('no_board.png')
+        place.parent.mkdir(parents=True, exist_ok=True)
+        cv2.imwrite(str(place), image)
+    return (
+        f'no {board.description} in any image, {place} for one: is the whole board in sight, '
+        'sharp, with a bright margin, and are --kind, --columns and --rows its own?'
+    )
+
+
+def _report(console: Console, found: BoardCalibration) -> None:
+    """Print parameters, bearings, views, and what the views leave open."""
+    table = Table(title=f'{found.model.name}, {found.model.distortion_model}')
+    for heading in ('parameter', 'value', 'sigma'):
+        table.add_column(heading, justify='left' if heading == 'parameter' else 'right')
+    for name, value, sigma in zip(found.names, found.values, found.sigmas):
+        unit = ' (px)' if name in ('fx', 'fy', 'cx', 'cy') else ''
+        table.add_row(name + unit, *_digits(float(value), float(sigma)))
+    console.print(table)
+    table = Table(title='what the calibration adds to a bearing (sigma, mrad)')
+    for heading in ('place', 'azimuth', 'elevation'):
+        table.add_column(heading, justify='left' if heading == 'place' else 'right')
+    for place, sigmas in _bearing_sigmas(found).items():
+        cells = ['not known'] * 2 if sigmas is None else [f'{each:.3f}' for each in sigmas]
+        table.add_row(place, *cells)
+    console.print(table)
+    for part, known in _part_sigmas(found).items():
+        if isinstance(known, LensError):
+            console.print(f'[yellow]not known:[/yellow] {part}: {known}', highlight=False)
+    table = Table(title='views')
+    for heading in ('image', 'points', 'rms (px)'):
+        table.add_column(heading, justify='left' if heading == 'image' else 'right')
+    for view, rms in zip(found.views, found.view_rms):
+        table.add_row(view.name, str(len(view.points)), f'{rms:.4f}')
+    console.print(table)
+    console.print(
+        f'{found.rms:.4f} px rms reprojection error of {sum(len(v.points) for v in found.views)} '
+        f'points; one coordinate of a point has a sigma of {found.sigma:.4f} px',
+        highlight=False,
+    )
+    for view, rms in found.left_out:
+        console.print(
+            f'[yellow]left out:[/yellow] {view.name}, whose rms of {rms:.3f} px is beyond three '
+            'times the median', highlight=False,
+        )
+    for sentence in advice(found):
+        console.print(f'[yellow]missing:[/yellow] {sentence}', highlight=False)
+
+
+def _bearing_sigmas(found: BoardCalibration) -> dict[str, tuple[float, float] | None]:
+    """Return the sigma of azimuth and elevation at the centre and the worst corner, mrad."""
+    known = {
+        part: sigmas for part, sigmas in _part_sigmas(found).items()
+        if not isinstance(sigmas, LensError)
+    }
+    centre = known.pop('centre', None)
+    all_corners = len(known) == len(PARTS) - 1
+    worst = max(known.values(), key=lambda each: float(np.hypot(*each))) if all_corners else None
+    return {'centre': centre, 'worst corner': worst}
+
+
+def _part_sigmas(found: BoardCalibration) -> dict[str, tuple[float, float] | LensError]:
+    """Return the sigma of azimuth and elevation in each part, mrad, or why there is none."""
+    parts: dict[str, tuple[float, float] | LensError] = {}
+    for part, (across, down) in PARTS.items():
+        x, y = across * (found.model.width - 1.0), down * (found.model.height - 1.0)
+        try:
+            azimuth, elevation = np.sqrt(np.diag(found.bearing_covariance(x, y)))
+            parts[part] = float(azimuth), float(elevation)
+        except LensError as error:
+            parts[part] = error
+    return parts
+
+
+def _digits(value: float, sigma: float) -> tuple[str, str]:
+    """Return a value and its sigma with two digits of the sigma."""
+    places = int(np.clip(1 - np.floor(np.log10(max(sigma, 1e-12))), 1, 9))
+    return f'{value:.{places}f}', f'{sigma:.{places}f}'
+
+
+def _write(
+    console: Console, arguments: argparse.Namespace, found: BoardCalibration, board: Board
+) -> None:
+    """Write calibration and picture, and say which files are new and which were replaced."""
+    comments = [
+        f'{datetime.now(timezone.utc):%Y-%m-%d %H:%M} UTC: python3 -m blob_tracker calibrate '
+        f'board {shlex.quote(arguments.source)}',
+        f'{board.description}, {len(found.views)} views, {found.rms:.4f} px rms',
+        'standard deviations: ' + ', '.join(
+            f'{name} {sigma:.2g}' for name, sigma in zip(found.names, found.sigmas)
+        ),
+    ]
+    comments += [
+        f'sigma of a bearing at the {place}, mrad: azimuth {sigmas[0]:.2g}, '
+        f'elevation {sigmas[1]:.2g}'
+        for place, sigmas in _bearing_sigmas(found).items() if sigmas is not None
+    ]
+    for path, name in ((arguments.out, 'calibration'), (arguments.picture, 'picture')):
+        verb = 'replaced' if path.exists() else 'written'
+        if name == 'calibration':
+            write_calibration(path, found.model, comments)
+        else:
+            draw_board_calibration(path, found)
+        console.print(f'{name} {verb}: {path}', highlight=False, soft_wrap=True)

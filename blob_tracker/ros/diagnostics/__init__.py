@@ -1,0 +1,1 @@
+"""What a node says of itself, and what it has to know for that."""

@@ -1,0 +1,41 @@
+"""What a locator says of one light: its bearing, its centroid and its ray."""
+
+from __future__ import annotations
+
+from blob_tracker.ros.endpoints.qos import publisher, RESULT
+from blob_tracker.ros.messages.target import bearing_message, centroid_message, ray_message
+from blob_tracker.types import Bearing, Location
+from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
+from rclpy.node import Node
+
+
+class BearingTopics:
+    """
+    Publish where one light is.
+
+    Parameters
+    ----------
+    node : Node
+        Publishes it.
+    topic : str
+        What the names begin with: target, or target/<name>.
+
+    """
+
+    def __init__(self, node: Node, topic: str) -> None:
+        self._bearings, self._centroids, self._rays = (
+            publisher(node, kind, f'{topic}/{name}', RESULT)
+            for kind, name in (
+                (Vector3Stamped, 'bearing'),
+                (PointStamped, 'centroid'),
+                (PoseWithCovarianceStamped, 'ray'),
+            )
+        )
+        self._bearing, self._centroid = Vector3Stamped(), PointStamped()
+        self._ray = PoseWithCovarianceStamped()
+
+    def publish(self, bearing: Bearing, location: Location, frame_id: str) -> None:
+        """Publish all three, the one that the servo waits for first."""
+        self._bearings.publish(bearing_message(bearing, frame_id, self._bearing))
+        self._centroids.publish(centroid_message(location, frame_id, self._centroid))
+        self._rays.publish(ray_message(bearing, frame_id, self._ray))

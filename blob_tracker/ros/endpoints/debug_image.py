@@ -1,0 +1,62 @@
+"""~/debug_image: what a node saw, drawn while somebody looks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from blob_tracker.ros.endpoints.qos import IMAGE_OUT, publisher
+from blob_tracker.ros.messages.image import from_picture
+import numpy as np
+from numpy.typing import NDArray
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from sensor_msgs.msg import Image
+
+PAUSE = 0.1  # s from one picture to the next
+
+
+class DebugImage:
+    """
+    Publish pictures of what a node saw, ten a second at most.
+
+    Parameters
+    ----------
+    node : Node
+        Publishes them.
+
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._publisher = publisher(node, Image, '~/debug_image', IMAGE_OUT)
+        self._clock = Clock(clock_type=ClockType.STEADY_TIME)
+        self._drawn_ns = 0
+
+    def offer(
+        self,
+        draw: Callable[[], NDArray[np.uint8]],
+        stamp_ns: int,
+        frame_id: str,
+        pause: float = PAUSE,
+    ) -> None:
+        """
+        Publish a picture if somebody subscribes and it is time for one.
+
+        Parameters
+        ----------
+        draw : callable
+            Returns the (h, w, 3) picture, blue, green and red; not called where none is due.
+        stamp_ns : int
+            Of what it shows, ns.
+        frame_id : str
+            Name of the optical frame.
+        pause : float
+            s since the last picture before which this one is not due: longer for what is of less
+            interest.
+
+        """
+        if not self._publisher.get_subscription_count():
+            return
+        now_ns = self._clock.now().nanoseconds
+        if now_ns - self._drawn_ns >= 1e9 * pause:
+            self._drawn_ns = now_ns
+            self._publisher.publish(from_picture(draw(), stamp_ns, frame_id))

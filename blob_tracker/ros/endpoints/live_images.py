@@ -1,0 +1,86 @@
+"""The images of a topic as they come, for a command that runs beside the nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+import time
+
+from blob_tracker.ros.errors import MessageError
+from blob_tracker.ros.messages.image import to_pixels
+from blob_tracker.ros.messages.stamp import to_ns
+from blob_tracker.types import Pixels
+import rclpy
+from rclpy.exceptions import InvalidTopicNameException
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.signals import SignalHandlerOptions
+from sensor_msgs.msg import Image
+
+PATIENCE = 10.0  # s without an image: what published it is not there
+LISTEN = 0.1  # s after which Ctrl-C is looked for
+# One: whoever takes long over an image gets the newest next, not those that came meanwhile.
+NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+
+class NoImagesError(RuntimeError):
+    """A topic on which no usable image comes; the message says what to look at."""
+
+
+def live_images(topic: str) -> Iterator[tuple[float, Pixels]]:
+    """
+    Yield the images of a topic, always the newest, until the caller ends.
+
+    Parameters
+    ----------
+    topic : str
+        Name of the topic.
+
+    Yields
+    ------
+    float, (h, w) array
+        Stamp of the image, s since the first, and the pixels as `to_pixels` gives them.
+
+    Raises
+    ------
+    NoImagesError
+        Where none comes within 10 s, or one cannot be used.
+    KeyboardInterrupt
+        On Ctrl-C.
+
+    """
+    # Without handlers of rclpy's own Ctrl-C stays Python's, and the node outlives it.
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node('calibrate')
+    arrived: list[Image] = []
+    try:
+        try:
+            node.create_subscription(Image, topic, arrived.append, NEWEST)
+        except InvalidTopicNameException:
+            raise NoImagesError(f"'{topic}' is neither a folder nor the name of a topic") from None
+        first_ns: int | None = None
+        waited_since = time.monotonic()
+        while True:
+            rclpy.spin_once(node, timeout_sec=LISTEN)
+            if not arrived:
+                if time.monotonic() - waited_since > PATIENCE:
+                    known = dict(node.get_topic_names_and_types()).items()
+                    there = sorted(name for name, types in known if Image.__name__ in
+                                   (each.rpartition('/')[2] for each in types)
+                                   and node.count_publishers(name))
+                    raise NoImagesError(
+                        f"there is no folder '{topic}', and no image came on the topic of that "
+                        f'name within {PATIENCE:.0f} s; images are published on '
+                        + (', '.join(there) or 'no topic: start the camera node')
+                    )
+                continue
+            message = arrived.pop()
+            stamp_ns = to_ns(message.header.stamp)
+            first_ns = stamp_ns if first_ns is None else first_ns
+            try:
+                pixels = to_pixels(message)
+            except MessageError as error:
+                raise NoImagesError(f'{topic}: {error}') from None
+            yield (stamp_ns - first_ns) / 1e9, pixels
+            waited_since = time.monotonic()
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()

@@ -1,0 +1,1 @@
+"""Messages to the types of the rooms, and back, with every field checked."""

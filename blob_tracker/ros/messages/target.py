@@ -1,0 +1,177 @@
+"""Location, Bearing and SensorNoise to the messages on target/..., bearing and noise back."""
+
+from __future__ import annotations
+
+from math import atan2, cos, hypot, pi, sin
+
+from blob_tracker.ros.errors import MessageError
+from blob_tracker.ros.messages.stamp import from_ns, to_ns
+from blob_tracker.types import Bearing, Location, SensorNoise
+from geometry_msgs.msg import (
+    PointStamped, PoseWithCovarianceStamped, Quaternion, Vector3Stamped,
+)
+import numpy as np
+from numpy.typing import NDArray
+
+MRAD = 1e-3  # rad
+LEAST_GAIN, MOST_GAIN = 1e-3, 1e6  # electrons per DN: those of no camera lie outside
+MOST_READ_NOISE, MOST_BLACK_LEVEL = 1e4, 65535.0  # DN
+# The turn about the ray cannot be seen: evenly spread over the circle, rad^2.
+ROLL_VARIANCE = pi**2 / 3.0
+UNIT = 1e-3  # that the length of a quaternion may be off 1: more is no rounding
+
+
+def bearing_message(
+    bearing: Bearing, frame_id: str, message: Vector3Stamped | None = None
+) -> Vector3Stamped:
+    """Return target/bearing: x azimuth mrad, y elevation mrad, z 0; `message` is filled again."""
+    message = Vector3Stamped() if message is None else message
+    message.header.stamp = from_ns(bearing.stamp_ns)
+    message.header.frame_id = frame_id
+    message.vector.x = bearing.azimuth
+    message.vector.y = bearing.elevation
+    return message
+
+
+def centroid_message(
+    location: Location, frame_id: str, message: PointStamped | None = None
+) -> PointStamped:
+    """Return target/centroid: x and y in px of the full sensor, z 0; `message` is filled again."""
+    message = PointStamped() if message is None else message
+    message.header.stamp = from_ns(location.stamp_ns)
+    message.header.frame_id = frame_id
+    message.point.x = location.x
+    message.point.y = location.y
+    return message
+
+
+def ray_message(
+    bearing: Bearing, frame_id: str, message: PoseWithCovarianceStamped | None = None
+) -> PoseWithCovarianceStamped:
+    """
+    Return target/ray: the turn that takes the optical z axis onto the ray.
+
+    It is a turn by the elevation about x and then by the azimuth about y, q = q_y q_x. The
+    covariance, in rad^2, is that of the two angles about x (elevation) and y (azimuth). A
+    `message` that is given is filled again.
+    """
+    message = PoseWithCovarianceStamped() if message is None else message
+    message.header.stamp = from_ns(bearing.stamp_ns)
+    message.header.frame_id = frame_id
+    turn_onto(bearing.azimuth, bearing.elevation, message.pose.pose.orientation)
+    message.pose.covariance = ray_covariance(bearing.covariance)
+    return message
+
+
+def turn_onto(azimuth: float, elevation: float, turn: Quaternion) -> None:
+    """Fill in the turn q = q_y q_x that takes the z axis to these angles, mrad."""
+    half_azimuth = 0.5 * MRAD * azimuth
+    half_elevation = 0.5 * MRAD * elevation
+    turn.x = cos(half_azimuth) * sin(half_elevation)
+    turn.y = sin(half_azimuth) * cos(half_elevation)
+    turn.z = -sin(half_azimuth) * sin(half_elevation)
+    turn.w = cos(half_azimuth) * cos(half_elevation)
+
+
+def ray_covariance(of_angles: NDArray[np.float64]) -> list[float]:
+    """Return the 36 numbers of a pose for a (2, 2) covariance of azimuth, elevation, mrad^2."""
+    covariance = about_x_and_y(of_angles)
+    covariance[5 * 6 + 5] = ROLL_VARIANCE
+    return covariance
+
+
+def about_x_and_y(of_angles: NDArray[np.float64]) -> list[float]:
+    """Return the same without the roll, as of rates: rad^2 about x (elevation), y (azimuth)."""
+    covariance = [0.0] * 36
+    in_rad2 = MRAD**2 * of_angles
+    covariance[3 * 6 + 3] = float(in_rad2[1, 1])
+    covariance[4 * 6 + 4] = float(in_rad2[0, 0])
+    covariance[3 * 6 + 4] = covariance[4 * 6 + 3] = float(in_rad2[0, 1])
+    return covariance
+
+
+def to_angles(turn: Quaternion) -> tuple[float, float]:
+    """
+    Return azimuth and elevation, mrad, of the z axis after a turn.
+
+    Raises
+    ------
+    MessageError
+        Where the quaternion is not of length 1.
+
+    """
+    x, y, z, w = turn.x, turn.y, turn.z, turn.w
+    square = x * x + y * y + z * z + w * w
+    if not abs(square - 1.0) <= 2.0 * UNIT:  # nor NaN
+        raise MessageError(
+            f'the orientation ({x:g}, {y:g}, {z:g}, {w:g}) is no turn; a quaternion must have the '
+            'length 1'
+        )
+    right = 2.0 * (x * z + w * y)
+    down = 2.0 * (y * z - w * x)
+    ahead = square - 2.0 * (x * x + y * y)
+    return atan2(right, ahead) / MRAD, atan2(-down, hypot(right, ahead)) / MRAD
+
+
+def to_covariance(numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the (2, 2) covariance of azimuth, elevation, mrad^2, of those of a pose or twist."""
+    # x is elevation, y azimuth. Not of NumPy, which warns where a number gets infinite.
+    yy, yx, xy, xx = (float(numbers[6 * i + j]) / MRAD**2 for i in (4, 3) for j in (4, 3))
+    return np.array([[yy, yx], [xy, xx]])
+
+
+def to_bearing(message: PoseWithCovarianceStamped) -> Bearing:
+    """
+    Return the bearing of a message on target/ray, with its covariance as it is.
+
+    Raises
+    ------
+    MessageError
+        Where its orientation is no turn. Whether its covariance can be one is the tracker's to
+        say, who needs it.
+
+    """
+    azimuth, elevation = to_angles(message.pose.pose.orientation)
+    return Bearing(
+        azimuth,
+        elevation,
+        to_covariance(message.pose.covariance),
+        to_ns(message.header.stamp),
+    )
+
+
+def noise_message(noise: SensorNoise, stamp_ns: int, frame_id: str) -> Vector3Stamped:
+    """Return target/noise: x gain in electrons per DN, y read noise and z black level in DN."""
+    message = Vector3Stamped()
+    message.header.stamp = from_ns(stamp_ns)
+    message.header.frame_id = frame_id
+    message.vector.x = noise.gain
+    message.vector.y = noise.read_noise
+    message.vector.z = noise.black_level
+    return message
+
+
+def to_noise(message: Vector3Stamped) -> SensorNoise:
+    """
+    Return the noise of a message on target/noise.
+
+    Raises
+    ------
+    MessageError
+        Where a value is none that the parameters noise.gain, noise.read_noise and, but for its
+        sign, noise.black_level may have.
+
+    """
+    gain, read_noise, black_level = message.vector.x, message.vector.y, message.vector.z
+    # NaN is within no bounds.
+    if not (
+        LEAST_GAIN <= gain <= MOST_GAIN
+        and 0.0 <= read_noise <= MOST_READ_NOISE
+        and abs(black_level) <= MOST_BLACK_LEVEL
+    ):
+        raise MessageError(
+            f'gain (x) is {gain} electrons per DN, read noise (y) {read_noise} DN and black level '
+            f'(z) {black_level} DN; they must be from {LEAST_GAIN:g} to {MOST_GAIN:g}, from 0 to '
+            f'{MOST_READ_NOISE:g} and within +-{MOST_BLACK_LEVEL:g}'
+        )
+    return SensorNoise(gain, read_noise, black_level)

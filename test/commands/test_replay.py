@@ -1,0 +1,138 @@
+"""Bags through the real nodes: every bearing against the recorded truth, at any speed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from blob_tracker.resources import config_path
+from blob_tracker.ros.messages.stamp import to_ns
+from geometry_msgs.msg import PointStamped, Vector3Stamped
+import pytest
+from rosgraph_msgs.msg import Clock
+from support.processes import probe, start, start_replay
+
+BAGS = Path(__file__).parents[1] / 'bags'
+LIT = 30  # lit frames in the bag
+# The first lit frame has no unlit one before it, and the one after the dropped frame has a lit
+# one 67 ms before it, still within max_pair_interval: the light moved, and the pair is refused.
+LOCATED = LIT - 2
+
+
+def replayed(bag: str, rate: float, domain: int) -> tuple[list, list, list, list]:
+    """Replay a bag through segmenter and locator; return bearings, centroids and both truths."""
+    parameters = ('--params-file', str(config_path('replay.yaml')))
+    with probe(domain) as node:
+        bearings = node.record(Vector3Stamped, 'target/bearing')
+        centroids = node.record(PointStamped, 'target/centroid')
+        true_bearings = node.record(Vector3Stamped, 'simulator/truth/bearing')
+        true_centroids = node.record(PointStamped, 'simulator/truth/centroid')
+        with start('segmenter', domain, *parameters), start('locator', domain, *parameters):
+            node.spin_until(lambda: node.count_publishers('target/bearing'))
+            node.spin_until(lambda: node.count_subscribers('target/window/image_raw'))
+            with start_replay(BAGS / bag, domain, '--rate', str(rate), '--wait', '20') as replay:
+                node.spin_until(lambda: not replay.running)
+                assert replay.wait() == 0, replay.output
+            node.spin_until(lambda: len(bearings) == len(centroids) >= LOCATED)
+            node.spin(0.3)  # any that should not be there
+    return bearings, centroids, true_bearings, true_centroids
+
+
+@pytest.fixture(scope='module')
+def runs() -> dict[tuple[str, float], tuple[list, list, list, list]]:
+    """Return the outcome of each replay, made once for all tests."""
+    cases = (('flash_mcap', 1.0), ('flash_mcap', 10.0), ('flash_sqlite3', 10.0))
+    return {case: replayed(*case, domain=90 + index) for index, case in enumerate(cases)}
+
+
+def test_every_bearing_is_the_recorded_truth(runs) -> None:
+    """A bearing comes for every pair, within five standard deviations of the truth."""
+    for bearings, centroids, true_bearings, true_centroids in runs.values():
+        truth = {to_ns(m.header.stamp): m.vector for m in true_bearings}
+        places = {to_ns(m.header.stamp): m.point for m in true_centroids}
+        assert len(truth) == LIT
+        assert len(bearings) == LOCATED
+        for message in bearings:
+            true = truth[to_ns(message.header.stamp)]
+            # 0.06 px, which is five sigma of this scene, through a lens of 150 px.
+            assert message.vector.x == pytest.approx(true.x, abs=0.06 / 150 * 1e3)
+            assert message.vector.y == pytest.approx(true.y, abs=0.06 / 150 * 1e3)
+            assert message.header.frame_id == 'camera_optical_frame'
+        for message in centroids:
+            true = places[to_ns(message.header.stamp)]
+            assert message.point.x == pytest.approx(true.x, abs=0.06)
+            assert message.point.y == pytest.approx(true.y, abs=0.06)
+
+
+def test_rate_and_storage_change_no_bit(runs) -> None:
+    """Rate 1 and 10, mcap and sqlite3: the same messages to the last bit."""
+    first, *others = [
+        [[(to_ns(m.header.stamp), m.vector.x, m.vector.y) for m in run[0]],
+         [(to_ns(m.header.stamp), m.point.x, m.point.y) for m in run[1]]]
+        for run in runs.values()
+    ]
+    for other in others:
+        assert other == first
+
+
+def test_clock_runs_with_the_bag(domain: int) -> None:
+    """--clock publishes the recorded time, forward only, from the first stamp to the last."""
+    with probe(domain) as node:
+        clocks = node.record(Clock, '/clock', 1000)
+        with start_replay(BAGS / 'flash_mcap', domain, '--clock', '--rate', '5') as replay:
+            node.spin_until(lambda: not replay.running)
+            assert replay.wait() == 0, replay.output
+            node.spin(0.2)
+    stamps = [to_ns(message.clock) for message in clocks]
+    assert stamps == sorted(stamps)
+    assert stamps[0] == 1_700_000_000_000_000_000
+    assert stamps[-1] - stamps[0] == pytest.approx(59 / 30 * 1e9, abs=2e7)
+
+
+def test_chosen_topics_are_played_to_a_node_that_is_awaited(domain: int) -> None:
+    """--topics leaves out the others; --nodes waits."""
+    with probe(domain) as node:
+        truths = node.record(Vector3Stamped, 'simulator/truth/bearing')
+        arguments = ('--topics', '/simulator/truth/bearing', '--rate', '20', '--wait', '3')
+        with start_replay(
+            BAGS / 'flash_mcap', domain, *arguments, '--nodes', 'probe'
+        ) as replay:
+            node.spin_until(lambda: not replay.running or node.count_publishers(
+                'simulator/truth/bearing'))
+            assert not node.count_publishers('camera/image_raw')
+            node.spin_until(lambda: not replay.running)
+            assert replay.wait() == 0, replay.output
+            node.spin(0.2)
+    assert len(truths) == LIT
+
+
+def test_nodes_that_do_not_come_are_named(domain: int) -> None:
+    """Nothing is played then: who takes it would miss it."""
+    arguments = ('--wait', '0.2', '--nodes', 'nobody', 'no_one')
+    with start_replay(BAGS / 'flash_mcap', domain, *arguments) as replay:
+        assert replay.wait() == 1, replay.output
+    assert 'nothing is played: no_one, nobody of --nodes did not come within 0.2 s' in (
+        replay.output)
+
+
+@pytest.mark.parametrize(
+    'arguments, sentence, code',
+    [
+        (['/no/such/bag'], 'there is no bag', 1),
+        ([str(Path(__file__).parent)], 'is not a bag that can be read', 1),
+        ([str(BAGS / 'flash_mcap'), '--rate', '0'], 'it must be above 0', 2),
+        ([str(BAGS / 'flash_mcap'), '--rate', 'fast'], 'invalid float value', 2),
+        (
+            [str(BAGS / 'flash_mcap'), '--topics', '/nothing'],
+            'holds no messages of /nothing; its topics are /camera/camera_info, ',
+            1,
+        ),
+    ],
+)
+def test_wrong_use_says_what_is_wrong(
+    arguments: list[str], sentence: str, code: int, domain: int
+) -> None:
+    """A missing bag, a folder that is none, and an impossible rate each give one sentence."""
+    with start_replay(Path(arguments[0]), domain, *arguments[1:]) as replay:
+        assert replay.wait() == code
+    assert sentence in replay.output
+    assert 'Traceback' not in replay.output

@@ -1,0 +1,88 @@
+"""What a change of the parameters leaves of the samples."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from threading import Lock
+from typing import Any
+
+from blob_tracker.nodes.tracker.platform import Platform
+from blob_tracker.ros.diagnostics.health import Health
+import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
+
+BEFORE = {
+    'imu.enabled': True, 'imu.frame_id': 'imu_link', 'imu.roll': 0.0, 'imu.pitch': 0.0,
+    'imu.yaw': 0.0, 'joints.pan': 'pan', 'joints.tilt': 'tilt', 'joints.pan_reversed': False,
+    'joints.tilt_reversed': False, 'joints.sigma': 0.03, 'joints.frame_id': 'base',
+}
+
+
+@pytest.fixture
+def platform(domain: int) -> Iterator[Platform]:
+    """Make one that reads an IMU and two joints, of which samples have come."""
+    context = Context()
+    rclpy.init(args=[], context=context, domain_id=domain)
+    node = Node('own', context=context)
+    try:
+        made = Platform(node, Health(node, ''), Lock(), lambda: None)
+        assert made.change(BEFORE)()
+        made.rates.push(1, [0.0, 0.0, 0.0])
+        made.angles.push(1, 0.0, 0.0)
+        yield made
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown(context=context)
+
+
+@pytest.mark.parametrize('change, rates_stay, angles_stay', [
+    ({}, True, True),
+    ({'joints.sigma': 0.5}, True, True),
+    ({'joints.frame_id': 'mast'}, True, True),
+    ({'imu.frame_id': 'other'}, True, True),
+    ({'imu.roll': 0.1}, False, True),
+    ({'imu.enabled': False}, False, True),
+    ({'joints.pan_reversed': True}, True, False),
+    ({'joints.tilt': ''}, True, False),
+    ({'joints.pan': '', 'joints.tilt': ''}, True, False),
+])
+def test_samples_stay_where_they_still_mean_the_same(
+    change: dict[str, Any], rates_stay: bool, angles_stay: bool, platform: Platform
+) -> None:
+    """Those of the gyro whatever is said of the joints, and the other way round."""
+    rates, angles = platform.rates, platform.angles
+    afresh = platform.change({**BEFORE, **change})()
+    assert afresh is not (rates_stay and angles_stay)
+    assert (platform.rates is rates) is rates_stay
+    assert (platform.angles is angles) is angles_stay
+
+
+def test_how_wrong_the_joints_are_is_set_at_once(platform: Platform) -> None:
+    """In rad, of all angles from now on; and the name of their frame."""
+    platform.change({**BEFORE, 'joints.sigma': 0.5, 'joints.frame_id': 'mast'})()
+    assert platform.angles.sigma == pytest.approx(5e-4)
+    assert platform.frame_id == 'mast'
+    platform.change({**BEFORE, 'joints.pan': '', 'joints.tilt': ''})()
+    assert platform.frame_id == ''
+
+
+def test_what_the_imu_is_turned_by_changes_nothing_while_it_is_not_read(
+    platform: Platform
+) -> None:
+    """No track begins afresh for that."""
+    without = {**BEFORE, 'imu.enabled': False}
+    assert platform.change(without)()
+    assert not platform.change({**without, 'imu.roll': 0.1})()
+    assert platform.change({**BEFORE, 'imu.roll': 0.1})()
+
+
+def test_angles_are_awaited_until_one_is_as_new(platform: Platform) -> None:
+    """Where no joints are read there is nothing to wait for."""
+    assert not platform.awaits(1)
+    assert platform.awaits(2)
+    platform.reset()
+    assert platform.awaits(1)
+    platform.change({**BEFORE, 'joints.pan': '', 'joints.tilt': ''})()
+    assert not platform.awaits(2)

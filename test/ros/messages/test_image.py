@@ -1,0 +1,145 @@
+"""Images to arrays and back; every wrong field has its sentence."""
+
+from __future__ import annotations
+
+from blob_tracker.ros.errors import MessageError
+from blob_tracker.ros.messages.image import (
+    from_picture,
+    from_pixels,
+    from_window,
+    to_frame,
+    to_window,
+)
+from blob_tracker.types import Window
+import numpy as np
+import pytest
+from sensor_msgs.msg import CameraInfo, Image
+
+PIXELS = np.arange(12, dtype=np.uint8).reshape(3, 4)
+INFO = CameraInfo(width=4, height=3)
+
+
+def image(**changes: object) -> Image:
+    """Return a good 4 x 3 image with some fields changed."""
+    message = from_pixels(PIXELS, 5_000_000_007, 'optical')
+    for name, value in changes.items():
+        setattr(message, name, value)
+    return message
+
+
+@pytest.mark.parametrize('kind', [np.uint8, np.uint16])
+def test_frames_round_trip(kind: type) -> None:
+    """Pixels, stamp and frame survive."""
+    pixels = (PIXELS.astype(kind) * (1 if kind is np.uint8 else 300)).astype(kind)
+    message = from_pixels(pixels, 5_000_000_007, 'optical')
+    assert message.encoding == ('mono8' if kind is np.uint8 else 'mono16')
+    assert message.header.frame_id == 'optical'
+    frame = to_frame(message, INFO)
+    np.testing.assert_array_equal(frame.image, pixels)
+    assert frame.stamp_ns == 5_000_000_007
+    assert frame.saturation == np.iinfo(kind).max
+
+
+def test_a_message_is_filled_again_in_place() -> None:
+    """The array of the message is kept, its content is new."""
+    message = image()
+    data = message.data
+    assert from_pixels(PIXELS[::-1], 1, 'optical', message) is message
+    assert message.data is data
+    np.testing.assert_array_equal(to_frame(message, INFO).image, PIXELS[::-1])
+
+
+@pytest.mark.parametrize('unlit', [PIXELS[::-1], None])
+@pytest.mark.parametrize('kind', [np.uint8, np.uint16])
+def test_windows_round_trip(unlit: np.ndarray | None, kind: type) -> None:
+    """Lit and unlit pixels, place and binning survive."""
+    window = Window(
+        PIXELS.astype(kind),
+        None if unlit is None else unlit.astype(kind),
+        x0=10,
+        y0=20,
+        stamp_ns=7,
+    )
+    message = from_window(window, 'optical')
+    assert message.encoding == f'{8 * kind().itemsize}UC{1 if unlit is None else 2}'
+    info = CameraInfo(width=100, height=100, binning_x=2, binning_y=0)
+    info.roi.x_offset, info.roi.y_offset, info.roi.width, info.roi.height = 10, 20, 8, 3
+    back = to_window(message, info)
+    np.testing.assert_array_equal(back.lit, PIXELS)
+    if unlit is None:
+        assert back.unlit is None
+    else:
+        np.testing.assert_array_equal(back.unlit, unlit)
+    assert (back.x0, back.y0, back.stamp_ns, back.binning) == (10, 20, 7, (2, 1))
+
+
+def test_pictures_are_bgr8() -> None:
+    """Three channels, as image viewers know them."""
+    picture = np.arange(36, dtype=np.uint8).reshape(3, 4, 3)
+    message = from_picture(picture, 7, 'optical')
+    assert (message.encoding, message.step) == ('bgr8', 12)
+    assert bytes(message.data) == picture.tobytes()
+
+
+def test_padded_rows_and_big_endian_are_read() -> None:
+    """Step may be wider than the row; bytes may be in the other order."""
+    padded = np.zeros((3, 6), dtype=np.uint8)
+    padded[:, :4] = PIXELS
+    message = image(step=6, data=padded.tobytes())
+    np.testing.assert_array_equal(to_frame(message, INFO).image, PIXELS)
+    wide = (PIXELS.astype('>u2') * 300).astype('>u2')
+    odd = np.zeros((3, 9), dtype=np.uint8)
+    odd[:, :8] = np.ascontiguousarray(PIXELS.astype('<u2') * 300).view(np.uint8)
+    frame = to_frame(image(encoding='mono16', step=9, data=odd.tobytes()), INFO)
+    np.testing.assert_array_equal(frame.image, PIXELS.astype(int) * 300)
+    message = image(encoding='mono16', step=8, is_bigendian=1, data=wide.tobytes())
+    frame = to_frame(message, INFO)
+    np.testing.assert_array_equal(frame.image, PIXELS.astype(int) * 300)
+    assert frame.image.dtype == np.uint16
+
+
+@pytest.mark.parametrize(
+    'changes, sentence',
+    [
+        ({'encoding': 'rgb8'}, "encoding is 'rgb8'; it must be mono8 or"),
+        ({'encoding': ''}, "encoding is ''"),
+        ({'width': 0}, 'neither may be 0'),
+        ({'height': 0}, 'neither may be 0'),
+        ({'step': 3}, 'step is 3 bytes; 4 px of mono8 need 4'),
+        ({'step': 5}, r'data has 12 bytes; step \* height is 5 \* 3 = 15'),
+        ({'data': b''}, 'data has 0 bytes'),
+        ({'encoding': 'mono16'}, 'step is 4 bytes; 4 px of mono16 need 8'),
+    ],
+)
+def test_wrong_fields_are_named(changes: dict, sentence: str) -> None:
+    """The sentence has the value that came and the one that would be right."""
+    with pytest.raises(MessageError, match=sentence):
+        to_frame(image(**changes), INFO)
+
+
+def test_a_window_of_three_channels_is_refused() -> None:
+    """Only lit, or lit and unlit."""
+    with pytest.raises(MessageError, match="encoding is '8UC3'; it must be 8UC1 or 8UC2"):
+        to_window(image(encoding='8UC3'), INFO)
+
+
+@pytest.mark.parametrize(
+    'info, sentence',
+    [
+        (CameraInfo(width=640, height=480), 'is 4 x 3 px and its camera_info is for 640 x 480 px'),
+        (CameraInfo(width=4, height=3, binning_x=2**32 - 1), 'camera_info is for 0 x 3 px'),
+        (CameraInfo(), 'camera_info is for 0 x 0 px'),
+    ],
+)
+def test_a_camera_info_of_another_size_is_refused(info: CameraInfo, sentence: str) -> None:
+    """A bearing made with it would be wrong."""
+    with pytest.raises(MessageError, match=sentence):
+        to_frame(image(), info)
+
+
+def test_a_region_outside_the_sensor_is_refused() -> None:
+    """The offset moves every bearing."""
+    info = CameraInfo(width=100, height=100)
+    info.roi.x_offset, info.roi.width, info.roi.height = 97, 4, 3
+    with pytest.raises(MessageError, match='does not lie within the sensor of 100 x 100 px'):
+        to_frame(image(), info)

@@ -1,0 +1,1 @@
+"""What several tests use: processes, cameras, boards, and checks of statistics."""
