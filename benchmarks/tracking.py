@@ -15,6 +15,7 @@ from blob_tracker.tracking.models import fill_step
 from blob_tracker.tracking.process_noise import process_noise
 from blob_tracker.tracking.tracker import AGREEING, FIRST_ACCELERATION, FIRST_RATE
 from blob_tracker.types import Bearing
+from blob_tracker.units import MRAD_PER_RAD
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,7 +35,6 @@ SETTLED = 30  # bearings at the start that are not judged
 REHEARSAL, REHEARSED = 900, 30.0  # seed and length, s, of the ride that tells the process noise
 LAGS = 10
 HELD, LIMIT, STABILISED, FILTERPY = 'last bearing held', 'limit', 'gyro', 'filterpy'
-MRAD = 1e3  # per radian
 
 
 @dataclass(frozen=True)
@@ -156,8 +156,8 @@ def ride_rows(motion: str, duration: float) -> list[Row]:
     rows.append(_row(motion, HELD, nan, held, true))
     limits = [
         [
-            MRAD * MOTIONS[motion].process(axis).prediction_limit(
-                horizon, interval=1.0 / RATE, variance=(SIGMA / MRAD)**2
+            MRAD_PER_RAD * MOTIONS[motion].process(axis).prediction_limit(
+                horizon, interval=1.0 / RATE, variance=(SIGMA / MRAD_PER_RAD)**2
             )
             for axis in ('pitch', 'yaw')
         ]
@@ -179,7 +179,7 @@ def bearings_of(ride: Ride, duration: float, seed: int) -> list[Bearing]:
 def angles_at(ride: Ride, times: Array) -> Array:
     """Return the light's (n, 2) azimuth and elevation on the vehicle, mrad."""
     x, y, z = ride.rotations(times)[:, 2].T
-    return MRAD * np.stack([np.arctan2(x, z), np.arctan2(-y, np.hypot(x, z))], axis=1)
+    return MRAD_PER_RAD * np.stack([np.arctan2(x, z), np.arctan2(-y, np.hypot(x, z))], axis=1)
 
 
 def gyro(ride: Ride, duration: float) -> Iterator[tuple[int, Array]]:

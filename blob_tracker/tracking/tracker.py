@@ -8,7 +8,6 @@ from math import isfinite, pi, sqrt
 from typing import NamedTuple
 
 from blob_tracker.kernel import Array
-from blob_tracker.tracking.direction import MRAD
 from blob_tracker.tracking.errors import check_stamp, PlatformGap, StampJump, TrackingError
 from blob_tracker.tracking.kalman import Innovation, Seen, Step
 from blob_tracker.tracking.models import MODELS
@@ -25,6 +24,7 @@ from blob_tracker.tracking.pan_tilt_angles import PanTiltAngles
 from blob_tracker.tracking.platform_rates import PlatformRates
 from blob_tracker.tracking.track import Track
 from blob_tracker.types import Bearing
+from blob_tracker.units import MRAD
 import numpy as np
 from numpy.typing import NDArray
 

@@ -11,10 +11,10 @@ import math
 from blob_tracker.kernel import Array
 from blob_tracker.tracking.errors import TrackingError
 from blob_tracker.types import Bearing
+from blob_tracker.units import MRAD
 import numpy as np
 import scipy  # which loads its parts when they are first used
 
-RADIAN = 1e-3  # per mrad
 # Standard deviations of the angle between two rays: where it is less, the distance has no Gaussian
 # error. At five the mean distance is 4 % too great, a fifth of its standard deviation.
 PARALLAX = 5.0
@@ -172,8 +172,8 @@ def triangulate(
         )
     for bearing in bearings:
         check_bearing(bearing)
-    seen = RADIAN * np.array([[each.azimuth, each.elevation] for each in bearings])
-    noise = RADIAN**2 * np.array([each.covariance for each in bearings])
+    seen = MRAD * np.array([[each.azimuth, each.elevation] for each in bearings])
+    noise = MRAD**2 * np.array([each.covariance for each in bearings])
     directions = np.array(
         [pose.rotation @ _direction(*angles) for pose, angles in zip(poses, seen, strict=True)]
     )
@@ -278,7 +278,7 @@ def _check_parallax(
             best, angle = sine / math.sqrt(variance), math.asin(min(sine, 1.0))
     if best < PARALLAX:
         raise ParallelRays(
-            f'the rays are parallel: they differ by {angle / RADIAN:.3g} mrad, {best:.1f} times '
+            f'the rays are parallel: they differ by {angle / MRAD:.3g} mrad, {best:.1f} times '
             f'the standard deviation of that angle, and must by {PARALLAX:g} times; the light is '
             'too far away for the distance of the cameras, or in line with them'
         )

@@ -13,6 +13,7 @@ from blob_tracker.ros.messages.imu import to_rate, turn_of
 from blob_tracker.ros.messages.joint_states import to_angle
 from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.tracking import PanTiltAngles, PlatformRates, StampJump, TrackingError
+from blob_tracker.units import MRAD
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import Imu, JointState
@@ -22,7 +23,6 @@ JOINTS = 'joints.pan', 'joints.tilt', 'joints.pan_reversed', 'joints.tilt_revers
 MINE = (
     'imu.enabled', 'imu.frame_id', *TURN, *JOINTS, 'joints.sigma', 'joints.frame_id',
 )
-MRAD = 1e-3  # rad
 SILENCE = 1_000_000_000  # ns of ROS time without angles that are worth a word
 
 

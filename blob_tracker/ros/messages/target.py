@@ -7,13 +7,13 @@ from math import atan2, cos, hypot, pi, sin
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.stamp import from_ns, to_ns
 from blob_tracker.types import Bearing, Location, SensorNoise
+from blob_tracker.units import MRAD
 from geometry_msgs.msg import (
     PointStamped, PoseWithCovarianceStamped, Quaternion, Vector3Stamped,
 )
 import numpy as np
 from numpy.typing import NDArray
 
-MRAD = 1e-3  # rad
 LEAST_GAIN, MOST_GAIN = 1e-3, 1e6  # electrons per DN: those of no camera lie outside
 MOST_READ_NOISE, MOST_BLACK_LEVEL = 1e4, 65535.0  # DN
 # The turn about the ray cannot be seen: evenly spread over the circle, rad^2.

@@ -21,12 +21,12 @@ from blob_tracker.simulation.sensor import Sensor
 from blob_tracker.studies.chapter_5.displacements import LABORATORY
 from blob_tracker.tracking import PanTiltAngles, PlatformRates, Tracker, TrackingError
 from blob_tracker.types import Bearing, Frame, LocationError, SensorNoise
+from blob_tracker.units import MRAD
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 START_NS = 10**9  # stamp of the time 0: ns count from there
-MRAD = 1e-3
 
 
 @dataclass(frozen=True)
