@@ -21,10 +21,10 @@ from blob_tracker.ros.messages.position import point_message, pose_message
 from blob_tracker.ros.messages.target import to_bearing
 from blob_tracker.ros.parameters.declaration import about, declare, on_change
 from blob_tracker.ros.process import run
-from blob_tracker.tracking.simultaneous import Simultaneous
-from blob_tracker.tracking.triangulation import (
-    CameraPose, check_bearing, Position, triangulate, TriangulationError,
+from blob_tracker.tracking import (
+    CameraPose, Position, Simultaneous, triangulate, TriangulationError,
 )
+from blob_tracker.tracking.triangulation import check_bearing
 from blob_tracker.types import Bearing
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped
 import numpy as np
@@ -106,7 +106,7 @@ class TriangulatorNode(Node):
 
         def use() -> None:
             self._camera_poses, self._frame_id = poses, values['frame_id']
-            self._gate = values['gate']
+            self._gate_sigma = values['gate']
             self._pairing.max_interval = values['max_interval']
             self._pairing.acceleration = values['acceleration']
 
@@ -161,7 +161,7 @@ class TriangulatorNode(Node):
         if self._at_one_place():  # which is said each second
             return
         try:
-            position = triangulate(pair, self._camera_poses, gate=self._gate)
+            position = triangulate(pair, self._camera_poses, gate_sigma=self._gate_sigma)
         except TriangulationError as error:
             self._health.fault(WARN, f'no position: {error}')
             self._health.count('pairs refused')

@@ -46,7 +46,7 @@ PARAMETERS = (
     ),
     Parameter(
         'max_innovation',  # not gate or rate: others in the pipeline have those
-        _DEFAULTS['gate'],
+        _DEFAULTS['gate_sigma'],
         'Standard deviations that a bearing may be off where it is expected; at 5 one right '
         'bearing in 270,000 is refused. What is further off is another light, or the target has '
         'leapt: three of them that agree are followed.',

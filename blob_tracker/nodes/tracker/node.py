@@ -40,7 +40,7 @@ FILTER = {
     'imu.acceleration': 'stabilised_acceleration',
     'imu.jerk': 'stabilised_jerk',
 }
-LIMITS = {'max_innovation': 'gate', 'coast': 'coast', 'max_sigma': 'max_sigma'}
+LIMITS = {'max_innovation': 'gate_sigma', 'coast': 'coast', 'max_sigma': 'max_sigma'}
 # A rate of 0 is a timer that is cancelled, of any period.
 SLOWEST = 1.0  # Hz
 

@@ -98,7 +98,7 @@ def _tracker(motion: str, model: str, *, gyro: bool) -> Tracker:
         jerk=jerk,
         stabilised_acceleration=resting,
         stabilised_jerk=resting_jerk,
-        gate=8.0,  # what is compared are the filters: nothing here is a false light
+        gate_sigma=8.0,  # what is compared are the filters: nothing here is a false light
         max_sigma=1e3,
         platform=PlatformRates() if gyro else None,
     )

@@ -193,7 +193,7 @@ def test_innovations_that_are_too_large_may_be_the_joints(
         if not with_joints:
             seen.platform.change(NO_JOINTS)()
         # A filter that expects a light at rest, and bearings far off what they say.
-        seen.track.use(Tracker(acceleration=1.0, gate=100.0, pan_tilt=seen.platform.angles))
+        seen.track.use(Tracker(acceleration=1.0, gate_sigma=100.0, pan_tilt=seen.platform.angles))
         for time in range(0, 1000, 10):
             if with_joints:
                 seen.platform.angles.push(seen.stamp(time), 0.0, 0.0)
