@@ -90,8 +90,9 @@ class HypothesisFilter:
     ) -> Updated:
         """Return a hypothesis predicted to a bearing and, within the gate, updated by it."""
         state, step, stabilised, gap = step_to(hypothesis, stamp_ns, self._noise, self._platform)
+        azimuth, elevation, rr, ru, uu, camera = measurement
         passed, state, first, second, log_determinant, sigma = updated(
-            state, gate_sigma * gate_sigma, *step, *measurement
+            state, gate_sigma * gate_sigma, *step, azimuth, elevation, rr, ru, uu, camera
         )
         innovation = Innovation(first, second, log_determinant)
         if not passed:

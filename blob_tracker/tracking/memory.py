@@ -49,7 +49,7 @@ class Memory:
 
     @property
     def newest(self) -> Situation:
-        """What all bearings leave behind."""
+        """Return what all bearings leave behind."""
         return self._entries[-1].after if self._entries else self._before
 
     @property

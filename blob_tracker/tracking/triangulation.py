@@ -226,8 +226,8 @@ def _check_parallax(
             best, angle = sine / math.sqrt(variance), math.asin(min(sine, 1.0))
     if best < PARALLAX_SIGMA:
         raise ParallelRays(
-            f'the rays are parallel: they differ by {angle / MRAD:.3g} mrad, {best:.1f} times '
-            f'the standard deviation of that angle, and must by {PARALLAX_SIGMA:g} times; the light '
+            f'the rays are parallel: they differ by {angle / MRAD:.3g} mrad, {best:.1f} times the '
+            f'standard deviation of that angle, and must by {PARALLAX_SIGMA:g} times; the light '
             'is too far away for the distance of the cameras, or in line with them'
         )
 
