@@ -1,8 +1,5 @@
 """Place, width and SNR of the blob at a peak, by adaptive moments."""
 
-# Numba's decorators bring no types.
-# mypy: disable-error-code="untyped-decorator"
-
 from __future__ import annotations
 
 from blob_tracker.kernel import kernel

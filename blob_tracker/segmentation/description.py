@@ -1,8 +1,5 @@
 """What tells a blob from other things that lit up: a row of numbers for each."""
 
-# Numba's decorators bring no types.
-# mypy: disable-error-code="untyped-decorator"
-
 from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel

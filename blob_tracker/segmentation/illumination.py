@@ -1,8 +1,5 @@
 """Light on the whole scene that changes between frames: lamps on the mains, clouds, bands."""
 
-# Numba's decorators bring no types.
-# mypy: disable-error-code="untyped-decorator"
-
 from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel

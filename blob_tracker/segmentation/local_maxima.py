@@ -1,8 +1,5 @@
 """Where light rose: the local maxima of lit less unlit, tile by tile."""
 
-# Numba's decorators bring no types.
-# mypy: disable-error-code="untyped-decorator"
-
 from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel

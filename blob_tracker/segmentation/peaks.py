@@ -1,8 +1,5 @@
 """Every peak in a part of a frame, measured and described: the loops over pixels."""
 
-# Numba's decorators bring no types.
-# mypy: disable-error-code="untyped-decorator"
-
 from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel

@@ -1,8 +1,5 @@
 """Level and noise of a difference of two frames, tile by tile."""
 
-# Numba's decorators bring no types.
-# mypy: disable-error-code="untyped-decorator"
-
 from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel

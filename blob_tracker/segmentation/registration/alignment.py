@@ -1,8 +1,5 @@
 """The motion that lays the pixels of one frame on those of another, far below a pixel."""
 
-# Numba's decorators bring no types.
-# mypy: disable-error-code="untyped-decorator"
-
 from __future__ import annotations
 
 import math

@@ -1,8 +1,5 @@
 """Interpolate the unlit frame at the places that the lit one's pixels see."""
 
-# Numba's decorators bring no types.
-# mypy: disable-error-code="untyped-decorator"
-
 from __future__ import annotations
 
 import math
