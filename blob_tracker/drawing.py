@@ -16,7 +16,7 @@ Colour = tuple[int, int, int]  # blue, green, red
 PAPER: Colour = (32, 32, 32)
 TEXT: Colour = (230, 230, 230)
 FOUND: Colour = (90, 230, 90)
-REFUSED: Colour = (40, 150, 255)
+REJECTED: Colour = (40, 150, 255)
 CLIPPED: Colour = (70, 70, 255)
 
 FONT, FONT_SIZE = cv2.FONT_HERSHEY_SIMPLEX, 0.45
@@ -117,8 +117,8 @@ def stack(parts: Sequence[Picture]) -> Picture:
     return picture
 
 
-def beside(left: Picture, right: Picture) -> Picture:
-    """Return two parts beside each other."""
+def side_by_side(left: Picture, right: Picture) -> Picture:
+    """Return two parts side by side."""
     height = max(left.shape[0], right.shape[0])
     picture = blank(height, left.shape[1] + GAP + right.shape[1])
     picture[:left.shape[0], :left.shape[1]] = left

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.drawing import (
-    beside, blank, FARTHEST, GAP, in_grey, LINE, nearest_pixel, PAPER, paragraphs, stack, TEXT,
+    blank, FARTHEST, GAP, in_grey, LINE, nearest_pixel, PAPER, paragraphs, side_by_side, stack, TEXT,
     text_width, wrap,
 )
 import numpy as np
@@ -39,7 +39,7 @@ def test_text_is_wrapped_between_words():
 def test_parts_are_put_together_with_gaps():
     """Each at its left and top, paper about them."""
     one, other = np.full((3, 5, 3), 200, np.uint8), np.full((4, 2, 3), 100, np.uint8)
-    row = beside(one, other)
+    row = side_by_side(one, other)
     assert row.shape == (4, 7 + GAP, 3)
     assert (row[:3, :5] == 200).all()
     assert (row[:, 5 + GAP:] == 100).all()

@@ -7,8 +7,8 @@ import math
 from typing import Any
 
 from blob_tracker.drawing import (
-    beside, blank, CLIPPED, Colour, FOUND, GAP, in_grey, LINE, nearest_pixel, PAPER, paragraphs,
-    Picture, REFUSED, stack, TEXT, text_width, titled, write,
+    blank, CLIPPED, Colour, FOUND, GAP, in_grey, LINE, nearest_pixel, PAPER, paragraphs,
+    Picture, REJECTED, side_by_side, stack, TEXT, text_width, titled, write,
 )
 from blob_tracker.location.noise import noise_of_sum, pixel_variance
 from blob_tracker.location.pulse import integrated_profile
@@ -90,7 +90,7 @@ def draw(
                                  f'lit less unlit, {low:.0f} to {high:.0f} DN', PANEL))
     else:
         panels += _found(window, difference, clipped, noise, location, scale)
-    row = functools.reduce(beside, panels)
+    row = functools.reduce(side_by_side, panels)
     lines = _in_words(window, location, bearing, reason, name)
     words = paragraphs(lines, max(row.shape[1], 2 * PANEL + GAP))
     return np.pad(
@@ -185,7 +185,7 @@ def _in_words(
     summed = f', the sum of {window.looks} frames' if window.looks > 1 else ''
     where = f'{name} window of {width} x {height} px at ({window.x0}, {window.y0}){summed}'.strip()
     if location is None:
-        return [(f'not located: {reason}', REFUSED), (where, TEXT)]
+        return [(f'not located: {reason}', REJECTED), (where, TEXT)]
     lines = []
     (xx, xy), (_, yy) = location.covariance
     lines.append((

@@ -33,12 +33,12 @@ from blob_tracker.ros.process import run, say
 from blob_tracker.segmentation import (
     codes_from_text,
     compile_ahead,
+    Detections,
     Expectation,
     exposure_fault,
     Flash,
     flash_by_name,
     FrameError,
-    Look,
     Segmenter,
     threshold_by_name,
 )
@@ -123,7 +123,7 @@ class SegmenterNode(Node):
         self._noise: NoiseLevelFunction | None = None
         self._noise_ns = 0
         self._noises = publisher(self, Vector3Stamped, 'target/noise', STATE)
-        self._look: Look | None = None
+        self._detections: Detections | None = None
         self._debug_image = DebugImage(self)
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._good_frame = self._steady.now()
@@ -213,7 +213,7 @@ class SegmenterNode(Node):
         self._segmenter = self._new_segmenter()
         self._flash = self._flash[0], self._segmenter.flash
         self._newest_ns = -1
-        self._look = self._target = None
+        self._detections = self._target = None
         self._candidates = ()
         for target in self._targets.values():
             target.forget()
@@ -265,11 +265,11 @@ class SegmenterNode(Node):
             self._health.left(window.stamp_ns)
             self._health.count('windows')
             self._health.show('frames summed in a window', window.looks)
-        # A frame that is only gathered, or begins afresh, leaves the look as it was.
-        previous, self._look = self._look, self._segmenter.look
-        look = None if self._look is previous else self._look
+        # A frame that is only gathered, or begins afresh, leaves the detections as they were.
+        previous, self._detections = self._detections, self._segmenter.detections
+        detections = None if self._detections is previous else self._detections
         # Each of several looks has the target in view; the last one has the window of their sum.
-        seen = look.windows if look else {}
+        seen = detections.windows if detections else {}
         visible = [
             target.visible(frame.stamp_ns, name in seen)
             for name, target in self._targets.items()
@@ -279,10 +279,10 @@ class SegmenterNode(Node):
             self._health.ok('target in view')
         elif not any(visible):
             self._say_why(frame)
-        if look:
-            self._remember(look)
+        if detections:
+            self._remember(detections)
             self._debug_image.offer(
-                lambda: draw(look), frame.stamp_ns, frame_id, _pause(look)
+                lambda: draw(detections), frame.stamp_ns, frame_id, _pause(detections)
             )
         if self._noise is not None:
             self._measure_noise(self._noise, frame, frame_id)
@@ -339,12 +339,14 @@ class SegmenterNode(Node):
         self._health.show('measured black level', black_level)
         self._health.show('tiles of the last unlit pair', tiles)
 
-    def _remember(self, look: Look) -> None:
-        """Keep of a look what the diagnostics show: the unlit half of the frames has no light."""
-        self._reason = look.reason or self._reason
-        self._candidates = look.candidates or self._candidates
-        if look.windows:
-            self._target = next((each for each in look.candidates if not each.refused), None)
+    def _remember(self, detections: Detections) -> None:
+        """Keep what the diagnostics show: the unlit half of the frames has no light."""
+        self._reason = detections.reason or self._reason
+        self._candidates = detections.candidates or self._candidates
+        if detections.windows:
+            self._target = next(
+                (each for each in detections.candidates if not each.rejected), None
+            )
 
     def _describe(self) -> None:
         """Show in the diagnostics what the segmenter saw last."""
@@ -356,10 +358,10 @@ class SegmenterNode(Node):
                 'stamps: the camera dropped them (see its diagnostics), they were lost on the way '
                 '(use config/fastdds.xml), or this node was too late for them (see CPU)',
             )
-        look = self._look
-        if look is not None:
-            self._health.show('flash lock', look.state)
-            self._health.show('noise (DN)', f'{look.noise:.2f}')
+        detections = self._detections
+        if detections is not None:
+            self._health.show('flash lock', detections.state)
+            self._health.show('noise (DN)', f'{detections.noise:.2f}')
         if self._reason:
             self._health.show('last frame without target', self._reason)
         target = self._target
@@ -374,7 +376,7 @@ class SegmenterNode(Node):
             self._health.show(
                 'strongest of them',
                 f'SNR {first.snr:.1f} at ({first.x:.0f}, {first.y:.0f}): '
-                f'{first.refused or "may be the target"}',
+                f'{first.rejected or "may be the target"}',
             )
 
     def _check_silence(self) -> None:
@@ -395,11 +397,11 @@ def _lost_after_ns(values: dict[str, Any]) -> int:
     return int(1e9 * lost_after)
 
 
-def _pause(look: Look) -> float:
+def _pause(detections: Detections) -> float:
     """Return the least time between two pictures, s, by what there is to see in this one."""
-    if look.windows:
+    if detections.windows:
         return WITH_WINDOW
-    return WITH_CANDIDATE if look.candidates else WITH_NOTHING
+    return WITH_CANDIDATE if detections.candidates else WITH_NOTHING
 
 
 def compile_search() -> None:

@@ -141,7 +141,7 @@ class Alternate:
         target = self._confirmation.choose(candidates, contrast.shape)
         if target is not None:
             return [('', target)]
-        allowed = sum(not each.refused for each in candidates)
+        allowed = sum(not each.rejected for each in candidates)
         if allowed and not self.reason:
             self.reason = f'{allowed} lit up; none of them flashes in step with the frames yet'
         return []

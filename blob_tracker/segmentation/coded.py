@@ -123,7 +123,7 @@ class Coded:
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
         """Return the known lights that lit up, each by its name."""
-        allowed = [each for each in candidates if not each.refused]
+        allowed = [each for each in candidates if not each.rejected]
         found: dict[str, Candidate] = {}
         for candidate in allowed[:MOST_LIGHTS]:
             spot = self._spot_at(*candidate.peak, contrast.lit, contrast.unlit)

@@ -173,7 +173,7 @@ class Confirmation:
             return False
         age = self._age(track)
         if age < PERIOD - ON_TIME or any(
-            not each.refused and self._fits(track, each, self._away(track, each))
+            not each.rejected and self._fits(track, each, self._away(track, each))
             for each in everything
         ):
             return False
@@ -189,7 +189,7 @@ class Confirmation:
         Parameters
         ----------
         everything : sequence of Candidate
-            What lit up. Of those that are refused it only counts that they are out of step.
+            What lit up. Of those that are rejected it only counts that they are out of step.
         shape : (int, int)
             Height and width of the frame, px.
 
@@ -197,7 +197,7 @@ class Confirmation:
         searched = self._locked is None
         candidates = []
         for each in everything:
-            if each.refused:
+            if each.rejected:
                 self._spoil(each)
             else:
                 candidates.append(each)

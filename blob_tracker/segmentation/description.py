@@ -62,7 +62,7 @@ def describe(
     half_x, half_y = max(WINDOW * sigma_x, 3.0), max(WINDOW * sigma_y, 3.0)
     left, right = max(int(x - half_x), region[0]), min(int(x + half_x) + 2, region[2])
     top, bottom = max(int(y - half_y), region[1]), min(int(y + half_y) + 2, region[3])
-    norm = flux = stood = around = squares = 0.0
+    norm = flux = unlit_amplitude = around = squares = 0.0
     outside = 0
     clipped = False
     weights = np.empty((bottom - top, right - left))
@@ -89,7 +89,7 @@ def describe(
     for j in range(top, bottom, step):
         for i in range(left, right, step):
             w = weights[j - top, i - left]
-            stood += w * (float(unlit[j, i]) - around)
+            unlit_amplitude += w * (float(unlit[j, i]) - around)
             total += w * w
             if lit[j, i] < saturation:
                 left_over = float(lit[j, i]) - float(unlit[j, i]) - level - amplitude * w
@@ -102,21 +102,21 @@ def describe(
     out[9], out[10], out[11] = column, row, height
     out[12] = amplitude
     out[13] = np.sqrt(max(misfit, 0.0) / explained) if explained > 0.0 else 0.0
-    out[14] = _beside(lit, unlit, region, column, row, level) / max(height, noise)
+    out[14] = _neighbour_rise(lit, unlit, region, column, row, level) / max(height, noise)
     # In one frame by itself nothing fell: what is darker beside it is the scene.
     out[15] = 0.0
     if not alone:
         size = 2.0 * min(sigma_x, sigma_y)
         out[15] = _fall(lit, unlit, region, x, y, 3.0 * half_x, 3.0 * half_y, size, level)
-    out[16] = stood / total if total > 0.0 else 0.0
+    out[16] = unlit_amplitude / total if total > 0.0 else 0.0
     out[17] = texture
     out[18] = clipped
     out[19] = noise
-    out[20] = _unrest(lit, unlit, region, x, y, half_x, half_y, level)
+    out[20] = _surround_noise(lit, unlit, region, x, y, half_x, half_y, level)
 
 
 @kernel
-def _beside(
+def _neighbour_rise(
     lit: Pixels,
     unlit: Pixels,
     region: tuple[int, int, int, int],
@@ -188,7 +188,7 @@ def _add_row(
 
 
 @kernel
-def _unrest(
+def _surround_noise(
     lit: Pixels,
     unlit: Pixels,
     region: tuple[int, int, int, int],

@@ -113,10 +113,10 @@ def level_at(levels: Array, x: float, y: float) -> float:
     down, across = levels.shape
     v, u = y / TILE - 0.5, x / TILE - 0.5
     top, left = max(min(int(v), down - 2), 0), max(min(int(u), across - 2), 0)
-    under, beside = min(top + 1, down - 1), min(left + 1, across - 1)
+    below, right = min(top + 1, down - 1), min(left + 1, across - 1)
     v, u = v - top, u - left
-    upper = levels[top, left] + u * (levels[top, beside] - levels[top, left])
-    lower = levels[under, left] + u * (levels[under, beside] - levels[under, left])
+    upper = levels[top, left] + u * (levels[top, right] - levels[top, left])
+    lower = levels[below, left] + u * (levels[below, right] - levels[below, left])
     return upper + v * (lower - upper)
 
 

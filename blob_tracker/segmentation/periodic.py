@@ -8,8 +8,8 @@ from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.expectation import Expectation
+from blob_tracker.segmentation.frame_stack import most_frames
 from blob_tracker.segmentation.history import FrameHistory
-from blob_tracker.segmentation.looks import most_looks
 from blob_tracker.segmentation.steady import strongest
 from blob_tracker.types import Frame
 import cv2
@@ -133,7 +133,7 @@ class Periodic:
         # The fewer of lit and unlit frames, but for those that an edge may run through.
         part = min(self.duty, 1.0 - self.duty)
         last = block[-1]
-        count = max(min(int(part * len(block) - 0.5), most_looks(last.saturation)), 1)
+        count = max(min(int(part * len(block) - 0.5), most_frames(last.saturation)), 1)
         # In the middle of the frames that are lit, as the sum of their exposures is.
         lit = [block[index] for index in sorted(order[-count:])]
         unlit = [block[index] for index in sorted(order[:count])]

@@ -7,12 +7,12 @@ import math
 from typing import Any, NamedTuple
 
 from blob_tracker.drawing import (
-    beside, blank, Colour, FOUND, GAP, in_grey, LINE, nearest_pixel, PAPER, paragraphs, Picture,
-    REFUSED, stack, TEXT, text_width, titled, within, wrap, write,
+    blank, Colour, FOUND, GAP, in_grey, LINE, nearest_pixel, PAPER, paragraphs, Picture, REJECTED,
+    side_by_side, stack, TEXT, text_width, titled, within, wrap, write,
 )
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
-from blob_tracker.segmentation.look import Look
+from blob_tracker.segmentation.detections import Detections
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -52,19 +52,19 @@ class _Zoom(NamedTuple):
         cv2.rectangle(picture, first, last, colour, 1)
 
 
-def draw(look: Look) -> Picture:
+def draw(detections: Detections) -> Picture:
     """
-    Draw a look: frame, difference, what lit up and why it was refused, window and state.
+    Draw frame, difference, what lit up and why it was rejected, window and state.
 
     On the left the frame with the searched region (blue) and the windows (yellow); on the right
     lit less unlit, grey where nothing changed and white or black at +-8 standard deviations of the
     noise, with the candidates numbered: green where they may be the target, orange where they were
-    refused. Below them the state, the windows zoomed (lit, unlit, difference), or what is about
+    rejected. Below them the state, the windows zoomed (lit, unlit, difference), or what is about
     the strongest candidate where there is no window, and the candidates in words.
 
     Parameters
     ----------
-    look : Look
+    detections : Detections
         What the segmenter saw, in a frame of any size and depth.
 
     Returns
@@ -73,40 +73,41 @@ def draw(look: Look) -> Picture:
         Blue, green and red; 984 to 1624 px wide, whatever the frame.
 
     """
-    shape = look.lit.shape
+    shape = detections.lit.shape
     whole = Box(0, 0, shape[1], shape[0])
     zoom = _Zoom(whole, _scale(*shape))
-    brightest = _brightest(look.lit)
-    noise = within(look.noise, LEAST_NOISE, MOST, 1.0)
-    rise = _rise(look, within(look.background, -MOST, MOST, 0.0))
+    brightest = _brightest(detections.lit)
+    noise = within(detections.noise, LEAST_NOISE, MOST, 1.0)
+    rise = _rise(detections, within(detections.background, -MOST, MOST, 0.0))
     frame = titled(
-        in_grey(look.lit, 0.0, brightest, zoom.scale),
+        in_grey(detections.lit, 0.0, brightest, zoom.scale),
         f'frame {shape[1]} x {shape[0]} px, white is {brightest:.0f} DN',
         NARROWEST,
     )
     difference = titled(
         in_grey(rise, -STRETCH * noise, STRETCH * noise, zoom.scale),
-        f'{"frame less its background" if look.unlit is None else "lit less unlit"}, '
+        f'{"frame less its background" if detections.unlit is None else "lit less unlit"}, '
         f'grey to white is {STRETCH:g} x the noise of {noise:.2f} DN',
         NARROWEST,
     )
     for panel in (frame[LINE:], difference[LINE:]):
-        if look.region != whole:
-            zoom.outline(panel, look.region, REGION)
-        for box in look.windows.values():
+        if detections.region != whole:
+            zoom.outline(panel, detections.region, REGION)
+        for box in detections.windows.values():
             zoom.outline(panel, box, WINDOW)
     taken = [
         (*zoom.place(box.x0, box.y0), *zoom.place(box.x1, box.y1))
-        for box in look.windows.values()
+        for box in detections.windows.values()
     ]
-    _mark(difference[LINE:], look.candidates, zoom, taken)
+    _mark(difference[LINE:], detections.candidates, zoom, taken)
     panels = np.hstack([frame, blank(frame.shape[0], GAP), difference])
-    insets = _insets(look, rise, noise)
+    insets = _insets(detections, rise, noise)
     words = panels.shape[1] - insets.shape[1] - GAP
     room = max(insets.shape[0] // LINE, 3)
-    state = f'{look.state}: {look.reason or "target in view"}'
-    below = beside(insets, paragraphs(_in_words(look.candidates, words, room), words))
-    colour = FOUND if look.windows else REFUSED
+    state = f'{detections.state}: {detections.reason or "target in view"}'
+    in_words = paragraphs(_in_words(detections.candidates, words, room), words)
+    below = side_by_side(insets, in_words)
+    colour = FOUND if detections.windows else REJECTED
     parts = [panels, paragraphs([(state, colour)], panels.shape[1]), below]
     return np.pad(stack(parts), [(0, 0), (GAP, GAP), (0, 0)], constant_values=PAPER[0])
 
@@ -126,11 +127,11 @@ def _brightest(image: NDArray[Any]) -> float:
     return max(value, DIMMEST) if math.isfinite(value) else DIMMEST
 
 
-def _rise(look: Look, background: float) -> NDArray[np.float32]:
+def _rise(detections: Detections, background: float) -> NDArray[np.float32]:
     """Return lit less unlit less background, DN."""
-    lit = look.lit.astype(np.float32)
-    if look.unlit is not None and look.unlit.shape == look.lit.shape:
-        lit -= look.unlit
+    lit = detections.lit.astype(np.float32)
+    if detections.unlit is not None and detections.unlit.shape == detections.lit.shape:
+        lit -= detections.unlit
     lit -= background
     return np.nan_to_num(lit)
 
@@ -143,7 +144,7 @@ def _mark(
 ) -> None:
     """Circle and number the candidates; a number that finds no free place is left out."""
     for number, candidate in enumerate(candidates, 1):
-        colour = REFUSED if candidate.refused else FOUND
+        colour = REJECTED if candidate.rejected else FOUND
         x, y = zoom.place(candidate.x, candidate.y)
         radius = max(nearest_pixel(3.0 * candidate.sigma_major * zoom.scale), 6)
         radius = min(radius, LARGEST_CIRCLE)
@@ -173,22 +174,22 @@ def _places(x: int, y: int, radius: int, width: int) -> list[tuple[int, int]]:
     ]
 
 
-def _insets(look: Look, rise: NDArray[np.float32], noise: float) -> Picture:
+def _insets(detections: Detections, rise: NDArray[np.float32], noise: float) -> Picture:
     """Return the windows zoomed, one below the other; else what the strongest candidate is."""
-    height, width = look.lit.shape
+    height, width = detections.lit.shape
     outline = WINDOW
     zoomed = [
         (f'{name or "window"} {box.x1 - box.x0} x {box.y1 - box.y0} px at ({box.x0}, {box.y0})',
          box)
-        for name, box in look.windows.items()
+        for name, box in detections.windows.items()
     ]
-    if not zoomed and look.candidates:
-        strongest = max(look.candidates, key=lambda candidate: candidate.snr)
+    if not zoomed and detections.candidates:
+        strongest = max(detections.candidates, key=lambda candidate: candidate.snr)
         half = min(max(nearest_pixel(4.0 * strongest.sigma_major), 3), max(height, width))
         x, y = nearest_pixel(strongest.x), nearest_pixel(strongest.y)
-        number = look.candidates.index(strongest) + 1
+        number = detections.candidates.index(strongest) + 1
         zoomed = [(f'candidate {number}', Box(x - half, y - half, x + half + 1, y + half + 1))]
-        outline = REFUSED if strongest.refused else FOUND
+        outline = REJECTED if strongest.rejected else FOUND
     rows = []
     for title, box in zoomed[:MOST_INSETS]:
         around = Box(
@@ -199,15 +200,15 @@ def _insets(look: Look, rise: NDArray[np.float32], noise: float) -> Picture:
         )
         if around.x0 >= around.x1 or around.y0 >= around.y1:
             continue
-        lit = np.nan_to_num(look.lit[around.slices].astype(np.float32))
+        lit = np.nan_to_num(detections.lit[around.slices].astype(np.float32))
         black, white = float(lit.min()), max(float(lit.max()), float(lit.min()) + STRETCH)
         part = rise[around.slices]
         most = max(float(np.abs(part).max()), STRETCH * noise)
         shown: list[tuple[str, NDArray[Any], float, float]] = [
             ('lit', lit, black, white), ('difference', part, -most, most)
         ]
-        if look.unlit is not None and look.unlit.shape == look.lit.shape:
-            unlit = look.unlit[around.slices]
+        if detections.unlit is not None and detections.unlit.shape == detections.lit.shape:
+            unlit = detections.unlit[around.slices]
             shown.insert(1, ('unlit', unlit, black, white))
         zoom = _Zoom(around, INSET / max(around.x1 - around.x0, around.y1 - around.y0))
         row = blank(2 * LINE + INSET, len(shown) * (INSET + GAP) - GAP)
@@ -231,14 +232,14 @@ def _in_words(
     if not candidates:
         return [('nothing lit up', TEXT)]
     lines: list[tuple[str, Colour]] = []
-    numbered = sorted(enumerate(candidates, 1), key=lambda item: bool(item[1].refused))
+    numbered = sorted(enumerate(candidates, 1), key=lambda item: bool(item[1].rejected))
     for count, (number, each) in enumerate(numbered):
         text = (
             f'{number}  SNR {each.snr:.1f}, {each.height:.0f} DN, sigma {each.sigma_major:.1f} x '
             f'{each.sigma_minor:.1f} px at ({each.x:.1f}, {each.y:.1f}): '
-            f'{each.refused or "may be the target"}'
+            f'{each.rejected or "may be the target"}'
         )
-        colour = REFUSED if each.refused else FOUND
+        colour = REJECTED if each.rejected else FOUND
         wrapped = [(line, colour) for line in wrap(text, width)]
         left = len(candidates) - count
         if len(lines) + len(wrapped) + (left > 1) > room:

@@ -11,7 +11,7 @@ from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.illumination import relit
 from blob_tracker.segmentation.peaks import measure_peaks
-from blob_tracker.segmentation.refusal import refuse
+from blob_tracker.segmentation.rejection import reject
 from blob_tracker.types import Frame, Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,8 @@ FELT = 0.75
 IN_DN = [
     Candidate._fields.index(name)
     for name in (
-        'background', 'height', 'amplitude', 'fall', 'stood', 'texture', 'noise', 'unrest',
+        'background', 'height', 'amplitude', 'fall', 'unlit_amplitude', 'texture', 'noise',
+        'surround_noise',
     )
 ]
 
@@ -84,13 +85,13 @@ def search(
     Returns
     -------
     Found
-        The candidates, refused or not, and the noise.
+        The candidates, rejected or not, and the noise.
 
     """
     if min(region.x1 - region.x0, region.y1 - region.y0) < SMALLEST_REGION:
         return Found((), 0.0, contrast.floor * contrast.unit, 0.0, '')
 
-    def look(unlit: Pixels) -> tuple[Array, Array, float, float, float, float, float]:
+    def measured(unlit: Pixels) -> tuple[Array, Array, float, float, float, float, float]:
         return measure_peaks(
             contrast.lit,
             unlit,
@@ -101,16 +102,16 @@ def search(
             min_snr,
             LARGEST_SIGMA,
             contrast.saturation,
-            not contrast.unlit_looks,
+            not contrast.unlit_frames,
             followed,
         )
 
-    table, gains, change, level, noise, brightness, strongest = look(contrast.unlit)
+    table, gains, change, level, noise, brightness, strongest = measured(contrast.unlit)
     reason = ''
-    if contrast.unlit_looks:
+    if contrast.unlit_frames:
         step = level
         if change > FELT * noise:
-            table, _, _, level, noise, _, strongest = look(
+            table, _, _, level, noise, _, strongest = measured(
                 relit(contrast.unlit, gains, contrast.saturation)
             )
         # In the new light: before, what the scene's texture gained or lost passes for noise.
@@ -127,8 +128,8 @@ def search(
     candidates = []
     for row in table.tolist():
         candidate = Candidate(*row)
-        why = refuse(candidate, followed, min_snr)
-        candidates.append(candidate._replace(refused=why) if why else candidate)
+        why = reject(candidate, followed, min_snr)
+        candidates.append(candidate._replace(rejected=why) if why else candidate)
     return Found(tuple(candidates), level, noise, strongest, reason)
 
 

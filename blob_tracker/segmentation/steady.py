@@ -82,6 +82,6 @@ class Steady:
 
 
 def strongest(candidates: Sequence[Candidate]) -> list[tuple[str, Candidate]]:
-    """Return the candidate of the highest SNR that is not refused, under the empty name."""
-    allowed = [each for each in candidates if not each.refused]
+    """Return the candidate of the highest SNR that is not rejected, under the empty name."""
+    allowed = [each for each in candidates if not each.rejected]
     return [('', max(allowed, key=lambda each: each.snr))] if allowed else []

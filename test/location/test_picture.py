@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import inf
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
-from blob_tracker.drawing import CLIPPED, FOUND, GAP, LINE, PAPER, REFUSED
+from blob_tracker.drawing import CLIPPED, FOUND, GAP, LINE, PAPER, REJECTED
 from blob_tracker.location import locate
 from blob_tracker.location.picture import CENTRE, COVARIANCE, draw, PANEL, WIDTH
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
@@ -113,7 +113,7 @@ def test_a_refusal_is_said():
     """Without marks, in the colour of what was refused."""
     picture = draw(window(), NOISE, reason='the window does not hold one blob ' * 8)
     assert picture.shape[1] == 3 * (PANEL + GAP) + GAP
-    assert places(picture, REFUSED)[0].size
+    assert places(picture, REJECTED)[0].size
     assert not places(picture, FOUND)[0].size
     assert (picture[:, -GAP:] == PAPER).all()
 

@@ -99,7 +99,7 @@ def test_what_is_refused_in_the_other_phase_speaks_against_a_light() -> None:
     for index in range(start, start + 6):
         seen = light(index)
         if index % 2:
-            seen = seen._replace(refused='a lamp that flickers')
+            seen = seen._replace(rejected='a lamp that flickers')
         assert camera.see(index, seen) is None
 
 

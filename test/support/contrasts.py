@@ -19,10 +19,10 @@ def contrast_of(
 ) -> Contrast:
     """Return what is compared; nothing is subtracted where there is no unlit frame."""
     full = int(np.iinfo(lit.dtype).max) if saturation is None else saturation
-    unlit_looks = () if unlit is None else (unlit,)
+    unlit_frames = () if unlit is None else (unlit,)
     if unlit is None:
         unlit = np.zeros_like(lit)
-    return Contrast(lit, unlit, full, Frame(lit, 0, full), (lit,), unlit_looks)
+    return Contrast(lit, unlit, full, Frame(lit, 0, full), (lit,), unlit_frames)
 
 
 def candidate_at(column: int, row: int, **changes: float | str) -> Candidate:
@@ -30,8 +30,8 @@ def candidate_at(column: int, row: int, **changes: float | str) -> Candidate:
     fields: dict[str, float | str] = dict.fromkeys(Candidate._fields, 0.0)
     fields |= {'x': float(column), 'y': float(row), 'column': float(column), 'row': float(row)}
     fields |= dict.fromkeys(['sigma_x', 'sigma_y', 'sigma_major', 'sigma_minor'], 2.0)
-    fields |= {'snr': 100.0, 'height': 100.0, 'amplitude': 100.0, 'beside': 0.9, 'noise': 1.0}
-    return Candidate(**{**fields, 'refused': '', **changes})
+    fields |= {'snr': 100.0, 'height': 100.0, 'amplitude': 100.0, 'neighbour_ratio': 0.9, 'noise': 1.0}
+    return Candidate(**{**fields, 'rejected': '', **changes})
 
 
 def noisy_blob(

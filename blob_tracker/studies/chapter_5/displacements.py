@@ -210,7 +210,7 @@ def segmented(picture: NDArray[np.floating], name: str) -> Box | None:
     """
     lit = np.rint(picture).astype(np.uint8)
     row, column = (int(index) for index in np.unravel_index(np.argmax(lit), lit.shape))
-    nothing = dict.fromkeys(Candidate._fields, 0.0) | {'refused': ''}
+    nothing = dict.fromkeys(Candidate._fields, 0.0) | {'rejected': ''}
     candidate = Candidate(
         **{**nothing, 'column': float(column), 'row': float(row), 'noise': 1.0}  # type: ignore
     )

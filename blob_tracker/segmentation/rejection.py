@@ -27,7 +27,7 @@ LARGEST_FALL = 0.5
 NOISE_FALL = 4.0  # standard deviations: the mean of 2 x 2 pixels falls by 2.5 at most by noise
 
 
-def refuse(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
+def reject(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
     """
     Say why a candidate is no target.
 
@@ -47,7 +47,7 @@ def refuse(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
 
     """
     height = candidate.height
-    if candidate.beside < LONE:
+    if candidate.neighbour_ratio < LONE:
         return f'a lone pixel rose by {height:.0f} DN: it is hot, or was hit by a particle'
     if candidate.sigma_major > LONGEST * max(candidate.sigma_minor, NARROWEST):
         return (
@@ -66,16 +66,16 @@ def refuse(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
             f'a rise of {height:.0f} DN that is no blob: a Gaussian leaves '
             f'{100 * candidate.misfit:.0f} % of it'
         )
-    if candidate.snr * candidate.noise < min_snr * candidate.unrest:
+    if candidate.snr * candidate.noise < min_snr * candidate.surround_noise:
         return (
-            f'a rise of {height:.0f} DN where all about it changes by {candidate.unrest:.1f} DN: '
-            "the scene's own, or the codec's"
+            f'a rise of {height:.0f} DN where all about it changes by '
+            f"{candidate.surround_noise:.1f} DN: the scene's own, or the codec's"
         )
     standing = max(STANDING * candidate.amplitude, TEXTURE * candidate.texture)
-    if candidate.stood > standing * (FOLLOWED if followed else 1.0):
+    if candidate.unlit_amplitude > standing * (FOLLOWED if followed else 1.0):
         return (
-            f'a rise of {candidate.amplitude:.0f} DN on {candidate.stood:.0f} DN that were there '
-            'before: a lamp that flickers'
+            f'a rise of {candidate.amplitude:.0f} DN on {candidate.unlit_amplitude:.0f} DN that '
+            'were there before: a lamp that flickers'
         )
     if not followed and candidate.amplitude < EDGE * candidate.texture:
         return (
