@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from blob_tracker.drawing import (
-    blank, FARTHEST, GAP, in_grey, LINE, nearest_pixel, PAPER, paragraphs, side_by_side, stack, TEXT,
-    text_width, wrap,
+    blank, FARTHEST, GAP, in_grey, LINE, nearest_pixel, PAPER, paragraphs, side_by_side, stack,
+    TEXT, text_width, wrap,
 )
 import numpy as np
 import pytest

@@ -30,7 +30,8 @@ def candidate_at(column: int, row: int, **changes: float | str) -> Candidate:
     fields: dict[str, float | str] = dict.fromkeys(Candidate._fields, 0.0)
     fields |= {'x': float(column), 'y': float(row), 'column': float(column), 'row': float(row)}
     fields |= dict.fromkeys(['sigma_x', 'sigma_y', 'sigma_major', 'sigma_minor'], 2.0)
-    fields |= {'snr': 100.0, 'height': 100.0, 'amplitude': 100.0, 'neighbour_ratio': 0.9, 'noise': 1.0}
+    fields |= {'snr': 100.0, 'height': 100.0, 'amplitude': 100.0, 'noise': 1.0}
+    fields |= {'neighbour_ratio': 0.9}
     return Candidate(**{**fields, 'rejected': '', **changes})
 
 
