@@ -31,9 +31,9 @@ METHODS: dict[str, Callable[..., Estimates]] = {
     'locale_table': locale_table,
     'maximum_likelihood': maximum_likelihood,
 }
-LARGEST = 1e9  # DN: no sensor counts so far, and its fourth power is still a number
+LARGEST_DN = 1e9  # DN: no sensor counts so far, and its fourth power is still a number
 LEAST_ROUND = 1.0 - 1e-9  # of an ellipse's correlation squared: beyond it rounding decides
-SMALLEST = 3  # px: below this the position, level and width of a pulse are not determined
+SMALLEST_PX = 3  # px: below this the position, level and width of a pulse are not determined
 _NONE, _NOT_FINITE = int(Failure.NONE), int(Failure.NOT_FINITE)
 _SATURATED, _FLAT = int(Failure.SATURATED), int(Failure.FLAT)
 _OUTSIDE, _NOT_CONVERGED = int(Failure.OUTSIDE), int(Failure.NOT_CONVERGED)
@@ -83,10 +83,10 @@ def locate_batch(
         unlit = _stack(unlit, 'unlit')
         if unlit.shape != lit.shape:
             raise LocationError(f'lit is {lit.shape} and unlit {unlit.shape}; they must be equal')
-    if min(lit.shape[1:]) < SMALLEST:
+    if min(lit.shape[1:]) < SMALLEST_PX:
         raise LocationError(
             f'the window is {lit.shape[2]} x {lit.shape[1]} px; '
-            f'it must be at least {SMALLEST} x {SMALLEST}'
+            f'it must be at least {SMALLEST_PX} x {SMALLEST_PX}'
         )
     if lit.shape[0] == 0:
         return NOTHING
@@ -237,7 +237,7 @@ def _screen(stack: Array, saturation: float, bad: NDArray[np.uint8]) -> None:
         for j in range(stack.shape[1]):
             for i in range(stack.shape[2]):
                 value = stack[n, j, i]
-                finite = finite and abs(value) <= LARGEST
+                finite = finite and abs(value) <= LARGEST_DN
                 low = min(low, value)
                 high = max(high, value)
         bad[n] = _NONE

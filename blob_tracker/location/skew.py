@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 STEPS = 30
-SETTLED = 1e-7  # px
-NEARBY = 1e-5  # px: the step of the Jacobian's differences
-NARROWEST = 0.2  # px: narrower, the moments are those of one pixel
+CONVERGED_PX = 1e-7  # px
+DIFFERENCE_STEP_PX = 1e-5  # px: the step of the Jacobian's differences
+NARROWEST_PX = 0.2  # px: narrower, the moments are those of one pixel
 WIDEST = 0.5  # times the window: beyond it the moments are the window's, not the pulse's
 
 _NONE = int(Failure.NONE)
@@ -145,11 +145,11 @@ def _invert_all(
             if not _cut_moments(theta, profiles, corners, paired, value):
                 break
             for p in range(3):
-                theta[p] += NEARBY
+                theta[p] += DIFFERENCE_STEP_PX
                 _cut_moments(theta, profiles, corners, paired, nearby)
-                theta[p] -= NEARBY
+                theta[p] -= DIFFERENCE_STEP_PX
                 for q in range(3):
-                    jacobian[q, p] = (nearby[q] - value[q]) / NEARBY
+                    jacobian[q, p] = (nearby[q] - value[q]) / DIFFERENCE_STEP_PX
             if not _newton(jacobian, target, value, equations):
                 break
             longest = 0.0
@@ -157,11 +157,11 @@ def _invert_all(
                 step = min(max(equations.solution[p], -0.5), 0.5)
                 longest = max(longest, abs(step))
                 theta[p] += step
-            theta[2] = min(max(theta[2], 0.5 * NARROWEST), 1.2 * widest)
-            if longest < SETTLED:
+            theta[2] = min(max(theta[2], 0.5 * NARROWEST_PX), 1.2 * widest)
+            if longest < CONVERGED_PX:
                 settled = True
                 break
-        settled = settled and NARROWEST < theta[2] < widest
+        settled = settled and NARROWEST_PX < theta[2] < widest
         settled = settled and -0.5 <= theta[0] <= width - 0.5 and -0.5 <= theta[1] <= height - 0.5
         if settled:
             _carry(jacobian, found.covariance[n], covariance[n])
@@ -173,7 +173,7 @@ def _invert_all(
             skew_x = (target[0] - middle_x) * (0.25 / max(value[0] - middle_x, 0.05) - 1.0)
             skew_y = (target[1] - middle_y) * (0.25 / max(value[1] - middle_y, 0.05) - 1.0)
             theta[0], theta[1] = target[0], target[1]
-            theta[2] = min(max(math.sqrt(max(target[2], 0.0)), NARROWEST), widest)
+            theta[2] = min(max(math.sqrt(max(target[2], 0.0)), NARROWEST_PX), widest)
             covariance[n] = found.covariance[n, :2, :2]
             covariance[n, 0, 0] += skew_x**2 / 3.0
             covariance[n, 0, 1] += skew_x * skew_y / 3.0

@@ -43,7 +43,7 @@ from blob_tracker.segmentation import (
     threshold_by_name,
 )
 from blob_tracker.segmentation.candidate import Candidate
-from blob_tracker.segmentation.periodic import HIGHEST
+from blob_tracker.segmentation.periodic import HIGHEST_FREQUENCY
 from blob_tracker.segmentation.picture import draw
 from blob_tracker.tracking import Track
 from blob_tracker.types import Frame, Window
@@ -56,11 +56,11 @@ from sensor_msgs.msg import CameraInfo, Image
 FLASH = ('max_pair_interval', 'registration', 'gate')
 # s from one picture to the next. Frames with a window have the first call, those with a candidate
 # the second: at a fixed pace every picture could be of an unlit frame.
-WITH_WINDOW, WITH_CANDIDATE, WITH_NOTHING = 0.1, 0.2, 0.3
-LEAST_NOISE = 0.01  # DN: pixels that are all equal have none
+WITH_WINDOW_S, WITH_CANDIDATE_S, WITH_NOTHING_S = 0.1, 0.2, 0.3
+LEAST_NOISE_DN = 0.01  # DN: pixels that are all equal have none
 NOISE_PERIOD_NS = 10**9  # by the stamps, between two pairs that are measured
-CHECK = 0.25  # s between two looks at whether frames still come
-SILENCE = 1.0  # s of wall time without a good frame; slow bags and cameras pause for less
+CHECK_S = 0.25  # s between two looks at whether frames still come
+SILENCE_S = 1.0  # s of wall time without a good frame; slow bags and cameras pause for less
 
 Deliver = Callable[[str, Window, CameraInfo, str], None]
 Predict = Callable[[str, int], Track | None]
@@ -131,7 +131,7 @@ class SegmenterNode(Node):
         on_change(self, PARAMETERS, self._change)
         self._frames = FramePairs(self, 'camera', self._health, self._take) if listen else None
         self._clock_jumps = on_clock_jump(self, self._health, self._forget)
-        self.create_timer(CHECK, self._check_silence, clock=self._steady)
+        self.create_timer(CHECK_S, self._check_silence, clock=self._steady)
 
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Build what these parameters ask for; return what puts it into effect."""
@@ -368,7 +368,7 @@ class SegmenterNode(Node):
         if target is not None:
             self._health.show('contrast (DN)', f'{target.amplitude:.1f}')
             self._health.show(
-                'contrast / noise', f'{target.amplitude / max(target.noise, LEAST_NOISE):.1f}'
+                'contrast / noise', f'{target.amplitude / max(target.noise, LEAST_NOISE_DN):.1f}'
             )
         if self._candidates:
             first = self._candidates[0]
@@ -381,7 +381,7 @@ class SegmenterNode(Node):
 
     def _check_silence(self) -> None:
         """Say that the targets are out of view when no good frame has come for a while."""
-        if (self._steady.now() - self._good_frame).nanoseconds > 1e9 * SILENCE:
+        if (self._steady.now() - self._good_frame).nanoseconds > 1e9 * SILENCE_S:
             with self._lock:
                 for target in self._targets.values():
                     target.out_of_view()
@@ -392,7 +392,7 @@ def _lost_after_ns(values: dict[str, Any]) -> int:
     lost_after = values['lost_after']
     if values['flash.mode'] == 'periodic':
         # So long a block of the slowest camera that shows the light lasts, and a tenth more.
-        block = HIGHEST * values['flash.frames'] / values['flash.frequency']
+        block = HIGHEST_FREQUENCY * values['flash.frames'] / values['flash.frequency']
         lost_after = max(lost_after, 1.1 * block)
     return int(1e9 * lost_after)
 
@@ -400,8 +400,8 @@ def _lost_after_ns(values: dict[str, Any]) -> int:
 def _pause(detections: Detections) -> float:
     """Return the least time between two pictures, s, by what there is to see in this one."""
     if detections.windows:
-        return WITH_WINDOW
-    return WITH_CANDIDATE if detections.candidates else WITH_NOTHING
+        return WITH_WINDOW_S
+    return WITH_CANDIDATE_S if detections.candidates else WITH_NOTHING_S
 
 
 def compile_search() -> None:

@@ -7,19 +7,19 @@ from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
 
-REACH = 4.0  # sigma: a Gaussian is 3e-4 of its peak there, which is background
-FINEST = 0.7  # px, scale at which the search begins: the pixel itself is 0.29 wide
-COARSEST = 8.0  # binned px; beyond it the pixels are binned and the search goes on
+REACH_SIGMA = 4.0  # sigma: a Gaussian is 3e-4 of its peak there, which is background
+FINEST_SCALE_PX = 0.7  # px, scale at which the search begins: the pixel itself is 0.29 wide
+COARSEST_SCALE_PX = 8.0  # binned px; beyond it the pixels are binned and the search goes on
 BINNING = 4  # by which they are: from 8 px to 2, well sampled still
 # Binned px to either side: first what holds the finest scales, because most peaks are noise.
-HALVES = (6, 12, int(REACH * COARSEST))
-STEPS = 20  # the moments settle in 3 to 6
-SETTLED = 0.02  # change of sigma and of place, in sigma, at which they have
+HALF_WIDTHS_PX = (6, 12, int(REACH_SIGMA * COARSEST_SCALE_PX))
+MAX_STEPS = 20  # the moments settle in 3 to 6
+CONVERGED_SIGMA = 0.02  # change of sigma and of place, in sigma, at which they have
 # Of the weight's variance: what has more of it along one axis and less across is four times as
 # long as wide, or longer: no blob, and a weight that grew with it would only gather what is near.
 LINE_ALONG, LINE_ACROSS = 0.8, 0.2
-LINE_SIGMA = 1.9  # px of the weight: below it pixels and noise have a part in what is long
-RING_AGAIN = 0.15  # change of sigma, in sigma, after which the background is taken anew
+LINE_SIGMA_PX = 1.9  # px of the weight: below it pixels and noise have a part in what is long
+RING_UPDATE_SIGMA = 0.15  # change of sigma, in sigma, after which the background is taken anew
 
 # What `measure` returns: the SNR is 0 where there is no blob.
 Measured = tuple[float, float, float, float, float, float, float, float, float]
@@ -82,11 +82,11 @@ def measure(
         Median of lit less unlit about it, DN.
 
     """
-    x, y, sigma = float(column), float(row), FINEST
+    x, y, sigma = float(column), float(row), FINEST_SCALE_PX
     binning, size = 1, 0
-    while binning * FINEST <= largest:
-        half = HALVES[size]
-        coarsest = half / REACH
+    while binning * FINEST_SCALE_PX <= largest:
+        half = HALF_WIDTHS_PX[size]
+        coarsest = half / REACH_SIGMA
         x0 = max(int(round(x)) - half * binning, region[0])
         y0 = max(int(round(y)) - half * binning, region[1])
         width = (min(int(round(x)) + (half + 1) * binning, region[2]) - x0) // binning
@@ -123,7 +123,7 @@ def measure(
                 x, y, sigma_x, sigma_y, major, minor, found[6], snr, found[8],
             )
         sigma = 0.5 * coarsest * binning
-        if size + 1 < len(HALVES):
+        if size + 1 < len(HALF_WIDTHS_PX):
             size += 1
         else:
             binning *= BINNING
@@ -200,8 +200,8 @@ def _settle(
     mxy = 0.0
     weight = xx
     of_ring = 0.0
-    for _ in range(STEPS):
-        if abs(sigma - of_ring) > RING_AGAIN * sigma:
+    for _ in range(MAX_STEPS):
+        if abs(sigma - of_ring) > RING_UPDATE_SIGMA * sigma:
             level = _ring(pixels, x, y, sigma)
             of_ring = sigma
         flux, norm, dx, dy, mxx, myy, mxy = _moments(pixels, x, y, sigma, level)
@@ -223,7 +223,7 @@ def _settle(
         y += dy
         change = max(abs(new - sigma), abs(dx), abs(dy))
         sigma = new
-        if sigma >= coarsest or change < SETTLED * sigma:
+        if sigma >= coarsest or change < CONVERGED_SIGMA * sigma:
             break
     if sigma >= coarsest:
         return x, y, coarsest, coarsest, coarsest, coarsest, 0.0, best, level
@@ -248,7 +248,7 @@ def _is_line(mxx: float, myy: float, mxy: float, sigma: float) -> bool:
     mean, half = 0.5 * (mxx + myy), np.sqrt(0.25 * (mxx - myy) ** 2 + mxy * mxy)
     weight = sigma * sigma
     return (
-        sigma > LINE_SIGMA
+        sigma > LINE_SIGMA_PX
         and mean + half > LINE_ALONG * weight
         and mean - half < LINE_ACROSS * weight
     )
@@ -267,7 +267,7 @@ def _moments(
     pixels: NDArray[np.float32], x: float, y: float, sigma: float, level: float
 ) -> tuple[float, float, float, float, float, float, float]:
     """Return sum(w I), sum(w^2), and the first and second moments under w about (x, y)."""
-    half = max(REACH * sigma, 2.0)
+    half = max(REACH_SIGMA * sigma, 2.0)
     first, last = max(int(x - half), 0), min(int(x + half) + 2, pixels.shape[1])
     top, bottom = max(int(y - half), 0), min(int(y + half) + 2, pixels.shape[0])
     scale = -0.5 / (sigma * sigma)
@@ -309,7 +309,7 @@ def _moments(
 @kernel
 def _ring(pixels: NDArray[np.float32], x: float, y: float, sigma: float) -> float:
     """Return the median of the pixels on the border of the box of 4 sigma about (x, y)."""
-    half = max(REACH * sigma, 3.0)
+    half = max(REACH_SIGMA * sigma, 3.0)
     left, right = max(int(x - half), 0), min(int(x + half) + 1, pixels.shape[1] - 1)
     top, bottom = max(int(y - half), 0), min(int(y + half) + 1, pixels.shape[0] - 1)
     ring = np.empty(2 * (max(right - left, 0) + max(bottom - top, 0) + 2))

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-ROUNDING = float(np.sqrt(2 / 12))  # DN: noise of the difference of two rounded frames
+ROUNDING_DN = float(np.sqrt(2 / 12))  # DN: noise of the difference of two rounded frames
 
 
 class Contrast(NamedTuple):
@@ -42,7 +42,7 @@ class Contrast(NamedTuple):
     frame: Frame
     lit_frames: tuple[Pixels, ...]
     unlit_frames: tuple[Pixels, ...]
-    floor: float = ROUNDING
+    floor: float = ROUNDING_DN
     unit: float = 1.0
     duration: float = 0.0
 

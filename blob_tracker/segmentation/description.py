@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 FIELDS = 21  # of a candidate
-WINDOW = 3.0  # sigma to either side: what is compared with a Gaussian
-FROM_MEAN = np.sqrt(0.5 * np.pi)  # sigma over the mean |d| of a Gaussian deviate
+WINDOW_SIGMA = 3.0  # sigma to either side: what is compared with a Gaussian
+SIGMA_PER_MEAN_DEVIATION = np.sqrt(0.5 * np.pi)  # sigma over the mean |d| of a Gaussian deviate
 SAMPLES = 12  # to either side of a blob on which it is compared; of wider ones pixels are left out
 
 
@@ -59,7 +59,7 @@ def describe(
 
     """
     x, y, sigma_x, sigma_y, _, _, correlation, _, level = blob
-    half_x, half_y = max(WINDOW * sigma_x, 3.0), max(WINDOW * sigma_y, 3.0)
+    half_x, half_y = max(WINDOW_SIGMA * sigma_x, 3.0), max(WINDOW_SIGMA * sigma_y, 3.0)
     left, right = max(int(x - half_x), region[0]), min(int(x + half_x) + 2, region[2])
     top, bottom = max(int(y - half_y), region[1]), min(int(y + half_y) + 2, region[3])
     norm = flux = unlit_amplitude = around = squares = 0.0
@@ -74,7 +74,7 @@ def describe(
             weights[j - top, i - left] = w
             under = float(unlit[j, i])
             clipped = clipped or unlit[j, i] >= saturation
-            if q > WINDOW * WINDOW:
+            if q > WINDOW_SIGMA * WINDOW_SIGMA:
                 around += under
                 squares += under * under
                 outside += 1
@@ -222,7 +222,7 @@ def _surround_noise(
             total += _departure(a, b, last, right, middle)
         rows[count] = total / size
         count += 1
-    return FROM_MEAN * median(rows, count) if count > 0 else 0.0
+    return SIGMA_PER_MEAN_DEVIATION * median(rows, count) if count > 0 else 0.0
 
 
 @kernel

@@ -13,9 +13,10 @@ from blob_tracker.segmentation.history import FrameError
 from blob_tracker.types import Frame, Pixels, Window
 import numpy as np
 
-FULL = 65535  # DN: clipped, in a sum of looks
-PAUSE = 1.0  # s without a look, beyond two flashes of the light: it was out of view
-STILL = 0.5  # sigma, and as many px: what moved further since the first look does not stand still
+FULL_SCALE_DN = 65535  # DN: clipped, in a sum of looks
+MAX_PAUSE_S = 1.0  # s without a look, beyond two flashes of the light: it was out of view
+# Sigma, and as many px: what moved further since the first look does not stand still
+STILL_SIGMA = 0.5
 
 
 class _Pair(NamedTuple):
@@ -94,8 +95,8 @@ class FrameStack:
             candidate.x, candidate.y, contrast.frame, contrast.lit_frames, contrast.unlit_frames
         )
         pairs = self._pairs.setdefault(name, [])
-        reach = STILL * (1.0 + candidate.sigma_minor)
-        longest_ns = 1e9 * (PAUSE + 2.0 * contrast.duration)
+        reach = STILL_SIGMA * (1.0 + candidate.sigma_minor)
+        longest_ns = 1e9 * (MAX_PAUSE_S + 2.0 * contrast.duration)
         if pairs and (
             not 0 <= look.frame.stamp_ns - pairs[-1].frame.stamp_ns <= longest_ns
             or math.hypot(look.x - pairs[0].x, look.y - pairs[0].y) > reach
@@ -125,7 +126,7 @@ def _cut(pairs: Sequence[_Pair], box: Box) -> Window:
         x0=frame.x0 + frame.binning[0] * box.x0,
         y0=frame.y0 + frame.binning[1] * box.y0,
         stamp_ns=first + sum(pair.frame.stamp_ns - first for pair in pairs) // len(pairs),
-        saturation=FULL if len(lit) > 1 else frame.saturation,
+        saturation=FULL_SCALE_DN if len(lit) > 1 else frame.saturation,
         binning=frame.binning,
         looks=len(lit),
     )
@@ -133,7 +134,7 @@ def _cut(pairs: Sequence[_Pair], box: Box) -> Window:
 
 def most_frames(saturation: int) -> int:
     """Return how many frames of this full scale (DN) can be summed in 16 bits; 1 or more."""
-    return max((FULL - 1) // max(saturation - 1, 1), 1)
+    return max((FULL_SCALE_DN - 1) // max(saturation - 1, 1), 1)
 
 
 def sum_frames(images: Sequence[Pixels], saturation: int) -> Pixels:
@@ -164,5 +165,5 @@ def sum_frames(images: Sequence[Pixels], saturation: int) -> Pixels:
     for image in images:
         total += image
         clipped |= image >= saturation
-    total[clipped] = FULL
+    total[clipped] = FULL_SCALE_DN
     return total

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.adaptive_moments import measure
-from blob_tracker.segmentation.description import describe, distance2, FIELDS, WINDOW
+from blob_tracker.segmentation.description import describe, distance2, FIELDS, WINDOW_SIGMA
 from blob_tracker.segmentation.illumination import row_gains
 from blob_tracker.segmentation.local_maxima import brightest_square, level_at, local_maxima
-from blob_tracker.segmentation.tile_noise import TILE, tile_noise
+from blob_tracker.segmentation.tile_noise import tile_noise, TILE_PX
 from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 # for more would cost more time than the search.
 MOST_PEAKS, FEW_PEAKS = 2048, 128
 MOST_CANDIDATES, FEW_CANDIDATES = 1024, 16
-FLANK = 4.0  # sigma of a blob within which further peaks are its own
+FLANK_SIGMA = 4.0  # sigma of a blob within which further peaks are its own
 # And as many px further out those that have such a part of its height: the wings of the lens, the
 # ringing of a codec. What is brighter is another light beside it.
-WING = 0.1
-SMALL = 65536  # px: a larger region is not near the prediction
+WING_FRACTION = 0.1
+SMALL_REGION_PX = 65536  # px: a larger region is not near the prediction
 
 
 @kernel
@@ -120,7 +120,7 @@ def measure_peaks(
                 more = np.empty((MOST_CANDIDATES, FIELDS))
                 more[:found] = table
                 table = more
-    if found == 0 and followed and (x1 - x0) * (y1 - y0) <= SMALL:
+    if found == 0 and followed and (x1 - x0) * (y1 - y0) <= SMALL_REGION_PX:
         # Near the prediction a faint blob is worth a second look: its brightest 3 x 3 pixels.
         column, row, height = brightest_square(lit, unlit, region, mask)
         noise, under = _surroundings(levels, noises, column - x0, row - y0)
@@ -137,8 +137,8 @@ def measure_peaks(
 @kernel
 def _surroundings(levels: Array, noises: Array, x: int, y: int) -> tuple[float, float]:
     """Return noise and level at a pixel, counted from the first tile, DN."""
-    ty = min(y // TILE, noises.shape[0] - 1)
-    tx = min(x // TILE, noises.shape[1] - 1)
+    ty = min(y // TILE_PX, noises.shape[0] - 1)
+    tx = min(x // TILE_PX, noises.shape[1] - 1)
     return noises[ty, tx], level_at(levels, x, y)
 
 
@@ -148,10 +148,10 @@ def _on_flank(table: Array, column: int, row: int, height: float) -> bool:
     for k in range(table.shape[0]):
         dx, dy = column - table[k, 0], row - table[k, 1]
         q = np.sqrt(distance2(dx, dy, table[k, 2], table[k, 3], table[k, 6]))
-        if q < FLANK:
+        if q < FLANK_SIGMA:
             return True
-        outside = np.sqrt(dx * dx + dy * dy) * (1.0 - FLANK / q)
-        if outside < FLANK and height < WING * table[k, 11]:
+        outside = np.sqrt(dx * dx + dy * dy) * (1.0 - FLANK_SIGMA / q)
+        if outside < FLANK_SIGMA and height < WING_FRACTION * table[k, 11]:
             return True
     return False
 
@@ -167,7 +167,7 @@ def _wandered(
     x, y, sigma_x, sigma_y, _, _, correlation, _, _ = blob
     margin = 1.0 / min(sigma_x, sigma_y)
     away = np.sqrt(distance2(column - x, row - y, sigma_x, sigma_y, correlation))
-    if away > WINDOW + margin:
+    if away > WINDOW_SIGMA + margin:
         return True
     for k in range(table.shape[0]):
         dx, dy = x - table[k, 0], y - table[k, 1]

@@ -17,10 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 LEAST_FRAMES = 4  # one more than there are unknowns in a pixel
-LOWEST, HIGHEST = 0.1, 0.45  # of the frame rate; beyond 0.5 the frequency is aliased
-JITTER = 0.01  # of the frame rate, as the stamps tell it
-LEAST_NOISE = float(np.sqrt(1 / 12))  # DN, of the rounding of one frame
-LEVEL = 32767  # of the demodulated picture where nothing flashes; full scale is twice that
+# Of the frame rate; beyond 0.5 the frequency is aliased
+LOWEST_FREQUENCY, HIGHEST_FREQUENCY = 0.1, 0.45
+STAMP_JITTER = 0.01  # of the frame rate, as the stamps tell it
+LEAST_NOISE_DN = float(np.sqrt(1 / 12))  # DN, of the rounding of one frame
+ZERO_LEVEL = 32767  # of the demodulated picture where nothing flashes; full scale is twice that
 
 
 class Periodic:
@@ -112,10 +113,11 @@ class Periodic:
         """Return the light of a block, or None."""
         times = np.array([each.stamp_ns - block[0].stamp_ns for each in block]) / 1e9
         rate = 1.0 / float(np.median(np.diff(times)))  # a dropped frame leaves it as it is
-        if not (1 - JITTER) * LOWEST * rate <= self.frequency <= (1 + JITTER) * HIGHEST * rate:
+        least = (1 - STAMP_JITTER) * LOWEST_FREQUENCY * rate
+        if not least <= self.frequency <= (1 + STAMP_JITTER) * HIGHEST_FREQUENCY * rate:
             self.reason = (
                 f'the light is said to flash at {self.frequency:g} Hz; {rate:.1f} frames a second '
-                f'show {LOWEST * rate:.1f} to {HIGHEST * rate:.1f} Hz'
+                f'show {LOWEST_FREQUENCY * rate:.1f} to {HIGHEST_FREQUENCY * rate:.1f} Hz'
             )
             return None
         phases = 2.0 * np.pi * self.frequency * times
@@ -139,16 +141,16 @@ class Periodic:
         unlit = [block[index] for index in sorted(order[:count])]
         middle = sum(each.stamp_ns - lit[0].stamp_ns for each in lit) // count + lit[0].stamp_ns
         # Whole steps of a part of a DN: what the search takes, and finer than the noise.
-        unit = last.saturation / LEVEL
-        picture = cv2.addWeighted(own, 1.0 / unit, own, 0.0, LEVEL, dtype=cv2.CV_16U)
+        unit = last.saturation / ZERO_LEVEL
+        picture = cv2.addWeighted(own, 1.0 / unit, own, 0.0, ZERO_LEVEL, dtype=cv2.CV_16U)
         return Contrast(
             np.asarray(picture),
-            np.full(own.shape, LEVEL, np.uint16),
-            2 * LEVEL,
+            np.full(own.shape, ZERO_LEVEL, np.uint16),
+            2 * ZERO_LEVEL,
             Frame(last.image, middle, last.saturation, last.x0, last.y0, last.binning),
             tuple(each.image for each in lit),
             tuple(each.image for each in unlit),
-            LEAST_NOISE * float(np.sqrt((weights[0] ** 2).sum())) / unit,
+            LEAST_NOISE_DN * float(np.sqrt((weights[0] ** 2).sum())) / unit,
             unit,
             float(times[-1]),
         )

@@ -16,15 +16,15 @@ from blob_tracker.types import Frame, Pixels
 import numpy as np
 from numpy.typing import NDArray
 
-ANYWHERE: NDArray[np.uint8] = np.empty((0, 0), np.uint8)  # the mask that leaves all open
-SMALLEST_REGION = 5  # px: less holds no blob with background about it
-LARGEST_SIGMA = 64.0  # px: what is wider is no blob
+NO_MASK: NDArray[np.uint8] = np.empty((0, 0), np.uint8)  # the mask that leaves all open
+SMALLEST_REGION_PX = 5  # px: less holds no blob with background about it
+LARGEST_SIGMA_PX = 64.0  # px: what is wider is no blob
 # Auto-exposure or a lamp: such a part of the scene's brightness came or went with the flash.
 EXPOSURE_JUMP = 0.25
-JUMP_NOISE = 4.0  # standard deviations of a pixel that the level may move by itself
+JUMP_NOISE_SIGMA = 4.0  # standard deviations of a pixel that the level may move by itself
 JUMP_GLARE = 0.15  # of the strongest rise, which a wide blob may add to the level about it
 # rms over the rows, standard deviations of a pixel: of less the scene is not laid in new light.
-FELT = 0.75
+RELIGHTING_SIGMA = 0.75
 IN_DN = [
     Candidate._fields.index(name)
     for name in (
@@ -64,7 +64,7 @@ def search(
     *,
     min_snr: float,
     followed: bool = False,
-    mask: NDArray[np.uint8] = ANYWHERE,
+    mask: NDArray[np.uint8] = NO_MASK,
 ) -> Found:
     """
     Find all that lit up in a part of the frame.
@@ -88,7 +88,7 @@ def search(
         The candidates, rejected or not, and the noise.
 
     """
-    if min(region.x1 - region.x0, region.y1 - region.y0) < SMALLEST_REGION:
+    if min(region.x1 - region.x0, region.y1 - region.y0) < SMALLEST_REGION_PX:
         return Found((), 0.0, contrast.floor * contrast.unit, 0.0, '')
 
     def measured(unlit: Pixels) -> tuple[Array, Array, float, float, float, float, float]:
@@ -100,7 +100,7 @@ def search(
             contrast.floor,
             _threshold(region),
             min_snr,
-            LARGEST_SIGMA,
+            LARGEST_SIGMA_PX,
             contrast.saturation,
             not contrast.unlit_frames,
             followed,
@@ -110,12 +110,12 @@ def search(
     reason = ''
     if contrast.unlit_frames:
         step = level
-        if change > FELT * noise:
+        if change > RELIGHTING_SIGMA * noise:
             table, _, _, level, noise, _, strongest = measured(
                 relit(contrast.unlit, gains, contrast.saturation)
             )
         # In the new light: before, what the scene's texture gained or lost passes for noise.
-        jump = EXPOSURE_JUMP * brightness + JUMP_NOISE * noise + JUMP_GLARE * strongest
+        jump = EXPOSURE_JUMP * brightness + JUMP_NOISE_SIGMA * noise + JUMP_GLARE * strongest
         if abs(step) > jump:
             reason = (
                 f'the whole scene changed by {step:+.0f} DN from {brightness:.0f} DN between the '

@@ -13,14 +13,14 @@ from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.frame_stack import FrameStack
 from blob_tracker.segmentation.history import FrameError
-from blob_tracker.segmentation.search import ANYWHERE, Found, search
+from blob_tracker.segmentation.search import Found, NO_MASK, search
 from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
 from blob_tracker.types import Frame, Pixels, Window
 import numpy as np
 from numpy.typing import NDArray
 
-GATED = 0.85  # of the SNR that is asked for is enough where the target is expected
-UNLIT_APART = 10**9  # ns between two unlit frames of a pair, at most
+GATED_SNR_FRACTION = 0.85  # of the SNR that is asked for is enough where the target is expected
+MAX_UNLIT_INTERVAL_NS = 10**9  # ns between two unlit frames of a pair, at most
 
 
 class Sighting(NamedTuple):
@@ -90,7 +90,7 @@ class Segmenter:
         self.unlit_pair: tuple[Pixels, Pixels] | None = None
         self._unlit: Frame | None = None
         self._stack = FrameStack(looks)
-        self._mask = ANYWHERE if mask is None else np.ascontiguousarray(mask != 0, dtype=np.uint8)
+        self._mask = NO_MASK if mask is None else np.ascontiguousarray(mask != 0, dtype=np.uint8)
 
     def update(self, frame: Frame, expected: Expectation | None = None) -> Window | None:
         """
@@ -183,7 +183,7 @@ class Segmenter:
         return search(
             contrast,
             region,
-            min_snr=self.min_snr * (GATED if followed else 1.0),
+            min_snr=self.min_snr * (GATED_SNR_FRACTION if followed else 1.0),
             followed=followed,
             mask=self._mask,
         )
@@ -198,7 +198,7 @@ class Segmenter:
             self._unlit = before
         else:
             self._unlit = frame
-            if before is not None and frame.stamp_ns - before.stamp_ns <= UNLIT_APART:
+            if before is not None and frame.stamp_ns - before.stamp_ns <= MAX_UNLIT_INTERVAL_NS:
                 self.unlit_pair = before.image, frame.image
 
     def _window(self, contrast: Contrast, candidate: Candidate) -> Box | None:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
-from blob_tracker.segmentation.confirmation import Confirmation, FORGOTTEN
+from blob_tracker.segmentation.confirmation import Confirmation, MAX_AGE_FRAMES
 import numpy as np
 import pytest
 from support.contrasts import candidate_at
@@ -166,7 +166,7 @@ def test_the_region_grows_when_flashes_are_missed_and_ends_in_the_whole() -> Non
         camera.confirmation.push(10**9 + index * STEP_NS)
         region = camera.confirmation.region(SHAPE)
         sides.append(region.x1 - region.x0)
-        assert camera.confirmation.locked is (index - 10 <= FORGOTTEN)
+        assert camera.confirmation.locked is (index - 10 <= MAX_AGE_FRAMES)
         camera.confirmation.choose([], SHAPE)
     assert sides == sorted(sides)
     # Frame 12 is the first in which it is expected, 14 the first after it was missed.

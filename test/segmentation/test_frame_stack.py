@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from blob_tracker.segmentation.box import Box
-from blob_tracker.segmentation.frame_stack import FrameStack, FULL, most_frames, sum_frames
+from blob_tracker.segmentation.frame_stack import (
+    FrameStack, FULL_SCALE_DN, most_frames, sum_frames,
+)
 from blob_tracker.segmentation.history import FrameError
 from blob_tracker.types import Frame, Window
 import numpy as np
@@ -43,7 +45,7 @@ def test_a_pixel_clipped_once_is_clipped() -> None:
     """The others of its sum say nothing about it."""
     images = [np.full((2, 3), 200, np.uint8) for _ in range(2)]
     images[1][0, 1] = 255
-    assert sum_frames(images, 255).tolist() == [[400, FULL, 400], [400] * 3]
+    assert sum_frames(images, 255).tolist() == [[400, FULL_SCALE_DN, 400], [400] * 3]
 
 
 def test_one_look_is_left_as_it_is() -> None:
@@ -60,7 +62,7 @@ def test_every_kth_look_gives_the_window_of_all() -> None:
     window = given[2]
     assert (window.lit == 50 + 51 + 52).all() and (window.unlit == 25 + 25 + 26).all()
     assert window.lit.dtype == np.uint16 and window.lit.shape == (7, 7)
-    assert (window.stamp_ns, window.saturation, window.looks) == (1007, FULL, 3)
+    assert (window.stamp_ns, window.saturation, window.looks) == (1007, FULL_SCALE_DN, 3)
     assert (window.x0, window.y0) == (3, 2)
     assert given[5].stamp_ns == 1000 + 7 * 4
 
@@ -119,7 +121,7 @@ def test_lights_are_summed_by_their_names() -> None:
 def test_what_does_not_fit_is_refused(saturation: int, most: int) -> None:
     """The greatest sum of unclipped pixels stays below the level that says clipped."""
     assert most_frames(saturation) == most
-    assert most * (saturation - 1) < FULL
+    assert most * (saturation - 1) < FULL_SCALE_DN
     kind = np.uint8 if saturation == 255 else np.uint16
     with pytest.raises(FrameError, match=f'16 bits of a window, {most} would; .*saturation'):
         add(FrameStack(most + 1), 6.0, saturation=saturation, kind=kind)

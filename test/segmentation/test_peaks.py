@@ -5,7 +5,7 @@ from __future__ import annotations
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.description import FIELDS
 from blob_tracker.segmentation.peaks import measure_peaks
-from blob_tracker.segmentation.search import ANYWHERE
+from blob_tracker.segmentation.search import NO_MASK
 from blob_tracker.simulation import pixel_integrated_gaussian
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def peaks(
     lit: np.ndarray,
     unlit: np.ndarray = EVEN,
     *,
-    mask: np.ndarray = ANYWHERE,
+    mask: np.ndarray = NO_MASK,
     region: tuple[int, int, int, int] = (0, 0, SHAPE[1], SHAPE[0]),
     saturation: int = 255,
     alone: bool = False,

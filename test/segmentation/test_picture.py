@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import inf, nan
 
-from blob_tracker.drawing import FOUND, GAP, PAPER, REJECTED
+from blob_tracker.drawing import FOUND, GAP_PX, PAPER, REJECTED
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.detections import Detections
@@ -60,7 +60,7 @@ def test_the_text_has_room_whatever_the_frame(width, height, shown, saturation):
     """Two panels of 480 to 800 px: small frames grow by whole numbers, large ones shrink."""
     picture = draw(detections(width, height, saturation))
     assert picture.dtype == np.uint8
-    assert picture.shape[1:] == (2 * shown + 3 * GAP, 3)
+    assert picture.shape[1:] == (2 * shown + 3 * GAP_PX, 3)
     assert has(picture, WINDOW)
 
 
@@ -71,7 +71,7 @@ def test_the_difference_is_signed_and_in_its_place(width, height, scale):
     unlit = one.unlit.copy()
     unlit[20, 30] = 200
     picture = draw(one._replace(unlit=unlit))
-    left = picture.shape[1] - GAP - scale * width
+    left = picture.shape[1] - GAP_PX - scale * width
     panel = picture[TITLE:TITLE + scale * height, left:left + scale * width]
     x, y = min(100, width // 2), min(60, height // 2)
     assert panel[scale * y, scale * x].min() == 255
@@ -83,7 +83,7 @@ def test_the_difference_is_signed_and_in_its_place(width, height, scale):
 def test_a_window_is_drawn_about_its_pixels():
     """Its outline runs through its outermost pixels, in frame and difference."""
     picture = draw(detections(candidates=()))
-    for left in (GAP, picture.shape[1] - GAP - 640):
+    for left in (GAP_PX, picture.shape[1] - GAP_PX - 640):
         rows, columns = np.nonzero(
             (picture[TITLE:TITLE + 480, left:left + 640] == WINDOW).all(axis=-1)
         )
@@ -110,8 +110,8 @@ def test_long_text_stays_inside():
         for index in range(90)
     )
     picture = draw(detections(candidates=many, reason='why it is no target ' * 30, windows={}))
-    assert (picture[:, -GAP:] == PAPER).all()
-    assert (picture[-GAP:] == PAPER).all()
+    assert (picture[:, -GAP_PX:] == PAPER).all()
+    assert (picture[-GAP_PX:] == PAPER).all()
     assert picture.shape[0] < 1000
 
 

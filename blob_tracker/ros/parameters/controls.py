@@ -21,7 +21,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-REFRESH = 1.0  # s between two looks at what the driver or another program has changed
+REFRESH_S = 1.0  # s between two looks at what the driver or another program has changed
 _MODES = ('boolean', 'menu', 'integer_menu')  # they may decide whether another control is active
 _TYPES = {
     'boolean': ParameterType.PARAMETER_BOOL,
@@ -194,7 +194,7 @@ class ControlParameters:
         self._changed = node.create_guard_condition(self._mirror)
         # Wall time, as a paused simulation does not pause a camera.
         clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self._timer = node.create_timer(REFRESH, self._refresh, clock=clock)
+        self._timer = node.create_timer(REFRESH_S, self._refresh, clock=clock)
         node.add_on_set_parameters_callback(self._set)
 
     # --- called by the thread that captures ---

@@ -17,7 +17,7 @@ from blob_tracker.segmentation.thresholds import threshold_by_name
 from blob_tracker.simulation import expose
 from blob_tracker.simulation.analogue_chain import AnalogueChain
 from blob_tracker.simulation.profiles import Gaussian, ThreeGaussians
-from blob_tracker.simulation.trailing_edge import MEMORY, PEAKING
+from blob_tracker.simulation.trailing_edge import MEMORY_PX, PEAKING
 from blob_tracker.studies.printed import load
 from blob_tracker.types import Frame, LocationError, SensorNoise, Window
 import numpy as np
@@ -101,7 +101,7 @@ class Conditions:
 LABORATORY = Conditions(
     chain=AnalogueChain(
         drift=1.0, between_fields=0.02, per_line=0.05, own_clock=True,
-        trailing_edge=TrailingEdge(PEAKING, MEMORY),
+        trailing_edge=TrailingEdge(PEAKING, MEMORY_PX),
     ),
     caliper=0.001,
 )
