@@ -10,7 +10,9 @@ from blob_tracker.location.likelihood import empty_profiles, Observation, score_
 from blob_tracker.location.normal_equations import column_of_inverse, empty_equations, solve
 from blob_tracker.location.scoring import advance, climb, CONVERGED, NARROWEST_PX, WIDEST
 from blob_tracker.location.start_value import start_value
-from blob_tracker.location.unlit_texture import blend, left_over, split_unlit, texture_share, Unlit
+from blob_tracker.location.unlit_texture import (
+    blend, residual_variance, split_unlit, texture_share, Unlit,
+)
 from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
@@ -193,7 +195,7 @@ def _fit_all(
         scale, left = 1.0, 0.0
         if paired:
             # Texture that was left in widens the residuals, beyond what it does to the position.
-            left = left_over(share, white)
+            left = residual_variance(share, white)
             chi2 *= (1.0 + left) / (1.0 + max(left, share**2 + (1.0 - share) ** 2 * white))
         if chi2 > 1.0 + MISFIT_SIGMA * math.sqrt(2.0 / (usable - size)):
             scale = chi2

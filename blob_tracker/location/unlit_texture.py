@@ -59,7 +59,7 @@ def split_unlit(
 
 
 @kernel
-def left_over(share: float, white: float) -> float:
+def residual_variance(share: float, white: float) -> float:
     """Return the variance that the unlit window adds, over that of its noise."""
     # The noise of the share that was taken off, and the texture of the share that was not.
     return max(share**2 + (1.0 - share) ** 2 * min(white, RESIDUAL_TEXTURE), share)
@@ -76,7 +76,7 @@ def blend(lit: Array, unlit: Unlit, share: float, seen: Observation) -> None:
     texture, mean, white = unlit
     pixels, extra, prior, shot, floor = seen
     height, width = texture.shape
-    added = left_over(share, white)
+    added = residual_variance(share, white)
     # What the texture is but for its noise, in the mean.
     clean = white / (1.0 + white)
     usable = 0

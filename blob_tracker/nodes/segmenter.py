@@ -145,6 +145,7 @@ class SegmenterNode(Node):
             for name in codes:
                 check_light(name)
             options = {name.removeprefix('flash.'): value for name, value in asked.items()}
+            options['gate_px'] = options.pop('gate')
             new_flash = partial(flash_by_name, **options | {'codes': codes})
             same = self._flash is not None and self._flash[0] == asked
             flash = self._flash[1] if self._flash is not None and same else new_flash()
@@ -205,9 +206,9 @@ class SegmenterNode(Node):
             self._frames.forget(after_ns)
         with self._lock:
             if self._newest_ns > after_ns:
-                self._start_afresh()
+                self._restart()
 
-    def _start_afresh(self) -> None:
+    def _restart(self) -> None:
         """Forget all frames, as after a start: what follows is of another time."""
         assert self._flash is not None
         self._segmenter = self._new_segmenter()
@@ -250,7 +251,7 @@ class SegmenterNode(Node):
                 f'camera/image_raw: the stamps jumped back by {late_ns / 1e9:.3f} s; '
                 'starting afresh',
             )
-            self._start_afresh()
+            self._restart()
         self._newest_ns = max(self._newest_ns, frame.stamp_ns)
         try:
             found = dict(self._segmenter.sightings(frame, self._expected(frame, info)))

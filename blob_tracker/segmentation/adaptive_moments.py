@@ -35,8 +35,8 @@ def measure(
     row: int,
     level: float,
     noise: float,
-    least: float,
-    largest: float,
+    min_snr: float,
+    max_sigma: float,
 ) -> Measured:
     """
     Measure the blob at a peak.
@@ -65,9 +65,9 @@ def measure(
         Pixel of the peak.
     level, noise : float
         Background and standard deviation of lit less unlit, DN.
-    least : float
+    min_snr : float
         SNR below which the blob is not measured further.
-    largest : float
+    max_sigma : float
         Greatest sigma, px.
 
     Returns
@@ -77,14 +77,14 @@ def measure(
     sigma_major, sigma_minor, correlation : float
         Standard deviations along the longest and shortest axis, px; correlation of x and y.
     snr : float
-        Of the matched filter, 0 where nothing stands out or it is wider than `largest`.
+        Of the matched filter, 0 where nothing stands out or it is wider than `max_sigma`.
     background : float
         Median of lit less unlit about it, DN.
 
     """
     x, y, sigma = float(column), float(row), FINEST_SCALE_PX
     binning, size = 1, 0
-    while binning * FINEST_SCALE_PX <= largest:
+    while binning * FINEST_SCALE_PX <= max_sigma:
         half = HALF_WIDTHS_PX[size]
         coarsest = half / REACH_SIGMA
         x0 = max(int(round(x)) - half * binning, region[0])
@@ -95,21 +95,21 @@ def measure(
             return NO_BLOB
         # The centre of the samples of a binned pixel is so far from the first one.
         edge = 0.5 * (binning - max(binning // BINNING, 1))
-        found = _settle(
+        found = _iterate(
             _patch(lit, unlit, x0, y0, width, height, binning),
             (x - x0 - edge) / binning,
             (y - y0 - edge) / binning,
             sigma / binning,
             level,
             noise / min(binning, BINNING),
-            least,
+            min_snr,
             coarsest,
         )
-        snr, wide = found[7], found[2] >= coarsest
-        if snr < least and not wide:
+        snr, too_wide = found[7], found[2] >= coarsest
+        if snr < min_snr and not too_wide:
             return NO_BLOB
         x, y = x0 + edge + binning * found[0], y0 + edge + binning * found[1]
-        if not wide:
+        if not too_wide:
             # What a binned pixel is wide is no part of the blob; nor does its filter see less.
             sigma_x, sigma_y, major, minor = (
                 _unbinned(found[2], binning), _unbinned(found[3], binning),
@@ -117,7 +117,7 @@ def measure(
             )
             snr *= max(binning // BINNING, 1)
             inside = region[0] <= x <= region[2] - 1 and region[1] <= y <= region[3] - 1
-            if not inside or max(sigma_x, sigma_y) > largest:
+            if not inside or max(sigma_x, sigma_y) > max_sigma:
                 return NO_BLOB
             return (
                 x, y, sigma_x, sigma_y, major, minor, found[6], snr, found[8],
@@ -161,20 +161,20 @@ def _patch(
 
 
 @kernel
-def _settle(
+def _iterate(
     pixels: NDArray[np.float32],
     x: float,
     y: float,
     sigma: float,
     level: float,
     noise: float,
-    least: float,
+    min_snr: float,
     coarsest: float,
 ) -> Measured:
     """
     Return what `measure` does, in px of `pixels`.
 
-    Sigma is `coarsest` or more where the blob is wider than that; the SNR is below `least`, and
+    Sigma is `coarsest` or more where the blob is wider than that; the SNR is below `min_snr`, and
     what else is returned is rough, where there is none.
     """
     best = -1.0
@@ -193,17 +193,17 @@ def _settle(
         scale *= 2.0
     if scale > coarsest and best > 0.0:
         return x, y, coarsest, coarsest, coarsest, coarsest, 0.0, best, level
-    if best < 0.8 * least:  # the scales tried are within 20 % of the best one
+    if best < 0.8 * min_snr:  # the scales tried are within 20 % of the best one
         return x, y, sigma, sigma, sigma, sigma, 0.0, 0.0, level
     xx = yy = sigma * sigma
     mxx = myy = 0.5 * xx
     mxy = 0.0
     weight = xx
-    of_ring = 0.0
+    ring_sigma = 0.0
     for _ in range(MAX_STEPS):
-        if abs(sigma - of_ring) > RING_UPDATE_SIGMA * sigma:
-            level = _ring(pixels, x, y, sigma)
-            of_ring = sigma
+        if abs(sigma - ring_sigma) > RING_UPDATE_SIGMA * sigma:
+            level = _ring_median(pixels, x, y, sigma)
+            ring_sigma = sigma
         flux, norm, dx, dy, mxx, myy, mxy = _moments(pixels, x, y, sigma, level)
         best = flux / (noise * np.sqrt(norm))
         if best <= 0.0:
@@ -307,7 +307,7 @@ def _moments(
 
 
 @kernel
-def _ring(pixels: NDArray[np.float32], x: float, y: float, sigma: float) -> float:
+def _ring_median(pixels: NDArray[np.float32], x: float, y: float, sigma: float) -> float:
     """Return the median of the pixels on the border of the box of 4 sigma about (x, y)."""
     half = max(REACH_SIGMA * sigma, 3.0)
     left, right = max(int(x - half), 0), min(int(x + half) + 1, pixels.shape[1] - 1)

@@ -28,7 +28,7 @@ def describe(
     unlit: Pixels,
     region: tuple[int, int, int, int],
     saturation: int,
-    alone: bool,
+    single_frame: bool,
     blob: tuple[float, float, float, float, float, float, float, float, float],
     column: int,
     row: int,
@@ -48,7 +48,7 @@ def describe(
         Columns x0 to x1 and rows y0 to y1 that may be looked at, px.
     saturation : int
         The DN at which a pixel is clipped.
-    alone : bool
+    single_frame : bool
         Whether nothing was subtracted.
     blob : tuple of 9 floats
         What `adaptive_moments.measure` returns.
@@ -62,7 +62,7 @@ def describe(
     half_x, half_y = max(WINDOW_SIGMA * sigma_x, 3.0), max(WINDOW_SIGMA * sigma_y, 3.0)
     left, right = max(int(x - half_x), region[0]), min(int(x + half_x) + 2, region[2])
     top, bottom = max(int(y - half_y), region[1]), min(int(y + half_y) + 2, region[3])
-    norm = flux = unlit_amplitude = around = squares = 0.0
+    norm = flux = unlit_amplitude = surround_level = squares = 0.0
     outside = 0
     clipped = False
     weights = np.empty((bottom - top, right - left))
@@ -72,28 +72,29 @@ def describe(
             q = distance2(i - x, j - y, sigma_x, sigma_y, correlation)
             w = np.exp(-0.5 * q)
             weights[j - top, i - left] = w
-            under = float(unlit[j, i])
+            unlit_pixel = float(unlit[j, i])
             clipped = clipped or unlit[j, i] >= saturation
             if q > WINDOW_SIGMA * WINDOW_SIGMA:
-                around += under
-                squares += under * under
+                surround_level += unlit_pixel
+                squares += unlit_pixel * unlit_pixel
                 outside += 1
             elif lit[j, i] < saturation:
                 norm += w * w
-                flux += w * (float(lit[j, i]) - under - level)
+                flux += w * (float(lit[j, i]) - unlit_pixel - level)
     amplitude = flux / norm if norm > 0.0 else height
-    around = around / outside if outside > 0 else 0.0
-    texture = np.sqrt(max(squares / outside - around * around, 0.0)) if outside > 0 else 0.0
+    surround_level = surround_level / outside if outside > 0 else 0.0
+    variance = squares / outside - surround_level * surround_level if outside > 0 else 0.0
+    texture = np.sqrt(max(variance, 0.0))
     misfit, count = 0.0, 0
     total = 0.0
     for j in range(top, bottom, step):
         for i in range(left, right, step):
             w = weights[j - top, i - left]
-            unlit_amplitude += w * (float(unlit[j, i]) - around)
+            unlit_amplitude += w * (float(unlit[j, i]) - surround_level)
             total += w * w
             if lit[j, i] < saturation:
-                left_over = float(lit[j, i]) - float(unlit[j, i]) - level - amplitude * w
-                misfit += left_over * left_over
+                residual = float(lit[j, i]) - float(unlit[j, i]) - level - amplitude * w
+                misfit += residual * residual
                 count += 1
     # Less what the noise explains, and five of its standard deviations: it is known to 10 % only.
     misfit -= (count + 5.0 * np.sqrt(2.0 * count)) * noise * noise
@@ -105,7 +106,7 @@ def describe(
     out[14] = _neighbour_rise(lit, unlit, region, column, row, level) / max(height, noise)
     # In one frame by itself nothing fell: what is darker beside it is the scene.
     out[15] = 0.0
-    if not alone:
+    if not single_frame:
         size = 2.0 * min(sigma_x, sigma_y)
         out[15] = _fall(lit, unlit, region, x, y, 3.0 * half_x, 3.0 * half_y, size, level)
     out[16] = unlit_amplitude / total if total > 0.0 else 0.0
@@ -217,16 +218,16 @@ def _surround_noise(
         if size <= 0:
             continue
         a, b = lit[j], unlit[j]
-        total = _departure(a, b, left, first if inside else right, middle)
+        total = _absolute_deviation(a, b, left, first if inside else right, middle)
         if inside:
-            total += _departure(a, b, last, right, middle)
+            total += _absolute_deviation(a, b, last, right, middle)
         rows[count] = total / size
         count += 1
     return SIGMA_PER_MEAN_DEVIATION * median(rows, count) if count > 0 else 0.0
 
 
 @kernel
-def _departure(a: Pixels, b: Pixels, left: int, right: int, level: float) -> float:
+def _absolute_deviation(a: Pixels, b: Pixels, left: int, right: int, level: float) -> float:
     """Return the sum of |a - b - level| from left to right."""
     total = np.float32(0.0)
     for i in range(np.uint64(left), np.uint64(right)):

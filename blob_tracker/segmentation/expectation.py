@@ -39,7 +39,7 @@ class Expectation(NamedTuple):
         )
 
     @property
-    def reach(self) -> float:
+    def gate_radius_px(self) -> float:
         """How far from there the target may be, px: NaN where the covariance is none."""
         (a, b), (_, c) = self.covariance.tolist()
         if not (a >= 0.0 and c >= 0.0 and b * b <= a * c):
@@ -51,5 +51,5 @@ class Expectation(NamedTuple):
         return (
             -0.5 <= self.x < shape[1] - 0.5
             and -0.5 <= self.y < shape[0] - 0.5
-            and self.reach < math.inf
+            and self.gate_radius_px < math.inf
         )

@@ -32,10 +32,10 @@ def measure_peaks(
     mask: NDArray[np.uint8],
     floor: float,
     threshold: float,
-    least: float,
-    largest: float,
+    min_snr: float,
+    max_sigma: float,
     saturation: int,
-    alone: bool,
+    single_frame: bool,
     followed: bool,
 ) -> tuple[Array, Array, float, float, float, float, float]:
     """
@@ -57,13 +57,13 @@ def measure_peaks(
         Least noise, DN.
     threshold : float
         Least height of a peak, in standard deviations of lit less unlit.
-    least : float
+    min_snr : float
         Least SNR in the matched filter.
-    largest : float
+    max_sigma : float
         Greatest sigma, px.
     saturation : int
         The DN at which a pixel is clipped.
-    alone : bool
+    single_frame : bool
         Whether nothing was subtracted. The level is then that of the scene, tile by tile; of a
         difference it is one for the whole region.
     followed : bool
@@ -87,15 +87,15 @@ def measure_peaks(
     gains, change = row_gains(lit, unlit, y0, y1)
     levels, noises, bright = tile_noise(lit, unlit, x0, y0, x1, y1, floor)
     level = np.median(levels)
-    if not alone:
+    if not single_frame:
         levels[:] = level
-    room = FEW_PEAKS
-    peaks = np.empty((room, 3))
+    capacity = FEW_PEAKS
+    peaks = np.empty((capacity, 3))
     count, strongest = local_maxima(lit, unlit, region, mask, levels, noises, threshold, peaks)
-    while count > room:
-        if room < MOST_PEAKS:
-            room = MOST_PEAKS
-            peaks = np.empty((room, 3))
+    while count > capacity:
+        if capacity < MOST_PEAKS:
+            capacity = MOST_PEAKS
+            peaks = np.empty((capacity, 3))
         else:
             threshold *= 2.0
         count, strongest = local_maxima(lit, unlit, region, mask, levels, noises, threshold, peaks)
@@ -105,13 +105,13 @@ def measure_peaks(
         column, row = int(peaks[index, 0]), int(peaks[index, 1])
         if _on_flank(table[:found], column, row, peaks[index, 2]):
             continue
-        noise, under = _surroundings(levels, noises, column - x0, row - y0)
-        blob = measure(lit, unlit, region, column, row, under, noise, least, largest)
+        noise, local_level = _surroundings(levels, noises, column - x0, row - y0)
+        blob = measure(lit, unlit, region, column, row, local_level, noise, min_snr, max_sigma)
         # A faint peak in the reach of a brighter light ends in it, or half-way to it.
-        if blob[7] >= least and not _wandered(table[:found], blob, column, row):
+        if blob[7] >= min_snr and not _is_misplaced(table[:found], blob, column, row):
             describe(
-                table[found], lit, unlit, region, saturation, alone, blob, column, row, noise,
-                peaks[index, 2],
+                table[found], lit, unlit, region, saturation, single_frame, blob, column, row,
+                noise, peaks[index, 2],
             )
             found += 1
             if found == MOST_CANDIDATES:
@@ -123,12 +123,12 @@ def measure_peaks(
     if found == 0 and followed and (x1 - x0) * (y1 - y0) <= SMALL_REGION_PX:
         # Near the prediction a faint blob is worth a second look: its brightest 3 x 3 pixels.
         column, row, height = brightest_square(lit, unlit, region, mask)
-        noise, under = _surroundings(levels, noises, column - x0, row - y0)
-        blob = measure(lit, unlit, region, column, row, under, noise, least, largest)
-        if blob[7] >= least:
+        noise, local_level = _surroundings(levels, noises, column - x0, row - y0)
+        blob = measure(lit, unlit, region, column, row, local_level, noise, min_snr, max_sigma)
+        if blob[7] >= min_snr:
             describe(
-                table[0], lit, unlit, region, saturation, alone, blob, column, row, noise,
-                height - under,
+                table[0], lit, unlit, region, saturation, single_frame, blob, column, row,
+                noise, height - local_level,
             )
             found = 1
     return table[:found], gains, change, level, np.median(noises), np.median(bright), strongest
@@ -157,7 +157,7 @@ def _on_flank(table: Array, column: int, row: int, height: float) -> bool:
 
 
 @kernel
-def _wandered(
+def _is_misplaced(
     table: Array,
     blob: tuple[float, float, float, float, float, float, float, float, float],
     column: int,

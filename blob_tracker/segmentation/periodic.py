@@ -74,7 +74,7 @@ class Periodic:
         self.frames = frames
         self.reason = 'no frame yet'
         self._history = FrameHistory(frames, max_pair_interval)
-        self._fresh = 0
+        self._new_frames = 0
 
     def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
         """
@@ -88,11 +88,13 @@ class Periodic:
         """
         block = self._history.frames
         self._history.push(frame)
-        self._fresh = min(self._fresh + 1, len(block))
-        if self._fresh < self.frames:
-            self.reason = f'frame {self._fresh} of the {self.frames} that are demodulated together'
+        self._new_frames = min(self._new_frames + 1, len(block))
+        if self._new_frames < self.frames:
+            self.reason = (
+                f'frame {self._new_frames} of the {self.frames} that are demodulated together'
+            )
             return None
-        self._fresh = 0
+        self._new_frames = 0
         return self._demodulate(list(block))
 
     def region(self, contrast: Contrast) -> Box:

@@ -34,7 +34,7 @@ IN_DN = [
 ]
 
 
-class Found(NamedTuple):
+class SearchResult(NamedTuple):
     """
     What `search` returns.
 
@@ -65,7 +65,7 @@ def search(
     min_snr: float,
     followed: bool = False,
     mask: NDArray[np.uint8] = NO_MASK,
-) -> Found:
+) -> SearchResult:
     """
     Find all that lit up in a part of the frame.
 
@@ -89,7 +89,7 @@ def search(
 
     """
     if min(region.x1 - region.x0, region.y1 - region.y0) < SMALLEST_REGION_PX:
-        return Found((), 0.0, contrast.floor * contrast.unit, 0.0, '')
+        return SearchResult((), 0.0, contrast.floor * contrast.unit, 0.0, '')
 
     def measured(unlit: Pixels) -> tuple[Array, Array, float, float, float, float, float]:
         return measure_peaks(
@@ -128,9 +128,9 @@ def search(
     candidates = []
     for row in table.tolist():
         candidate = Candidate(*row)
-        why = reject(candidate, followed, min_snr)
-        candidates.append(candidate._replace(rejected=why) if why else candidate)
-    return Found(tuple(candidates), level, noise, strongest, reason)
+        rejected = reject(candidate, followed, min_snr)
+        candidates.append(candidate._replace(rejected=rejected) if rejected else candidate)
+    return SearchResult(tuple(candidates), level, noise, strongest, reason)
 
 
 def _threshold(region: Box) -> float:

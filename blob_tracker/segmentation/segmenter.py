@@ -13,7 +13,7 @@ from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.frame_stack import FrameStack
 from blob_tracker.segmentation.history import FrameError
-from blob_tracker.segmentation.search import Found, NO_MASK, search
+from blob_tracker.segmentation.search import NO_MASK, search, SearchResult
 from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
 from blob_tracker.types import Frame, Pixels, Window
 import numpy as np
@@ -148,7 +148,7 @@ class Segmenter:
             self.reason = found.reason
         else:
             chosen = self.flash.choose(contrast, found.candidates)
-            self.reason = '' if chosen else self._why(found)
+            self.reason = '' if chosen else self._reason_for_none(found)
             for name, candidate in chosen:
                 box = self._window(contrast, candidate)
                 if box is None:
@@ -175,7 +175,7 @@ class Segmenter:
         )
         return sightings
 
-    def _search(self, contrast: Contrast) -> Found:
+    def _search(self, contrast: Contrast) -> SearchResult:
         """Return what lit up in the region in which the target can be."""
         region = self.flash.region(contrast)
         # Within the gate there is little room for chance.
@@ -214,7 +214,7 @@ class Segmenter:
             return None
         return box
 
-    def _why(self, found: Found) -> str:
+    def _reason_for_none(self, found: SearchResult) -> str:
         """Return why nothing was chosen."""
         if self.flash.reason:
             return self.flash.reason

@@ -212,8 +212,8 @@ def test_reach_is_four_sigma_of_the_longest_axis() -> None:
     """Of an ellipse that lies askew; of an area of none as well."""
     turn = np.array([[0.6, -0.8], [0.8, 0.6]])
     askew = turn @ np.diag([9.0, 1.0]) @ turn.T
-    assert Expectation(0.0, 0.0, askew).reach == pytest.approx(12.0)
-    assert Expectation(0.0, 0.0, np.zeros((2, 2))).reach == 0.0
+    assert Expectation(0.0, 0.0, askew).gate_radius_px == pytest.approx(12.0)
+    assert Expectation(0.0, 0.0, np.zeros((2, 2))).gate_radius_px == 0.0
 
 
 def test_other_modes_search_the_whole_frame() -> None:

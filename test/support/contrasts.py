@@ -5,7 +5,7 @@ from __future__ import annotations
 from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
-from blob_tracker.segmentation.search import Found, search
+from blob_tracker.segmentation.search import search, SearchResult
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
 from blob_tracker.types import Frame, SensorNoise
 import numpy as np
@@ -57,6 +57,6 @@ def noisy_blob(
     )
 
 
-def searched(contrast: Contrast, region: Box | None = None, **options: object) -> Found:
+def searched(contrast: Contrast, region: Box | None = None, **options: object) -> SearchResult:
     """Return what lit up, in the whole frame where no region is given."""
     return search(contrast, region or whole(contrast.shape), **{'min_snr': 7.0, **options})

@@ -19,7 +19,7 @@ PHASES = 128  # between two pixels: a place is off by 1/256 px at most
 SHORT_RUN_PX = 8  # px: a shorter run costs more to set up than to go through
 
 
-def laid_over(
+def warped(
     lit: Pixels, unlit: Pixels, found: NDArray[np.float64], box: Box | None = None
 ) -> Pixels:
     """
