@@ -33,17 +33,17 @@ from blob_tracker.ros.process import run, say
 from blob_tracker.segmentation import (
     codes_from_text,
     compile_ahead,
+    Detections,
     Expectation,
     exposure_fault,
     Flash,
     flash_by_name,
     FrameError,
-    Look,
     Segmenter,
     threshold_by_name,
 )
 from blob_tracker.segmentation.candidate import Candidate
-from blob_tracker.segmentation.periodic import HIGHEST
+from blob_tracker.segmentation.periodic import HIGHEST_FREQUENCY
 from blob_tracker.segmentation.picture import draw
 from blob_tracker.tracking import Track
 from blob_tracker.types import Frame, Window
@@ -56,11 +56,11 @@ from sensor_msgs.msg import CameraInfo, Image
 FLASH = ('max_pair_interval', 'registration', 'gate')
 # s from one picture to the next. Frames with a window have the first call, those with a candidate
 # the second: at a fixed pace every picture could be of an unlit frame.
-WITH_WINDOW, WITH_CANDIDATE, WITH_NOTHING = 0.1, 0.2, 0.3
-LEAST_NOISE = 0.01  # DN: pixels that are all equal have none
+WITH_WINDOW_S, WITH_CANDIDATE_S, WITH_NOTHING_S = 0.1, 0.2, 0.3
+LEAST_NOISE_DN = 0.01  # DN: pixels that are all equal have none
 NOISE_PERIOD_NS = 10**9  # by the stamps, between two pairs that are measured
-CHECK = 0.25  # s between two looks at whether frames still come
-SILENCE = 1.0  # s of wall time without a good frame; slow bags and cameras pause for less
+CHECK_S = 0.25  # s between two looks at whether frames still come
+SILENCE_S = 1.0  # s of wall time without a good frame; slow bags and cameras pause for less
 
 Deliver = Callable[[str, Window, CameraInfo, str], None]
 Predict = Callable[[str, int], Track | None]
@@ -123,7 +123,7 @@ class SegmenterNode(Node):
         self._noise: NoiseLevelFunction | None = None
         self._noise_ns = 0
         self._noises = publisher(self, Vector3Stamped, 'target/noise', STATE)
-        self._look: Look | None = None
+        self._detections: Detections | None = None
         self._debug_image = DebugImage(self)
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._good_frame = self._steady.now()
@@ -131,7 +131,7 @@ class SegmenterNode(Node):
         on_change(self, PARAMETERS, self._change)
         self._frames = FramePairs(self, 'camera', self._health, self._take) if listen else None
         self._clock_jumps = on_clock_jump(self, self._health, self._forget)
-        self.create_timer(CHECK, self._check_silence, clock=self._steady)
+        self.create_timer(CHECK_S, self._check_silence, clock=self._steady)
 
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Build what these parameters ask for; return what puts it into effect."""
@@ -145,6 +145,7 @@ class SegmenterNode(Node):
             for name in codes:
                 check_light(name)
             options = {name.removeprefix('flash.'): value for name, value in asked.items()}
+            options['gate_px'] = options.pop('gate')
             new_flash = partial(flash_by_name, **options | {'codes': codes})
             same = self._flash is not None and self._flash[0] == asked
             flash = self._flash[1] if self._flash is not None and same else new_flash()
@@ -205,15 +206,15 @@ class SegmenterNode(Node):
             self._frames.forget(after_ns)
         with self._lock:
             if self._newest_ns > after_ns:
-                self._start_afresh()
+                self._restart()
 
-    def _start_afresh(self) -> None:
+    def _restart(self) -> None:
         """Forget all frames, as after a start: what follows is of another time."""
         assert self._flash is not None
         self._segmenter = self._new_segmenter()
         self._flash = self._flash[0], self._segmenter.flash
         self._newest_ns = -1
-        self._look = self._target = None
+        self._detections = self._target = None
         self._candidates = ()
         for target in self._targets.values():
             target.forget()
@@ -250,7 +251,7 @@ class SegmenterNode(Node):
                 f'camera/image_raw: the stamps jumped back by {late_ns / 1e9:.3f} s; '
                 'starting afresh',
             )
-            self._start_afresh()
+            self._restart()
         self._newest_ns = max(self._newest_ns, frame.stamp_ns)
         try:
             found = dict(self._segmenter.sightings(frame, self._expected(frame, info)))
@@ -265,11 +266,11 @@ class SegmenterNode(Node):
             self._health.left(window.stamp_ns)
             self._health.count('windows')
             self._health.show('frames summed in a window', window.looks)
-        # A frame that is only gathered, or begins afresh, leaves the look as it was.
-        previous, self._look = self._look, self._segmenter.look
-        look = None if self._look is previous else self._look
+        # A frame that is only gathered, or begins afresh, leaves the detections as they were.
+        previous, self._detections = self._detections, self._segmenter.detections
+        detections = None if self._detections is previous else self._detections
         # Each of several looks has the target in view; the last one has the window of their sum.
-        seen = look.windows if look else {}
+        seen = detections.windows if detections else {}
         visible = [
             target.visible(frame.stamp_ns, name in seen)
             for name, target in self._targets.items()
@@ -279,10 +280,10 @@ class SegmenterNode(Node):
             self._health.ok('target in view')
         elif not any(visible):
             self._say_why(frame)
-        if look:
-            self._remember(look)
+        if detections:
+            self._remember(detections)
             self._debug_image.offer(
-                lambda: draw(look), frame.stamp_ns, frame_id, _pause(look)
+                lambda: draw(detections), frame.stamp_ns, frame_id, _pause(detections)
             )
         if self._noise is not None:
             self._measure_noise(self._noise, frame, frame_id)
@@ -339,12 +340,14 @@ class SegmenterNode(Node):
         self._health.show('measured black level', black_level)
         self._health.show('tiles of the last unlit pair', tiles)
 
-    def _remember(self, look: Look) -> None:
-        """Keep of a look what the diagnostics show: the unlit half of the frames has no light."""
-        self._reason = look.reason or self._reason
-        self._candidates = look.candidates or self._candidates
-        if look.windows:
-            self._target = next((each for each in look.candidates if not each.refused), None)
+    def _remember(self, detections: Detections) -> None:
+        """Keep what the diagnostics show: the unlit half of the frames has no light."""
+        self._reason = detections.reason or self._reason
+        self._candidates = detections.candidates or self._candidates
+        if detections.windows:
+            self._target = next(
+                (each for each in detections.candidates if not each.rejected), None
+            )
 
     def _describe(self) -> None:
         """Show in the diagnostics what the segmenter saw last."""
@@ -356,17 +359,17 @@ class SegmenterNode(Node):
                 'stamps: the camera dropped them (see its diagnostics), they were lost on the way '
                 '(use config/fastdds.xml), or this node was too late for them (see CPU)',
             )
-        look = self._look
-        if look is not None:
-            self._health.show('flash lock', look.state)
-            self._health.show('noise (DN)', f'{look.noise:.2f}')
+        detections = self._detections
+        if detections is not None:
+            self._health.show('flash lock', detections.state)
+            self._health.show('noise (DN)', f'{detections.noise:.2f}')
         if self._reason:
             self._health.show('last frame without target', self._reason)
         target = self._target
         if target is not None:
             self._health.show('contrast (DN)', f'{target.amplitude:.1f}')
             self._health.show(
-                'contrast / noise', f'{target.amplitude / max(target.noise, LEAST_NOISE):.1f}'
+                'contrast / noise', f'{target.amplitude / max(target.noise, LEAST_NOISE_DN):.1f}'
             )
         if self._candidates:
             first = self._candidates[0]
@@ -374,12 +377,12 @@ class SegmenterNode(Node):
             self._health.show(
                 'strongest of them',
                 f'SNR {first.snr:.1f} at ({first.x:.0f}, {first.y:.0f}): '
-                f'{first.refused or "may be the target"}',
+                f'{first.rejected or "may be the target"}',
             )
 
     def _check_silence(self) -> None:
         """Say that the targets are out of view when no good frame has come for a while."""
-        if (self._steady.now() - self._good_frame).nanoseconds > 1e9 * SILENCE:
+        if (self._steady.now() - self._good_frame).nanoseconds > 1e9 * SILENCE_S:
             with self._lock:
                 for target in self._targets.values():
                     target.out_of_view()
@@ -390,16 +393,16 @@ def _lost_after_ns(values: dict[str, Any]) -> int:
     lost_after = values['lost_after']
     if values['flash.mode'] == 'periodic':
         # So long a block of the slowest camera that shows the light lasts, and a tenth more.
-        block = HIGHEST * values['flash.frames'] / values['flash.frequency']
+        block = HIGHEST_FREQUENCY * values['flash.frames'] / values['flash.frequency']
         lost_after = max(lost_after, 1.1 * block)
     return int(1e9 * lost_after)
 
 
-def _pause(look: Look) -> float:
+def _pause(detections: Detections) -> float:
     """Return the least time between two pictures, s, by what there is to see in this one."""
-    if look.windows:
-        return WITH_WINDOW
-    return WITH_CANDIDATE if look.candidates else WITH_NOTHING
+    if detections.windows:
+        return WITH_WINDOW_S
+    return WITH_CANDIDATE_S if detections.candidates else WITH_NOTHING_S
 
 
 def compile_search() -> None:
