@@ -1,4 +1,9 @@
-"""Camera, segmenter, locator and tracker in one process: all is handed over in memory."""
+"""
+Camera, segmenter, locator and tracker in one process: all is handed over in memory.
+
+The nodes are what they are alone, with ROS about them. Their arithmetic without ROS is another
+thing, the class `blob_tracker.Pipeline`.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +17,7 @@ from blob_tracker.ros.process import run
 from rclpy.node import Node
 
 
-def nodes() -> Iterator[Node]:
+def linked_nodes() -> Iterator[Node]:
     """
     Yield the nodes of the process, each linked to the next.
 
@@ -47,8 +52,8 @@ def nodes() -> Iterator[Node]:
     yield locating
 
     def announce(lights: Collection[str]) -> None:
-        tracking.heed(lights)
-        locating.heed(lights)
+        tracking.set_lights(lights)
+        locating.set_lights(lights)
 
     segmenting = segmenter.SegmenterNode(
         listen=source == 'images',
@@ -73,4 +78,4 @@ def compile_all() -> None:
 
 def main() -> None:
     """Run the nodes."""
-    sys.exit(run(nodes, compile_all))
+    sys.exit(run(linked_nodes, compile_all))
