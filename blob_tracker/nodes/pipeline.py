@@ -11,7 +11,8 @@ from collections.abc import Collection, Iterator
 import sys
 
 from blob_tracker.nodes import camera, locator, segmenter, simulator, tracker
-from blob_tracker.nodes.interface.pipeline import PARAMETERS
+from blob_tracker.nodes.interface import interface_of
+from blob_tracker.nodes.interface.pipeline import CHAIN, PARAMETERS, SOURCES
 from blob_tracker.ros.parameters.declaration import declare, given, unknown
 from blob_tracker.ros.process import run
 from rclpy.node import Node
@@ -35,12 +36,11 @@ def linked_nodes() -> Iterator[Node]:
     yield pipeline
     common = given(pipeline)
     source = declare(pipeline, PARAMETERS, common)['source']
-    modules = [segmenter, locator, tracker] + {
-        'camera': [camera], 'simulator': [simulator], 'images': []
-    }[source]
-    known = {each.name for module in (*modules, sys.modules[__name__])
-             for each in module.PARAMETERS}
-    known.add('use_sim_time')
+    known = {
+        each.name
+        for name in ('pipeline', *CHAIN, *SOURCES[source])
+        for each in interface_of(name).parameters
+    } | {'use_sim_time'}
     if source != 'camera':  # whose controls have names that only the device knows
         for name in common:
             if name not in known:
