@@ -34,5 +34,5 @@ class Delivery(Generic[Item]):
     light: str = ''
 
 
-# The name of the node's method that takes it is `segment`, `locate` or `track`.
+# What takes it: `SegmenterNode.segment`, `LocatorNode.locate`, `TrackerNode.track`.
 Deliver = Callable[[Delivery[Item]], None]
