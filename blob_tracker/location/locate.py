@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from inspect import signature
 import math
 from typing import Any
 
@@ -37,6 +38,34 @@ SMALLEST_PX = 3  # px: below this the position, level and width of a pulse are n
 _NONE, _NOT_FINITE = int(Failure.NONE), int(Failure.NOT_FINITE)
 _SATURATED, _FLAT = int(Failure.SATURATED), int(Failure.FLAT)
 _OUTSIDE, _NOT_CONVERGED = int(Failure.OUTSIDE), int(Failure.NOT_CONVERGED)
+
+
+def method_options(method: str, *, elliptical: bool = False) -> dict[str, Any]:
+    """
+    Return the options of a method, as `locate` and `locate_batch` pass them on.
+
+    Parameters
+    ----------
+    method : str
+        A key of `METHODS`.
+    elliptical : bool
+        Fit a width along x and one along y.
+
+    Raises
+    ------
+    ValueError
+        Where there is no such method, or it has no such form.
+
+    """
+    if method not in METHODS:
+        raise ValueError(f"no method '{method}'; there is {', '.join(METHODS)}")
+    if not elliptical:
+        return {}
+    if 'elliptical' not in signature(METHODS[method]).parameters:
+        raise ValueError(
+            f"parameter 'elliptical' is True; the method '{method}' has no such form"
+        )
+    return {'elliptical': True}
 
 
 def locate_batch(

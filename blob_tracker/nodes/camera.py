@@ -20,7 +20,8 @@ from blob_tracker.ros.diagnostics.connections import Connections
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
 from blob_tracker.ros.diagnostics.losses import Losses
 from blob_tracker.ros.endpoints.debug_image import DebugImage
-from blob_tracker.ros.endpoints.frame_topics import Deliver, FrameTopics
+from blob_tracker.ros.endpoints.delivery import Deliver
+from blob_tracker.ros.endpoints.frame_topics import FrameTopics
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.camera_info import from_camera_model, to_camera_model
 from blob_tracker.ros.parameters.controls import ControlParameters
@@ -63,7 +64,10 @@ class CameraNode(Node):
     """
 
     def __init__(
-        self, *, deliver: Deliver | None = None, elsewhere: Collection[str] = ()
+        self,
+        *,
+        deliver: Deliver[tuple[Frame, CameraInfo]] | None = None,
+        elsewhere: Collection[str] = (),
     ) -> None:
         super().__init__('camera')
         values = declare(self, PARAMETERS, complete=False)

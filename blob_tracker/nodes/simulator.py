@@ -14,7 +14,8 @@ from blob_tracker.nodes.interface.simulator import PARAMETERS, STILL
 from blob_tracker.ros.diagnostics.connections import Connections
 from blob_tracker.ros.diagnostics.health import Health, WARN
 from blob_tracker.ros.endpoints.debug_image import DebugImage
-from blob_tracker.ros.endpoints.frame_topics import Deliver, FrameTopics
+from blob_tracker.ros.endpoints.delivery import Deliver
+from blob_tracker.ros.endpoints.frame_topics import FrameTopics
 from blob_tracker.ros.endpoints.qos import publisher, RESULT, subscription
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.camera_info import from_camera_model
@@ -36,7 +37,7 @@ import numpy as np
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.timer import Timer
-from sensor_msgs.msg import Imu, JointState
+from sensor_msgs.msg import CameraInfo, Imu, JointState
 
 RIDE_S = 300.0  # s, after which it begins again: the vehicle leaps, once in five minutes
 BACK_S = 0.1  # s that the clock may go back as it is slewed; else it was set back
@@ -59,7 +60,10 @@ class SimulatorNode(Node):
     """
 
     def __init__(
-        self, *, deliver: Deliver | None = None, elsewhere: Collection[str] = ()
+        self,
+        *,
+        deliver: Deliver[tuple[Frame, CameraInfo]] | None = None,
+        elsewhere: Collection[str] = (),
     ) -> None:
         super().__init__('simulator')
         values = declare(self, PARAMETERS, elsewhere)

@@ -156,11 +156,13 @@ PARAMETERS = (
 )
 INTERFACE = Interface(
     'tracker',
+    'where it will be',
     'Filters the bearings over time and predicts the angle at which the target will be when the '
     'servo moves.',
     PARAMETERS,
     subscribed=(RAY, IMU, JOINT_STATES),
     published=(PREDICTED, TRACK, TRACKED, DIAGNOSTICS),
+    each_light=(RAY, PREDICTED, TRACK, TRACKED),
     examples=(
         'ros2 run blob_tracker tracker --ros-args -p servo_delay:=0.03',
         'ros2 param set /tracker acceleration 500.0',

@@ -12,7 +12,9 @@ from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.imu import to_rate, turn_of
 from blob_tracker.ros.messages.joint_states import to_angle
 from blob_tracker.ros.messages.stamp import to_ns
-from blob_tracker.tracking import PanTiltAngles, PlatformRates, StampJump, TrackingError
+from blob_tracker.tracking import (
+    PanTiltAngles, PlatformRates, StampJump, TrackingError, update_or_restart,
+)
 from blob_tracker.units import MRAD
 from rclpy.node import Node
 from rclpy.subscription import Subscription
@@ -187,14 +189,13 @@ class Platform:
         message: Imu | JointState,
         *values: Any,
     ) -> None:
-        """Keep a sample; begin afresh where the stamps jumped back."""
-        stamp_ns = to_ns(message.header.stamp)
-        try:
-            samples.push(stamp_ns, *values)
-        except StampJump as error:
-            self._health.fault(WARN, f'{topic}: {error}; starting afresh')
+        """Keep a sample; restart where the stamps jumped back."""
+        def restart(jump: StampJump) -> None:
+            self._health.fault(WARN, f'{topic}: {jump}; starting afresh')
             samples.reset()
-            samples.push(stamp_ns, *values)
+
+        stamp_ns = to_ns(message.header.stamp)
+        update_or_restart(lambda: samples.push(stamp_ns, *values), restart)
 
     def _wanted(self) -> tuple[str, str]:
         """Return the names of the joints that pan and tilt."""
