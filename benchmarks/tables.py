@@ -12,7 +12,7 @@ from benchmarks.contender import Contender
 from benchmarks.detection import ASKED_SNR, OURS, Row as DetectionRow, share, SNRS
 from benchmarks.finders import FINDERS
 from benchmarks.lab import Row as LabRow
-from benchmarks.latency import Figures, HOP, NO_FRAME, SMALL, USUAL
+from benchmarks.latency.figures import Figures, HOP, NO_FRAME, SMALL, USUAL
 from benchmarks.motion import Row as MotionRow
 from benchmarks.real_frames import Row as FrameRow
 from benchmarks.real_pixels import Row as RealRow

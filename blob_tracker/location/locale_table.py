@@ -265,6 +265,15 @@ def _write(
     table[6, n] = chi2
 
 
+@written_into_kernels
+def _spread(n: int, scale: float, xx: float, xy: float, yy: float, covariance: Array) -> None:
+    """Write the covariance of the place."""
+    covariance[n, 0, 0] = scale * xx
+    covariance[n, 0, 1] = scale * xy
+    covariance[n, 1, 0] = scale * xy
+    covariance[n, 1, 1] = scale * yy
+
+
 @kernel
 def _look_up_all(
     lit: Array,
@@ -362,12 +371,10 @@ def _look_up_all(
         scale = 1.0 + FLATTERY / detection
         if chi2 > 1.0 + MISFIT * math.sqrt(2.0 / left_over):
             scale *= chi2
-        covariance[n, 0, 0] = scale * xx
-        covariance[n, 0, 1] = scale * xy
-        covariance[n, 1, 0] = scale * xy
-        covariance[n, 1, 1] = scale * yy
+        _spread(n, scale, xx, xy, yy, covariance)
         _write(
-            n, x, y, amplitude, behind if paired else level, sigma, chi2, paired, shot, floor, table
+            n, x, y, amplitude, behind if paired else level, sigma, chi2, paired, shot, floor,
+            table,
         )
 
 
