@@ -12,9 +12,12 @@ from __future__ import annotations
 from contextlib import ExitStack
 
 from benchmarks.latency.figures import (
-    Figures, HOP, LARGE, NO_FRAME, ONE, Plan, row, SMALL, Start, THREE, USUAL,
+    Figures, FULL, HOP, LARGE, NO_FRAME, ONE, pair, Plan, QUICK, row, SMALL, Start, Stream, THREE,
+    USUAL,
 )
-from benchmarks.latency.nodes import first_bearing, Nodes, Tick
+from benchmarks.latency.nodes import first_bearing, hop, Nodes, Tick
+
+__all__ = ['Figures', 'FULL', 'hop', 'pair', 'Plan', 'QUICK', 'row', 'run', 'steps', 'Stream']
 
 
 def steps(plan: Plan) -> int:

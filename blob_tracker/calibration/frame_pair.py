@@ -10,11 +10,12 @@ import cv2
 import numpy as np
 
 CLIPPED = 0.0005  # part of the pixels: clipped, it takes as much of the variance; more is too much
-LEAST_VARIANCE_DN2 = 0.24  # DN^2, below which rounding hides the noise (EMVA 1288, section 6.6)
-# DN^2 of noise and non-uniformity together that spread the pixels over the steps of rounding: the
+LEAST_VARIANCE_DN2 = 0.24  # below it rounding hides the noise (EMVA 1288, section 6.6)
+PILED_UP = 0.01  # part of the pixels at the highest value of all that makes it the clipped level
+# Of noise and non-uniformity together that spread the pixels over the steps of rounding: the
 # 1/12 is then right to 2 exp(-2 pi^2 0.45) = 0.3 %.
 LEAST_SPREAD_DN2 = 0.45
-BOX_PX = 5  # px, of the box filter that takes off what the light is uneven by (EMVA 1288, 8.1)
+BOX_PX = 5  # of the box filter that takes off what the light is uneven by (EMVA 1288, 8.1)
 
 
 class PhotonTransferError(ValueError):

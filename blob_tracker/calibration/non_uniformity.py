@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import sqrt
 
-from blob_tracker.calibration.frame_pair import CLIPPED, Pair
+from blob_tracker.calibration.frame_pair import CLIPPED, Pair, PILED_UP
 from blob_tracker.calibration.noise_line import NoiseLine
-from blob_tracker.calibration.photon_transfer import PILED_UP
 import numpy as np
 
 

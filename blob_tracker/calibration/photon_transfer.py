@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import sqrt
 
-from blob_tracker.calibration.frame_pair import CLIPPED, Pair, PhotonTransferError
+from blob_tracker.calibration.frame_pair import CLIPPED, Pair, PhotonTransferError, PILED_UP
 from blob_tracker.calibration.noise_line import fit_noise_line, NoiseLine, QUANTISATION
 from blob_tracker.calibration.non_uniformity import dsnu_of, linearity_of, prnu_of
 from blob_tracker.types import SensorNoise
@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 RANGE = 0.7  # of saturation, up to which the line is fitted (EMVA 1288, section 6.5)
-PILED_UP = 0.01  # part of the pixels at the highest value of all that makes it the clipped level
 FALL = 0.9  # of the variance before it: the transfer curve has passed its peak
 CORRELATED = 0.05  # between neighbours' noise; row noise and crosstalk of good sensors is below
 GROWS = 3.0  # standard deviations of the slope, that it must be above 0

@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-STILL_RAD = 1e-3  # rad: an axis that turned by less was not turned
+STILL_RAD = 1e-3  # an axis that turned by less was not turned
 ROUNDS = 3  # of the fit, each with the weights of the one before
-STEP_RAD = 1e-6  # rad, of the differences by the servo's angles
+STEP_RAD = 1e-6  # of the differences by the servo's angles
 SINGULAR = 1e-9  # of the Jacobian's singular values, columns scaled to one
 ASTRAY = 0.1  # of the width: so far off is no scatter but another camera
-COARSE_PX = 0.5  # px rms: centroids and servos are better
-FAR_PX = 1e6  # px: residual of a ray that the lens does not see
+COARSE_PX = 0.5  # rms: centroids and servos are better
+FAR_PX = 1e6  # residual of a ray that the lens does not see
 VAGUE_FOCAL, VAGUE_CENTRE = 0.02, 0.05  # of the focal length, of the width
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
-from blob_tracker.studies.beyond.servo_loop import Array
-from blob_tracker.studies.beyond.servo_scenario import MRAD, Scenario
+from blob_tracker.studies.beyond.servo_scenario import Array, MRAD, Scenario
 from blob_tracker.tracking import PanTiltAngles, PlatformRates, Tracker, TrackingError
 from blob_tracker.types import Bearing
 import numpy as np

@@ -15,12 +15,10 @@ from blob_tracker.simulation.pan_tilt import PanTilt
 from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera, PARTS
 from blob_tracker.simulation.sensor import Sensor
 from blob_tracker.studies.beyond.servo_laws import LAWS
-from blob_tracker.studies.beyond.servo_scenario import Boresight, Finder, MRAD, Scenario
+from blob_tracker.studies.beyond.servo_scenario import Array, Boresight, Finder, MRAD, Scenario
 from blob_tracker.types import Bearing, Frame, LocationError
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
 START_NS = 10**9  # stamp of the time 0: ns count from there
 
 

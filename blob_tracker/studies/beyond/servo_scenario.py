@@ -10,11 +10,12 @@ from blob_tracker.simulation.analogue_chain import AnalogueChain
 from blob_tracker.simulation.gyro import Gyro
 from blob_tracker.simulation.pan_tilt import Joints
 from blob_tracker.simulation.platform_motion import MOTIONS, PlatformMotion, Ride, Shock
-from blob_tracker.studies.beyond.servo_loop import Array
 from blob_tracker.studies.chapter_5.displacements import LABORATORY
 from blob_tracker.types import SensorNoise
 import numpy as np
+from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
 MRAD = 1e-3
 
 
