@@ -9,6 +9,7 @@ from blob_tracker.calibration.turn_start import (
     check_stations, first_look, NAMES, start_values, TurnError,
 )
 from blob_tracker.camera import CameraModel
+from blob_tracker.camera.lens import LENSES
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
@@ -284,7 +285,8 @@ def _camera(guess: CameraModel, values: dict[str, float]) -> CameraModel:
     """Return the camera of these parameters; a skew of the guess has no place among them."""
     distortion = np.array(guess.distortion, dtype=float)
     if values['k1'] != 0.0 or len(distortion):
-        distortion = distortion if len(distortion) else np.zeros(5)
+        if not len(distortion):
+            distortion = np.zeros(max(len(LENSES[guess.distortion_model].names), 1))
         distortion[0] = values['k1']
     matrix = np.array(
         [[values['fx'], 0.0, values['cx']], [0.0, values['fy'], values['cy']], [0.0, 0.0, 1.0]]
