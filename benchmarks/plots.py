@@ -11,7 +11,7 @@ from benchmarks.detection import ASKED_SNR, OURS, Row as DetectionRow, share, SN
 from benchmarks.ours import CHAMPION
 from benchmarks.real_pixels import CORRECTED, Row as RealRow
 from benchmarks.report import Report
-from benchmarks.tables import TITLES
+from benchmarks.tables_of_locating import TITLES
 import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure

@@ -12,7 +12,7 @@ from benchmarks.bearing import Row as BearingRow
 from benchmarks.capture import Row as CaptureRow
 from benchmarks.detection import ASKED_SNR, OURS, Row as DetectionRow, share
 from benchmarks.lab import DEFAULT, Row as LabRow
-from benchmarks.latency import Figures, LARGE, ONE, Row as LatencyRow, THREE, USUAL
+from benchmarks.latency.figures import Figures, LARGE, ONE, Row as LatencyRow, THREE, USUAL
 from benchmarks.motion import Row as MotionRow
 from benchmarks.ours import CHAMPION, DIFFERENCE, LIT_ONLY
 from benchmarks.real_frames import LASER, Row as FrameRow, STARS

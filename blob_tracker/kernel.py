@@ -45,6 +45,17 @@ def kernel(function: Kernel) -> Kernel:
     return compiled
 
 
+def written_into_kernels(function: Kernel) -> Kernel:
+    """
+    Take a part of a kernel that is written into each that calls it, before they are compiled.
+
+    A call leaves the compiler less to reorder: a kernel that has it is slower, and rounds
+    otherwise, than one that does all by itself.
+    """
+    part: Kernel = njit(inline='always', fastmath=FAST)(function)
+    return part
+
+
 def compiled(name: str) -> tuple[int, int, str]:
     """
     Tell which kernels of a module, or package, that is imported are compiled and kept on disk.

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterator
 from pathlib import Path
 
 import blob_tracker
 
 ROOT = Path(blob_tracker.__file__).parent
+LONGEST_FUNCTION = 100  # lines without its docstring: what is longer is two things
+BENCHMARKS = sorted((Path(__file__).parents[1] / 'benchmarks').rglob('*.py'))
 ROS_FOLDERS = ('ros', 'nodes', 'commands')
 ROS_MODULES = {
     'ament_index_python',
@@ -93,3 +96,58 @@ def test_arrows_point_down() -> None:
             if package == 'blob_tracker' and inside:
                 target = inside.split('.')[0]
                 assert target in ROOMS[room] | {room, 'types', 'units'}, f'{path} imports {name}'
+
+
+def test_no_function_is_too_long() -> None:
+    """What a function does is seen at one look, or has a name of its own for each part."""
+    for path in [path for _, path in sources()] + BENCHMARKS:
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+                lines = int(node.end_lineno or 0) - node.lineno + 1
+                if ast.get_docstring(node) is not None:
+                    lines -= int(node.body[0].end_lineno or 0) - node.body[0].lineno + 1
+                assert lines <= LONGEST_FUNCTION, f'{path}: {node.name} has {lines} lines'
+
+
+def test_no_two_files_import_each_other() -> None:
+    """Not by a detour either, nor for the sake of annotations alone."""
+    files = {
+        '.'.join(path.relative_to(ROOT.parent).with_suffix('').parts).removesuffix('.__init__'):
+        path for _, path in sources()
+    }
+    below = {name: set(within(path, files)) - {name} for name, path in files.items()}
+    # What imports nothing that is left is taken away; of a circle none ever is.
+    while free := {name for name, others in below.items() if not others & below.keys()}:
+        below = {name: others for name, others in below.items() if name not in free}
+    circles = [name for name in below if reaches(below, name, name)]
+    assert not circles, f'these import each other: {circles}'
+
+
+def within(path: Path, files: dict[str, Path]) -> Iterator[str]:
+    """
+    Yield the modules of the package that a file imports at its top level.
+
+    A name that is imported from a package is the module of that name, where there is one.
+    """
+    tree = ast.parse(path.read_text())
+    guarded = (each for node in tree.body if isinstance(node, ast.If) for each in node.body)
+    for node in (*tree.body, *guarded):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name in files)
+        elif isinstance(node, ast.ImportFrom) and node.module in files:
+            for alias in node.names:
+                module = f'{node.module}.{alias.name}'
+                yield module if module in files else str(node.module)
+
+
+def reaches(below: dict[str, set[str]], start: str, end: str) -> bool:
+    """Tell whether a way of imports leads from one module to another."""
+    seen: set[str] = set()
+    ahead = {start}
+    while ahead:
+        seen |= ahead
+        ahead = {other for name in ahead for other in below[name] if other in below}
+        if end in ahead:
+            return True
+        ahead -= seen
+    return False

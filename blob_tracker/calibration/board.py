@@ -15,31 +15,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from math import inf
 
 from blob_tracker.calibration.boards import View
 from blob_tracker.calibration.bundle import adjust, Bundle, information, project, residuals
 from blob_tracker.calibration.dot_centres import centre_offsets
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
+from blob_tracker.camera.lens import LENSES
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-# Model: names of its coefficients, in OpenCV's order.
-COEFFICIENTS = {
-    'equidistant': ('k1', 'k2', 'k3', 'k4'),
-    'plumb_bob': ('k1', 'k2', 'p1', 'p2', 'k3'),
-    'rational_polynomial': ('k1', 'k2', 'p1', 'p2', 'k3', 'k4', 'k5', 'k6'),
-}
 INTRINSICS = ('fx', 'fy', 'cx', 'cy')
 LEAST_VIEWS = 3
-CRITERIA = (cv2.TERM_CRITERIA_MAX_ITER | cv2.TERM_CRITERIA_EPS, 200, 1e-12)
 OUTLIER = 3.0  # times the median rms of the views: noise alone does not reach 2
-HARMLESS = 0.1  # px: a view this good is not at fault where the others are better still
-# Sigma to which the coefficients k4 k5 k6 of the rational model's denominator are held about 0, as
-# part of the covariance: without it numerator and denominator find a common root inside of the
-# image now and then, and bend the picture there to fit the noise.
-DENOMINATOR = 1.0
+HARMLESS_PX = 0.1  # a view this good is not at fault where the others are better still
 PRIOR_ROUNDS = 10  # most: three are the rule
 SETTLED = 0.01  # of the sum of squares: half a per cent of every sigma
 DOT_PASSES = 2  # the offsets of dots hang on the camera a little
@@ -157,7 +147,7 @@ def calibrate_board(
     views : sequence of View
         Three or more, of images of one size.
     distortion_model : str
-        plumb_bob, rational_polynomial or equidistant.
+        One of `blob_tracker.camera.lens.LENSES` that names its coefficients.
     name : str
         Of the camera.
 
@@ -184,7 +174,7 @@ def calibrate_board(
         found = _refined(used, distortion_model, name)
         rms = found.view_rms
         worst = int(np.argmax(rms))
-        limit = max(OUTLIER * float(np.median(rms)), HARMLESS)
+        limit = max(OUTLIER * float(np.median(rms)), HARMLESS_PX)
         if rms[worst] <= limit or len(used) <= LEAST_VIEWS:
             return replace(found, left_out=tuple(left_out))
         left_out.append((used.pop(worst), float(rms[worst])))
@@ -230,30 +220,25 @@ def _fitted(views: Sequence[View], distortion_model: str, name: str) -> BoardCal
         'of them, to the left, to the right, up and down'
     )
     count = sum(len(view.points) for view in views)
-    names = INTRINSICS + COEFFICIENTS[distortion_model]
+    lens = LENSES[distortion_model]
+    names = INTRINSICS + lens.names
     freedom = 2 * count - len(names) - 6 * len(views)
     if freedom < 1:
         raise CalibrationError('there are fewer points than parameters; take more images')
     prior = np.zeros(len(names))
     try:
-        if distortion_model == 'rational_polynomial':
-            bundle = _estimate(views, 'plumb_bob', name)
-            distortion = np.append(bundle.model.distortion, np.zeros(3))
-            model = replace(
-                bundle.model, distortion=distortion, distortion_model=distortion_model
-            )
-            bundle = replace(bundle, model=model)
+        bundle = _estimate(views, distortion_model, name)
+        if lens.sigmas:
+            held = np.array([*(inf for _ in INTRINSICS), *lens.sigmas])
             squares = _squares(residuals(views, bundle))
             # The prior weighs against the scatter of the points, which only the fit itself tells:
-            # that of its start holds what five coefficients cannot follow.
+            # that of its start holds what the start's coefficients cannot follow.
             for _ in range(PRIOR_ROUNDS):
-                prior[-3:] = squares / freedom / DENOMINATOR**2
+                prior = squares / freedom / held**2
                 bundle = adjust(views, bundle, prior)
                 before, squares = squares, _squares(residuals(views, bundle))
                 if abs(before - squares) <= SETTLED * squares:
                     break
-        else:
-            bundle = _estimate(views, distortion_model, name)
     except (cv2.error, CalibrationError, np.linalg.LinAlgError):
         raise CalibrationError(fault) from None
     left = residuals(views, bundle)
@@ -279,38 +264,12 @@ def _fitted(views: Sequence[View], distortion_model: str, name: str) -> BoardCal
 
 
 def _estimate(views: Sequence[View], distortion_model: str, name: str) -> Bundle:
-    """Return what OpenCV finds."""
+    """Return what the fit begins with."""
     points = [np.column_stack([view.points, np.zeros(len(view.points))]) for view in views]
     size = views[0].size
-    if distortion_model == 'equidistant':
-        flags: Any = cv2.fisheye  # OpenCV 5 has them in cv2 itself
-        flags = flags if hasattr(flags, 'CALIB_FIX_SKEW') else cv2
-        _, matrix, distortion, rotations, translations = cv2.fisheye.calibrate(
-            [each[None] for each in points],
-            [view.places[None] for view in views],
-            size,
-            np.eye(3),
-            np.zeros(4),
-            flags=flags.CALIB_RECOMPUTE_EXTRINSIC | flags.CALIB_FIX_SKEW,
-            criteria=CRITERIA,
-        )
-    else:
-        # Without a start OpenCV makes one: its typed interface asks for one nevertheless.
-        calibrate: Any = cv2.calibrateCamera
-        _, matrix, distortion, rotations, translations = calibrate(
-            [each.astype(np.float32) for each in points],
-            [view.places.astype(np.float32) for view in views],
-            size,
-            None,
-            None,
-            criteria=CRITERIA,
-        )
-    coefficients = np.ravel(distortion)[: len(COEFFICIENTS[distortion_model])].astype(float)
-    return Bundle(
-        CameraModel(*size, np.asarray(matrix, dtype=float), coefficients, distortion_model, name),
-        np.array(rotations, dtype=float).reshape(-1, 3),
-        np.array(translations, dtype=float).reshape(-1, 3),
-    )
+    found = LENSES[distortion_model].start(points, [view.places for view in views], size)
+    model = CameraModel(*size, found.matrix, found.coefficients, distortion_model, name)
+    return Bundle(model, found.rotations, found.translations)
 
 
 def _all_in_front(views: Sequence[View], bundle: Bundle) -> bool:

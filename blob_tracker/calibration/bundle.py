@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 
 from blob_tracker.calibration.boards import View
 from blob_tracker.camera import CameraModel
-import cv2
+from blob_tracker.camera.lens import LENSES
+from blob_tracker.camera.lens.definition import Projection
 import numpy as np
 from numpy.typing import NDArray
 
@@ -60,9 +61,7 @@ class Bundle:
         )
 
 
-def project(
-    points: Array, rotation: Array, translation: Array, model: CameraModel
-) -> tuple[Array, Array, Array]:
+def project(points: Array, rotation: Array, translation: Array, model: CameraModel) -> Projection:
     """
     Image points, with all derivatives.
 
@@ -77,25 +76,14 @@ def project(
 
     Returns
     -------
-    (N, 2) array, (2 N, n) array, (2 N, 6) array
+    Projection
         Places in px; their derivatives by fx, fy, cx, cy and the distortion coefficients, and
         by rotation and translation.
 
     """
-    distortion = np.asarray(model.distortion, dtype=float)
-    if model.distortion_model == 'equidistant':
-        places, jacobian = cv2.fisheye.projectPoints(
-            points[:, None], rotation, translation, model.matrix, distortion
-        )
-        # Its order: focal lengths, principal point, coefficients, rotation, translation, skew.
-        by_camera, by_pose = jacobian[:, :8], jacobian[:, 8:14]
-    else:
-        places, jacobian = cv2.projectPoints(
-            points, rotation, translation, model.matrix, distortion
-        )
-        by_camera, by_pose = jacobian[:, 6:10 + len(distortion)], jacobian[:, :6]
-    flat = np.asarray(places, dtype=float).reshape(-1, 2)
-    return flat, np.asarray(by_camera, dtype=float), np.asarray(by_pose, dtype=float)
+    coefficients = np.asarray(model.distortion, dtype=float)
+    lens = LENSES[model.distortion_model]
+    return lens.project(points, rotation, translation, model.matrix, coefficients)
 
 
 def residuals(views: Sequence[View], bundle: Bundle) -> list[Array]:
@@ -148,7 +136,7 @@ def adjust(views: Sequence[View], bundle: Bundle, prior: Array) -> Bundle:
 
 def _projections(
     views: Sequence[View], bundle: Bundle
-) -> list[tuple[View, tuple[Array, Array, Array]]]:
+) -> list[tuple[View, Projection]]:
     """Return each view with its projection and derivatives."""
     return [
         (view, project(

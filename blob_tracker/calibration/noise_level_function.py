@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import exp, sqrt
 from typing import NamedTuple
 
+from blob_tracker.calibration.frame_pair import LEAST_SPREAD_DN2, LEAST_VARIANCE_DN2
 from blob_tracker.calibration.noise_line import fit_noise_line, NoiseLine, QUANTISATION
-from blob_tracker.calibration.photon_transfer import LEAST_SPREAD, LEAST_VARIANCE
 from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -173,7 +173,9 @@ class NoiseLevelFunction:
         weight = sums[:, 0]
         level, square, variance, kurtosis, spread = (sums[:, 2:] / weight[:, None]).T
         spread = spread + square - level**2
-        shows = (variance > LEAST_VARIANCE) & (variance - QUANTISATION + spread > LEAST_SPREAD)
+        shows = (variance > LEAST_VARIANCE_DN2) & (
+            variance - QUANTISATION + spread > LEAST_SPREAD_DN2
+        )
         return level, variance, (kurtosis - 1.0) * sums[:, 1] / weight**2, shows
 
     def line(self) -> NoiseLine | None:

@@ -6,89 +6,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import sqrt
 
+from blob_tracker.calibration.frame_pair import CLIPPED, Pair, PhotonTransferError, PILED_UP
 from blob_tracker.calibration.noise_line import fit_noise_line, NoiseLine, QUANTISATION
-from blob_tracker.types import Pixels, SensorNoise
-import cv2
+from blob_tracker.calibration.non_uniformity import dsnu_of, linearity_of, prnu_of
+from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
 
 RANGE = 0.7  # of saturation, up to which the line is fitted (EMVA 1288, section 6.5)
-CLIPPED = 0.0005  # part of the pixels: clipped, it takes as much of the variance; more is too much
-PILED_UP = 0.01  # part of the pixels at the highest value of all that makes it the clipped level
 FALL = 0.9  # of the variance before it: the transfer curve has passed its peak
-LEAST_VARIANCE = 0.24  # DN^2, below which rounding hides the noise (EMVA 1288, section 6.6)
-# DN^2 of noise and non-uniformity together that spread the pixels over the steps of rounding: the
-# 1/12 is then right to 2 exp(-2 pi^2 0.45) = 0.3 %.
-LEAST_SPREAD = 0.45
 CORRELATED = 0.05  # between neighbours' noise; row noise and crosstalk of good sensors is below
 GROWS = 3.0  # standard deviations of the slope, that it must be above 0
 BENT = 0.15  # slope gained or lost over the range, relative
 NONLINEAR = 0.02  # mean relative deviation of the level from a line over the exposure
-BOX = 5  # px, of the box filter that takes off what the light is uneven by (EMVA 1288, 8.1)
-
-
-class PhotonTransferError(ValueError):
-    """Frames that give no photon transfer; the message says why and what would."""
-
-
-@dataclass(frozen=True)
-class Pair:
-    """
-    Statistics of two frames of the same light.
-
-    Parameters
-    ----------
-    dark : bool
-        Whether there was none.
-    exposure : float or None
-        What the light is proportional to: photons, or time; None where it is not known.
-    mean : float
-        DN.
-    variance : float
-        Temporal, DN^2: half the variance of the difference of the two (EMVA 1288, eq. 18 to 20,
-        in which the change of the mean drops out).
-    kurtosis : float
-        Of the difference; 3 where the noise is Gaussian.
-    spatial_variance : float
-        DN^2, of the mean of many frames, without what is smooth over 5 px.
-    correlation : float
-        Of a pixel's noise with that of its neighbour, the worse of right and below.
-    highest : int
-        DN of the brightest pixel.
-    at_highest, at_zero : float
-        Part of the pixels that are at `highest`, and at 0 DN.
-    count : int
-        Pixels.
-    step : int
-        Greatest common divisor of the pixels' values, DN.
-
-    """
-
-    dark: bool
-    exposure: float | None
-    mean: float
-    variance: float
-    kurtosis: float
-    spatial_variance: float
-    correlation: float
-    highest: int
-    at_highest: float
-    at_zero: float
-    count: int
-    step: int
-
-    @property
-    def scatter(self) -> float:
-        """Variance of the variance over its square."""
-        return max(self.kurtosis - 1.0, 0.5) / self.count
-
-    @property
-    def shows_noise(self) -> bool:
-        """Whether rounding and 0 DN leave the noise as it is."""
-        spread = self.variance - QUANTISATION + self.spatial_variance
-        return (
-            self.at_zero < CLIPPED and self.variance > LEAST_VARIANCE and spread > LEAST_SPREAD
-        )
 
 
 @dataclass(frozen=True)
@@ -145,63 +75,6 @@ class PhotonTransfer:
         if self.black_level is None:
             return self.line.noise
         return SensorNoise(self.line.gain, self.line.read_noise, self.black_level[0])
-
-
-def pair_of(
-    first: Pixels, second: Pixels, *, dark: bool = False, exposure: float | None = None
-) -> Pair:
-    """
-    Return the statistics of two frames of the same light.
-
-    Parameters
-    ----------
-    first, second : (h, w) uint8 or uint16 arrays
-        DN.
-    dark : bool
-        Whether there was no light.
-    exposure : float, optional
-        What the light is proportional to.
-
-    Raises
-    ------
-    PhotonTransferError
-        Where the two differ in size or type.
-
-    """
-    if first.shape != second.shape or first.dtype != second.dtype or first.size < 256:
-        raise PhotonTransferError(
-            f'a pair is {first.shape[1]} x {first.shape[0]} {first.dtype} and '
-            f'{second.shape[1]} x {second.shape[0]} {second.dtype}; both frames must be of one '
-            'size and depth, and of 256 pixels or more'
-        )
-    a, b = first.astype(np.float64), second.astype(np.float64)
-    difference = a - b
-    difference -= difference.mean()
-    square = float((difference**2).mean())
-    kurtosis, correlation = 3.0, 0.0
-    if square > 0.0:
-        kurtosis = float((difference**4).mean()) / square**2
-        right = float((difference[:, 1:] * difference[:, :-1]).mean()) / square
-        below = float((difference[1:] * difference[:-1]).mean()) / square
-        correlation = max(right, below, key=abs)
-    # White non-uniformity loses 1 / 25 of its variance to the box.
-    flat_a, flat_b = (each - cv2.blur(each, (BOX, BOX)) for each in (a, b))
-    spatial = float((flat_a * flat_b).mean()) / (1.0 - 1.0 / BOX**2)
-    highest = int(max(first.max(), second.max()))
-    return Pair(
-        dark=dark,
-        exposure=0.0 if dark and exposure is None else exposure,
-        mean=0.5 * float(a.mean() + b.mean()),
-        variance=0.5 * square * a.size / (a.size - 1),
-        kurtosis=kurtosis,
-        spatial_variance=spatial,
-        correlation=correlation,
-        highest=highest,
-        at_highest=0.5 * float((first == highest).mean() + (second == highest).mean()),
-        at_zero=0.5 * float((first == 0).mean() + (second == 0).mean()),
-        count=a.size,
-        step=int(np.gcd.reduce(first, axis=None)),
-    )
 
 
 def photon_transfer(pairs: Sequence[Pair], saturation: int | None = None) -> PhotonTransfer:
@@ -288,7 +161,7 @@ def photon_transfer(pairs: Sequence[Pair], saturation: int | None = None) -> Pho
             'no photon transfer, switch that off'
         )
     warnings += _of_the_line(line, levels, variances, scatters)
-    linearity = _linearity(bright, black, most)
+    linearity = linearity_of(bright, black, most)
     if linearity is not None and linearity[0] > NONLINEAR:
         warnings.append(
             f'the level is off a line over the exposure by {linearity[0]:.1%}; is there a gamma '
@@ -305,8 +178,8 @@ def photon_transfer(pairs: Sequence[Pair], saturation: int | None = None) -> Pho
         # It lies somewhere up to the next exposure.
         saturation_level=(peak.mean, max(step, 0.0) / sqrt(12.0)),
         capacity=(electrons, sqrt(capacity_sigma**2 + (step * line.gain) ** 2 / 12.0)),
-        prnu=_prnu(bright, darks if black_of else [], black, most),
-        dsnu=_dsnu(darks if black_of else [], line),
+        prnu=prnu_of(bright, darks if black_of else [], black, most),
+        dsnu=dsnu_of(darks if black_of else [], line),
         linearity_error=linearity,
         pairs=pairs,
         used=used,
@@ -429,77 +302,6 @@ def _of_the_line(
                 'the range. The camera is not linear (gamma?) or takes out noise'
             )
     return warnings
-
-
-def _linearity(
-    bright: Sequence[Pair], black: float, most: float
-) -> tuple[float, float] | None:
-    """
-    Return the mean relative deviation of the level from a line over the exposure, and its sigma.
-
-    The line has the least relative squares between 5 and 95 % of saturation (EMVA 1288, 6.7).
-    """
-    points = [
-        (each.exposure, each.mean - black, each.variance / (2.0 * each.count))
-        for each in bright
-        if each.exposure is not None
-        and 0.05 * (most - black) <= each.mean - black <= 0.95 * (most - black)
-        and each.at_highest < PILED_UP
-    ]
-    exposures, levels, variances = np.array(points, dtype=float).reshape(-1, 3).T
-    if levels.size < 3 or np.unique(exposures).size < 3:
-        return None
-    slope, offset = np.polyfit(exposures, levels, 1, w=1.0 / levels)
-    deviations = levels / (offset + slope * exposures) - 1.0
-    sigma = np.sqrt((variances / levels**2).sum()) / levels.size
-    return float(np.abs(deviations).mean()), float(sigma)
-
-
-def _spatial_sigma(pair: Pair) -> float:
-    """Return the standard deviation of a pair's spatial variance, a covariance of two frames."""
-    spatial = max(pair.spatial_variance, 0.0)
-    return sqrt(((spatial + pair.variance) ** 2 + spatial**2) / pair.count)
-
-
-def _prnu(
-    bright: Sequence[Pair], darks: Sequence[Pair], black: float, most: float
-) -> tuple[float, float] | None:
-    """Return PRNU_1288 and its sigma, of the pair nearest to half saturation (eq. 44)."""
-    pair = min(bright, key=lambda each: abs(each.mean - 0.5 * (most + black)))
-    if pair.at_highest > PILED_UP or pair.mean <= black:
-        return None
-    dark, dark_sigma = _mean_spatial(darks)
-    return _root(
-        pair.spatial_variance - dark,
-        sqrt(_spatial_sigma(pair) ** 2 + dark_sigma**2),
-        1.0 / (pair.mean - black),
-    )
-
-
-def _dsnu(darks: Sequence[Pair], line: NoiseLine) -> tuple[float, float] | None:
-    """Return DSNU_1288, electrons, and its sigma (eq. 43)."""
-    sound = [each for each in darks if each.at_zero < CLIPPED]
-    if not sound:
-        return None
-    return _root(*_mean_spatial(sound), line.gain)
-
-
-def _mean_spatial(pairs: Sequence[Pair]) -> tuple[float, float]:
-    """Return the mean spatial variance of pairs, DN^2, and its sigma."""
-    sound = [each for each in pairs if each.at_zero < CLIPPED]
-    if not sound:
-        return 0.0, 0.0
-    # The same pixels each time: the temporal noise averages out, the draw of the pixels does not.
-    return (
-        float(np.mean([each.spatial_variance for each in sound])),
-        sqrt(sum(_spatial_sigma(each) ** 2 for each in sound)) / len(sound),
-    )
-
-
-def _root(square: float, sigma: float, scale: float) -> tuple[float, float]:
-    """Return the square root of a square that may be below zero, and its sigma, both scaled."""
-    root = sqrt(max(square, 0.0))
-    return scale * root, scale * (sqrt(root**2 + sigma) - root)
 
 
 def _capacity(level: float, line: NoiseLine) -> tuple[float, float]:

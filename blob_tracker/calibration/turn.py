@@ -5,29 +5,23 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from blob_tracker.calibration.scatter import variance_factor
+from blob_tracker.calibration.turn_start import (
+    check_stations, first_look, NAMES, start_values, TurnError,
+)
 from blob_tracker.camera import CameraModel
-from blob_tracker.units import MRAD_PER_RAD
+from blob_tracker.camera.lens import LENSES
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-STILL = 1e-3  # rad: an axis that turned by less was not turned
-LEAST_PLACES = 3  # along an axis: two give a slope, and no principal point
+STILL_RAD = 1e-3  # an axis that turned by less was not turned
 ROUNDS = 3  # of the fit, each with the weights of the one before
-STEP = 1e-6  # rad, of the differences by the servo's angles
+STEP_RAD = 1e-6  # of the differences by the servo's angles
 SINGULAR = 1e-9  # of the Jacobian's singular values, columns scaled to one
 ASTRAY = 0.1  # of the width: so far off is no scatter but another camera
-COARSE = 0.5  # px rms: centroids and servos are better
-FAR = 1e6  # px: residual of a ray that the lens does not see
+COARSE_PX = 0.5  # rms: centroids and servos are better
+FAR_PX = 1e6  # residual of a ray that the lens does not see
 VAGUE_FOCAL, VAGUE_CENTRE = 0.02, 0.05  # of the focal length, of the width
-WIDEST, NARROWEST = 0.3, 60.0  # focal lengths in widths of the picture: 120 and 1 degrees across
-NAMES = (
-    'fx', 'fy', 'cx', 'cy', 'k1', 'azimuth', 'elevation', 'yaw', 'pitch', 'roll',
-)  # px, px, px, px, -, and rad
-
-
-class TurnError(ValueError):
-    """Measurements that give no camera; the message says what is missing."""
 
 
 @dataclass(frozen=True)
@@ -181,32 +175,17 @@ def calibrate_turn(
 
     """
     pan, tilt, pixels = (np.asarray(values, dtype=float) for values in (pan, tilt, pixels))
-    _check(pan, tilt, pixels, pixel_sigma, step_sigma, guess)
-    turned = (float(np.ptp(pan)) > STILL, float(np.ptp(tilt)) > STILL)
-    pan_sign, tilt_sign, focal = _first_look(pan, tilt, pixels, guess, turned)
+    check_stations(pan, tilt, pixels, pixel_sigma, step_sigma, guess)
+    turned = (float(np.ptp(pan)) > STILL_RAD, float(np.ptp(tilt)) > STILL_RAD)
+    pan_sign, tilt_sign, focal = first_look(pan, tilt, pixels, guess, turned)
     pan, tilt = pan_sign * pan, tilt_sign * tilt
     notes = []
     if pan_sign < 0:
         notes.append('the servo counts pan to the left; it was taken so')
     if tilt_sign < 0:
         notes.append('the servo counts tilt downwards; it was taken so')
-
-    free = set(NAMES) - (set() if fit_distortion else {'k1'})
-    if not fit_centre:
-        free -= {'cx', 'cy'}
-    if one_focal_length or not all(turned):
-        free -= {'fy'}
-    if not turned[1]:
-        # Turning about one axis only: an angle about it cannot be told from the target's own.
-        free -= {'cy', 'yaw'}
-        notes.append(
-            'only pan was turned: fy is taken as fx, cy stays as it was, and neither was measured'
-        )
-    elif not turned[0]:
-        free -= {'cx', 'pitch'}
-        notes.append(
-            'only tilt was turned: fx is taken as fy, cx stays as it was, and neither was measured'
-        )
+    free, about_the_axes = _told(turned, one_focal_length, fit_centre, fit_distortion)
+    notes += about_the_axes
     fitted = tuple(name for name in NAMES if name in free)
     freedom = 2 * len(pan) - len(fitted)
     if freedom < 1:
@@ -214,7 +193,7 @@ def calibrate_turn(
             f'{len(pan)} stations are {2 * len(pan)} numbers for {len(fitted)} unknowns; '
             f'{len(fitted) // 2 + 1} stations are the least, and 15 or more are good'
         )
-    values = _start(pan, tilt, pixels, guess, focal)
+    values = start_values(pan, tilt, pixels, guess, focal)
 
     def predicted(
         parameters: NDArray[np.float64], pan: NDArray[np.float64], tilt: NDArray[np.float64]
@@ -226,7 +205,7 @@ def calibrate_turn(
             _camera(guess, full), pan, tilt, target=(full['azimuth'], full['elevation']),
             misalignment=(full['yaw'], full['pitch'], full['roll']), offset=offset,
         )
-        return np.where(np.isfinite(seen), seen, FAR)
+        return np.where(np.isfinite(seen), seen, FAR_PX)
 
     def whitened(parameters: NDArray[np.float64]) -> NDArray[np.float64]:
         rest = pixels - predicted(parameters, pan, tilt)
@@ -237,8 +216,8 @@ def calibrate_turn(
         by_servo = np.stack(
             [
                 (predicted(solution, pan + a, tilt + b) - predicted(solution, pan - a, tilt - b))
-                / (2.0 * STEP)
-                for a, b in ((STEP, 0.0), (0.0, STEP))
+                / (2.0 * STEP_RAD)
+                for a, b in ((STEP_RAD, 0.0), (0.0, STEP_RAD))
             ],
             axis=2,
         )
@@ -278,110 +257,36 @@ def calibrate_turn(
     )
 
 
-def _check(
-    pan: NDArray[np.float64],
-    tilt: NDArray[np.float64],
-    pixels: NDArray[np.float64],
-    pixel_sigma: NDArray[np.float64] | None,
-    step_sigma: float,
-    guess: CameraModel,
-) -> None:
-    """Raise where no camera can come of it."""
-    if pan.ndim != 1 or tilt.shape != pan.shape or pixels.shape != (len(pan), 2):
-        raise TurnError(
-            f'{pan.shape} pan and {tilt.shape} tilt angles do not go with {pixels.shape} pixels'
+def _told(
+    turned: tuple[bool, bool], one_focal_length: bool, fit_centre: bool, fit_distortion: bool
+) -> tuple[set[str], list[str]]:
+    """Return the parameters that these turns tell and that are asked for, and what is to know."""
+    notes = []
+    free = set(NAMES) - (set() if fit_distortion else {'k1'})
+    if not fit_centre:
+        free -= {'cx', 'cy'}
+    if one_focal_length or not all(turned):
+        free -= {'fy'}
+    if not turned[1]:
+        # Turning about one axis only: an angle about it cannot be told from the target's own.
+        free -= {'cy', 'yaw'}
+        notes.append(
+            'only pan was turned: fy is taken as fx, cy stays as it was, and neither was measured'
         )
-    if not all(np.isfinite(values).all() for values in (pan, tilt, pixels)):
-        raise TurnError('an angle or a pixel is NaN or infinite')
-    if pixel_sigma is not None and not (
-        np.shape(pixel_sigma) == pixels.shape
-        and np.isfinite(pixel_sigma).all()
-        and (np.asarray(pixel_sigma) > 0.0).all()
-    ):
-        raise TurnError('the sigmas of the pixels must be finite and above 0, one for each')
-    if not 0.0 <= step_sigma < 1.0:
-        raise TurnError(f'the sigma of the servo is {step_sigma} rad; it must be 0 to 1')
-    places = max(len(np.unique(np.round(values, 6))) for values in (pan, tilt))
-    if places < LEAST_PLACES:
-        raise TurnError(
-            f'the servo stood at {places} different angles of an axis; {LEAST_PLACES} or more '
-            'are needed, and five by five over the whole picture are good'
+    elif not turned[0]:
+        free -= {'cx', 'pitch'}
+        notes.append(
+            'only tilt was turned: fx is taken as fy, cx stays as it was, and neither was measured'
         )
-    outside = (pixels < -0.5).any(axis=1) | (
-        pixels > np.array([guess.width, guess.height]) - 0.5
-    ).any(axis=1)
-    if outside.any():
-        x, y = pixels[outside.argmax()]
-        raise TurnError(
-            f'the pixel ({x:.1f}, {y:.1f}) is outside of the {guess.width} x {guess.height} '
-            'picture; is that the size of the camera?'
-        )
-
-
-def _first_look(
-    pan: NDArray[np.float64],
-    tilt: NDArray[np.float64],
-    pixels: NDArray[np.float64],
-    guess: CameraModel,
-    turned: tuple[bool, bool],
-) -> tuple[int, int, float]:
-    """Return the signs of both axes and the focal length, px, by a linear fit of the pixels."""
-    if not any(turned):
-        raise TurnError(
-            f'pan turned by {MRAD_PER_RAD * np.ptp(pan):.2g} mrad in all and tilt by '
-            f'{MRAD_PER_RAD * np.ptp(tilt):.2g}: too little. Is the unit right? The column says '
-            'it: pan_mrad, pan_deg or pan_rad'
-        )
-    columns = [np.ones_like(pan)]
-    columns += [angle - angle.mean() for angle, moved in zip((pan, tilt), turned) if moved]
-    design = np.stack(columns, axis=1)
-    if np.linalg.matrix_rank(design / np.linalg.norm(design, axis=0), tol=1e-3) < len(columns):
-        raise TurnError(
-            'pan and tilt were always turned together: turn each while the other stands still'
-        )
-    slopes = np.linalg.lstsq(design, pixels, rcond=None)[0][1:]
-    axes = [axis for axis, moved in enumerate(turned) if moved]
-    own = np.array([slope[axis] for slope, axis in zip(slopes, axes)])
-    other = np.array([slope[1 - axis] for slope, axis in zip(slopes, axes)])
-    if (np.abs(other) >= np.abs(own)).any():
-        raise TurnError(
-            'the target moves across the turn of the servo: x must follow pan and y tilt; is the '
-            'camera mounted on its side, or are the columns mixed up?'
-        )
-    signs = {axis: int(-np.sign(value)) for axis, value in zip(axes, own)}
-    focal = float(np.abs(own).mean())
-    if not WIDEST < focal / guess.width < NARROWEST:
-        unit = 'degrees' if focal > guess.width else 'mrad'
-        raise TurnError(
-            f'the target moves by {focal:.4g} px per radian, {focal / guess.width:.2g} times the '
-            f"width of the picture: no lens does. Are the angles in {unit}? The column's name "
-            'says the unit: pan_mrad, pan_deg or pan_rad'
-        )
-    return signs.get(0, 1), -signs.get(1, -1), focal
-
-
-def _start(
-    pan: NDArray[np.float64],
-    tilt: NDArray[np.float64],
-    pixels: NDArray[np.float64],
-    guess: CameraModel,
-    focal: float,
-) -> dict[str, float]:
-    """Return the parameters that the fit starts from."""
-    centre = guess.matrix[:2, 2]
-    away = (pixels.mean(axis=0) - centre) / focal
-    return dict(zip(NAMES, (
-        focal, focal, float(centre[0]), float(centre[1]),
-        float(guess.distortion[0]) if len(guess.distortion) else 0.0,
-        float(pan.mean() + away[0]), float(tilt.mean() - away[1]), 0.0, 0.0, 0.0,
-    )))
+    return free, notes
 
 
 def _camera(guess: CameraModel, values: dict[str, float]) -> CameraModel:
     """Return the camera of these parameters; a skew of the guess has no place among them."""
     distortion = np.array(guess.distortion, dtype=float)
     if values['k1'] != 0.0 or len(distortion):
-        distortion = distortion if len(distortion) else np.zeros(5)
+        if not len(distortion):
+            distortion = np.zeros(max(len(LENSES[guess.distortion_model].names), 1))
         distortion[0] = values['k1']
     matrix = np.array(
         [[values['fx'], 0.0, values['cx']], [0.0, values['fy'], values['cy']], [0.0, 0.0, 1.0]]
@@ -440,7 +345,7 @@ def _vague(
                 'picture; turn further'
             )
     rms = float(np.sqrt((residuals**2).mean()))
-    if rms > COARSE:
+    if rms > COARSE_PX:
         notes.append(
             f'the residuals are {rms:.1f} px rms, far above the scatter of a centroid: are the '
             'angles in the unit that their columns say, and is the distortion right?'

@@ -1,6 +1,6 @@
 """Location -> Bearing: from pixels to milliradians."""
 
-from blob_tracker.camera.calibration_file import write_calibration
+from blob_tracker.camera.calibration_writer import write_calibration
 from blob_tracker.camera.data_sheet import DataSheet
 from blob_tracker.camera.lens import LensError
 from blob_tracker.camera.model import CameraModel, pinhole_matrix

@@ -7,7 +7,7 @@ from functools import cached_property
 from math import atan2, cos, hypot, inf, isfinite, nan, sin, sqrt
 from pathlib import Path
 
-from blob_tracker.camera.calibration_file import read_calibration
+from blob_tracker.camera.calibration_reader import read_calibration
 from blob_tracker.camera.lens import LensError, LENSES
 from blob_tracker.camera.lens.definition import Coefficients, Derivative, Vector
 from blob_tracker.camera.yaml_file import CalibrationError
@@ -16,9 +16,9 @@ from blob_tracker.units import MRAD_PER_RAD
 import numpy as np
 from numpy.typing import NDArray
 
-# mrad/px, of a focal length of 1e9 px: what turns by less has a matrix of no lens, from which an
+# Of a focal length of 1e9 px: what turns by less has a matrix of no lens, from which an
 # angle of 90 degrees would come, with a variance of 0.
-LEAST_TURN = 1e-6
+LEAST_TURN_MRAD_PER_PX = 1e-6
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class CameraModel:
         Coefficients in the order of OpenCV: k1 k2 p1 p2 k3 ..., of an equidistant lens k1 k2 k3
         k4; empty is the same as all zero.
     distortion_model : str
-        plumb_bob, rational_polynomial or equidistant.
+        One of `blob_tracker.camera.lens.LENSES`.
     name : str
         Name of the camera.
     rectification : (3, 3) array, optional
@@ -289,9 +289,9 @@ class CameraModel:
         (a, b), (c, d) = by_pixel.tolist()
         azimuth_turns, elevation_turns = hypot(a, b), hypot(c, d)
         if not (
-            azimuth_turns > LEAST_TURN
-            and elevation_turns > LEAST_TURN
-            and LEAST_TURN**2 < abs(a * d - b * c) < inf  # nor NaN
+            azimuth_turns > LEAST_TURN_MRAD_PER_PX
+            and elevation_turns > LEAST_TURN_MRAD_PER_PX
+            and LEAST_TURN_MRAD_PER_PX**2 < abs(a * d - b * c) < inf  # nor NaN
         ):
             raise LensError(
                 f'the direction at the pixel ({x:.1f}, {y:.1f}) turns by {by_pixel.tolist()} '

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 import ctypes
 import errno
-from fractions import Fraction
 import mmap
 import os
 import select
@@ -15,12 +14,14 @@ from types import TracebackType
 from typing import TypeVar
 
 from blob_tracker.capture import controls, videodev2
+from blob_tracker.capture.buffers import empty_buffer, map_buffers
 from blob_tracker.capture.clock import RealtimeClock
 from blob_tracker.capture.control_events import ControlEvents
 from blob_tracker.capture.controls import Control, ControlError
 from blob_tracker.capture.device import buffer_type, busy, driver, open_capture_device
 from blob_tracker.capture.errors import CaptureError, NoFrameError
 from blob_tracker.capture.format import set_format
+from blob_tracker.capture.frame_rate import set_frame_rate
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 from blob_tracker.capture.selection import sensor_region
 from blob_tracker.capture.signal import Signal
@@ -137,10 +138,12 @@ class V4l2Camera:
             self.sensor_size = self._region.sensor_size
             decoder = PIXEL_FORMATS[self.pixel_format].binning
             self._binning = self._region.binning[0] * decoder, self._region.binning[1] * decoder
-            self.frame_rate = self._set_frame_rate(frame_rate)
+            self.frame_rate = set_frame_rate(
+                self._call, self._format.buffer_type, frame_rate, self._signal.frame_rate)
             prepare(self)
             step = 'give its buffers'
-            self._map_buffers(buffers)
+            self._buffer_flags = map_buffers(
+                self._call, self._fd, device, self._format.buffer_type, buffers, self._memory)
             step = 'begin to stream'
             known = controls.controls(self._call)
             self._events = ControlEvents(self._call, known.values())
@@ -336,64 +339,11 @@ class V4l2Camera:
     def _unplugged(self) -> str:
         return f'{self.device}: the device is gone (unplugged?); connect it and open it again'
 
-    # --- set-up ---
-
-    def _set_frame_rate(self, wanted: float) -> float:
-        """Ask for a frame rate; return the one that the driver gives, frames/s, 0 if unknown."""
-        parameters = videodev2.StreamParm(type=self._format.buffer_type)
-        try:
-            self._call(videodev2.G_PARM, parameters)
-            if wanted > 0.0 and parameters.capability & videodev2.CAP_TIMEPERFRAME:
-                rate = _rate(wanted)
-                parameters.timeperframe.numerator = rate.denominator
-                parameters.timeperframe.denominator = rate.numerator
-                self._call(videodev2.S_PARM, parameters)
-        except OSError as error:
-            if error.errno not in (errno.ENOTTY, errno.EINVAL):
-                raise
-            return self._signal.frame_rate
-        interval = parameters.timeperframe
-        if not (interval.numerator and interval.denominator):
-            return self._signal.frame_rate
-        return interval.denominator / interval.numerator
-
-    def _map_buffers(self, count: int) -> None:
-        request = videodev2.RequestBuffers(
-            count=count, type=self._format.buffer_type, memory=videodev2.MEMORY_MMAP)
-        self._call(videodev2.REQBUFS, request)
-        if request.count < 2:
-            raise CaptureError(f'{self.device}: the driver has no memory for two buffers; choose '
-                               'a smaller picture')
-        for index in range(request.count):
-            buffer = self._buffer(index)
-            self._call(videodev2.QUERYBUF, buffer)
-            if buffer.type == videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE:
-                plane = buffer.m.planes[0]  # the luma, whatever the format
-                length, offset = plane.length, plane.m.mem_offset
-            else:
-                length, offset = buffer.length, buffer.m.offset
-            self._memory.append(mmap.mmap(self._fd, length, offset=offset))
-            self._call(videodev2.QBUF, buffer)
-        flags = buffer.flags
-        if flags & videodev2.BUF_FLAG_TIMESTAMP_MASK != videodev2.BUF_FLAG_TIMESTAMP_MONOTONIC:
-            raise CaptureError(
-                f'{self.device}: its driver does not stamp frames with the monotonic clock, so '
-                'their time is unknown; use a driver that does')
-        self._buffer_flags = flags
-
     # --- streaming ---
-
-    def _buffer(self, index: int = 0) -> videodev2.Buffer:
-        buffer = videodev2.Buffer(
-            index=index, type=self._format.buffer_type, memory=videodev2.MEMORY_MMAP)
-        if buffer.type == videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE:
-            buffer.m.planes = (videodev2.Plane * videodev2.MAX_PLANES)()
-            buffer.length = videodev2.MAX_PLANES
-        return buffer
 
     def _dequeue(self) -> videodev2.Buffer | None:
         """Return the oldest buffer that the driver has filled, None where there is none."""
-        buffer = self._buffer()
+        buffer = empty_buffer(self._format.buffer_type)
         try:
             self._call(videodev2.DQBUF, buffer)
         except BlockingIOError:
@@ -483,15 +433,6 @@ class V4l2Camera:
             # The mean, as the stamps of single frames jitter on a busy machine.
             self._interval_ns = (stamp_ns - begin_ns) // ((sequence - number) & 0xffffffff)
         self.sequence = sequence
-
-
-def _rate(wanted: float) -> Fraction:
-    """Return a frame rate as the fraction that drivers know it by, frames/s."""
-    # 29.97 and 59.94 are short for 30000/1001 and 60000/1001; low whole rates lie near such too.
-    broadcast = Fraction(round(wanted * 1.001) * 1000, 1001)
-    if wanted != round(wanted) and abs(wanted - broadcast) <= 0.01:
-        return broadcast
-    return Fraction(wanted).limit_denominator(1001)
 
 
 def _stamp_ns(buffer: videodev2.Buffer) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from blob_tracker.kernel import Array, kernel
+from blob_tracker.kernel import Array, kernel, written_into_kernels
 from blob_tracker.location.estimates import Estimates, Failure
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
 from blob_tracker.location.normal_equations import column_of_inverse, empty_equations, solve
@@ -112,6 +112,33 @@ def maximum_likelihood(
     return Estimates.from_table(table, covariance, clipped, failure)
 
 
+@written_into_kernels
+def _take(
+    n: int, lit: Array, unlit: Array, paired: bool, saturation: float, seen: Observation,
+    texture: Array, clipped: NDArray[np.int64],
+) -> tuple[int, float]:
+    """Fill the observation and the texture; return the usable pixels and the texture's sum."""
+    height, width = texture.shape
+    usable = 0
+    mean = 0.0
+    for j in range(height):
+        for i in range(width):
+            seen.pixels[j, i] = lit[j, i]
+            seen.extra[j, i] = seen.floor
+            lost = lit[j, i] >= saturation
+            if lost:
+                clipped[n] += 1
+            if paired:
+                texture[j, i] = unlit[j, i]
+                lost = lost or unlit[j, i] >= saturation
+            if lost:
+                seen.extra[j, i] = math.inf
+            else:
+                usable += 1
+                mean += texture[j, i]
+    return usable, mean
+
+
 @kernel
 def _fit_all(
     lit: Array,
@@ -132,7 +159,6 @@ def _fit_all(
     seen = Observation(
         np.empty((height, width)), np.empty((height, width)), np.zeros(2), shot, floor
     )
-    pixels, extra = seen.pixels, seen.extra
     texture = np.zeros((height, width))
     profiles = empty_profiles(height, width)
     theta = np.empty(6)
@@ -140,23 +166,9 @@ def _fit_all(
     equations = empty_equations()
     fisher, column = equations.matrix, equations.solution
     for n in range(count):
-        usable = 0
-        mean = 0.0
-        for j in range(height):
-            for i in range(width):
-                pixels[j, i] = lit[n, j, i]
-                extra[j, i] = floor
-                lost = lit[n, j, i] >= saturation
-                if lost:
-                    clipped[n] += 1
-                if paired:
-                    texture[j, i] = unlit[n, j, i]
-                    lost = lost or unlit[n, j, i] >= saturation
-                if lost:
-                    extra[j, i] = math.inf
-                else:
-                    usable += 1
-                    mean += texture[j, i]
+        usable, mean = _take(
+            n, lit[n], unlit[n] if paired else lit[n], paired, saturation, seen, texture, clipped
+        )
         if usable < size + 1:
             failure[n] = _FEW
             continue
@@ -164,11 +176,11 @@ def _fit_all(
         share = 0.0
         if paired:
             mean /= usable
-            white = split_unlit(texture, extra, mean, shot, floor, usable)
+            white = split_unlit(texture, seen.extra, mean, shot, floor, usable)
             # Lit minus unlit to start from: bright texture must not be taken for the target.
             share = 1.0
             blend(lit[n], Unlit(texture, mean, white), share, seen)
-        start_value(pixels, lit[n], saturation, paired, mean, start)
+        start_value(seen.pixels, lit[n], saturation, paired, mean, start)
         theta[:] = start
         done = False
         for iteration in range(FISHER_STEPS):

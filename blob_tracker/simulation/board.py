@@ -7,6 +7,7 @@ from functools import lru_cache
 from typing import Any
 
 from blob_tracker.camera import CameraModel
+from blob_tracker.camera.lens import LENSES
 from blob_tracker.simulation.sensor import Sensor
 from blob_tracker.types import Pixels
 import cv2
@@ -14,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RectBivariateSpline
 
-CLOSE_ENOUGH = 1e-9  # of the normalised coordinates: no picture shows it
-KNOTS_PX = 4  # px between the rays that are computed
-RIM_SIGMA = 4.0  # sigmas of the blur that reach across the board's edge
+KNOTS_PX = 4  # between the rays that are computed
+RIM_SIGMA = 4.0  # of the blur that reach across the board's edge
 # Elements of the print to the side of a square, and to the diameter of a dot. Between elements the
 # picture is interpolated: about as fine as the rays, they leave no steps in slanting edges.
 FINENESS = 120
@@ -245,7 +245,7 @@ class _Lens:
     size: tuple[int, int]
     matrix: tuple[float, ...]
     distortion: tuple[float, ...]
-    equidistant: bool
+    distortion_model: str
 
     @classmethod
     def of(cls, model: CameraModel) -> _Lens:
@@ -253,7 +253,7 @@ class _Lens:
             (model.width, model.height),
             tuple(np.ravel(model.matrix).tolist()),
             tuple(np.ravel(model.distortion).tolist()),
-            model.distortion_model == 'equidistant',
+            model.distortion_model,
         )
 
 
@@ -288,12 +288,5 @@ def _rays(lens: _Lens, count: int) -> tuple[NDArray[np.float32], NDArray[np.floa
 def _undistorted(pixels: NDArray[np.float64], lens: _Lens) -> NDArray[np.float64]:
     """Return X / Z and Y / Z, (..., 2), of the rays that lead to pixels (..., 2)."""
     matrix, distortion = np.reshape(lens.matrix, (3, 3)), np.array(lens.distortion)
-    criteria = (cv2.TERM_CRITERIA_MAX_ITER | cv2.TERM_CRITERIA_EPS, 100, CLOSE_ENOUGH)
-    flat = pixels.reshape(-1, 1, 2)
-    if lens.equidistant:
-        rays = cv2.fisheye.undistortPoints(flat, matrix, distortion, criteria=criteria)
-    else:
-        # OpenCV 4 calls what takes criteria by another name.
-        undistort: Any = getattr(cv2, 'undistortPointsIter', cv2.undistortPoints)
-        rays = undistort(flat, matrix, distortion, R=np.eye(3), P=np.eye(3), criteria=criteria)
-    return np.asarray(rays, dtype=float).reshape(pixels.shape)
+    slopes = LENSES[lens.distortion_model].slopes(pixels.reshape(-1, 2), matrix, distortion)
+    return slopes.reshape(pixels.shape)

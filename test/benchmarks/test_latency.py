@@ -1,7 +1,9 @@
 """Ways of frames: what is lost and what a ratio is, and one that is really walked."""
 
 from benchmarks import latency
-from benchmarks.latency import Figures, LARGE, ONE, Resident, Row, SMALL, Start, THREE, USUAL
+from benchmarks.latency.figures import (
+    Figures, LARGE, ONE, Resident, Row, SMALL, Start, THREE, USUAL,
+)
 from benchmarks.latency.process import Process
 from benchmarks.latency.source import draw
 from benchmarks.report import Report

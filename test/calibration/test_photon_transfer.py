@@ -6,12 +6,8 @@ from dataclasses import replace
 import os
 from pathlib import Path
 
-from blob_tracker.calibration.photon_transfer import (
-    pair_of,
-    photon_transfer,
-    PhotonTransfer,
-    PhotonTransferError,
-)
+from blob_tracker.calibration.frame_pair import pair_of, PhotonTransferError
+from blob_tracker.calibration.photon_transfer import photon_transfer, PhotonTransfer
 from blob_tracker.location.noise import pixel_variance
 from blob_tracker.simulation import FlatField, Sensor
 from blob_tracker.types import SensorNoise

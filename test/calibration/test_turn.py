@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from blob_tracker.calibration.turn import calibrate_turn, project, TurnError
+from blob_tracker.calibration.turn import calibrate_turn, project
+from blob_tracker.calibration.turn_start import TurnError
 from blob_tracker.camera import CameraModel, pinhole_matrix
 import numpy as np
 from numpy.typing import NDArray

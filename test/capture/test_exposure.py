@@ -4,8 +4,8 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from blob_tracker.capture import CaptureError, Control, ControlError, videodev2
-from blob_tracker.capture.exposure import (
-    adjust_exposure, lit_peak, Scale, search, TARGET, TOLERANCE)
+from blob_tracker.capture.exposure import adjust_exposure, lit_peak
+from blob_tracker.capture.exposure_search import Scale, search, TARGET, TOLERANCE
 from blob_tracker.simulation.light import pixel_integrated_gaussian
 from blob_tracker.types import Frame
 import numpy as np

@@ -129,30 +129,3 @@ def test_pictures_that_are_all_spoilt_are_told(spoilt, cut_short, words):
         # Those were of that wait.
         with pytest.raises(NoFrameError, match='/dev/video0: no frame for 0.0 s'):
             camera.read(0.01)
-
-
-class Rated(V4l2Camera):
-    """A camera that takes any frame rate."""
-
-    def __init__(self):
-        self._format = StreamFormat(
-            videodev2.BUF_TYPE_VIDEO_CAPTURE, 'GREY', 8, 8, 8, 255, PIXEL_FORMATS['GREY'].luma)
-
-    def _call(self, number, argument):
-        argument.capability = videodev2.CAP_TIMEPERFRAME
-        if number == videodev2.S_PARM:
-            interval = argument.timeperframe
-            self.asked = (interval.denominator, interval.numerator)
-
-
-@pytest.mark.parametrize(('wanted', 'asked'), [
-    (29.97, (30000, 1001)), (30000 / 1001, (30000, 1001)), (59.94, (60000, 1001)),
-    (23.976, (24000, 1001)), (23.98, (24000, 1001)), (119.88, (120000, 1001)),
-    # 5, 10 and 990 lie within 0.01 of such a rate too.
-    (30.0, (30, 1)), (5.0, (5, 1)), (10.0, (10, 1)), (990.0, (990, 1)),
-    (7.5, (15, 2)), (0.5, (1, 2)), (1 / 3, (1, 3)), (29.5, (59, 2)),
-])
-def test_a_frame_rate_is_asked_for_as_drivers_know_it(wanted, asked):
-    camera = Rated()
-    assert camera._set_frame_rate(wanted) == pytest.approx(wanted, abs=0.01)
-    assert camera.asked == asked

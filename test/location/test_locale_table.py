@@ -2,8 +2,8 @@
 
 from blob_tracker.location import locate, locate_batch
 from blob_tracker.location.limits import cramer_rao_bound, locale_extent
-from blob_tracker.location.locale_table import tables_up_to
 from blob_tracker.location.pulse import integrated_profile, sampled_profile
+from blob_tracker.location.ratio_tables import tables_up_to
 from blob_tracker.types import LocationError, SensorNoise, Window
 import numpy as np
 import pytest

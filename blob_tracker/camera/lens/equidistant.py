@@ -11,17 +11,24 @@ past 90 degrees, where Z is 0 and then negative, as far as r grows with theta.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from math import cos, hypot, inf, pi, sin
-from typing import TypeVar
+from typing import Any, TypeVar
 
-from blob_tracker.camera.lens.definition import Coefficients, Derivative, Vector
+from blob_tracker.camera.lens.definition import (
+    Coefficients, Derivative, Lens, Projection, Start, Vector,
+)
 import numpy as np
 from numpy.typing import NDArray
 
 MOST_STEPS = 100  # six or so do; bisection, at the fold, takes 55
 ROUNDING = 2e-16
 LOOKS = 1800  # angles at which a fold is looked for
+FIT_STEPS = 200
+FIT_CLOSE = 1e-12  # relative change of what OpenCV fits, at which it ends
+CLOSE_SLOPE = 1e-9  # of X / Z and Y / Z, of many places at once: no picture shows it
+SLOPE_STEPS = 100
 
 Value = TypeVar('Value', float, NDArray[np.float64])
 
@@ -71,6 +78,67 @@ def ray(x: float, y: float, coefficients: Coefficients) -> tuple[Vector, Derivat
     )
 
 
+def start(
+    points: Sequence[NDArray[np.float64]],
+    places: Sequence[NDArray[np.float64]],
+    size: tuple[int, int],
+) -> Start:
+    """Return the least sum of squares, which OpenCV finds."""
+    import cv2  # 30 MB, which a node that only asks for bearings never needs
+
+    flags: Any = cv2.fisheye  # OpenCV 5 has them in cv2 itself
+    flags = flags if hasattr(flags, 'CALIB_FIX_SKEW') else cv2
+    _, matrix, coefficients, rotations, translations = cv2.fisheye.calibrate(
+        [each[None] for each in points],
+        [each[None] for each in places],
+        size,
+        np.eye(3),
+        np.zeros(4),
+        flags=flags.CALIB_RECOMPUTE_EXTRINSIC | flags.CALIB_FIX_SKEW,
+        criteria=(cv2.TERM_CRITERIA_MAX_ITER | cv2.TERM_CRITERIA_EPS, FIT_STEPS, FIT_CLOSE),
+    )
+    return Start(
+        np.asarray(matrix, dtype=float),
+        np.ravel(coefficients).astype(float),
+        np.array(rotations, dtype=float).reshape(-1, 3),
+        np.array(translations, dtype=float).reshape(-1, 3),
+    )
+
+
+def project(
+    points: NDArray[np.float64],
+    rotation: NDArray[np.float64],
+    translation: NDArray[np.float64],
+    matrix: NDArray[np.float64],
+    coefficients: NDArray[np.float64],
+) -> Projection:
+    """Image the points (N, 3) of a board, mm, with all derivatives."""
+    import cv2
+
+    places, jacobian = cv2.fisheye.projectPoints(
+        points[:, None], rotation, translation, matrix, coefficients
+    )
+    # Its order: focal lengths, principal point, coefficients, rotation, translation, skew.
+    return Projection(
+        np.asarray(places, dtype=float).reshape(-1, 2),
+        np.asarray(jacobian[:, :8], dtype=float),
+        np.asarray(jacobian[:, 8:14], dtype=float),
+    )
+
+
+def slopes(
+    places: NDArray[np.float64], matrix: NDArray[np.float64], coefficients: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return X / Z and Y / Z, (N, 2), of the rays to places (N, 2), px."""
+    import cv2
+
+    criteria = (cv2.TERM_CRITERIA_MAX_ITER | cv2.TERM_CRITERIA_EPS, SLOPE_STEPS, CLOSE_SLOPE)
+    rays = cv2.fisheye.undistortPoints(
+        places.reshape(-1, 1, 2), matrix, coefficients, criteria=criteria
+    )
+    return np.asarray(rays, dtype=float).reshape(-1, 2)
+
+
 def _distance(theta: Value, coefficients: Coefficients) -> tuple[Value, Value]:
     """Return r and d r / d theta."""
     k1, k2, k3, k4 = coefficients or (0.0, 0.0, 0.0, 0.0)
@@ -96,3 +164,15 @@ def _fold_angle(coefficients: Coefficients) -> float:
         else:
             high = middle
     return low
+
+
+LENS = Lens(
+    counts=(0, 4),
+    image=image,
+    ray=ray,
+    names=('k1', 'k2', 'k3', 'k4'),
+    start=start,
+    project=project,
+    slopes=slopes,
+    former_names=('fisheye',),
+)

@@ -8,9 +8,7 @@ from pathlib import Path
 import shlex
 import sys
 
-from blob_tracker.calibration.board import (
-    BoardCalibration, calibrate_board, COEFFICIENTS, LEAST_VIEWS,
-)
+from blob_tracker.calibration.board import BoardCalibration, calibrate_board, LEAST_VIEWS
 from blob_tracker.calibration.board_advice import advice
 from blob_tracker.calibration.board_picture import draw_board_calibration, SUFFIXES
 from blob_tracker.calibration.board_views import BoardViews
@@ -18,6 +16,7 @@ from blob_tracker.calibration.boards import (
     Board, BoardError, CharucoBoard, Chessboard, DotGrid, View,
 )
 from blob_tracker.camera import CalibrationError, LensError, write_calibration
+from blob_tracker.camera.lens import LENSES
 from blob_tracker.commands.calibrate.report import WORTHLESS
 from blob_tracker.commands.calibrate.sources import (
     add_source, expected, frames, is_folder, is_live, SourceError,
@@ -62,7 +61,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--asymmetric', action='store_true', help='every other row of dots is shifted'
     )
     parser.add_argument(
-        '--model', choices=sorted(COEFFICIENTS), default='plumb_bob',
+        '--model', choices=sorted(name for name, lens in LENSES.items() if lens.names),
+        default='plumb_bob',
         help='equidistant for a fish-eye (%(default)s)',
     )
     parser.add_argument(

@@ -10,9 +10,8 @@ from blob_tracker.calibration.slide import (
 )
 from blob_tracker.calibration.slide_picture import draw_slide
 from blob_tracker.commands.calibrate.report import results_table, row, tell_of
-from blob_tracker.commands.calibrate.stations import (
-    add_stations, SLIDE, Stations, stations, StationsError,
-)
+from blob_tracker.commands.calibrate.stations import add_stations, stations
+from blob_tracker.commands.calibrate.stations_file import SLIDE, Stations, StationsError
 from rich.console import Console
 
 BENDS = {

@@ -6,15 +6,15 @@ import argparse
 from pathlib import Path
 import sys
 
-from blob_tracker.calibration.turn import calibrate_turn, TurnCalibration, TurnError
+from blob_tracker.calibration.turn import calibrate_turn, TurnCalibration
 from blob_tracker.calibration.turn_picture import draw_turn
+from blob_tracker.calibration.turn_start import TurnError
 from blob_tracker.camera import CalibrationError, CameraModel, write_calibration
 from blob_tracker.commands.calibrate.report import (
     refusal, results_table, row, tell_of, WORTHLESS,
 )
-from blob_tracker.commands.calibrate.stations import (
-    add_stations, PAN, Stations, stations, StationsError, TILT,
-)
+from blob_tracker.commands.calibrate.stations import add_stations, stations
+from blob_tracker.commands.calibrate.stations_file import PAN, Stations, StationsError, TILT
 from blob_tracker.units import MRAD_PER_RAD
 from rich.console import Console
 

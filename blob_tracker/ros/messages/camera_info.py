@@ -5,7 +5,7 @@ from __future__ import annotations
 from copy import copy
 
 from blob_tracker.camera import CalibrationError, CameraModel
-from blob_tracker.camera.lens import FORMER_NAMES
+from blob_tracker.camera.lens import todays_name
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.stamp import from_ns
 from blob_tracker.types import Window
@@ -60,7 +60,7 @@ def to_camera_model(info: CameraInfo) -> CameraModel:
             height=int(info.height),
             matrix=np.array(info.k, dtype=float).reshape(3, 3),
             distortion=np.array(info.d, dtype=float),
-            distortion_model=FORMER_NAMES.get(info.distortion_model, info.distortion_model),
+            distortion_model=todays_name(info.distortion_model),
             # All zero is how a driver leaves them that does not rectify.
             rectification=np.array(info.r).reshape(3, 3) if np.any(info.r) else None,
             projection=np.array(info.p).reshape(3, 4) if np.any(info.p) else None,

@@ -9,7 +9,8 @@ from typing import Any
 from blob_tracker.capture import CaptureError, Control, ControlError, V4l2Camera
 from blob_tracker.capture.auto_modes import off, still_on
 from blob_tracker.capture.controls import must_be
-from blob_tracker.capture.exposure import adjust_exposure, Outcome, put_back
+from blob_tracker.capture.exposure import adjust_exposure, put_back
+from blob_tracker.capture.exposure_search import Outcome
 from blob_tracker.ros.diagnostics.health import Health
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.parameters.declaration import unknown

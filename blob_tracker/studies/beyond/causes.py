@@ -154,31 +154,8 @@ def _entries(
 
 def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
     """Lay out the causes, what size each would need, and what holds of the thesis' results."""
-    rows: list[list[Cell]] = []
-    table: dict[tuple[str, str, str], dict[str, float]] = {}
     limits = {name: bound(target, 1) for name, target in TARGETS.items()}
-    for target in TARGETS:
-        for cause in CAUSES:
-            for name in LOCATORS:
-                row: list[Cell] = [target, cause, name]
-                for looks in ('single', 'multi'):
-                    entries = _entries(results, f'{name}|{looks}', cause=cause, target=target)
-                    summary = {
-                        'rms': _rms(_of(entries, 'rms')),
-                        'apart': _rms(_of(entries, 'apart')),
-                        'worst': float(np.median(_of(entries, 'worst'))),
-                        'variance': float(np.mean(_of(entries, 'variance'))),
-                        'mean': float(np.mean(_of(entries, 'mean'))),
-                    }
-                    table[target, cause, f'{name}|{looks}'] = summary
-                    row += list(summary.values())
-                rows.append([*row, limits[target]])
-    columns = ['target', 'cause', 'locator']
-    for looks in ('one look', 'mean of five'):
-        columns += [
-            f'rms, {looks}, px', f'less the offset, {looks}, px', f'worst of eleven, {looks}, px',
-            f'variance of the steps, {looks}, px^2', f'mean step, {looks}, px',
-        ]
+    table, rows, columns = _laid_out(results, limits)
     needed, curves = _needed(results)
     here = {
         name: table['active', TOGETHER_ALL, f'{name}|single'] for name in LOCATORS
@@ -207,7 +184,6 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
     best = table['active', TOGETHER_ALL, 'maximum likelihood, extended|single']
     turning = table['active', TURNING, f'{LM}|single']
     variances = [float(row[k]) for row in load('table_5_7').rows for k in (4, 6)]
-    least, most = min(variances), max(variances)
     goal = float(load('results_5').statements['goal'].value)
     quarter = float(load('results_5').statements['centroid'].value)
     return Findings(
@@ -267,29 +243,72 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
             'causes_sizes': draw_sizes(curves, {name: SIZES[name][0] for name in SIZES},
                                        quarter, limits['active']),
         },
-        checks=[
-            Check('the windows of the thesis alone make its centroid err by a quarter pixel',
-                  f'a worst of eleven places of {quarter} px within a factor of 2, all defects',
-                  f'{np.median(centroids):.3f} px, the median of targets and segmentations',
-                  0.5 <= float(np.median(centroids)) / quarter <= 2.0),
-            Check('it is the border of the window that moves',
-                  'a tenth of the variance of the steps, or less, where the window is held',
-                  f'{held["variance"]:.5f} px^2 of {moving["variance"]:.4f}',
-                  held['variance'] <= 0.1 * moving['variance']),
-            Check('no defect at the size of the text, nor all together, makes three Gaussians err '
-                  'by that much but for the common offset',
-                  f'a worst of eleven places below {quarter} px, the median of the sequences, for '
-                  'each cause but the turning camera, both targets, one look and five',
-                  f'{severest:.3f} px at most; {everything["worst"]:.3f} px with all, active '
-                  'target, one look', severest < quarter),
-            Check('maximum likelihood is within the goal with all defects, active target, one '
-                  'look, but for the common offset',
-                  f'{goal} px rms', f'{best["apart"]:.4f} px', best['apart'] <= goal),
-            Check('turning of the camera, of 0.1 mrad, gives the printed variance of LM',
-                  f'{least:.4f} to {most:.4f} px^2, those of the active target',
-                  f'{turning["variance"]:.4f} px^2', least <= turning['variance'] <= most),
-        ],
+        checks=_checks(
+            goal, quarter, centroids, held, moving, severest, everything, best, turning, variances
+        ),
     )
+
+
+def _laid_out(
+    results: Sequence[tuple[Case, Measured]], limits: dict[str, float]
+) -> tuple[dict[tuple[str, str, str], dict[str, float]], list[list[Cell]], list[str]]:
+    """Return the figures by target, cause and way; the same in rows, and their columns."""
+    rows: list[list[Cell]] = []
+    table: dict[tuple[str, str, str], dict[str, float]] = {}
+    for target in TARGETS:
+        for cause in CAUSES:
+            for name in LOCATORS:
+                row: list[Cell] = [target, cause, name]
+                for looks in ('single', 'multi'):
+                    entries = _entries(results, f'{name}|{looks}', cause=cause, target=target)
+                    summary = {
+                        'rms': _rms(_of(entries, 'rms')),
+                        'apart': _rms(_of(entries, 'apart')),
+                        'worst': float(np.median(_of(entries, 'worst'))),
+                        'variance': float(np.mean(_of(entries, 'variance'))),
+                        'mean': float(np.mean(_of(entries, 'mean'))),
+                    }
+                    table[target, cause, f'{name}|{looks}'] = summary
+                    row += list(summary.values())
+                rows.append([*row, limits[target]])
+    columns = ['target', 'cause', 'locator']
+    for looks in ('one look', 'mean of five'):
+        columns += [
+            f'rms, {looks}, px', f'less the offset, {looks}, px', f'worst of eleven, {looks}, px',
+            f'variance of the steps, {looks}, px^2', f'mean step, {looks}, px',
+        ]
+    return table, rows, columns
+
+
+def _checks(
+    goal: float, quarter: float, centroids: Sequence[float], held: dict[str, float],
+    moving: dict[str, float], severest: float, everything: dict[str, float],
+    best: dict[str, float], turning: dict[str, float], printed: Sequence[float],
+) -> list[Check]:
+    """Hold the errors of the causes against what the thesis has."""
+    least, most = min(printed), max(printed)
+    return [
+        Check('the windows of the thesis alone make its centroid err by a quarter pixel',
+              f'a worst of eleven places of {quarter} px within a factor of 2, all defects',
+              f'{np.median(centroids):.3f} px, the median of targets and segmentations',
+              0.5 <= float(np.median(centroids)) / quarter <= 2.0),
+        Check('it is the border of the window that moves',
+              'a tenth of the variance of the steps, or less, where the window is held',
+              f'{held["variance"]:.5f} px^2 of {moving["variance"]:.4f}',
+              held['variance'] <= 0.1 * moving['variance']),
+        Check('no defect at the size of the text, nor all together, makes three Gaussians err '
+              'by that much but for the common offset',
+              f'a worst of eleven places below {quarter} px, the median of the sequences, for '
+              'each cause but the turning camera, both targets, one look and five',
+              f'{severest:.3f} px at most; {everything["worst"]:.3f} px with all, active '
+              'target, one look', severest < quarter),
+        Check('maximum likelihood is within the goal with all defects, active target, one '
+              'look, but for the common offset',
+              f'{goal} px rms', f'{best["apart"]:.4f} px', best['apart'] <= goal),
+        Check('turning of the camera, of 0.1 mrad, gives the printed variance of LM',
+              f'{least:.4f} to {most:.4f} px^2, those of the active target',
+              f'{turning["variance"]:.4f} px^2', least <= turning['variance'] <= most),
+    ]
 
 
 def _needed(

@@ -248,32 +248,42 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
                 },
             ),
         },
-        checks=[
-            Check('the goal of the thesis, without the defects', f'{goal} px rms',
-                  f'{clean:.4f} px', clean <= goal),
-            Check('the goal of the thesis, the defects removed, but for the straight line through '
-                  f'the jitter, {line:.3f} px, which a camera calibration takes up',
-                  f'{goal} px rms', f'{removed:.4f} px', removed <= goal),
-            Check('the goal of the thesis, the defects removed, that straight line left in',
-                  f'{goal} px rms', f'{sheared:.4f} px', sheared <= goal),
-            Check('with the defects, but for the common offset', f'{goal} px rms',
-                  f'{apart:.4f} px', apart <= goal),
-            Check('near the bound, without the defects',
-                  '1 to 1.5 times that of one picture with its background known',
-                  f'{clean / flat:.2f} times', flat <= clean <= 1.5 * flat),
-            Check('near what noise and jitter leave, the defects removed but for that line',
-                  '1.5 times the bound of lit minus unlit with line jitter',
-                  f'{removed / floor:.2f} times', removed <= 1.5 * floor),
-            *(
-                Check(f'a true covariance, {way}', 'NEES of x from 0.5 to 2 in each row',
-                      f'{_range(nees[way, "single"])}, five looks {_range(nees[way, "multi"])}',
-                      all(0.5 <= value <= 2.0
-                          for looks in ('single', 'multi') for value in nees[way, looks]))
-                for way in WAYS
-            ),
-            Check('no place is lost', '0', f'{lost}', lost == 0),
-        ],
+        checks=_checks(
+            goal, clean, removed, sheared, apart, line, flat, floor, nees, lost
+        ),
     )
+
+
+def _checks(
+    goal: float, clean: float, removed: float, sheared: float, apart: float, line: float,
+    flat: float, floor: float, nees: dict[tuple[str, str], list[float]], lost: int,
+) -> list[Check]:
+    """Hold the rms errors, px, against the goal of the thesis and against the bounds."""
+    return [
+        Check('the goal of the thesis, without the defects', f'{goal} px rms',
+              f'{clean:.4f} px', clean <= goal),
+        Check('the goal of the thesis, the defects removed, but for the straight line through '
+              f'the jitter, {line:.3f} px, which a camera calibration takes up',
+              f'{goal} px rms', f'{removed:.4f} px', removed <= goal),
+        Check('the goal of the thesis, the defects removed, that straight line left in',
+              f'{goal} px rms', f'{sheared:.4f} px', sheared <= goal),
+        Check('with the defects, but for the common offset', f'{goal} px rms',
+              f'{apart:.4f} px', apart <= goal),
+        Check('near the bound, without the defects',
+              '1 to 1.5 times that of one picture with its background known',
+              f'{clean / flat:.2f} times', flat <= clean <= 1.5 * flat),
+        Check('near what noise and jitter leave, the defects removed but for that line',
+              '1.5 times the bound of lit minus unlit with line jitter',
+              f'{removed / floor:.2f} times', removed <= 1.5 * floor),
+        *(
+            Check(f'a true covariance, {way}', 'NEES of x from 0.5 to 2 in each row',
+                  f'{_range(nees[way, "single"])}, five looks {_range(nees[way, "multi"])}',
+                  all(0.5 <= value <= 2.0
+                      for looks in ('single', 'multi') for value in nees[way, looks]))
+            for way in WAYS
+        ),
+        Check('no place is lost', '0', f'{lost}', lost == 0),
+    ]
 
 
 def _range(values: Sequence[float]) -> str:

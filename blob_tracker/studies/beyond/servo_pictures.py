@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from blob_tracker.studies.axes import COLOURS, legend_below, new_axes
-from blob_tracker.studies.beyond.servo_loop import Scenario
+from blob_tracker.studies.beyond.servo_scenario import Scenario
 from blob_tracker.studies.study import Measured
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure

@@ -190,15 +190,44 @@ def _conclude(trial: _Trial, results: Sequence[tuple[Case, Measured]]) -> Findin
             f'{trial.figure_step} px',
             _shown(trial, places), places['truth'], limits,
         )
-    text = load('figure_5_5').statements['accuracy']
-    middle = float(np.median(worst))
-    ratio = _median([float(str(row[11])) / float(str(row[12])) for row in rows])
     centred = sum(float(str(row[8])) <= float(str(row[5])) <= float(str(row[9])) for row in rows)
     if _seeds(results) < FEWEST:
         spread = agreement = 'too few sequences for a spread (quick run)'
     else:
         spread = f'{within} of {compared} between our 5 and 95 %'
         agreement = f'{centred} means and {within} variances of {compared} within our 5 to 95 %'
+    window = ''
+    if trial.fits is LINEAR:
+        steps = _gathered(results, '1.00', _key(WHOLE, LINEAR[0], False, False))['mean']
+        window = (
+            ' The steps that the thesis prints, far too small, are not found again in windows '
+            'that follow the target. One that does not shrinks them, though less: fitted to the '
+            f'whole crop, with its background, those of 1.00 px come out as {_median(steps):.2f} '
+            'px.'
+        )
+    return Findings(
+        shows=(
+            f'Over {_seeds(results)} sequences each, the places scatter by '
+            f'{min(apart):.3f} to {max(apart):.3f} px rms about the truth and their common offset '
+            f'(the trailing edge), the worst of eleven by {min(worst):.2f} to {max(worst):.2f} px'
+            f'; the bound is {limits["single"]:.4f} px for one look. Of what is printed: '
+            f'{agreement}.{window}'
+        ),
+        agreement=agreement,
+        tables=[table],
+        figures=figures,
+        checks=_checks(trial, rows, worst, apart, spread),
+    )
+
+
+def _checks(
+    trial: _Trial, rows: Sequence[Sequence[Cell]], worst: Sequence[float],
+    apart: Sequence[float], spread: str,
+) -> list[Check]:
+    """Hold the rows against what the thesis says of its method."""
+    text = load('figure_5_5').statements['accuracy']
+    middle = float(np.median(worst))
+    ratio = _median([float(str(row[11])) / float(str(row[12])) for row in rows])
     checks = []
     if trial.fits is CENTROID:
         checks.append(Check(
@@ -226,28 +255,7 @@ def _conclude(trial: _Trial, results: Sequence[tuple[Case, Measured]]) -> Findin
             '0.05 px rms; the thesis has 0.25 px', f'{max(apart):.3f} px at most',
             max(apart) <= 0.05,
         ))
-    window = ''
-    if trial.fits is LINEAR:
-        steps = _gathered(results, '1.00', _key(WHOLE, LINEAR[0], False, False))['mean']
-        window = (
-            ' The steps that the thesis prints, far too small, are not found again in windows '
-            'that follow the target. One that does not shrinks them, though less: fitted to the '
-            f'whole crop, with its background, those of 1.00 px come out as {_median(steps):.2f} '
-            'px.'
-        )
-    return Findings(
-        shows=(
-            f'Over {_seeds(results)} sequences each, the places scatter by '
-            f'{min(apart):.3f} to {max(apart):.3f} px rms about the truth and their common offset '
-            f'(the trailing edge), the worst of eleven by {min(worst):.2f} to {max(worst):.2f} px'
-            f'; the bound is {limits["single"]:.4f} px for one look. Of what is printed: '
-            f'{agreement}.{window}'
-        ),
-        agreement=agreement,
-        tables=[table],
-        figures=figures,
-        checks=checks,
-    )
+    return checks
 
 
 def _segmentation(trial: _Trial, fit: _Fit, heading: str) -> str | None:

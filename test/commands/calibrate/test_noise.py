@@ -11,7 +11,7 @@ import sys
 import time
 
 from blob_tracker.__main__ import main
-from blob_tracker.commands.calibrate.noise import _steps, _until_interrupt
+from blob_tracker.commands.calibrate.noise_pairs import _steps, _until_interrupt
 from blob_tracker.ros.endpoints.qos import IMAGE_OUT
 from blob_tracker.ros.messages.image import from_pixels
 from blob_tracker.simulation import FlatField, Scene, Sensor

@@ -9,7 +9,7 @@ from typing import Any
 from blob_tracker.capture import CaptureError, Control, ControlError
 from blob_tracker.capture.auto_modes import off, still_on
 from blob_tracker.capture.controls import must_be
-from blob_tracker.capture.exposure import Outcome
+from blob_tracker.capture.exposure_search import Outcome
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.parameters.controls import (
     ControlParameters, descriptor, parameter_value, set_in_order)

@@ -9,9 +9,9 @@ from blob_tracker.simulation.pan_tilt import PanTilt
 from blob_tracker.studies.beyond.servo import (
     BLIND, HELD, LOCKED, measure, PLAIN, PREDICTED, STUDY, WITHOUT, without,
 )
-from blob_tracker.studies.beyond.servo_loop import (
-    boresight_of, FINDERS, LAWS, Loop, Scenario,
-)
+from blob_tracker.studies.beyond.servo_laws import LAWS
+from blob_tracker.studies.beyond.servo_loop import boresight_of, Loop
+from blob_tracker.studies.beyond.servo_scenario import FINDERS, Scenario
 import numpy as np
 import pytest
 

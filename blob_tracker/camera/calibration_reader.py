@@ -1,18 +1,14 @@
-"""Calibration files in the YAML form of ROS' camera_calibration_parsers."""
+"""Read a calibration in the YAML form of ROS' camera_calibration_parsers."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
-from blob_tracker.camera.lens import FORMER_NAMES
-from blob_tracker.camera.yaml_file import content_of, write_content
+from blob_tracker.camera.lens import todays_name
+from blob_tracker.camera.yaml_file import content_of
 import numpy as np
 from numpy.typing import NDArray
-
-if TYPE_CHECKING:
-    from blob_tracker.camera.model import CameraModel
 
 
 def read_calibration(path: str | Path) -> dict[str, Any]:
@@ -43,45 +39,11 @@ def read_calibration(path: str | Path) -> dict[str, Any]:
             'height': _whole(content['image_height']),
             'matrix': _matrix(content['camera_matrix']).reshape(3, 3),
             'distortion': _matrix(content['distortion_coefficients']).ravel(),
-            'distortion_model': FORMER_NAMES.get(distortion_model, distortion_model),
+            'distortion_model': todays_name(distortion_model),
             'name': str(content.get('camera_name', 'camera')),
             'rectification': _optional_matrix(content, 'rectification_matrix', (3, 3)),
             'projection': _optional_matrix(content, 'projection_matrix', (3, 4)),
         }
-
-
-def write_calibration(
-    path: str | Path, model: CameraModel, comments: Sequence[str] = ()
-) -> None:
-    """
-    Write a calibration file that `read_calibration` and ROS read back; see `write_content`.
-
-    Parameters
-    ----------
-    path : str or Path
-        The YAML file.
-    model : CameraModel
-        The calibration.
-    comments : sequence of str
-        Lines put on top, each after a `# `: the standard deviations, say, and the command.
-
-    Raises
-    ------
-    CalibrationError
-        Where it cannot be written there.
-
-    """
-    content = {
-        'image_width': model.width,
-        'image_height': model.height,
-        'camera_name': model.name,
-        'camera_matrix': _entry(model.matrix),
-        'distortion_model': model.distortion_model,
-        'distortion_coefficients': _entry(np.atleast_2d(model.distortion)),
-        'rectification_matrix': _entry(model.rectification_matrix),
-        'projection_matrix': _entry(model.projection_matrix),
-    }
-    write_content(path, 'calibration', content, comments)
 
 
 def _whole(entry: Any) -> int:
@@ -101,9 +63,3 @@ def _optional_matrix(
 ) -> NDArray[np.float64] | None:
     """Return the numbers of an entry that may be missing."""
     return _matrix(content[name]).reshape(shape) if name in content else None
-
-
-def _entry(matrix: NDArray[np.float64]) -> dict[str, Any]:
-    """Return the {rows, cols, data} entry of a matrix."""
-    rows, columns = matrix.shape
-    return {'rows': rows, 'cols': columns, 'data': [float(value) for value in matrix.ravel()]}

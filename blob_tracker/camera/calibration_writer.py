@@ -1,0 +1,52 @@
+"""Write a calibration in the YAML form of ROS' camera_calibration_parsers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from blob_tracker.camera.model import CameraModel
+from blob_tracker.camera.yaml_file import write_content
+import numpy as np
+from numpy.typing import NDArray
+
+
+def write_calibration(
+    path: str | Path, model: CameraModel, comments: Sequence[str] = ()
+) -> None:
+    """
+    Write a calibration file that `CameraModel.from_yaml` and ROS read back; see `write_content`.
+
+    Parameters
+    ----------
+    path : str or Path
+        The YAML file.
+    model : CameraModel
+        The calibration.
+    comments : sequence of str
+        Lines put on top, each after a `# `: the standard deviations, say, and the command.
+
+    Raises
+    ------
+    CalibrationError
+        Where it cannot be written there.
+
+    """
+    content = {
+        'image_width': model.width,
+        'image_height': model.height,
+        'camera_name': model.name,
+        'camera_matrix': _entry(model.matrix),
+        'distortion_model': model.distortion_model,
+        'distortion_coefficients': _entry(np.atleast_2d(model.distortion)),
+        'rectification_matrix': _entry(model.rectification_matrix),
+        'projection_matrix': _entry(model.projection_matrix),
+    }
+    write_content(path, 'calibration', content, comments)
+
+
+def _entry(matrix: NDArray[np.float64]) -> dict[str, Any]:
+    """Return the {rows, cols, data} entry of a matrix."""
+    rows, columns = matrix.shape
+    return {'rows': rows, 'cols': columns, 'data': [float(value) for value in matrix.ravel()]}
