@@ -15,10 +15,10 @@ import subprocess
 import sys
 
 from blob_tracker.resources import config_path
-from hdmi_loop import SIGNAL
-import machine
+from vm.hdmi_loop import SIGNAL
+from vm import machine
 import pytest
-from scene import CX, CY, flashing_scene, FX, FY, packed_yuyv, Scene
+from vm.scene import CX, CY, flashing_scene, FX, FY, packed_yuyv, Scene
 from support.processes import executable
 
 HERE = Path(__file__).parent

@@ -19,7 +19,7 @@ import time
 from typing import Any
 
 from blob_tracker.capture import CaptureError, V4l2Camera
-from hdmi_loop import CAPTURE, close_loop, control, HEIGHT, OUTPUT, playing, v4l2_ctl, WIDTH
+from vm.hdmi_loop import CAPTURE, close_loop, control, HEIGHT, OUTPUT, playing, v4l2_ctl, WIDTH
 import numpy as np
 
 COUNT = 40  # frames of each recording: beyond the end of the scene

@@ -19,7 +19,7 @@ from typing import Any
 
 from blob_tracker.capture import CaptureError, Grabber, stamps, V4l2Camera, videodev2
 from blob_tracker.capture.exposure import adjust_exposure
-from hdmi_loop import CAPTURE, close_loop, control, HEIGHT, v4l2_ctl, WIDTH
+from vm.hdmi_loop import CAPTURE, close_loop, control, HEIGHT, v4l2_ctl, WIDTH
 import numpy as np
 
 SETTINGS: dict[str, Any] = {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT,

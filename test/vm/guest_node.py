@@ -19,7 +19,7 @@ import time
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from hdmi_loop import CAPTURE, close_loop, control, HEIGHT, SIGNAL, v4l2_ctl, WIDTH
+from vm.hdmi_loop import CAPTURE, close_loop, control, HEIGHT, SIGNAL, v4l2_ctl, WIDTH
 from rcl_interfaces.srv import (
     DescribeParameters, GetParameters, ListParameters, SetParameters, SetParametersAtomically,
 )

@@ -15,7 +15,7 @@ import time
 from typing import Any
 
 from blob_tracker.capture import Grabber, NoFrameError, V4l2Camera
-from hdmi_loop import CAPTURE, close_loop, control, HEIGHT, WIDTH
+from vm.hdmi_loop import CAPTURE, close_loop, control, HEIGHT, WIDTH
 import numpy as np
 
 SETTINGS: dict[str, Any] = {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT,

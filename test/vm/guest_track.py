@@ -20,7 +20,7 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PointStamped, Vector3Stamped
-from hdmi_loop import CAPTURE, close_loop, HEIGHT, OUTPUT, playing, v4l2_ctl, WIDTH
+from vm.hdmi_loop import CAPTURE, close_loop, HEIGHT, OUTPUT, playing, v4l2_ctl, WIDTH
 import rclpy
 from rclpy.node import Node
 from rclpy.qos import QoSProfile

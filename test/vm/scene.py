@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from blob_tracker.simulation.light import pixel_integrated_gaussian
 from blob_tracker.simulation.sensor import expose
 from blob_tracker.types import SensorNoise
-from hdmi_loop import HEIGHT, WIDTH
+from vm.hdmi_loop import HEIGHT, WIDTH
 import numpy as np
 from numpy.typing import NDArray
 

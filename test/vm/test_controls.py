@@ -8,7 +8,7 @@ from pathlib import Path
 import re
 from typing import Any
 
-from hdmi_loop import FRAME_RATE
+from vm.hdmi_loop import FRAME_RATE
 import numpy as np
 import pytest
 

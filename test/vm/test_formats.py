@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from hdmi_loop import SIGNAL
+from vm.hdmi_loop import SIGNAL
 import pytest
 
 pytestmark = pytest.mark.timeout(600)  # the boot, and the kernel's download before it
