@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from blob_tracker.capture.picture import BAR, CLIPPED, draw, STRIP
-from blob_tracker.drawing import GAP, PAPER
+from blob_tracker.capture.picture import BAR, draw, STRIP
+from blob_tracker.drawing import CLIPPED, GAP, PAPER
 from blob_tracker.types import Frame
 import numpy as np
 import pytest

@@ -15,11 +15,11 @@ import subprocess
 import sys
 
 from blob_tracker.resources import config_path
-from vm.hdmi_loop import SIGNAL
-from vm import machine
 import pytest
-from vm.scene import CX, CY, flashing_scene, FX, FY, packed_yuyv, Scene
 from support.processes import executable
+from vm import machine
+from vm.hdmi_loop import SIGNAL
+from vm.scene import CX, CY, flashing_scene, FX, FY, packed_yuyv, Scene
 
 HERE = Path(__file__).parent
 CACHE = HERE.parents[1] / '.cache/vm'

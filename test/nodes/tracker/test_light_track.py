@@ -197,8 +197,9 @@ def test_innovations_that_are_too_large_may_be_the_joints(
         for time in range(0, 1000, 10):
             if with_joints:
                 seen.platform.angles.push(seen.stamp(time), 0.0, 0.0)
-            noise = random.normal(scale=0.1, size=2)
-            seen.track.hold(Bearing(*noise, 4e-4 * np.eye(2), seen.stamp(time)), 'optical')
+            azimuth, elevation = random.normal(scale=0.1, size=2)
+            bearing = Bearing(azimuth, elevation, 4e-4 * np.eye(2), seen.stamp(time))
+            seen.track.hold(bearing, 'optical')
             seen.released()
         said.clear()
         seen.track.describe()
