@@ -6,9 +6,9 @@ import json
 from typing import Any
 
 from blob_tracker.capture import PIXEL_FORMATS
-from vm.hdmi_loop import FRAME_RATE, HEIGHT, WIDTH
 import numpy as np
 import pytest
+from vm.hdmi_loop import FRAME_RATE, HEIGHT, WIDTH
 from vm.scene import CX, CY, FRAMES, FX, FY
 
 # Per axis: six of the 0.013 px that the noise of the scene leaves to a fit at its bound. Lit
