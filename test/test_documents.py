@@ -1,4 +1,4 @@
-"""The README and docs/ speak of what is there: commands, options, names, files, sentences."""
+"""The README, the pages beside it and docs/ speak of what is there: commands, options, names, files, sentences."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = [
-    ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', ROOT / 'config' / 'security' / 'README.md',
+    ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', ROOT / 'DEVELOPING.md',
+    ROOT / 'config' / 'security' / 'README.md',
     *sorted((ROOT / 'docs').glob('*.md')),
 ]
 HOLE = None  # in a sentence of the code: what is put in when it is said
