@@ -1,4 +1,4 @@
-"""The README, the pages beside it and docs/ speak of what is there: commands, options, names, files, sentences."""
+"""README, CONTRIBUTING, DEVELOPING and docs/ speak of what is there: names, files, sentences."""
 
 from __future__ import annotations
 
