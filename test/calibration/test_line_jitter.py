@@ -96,7 +96,7 @@ def test_edges_are_placed_at_the_bound(dark: float, bright: float) -> None:
     seen = np.mean(np.square(errors))
     # 4800 places know their variance to 2 %; three of that.
     assert seen == pytest.approx(bound, rel=0.06)
-    assert np.mean(stated) == pytest.approx(variance, rel=0.06)
+    assert np.mean(stated) == pytest.approx(seen, rel=0.06)
     assert abs(np.mean(errors)) < 4.0 * np.sqrt(bound / 4800)
 
 
