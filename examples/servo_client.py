@@ -9,6 +9,7 @@ there before.
 
 from geometry_msgs.msg import Vector3Stamped
 import numpy as np
+from numpy.typing import NDArray
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
@@ -22,7 +23,7 @@ PERIOD = 0.02  # s between two steps of the way home
 class ServoClient(Node):
     """target/bearing and target/visible, or predicted and target/tracked -> joint_command."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__('servo_client')
         # Part of each bearing that is turned, pan and tilt; negative for a joint that turns left
         # or down. Up to 4/27 = 0.148 nothing overshoots with two frames of delay.
@@ -46,7 +47,7 @@ class ServoClient(Node):
         self.create_subscription(Vector3Stamped, bearing, self.follow, 10)
         self.create_timer(PERIOD, self.go_home)
 
-    def follow(self, bearing):
+    def follow(self, bearing: Vector3Stamped) -> None:
         """Turn by a part of the bearing, or to what is predicted, unless old or no number."""
         stamp = bearing.header.stamp.sec + 1e-9 * bearing.header.stamp.nanosec
         angle = np.array([bearing.vector.x, bearing.vector.y])  # mrad
@@ -63,16 +64,16 @@ class ServoClient(Node):
                 step = np.sign(self.gain) * 1e-3 * angle - self.angle
             self.turn(step, elapsed)
 
-    def see(self, visible):
+    def see(self, visible: Bool) -> None:
         """Hold still from the moment that the target is lost: nothing but this flag changes."""
         self.visible = visible.data
 
-    def go_home(self):
+    def go_home(self) -> None:
         """Go back to 0, 0 when the target has not been seen for long."""
         if self.now() - self.stamp > self.home_after:
             self.turn(-self.angle, PERIOD)
 
-    def turn(self, step, elapsed):
+    def turn(self, step: NDArray[np.float64], elapsed: float) -> None:
         """Command the angles that the step leads to, within speed and limit."""
         step = np.clip(step, -self.speed * elapsed, self.speed * elapsed)
         angle = np.clip(self.angle + step, -self.limit, self.limit)
@@ -82,12 +83,12 @@ class ServoClient(Node):
             command.header.stamp = self.get_clock().now().to_msg()
             self.commands.publish(command)
 
-    def now(self):
+    def now(self) -> float:
         """Return the time on the clock of the stamps, s."""
         return 1e-9 * self.get_clock().now().nanoseconds
 
 
-def main():
+def main() -> None:
     """Run until Ctrl-C."""
     rclpy.init()
     try:

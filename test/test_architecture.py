@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from pathlib import Path
+import re
 
 import blob_tracker
 
@@ -25,40 +26,25 @@ ROS_MODULES = {
     'std_msgs',
     'std_srvs',
 }
-# Each room may import the rooms named here, besides itself, types and units.
-ROOMS = {
-    'types': set(),
-    'units': set(),
-    'resources': set(),
-    'drawing': set(),
-    'capture': {'drawing'},
-    'kernel': set(),
-    'segmentation': {'drawing', 'kernel'},
-    'location': {'drawing', 'kernel'},
-    'camera': set(),
-    'tracking': {'kernel'},
-    'calibration': {'segmentation', 'location', 'camera'},
-    'pipeline': {'capture', 'segmentation', 'location', 'camera', 'tracking'},
-    'simulation': {'capture', 'segmentation', 'location', 'camera', 'tracking', 'pipeline'},
-    'studies': {
-        'capture', 'segmentation', 'location', 'camera', 'tracking', 'calibration', 'pipeline',
-        'simulation',
-    },
-    'ros': {
-        'capture', 'segmentation', 'location', 'camera', 'tracking', 'calibration', 'pipeline',
-        'resources',
-    },
-    'nodes': {
-        'capture', 'segmentation', 'location', 'camera', 'tracking', 'calibration', 'pipeline',
-        'simulation', 'ros', 'resources', 'kernel',
-    },
-    'commands': {
-        'capture', 'segmentation', 'location', 'camera', 'tracking', 'calibration', 'pipeline',
-        'simulation', 'studies', 'ros', 'nodes', 'resources', 'kernel',
-    },
-    '__main__': {'commands'},
-    '__init__': {'camera', 'pipeline'},
-}
+# A row of the table of rooms: the room, what is in it, what it may import.
+ROW = re.compile(r'^\| `([^`]+)` \| (.+) \| ([^|`]+) \|$', re.M)
+ROWS = ROW.findall((Path(__file__).parents[1] / 'CONTRIBUTING.md').read_text())
+
+
+def rooms(rows: list[tuple[str, str, str]]) -> dict[str, set[str]]:
+    """Return what each room may import, besides itself, types and units."""
+    found: dict[str, set[str]] = {}
+    for place, _, allowed in rows:
+        names = allowed.removeprefix('all above').removeprefix(' but ')
+        named = set() if names in ('', '-') else set(names.split(', '))
+        assert named <= found.keys(), f'{place} may import {allowed}: not all of it is above'
+        found[place.rstrip('/').removesuffix('.py')] = (
+            found.keys() - named if allowed.startswith('all above') else named
+        )
+    return found
+
+
+ROOMS = rooms(ROWS)
 
 
 def imports(path: Path) -> set[str]:
@@ -78,6 +64,14 @@ def sources() -> list[tuple[str, Path]]:
     paths = sorted(ROOT.rglob('*.py'))
     assert len(paths) > 30
     return [(path.relative_to(ROOT).parts[0].removesuffix('.py'), path) for path in paths]
+
+
+def test_the_table_of_rooms_is_whole() -> None:
+    """Each room has a row, and what a row names is in its room."""
+    assert ROOMS.keys() == {room for room, _ in sources()}
+    for place, described, _ in ROWS:
+        for name in re.findall(r'`([\w/]+(?:/|\.py))`', described):
+            assert (ROOT / place / name).exists(), f'{place} has no {name}'
 
 
 def test_only_ros_and_nodes_know_ros() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 from blob_tracker.nodes import NODES
@@ -43,7 +44,8 @@ def test_defaults_are_within_their_ranges(node: str) -> None:
     for parameter in parameters:
         assert len(parameter.description) >= 15
         if parameter.least is not None:
-            assert parameter.least <= parameter.default <= parameter.most
+            default: Any = parameter.default
+            assert parameter.least <= default <= parameter.most
         if parameter.choices:
             assert parameter.default in parameter.choices
 

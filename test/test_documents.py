@@ -1,4 +1,4 @@
-"""The README and docs/ speak of what is there: commands, options, names, files, sentences."""
+"""README, CONTRIBUTING, DEVELOPING and docs/ speak of what is there: names, files, sentences."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = [
-    ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', ROOT / 'config' / 'security' / 'README.md',
+    ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', ROOT / 'DEVELOPING.md',
+    ROOT / 'config' / 'security' / 'README.md',
     *sorted((ROOT / 'docs').glob('*.md')),
 ]
 HOLE = None  # in a sentence of the code: what is put in when it is said
@@ -101,7 +102,7 @@ def test_launch_arguments_exist() -> None:
         file, *rest = words(quote.text)
         tree = ast.parse((ROOT / 'launch' / file).read_text())
         names = {
-            call.args[0].value for call in ast.walk(tree)
+            ast.literal_eval(call.args[0]) for call in ast.walk(tree)
             if isinstance(call, ast.Call) and isinstance(call.func, ast.Name)
             and call.func.id == 'DeclareLaunchArgument'
         }
@@ -110,7 +111,8 @@ def test_launch_arguments_exist() -> None:
 
 def test_topics_and_services_exist() -> None:
     """Those that are echoed, shown or called."""
-    topics, services = set(), {}
+    topics: set[str] = set()
+    services: dict[str, str] = {}
     for interface in map(interface_of, NODES):
         topics |= {'/' + interface.resolved(each.name).lstrip('/') for each in interface.published}
         services |= {'/' + each.name: each.kind for each in interface.services}
@@ -182,7 +184,7 @@ def sentences() -> list[list[str | None]]:
         if path.parent.name == 'interface':
             continue  # descriptions are shown, not said
         tree = ast.parse(path.read_text())
-        skipped = set()
+        skipped: set[ast.AST] = set()
         for node in ast.walk(tree):
             if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
                 skipped.add(node.value)  # a docstring

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 from blob_tracker import CameraModel, Frame, Pipeline, SensorNoise
 from blob_tracker.camera import CalibrationError
@@ -122,17 +123,19 @@ def test_a_window_becomes_a_bearing() -> None:
     model = CameraModel.from_field_of_view(160, 120, 50.0)
     lit, unlit = (frame.image[40:72, 50:90] for frame in (frames[2], frames[1]))
     window = Window(lit, unlit, 50, 40, 1, 255)
-    given = {'method': 'maximum_likelihood', 'noise': scene.sensor.noise}
-    location, bearing = window_to_bearing(window, model, **given)
-    plain = locate(window, **given)
+    place = partial(
+        window_to_bearing, method='maximum_likelihood', noise=scene.sensor.noise
+    )
+    location, bearing = place(window, model)
+    plain = locate(window, noise=scene.sensor.noise)
     assert (location.x, location.y) == (plain.x, plain.y)
     assert bearing.azimuth == model.bearing(plain).azimuth
     jitter = LineJitter(np.full(120, 0.25), np.zeros(120), 0.0)
-    moved, _ = window_to_bearing(window, model, line_jitter=jitter, **given)
+    moved, _ = place(window, model, line_jitter=jitter)
     assert moved.x == pytest.approx(plain.x - 0.25, abs=1e-9)
     low = LineJitter(np.zeros(100), np.zeros(100), 0.0)
     with pytest.raises(CalibrationError, match='is for 100 lines and the picture has 120'):
-        window_to_bearing(window, model, line_jitter=low, **given)
+        place(window, model, line_jitter=low)
 
 
 def rocked(

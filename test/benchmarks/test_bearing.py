@@ -1,10 +1,12 @@
 """The bearings of the benchmark: a truth of its own, and a covariance that holds."""
 
+from __future__ import annotations
+
 from benchmarks import bearing
 import numpy as np
 
 
-def test_truth_is_what_the_camera_model_finds_back():
+def test_truth_is_what_the_camera_model_finds_back() -> None:
     """Agree both ways through the lens, all over the picture."""
     angles, pixels = bearing.directions(200, np.random.default_rng(1))
     found = np.array([bearing.LENS.angles(x, y)[:2] for x, y in pixels])
@@ -13,7 +15,7 @@ def test_truth_is_what_the_camera_model_finds_back():
     assert (pixels.min(axis=0) > 19.0).all() and (pixels.max(axis=0) > (1200.0, 680.0)).all()
 
 
-def test_nees_over_all_scenes():
+def test_nees_over_all_scenes() -> None:
     """Have two, over the twenty scenes together."""
     rows = bearing.run(100, lambda _: None)
     assert len(rows) == bearing.steps() == 20

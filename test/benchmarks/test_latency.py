@@ -1,5 +1,10 @@
 """Ways of frames: what is lost and what a ratio is, and one that is really walked."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
 from benchmarks import latency
 from benchmarks.latency.figures import (
     Figures, LARGE, ONE, Resident, Row, SMALL, Start, THREE, USUAL,
@@ -14,12 +19,12 @@ import pytest
 MS = 1_000_000  # ns
 
 
-def _stream(delays_ms, *, lost=0):
+def _stream(delays_ms: Sequence[float], *, lost: int = 0) -> latency.Stream:
     delays = np.array(delays_ms) / 1e3
     return latency.Stream(delays, len(delays) + lost, {'node': 0.1 * len(delays)})
 
 
-def test_delays_are_those_of_the_lit_frames_after_the_first_second():
+def test_delays_are_those_of_the_lit_frames_after_the_first_second() -> None:
     """The stamp says which frame an answer is to; an answer that never came is a loss."""
     sent = [(place, place * 500 * MS, place % 2 == 0) for place in range(8)]  # 2 Hz
     arrived = [(0, 9 * MS), (2, 1007 * MS), (3, 1600 * MS), (6, 3002 * MS)]
@@ -29,7 +34,7 @@ def test_delays_are_those_of_the_lit_frames_after_the_first_second():
     assert latency.pair(sent, arrived, lit_alone=False).expected == 6
 
 
-def test_ratios_are_taken_round_by_round():
+def test_ratios_are_taken_round_by_round() -> None:
     """A round in which the machine is slow is slow for both, and does not count more."""
     ours = [_stream([4.0]), _stream([44.0], lost=2), _stream([6.0])]
     hops = [[_stream([1.0]), _stream([10.0]), _stream([1.0])]] * 2
@@ -40,15 +45,15 @@ def test_ratios_are_taken_round_by_round():
     assert np.isnan(latency.row(THREE, USUAL, 60.0, ours).over_hops)
 
 
-def test_a_round_in_which_nothing_came_is_no_good_one():
+def test_a_round_in_which_nothing_came_is_no_good_one() -> None:
     """It misses its targets: NaN is not met."""
     row = latency.row(THREE, USUAL, 60.0, [_stream([], lost=3)], [[_stream([1.0])]])
     assert np.isnan(row.over_hops) and row.lost == row.expected == 3
 
 
-def test_targets():
+def test_targets() -> None:
     """Each is decided by its own figure."""
-    def row(way, size, rate, **figures):
+    def row(way: str, size: tuple[int, int], rate: float, **figures: Any) -> Row:
         return Row(way, size, rate, [2e-3], [4e-3], 5e-3, **{'expected': 100, **figures})
 
     figures = Figures(
@@ -76,7 +81,7 @@ def test_targets():
     assert judged['start to first bearing', THREE].met
 
 
-def test_the_light_flashes_in_step_and_never_jumps():
+def test_the_light_flashes_in_step_and_never_jumps() -> None:
     """From the last frame of a turn to the first it moves as far as within it."""
     turn = draw(64, 48, 60.0)
     middles = [np.unravel_index(np.argmax(lit), lit.shape) for lit in turn[::2]]
@@ -86,14 +91,14 @@ def test_the_light_flashes_in_step_and_never_jumps():
     assert max(unlit) < min(int(lit.max()) for lit in turn[::2])
 
 
-def test_a_bare_hop_is_walked():
+def test_a_bare_hop_is_walked() -> None:
     """Real processes over the real middleware: images arrive, later than they were sent."""
     found = latency.hop(SMALL, 20.0, 0.5, warm_up=0.1)
     assert 0 < len(found.delays) <= found.expected <= 11  # best effort: a busy machine may lose
     assert found.delays.min() > 0.0
 
 
-def test_a_process_that_fails_says_why():
+def test_a_process_that_fails_says_why() -> None:
     """What it wrote is in the error."""
     with Process('camera', 'no json') as process, pytest.raises(RuntimeError, match='JSON'):
         process.answer()

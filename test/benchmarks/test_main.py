@@ -1,6 +1,11 @@
 """The command: its exit code, and what it says of what is missing."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 import json
+from pathlib import Path
+from typing import Any
 
 from benchmarks import __main__, peers
 from benchmarks.report import Report
@@ -11,11 +16,15 @@ SCENES = ('7x7', '9x9', '15x15')
 
 
 @pytest.fixture
-def run(monkeypatch, tmp_path, capsys):
+def run(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., Any]:
     """Return the command with rates in place of the measurement: exit code, text, record."""
     monkeypatch.setenv('COLUMNS', '180')
 
-    def command(rates=(200e3, 200e3, 200e3), part='speed'):
+    def command(
+        rates: Sequence[float] = (200e3, 200e3, 200e3), part: str = 'speed'
+    ) -> tuple[int, str, Any]:
         report = Report(
             speed=[
                 Pace(scene, 'maximum_likelihood', rate, 20e-6, 2.0, 10, 3)
@@ -30,7 +39,7 @@ def run(monkeypatch, tmp_path, capsys):
     return command
 
 
-def test_all_targets_met(run):
+def test_all_targets_met(run: Callable[..., Any]) -> None:
     """Return 0 and say so."""
     code, text, record = run()
     assert code == 0
@@ -38,7 +47,7 @@ def test_all_targets_met(run):
     assert record['targets'] and all(target['met'] for target in record['targets'])
 
 
-def test_a_missed_target(run):
+def test_a_missed_target(run: Callable[..., Any]) -> None:
     """Return 1, and name the gap."""
     code, text, record = run(rates=(99e3, 200e3, 200e3))
     assert code == 1
@@ -46,7 +55,9 @@ def test_a_missed_target(run):
     assert [target['met'] for target in record['targets']].count(False) == 1
 
 
-def test_a_missing_peer_is_listed_loudly(run, monkeypatch):
+def test_a_missing_peer_is_listed_loudly(
+    run: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Name the package and why, in the table, in the last line and in the record."""
     monkeypatch.setattr(peers, 'PACKAGES', ('opencv', 'nonesuch'))
     code, text, record = run()
@@ -57,7 +68,7 @@ def test_a_missing_peer_is_listed_loudly(run, monkeypatch):
     assert 'OpenCV moments' in record['settings']
 
 
-def test_no_real_pixels(run, monkeypatch):
+def test_no_real_pixels(run: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
     """Say which variable is not set."""
     monkeypatch.delenv('BLOB_TRACKER_DATA', raising=False)
     code, text, _ = run(part='real')
@@ -65,7 +76,7 @@ def test_no_real_pixels(run, monkeypatch):
     assert 'no real pixels: BLOB_TRACKER_DATA is not set' in text
 
 
-def test_unknown_part(capsys):
+def test_unknown_part(capsys: pytest.CaptureFixture[str]) -> None:
     """Refuse a part that is not there, and list those that are."""
     with pytest.raises(SystemExit, match='2'):
         __main__.main(['sped'])

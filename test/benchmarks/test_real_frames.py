@@ -1,5 +1,7 @@
 """The segmenter on frames of real cameras: a laser line switched on and off, and stars."""
 
+from __future__ import annotations
+
 import os
 from pathlib import Path
 
@@ -14,12 +16,12 @@ pytestmark = pytest.mark.skipif(
 
 
 @pytest.fixture(scope='module')
-def rows():
+def rows() -> list[real_frames.Row]:
     """Return what was found in each pair and frame."""
     return real_frames.run(Path(DATA))
 
 
-def test_line_is_found_by_its_colour():
+def test_line_is_found_by_its_colour() -> None:
     """Find a line across most of each picture, and in no more than a tenth of its pixels."""
     for path in sorted((Path(DATA) / 'laser_on_off').glob('*-b-*.jpg')):
         truth = real_frames.line(*real_frames.pair(path))
@@ -27,7 +29,7 @@ def test_line_is_found_by_its_colour():
         assert truth.mean() < 0.1, path.stem
 
 
-def test_difference_picks_the_laser_line(rows):
+def test_difference_picks_the_laser_line(rows: list[real_frames.Row]) -> None:
     """Have what rose most on the line in each pair, also where the exposure jumped."""
     laser = [row for row in rows if row.kind == real_frames.LASER]
     assert laser
@@ -35,7 +37,7 @@ def test_difference_picks_the_laser_line(rows):
         assert row.found == 1, row.name
 
 
-def test_no_window_off_the_line(rows):
+def test_no_window_off_the_line(rows: list[real_frames.Row]) -> None:
     """Give no window for anything else, and say why."""
     for row in rows:
         if row.kind == real_frames.LASER:
@@ -43,13 +45,13 @@ def test_no_window_off_the_line(rows):
             assert row.reason, row.name
 
 
-def test_exposure_jump_is_said(rows):
+def test_exposure_jump_is_said(rows: list[real_frames.Row]) -> None:
     """Say that the exposure jumped in the first pair, 2.5 times, and in no other."""
     laser = [row for row in rows if row.kind == real_frames.LASER]
     assert ['auto-exposure' in row.reason for row in laser] == [True] + [False] * (len(laser) - 1)
 
 
-def test_stars_above_peak_snr_8(rows):
+def test_stars_above_peak_snr_8(rows: list[real_frames.Row]) -> None:
     """Find them, and take one light for the target in each frame."""
     stars = [row for row in rows if row.kind == real_frames.STARS]
     assert stars
@@ -59,7 +61,7 @@ def test_stars_above_peak_snr_8(rows):
     assert all(row.windows == 1 for row in stars)
 
 
-def test_missed_stars_are_lone_pixels():
+def test_missed_stars_are_lone_pixels() -> None:
     """Miss a star for no other reason than that its light is in one pixel."""
     for name, x, y, instead in real_frames.missed(Path(DATA)):
         assert instead is not None and 'lone pixel' in instead.rejected, (name, x, y)

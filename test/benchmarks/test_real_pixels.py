@@ -1,13 +1,18 @@
 """What is said of real pixels: harmonics that are there, and corrections from elsewhere."""
 
+from __future__ import annotations
+
 from benchmarks import real_pixels
 from benchmarks.field import Field, residuals
+from benchmarks.ours import CHAMPION, estimate
 from benchmarks.scenes import sample, Scene
+from blob_tracker.location.phase_correction import learn_phase_correction, PhaseCorrection
 import numpy as np
+from numpy.typing import NDArray
 import pytest
 
 
-def field(seed, count=60):
+def field(seed: int, count: int = 60) -> Field:
     """Return a field of windows whose first pixels lie on a grid of whole pixels."""
     seen = sample(Scene(7, 1.1, 50.0), count, seed)
     x0, y0 = np.random.default_rng(seed).integers(0, 500, (2, count)).astype(float)
@@ -17,26 +22,26 @@ def field(seed, count=60):
     )
 
 
-def test_correction_is_learned_from_the_other_frames(monkeypatch):
+def test_correction_is_learned_from_the_other_frames(monkeypatch: pytest.MonkeyPatch) -> None:
     """Learn each frame's correction from all the others' positions and none of its own."""
     fields = [field(seed) for seed in range(3)]
-    learned = []
+    learned: list[set[float]] = []
 
-    def learn(x, y):
+    def learn(x: NDArray[np.float64], y: NDArray[np.float64]) -> PhaseCorrection:
         learned.append(set(x))
         return original(x, y)
 
-    original = real_pixels.learn_phase_correction
+    original = learn_phase_correction
     monkeypatch.setattr(real_pixels, 'learn_phase_correction', learn)
     real_pixels.phase_corrected(fields)
-    own = [set(real_pixels.estimate(each.windows, real_pixels.CHAMPION).x) for each in fields]
+    own = [set(estimate(each.windows, CHAMPION).x) for each in fields]
     for index in range(3):
         others = [own[other] for other in range(3) if other != index]
         assert learned[index] == set.union(*others)
         assert not learned[index] & own[index]
 
 
-def test_harmonic_of_a_known_bias():
+def test_harmonic_of_a_known_bias() -> None:
     """Find the amplitude of a bias in the residuals to the map, and its rms over the phase."""
     here = field(5, count=2000)
     x, y = here.u - here.x0, here.v - here.y0
@@ -50,7 +55,7 @@ def test_harmonic_of_a_known_bias():
     assert row.phase_rms == pytest.approx(0.025 / np.sqrt(2.0), rel=0.06)
 
 
-def test_residuals_leave_an_outlier_out():
+def test_residuals_leave_an_outlier_out() -> None:
     """Drop one blob that lies a pixel off, and shift no other for it."""
     here = field(6)
     x, y = here.u - here.x0, here.v - here.y0

@@ -1,5 +1,7 @@
 """The timing of whole frames times what it says."""
 
+from __future__ import annotations
+
 from benchmarks import search
 import numpy as np
 import pytest
@@ -8,7 +10,7 @@ SIZE = (200, 160)
 
 
 @pytest.mark.parametrize('depth', ['uint8', 'uint16'])
-def test_pool_is_of_different_frames_of_the_depth(depth):
+def test_pool_is_of_different_frames_of_the_depth(depth: str) -> None:
     """As many as said, of the type, the lit ones with a target that the unlit ones lack."""
     frames = search.pool(SIZE, search.DEPTHS[depth], True)
     assert len(frames) == search.POOL >= 16
@@ -19,7 +21,7 @@ def test_pool_is_of_different_frames_of_the_depth(depth):
     assert min(rises[1::2]) > 30.0 > 12.0 > max(rises[::2])
 
 
-def test_locked_and_acquired_have_a_target_and_lost_has_none():
+def test_locked_and_acquired_have_a_target_and_lost_has_none() -> None:
     """Every lit frame of the locked path gives a window; times are positive."""
     rows = {row.path: row for row in search.measure(SIZE, 'uint8', 2)}
     assert list(rows) == [search.LOST, search.ACQUIRED, search.LOCKED, search.COMPONENTS]
@@ -28,7 +30,7 @@ def test_locked_and_acquired_have_a_target_and_lost_has_none():
     assert all(row.seconds > 0.0 and row.reference > 0.0 for row in rows.values())
 
 
-def test_lost_gives_no_window():
+def test_lost_gives_no_window() -> None:
     """Round and round an empty pool."""
     runner = search.Runner(search.pool(SIZE, 255, False))
     runner.go(2 * search.POOL)

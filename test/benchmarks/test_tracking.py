@@ -1,5 +1,7 @@
 """The tracker and filterpy's filter are the same filter, and the limit is not beaten."""
 
+from __future__ import annotations
+
 from benchmarks import tracking
 from benchmarks.report import Report
 from benchmarks.targets import judge
@@ -13,7 +15,7 @@ SECONDS = 5.0
 
 
 @pytest.mark.parametrize('model', list(MODELS))
-def test_filterpys_filter_is_ours(model):
+def test_filterpys_filter_is_ours(model: str) -> None:
     """The same model, noise and prior: on a few degrees of the sphere they differ by little."""
     pytest.importorskip('filterpy', reason='it is not installed: see requirements/test.txt')
     bearings = tracking.bearings_of(MOTIONS['sea'].ride(SECONDS + 1.0, 3), SECONDS, 3)
@@ -22,6 +24,8 @@ def test_filterpys_filter_is_ours(model):
     mine = tracking.ours(tracker, bearings)
     other = tracking.filtered(model, noise, bearings)
     for first, second in zip(mine[5:], other[5:]):
+        assert first.covariance is not None and second.covariance is not None
+        assert first.innovation is not None and second.innovation is not None
         # At an elevation of 50 mrad an angle of azimuth is 0.1 % less of an arc.
         np.testing.assert_allclose(first.angles, second.angles, atol=0.02)
         np.testing.assert_allclose(first.covariance, second.covariance, rtol=0.02, atol=1e-5)
@@ -29,7 +33,7 @@ def test_filterpys_filter_is_ours(model):
 
 
 @pytest.mark.parametrize('motion', list(MOTIONS))
-def test_prediction_is_between_the_limit_and_the_last_bearing(motion):
+def test_prediction_is_between_the_limit_and_the_last_bearing(motion: str) -> None:
     """At the horizons at which the process is linear; the limit is an average over all rides."""
     rows = {row.contender: row for row in tracking.ride_rows(motion, SECONDS + 5.0)}
     for model in MODELS:
@@ -41,7 +45,7 @@ def test_prediction_is_between_the_limit_and_the_last_bearing(motion):
 
 
 @pytest.mark.parametrize(('dearest', 'met'), [(19e-6, True), (21e-6, False)])
-def test_the_target_is_the_dearest_update(dearest, met):
+def test_the_target_is_the_dearest_update(dearest: float, met: bool) -> None:
     """Whatever filterpy takes, or where it is missing."""
     costs = [Cost('one', 10e-6, 8e-6, 12e-6, float('nan')),
              Cost('two', 10e-6, 8e-6, dearest, 100e-6)]

@@ -43,7 +43,7 @@ def corners(
 def rendered(random: np.random.Generator, board, model: CameraModel, count: int) -> list[View]:
     """Return views of a board as found in noisy images of it."""
     scene = BoardScene(printed(board), model)
-    views = []
+    views: list[View] = []
     for pose in poses(random, board, model, count=count):
         view = board.find(scene.frame(pose, random), f'view {len(views)}')
         assert view is not None

@@ -21,7 +21,7 @@ def views(
     random = np.random.default_rng(30)
     model = camera(random)
     scene = BoardScene(printed(CHESSBOARD), model)
-    seen = []
+    seen: list[View] = []
     for pose in poses(random, CHESSBOARD, model, count=count, tilt=tilt):
         if around is not None:
             turn = around * np.radians(random.uniform(*tilt))

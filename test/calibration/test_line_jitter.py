@@ -17,7 +17,7 @@ from scipy.stats import chi2
 DRAWS = 100
 NOISE = SensorNoise(gain=40.0, read_noise=0.7)
 HEIGHT, WIDTH = 80, 64
-LEANING = 30.0 + 0.03 * np.arange(HEIGHT)  # px
+LEANING = 30.0 + 0.03 * np.arange(HEIGHT, dtype=float)  # px
 OFFSETS = line_offsets(HEIGHT)
 
 
@@ -93,10 +93,10 @@ def test_edges_are_placed_at_the_bound(dark: float, bright: float) -> None:
     pixel_variance += NOISE.read_noise**2 + 1.0 / 12.0
     information = np.einsum('hkp,hk,hkq->hpq', derivatives, 1.0 / pixel_variance, derivatives)
     bound = np.linalg.inv(information)[:, 0, 0].mean()
-    variance = np.mean(np.square(errors))
+    seen = np.mean(np.square(errors))
     # 4800 places know their variance to 2 %; three of that.
-    assert variance == pytest.approx(bound, rel=0.06)
-    assert np.mean(stated) == pytest.approx(variance, rel=0.06)
+    assert seen == pytest.approx(bound, rel=0.06)
+    assert np.mean(stated) == pytest.approx(seen, rel=0.06)
     assert abs(np.mean(errors)) < 4.0 * np.sqrt(bound / 4800)
 
 
@@ -160,7 +160,7 @@ def noise_only() -> list[NDArray[np.float64]]:
 
 def leaning(slope: float, middle: float = 32.0) -> list[NDArray[np.float64]]:
     """Return frames of an edge with a slope."""
-    places = middle + slope * (np.arange(HEIGHT) - HEIGHT / 2)
+    places = middle + slope * (np.arange(HEIGHT, dtype=float) - HEIGHT / 2)
     return [draw_edge((HEIGHT, WIDTH), places, 1.0, 30.0, 200.0)] * 4
 
 

@@ -55,8 +55,8 @@ def test_the_truth_is_within_the_sigmas() -> None:
         mean = saturation * patches * prnu
         found = NoiseLevelFunction(memory=1e6, tiles=None)
         for index in range(8):
-            pair = (expose(mean, noise, random, saturation=saturation) for _ in range(2))
-            found.add(*pair, saturation, index)
+            one, two = (expose(mean, noise, random, saturation=saturation) for _ in range(2))
+            found.add(one, two, saturation, index)
         if found.line() is None:
             # Shot noise of full scale that is less than the read noise is no contrast.
             assert 'not enough contrast' in found.reason
@@ -138,7 +138,8 @@ def test_one_level_tells_the_variance_there() -> None:
     found = NoiseLevelFunction()
     wall = np.full((360, 480), 40.0)
     for index in range(10):
-        found.add(*(expose(wall, NOISE, random) for _ in range(2)), 255, index * SECOND)
+        one, two = (expose(wall, NOISE, random) for _ in range(2))
+        found.add(one, two, 255, index * SECOND)
     assert found.line() is None
     # 40 / 8 + 1.44 + 1 / 12 = 6.52
     assert 'not enough contrast in the scene to separate gain and read noise' in found.reason
@@ -156,10 +157,11 @@ def test_compressed_frames_are_refused() -> None:
     """JPEG leaves no plain noise in any tile."""
     found = NoiseLevelFunction()
     for index in range(10):
-        pair = [
-            cv2.imdecode(cv2.imencode('.jpg', SCENE.frame(60 * index + k))[1], 0) for k in (0, 2)
-        ]
-        found.add(*pair, 255, index * SECOND)
+        one, two = (
+            cv2.imdecode(cv2.imencode('.jpg', SCENE.frame(60 * index + k))[1], 0).astype(np.uint8)
+            for k in (0, 2)
+        )
+        found.add(one, two, 255, index * SECOND)
     assert found.line() is None
     assert 'compressed' in found.reason
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 import os
 from pathlib import Path
+from typing import Any
 
 from blob_tracker.calibration.frame_pair import pair_of, PhotonTransferError
 from blob_tracker.calibration.photon_transfer import photon_transfer, PhotonTransfer
@@ -26,7 +27,7 @@ FIELD = FlatField(
 )
 
 
-def of_noise(noise: SensorNoise, **changes: float) -> FlatField:
+def of_noise(noise: SensorNoise, **changes: Any) -> FlatField:
     """Return the field with another sensor."""
     return replace(FIELD, sensor=replace(FIELD.sensor, noise=noise, **changes))
 
@@ -196,7 +197,10 @@ def test_processed_frames_are_warned_of() -> None:
     random = np.random.default_rng(6)
     top = FIELD.sensor.saturation - FIELD.sensor.noise.black_level
     frames = [[FIELD.frame(part * top, random) for _ in range(2)] for part in (0.1, 0.3, 0.5)]
-    blurred = [pair_of(*(cv2.GaussianBlur(each, (3, 3), 0.8) for each in two)) for two in frames]
+    blurred = [
+        pair_of(*(cv2.GaussianBlur(each, (3, 3), 0.8).astype(each.dtype) for each in two))
+        for two in frames
+    ]
     assert any('compressed, demosaiced' in each for each in photon_transfer(blurred).warnings)
     shifted = [pair_of(*(16 * each for each in two)) for two in frames]
     assert any('multiples of 16' in each for each in photon_transfer(shifted).warnings)
@@ -250,8 +254,8 @@ def test_real_sensor() -> None:
     for step in range(0, 45, 5):
         for kind in 'bd':
             two = (DATA / f'{kind}_{step:03d}_snap_00{shot}.png' for shot in (1, 2))
-            images = [cv2.imread(str(each), cv2.IMREAD_UNCHANGED) for each in two]
-            pairs.append(pair_of(*images, dark=kind == 'd', exposure=float(step)))
+            images: list[Any] = [cv2.imread(str(each), cv2.IMREAD_UNCHANGED) for each in two]
+            pairs.append(pair_of(images[0], images[1], dark=kind == 'd', exposure=float(step)))
     found = photon_transfer(pairs)
     assert found.line.slope == pytest.approx(0.280, rel=0.02)
     assert found.noise.read_noise == pytest.approx(3.07, rel=0.03)

@@ -77,7 +77,7 @@ def test_table_5_1_of_the_thesis() -> None:
     for inches_per_pixel, shift, expected in (
         (0.1694, 1.00, 0.1694), (0.294, 0.10, 0.0294), (0.294, 0.05, 0.0147),
     ):
-        readings = INCH * inches_per_pixel * np.arange(11)  # the thesis' calipers were imperial
+        readings = INCH * inches_per_pixel * np.arange(11.0)  # the thesis' calipers were imperial
         pixels = np.stack([200.0 + np.arange(11), np.full(11, 240.0)], axis=1)
         pixels = pixels + 0.02 * np.random.default_rng(3).standard_normal(pixels.shape)
         # 0.001 inch is the step of the caliper: uniform within it.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from blob_tracker.camera import CalibrationError
 from blob_tracker.camera.line_jitter import LineJitter
@@ -89,7 +90,7 @@ def test_covariance_holds_what_is_left(noise: SensorNoise, options: dict) -> Non
     assert low < nees(errors, covariances) < high
 
 
-def location(**changes: object) -> Location:
+def location(**changes: Any) -> Location:
     """Return a location in the middle of the picture."""
     base = Location(320.0, 240.0, 1e-4 * np.eye(2), 100.0, 20.0, 2.0, 50.0, 1.0, 0, stamp_ns=42)
     return replace(base, **changes)

@@ -73,7 +73,7 @@ def test_a_size_that_nobody_asked_for_is_not_insisted_on():
 @pytest.mark.parametrize('size', [(1920, 1080), (1920, 0), (0, 1080)])
 def test_a_size_that_was_asked_for_is_insisted_on(size):
     with pytest.raises(CaptureError) as error:
-        Webcam(SIZES, ('MJPG', 1920, 1080)).negotiated(*size, pixel_format='YUYV')
+        Webcam(SIZES, ('MJPG', 1920, 1080)).negotiated(size[0], size[1], 'YUYV')
     assert str(error.value) == ('/dev/video0: 1920x1080 is not offered; the driver gives 640x480 '
                                 'instead')
 

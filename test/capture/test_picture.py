@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from blob_tracker.capture.picture import BAR, CLIPPED, draw, STRIP_PX
-from blob_tracker.drawing import GAP_PX, PAPER
+from blob_tracker.capture.picture import BAR, draw, STRIP_PX
+from blob_tracker.drawing import CLIPPED, GAP_PX, PAPER
 from blob_tracker.types import Frame
 import numpy as np
 import pytest

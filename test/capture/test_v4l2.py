@@ -1,6 +1,7 @@
 """What a camera says where there is none or a bad one; test/vm streams from a real driver."""
 
 import errno
+import mmap
 import os
 import select
 import tempfile
@@ -93,7 +94,7 @@ class Spoiling(V4l2Camera):
         self.device = '/dev/video0'
         self.error_frames = 0
         self._flags = [videodev2.BUF_FLAG_ERROR] * spoilt + [0] * cut_short
-        self._memory = [bytearray(64)]
+        self._memory = [mmap.mmap(-1, 64)]
         self._interval_ns = 0
         self._format = StreamFormat(
             videodev2.BUF_TYPE_VIDEO_CAPTURE, 'GREY', 8, 8, 8, 255, PIXEL_FORMATS['GREY'].luma)

@@ -14,7 +14,6 @@ from typing import Any
 
 import blob_tracker
 from blob_tracker.capture import CaptureError, videodev2
-from blob_tracker.capture import device as capture_device
 from blob_tracker.commands.doctor import cameras, compiled, discovery, examined, installation
 from blob_tracker.commands.doctor import log_folder, profile, python, security, shared_memory
 from blob_tracker.commands.doctor.finding import error, Finding, Level, ok, warn
@@ -465,8 +464,8 @@ def test_camera_that_may_not_be_opened(tmp_path: Path, monkeypatch: pytest.Monke
             return status
         return os.stat_result((*status[:4], 0, 44, *status[6:]))
 
-    monkeypatch.setattr(capture_device.os, 'open', refuse)
-    monkeypatch.setattr(capture_device.os, 'stat', of_root_and_video)
+    monkeypatch.setattr('blob_tracker.capture.device.os.open', refuse)
+    monkeypatch.setattr('blob_tracker.capture.device.os.stat', of_root_and_video)
     told(cameras.check_cameras(folder, tmp_path), Level.ERROR, 'permission denied',
          'sudo usermod -aG video')
 

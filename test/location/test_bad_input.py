@@ -1,5 +1,7 @@
 """Whatever the window: a LocationError with the reason, or a sound and finite answer."""
 
+from typing import Any
+
 from blob_tracker.location import compile_ahead, locate, locate_batch, METHODS
 from blob_tracker.types import LocationError, SensorNoise, Window
 from hypothesis import example, given, settings, strategies as st
@@ -176,4 +178,5 @@ def test_compile_ahead_leaves_nothing_to_compile():
     for lit in (blob(), blob().astype(np.uint8), np.asfortranarray(blob())):
         locate(Window(lit), noise=NOISE)
         locate(Window(lit, lit // 2, saturation=200), noise=NOISE, elliptical=True)
-    assert len(_fit_all.signatures) == 1
+    compiled: Any = _fit_all
+    assert len(compiled.signatures) == 1

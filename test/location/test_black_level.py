@@ -69,7 +69,7 @@ def test_a_sum_of_looks_carries_the_pedestal_as_often(scene):
         scene(9, 1.3, 200.0, count=1, noise=CAMERA, background=BACKGROUND, seed=1).lit[0]
         for _ in range(5)
     ]
-    lit = np.sum(shots, axis=0, dtype=np.uint16)
+    lit = np.asarray(np.sum(shots, axis=0, dtype=np.uint16))
     found = locate(Window(lit, looks=5, saturation=65535), noise=CAMERA)
     bare = locate(Window(lit - 5 * PEDESTAL, looks=5, saturation=65535), noise=BARE)
     assert found.x == pytest.approx(bare.x, abs=1e-9)

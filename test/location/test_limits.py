@@ -1,5 +1,7 @@
 """The Cramer-Rao bound against closed forms and brute force; Havelock's locales by moving."""
 
+from typing import Any
+
 from blob_tracker.location.limits import cramer_rao_bound, cramer_rao_bound_1d, locale_extent
 from blob_tracker.location.pulse import integrated_profile, sampled_profile
 from blob_tracker.types import SensorNoise
@@ -7,7 +9,7 @@ import numpy as np
 import pytest
 
 NOISE = SensorNoise(gain=2.0, read_noise=1.5)
-PULSE = {'x': 5.2, 'y': 4.9, 'sigma': 1.4, 'amplitude': 120.0, 'background': 15.0}
+PULSE: dict[str, Any] = {'x': 5.2, 'y': 4.9, 'sigma': 1.4, 'amplitude': 120.0, 'background': 15.0}
 
 
 def brute_force(mean, theta, variance):

@@ -140,8 +140,11 @@ def test_nothing_odd_breaks_it(
     with np.errstate(invalid='ignore'):
         lit = np.full(size, level).astype(kind)
     mixed = correlation * np.sqrt(variances[0] * variances[1])
+    x, y = where
+    amplitude, background, sigma, snr, chi2 = values
     location = Location(
-        *where, np.array([[variances[0], mixed], [mixed, variances[1]]]), *values, saturated=3
+        x, y, np.array([[variances[0], mixed], [mixed, variances[1]]]),
+        amplitude, background, sigma, snr, chi2, saturated=3,
     )
     one = Window(lit, None if steady else lit, 0, 0, 0, 255)
     noise = SensorNoise(gain, 0.0)

@@ -104,7 +104,8 @@ def test_an_error_that_follows_the_pixels_shows():
     ratios = {}
     windows = []
     for place, corner in zip(places, corners):
-        light = 20.0 + 150.0 * pixel_integrated_gaussian((5, 5), *(place - corner), 1.2)
+        x, y = place - corner
+        light = 20.0 + 150.0 * pixel_integrated_gaussian((5, 5), x, y, 1.2)
         windows.append(expose(light, noise, random, saturation=255))
     dark = [expose(np.full((5, 5), 20.0), noise, random, saturation=255) for _ in windows]
     for method in ('centroid', 'maximum_likelihood'):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from math import nan
 from pathlib import Path
 import time
@@ -196,10 +196,10 @@ class FakeStream:
 @pytest.fixture
 def told(
     domain: int, ros_home: Path, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[Callable[..., Any]]:
+) -> Callable[..., Any]:
     """Give a function that runs the node on a fake stream until something is reported."""
     def run(until: Callable[[Any], bool], *arguments: str, **changes: object) -> Any:
-        stream = type('Stream', (FakeStream,), {'opened': [], **changes})
+        stream: Any = type('Stream', (FakeStream,), {'opened': [], **changes})
         monkeypatch.setattr(nodes_camera, 'V4l2Camera', stream)
         monkeypatch.setattr(nodes_camera, 'Grabber', stream)
         rclpy.init(args=['--ros-args', *arguments], domain_id=domain)

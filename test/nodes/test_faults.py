@@ -6,6 +6,7 @@ from contextlib import ExitStack
 from pathlib import Path
 import signal
 import time
+from typing import Any
 
 from blob_tracker.ros.messages.stamp import from_ns, to_ns
 from blob_tracker.simulation import flashing_light
@@ -19,7 +20,7 @@ from support.processes import executable, Probe, probe, Process, start
 SMALL = {'width': 160, 'height': 120, 'focal_length': 200.0}
 SCENE = flashing_light(width=160, height=120, period=3.0)
 # What runs in each arrangement, by the name that it is killed by.
-ARRANGEMENTS = {
+ARRANGEMENTS: dict[str, dict[str, dict[str, Any]]] = {
     'four processes': {'simulator': SMALL, 'segmenter': {}, 'locator': {}, 'tracker': {}},
     'pipeline': {'pipeline': {'source': 'simulator'} | SMALL},
     'pipeline with images': {'simulator': SMALL, 'pipeline': {'source': 'images'}},
@@ -92,7 +93,7 @@ def test_any_node_that_is_killed_may_come_back(arrangement: str, domain: int) ->
 
 
 # What takes the frames of a camera that the test plays.
-TAKERS = {
+TAKERS: dict[str, dict[str, dict[str, Any]]] = {
     'four processes': {'segmenter': {}, 'locator': {}, 'tracker': {}},
     'pipeline': {'pipeline': {'source': 'images'}},
 }

@@ -8,6 +8,7 @@ import subprocess
 from blob_tracker.nodes import NODES
 from blob_tracker.nodes.help import help_text
 from blob_tracker.nodes.interface import interface_of
+from blob_tracker.ros.interface import Service, Topic
 import pytest
 from support.processes import executable
 
@@ -22,7 +23,10 @@ def test_help_has_all_that_the_node_shows(node: str, width: int) -> None:
     for parameter in interface.parameters:
         assert [parameter.name, parameter.value] in starts
         assert parameter.fixed in ' '.join(text.split())
-    for each in (*interface.subscribed, *interface.published, *interface.services):
+    shown: list[Topic | Service] = [
+        *interface.subscribed, *interface.published, *interface.services
+    ]
+    for each in shown:
         assert [interface.resolved(each.name), each.kind] in starts
     assert all(example in text for example in interface.examples)
     if width == 99:

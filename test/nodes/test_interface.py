@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from blob_tracker.nodes.interface import interface_of
 from blob_tracker.resources import config_path
@@ -76,7 +76,7 @@ def _ends(names_and_types: list[tuple[str, list[str]]]) -> Ends:
     return found
 
 
-def declared(interface: Interface, ends: tuple[Topic, ...] | tuple[Service, ...]) -> Ends:
+def declared(interface: Interface, ends: Sequence[Topic] | Sequence[Service]) -> Ends:
     """Return what an interface says, with the names that the graph has."""
     return {'/' + interface.resolved(each.name).lstrip('/'): each.kind for each in ends}
 

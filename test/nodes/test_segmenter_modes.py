@@ -133,7 +133,7 @@ def test_steady_windows_have_one_channel(domain: int) -> None:
 def test_the_covariance_of_summed_looks_is_true(domain: int) -> None:
     """Segmenter and locator with 5 looks: the NEES of bearings whose noise is read noise."""
     place = np.array([71.3, 52.6])
-    scene = before_a_wall(alternate(*place, 60.0), read_noise=3.0)
+    scene = before_a_wall(alternate(place[0], place[1], 60.0), read_noise=3.0)
     # Of the methods this one takes the noise as it is told: maximum_likelihood would see from its
     # residuals that there is more.
     locator = {'method': 'multi_gaussian_lm', 'noise__gain': 40.0, 'noise__read_noise': 3.0}

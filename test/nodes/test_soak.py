@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from functools import partial
 import os
 from statistics import median
 import time
+from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Vector3Stamped
@@ -15,7 +18,7 @@ from support.processes import PATIENCE, Probe, probe, Process, start
 
 SECONDS = float(os.environ.get('SOAK_SECONDS', 60.0))
 SCENE = {'width': 320, 'height': 240, 'focal_length': 400.0}
-ARRANGEMENTS = {
+ARRANGEMENTS: dict[str, dict[str, dict[str, Any]]] = {
     'four processes': {'simulator': SCENE, 'segmenter': {}, 'locator': {}, 'tracker': {}},
     'pipeline': {'pipeline': {'source': 'simulator'} | SCENE},
 }
@@ -108,22 +111,22 @@ class Soaked:
             for counts in (record.files, record.threads):
                 first, last = _thirds(counts)
                 assert last <= first, (name, first, last)
-        for name, values in self.values.items():
+        for name, told in self.values.items():
             for latency in ('latency p50 (ms)', 'latency p99 (ms)'):
-                if values.get(latency):
-                    assert _thirds(values[latency])[1] < LATE, (name, latency)
+                if told.get(latency):
+                    assert _thirds(told[latency])[1] < LATE, (name, latency)
         sent, taken = (self.values[name]['frames'] for name in ('simulator', 'segmenter'))
         assert taken[-1] - taken[0] > (1.0 - LOST) * (sent[-1] - sent[0])
         assert self.bearings > 0.4 * (1.0 - LOST) * taken[-1]  # half of them are lit
 
 
-def _thirds(values: list[float]) -> tuple[float, float]:
+def _thirds(values: Sequence[float]) -> tuple[float, float]:
     """Return the medians of the first and the last third."""
     third = max(len(values) // 3, 1)
     return median(values[:third]), median(values[-third:])
 
 
-def _ends(values: list[float]) -> str:
+def _ends(values: Sequence[float]) -> str:
     first, last = _thirds(values)
     return f'{first:.4g} -> {last:.4g} (most {max(values):.4g})'
 
@@ -144,7 +147,7 @@ def test_nothing_grows(domain: int) -> None:
             }
             soaked[name] = Soaked(node, processes)
         for each in soaked.values():
-            each.node.spin_until(lambda each=each: each.bearings, 3.0 * PATIENCE)
+            each.node.spin_until(partial(getattr, each, 'bearings'), 3.0 * PATIENCE)
             each.node.spin(WARM / len(soaked))
         end = time.monotonic() + SECONDS - WARM  # not so many samples, which take their time too
         while time.monotonic() < end:

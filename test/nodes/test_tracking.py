@@ -70,8 +70,8 @@ def test_the_light_is_tracked_within_the_budget(domain: int) -> None:
     assert all(np.array(m.pose.covariance)[[21, 28]].min() > 0 for m in rays)
     assert {m.encoding for m in windows} == {'8UC2'}
     # Every bearing has its window's camera_info, but for those before that topic was discovered.
-    stamps = {to_ns(m.header.stamp) for m in infos}
-    assert stamps >= {s for m in bearings if (s := to_ns(m.header.stamp)) >= min(stamps)}
-    assert len(stamps) >= 80
+    known = {to_ns(m.header.stamp) for m in infos}
+    assert known >= {s for m in bearings if (s := to_ns(m.header.stamp)) >= min(known)}
+    assert len(known) >= 80
     assert all(m.roi.width >= 7 and m.roi.x_offset > 0 for m in infos)
     assert visible[0].data is True

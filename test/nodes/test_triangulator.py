@@ -131,7 +131,7 @@ def test_positions_are_right_within_their_covariance(cameras: Cameras) -> None:
         found = np.array([point.point.x, point.point.y, point.point.z])
         covariance = np.array(pose.pose.covariance).reshape(6, 6)[:3, :3]
         error = found - place(to_ns(point.header.stamp), cameras.begin_ns)
-        total += error @ np.linalg.solve(covariance, error)
+        total += float(error @ np.linalg.solve(covariance, error))
     # It moves evenly: the part of the covariance for what it might have strayed is too much, by
     # less than a half of the right one's.
     low, high = chi2.ppf([0.0005, 0.9995], 3 * len(cameras.poses))

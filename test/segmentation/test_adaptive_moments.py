@@ -81,9 +81,10 @@ def test_a_slanted_blob_has_its_axes_and_their_correlation() -> None:
     along, across = (x - X + y - Y) / np.sqrt(2), (y - Y - x + X) / np.sqrt(2)
     light = 150.0 * np.exp(-0.5 * ((along / 5.0) ** 2 + (across / 2.5) ** 2))
     random = np.random.default_rng(1)
-    found = measured(contrast_of(
-        *(expose(mean, READ_NOISE, random) for mean in (40.0 + light, np.full(SHAPE, 40.0)))
-    ))
+    lit, unlit = (
+        expose(mean, READ_NOISE, random) for mean in (40.0 + light, np.full(SHAPE, 40.0))
+    )
+    found = measured(contrast_of(lit, unlit))
     assert found['sigma_major'] == pytest.approx(5.0, rel=0.05)
     assert found['sigma_minor'] == pytest.approx(2.5, rel=0.05)
     assert found['sigma_x'] == pytest.approx(np.sqrt(15.6), rel=0.05)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from blob_tracker.location import locate
 from blob_tracker.segmentation import Segmenter
@@ -27,7 +28,7 @@ LAMPS = (
     Light(60.0, 190.0, 2.0, 70.0, sinusoid(120.0, 1.0, 0.3)),
     Light(110.0, 200.0, 1.5, 90.0, sinusoid(120.3, 1.0)),
 )
-CLUTTER = {
+CLUTTER: dict[str, tuple[Scene, tuple[Any, ...], str]] = {
     'lamps of 100 and 120 Hz': (WALL, LAMPS, 'none'),
     'moving edges': (WALL, (
         PassingObject(0.0, 190.0, 60.0, 36.0, 110.0, speed_x=4.0),
@@ -139,8 +140,9 @@ def test_without_registration_a_moving_camera_shows_no_target() -> None:
 
 def test_a_target_that_was_lost_is_found_again() -> None:
     """It is gone for two seconds, and comes back elsewhere: at once lost, soon locked."""
-    here = replace(WALL, target=replace(TARGET, reach_x=0.0, reach_y=0.0))
-    there = replace(here, target=replace(here.target, x=250.4, y=180.7))
+    target = replace(TARGET, reach_x=0.0, reach_y=0.0)
+    here = replace(WALL, target=target)
+    there = replace(here, target=replace(target, x=250.4, y=180.7))
     segmenter = Segmenter()
     assert tracked(here, range(1, 31), segmenter) == (15, 0, 15)
     assert segmenter.detections.state == 'locked'

@@ -86,7 +86,7 @@ def test_other_blinking_is_no_light() -> None:
     """Neither a mains-like flicker nor a light that is switched on once has a code."""
     scene = before_a_wall(
         Light(40.2, 30.7, 2.0, 120.0, periodic(0.31 * RATE, 0.5)),
-        Light(110.6, 80.1, 2.0, 120.0, lambda times: times > 0.3),
+        Light(110.6, 80.1, 2.0, 120.0, lambda times: (times > 0.3).astype(float)),
     )
     segmenter = flash(CODES)
     assert names(segmenter, scene, 60) == {}

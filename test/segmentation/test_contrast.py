@@ -1,5 +1,7 @@
 """Lit less unlit, cut out with its sign."""
 
+from typing import Any
+
 from blob_tracker.segmentation.box import Box
 import numpy as np
 import pytest
@@ -7,7 +9,7 @@ from support.contrasts import contrast_of
 
 
 @pytest.mark.parametrize('kind', [np.uint8, np.uint16])
-def test_signal_keeps_the_sign_and_the_place(kind: type) -> None:
+def test_signal_keeps_the_sign_and_the_place(kind: Any) -> None:
     """Unsigned types do not wrap around."""
     lit, unlit = np.full((4, 6), 9, kind), np.full((4, 6), 9, kind)
     lit[1, 2], unlit[2, 3] = 20, 250

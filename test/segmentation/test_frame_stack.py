@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.frame_stack import (
     FrameStack, FULL_SCALE_DN, most_frames, sum_frames,
@@ -22,7 +24,7 @@ def add(
     level: int = 50,
     stamp_ns: int = 0,
     saturation: int = 255,
-    kind: type = np.uint8,
+    kind: Any = np.uint8,
     name: str = '',
     duration: float = 0.0,
 ) -> Window | None:
@@ -100,7 +102,7 @@ def test_a_pause_begins_anew(seconds: float, duration: float, summed: bool) -> N
 
 
 @pytest.mark.parametrize('change', [{'kind': np.uint16}], ids=['depth'])
-def test_other_frames_begin_anew(change: dict[str, type]) -> None:
+def test_other_frames_begin_anew(change: dict[str, Any]) -> None:
     """Pixels of two kinds are not summed."""
     stack = FrameStack(2)
     assert add(stack, 6.0) is None

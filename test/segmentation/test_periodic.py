@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from blob_tracker.location import locate
 from blob_tracker.segmentation import Segmenter
 from blob_tracker.segmentation.periodic import lock_in_weights, Periodic
@@ -14,7 +16,7 @@ RATE = 60.0
 X, Y = 71.3, 52.6
 
 
-def scene(frequency: float, duty: float = 0.5, **options: object) -> Scene:
+def scene(frequency: float, duty: float = 0.5, **options: Any) -> Scene:
     """Return a light of 40 DN and 2 px that flashes at a part `frequency` of the frame rate."""
     amplitude = float(options.pop('amplitude', 40.0))
     phase = float(options.pop('phase', 0.1))
@@ -129,7 +131,7 @@ def test_weights_take_no_share_of_what_is_steady() -> None:
 
 
 @pytest.mark.parametrize('options', [{'frames': 3}, {'duty': 1.0}, {'frequency': 0.0}])
-def test_impossible_options_are_refused(options: dict[str, float]) -> None:
+def test_impossible_options_are_refused(options: dict[str, Any]) -> None:
     """With a sentence."""
     with pytest.raises(ValueError, match='must'):
         Periodic(**{

@@ -41,7 +41,7 @@ class Pair(NamedTuple):
 def motion(x: float, y: float, turn: float = 0.0) -> np.ndarray:
     """Return the map of a shift, px, and a turn about the middle, degrees."""
     found = cv2.getRotationMatrix2D((0.5 * (WIDTH - 1), 0.5 * (HEIGHT - 1)), turn, 1.0)
-    found[:, 2] += x, y
+    found[:, 2] += np.array([x, y])
     return found
 
 
@@ -85,10 +85,10 @@ def pair(
         pixel_integrated_gaussian(now.shape, x, y, SIGMA) for x, y in lights
     )
     draws = [np.random.Generator(np.random.SFC64([seed, k])) for k in (2, 3, 3)]
-    frames = (
+    frames = [
         expose(mean, NOISE, draw) for mean, draw in zip((lit, before, now), draws, strict=True)
-    )
-    return Pair(*frames, lights)
+    ]
+    return Pair(frames[0], frames[1], frames[2], lights)
 
 
 def error(found: np.ndarray | None, true: np.ndarray) -> float:

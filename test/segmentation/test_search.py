@@ -29,10 +29,10 @@ def lights(
         amplitude * pixel_integrated_gaussian(SHAPE, x, y, sigma) for x, y, sigma in places
     )
     random = np.random.default_rng(seed)
-    pixels = [expose(mean, READ_NOISE, random) for mean in (lit, unlit)]
+    seen, before = (expose(mean, READ_NOISE, random) for mean in (lit, unlit))
     if scale > 1:
-        return contrast_of(*(each.astype(np.uint16) * np.uint16(scale) for each in pixels))
-    return contrast_of(*pixels)
+        seen, before = (each.astype(np.uint16) * np.uint16(scale) for each in (seen, before))
+    return contrast_of(seen, before)
 
 
 def test_each_light_is_measured() -> None:
@@ -150,7 +150,8 @@ def test_more_lights_than_there_is_room_for(count: int) -> None:
         places.append((x, y))
         lit[y - 8:y + 9, x - 8:x + 9] += 120 * pixel_integrated_gaussian((17, 17), 8, 8, 1.0)
     unlit = np.full_like(lit, 20.0)
-    found = searched(contrast_of(*(expose(each, READ_NOISE, random) for each in (lit, unlit))))
+    seen, before = (expose(each, READ_NOISE, random) for each in (lit, unlit))
+    found = searched(contrast_of(seen, before))
     # Of too many peaks the flanks take some of the room.
     assert len(found.candidates) == count if count < 1024 else 900 < len(found.candidates) <= 1024
     for each in found.candidates:
@@ -184,9 +185,8 @@ def test_a_faint_target_on_texture_is_not_refused(sigma: float) -> None:
         # The brightest pixel of a small blob has less than its peak, by the pixel's own width.
         light = pixel_integrated_gaussian(SHAPE, round(x), round(y), sigma)
         lit = scene.wall + 10 * noise / light.max() * light
-        found = searched(contrast_of(
-            *(expose(mean, scene.sensor.noise, random) for mean in (lit, scene.wall))
-        ))
+        seen, before = (expose(mean, scene.sensor.noise, random) for mean in (lit, scene.wall))
+        found = searched(contrast_of(seen, before))
         missed += not any(
             not each.rejected and np.hypot(each.x - round(x), each.y - round(y)) < 2.0 + sigma
             for each in found.candidates
@@ -250,5 +250,6 @@ def test_shot_noise_of_a_bright_part_is_its_own() -> None:
     mean = np.full((256, 512), 20.0)
     mean[:, 256:] = 200.0
     noise = SensorNoise(gain=2.0, read_noise=0.5)
-    found = searched(contrast_of(*(expose(mean, noise, random) for _ in range(2))))
+    seen, before = (expose(mean, noise, random) for _ in range(2))
+    found = searched(contrast_of(seen, before))
     assert found.candidates == ()

@@ -38,7 +38,7 @@ def test_their_number_and_brightness_are_those_asked_for() -> None:
 def test_they_stay_in_their_region() -> None:
     """Groups have their middle in the lowest fifth; they reach out of it a little."""
     glints = Glints(rate=1.0, spread=3.0, streaks=0.0, region=(0.0, 0.8, 1.0, 1.0))
-    total = sum(drawn(glints, index) for index in range(300))
+    total = np.sum([drawn(glints, index) for index in range(300)], axis=0)
     assert total[:150].max() < 1e-3 < total[200:].max()
 
 

@@ -77,7 +77,7 @@ def test_no_prediction_beats_the_limit_and_the_true_filter_reaches_it() -> None:
     random = np.random.default_rng(7)
     ride = PlatformMotion((Swing(0.05, 0.4, 0.1, 0.1),), (Swing(1e-9, 1.0, 0.5, 0.1),),
                           (Swing(1e-9, 1.0, 0.5, 0.1),)).ride(140.0, 7)
-    times = interval * np.arange(4000)
+    times = interval * np.arange(4000.0)
     seen = ride.angles(times)[:, 0] + 1e-4 * random.standard_normal(times.size)
     step, added = process.step(interval)
     ahead, _ = process.step(horizon)

@@ -55,7 +55,8 @@ def opencv_pixels(model: CameraModel, rays: NDArray[np.float64]) -> NDArray[np.f
         cv2.fisheye.projectPoints if model.distortion_model == 'equidistant'
         else cv2.projectPoints
     )
-    return image(points, origin, origin, model.matrix, model.distortion)[0].reshape(-1, 2)
+    found = image(points, origin, origin, model.matrix, model.distortion)[0]
+    return found.reshape(-1, 2).astype(float)
 
 
 def rays_at(azimuth: NDArray[np.float64], elevation: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
@@ -25,9 +27,9 @@ def contrast_of(
     return Contrast(lit, unlit, full, Frame(lit, 0, full), (lit,), unlit_frames)
 
 
-def candidate_at(column: int, row: int, **changes: float | str) -> Candidate:
+def candidate_at(column: int, row: int, **changes: Any) -> Candidate:
     """Return a clean blob of 2 px and 100 DN with its peak in this pixel."""
-    fields: dict[str, float | str] = dict.fromkeys(Candidate._fields, 0.0)
+    fields: dict[str, Any] = dict.fromkeys(Candidate._fields, 0.0)
     fields |= {'x': float(column), 'y': float(row), 'column': float(column), 'row': float(row)}
     fields |= dict.fromkeys(['sigma_x', 'sigma_y', 'sigma_major', 'sigma_minor'], 2.0)
     fields |= {'snr': 100.0, 'height': 100.0, 'amplitude': 100.0, 'noise': 1.0}
@@ -51,12 +53,12 @@ def noisy_blob(
     random = np.random.default_rng(seed)
     unlit = np.full(shape, level)
     lit = unlit + amplitude * pixel_integrated_gaussian(shape, x, y, sigma, sigma_y)
-    return contrast_of(
-        *(expose(mean, READ_NOISE, random, saturation=saturation) for mean in (lit, unlit)),
-        saturation,
+    seen, before = (
+        expose(mean, READ_NOISE, random, saturation=saturation) for mean in (lit, unlit)
     )
+    return contrast_of(seen, before, saturation)
 
 
-def searched(contrast: Contrast, region: Box | None = None, **options: object) -> SearchResult:
+def searched(contrast: Contrast, region: Box | None = None, **options: Any) -> SearchResult:
     """Return what lit up, in the whole frame where no region is given."""
     return search(contrast, region or whole(contrast.shape), **{'min_snr': 7.0, **options})

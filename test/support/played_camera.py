@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import cos, sin
+from typing import Any
 
 from blob_tracker.camera import CameraModel
 from blob_tracker.ros.endpoints.qos import IMAGE_OUT
@@ -165,16 +166,17 @@ def is_right(bearing: Vector3Stamped, sigma: NDArray[np.float64], sent: Sent) ->
         return False
     angles = np.array([bearing.vector.x, bearing.vector.y])
     steps = np.array([[0.0, 0.0], [sigma[0], 0.0], [0.0, sigma[1]]])
-    there, *aside = (imaged(*(angles + step), sent.info) for step in steps)
+    there, *aside = (imaged(angles + step, sent.info) for step in steps)
     within = TOLERANCE + SIGMAS * sum(np.hypot(*(each - there)) for each in aside)
     return bool(np.hypot(*(there - sent.place)) < within)
 
 
-def imaged(azimuth: float, elevation: float, info: CameraInfo) -> NDArray[np.float64]:
+def imaged(angles: NDArray[np.float64], info: CameraInfo) -> NDArray[np.float64]:
     """Return the (x, y) px of an image on which a direction, mrad, is imaged, by OpenCV."""
-    a, e = 1e-3 * azimuth, 1e-3 * elevation
+    a, e = 1e-3 * angles  # azimuth and elevation, rad
     ray = np.array([[[sin(a) * cos(e), -sin(e), cos(a) * cos(e)]]])
-    project, coefficients, none = cv2.projectPoints, np.array(info.d, dtype=float), np.zeros(3)
+    project: Callable[..., Any] = cv2.projectPoints
+    coefficients, none = np.array(info.d, dtype=float), np.zeros(3)
     if info.distortion_model in ('equidistant', 'fisheye'):
         project = cv2.fisheye.projectPoints
         coefficients = coefficients if coefficients.size else np.zeros(4)

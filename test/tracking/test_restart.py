@@ -44,7 +44,9 @@ def test_what_is_refused_restarts_nothing() -> None:
     tracker = Tracker()
     tracker.update(bearing(100 * SECOND))
     with pytest.raises(TrackingError, match='there is a bearing with the stamp'):
-        update_or_restart(lambda: tracker.update(bearing(100 * SECOND)), pytest.fail)
+        update_or_restart(
+            lambda: tracker.update(bearing(100 * SECOND)), lambda jump: pytest.fail(str(jump))
+        )
     assert tracker.stamp_ns == 100 * SECOND
     with pytest.raises(TrackingError):
         update_or_restart(

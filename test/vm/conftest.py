@@ -15,11 +15,11 @@ import subprocess
 import sys
 
 from blob_tracker.resources import config_path
-from hdmi_loop import SIGNAL
-import machine
 import pytest
-from scene import CX, CY, flashing_scene, FX, FY, packed_yuyv, Scene
 from support.processes import executable
+from vm import machine
+from vm.hdmi_loop import SIGNAL
+from vm.scene import CX, CY, flashing_scene, FX, FY, packed_yuyv, Scene
 
 HERE = Path(__file__).parent
 CACHE = HERE.parents[1] / '.cache/vm'
@@ -71,9 +71,13 @@ def results(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / 'camera_info.yaml').write_text(CAMERA_INFO)
     environment = {
         name: os.environ[name]
-        for name in ('PATH', 'LD_LIBRARY_PATH', 'PYTHONPATH', 'AMENT_PREFIX_PATH')
+        for name in ('PATH', 'LD_LIBRARY_PATH', 'AMENT_PREFIX_PATH')
         if name in os.environ}
     environment |= {
+        # The guest scripts import from vm, as pytest has it.
+        'PYTHONPATH': os.pathsep.join(
+            filter(None, [str(HERE.parent), os.environ.get('PYTHONPATH')])
+        ),
         'HOME': '/run',
         'OMP_NUM_THREADS': '1',
         'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',

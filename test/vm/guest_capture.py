@@ -19,8 +19,8 @@ import time
 from typing import Any
 
 from blob_tracker.capture import CaptureError, V4l2Camera
-from hdmi_loop import CAPTURE, close_loop, control, HEIGHT, OUTPUT, playing, v4l2_ctl, WIDTH
 import numpy as np
+from vm.hdmi_loop import CAPTURE, close_loop, control, HEIGHT, OUTPUT, playing, v4l2_ctl, WIDTH
 
 COUNT = 40  # frames of each recording: beyond the end of the scene
 SETTINGS: dict[str, Any] = {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT}

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 import dataclasses
+from functools import partial
 import json
 from pathlib import Path
 import subprocess
@@ -19,8 +20,8 @@ from typing import Any
 
 from blob_tracker.capture import CaptureError, Grabber, stamps, V4l2Camera, videodev2
 from blob_tracker.capture.exposure import adjust_exposure
-from hdmi_loop import CAPTURE, close_loop, control, HEIGHT, v4l2_ctl, WIDTH
 import numpy as np
+from vm.hdmi_loop import CAPTURE, close_loop, control, HEIGHT, v4l2_ctl, WIDTH
 
 SETTINGS: dict[str, Any] = {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT,
                             'pixel_format': 'GREY'}
@@ -82,7 +83,7 @@ def listing(camera: V4l2Camera) -> dict[str, Any]:
 
 def round_trips(camera: V4l2Camera) -> dict[str, Any]:
     """Set each kind of control to some values and read it again; put it back."""
-    found = {}
+    found: dict[str, Any] = {}
     for name, values in ROUND_TRIPS.items():
         before = camera.get_control(name)
         found[name] = []
@@ -96,7 +97,7 @@ def round_trips(camera: V4l2Camera) -> dict[str, Any]:
 
 def effects(camera: V4l2Camera) -> dict[str, Any]:
     """Return how a control changes another one's flags and value."""
-    found = {}
+    found: dict[str, Any] = {}
     for automatic in (True, False):
         camera.set_control('gain_automatic', automatic)
         gain = camera.controls['gain']
@@ -112,7 +113,8 @@ def brightness_as_exposure() -> Iterator[None]:
     """Let the brightness stand for the exposure time, which the driver has not."""
     number = next(made.number for made in controls_of().values() if made.name == 'brightness')
     kept = videodev2.CID_EXPOSURE_ABSOLUTE, stamps.WATCHED
-    videodev2.CID_EXPOSURE_ABSOLUTE, stamps.WATCHED = number, (number,)
+    watched: Any = (number,)
+    videodev2.CID_EXPOSURE_ABSOLUTE, stamps.WATCHED = number, watched
     try:
         yield
     finally:
@@ -154,7 +156,8 @@ def exposures() -> dict[str, Any]:
                   'seen': seen, 'frames': frames}
         camera.set_control('brightness', 128)
     for name, source, arguments in (
-            ('start', 1, {}), ('start_known', 1, {'exposure_time': 0.01}), ('end', 0, {}),
+            ('start', 1, dict[str, Any]()), ('start_known', 1, {'exposure_time': 0.01}),
+            ('end', 0, {}),
             ('end_exposure', 0, {'exposure_time': 0.01}),
             ('end_known', 0, {'exposure_time': 0.01, 'readout_time': 0.02})):
         control(timestamp_source=source)
@@ -250,7 +253,7 @@ def injections() -> dict[str, Any]:
         for button in ('reqbufs', 'qbuf', 'streamon')}
     for name, button in (('qbuf_running', 'inject_vidioc_qbuf_error'),
                          ('fatal', 'inject_fatal_streaming_error')):
-        found[name] = ended(lambda button=button: v4l2_ctl(CAPTURE, '-c', f'{button}=1'))
+        found[name] = ended(partial(v4l2_ctl, CAPTURE, '-c', f'{button}=1'))
     with V4l2Camera(**SETTINGS) as camera, Grabber(camera) as grabber:
         first = grabber.newest(5.0).stamp_ns
         for _ in range(10):

@@ -18,9 +18,9 @@ from typing import Any
 
 from blob_tracker.capture import CaptureError, V4l2Camera, videodev2
 from blob_tracker.types import Frame
-from hdmi_loop import CAPTURE, close_loop, control, OUTPUT, playing, SIGNAL, v4l2_ctl
 import numpy as np
 from numpy.typing import NDArray
+from vm.hdmi_loop import CAPTURE, close_loop, control, OUTPUT, playing, SIGNAL, v4l2_ctl
 
 PLANAR = CAPTURE, OUTPUT  # single-planar buffers
 MULTI_PLANAR = '/dev/video2', '/dev/video3'

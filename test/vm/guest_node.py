@@ -19,7 +19,6 @@ import time
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from hdmi_loop import CAPTURE, close_loop, control, HEIGHT, SIGNAL, v4l2_ctl, WIDTH
 from rcl_interfaces.srv import (
     DescribeParameters, GetParameters, ListParameters, SetParameters, SetParametersAtomically,
 )
@@ -29,6 +28,7 @@ from rclpy.parameter import Parameter, parameter_value_to_python
 from sensor_msgs.msg import CameraInfo, Image
 from sensor_msgs.srv import SetCameraInfo
 from std_srvs.srv import Trigger
+from vm.hdmi_loop import CAPTURE, close_loop, control, HEIGHT, SIGNAL, v4l2_ctl, WIDTH
 
 SPARE = '/dev/video2'  # for nodes that are not meant to run for long
 STARTUP = 90.0  # s: Python and its imports on an emulated processor
@@ -57,7 +57,7 @@ class Probe(Node):
         self.create_subscription(DiagnosticArray, '/diagnostics', self._diagnostics, 100)
         self._known: dict[str, Any] = {}
 
-    def ask(self, kind: type, name: str, **fields: Any) -> Any:
+    def ask(self, kind: Any, name: str, **fields: Any) -> Any:
         """Call a service of the node and return its answer."""
         client = self._known.setdefault(name, self.create_client(kind, name))
         self.until(client.service_is_ready, STARTUP)

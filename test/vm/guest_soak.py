@@ -15,8 +15,8 @@ import time
 from typing import Any
 
 from blob_tracker.capture import Grabber, NoFrameError, V4l2Camera
-from hdmi_loop import CAPTURE, close_loop, control, HEIGHT, WIDTH
 import numpy as np
+from vm.hdmi_loop import CAPTURE, close_loop, control, HEIGHT, WIDTH
 
 SETTINGS: dict[str, Any] = {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT,
                             'pixel_format': 'GREY', 'buffers': 4}

@@ -20,10 +20,10 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PointStamped, Vector3Stamped
-from hdmi_loop import CAPTURE, close_loop, HEIGHT, OUTPUT, playing, v4l2_ctl, WIDTH
 import rclpy
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
+from vm.hdmi_loop import CAPTURE, close_loop, HEIGHT, OUTPUT, playing, v4l2_ctl, WIDTH
 
 COUNT = 60  # bearings of the three processes and of the one: all lit places four times
 STARTUP = 90.0  # s until the first bearing: four Pythons on two emulated processors

@@ -24,7 +24,7 @@ def v4l2_ctl(device: str, *options: str) -> None:
                    stdout=subprocess.DEVNULL)
 
 
-def control(device: str = CAPTURE, **settings: int) -> None:
+def control(device: str = CAPTURE, **settings: int | str) -> None:
     """Set controls of a capture device."""
     v4l2_ctl(device, '-c', ','.join(f'{name}={value}' for name, value in settings.items()))
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from blob_tracker.simulation.light import pixel_integrated_gaussian
 from blob_tracker.simulation.sensor import expose
 from blob_tracker.types import SensorNoise
-from hdmi_loop import HEIGHT, WIDTH
 import numpy as np
 from numpy.typing import NDArray
+from vm.hdmi_loop import HEIGHT, WIDTH
 
 FRAMES = 30
 SIGMA = 2.0  # px
@@ -57,7 +57,8 @@ def flashing_scene(seed: int = 2) -> Scene:
         mean = background
         if index % 2 == 0:
             place = lit[index // 2]
-            mean = mean + AMPLITUDE * pixel_integrated_gaussian((HEIGHT, WIDTH), *place, SIGMA)
+            pulse = pixel_integrated_gaussian((HEIGHT, WIDTH), place[0], place[1], SIGMA)
+            mean = mean + AMPLITUDE * pulse
         frames[index] = expose(mean, NOISE, random)
     return Scene(frames, lit)
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import re
 from typing import Any
 
-from hdmi_loop import FRAME_RATE
 import numpy as np
 import pytest
+from vm.hdmi_loop import FRAME_RATE
 
 # The boot, the kernel's download before it, and the time of streaming (see conftest.py).
 pytestmark = pytest.mark.timeout(600 + float(os.environ.get('SOAK_SECONDS', 20)))
@@ -34,8 +34,9 @@ def listed(text: str) -> dict[str, dict[str, Any]]:
         if head:
             name, number, kind, rest = head.groups()
             values, _, flags = rest.partition('flags=')
-            current = {'number': int(number, 16), 'kind': kind, 'menu': {},
-                       'flags': [flag.strip() for flag in flags.split(',')]}
+            current: dict[str, Any] = {
+                'number': int(number, 16), 'kind': kind, 'menu': {},
+                'flags': [flag.strip() for flag in flags.split(',')]}
             # A compound type has no value of this form.
             for key, value in re.findall(
                     r"\b(min|max|step|default|value)=('.*'|-?\w+)(?!\S)", values):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from hdmi_loop import SIGNAL
 import pytest
+from vm.hdmi_loop import SIGNAL
 
 pytestmark = pytest.mark.timeout(600)  # the boot, and the kernel's download before it
 

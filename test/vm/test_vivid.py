@@ -6,10 +6,10 @@ import json
 from typing import Any
 
 from blob_tracker.capture import PIXEL_FORMATS
-from hdmi_loop import FRAME_RATE, HEIGHT, WIDTH
 import numpy as np
 import pytest
-from scene import CX, CY, FRAMES, FX, FY
+from vm.hdmi_loop import FRAME_RATE, HEIGHT, WIDTH
+from vm.scene import CX, CY, FRAMES, FX, FY
 
 # Per axis: six of the 0.013 px that the noise of the scene leaves to a fit at its bound. Lit
 # places are 18 px apart and more: no other place can pass.

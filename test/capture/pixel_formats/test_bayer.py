@@ -41,7 +41,7 @@ def test_green_alone_is_summed(decode, order, bits):
     picture = mosaic(order, red, green, blue)
     decoded = decode(ORDERS[order][bits], picture.astype('u1' if bits == 8 else '<u2'), 8, 6)
     places = [divmod(place, 2) for place, colour in enumerate(order) if colour == 'G']
-    total = sum(green[y::2, x::2].astype(int) for y, x in places)
+    total = np.sum([green[y::2, x::2].astype(int) for y, x in places], axis=0)
     saturation = PIXEL_FORMATS[ORDERS[order][bits]].saturation
     expected = total // 2 if bits == 16 else total
     expected[1, 2] = saturation
@@ -83,7 +83,7 @@ def test_a_light_of_any_colour_is_where_it_is(order, red, blue):
     errors, squares = [], []
     for _ in range(count):
         place = size / 2 - 0.5 + random.uniform(-1, 1, 2)
-        green = 250.0 * pixel_integrated_gaussian((size, size), *place, sigma)
+        green = 250.0 * pixel_integrated_gaussian((size, size), place[0], place[1], sigma)
         mean = mosaic(order, red * green, green, blue * green) + 20.0
         raw = expose(mean, noise, random, saturation=1023)
         image = PIXEL_FORMATS[ORDERS[order][10]].luma(raw.astype('<u2').tobytes(), size, size, 0)
@@ -93,8 +93,8 @@ def test_a_light_of_any_colour_is_where_it_is(order, red, blue):
         error = np.array([found.x, found.y]) - place
         errors.append(error)
         squares.append(error @ np.linalg.solve(found.covariance, error))
-    errors = np.array(errors)
+    offsets = np.array(errors)
     # Four standard deviations of the mean.
-    assert np.all(np.abs(errors.mean(axis=0)) < 4 * errors.std(axis=0) / np.sqrt(count))
+    assert np.all(np.abs(offsets.mean(axis=0)) < 4 * offsets.std(axis=0) / np.sqrt(count))
     low, high = chi2.ppf([0.001, 0.999], 2 * count) / count
     assert low < np.mean(squares) < high

@@ -8,6 +8,7 @@ from pathlib import Path
 import signal
 import sys
 import time
+from typing import Any
 
 from blob_tracker.__main__ import main
 from blob_tracker.calibration.board import BoardCalibration, calibrate_board
@@ -33,7 +34,7 @@ VIEWS = 14
 CHESS = ['--kind', 'chessboard', '--columns', '9', '--rows', '6', '--square', '25']
 
 
-def pictures(board: Board = CHESSBOARD, **scene: object) -> tuple[CameraModel, list[Pixels]]:
+def pictures(board: Board = CHESSBOARD, **scene: Any) -> tuple[CameraModel, list[Pixels]]:
     """Return a camera and images of a board that it took."""
     random = np.random.default_rng(60)
     model = camera(random, width=320 if board is CHESSBOARD else 640)

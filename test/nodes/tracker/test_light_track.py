@@ -218,8 +218,8 @@ def test_innovations_that_are_too_large_may_be_the_joints(
         for time in range(0, 1000, 10):
             if with_joints:
                 seen.platform.angles.push(seen.stamp(time), 0.0, 0.0)
-            noise = random.normal(scale=0.1, size=2)
-            seen.take(Bearing(*noise, 4e-4 * np.eye(2), seen.stamp(time)))
+            azimuth, elevation = random.normal(scale=0.1, size=2)
+            seen.take(Bearing(azimuth, elevation, 4e-4 * np.eye(2), seen.stamp(time)))
             seen.released()
         said.clear()
         seen.track.describe()

@@ -90,7 +90,7 @@ def test_a_rate_that_falls_is_a_fault_where_it_should_stand(
     slowed: str, domain: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Frames come at a steady rate; windows come when there is a target."""
-    monkeypatch.setattr(health_module.UsualRate, 'fell', lambda _, rate: 30.0)
+    monkeypatch.setattr('blob_tracker.ros.diagnostics.health.UsualRate.fell', lambda _, rate: 30.0)
     with probe(domain) as node:
         heard = node.record(DiagnosticArray, '/diagnostics')
         health = Health(node, 'nothing', slowed)

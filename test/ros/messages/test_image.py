@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.image import (
     from_picture,
@@ -28,7 +30,7 @@ def image(**changes: object) -> Image:
 
 
 @pytest.mark.parametrize('kind', [np.uint8, np.uint16])
-def test_frames_round_trip(kind: type) -> None:
+def test_frames_round_trip(kind: Any) -> None:
     """Pixels, stamp and frame survive."""
     pixels = (PIXELS.astype(kind) * (1 if kind is np.uint8 else 300)).astype(kind)
     message = from_pixels(pixels, 5_000_000_007, 'optical')

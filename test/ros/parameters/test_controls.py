@@ -235,7 +235,9 @@ class FakeCamera:
 ])
 def test_a_control_that_another_makes_possible_is_set_in_any_order(values: dict[str, int]) -> None:
     """The range of the exposure is the blanking's, and a menu may be governed by a menu."""
-    camera = FakeCamera(EXPOSURE, BLANKING, ISO, ISO_AUTO, exposure=500, vertical_blanking=1000)
+    camera: Any = FakeCamera(
+        EXPOSURE, BLANKING, ISO, ISO_AUTO, exposure=500, vertical_blanking=1000
+    )
     assert set(set_in_order(camera, camera.controls, values)) == {
         (name, None) for name in values}
     assert camera.values == camera.values | values
@@ -244,7 +246,9 @@ def test_a_control_that_another_makes_possible_is_set_in_any_order(values: dict[
 
 def test_refusals_come_last_and_end() -> None:
     """Modes first; what is still refused when nothing else moves is told, each once."""
-    camera = FakeCamera(EXPOSURE, BLANKING, ISO, ISO_AUTO, exposure=500, vertical_blanking=1000)
+    camera: Any = FakeCamera(
+        EXPOSURE, BLANKING, ISO, ISO_AUTO, exposure=500, vertical_blanking=1000
+    )
     values = {'nothing': 1, 'exposure': 20000, 'vertical_blanking': 5000, ISO_AUTO.name: 0}
     found = list(set_in_order(camera, camera.controls, values))
     assert found[:2] == [(ISO_AUTO.name, None), ('vertical_blanking', None)]
@@ -257,6 +261,12 @@ class FakeHealth:
 
     def show(self, name: str, value: object) -> None:
         """Take a value."""
+
+
+def controls_of(node: Node, start_up: dict[str, Any]) -> ControlParameters:
+    """Return the parameters of a camera that are told nowhere."""
+    health: Any = FakeHealth()
+    return ControlParameters(node, start_up, health)
 
 
 @pytest.fixture
@@ -273,19 +283,22 @@ def node(domain: int) -> Iterator[Node]:
 def test_an_inactive_mode_that_nobody_asked_for_is_no_fault(node: Node) -> None:
     """The node wants it off; as long as it has no effect there is nothing to warn of."""
     locked = replace(FRAMERATE, inactive=True)
-    parameters = ControlParameters(node, {}, FakeHealth())
-    parameters.prepare(FakeCamera(locked, GAIN))
+    parameters = controls_of(node, {})
+    camera: Any = FakeCamera(locked, GAIN)
+    parameters.prepare(camera)
     assert parameters._rejected == ()
     # One that is active, and that the camera refuses, is told.
-    parameters.prepare(FakeCamera(replace(FRAMERATE, minimum=1)))
+    camera = FakeCamera(replace(FRAMERATE, minimum=1))
+    parameters.prepare(camera)
     assert len(parameters._rejected) == 1
 
 
 def test_an_inactive_control_that_start_up_named_is_refused(node: Node) -> None:
     """The user asked for it."""
-    parameters = ControlParameters(node, {'gain': 10}, FakeHealth())
+    parameters = controls_of(node, {'gain': 10})
+    camera: Any = FakeCamera(replace(GAIN, inactive=True))
     with pytest.raises(ParameterError, match="'gain' is inactive"):
-        parameters.prepare(FakeCamera(replace(GAIN, inactive=True)))
+        parameters.prepare(camera)
 
 
 class Trigger:
@@ -298,9 +311,9 @@ class Trigger:
         self.count += 1
 
 
-def attached(node: Node, camera: FakeCamera) -> tuple[ControlParameters, Trigger]:
+def attached(node: Node, camera: Any) -> tuple[ControlParameters, Trigger]:
     """Give the parameters of a camera, shown, and what they would wake."""
-    parameters = ControlParameters(node, {}, FakeHealth())
+    parameters = controls_of(node, {})
     parameters._changed = woken = Trigger()
     parameters.attach(camera)
     parameters._mirror()
@@ -311,7 +324,7 @@ def attached(node: Node, camera: FakeCamera) -> tuple[ControlParameters, Trigger
 def test_a_refused_group_leaves_everything_as_it_was(node: Node) -> None:
     """The exposure is put back before the mode that makes it inactive."""
     time = replace(EXPOSURE, name='exposure_time_absolute', number=0x009a0902, default=157)
-    camera = FakeCamera(AUTO_EXPOSURE, time, GAIN)
+    camera: Any = FakeCamera(AUTO_EXPOSURE, time, GAIN)
     before = dict(camera.values)
     _, woken = attached(node, camera)
     answer = node.set_parameters_atomically([
@@ -335,7 +348,7 @@ def test_a_refused_group_leaves_everything_as_it_was(node: Node) -> None:
 
 def test_what_could_not_be_read_is_read_again(node: Node) -> None:
     """A change that was told is seen only once the controls were read."""
-    camera = FakeCamera(GAIN)
+    camera: Any = FakeCamera(GAIN)
     parameters, _ = attached(node, camera)
     camera.tells_changes = True
     camera.control_changes, camera.values['gain'] = 1, 44
@@ -354,7 +367,7 @@ def test_what_could_not_be_read_is_read_again(node: Node) -> None:
 
 def test_only_what_the_search_set_is_wanted(node: Node, monkeypatch: pytest.MonkeyPatch) -> None:
     """Another program may move other controls meanwhile; those are not fought over."""
-    camera = FakeCamera(GAIN, BLANKING)
+    camera: Any = FakeCamera(GAIN, BLANKING)
     parameters, woken = attached(node, camera)
 
     def found(camera: FakeCamera, read: object) -> Outcome:

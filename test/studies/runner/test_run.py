@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 from math import isnan
 from pathlib import Path
@@ -36,11 +37,11 @@ def _measure(case: Case) -> Measured:
     return {'third': case['number'] / 3.0, 'nothing': float('nan'), 'pair': (1, 2)}
 
 
-def _conclude(whole: list[tuple[Case, Measured]]) -> Findings:
+def _conclude(whole: Sequence[tuple[Case, Measured]]) -> Findings:
     return Findings(repr(whole), figures={'picture': Figure()})
 
 
-def _wrong(whole: list[tuple[Case, Measured]]) -> Findings:
+def _wrong(whole: Sequence[tuple[Case, Measured]]) -> Findings:
     raise LookupError('no such column')
 
 
@@ -53,7 +54,7 @@ WRONG = Study('wrong', 'c', '', _cases, _measure, _wrong)
 def _registered(monkeypatch: pytest.MonkeyPatch) -> None:
     measured.clear()
     for study in (GOOD, FAILING, WRONG):
-        monkeypatch.setitem(runner.STUDIES, study.name, study)
+        monkeypatch.setitem(STUDIES, study.name, study)
 
 
 def _run(folder: Path, *studies: Study, quick: bool = True) -> dict[str, runner.Outcome]:
