@@ -19,7 +19,7 @@ import time
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from hdmi_loop import CAPTURE, close_loop, control, HEIGHT, SIGNAL, v4l2_ctl, WIDTH
+from hdmi_loop import CAPTURE, close_loop, control, HEIGHT, SIGNAL, SLOWNESS, v4l2_ctl, WIDTH
 from rcl_interfaces.srv import (
     DescribeParameters, GetParameters, ListParameters, SetParameters, SetParametersAtomically,
 )
@@ -31,8 +31,8 @@ from sensor_msgs.srv import SetCameraInfo
 from std_srvs.srv import Trigger
 
 SPARE = '/dev/video2'  # for nodes that are not meant to run for long
-STARTUP = 90.0  # s: Python and its imports on an emulated processor
-PATIENCE = 40.0  # s; a second is enough on a quiet machine
+STARTUP = 90.0 * SLOWNESS  # s: Python and its imports on an emulated processor
+PATIENCE = 40.0 * SLOWNESS  # s; a second is enough on a quiet machine
 DESCRIBED = ('brightness', 'menu', 'string', 'integer_64_bits', 'button', 'boolean', 'bitmask',
              'read_only_integer_32_bits', 'gain')
 # What is set one after the other while the node streams: name, value.
@@ -116,7 +116,7 @@ def start(folder: Path, nodes: Path, log: str, **parameters: Any) -> subprocess.
 
 def listed() -> list[str]:
     """Return the names of the device's controls as v4l2-ctl lists them."""
-    text = subprocess.run(['v4l2-ctl', '-d', CAPTURE, '-l'], check=True, timeout=60,
+    text = subprocess.run(['v4l2-ctl', '-d', CAPTURE, '-l'], check=True, timeout=60 * SLOWNESS,
                           stdout=subprocess.PIPE).stdout.decode(errors='replace')
     # Arrays, such as u32 and rectangles, have no value of one number: elems, dims.
     return re.findall(r'^ *(\w+) 0x\w+ \((?:int|int64|bool|menu|intmenu|str|bitmask|button)\)'
@@ -125,7 +125,7 @@ def listed() -> list[str]:
 
 def read(name: str) -> str:
     """Return the value of a control as v4l2-ctl prints it."""
-    text = subprocess.run(['v4l2-ctl', '-d', CAPTURE, '-C', name], check=True, timeout=60,
+    text = subprocess.run(['v4l2-ctl', '-d', CAPTURE, '-C', name], check=True, timeout=60 * SLOWNESS,
                           stdout=subprocess.PIPE).stdout.decode(errors='replace')
     return text.partition(':')[2].split('(')[0].strip(" \n'")
 
