@@ -63,7 +63,8 @@ check: .venv/.test .cache/overlay
 ifeq ($(TESTS),)
 	@$(IN_PLACE) && $(call LINT_BESIDE,pytest -n 2 --core $(PYTEST))
 else
-	@$(IN_PLACE) && pytest $(TESTS) $(PYTEST)
+	@# Hypothesis' plugin takes a second to load, and reports no more than the tests do.
+	@$(IN_PLACE) && pytest -p no:hypothesispytest $(TESTS) $(PYTEST)
 endif
 
 lint: .venv/.test

@@ -89,8 +89,9 @@ def test_each_coded_light_has_topics_of_its_own(domain: int) -> None:
         visible = {name: node.record(Bool, f'target/{name}/visible', STATE) for name in CODES}
         with start('segmenter', domain, flash__mode='coded', flash__codes=codes):
             play(node, scene, lambda: all(len(windows[name]) >= 4 for name in CODES))
-            node.spin(0.3)
-            assert all(visible[name][-1].data for name in CODES)
+            node.spin_until(
+                lambda: all(visible[name] and visible[name][-1].data for name in CODES)
+            )
             # The camera has stopped: no light is in view any more.
             node.spin_until(lambda: not any(visible[name][-1].data for name in CODES))
     for name, (x, y) in places.items():

@@ -173,6 +173,10 @@ class Probe(Node):
         while time.monotonic() < end:
             self._spinner.spin_once(timeout_sec=max(end - time.monotonic(), 0.0))
 
+    def settle(self, seconds: float) -> None:
+        """Take what is on its way, which arrives in this time on a quiet machine."""
+        self.spin(seconds * slowness())
+
     def spin_until(self, done: Callable[[], object], timeout: float = PATIENCE) -> None:
         """Take what arrives until a condition holds; fail after the time-out."""
         began = time.monotonic()
