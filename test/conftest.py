@@ -40,6 +40,12 @@ VIRTUAL_MACHINE = ('vm',)
 INSTALLED = ('test_package',)
 # What computes longest, the longest first; and what takes up the others' results, last.
 LONG = (
+    'commands/test_study.py::test_quick_run[causes]',
+    'commands/test_study.py::test_quick_run[beyond]',
+    'commands/test_study.py::test_quick_run[growing_target]',
+    'commands/test_study.py::test_quick_run[locale_table]',
+    'commands/test_study.py::test_quick_run[table_5_6]',
+    'commands/test_study.py::test_quick_run[table_5_7]',
     'test_opencv5', 'commands/test_study', 'studies/beyond', 'benchmarks', 'test_kernel',
     'simulation', 'calibration', 'studies',
 )
