@@ -13,7 +13,6 @@ from typing import Any
 
 from blob_tracker.resources import config_path
 import pytest
-from support import quick_study
 from support.slowness import measure_reference, slowness
 
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
@@ -67,13 +66,13 @@ def pytest_configure(config: pytest.Config) -> None:
     """Prepare what the processes of a run share."""
     if not hasattr(config, 'workerinput'):
         measure_reference()
-        os.environ[quick_study.FOLDER] = tempfile.mkdtemp(prefix='quick_studies_')
+        os.environ['QUICK_STUDIES'] = tempfile.mkdtemp(prefix='quick_studies_')
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
     """Leave nothing of it behind."""
     if not hasattr(config, 'workerinput'):
-        shutil.rmtree(os.environ[quick_study.FOLDER], ignore_errors=True)
+        shutil.rmtree(os.environ['QUICK_STUDIES'], ignore_errors=True)
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:

@@ -11,12 +11,10 @@ from pathlib import Path
 from blob_tracker.studies.runner.kept import Kept
 from blob_tracker.studies.study import Case, Findings, Measured, Study
 
-FOLDER = 'QUICK_STUDIES'  # environment variable: where the processes of a run keep what they found
-
 
 def folder() -> Path:
-    """Return the folder of what was measured in this run: the runner's own `kept`."""
-    return Path(os.environ[FOLDER])
+    """Return where the processes of this run keep what they measured, as the runner has it."""
+    return Path(os.environ['QUICK_STUDIES'])  # see conftest.py
 
 
 def measured(study: Study, *cases: Case) -> list[Measured]:
