@@ -112,11 +112,11 @@ reference: .venv/.run  # as bench does
 install/.built: .venv/.run $(SOURCES)
 	$(BIN)/colcon list --paths . | grep -q '(ros.ament_python)' || { \
 	  echo 'package.xml is not valid: colcon does not see an ament_python package' >&2; exit 1; }
-	@# Machine code outlives the package that it was compiled for, and that of `make check` will
-	@# do: a kernel is compiled anew only where something that is compiled into it has changed.
-	@mkdir -p .cache/kernels; for place in install/blob_tracker/lib/python*/site-packages .; do \
-	  ! cd "$$place" 2>/dev/null || find blob_tracker -name '*.nb[ci]' \
-	    -exec cp --parents -u -p -t "$(CURDIR)/.cache/kernels" {} +; cd "$(CURDIR)"; done
+	@# Machine code outlives the package that it was compiled for; the first one takes that of
+	@# `make check`. A kernel is compiled anew only where what is compiled into it has changed.
+	@rm -rf .cache/kernels && mkdir -p .cache/kernels && \
+	  { cd install/blob_tracker/lib/python*/site-packages 2>/dev/null || true; } && \
+	  find blob_tracker -name '*.nb[ci]' -exec cp --parents -t "$(CURDIR)/.cache/kernels" {} +
 	@rm -rf build install  # colcon leaves behind what a source tree no longer has
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/colcon build --paths . \
 	  --event-handlers console_direct-

@@ -86,7 +86,8 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
     """Give a test the longer, the slower the machine is as it begins."""
     marker = item.get_closest_marker('timeout')
-    limit = float(marker.args[0] if marker else item.config.getini('timeout'))
+    general = item.config.getoption('timeout') or item.config.getini('timeout')
+    limit = float(marker.args[0] if marker else general)
     options = marker.kwargs if marker else {}
     item.add_marker(pytest.mark.timeout(limit * slowness(), **options), append=False)
     return (yield)

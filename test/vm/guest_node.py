@@ -116,8 +116,8 @@ def start(folder: Path, nodes: Path, log: str, **parameters: Any) -> subprocess.
 
 def listed() -> list[str]:
     """Return the names of the device's controls as v4l2-ctl lists them."""
-    text = subprocess.run(['v4l2-ctl', '-d', CAPTURE, '-l'], check=True,
-                          stdout=subprocess.PIPE, timeout=60 * SLOWNESS).stdout.decode(errors='replace')
+    text = subprocess.run(['v4l2-ctl', '-d', CAPTURE, '-l'], check=True, text=True,
+                          errors='replace', stdout=subprocess.PIPE, timeout=60 * SLOWNESS).stdout
     # Arrays, such as u32 and rectangles, have no value of one number: elems, dims.
     return re.findall(r'^ *(\w+) 0x\w+ \((?:int|int64|bool|menu|intmenu|str|bitmask|button)\)'
                       r'(?!.*(?:elems|dims)=)', text, re.MULTILINE)
@@ -125,8 +125,8 @@ def listed() -> list[str]:
 
 def read(name: str) -> str:
     """Return the value of a control as v4l2-ctl prints it."""
-    text = subprocess.run(['v4l2-ctl', '-d', CAPTURE, '-C', name], check=True,
-                          stdout=subprocess.PIPE, timeout=60 * SLOWNESS).stdout.decode(errors='replace')
+    text = subprocess.run(['v4l2-ctl', '-d', CAPTURE, '-C', name], check=True, text=True,
+                          errors='replace', stdout=subprocess.PIPE, timeout=60 * SLOWNESS).stdout
     return text.partition(':')[2].split('(')[0].strip(" \n'")
 
 
