@@ -98,10 +98,12 @@ def test_ctrl_c_while_loading_leaves_no_trace(name: str, pause: float, domain: i
     assert 'Traceback' not in process.output
 
 
-@pytest.mark.parametrize('name', ['camera', 'simulator', 'replay', 'demo'])
+@pytest.mark.parametrize(
+    'name', ['nodes.camera', 'nodes.simulator', 'commands.replay', 'commands.demo']
+)
 def test_what_fits_nothing_does_not_load_the_compiler(name: str) -> None:
     """Numba takes as long to load as all the rest."""
-    code = f'import sys, blob_tracker.nodes.{name}; sys.exit("numba" in sys.modules)'
+    code = f'import sys, blob_tracker.{name}; sys.exit("numba" in sys.modules)'
     assert subprocess.run([sys.executable, '-c', code], check=False).returncode == 0
 
 
