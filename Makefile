@@ -70,8 +70,8 @@ endif
 lint: .venv/.test
 	@# Told what failed, but only after all three have looked.
 	@failed=0; PATH="$(CURDIR)/$(BIN):$$PATH"; \
-	  python -m ament_flake8.main $(LINTED) | grep -v '^checking ' || failed=1; \
-	  python -m ament_pep257.main $(LINTED) | grep -v '^checking ' || failed=1; \
+	  python -m ament_flake8.main $(LINTED) | grep -Ev '^(checking|\*) ' || failed=1; \
+	  python -m ament_pep257.main $(LINTED) | grep -Ev '^(checking|\*) ' || failed=1; \
 	  python -m mypy blob_tracker || failed=1; exit $$failed
 
 test: install/.built .venv/.test
