@@ -2,7 +2,11 @@
 # make demo DEVICE=/dev/video0   the same on a real camera, until Ctrl-C
 #      CAMERA_INFO=file.yaml   its calibration
 # make doctor             what is wrong with this machine, and what to do about it
-# make test               all tests
+# make check              from the source tree, nothing is built: all tests that start no node and
+#                         no virtual machine, the linters and mypy beside them
+#      TESTS=test/segmentation/test_box.py   these tests alone, of whatever kind
+# make lint               the ROS linters and mypy
+# make test               all tests of the installed package, the linters and mypy beside them
 #      PYTEST='-k segmenter'   a part of them
 # make soak               the tracker for half an hour in place of a minute, its memory watched;
 #                         then the camera driver's tests with as much streaming in place of 20 s
@@ -26,6 +30,7 @@ DEVICE ?=
 CAMERA_INFO ?=
 OUT ?= out
 STUDY ?= all
+TESTS ?=
 SOAK_SECONDS ?= 1800
 
 BIN := .venv/bin
@@ -34,7 +39,17 @@ SOURCES := $(shell find blob_tracker config examples launch resource -type f -no
 ENVIRONMENT := source install/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH" \
 	FASTRTPS_DEFAULT_PROFILES_FILE="$(CURDIR)/config/fastdds.xml"
 
-.PHONY: help demo doctor test soak bench study reference clean
+# The source tree in the place of the installed package.
+IN_PLACE := export PATH="$(CURDIR)/$(BIN):$$PATH" PYTHONPATH="$(CURDIR)" \
+	AMENT_PREFIX_PATH="$(CURDIR)/.cache/overlay" \
+	FASTRTPS_DEFAULT_PROFILES_FILE="$(CURDIR)/config/fastdds.xml"
+LINTED := blob_tracker test launch benchmarks examples tools setup.py
+# Runs the linters while a command runs; what they say comes after it.
+LINT_BESIDE = mkdir -p .cache && { $(MAKE) --no-print-directory lint >.cache/lint.log 2>&1 & \
+	  lint=$$!; ended=0; $(1) || ended=$$?; \
+	  wait $$lint && tail -n 1 .cache/lint.log || { cat .cache/lint.log; ended=1; }; exit $$ended; }
+
+.PHONY: help demo doctor check lint test soak bench study reference clean
 help:
 	@grep '^# ' Makefile | cut -c3-
 
@@ -45,10 +60,24 @@ demo: install/.built
 doctor: install/.built
 	@$(ENVIRONMENT) && python -m blob_tracker doctor
 
+check: .venv/.test .cache/overlay
+ifeq ($(TESTS),)
+	@$(IN_PLACE) && $(call LINT_BESIDE,pytest -n 2 --core $(PYTEST))
+else
+	@# Hypothesis' plugin takes a second to load, and reports no more than the tests do.
+	@$(IN_PLACE) && pytest -p no:hypothesispytest $(TESTS) $(PYTEST)
+endif
+
+lint: .venv/.test
+	@# Told what failed, but only after all three have looked.
+	@failed=0; PATH="$(CURDIR)/$(BIN):$$PATH"; \
+	  python -m ament_flake8.main $(LINTED) | grep -Ev '^(checking|\*) ' || failed=1; \
+	  python -m ament_pep257.main $(LINTED) | grep -Ev '^(checking|\*) ' || failed=1; \
+	  python -m mypy || failed=1; exit $$failed
+
 test: install/.built .venv/.test
-	@# pytest alone, not python -m: what colcon installed is tested, not what lies here. One
-	@# process runs what starts nodes, the other the virtual machine and what only computes.
-	@$(ENVIRONMENT) && pytest -n 2 $(PYTEST)
+	@# pytest alone, not python -m: what colcon installed is tested, not what lies here.
+	@$(ENVIRONMENT) && $(call LINT_BESIDE,pytest -n 2 $(PYTEST))
 
 soak: export SOAK_SECONDS := $(SOAK_SECONDS)
 soak: install/.built .venv/.test
@@ -84,13 +113,22 @@ reference: .venv/.run  # as bench does
 install/.built: .venv/.run $(SOURCES)
 	$(BIN)/colcon list --paths . | grep -q '(ros.ament_python)' || { \
 	  echo 'package.xml is not valid: colcon does not see an ament_python package' >&2; exit 1; }
+	@# Machine code outlives the package that it was compiled for; the first one takes that of
+	@# `make check`. A kernel is compiled anew only where what is compiled into it has changed.
+	@rm -rf .cache/kernels && mkdir -p .cache/kernels && \
+	  { cd install/blob_tracker/lib/python*/site-packages 2>/dev/null || true; } && \
+	  find blob_tracker -name '*.nb[ci]' -exec cp --parents -t "$(CURDIR)/.cache/kernels" {} +
 	@rm -rf build install  # colcon leaves behind what a source tree no longer has
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/colcon build --paths . \
 	  --event-handlers console_direct-
+	@cp -r .cache/kernels/. install/blob_tracker/lib/python*/site-packages/
 	@# The kernels are compiled now, into the installed package, not when a node first starts.
 	@$(ENVIRONMENT) && cd .venv && \
 	  python -c 'from blob_tracker.pipeline import compile_ahead; compile_ahead()'
 	@touch $@
+
+.cache/overlay: tools/overlay.py blob_tracker/nodes/__init__.py .venv/.run
+	@$(BIN)/python tools/overlay.py $@
 
 clean:
 	rm -rf .venv build install log .cache $(OUT)

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 import itertools
 import os
+from pathlib import Path
+import shutil
 import signal
+import tempfile
 from typing import Any
 
 from blob_tracker.resources import config_path
 import pytest
+from support.slowness import measure_reference, slowness
 
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 os.environ['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(config_path('fastdds.xml'))
@@ -29,6 +34,63 @@ WITH_PROCESSES = (
     'benchmarks/test_latency', 'commands/calibrate', 'commands/test_demo', 'commands/test_doctor',
     'commands/test_replay', 'examples', 'nodes', 'test_launch', 'test_security', 'test_views',
 )
+VIRTUAL_MACHINE = ('vm',)
+# What looks at the package as colcon installed it.
+INSTALLED = ('test_package',)
+# What computes longest, the longest first; and what takes up the others' results, last.
+LONG = (
+    'commands/test_study.py::test_quick_run[causes]',
+    'commands/test_study.py::test_quick_run[beyond]',
+    'commands/test_study.py::test_quick_run[growing_target]',
+    'commands/test_study.py::test_quick_run[locale_table]',
+    'commands/test_study.py::test_quick_run[table_5_6]',
+    'commands/test_study.py::test_quick_run[table_5_7]',
+    'test_opencv5', 'commands/test_study', 'studies/beyond', 'benchmarks', 'test_kernel',
+    'simulation', 'calibration', 'studies',
+)
+# Its tests are shared out one by one: each is long, and none needs what another has prepared.
+SINGLE = 'commands/test_study.py'
+LAST = f'{SINGLE}::test_all_quick'
+HERE = Path(__file__).parent
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Declare the option of `make check`."""
+    parser.addoption(
+        '--core', action='store_true',
+        help='only what needs no processes of nodes, no virtual machine and no installed package',
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Prepare what the processes of a run share."""
+    if not hasattr(config, 'workerinput'):
+        measure_reference()
+        os.environ['QUICK_STUDIES'] = tempfile.mkdtemp(prefix='quick_studies_')
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Leave nothing of it behind."""
+    if not hasattr(config, 'workerinput'):
+        shutil.rmtree(os.environ['QUICK_STUDIES'], ignore_errors=True)
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave out what `--core` does not want, before it is imported."""
+    place = collection_path.relative_to(HERE).as_posix() if HERE in collection_path.parents else ''
+    left_out = place.startswith(WITH_PROCESSES + VIRTUAL_MACHINE + INSTALLED)
+    return True if config.getoption('--core') and left_out else None
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    """Give a test the longer, the slower the machine is as it begins."""
+    marker = item.get_closest_marker('timeout')
+    general = item.config.getoption('timeout') or item.config.getini('timeout')
+    limit = float(marker.args[0] if marker else general)
+    options = marker.kwargs if marker else {}
+    item.add_marker(pytest.mark.timeout(limit * slowness(), **options), append=False)
+    return (yield)
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -36,16 +98,37 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     """Have what starts nodes run one after the other, beside what only computes."""
     from xdist.scheduler import LoadScopeScheduling
 
-    class NodesTogether(LoadScopeScheduling):
-        """One process gets all that starts nodes, the other the virtual machine and the rest."""
+    class NodesAndTheRest(LoadScopeScheduling):
+        """
+        The first process begins with what starts nodes, the others with the virtual machine.
+
+        That is what takes longest; then comes what computes. Who is done with his own part takes
+        of the other's.
+        """
 
         def _split_scope(self, nodeid: str) -> str:
             place = nodeid.removeprefix('test/')
-            if place.startswith('vm'):
-                return 'vm'
-            return 'nodes' if place.startswith(WITH_PROCESSES) else nodeid
+            if place.startswith(VIRTUAL_MACHINE):
+                return place.partition('/')[0]
+            return place if place.startswith(SINGLE) else place.partition('::')[0]
 
-    return NodesTogether(config, log)
+        def _assign_work_unit(self, node: Any) -> None:
+            first = node is next(iter(self.assigned_work))
+            scope = min(self.workqueue, key=lambda scope: _turn(scope, nodes_first=first))
+            self.workqueue.move_to_end(scope, last=False)
+            super()._assign_work_unit(node)
+
+    return NodesAndTheRest(config, log)
+
+
+def _turn(scope: str, *, nodes_first: bool) -> tuple[int, int]:
+    """Return when a part of the tests is due: the smallest comes next."""
+    if scope.startswith(WITH_PROCESSES):
+        return (-1 if nodes_first else 3), 0
+    if scope.startswith(VIRTUAL_MACHINE):
+        return 0, 0
+    long = [place for place, name in enumerate(LONG) if scope.startswith(name)]
+    return (4 if scope == LAST else 1 if long else 2), min(long, default=0)
 
 
 @pytest.fixture

@@ -1,18 +1,56 @@
-"""Machine code on disk is used again until any source of the room changes."""
+"""Machine code on disk is used again until something that it is compiled from changes."""
 
 from __future__ import annotations
 
+from collections import namedtuple
+from collections.abc import Callable
+import math
 from pathlib import Path
 import shutil
 import subprocess
 import sys
+from types import ModuleType
 
 import blob_tracker
+from blob_tracker.kernel import fingerprint
+import numpy as np
+import pytest
 
 CALL = (
     'from small.location.caller import outer; outer(2.0); '
     'print(outer(2.0), sum(outer.stats.cache_hits.values()))'
 )
+INNER = 'from small.kernel import kernel\n{}@kernel\ndef inner(x):\n    return x + {}\n'
+OUTER = """\
+from small.kernel import kernel
+from small.{room}.called import inner
+{comment}
+FACTOR = {factor}
+@kernel
+def outer(x):
+    {comment}
+    return FACTOR * inner(x)
+"""
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    """Make a package with two rooms, a kernel in each: outer(x) is 10 (x + 1)."""
+    for room in ('location', 'tracking'):
+        (tmp_path / 'small' / room).mkdir(parents=True)
+        (tmp_path / 'small' / room / 'called.py').write_text(INNER.format('', 1.0))
+    source = Path(blob_tracker.__file__).parent / 'kernel.py'
+    shutil.copy(source, tmp_path / 'small' / 'kernel.py')
+    write_outer(tmp_path)
+    return tmp_path
+
+
+def write_outer(
+    package: Path, room: str = 'location', comment: str = '', factor: float = 10.0
+) -> None:
+    """Write the kernel that calls the one in a room."""
+    text = OUTER.format(room=room, comment=comment, factor=factor)
+    (package / 'small/location/caller.py').write_text(text)
 
 
 PASS = (
@@ -30,35 +68,27 @@ def answer(folder: Path, call: str = CALL) -> tuple[float, int]:
     return float(value), int(hits)
 
 
-def small_room(folder: Path) -> Path:
-    """Make a package with a room; return the room's folder."""
-    room = folder / 'small' / 'location'
-    room.mkdir(parents=True)
-    source = Path(blob_tracker.__file__).parent / 'kernel.py'
-    shutil.copy(source, folder / 'small' / 'kernel.py')
-    return room
-
-
-def test_a_change_in_a_called_kernel_reaches_the_caller(tmp_path: Path) -> None:
+def test_a_change_in_a_called_kernel_reaches_the_caller(package: Path) -> None:
     """The caller's own file is untouched, and yet it must not go on with the old code."""
-    room = small_room(tmp_path)
-    head = 'from small.kernel import kernel\n'
-    called = head + '@kernel\ndef inner(x):\n    return x + {}\n'
-    (room / 'called.py').write_text(called.format(1.0))
-    (room / 'caller.py').write_text(
-        head
-        + 'from small.location.called import inner\n'
-        + '@kernel\ndef outer(x):\n    return 10.0 * inner(x)\n'
-    )
-    assert answer(tmp_path) == (30.0, 0)
-    assert answer(tmp_path) == (30.0, 1)
-    (room / 'called.py').write_text(called.format(2.0))
-    assert answer(tmp_path) == (40.0, 0)
+    assert answer(package) == (30.0, 0)
+    assert answer(package) == (30.0, 1)
+    (package / 'small/location/called.py').write_text(INNER.format('', 2.0))
+    assert answer(package) == (40.0, 0)
 
 
-def test_an_argument_whose_class_was_renamed(tmp_path: Path) -> None:
+def test_comments_moved_lines_and_other_files_compile_nothing(package: Path) -> None:
+    """Nor does the package in another folder, where its machine code has come along."""
+    assert answer(package) == (30.0, 0)
+    write_outer(package, comment='# a comment\n# of two lines')
+    (package / 'small/location/called.py').write_text(INNER.format('\n\nOTHER = 1\n\n', 1.0))
+    (package / 'small/location/more.py').write_text('MORE = 1\n')
+    (package / 'moved').mkdir()
+    shutil.move(package / 'small', package / 'moved')
+    assert answer(package / 'moved') == (30.0, 1)
+
+
+def test_an_argument_whose_class_was_renamed(package: Path) -> None:
     """What was kept for the old class is passed over, not tripped over."""
-    room = small_room(tmp_path)
     source = (
         'from typing import NamedTuple\n'
         'from small.kernel import kernel\n'
@@ -66,6 +96,106 @@ def test_an_argument_whose_class_was_renamed(tmp_path: Path) -> None:
         '@kernel\ndef total(pair):\n    return 10.0 * pair.first\n'
     )
     for name in ('', 'Anew'):
-        (room / 'passed.py').write_text(source.format(name))
-        assert answer(tmp_path, PASS.format(name)) == (20.0, 0)
-        assert answer(tmp_path, PASS.format(name)) == (20.0, 1)
+        (package / 'small/location/passed.py').write_text(source.format(name))
+        assert answer(package, PASS.format(name)) == (20.0, 0)
+        assert answer(package, PASS.format(name)) == (20.0, 1)
+
+
+def test_constants_and_kernels_of_another_room_are_compiled_in(package: Path) -> None:
+    """What is read by name is frozen into the machine code, from wherever it comes."""
+    write_outer(package, 'tracking')
+    assert answer(package) == (30.0, 0)
+    write_outer(package, 'tracking', factor=5.0)
+    assert answer(package) == (15.0, 0)
+    (package / 'small/tracking/called.py').write_text(INNER.format('', 2.0))
+    assert answer(package) == (20.0, 0)
+
+
+# --- What the fingerprint changes with ---
+
+SOURCE = """\
+LEVELS = (1, 2.0, frozenset('abcd'))
+WEIGHTS = np.array([1.0, 2.0])
+Pair = namedtuple('Pair', 'x y')
+def parts(n):
+    return range(n)
+def outer(x, step=3):
+    'Say something.'
+    if x < 0:
+        return outer(-x)
+    total = [part * math.pi for part in parts(3)]
+    pair = Pair(LEVELS[0], WEIGHTS[1])
+    return later(x) + total[0] + pair.x + np.linalg.norm(WEIGHTS) + other.inner(x) + step
+def later(x: float):
+    return x + other.OFFSET
+def unused(x):
+    return x
+"""
+OTHER = 'OFFSET = 1\nUNUSED = 1\ndef inner(x):\n    return x\n'
+
+
+def printed(old: str = '', new: str = '') -> str:
+    """Return the fingerprint of `outer`, with a part of the source replaced."""
+    assert old in SOURCE + OTHER
+    other, module = ModuleType('small.other'), ModuleType('small.module')
+    exec(OTHER.replace(old, new), vars(other))
+    vars(module).update(other=other, np=np, math=math, namedtuple=namedtuple)
+    exec(SOURCE.replace(old, new), vars(module))
+    return fingerprint(vars(module)['outer'])
+
+
+@pytest.mark.parametrize(
+    ('old', 'new'),
+    [
+        ('def later', '# a comment\n\ndef later'),
+        ('Say something', 'Say something else'),
+        ('x: float', 'x: int'),
+        ("frozenset('abcd')", "frozenset('dcba')"),
+        ('unused(x):\n    return x', 'unused(x):\n    return -x'),
+        ('UNUSED = 1', 'UNUSED = 2'),
+    ],
+)
+def test_what_is_not_compiled_in_does_not_count(old: str, new: str) -> None:
+    """Comments, docstrings, annotations, the order in a set, and what nobody reads."""
+    assert printed(old, new) == printed()
+
+
+@pytest.mark.parametrize(
+    ('old', 'new'),
+    [
+        ('outer(-x)', 'outer(x)'),
+        ('other.OFFSET', 'OFFSET'),
+        ('range(n)', 'range(n + 1)'),
+        ('math.pi', 'math.e'),
+        ('linalg.norm', 'linalg.det'),
+        ('LEVELS = (1', 'LEVELS = (True'),
+        ('LEVELS = (1, 2.0', 'LEVELS = (1, -2.0'),
+        ("frozenset('abcd')", "frozenset('abc')"),
+        ('[1.0, 2.0]', '[1.0, 3.0]'),
+        ('[1.0, 2.0]', '[1, 2]'),
+        ("'x y'", "'y x'"),
+        ('step=3', 'step=4'),
+        ('OFFSET = 1', 'OFFSET = 2'),
+        ('inner(x):\n    return x', 'inner(x):\n    return -x'),
+    ],
+)
+def test_all_that_is_compiled_in_counts(old: str, new: str) -> None:
+    """Code, names, constants and their types, fields, defaults, and the same of what is called."""
+    assert printed(old, new) != printed()
+
+
+def test_what_encloses_a_kernel_counts() -> None:
+    """Two kernels of one source that were made with different values."""
+    def made(value: float) -> Callable[[float], float]:
+        def inner(x: float) -> float:
+            return x + value
+        return inner
+
+    assert fingerprint(made(1.0)) == fingerprint(made(1.0))
+    assert fingerprint(made(1.0)) != fingerprint(made(2.0))
+
+
+def test_what_cannot_be_told_apart_is_refused() -> None:
+    """A kernel must not go on with the old code because two values print alike."""
+    with pytest.raises(TypeError, match='outer reads a dict'):
+        printed("LEVELS = (1, 2.0, frozenset('abcd'))", 'LEVELS = {0: 1}')

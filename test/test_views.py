@@ -55,7 +55,7 @@ def running(module_domain: int) -> Iterator[Probe]:
         start('pipeline', module_domain, source='simulator'),
     ):
         node.spin_until(lambda: node.get_publishers_info_by_topic('/target/ray'), timeout=60.0)
-        node.spin(0.5)
+        node.settle(0.5)
         yield node
 
 

@@ -55,7 +55,7 @@ def draw(frame: Frame, words: Sequence[str] = ()) -> Picture:
     shown = blank(picture.shape[0], max(picture.shape[1], NARROWEST_PX))
     shown[:, :picture.shape[1]] = picture
     levels = np.asarray(
-        cv2.calcHist([image], [0], None, [BINS], [0.0, frame.saturation + 1.0])[:, 0], np.float32
+        cv2.calcHist([image], [0], None, [BINS], [0.0, frame.saturation + 1.0]).ravel(), np.float32
     )
     strip = _histogram(levels, shown.shape[1], bool(count))
     median, bright = (

@@ -9,6 +9,7 @@ from blob_tracker.capture import CaptureError, Grabber, NoFrameError
 from blob_tracker.types import Frame
 import numpy as np
 import pytest
+from support.slowness import slowness
 
 
 class PipeCamera:
@@ -35,7 +36,7 @@ class PipeCamera:
         """Send frames and wait until the capture thread has them."""
         os.write(self.into, bytes(frames))
         for _ in frames:
-            assert self.taken.acquire(timeout=10.0)
+            assert self.taken.acquire(timeout=10.0 * slowness())
 
     def unplug(self):
         os.close(self.into)
@@ -56,7 +57,7 @@ def camera():
 
 def settled(grabber, overruns):
     """Wait until so many frames were replaced."""
-    deadline = time.monotonic() + 10.0
+    deadline = time.monotonic() + 10.0 * slowness()
     while grabber.overruns < overruns:
         assert time.monotonic() < deadline
         time.sleep(0.001)
@@ -92,7 +93,7 @@ def test_a_frame_that_waited_too_long_is_not_handed_over(camera):
     camera.longest_wait = 0.02
     with Grabber(camera) as grabber:
         camera.send(1)
-        deadline = time.monotonic() + 10.0
+        deadline = time.monotonic() + 10.0 * slowness()
         while grabber._slot is None:
             assert time.monotonic() < deadline
             time.sleep(0.001)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 import signal
 import sys
-import time
 
 import cv2
+from diagnostic_msgs.msg import DiagnosticArray
 from support.processes import probe, Process
 
 DEMO = [sys.executable, '-m', 'blob_tracker', 'demo']
@@ -15,10 +15,8 @@ DEMO = [sys.executable, '-m', 'blob_tracker', 'demo']
 
 def test_demo_meets_its_budget_and_draws_it(tmp_path: Path, domain: int) -> None:
     """Exit code 0 within 30 s, the table, the verdict, and a picture that can be opened."""
-    began = time.monotonic()
     with Process([*DEMO, '--duration', '5', '--out', str(tmp_path)], domain) as demo:
         assert demo.wait(30.0) == 0, demo.output
-    assert time.monotonic() - began < 30.0
     for word in ('azimuth (mrad)', 'sigma (mrad)', 'error (px)', 'frames/s', 'latency (ms)'):
         assert word in demo.output
     assert 'the budget of 0.05 px is met' in demo.output
@@ -40,10 +38,12 @@ def test_a_closed_terminal_ends_the_nodes(tmp_path: Path, domain: int) -> None:
 def test_demo_on_a_missing_camera_says_so(tmp_path: Path, domain: int) -> None:
     """The camera's own sentence stands under the table until Ctrl-C ends it."""
     command = [*DEMO, '--device', '/dev/no_such_camera', '--out', str(tmp_path)]
-    with Process(command, domain) as demo:
-        end = time.monotonic() + 8.0
-        while time.monotonic() < end and demo.running:
-            time.sleep(0.1)
+    with probe(domain) as node, Process(command, domain) as demo:
+        diagnostics = node.record(DiagnosticArray, '/diagnostics')
+        node.spin_until(lambda: any(
+            'there is no such device' in each.status[0].message for each in diagnostics
+        ))
+        node.settle(2.0)  # until the table shows it
         assert demo.running
         assert demo.end(timeout=10.0) == 0
     assert '/dev/no_such_camera: there is no such device' in demo.output

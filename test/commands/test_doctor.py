@@ -25,6 +25,7 @@ from blob_tracker.types import Frame
 import numpy as np
 import pytest
 import rclpy
+from support.slowness import slowness
 
 DOCTOR = [sys.executable, '-m', 'blob_tracker', 'doctor']
 MIB = 2**20
@@ -579,8 +580,8 @@ def test_report(capsys: pytest.CaptureFixture[str]) -> None:
 
 def run_doctor(*options: str, **environment: str) -> subprocess.CompletedProcess[str]:
     """Run it as a user does."""
-    return subprocess.run([*DOCTOR, *options], capture_output=True, text=True, timeout=100,
-                          env={**os.environ, **environment})
+    return subprocess.run([*DOCTOR, *options], capture_output=True, text=True,
+                          timeout=100 * slowness(), env={**os.environ, **environment})
 
 
 def test_real_nodes_pass_the_self_test() -> None:

@@ -33,7 +33,7 @@ def replayed(bag: str, rate: float, domain: int) -> tuple[list, list, list, list
                 node.spin_until(lambda: not replay.running)
                 assert replay.wait() == 0, replay.output
             node.spin_until(lambda: len(bearings) == len(centroids) >= LOCATED)
-            node.spin(0.3)  # any that should not be there
+            node.settle(0.3)  # any that should not be there
     return bearings, centroids, true_bearings, true_centroids
 
 
@@ -81,7 +81,7 @@ def test_clock_runs_with_the_bag(domain: int) -> None:
         with start_replay(BAGS / 'flash_mcap', domain, '--clock', '--rate', '5') as replay:
             node.spin_until(lambda: not replay.running)
             assert replay.wait() == 0, replay.output
-            node.spin(0.2)
+            node.settle(0.2)
     stamps = [to_ns(message.clock) for message in clocks]
     assert stamps == sorted(stamps)
     assert stamps[0] == 1_700_000_000_000_000_000
@@ -101,7 +101,7 @@ def test_chosen_topics_are_played_to_a_node_that_is_awaited(domain: int) -> None
             assert not node.count_publishers('camera/image_raw')
             node.spin_until(lambda: not replay.running)
             assert replay.wait() == 0, replay.output
-            node.spin(0.2)
+            node.settle(0.2)
     assert len(truths) == LIT
 
 

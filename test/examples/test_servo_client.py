@@ -66,7 +66,7 @@ class PanTilt:
     def show(self, visible: bool) -> None:
         """Say whether the target is in view."""
         self._visible.publish(Bool(data=visible))
-        self._node.spin(0.1)
+        self._node.settle(0.1)
 
     def bearing(self, x: float, y: float, age_ns: int = 0) -> None:
         """Say in mrad where the target is, one frame later than before."""
@@ -95,7 +95,7 @@ class PanTilt:
 
     def quiet(self) -> None:
         """Give a command that should not come the time to come."""
-        self._node.spin(0.2)
+        self._node.settle(0.2)
 
     def lock(self, x: float, y: float) -> None:
         """Show a target twice: the first bearing after a loss turns nothing."""

@@ -39,7 +39,7 @@ class Truth:
 
     def expect_right(self, within: float = 0.1) -> None:
         """Expect every bearing within so many px, 8 sigma of the light, of the true one."""
-        self._node.spin(0.1)
+        self._node.settle(0.1)
         true = {to_ns(m.header.stamp): m.vector for m in self.truths}
         most = within / SMALL['focal_length'] * 1e3
         judged = 0
@@ -53,7 +53,7 @@ class Truth:
 
     def expect_new(self) -> None:
         """Wait for bearings of frames from now on, and for predictions."""
-        self._node.spin(ON_THE_WAY)
+        self._node.settle(ON_THE_WAY)
         for messages in (self.bearings, self.predictions):
             before = len(messages)
             self._node.spin_until(lambda: len(messages) >= before + 3)
@@ -162,7 +162,7 @@ def test_a_flood_is_taken_or_its_loss_is_named(arrangement: str, domain: int) ->
         # Ten messages of either topic and a pair of frames are 7 MB. What the camera has in its
         # shared memory is no memory of theirs.
         assert all(b - a < 20.0 for a, b in zip(before, after)), (before, after)
-        node.spin(2.0)  # two diagnostics
+        node.settle(2.0)  # two diagnostics
         located = sum(1 for each in camera.bearings if to_ns(each.header.stamp) > first)
         camera.expect_right()
         # Half the frames are lit; what did not come as a bearing is counted as lost. A frame may
@@ -269,6 +269,6 @@ def test_two_cameras_on_one_topic_are_both_named(domain: int) -> None:
         # The first frame of the other one was taken as the unlit half: texture about the light.
         truth.expect_right(within=1.0)
         truth.bearings.clear()
-        node.spin(1.0)
+        node.settle(1.0)
         assert not truth.bearings
         assert all(process.running for process in processes)

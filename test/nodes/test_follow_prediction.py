@@ -49,7 +49,7 @@ class Played:
             each.get_subscription_count() for each in (self._images, self._infos, self.tracks)
         ))
         node.spin_until(lambda: node.count_publishers('target/window/camera_info'))
-        self.node.spin(0.5)
+        self.node.settle(0.5)
 
     def film(self, sigma: float | None) -> set[int]:
         """Send the frames, each after its track of a sigma in mrad; return which had windows."""
@@ -71,7 +71,7 @@ class Played:
             self._images.publish(from_pixels(shown.frame(index), self.stamp_ns, 'optical'))
             self._infos.publish(stamped(info, self.stamp_ns, 'optical'))
             self.node.spin(0.005)
-        self.node.spin(0.5)
+        self.node.settle(0.5)
         found = {
             (to_ns(each.header.stamp) - begin_ns + STEP_NS // 2) // STEP_NS: each.roi
             for each in self.windows

@@ -11,6 +11,7 @@ from blob_tracker.nodes.interface import interface_of
 from blob_tracker.ros.interface import Service, Topic
 import pytest
 from support.processes import executable
+from support.slowness import slowness
 
 
 @pytest.mark.parametrize('node', NODES)
@@ -46,7 +47,7 @@ def test_the_executable_prints_it_and_ends(words: list[str]) -> None:
     environment = {**os.environ, 'COLUMNS': '90', 'RMW_IMPLEMENTATION': 'rmw_none'}
     result = subprocess.run(
         [executable('camera'), *words],
-        capture_output=True, text=True, timeout=60, env=environment,
+        capture_output=True, text=True, timeout=60 * slowness(), env=environment,
     )
     assert result.returncode == 0, result.stderr
     assert result.stdout == help_text(interface_of('camera'), 90) + '\n'

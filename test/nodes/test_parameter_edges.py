@@ -103,7 +103,7 @@ class Edges:
 
     def expect_life(self) -> None:
         """Expect the light to be tracked as if nothing had been."""
-        self.node.spin(0.3)  # what is on its way
+        self.node.settle(0.3)  # what is on its way
         self.bearings.clear()
         self.predictions.clear()
         self.node.spin_until(

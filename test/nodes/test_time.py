@@ -55,7 +55,7 @@ def play(node: Probe, domain: int, bag: str, *arguments: str) -> dict[str, list[
     node.spin_until(
         lambda: all(len(node.received[topic]) >= LOCATED for _, topic in RESULTS)
     )
-    node.spin(0.3)  # any that should not be there
+    node.settle(0.3)  # any that should not be there
     return results(node)
 
 
@@ -146,7 +146,7 @@ def test_three_processes_give_what_the_pipeline_gave(domain: int) -> None:
                 info_out.publish(recorded[to_ns(frame.header.stamp)])
                 node.spin(0.005)
             node.spin_until(lambda: len(node.received['target/ray']) >= 30)
-            node.spin(0.5)
+            node.settle(0.5)
         processes = results(node)
     # The pipeline had followed the light before the recording began: it needs some flashes.
     begin = processes['target/bearing'][5][0]

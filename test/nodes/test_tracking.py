@@ -42,7 +42,7 @@ def test_the_light_is_tracked_within_the_budget(domain: int) -> None:
             node.spin_until(
                 lambda: {(a.status[0].name, a.status[0].message) for a in diagnostics} >= HEALTHY
             )
-        node.spin(0.5)
+        node.settle(0.5)
 
     truth = {to_ns(m.header.stamp): m for m in truths}
     stamps = [to_ns(m.header.stamp) for m in centroids]

@@ -89,7 +89,7 @@ class Cameras:
 
     def expect(self, sentence: str, level: bytes, **changed: float) -> None:
         """Send rays until a diagnostic says this; no position is made of them."""
-        self.node.spin(0.2)
+        self.node.settle(0.2)
         self.diagnostics.clear()
         before = len(self.points)
 

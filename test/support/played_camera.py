@@ -141,7 +141,7 @@ class PlayedCamera:
 
     def expect_right(self) -> None:
         """Expect each bearing so far to be right of what was sent under its stamp; forget it."""
-        self.node.spin(ON_THE_WAY)
+        self.node.settle(ON_THE_WAY)
         sigmas = {
             to_ns(ray.header.stamp): np.sqrt(np.array(ray.pose.covariance)[[28, 21]]) * 1e3
             for ray in self.rays

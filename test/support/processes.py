@@ -21,8 +21,11 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from support.slowness import slowness
 
-EXIT = 5.0  # s that a process has to end, on a machine that is busy with other tests
+# What is waited for comes at once or not at all: these limits, and all that are given to the
+# functions below, are of a quiet machine, and stretched by `slowness`.
+EXIT = 5.0  # s that a process has to end
 PATIENCE = 20.0  # s for a process to start and be discovered
 
 
@@ -93,7 +96,7 @@ class Process:
     def wait(self, timeout: float = PATIENCE) -> int:
         """Wait for the end and return the exit code; the output is in `output`."""
         try:
-            self.output += self._popen.communicate(timeout=timeout)[0]
+            self.output += self._popen.communicate(timeout=timeout * slowness())[0]
         except ValueError:
             pass  # waited for before
         return self._popen.returncode
@@ -170,11 +173,16 @@ class Probe(Node):
         while time.monotonic() < end:
             self._spinner.spin_once(timeout_sec=max(end - time.monotonic(), 0.0))
 
+    def settle(self, seconds: float) -> None:
+        """Take what is on its way, which arrives in this time on a quiet machine."""
+        self.spin(seconds * slowness())
+
     def spin_until(self, done: Callable[[], object], timeout: float = PATIENCE) -> None:
         """Take what arrives until a condition holds; fail after the time-out."""
-        end = time.monotonic() + timeout
+        began = time.monotonic()
         while not done():
-            assert time.monotonic() < end, f'not within {timeout} s'
+            waited = time.monotonic() - began
+            assert waited < timeout * slowness(), f'not within {waited:.0f} s'
             self._spinner.spin_once(timeout_sec=0.05)
 
 

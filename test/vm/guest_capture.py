@@ -20,7 +20,9 @@ from typing import Any
 
 from blob_tracker.capture import CaptureError, V4l2Camera
 import numpy as np
-from vm.hdmi_loop import CAPTURE, close_loop, control, HEIGHT, OUTPUT, playing, v4l2_ctl, WIDTH
+from vm.hdmi_loop import (
+    CAPTURE, close_loop, control, HEIGHT, NEXT_FRAME, OUTPUT, playing, SLOWNESS, v4l2_ctl, WIDTH,
+)
 
 COUNT = 40  # frames of each recording: beyond the end of the scene
 SETTINGS: dict[str, Any] = {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT}
@@ -43,7 +45,7 @@ def refusal(**settings: Any) -> str:
     return ''
 
 
-def complaint(camera: V4l2Camera, timeout: float = 5.0) -> str:
+def complaint(camera: V4l2Camera, timeout: float = NEXT_FRAME) -> str:
     """Return the sentence with which reading ends; '' if 20 frames come without one."""
     try:
         for _ in range(20):
@@ -58,9 +60,9 @@ def recording(folder: Path, pixel_format: str, known: dict[str, int]) -> dict[st
     frames: list[dict[str, int]] = []
     with playing(folder / f'scene.{pixel_format.lower()}', pixel_format), V4l2Camera(
             **SETTINGS, pixel_format=pixel_format) as camera:
-        deadline = time.monotonic() + 30.0
+        deadline = time.monotonic() + 30.0 * SLOWNESS
         while len(frames) < COUNT and time.monotonic() < deadline:
-            frame = camera.read(timeout=5.0)
+            frame = camera.read(NEXT_FRAME)
             read_ns = time.time_ns()
             index = known.get(digest(frame.image), -1)
             if index < 0 and not frames:
@@ -79,27 +81,27 @@ def losses() -> dict[str, Any]:
     """Let the driver lose and spoil frames, and the reader stall."""
     found: dict[str, Any] = {}
     with V4l2Camera(**SETTINGS) as camera:
-        camera.read(5.0)
+        camera.read(NEXT_FRAME)
         first = camera.sequence
         found['read_after_first'] = 71
         control(percentage_of_dropped_buffers=50)
         for _ in range(10):  # while the control was set, frames were lost to the full ring
-            camera.read(5.0)
+            camera.read(NEXT_FRAME)
         before = camera.drops
         for _ in range(20):
-            camera.read(5.0)
+            camera.read(NEXT_FRAME)
         found['half_lost'] = camera.drops - before
         control(percentage_of_dropped_buffers=0)
         for _ in range(20):
-            camera.read(5.0)
+            camera.read(NEXT_FRAME)
         before = camera.drops
         for _ in range(20):
             fcntl.ioctl(camera._fd, S_CTRL, struct.pack('Ii', INJECT_BUFFER_ERROR, 1))
-            camera.read(5.0)
+            camera.read(NEXT_FRAME)
         found['spoilt'] = camera.drops - before
         time.sleep(1.5)
         woken_ns = time.time_ns()
-        found['older_than_wake_s'] = (woken_ns - camera.read(5.0).stamp_ns) / 1e9
+        found['older_than_wake_s'] = (woken_ns - camera.read(NEXT_FRAME).stamp_ns) / 1e9
         found['numbers'] = camera.sequence - first
         found['lost'] = camera.drops
         control(percentage_of_dropped_buffers=100)

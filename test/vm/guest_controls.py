@@ -21,7 +21,9 @@ from typing import Any
 from blob_tracker.capture import CaptureError, Grabber, stamps, V4l2Camera, videodev2
 from blob_tracker.capture.exposure import adjust_exposure
 import numpy as np
-from vm.hdmi_loop import CAPTURE, close_loop, control, HEIGHT, v4l2_ctl, WIDTH
+from vm.hdmi_loop import (
+    CAPTURE, close_loop, control, HEIGHT, NEXT_FRAME, SLOWNESS, v4l2_ctl, WIDTH,
+)
 
 SETTINGS: dict[str, Any] = {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT,
                             'pixel_format': 'GREY'}
@@ -76,7 +78,7 @@ def listing(camera: V4l2Camera) -> dict[str, Any]:
                        for field in dataclasses.fields(made)} | {'menu': dict(made.menu)}
         if made.kind != 'button':
             found[name]['value'] = camera.get_control(name)
-    text = subprocess.run(['v4l2-ctl', '-d', CAPTURE, '-L'], check=True, timeout=60,
+    text = subprocess.run(['v4l2-ctl', '-d', CAPTURE, '-L'], check=True, timeout=60 * SLOWNESS,
                           stdout=subprocess.PIPE).stdout.decode(errors='replace')
     return {'controls': found, 'v4l2_ctl': text}
 
@@ -151,7 +153,7 @@ def exposures() -> dict[str, Any]:
             before = time.monotonic_ns()
             change()
             found['changes'].append([before, time.monotonic_ns()])
-            frames += [camera.read(5.0).stamp_ns for _ in range(12)]
+            frames += [camera.read(NEXT_FRAME).stamp_ns for _ in range(12)]
         found |= {'readout_s': READOUT, 'units': [128, 200, 50, 150], 'place': place,
                   'seen': seen, 'frames': frames}
         camera.set_control('brightness', 128)
@@ -162,7 +164,7 @@ def exposures() -> dict[str, Any]:
             ('end_known', 0, {'exposure_time': 0.01, 'readout_time': 0.02})):
         control(timestamp_source=source)
         with V4l2Camera(**SETTINGS, **arguments) as camera:
-            camera.read(5.0)
+            camera.read(NEXT_FRAME)
             found[name] = camera.stamp_place
     control(timestamp_source=1)
     return found
@@ -183,10 +185,10 @@ def grabbing() -> dict[str, Any]:
 
         camera._dequeue = noted  # type: ignore[method-assign]
         with Grabber(camera) as grabber:
-            grabber.newest(5.0)
+            grabber.newest(NEXT_FRAME)
             latencies = []
             for _ in range(60):
-                grabber.newest(5.0)
+                grabber.newest(NEXT_FRAME)
                 latencies.append(time.monotonic_ns() - dequeued[-1])
             found['latency_us'] = sorted(latency / 1e3 for latency in latencies)
             image = np.zeros((HEIGHT, WIDTH), np.uint8)
@@ -197,30 +199,30 @@ def grabbing() -> dict[str, Any]:
             stamps_ns = []
             for _ in range(10):
                 time.sleep(0.1)
-                stamps_ns.append(grabber.newest(5.0).stamp_ns)
+                stamps_ns.append(grabber.newest(NEXT_FRAME).stamp_ns)
             found['slow_stamps'], found['slow_overruns'] = stamps_ns, grabber.overruns
             time.sleep(1.0)
             woken_ns = time.time_ns()
-            found['older_than_wake_s'] = (woken_ns - grabber.newest(5.0).stamp_ns) / 1e9
+            found['older_than_wake_s'] = (woken_ns - grabber.newest(NEXT_FRAME).stamp_ns) / 1e9
             # The reader and then the driver stall: what is in the slot is no new frame.
             control(percentage_of_dropped_buffers=100)
             time.sleep(1.0)
             found['quiet'] = sentence(lambda: grabber.newest(0.7))
             control(percentage_of_dropped_buffers=0)
-            found['after_quiet'] = sentence(lambda: grabber.newest(5.0))
-        found['closed'] = sentence(lambda: grabber.newest(5.0))
+            found['after_quiet'] = sentence(lambda: grabber.newest(NEXT_FRAME))
+        found['closed'] = sentence(lambda: grabber.newest(NEXT_FRAME))
         found['ended'] = not grabber._thread.is_alive()
-        found['camera_lives'] = sentence(lambda: camera.read(5.0))
+        found['camera_lives'] = sentence(lambda: camera.read(NEXT_FRAME))
     return found
 
 
 def ended(inject: Callable[[], None]) -> dict[str, Any]:
     """Return how a running grabber takes an error; and whether the device opens again."""
     with V4l2Camera(**SETTINGS) as camera, Grabber(camera) as grabber:
-        grabber.newest(5.0)
+        grabber.newest(NEXT_FRAME)
         inject()
         found: dict[str, Any] = {'sentence': sentence(lambda: some(grabber)),
-                                 'again': sentence(lambda: grabber.newest(5.0)),
+                                 'again': sentence(lambda: grabber.newest(NEXT_FRAME)),
                                  'controls': sentence(lambda: camera.controls)}
         grabber.close()
         found['ended'] = not grabber._thread.is_alive()
@@ -231,13 +233,13 @@ def ended(inject: Callable[[], None]) -> dict[str, Any]:
 def some(grabber: Grabber, count: int = 30) -> None:
     """Read some frames."""
     for _ in range(count):
-        grabber.newest(5.0)
+        grabber.newest(NEXT_FRAME)
 
 
 def opened() -> None:
     """Open the device and read a frame."""
     with V4l2Camera(**SETTINGS) as camera:
-        camera.read(5.0)
+        camera.read(NEXT_FRAME)
 
 
 def refused(button: str) -> dict[str, str]:
@@ -255,14 +257,14 @@ def injections() -> dict[str, Any]:
                          ('fatal', 'inject_fatal_streaming_error')):
         found[name] = ended(partial(v4l2_ctl, CAPTURE, '-c', f'{button}=1'))
     with V4l2Camera(**SETTINGS) as camera, Grabber(camera) as grabber:
-        first = grabber.newest(5.0).stamp_ns
+        first = grabber.newest(NEXT_FRAME).stamp_ns
         for _ in range(10):
             camera.set_control('inject_v4l2_buf_flag_error', True)
             some(grabber, 2)
         control(percentage_of_dropped_buffers=50)
         some(grabber)
         control(percentage_of_dropped_buffers=0)
-        last = grabber.newest(5.0).stamp_ns
+        last = grabber.newest(NEXT_FRAME).stamp_ns
         found['ridden_out'] = {'drops': grabber.drops, 'seconds': (last - first) / 1e9}
     found['disconnect'] = ended(lambda: v4l2_ctl(CAPTURE, '-c', 'disconnect=1'))
     return found
@@ -279,11 +281,11 @@ def search() -> dict[str, Any]:
                 ('too dark', '100% Black', 'saturation', 'hue')):
             camera.set_control('test_pattern', pattern)
             outcome = adjust_exposure(
-                camera, lambda: camera.read(5.0), exposure=exposure, gain=gain, frames=2,
+                camera, lambda: camera.read(NEXT_FRAME), exposure=exposure, gain=gain, frames=2,
                 settling=1)
             found[name] = dataclasses.asdict(outcome) | {
                 'left': [camera.get_control(exposure), camera.get_control(gain)],
-                'seen': float(camera.read(5.0).image.max()) / 255}
+                'seen': float(camera.read(NEXT_FRAME).image.max()) / 255}
             for changed in ('brightness', 'contrast'):
                 camera.set_control(changed, camera.controls[changed].default)
         camera.set_control('test_pattern', 0)

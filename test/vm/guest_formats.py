@@ -20,14 +20,17 @@ from blob_tracker.capture import CaptureError, V4l2Camera, videodev2
 from blob_tracker.types import Frame
 import numpy as np
 from numpy.typing import NDArray
-from vm.hdmi_loop import CAPTURE, close_loop, control, OUTPUT, playing, SIGNAL, v4l2_ctl
+from vm.hdmi_loop import (
+    CAPTURE, close_loop, control, NEXT_FRAME, OUTPUT, playing, SIGNAL, SLOWNESS, v4l2_ctl,
+)
 
 PLANAR = CAPTURE, OUTPUT  # single-planar buffers
 MULTI_PLANAR = '/dev/video2', '/dev/video3'
 RAW = Path('/dev/shm/formats.raw')
 RANDOM = np.random.default_rng(7)
 FRAMES = 2  # right ones in a row
-LONGEST = 20.0  # s until them: the driver's own picture comes first, and the player takes a while
+# s until them: the driver's own picture comes first, and the player takes a while
+LONGEST = 20.0 * SLOWNESS
 Picture = NDArray[np.generic]
 
 
@@ -112,7 +115,7 @@ def seen(camera: V4l2Camera, expected: Picture) -> dict[str, Any]:
     right = 0
     deadline = time.monotonic() + LONGEST
     while right < FRAMES and time.monotonic() < deadline:
-        frame = camera.read(5.0)
+        frame = camera.read(NEXT_FRAME)
         same = frame.image.shape == expected.shape and (
             np.abs(frame.image - expected.astype(float)).max() <= tolerance)
         right = right + 1 if same else 0
@@ -132,7 +135,7 @@ def place(camera: V4l2Camera, frame: Frame) -> dict[str, Any]:
 def geometry(width: int, height: int, pixel_format: str) -> dict[str, Any]:
     """Return where frames of a size are."""
     with V4l2Camera(CAPTURE, width, height, pixel_format) as camera:
-        return place(camera, camera.read(5.0))
+        return place(camera, camera.read(NEXT_FRAME))
 
 
 def played(
@@ -209,7 +212,7 @@ def main(folder: Path) -> None:
         found['multi_planar'][name] = played(name, *case)
     control(loop_video=0, quantization=1)  # a loop has the levels of its output
     with V4l2Camera(CAPTURE, 160, 120, 'YUYV') as camera:
-        found['full_range_saturation'] = camera.read(5.0).saturation
+        found['full_range_saturation'] = camera.read(NEXT_FRAME).saturation
     control(loop_video=1, quantization=0)
     with padded(48):
         found['padded'] = played('GREY', PLANAR, 320, 240, grey)

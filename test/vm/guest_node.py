@@ -28,11 +28,11 @@ from rclpy.parameter import Parameter, parameter_value_to_python
 from sensor_msgs.msg import CameraInfo, Image
 from sensor_msgs.srv import SetCameraInfo
 from std_srvs.srv import Trigger
-from vm.hdmi_loop import CAPTURE, close_loop, control, HEIGHT, SIGNAL, v4l2_ctl, WIDTH
+from vm.hdmi_loop import CAPTURE, close_loop, control, HEIGHT, SIGNAL, SLOWNESS, v4l2_ctl, WIDTH
 
 SPARE = '/dev/video2'  # for nodes that are not meant to run for long
-STARTUP = 90.0  # s: Python and its imports on an emulated processor
-PATIENCE = 40.0  # s; a second is enough on a quiet machine
+STARTUP = 90.0 * SLOWNESS  # s: Python and its imports on an emulated processor
+PATIENCE = 40.0 * SLOWNESS  # s; a second is enough on a quiet machine
 DESCRIBED = ('brightness', 'menu', 'string', 'integer_64_bits', 'button', 'boolean', 'bitmask',
              'read_only_integer_32_bits', 'gain')
 # What is set one after the other while the node streams: name, value.
@@ -116,8 +116,8 @@ def start(folder: Path, nodes: Path, log: str, **parameters: Any) -> subprocess.
 
 def listed() -> list[str]:
     """Return the names of the device's controls as v4l2-ctl lists them."""
-    text = subprocess.run(['v4l2-ctl', '-d', CAPTURE, '-l'], check=True, timeout=60,
-                          stdout=subprocess.PIPE).stdout.decode(errors='replace')
+    text = subprocess.run(['v4l2-ctl', '-d', CAPTURE, '-l'], check=True, text=True,
+                          errors='replace', stdout=subprocess.PIPE, timeout=60 * SLOWNESS).stdout
     # Arrays, such as u32 and rectangles, have no value of one number: elems, dims.
     return re.findall(r'^ *(\w+) 0x\w+ \((?:int|int64|bool|menu|intmenu|str|bitmask|button)\)'
                       r'(?!.*(?:elems|dims)=)', text, re.MULTILINE)
@@ -125,8 +125,8 @@ def listed() -> list[str]:
 
 def read(name: str) -> str:
     """Return the value of a control as v4l2-ctl prints it."""
-    text = subprocess.run(['v4l2-ctl', '-d', CAPTURE, '-C', name], check=True, timeout=60,
-                          stdout=subprocess.PIPE).stdout.decode(errors='replace')
+    text = subprocess.run(['v4l2-ctl', '-d', CAPTURE, '-C', name], check=True, text=True,
+                          errors='replace', stdout=subprocess.PIPE, timeout=60 * SLOWNESS).stdout
     return text.partition(':')[2].split('(')[0].strip(" \n'")
 
 

@@ -16,7 +16,7 @@ from typing import Any
 
 from blob_tracker.capture import Grabber, NoFrameError, V4l2Camera
 import numpy as np
-from vm.hdmi_loop import CAPTURE, close_loop, control, HEIGHT, WIDTH
+from vm.hdmi_loop import CAPTURE, close_loop, control, HEIGHT, NEXT_FRAME, SLOWNESS, WIDTH
 
 SETTINGS: dict[str, Any] = {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT,
                             'pixel_format': 'GREY', 'buffers': 4}
@@ -41,14 +41,14 @@ def stream(seconds: float) -> dict[str, Any]:
     best = LONGEST
     frames = silent = 0
     with V4l2Camera(**SETTINGS) as camera, Grabber(camera) as grabber:
-        grabber.newest(5.0)
+        grabber.newest(NEXT_FRAME)
         first, began = camera.sequence, time.monotonic()
         sample_at = began + BEGIN
         last_ns = 0
         ordered = True
         while time.monotonic() < began + seconds:
             try:
-                frame = grabber.newest(1.0)
+                frame = grabber.newest(1.0 * SLOWNESS)
             except NoFrameError:
                 silent += 1
                 continue
@@ -76,7 +76,7 @@ def reopen(count: int = 10) -> dict[str, Any]:
     """Open and close the camera again and again."""
     def once() -> None:
         with V4l2Camera(**SETTINGS) as camera, Grabber(camera) as grabber:
-            grabber.newest(5.0)
+            grabber.newest(NEXT_FRAME)
 
     once()
     before = held()

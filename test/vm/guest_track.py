@@ -23,13 +23,15 @@ from geometry_msgs.msg import PointStamped, Vector3Stamped
 import rclpy
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
-from vm.hdmi_loop import CAPTURE, close_loop, HEIGHT, OUTPUT, playing, v4l2_ctl, WIDTH
+from vm.hdmi_loop import (
+    CAPTURE, close_loop, HEIGHT, OUTPUT, playing, SLOWNESS, v4l2_ctl, WIDTH,
+)
 
 COUNT = 60  # bearings of the three processes and of the one: all lit places four times
-STARTUP = 90.0  # s until the first bearing: four Pythons on two emulated processors
-END = 40.0  # s; two on a quiet machine
-LAST_WORDS = 2.0  # s in which the last messages of processes that have ended are taken
-LONGEST = 100.0  # s for each half; 5 s are enough on a quiet machine
+STARTUP = 90.0 * SLOWNESS  # s until the first bearing: four Pythons on two emulated processors
+END = 40.0 * SLOWNESS  # s; two on a quiet machine
+LAST_WORDS = 2.0 * SLOWNESS  # s in which the last messages of processes that have ended are taken
+LONGEST = 100.0 * SLOWNESS  # s for each half; 5 s are enough on a quiet machine
 PARAMETERS: dict[str, dict[str, object]] = {
     'camera': {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT, 'pixel_format': 'GREY'},
     # The light goes up to 26 px from one flash to the next, twice that where one is lost.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+import os
 from pathlib import Path
 import shutil
 import subprocess
@@ -16,11 +17,14 @@ SIGNAL = 1280, 720  # px
 TIMINGS = ('width=1280,height=720,interlaced=0,polarities=3,pixelclock=59400000,'
            'hfp=1760,hs=40,hbp=220,vfp=5,vs=5,vbp=20')
 FRAME_RATE = 24.0
+# Of the host, as `support.slowness` has it: all limits of the guest are stretched by it.
+SLOWNESS = float(os.environ.get('SLOWNESS', 1.0))
+NEXT_FRAME = 5.0 * SLOWNESS  # s; a twenty-fourth on a quiet machine
 
 
 def v4l2_ctl(device: str, *options: str) -> None:
     """Run v4l2-ctl on a device."""
-    subprocess.run(['v4l2-ctl', '-d', device, *options], check=True, timeout=30,
+    subprocess.run(['v4l2-ctl', '-d', device, *options], check=True, timeout=30 * SLOWNESS,
                    stdout=subprocess.DEVNULL)
 
 
@@ -64,4 +68,4 @@ def playing(
         yield
     finally:
         player.terminate()
-        player.wait(timeout=30)
+        player.wait(timeout=30 * SLOWNESS)

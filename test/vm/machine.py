@@ -7,7 +7,7 @@ this very Python and this very package. One folder, `results`, is writable and s
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 import gzip
 import os
@@ -16,6 +16,7 @@ import re
 import shlex
 import shutil
 import subprocess
+import time
 
 # Modules the guest needs beside those in Debian's kernel image itself.
 MODULES = ('virtio_pci', '9pnet_virtio', '9p', 'overlay', 'vivid')
@@ -40,6 +41,7 @@ INIT = """\
 #!/bin/busybox sh
 /bin/busybox --install -s /bin
 export PATH=/bin
+echo "the kernel is up"
 mount -t proc proc /proc
 mount -t sysfs sys /sys
 mount -t devtmpfs dev /dev
@@ -63,6 +65,7 @@ ip link set lo up
 results=$(sed -n 's/.*results=\\([^ ]*\\).*/\\1/p' /proc/cmdline)
 mkdir -p /root$results
 mount -t 9p -o trans=virtio,version=9p2000.L,msize=512000 results /root$results
+echo "the driver is there: the scripts begin"
 chroot /root /bin/sh $results/guest.sh
 sync
 umount /root$results
@@ -182,7 +185,9 @@ def _run(*command: str, cwd: Path | None = None) -> str:
     return done.stdout
 
 
-def run(boot: Boot, commands: Sequence[str], results: Path, timeout: float) -> None:
+def run(
+    boot: Boot, commands: Sequence[str], results: Path, patience: Callable[[], float]
+) -> None:
     """
     Boot, run shell commands as root in the guest, and power off.
 
@@ -196,13 +201,14 @@ def run(boot: Boot, commands: Sequence[str], results: Path, timeout: float) -> N
         Lines of the guest's shell script. It stops at the first that fails.
     results : Path
         Folder that the guest may write to, at the same path; without spaces.
-    timeout : float
-        Longest time until power-off, s.
+    patience : callable
+        Asked again and again for the longest time, s, in which nothing is written: neither on
+        the console nor to a file in the folder. As long as something is, the machine lives.
 
     Raises
     ------
     MachineError
-        A command failed, or the machine was not off in time; QEMU is killed then.
+        A command failed, or nothing came of the machine any more; QEMU is killed then.
 
     """
     done = results / 'done'
@@ -224,20 +230,36 @@ def run(boot: Boot, commands: Sequence[str], results: Path, timeout: float) -> N
         '-virtfs', 'local,path=/,mount_tag=host,security_model=none,readonly=on,multidevs=remap',
         '-virtfs', f'local,path={results},mount_tag=results,security_model=none',
     ]
-    with (results / 'console.log').open('wb') as console:
-        # subprocess.run kills its own child, and only that, when the time is over.
+    with (results / 'console.log').open('wb') as console, subprocess.Popen(
+        command, stdin=subprocess.DEVNULL, stdout=console, stderr=subprocess.STDOUT,
+        env={**os.environ, 'PATH': PATH},
+    ) as machine:
         try:
-            subprocess.run(command, stdin=subprocess.DEVNULL, stdout=console,
-                           stderr=subprocess.STDOUT, env={**os.environ, 'PATH': PATH},
-                           timeout=timeout, check=True)
-        except subprocess.TimeoutExpired as error:
-            raise MachineError(f'the machine was not off after {timeout:.0f} s\n'
-                               + _last_lines(results)) from error
-        except subprocess.CalledProcessError as error:
-            raise MachineError(f'QEMU ended with {error.returncode}\n'
-                               + _last_lines(results)) from error
+            _watch(machine, results, patience)
+        finally:
+            machine.kill()  # where it has not ended
+    if machine.returncode:
+        raise MachineError(f'QEMU ended with {machine.returncode}\n' + _last_lines(results))
     if not done.exists():
         raise MachineError('a command in the guest failed\n' + _last_lines(results))
+
+
+def _watch(
+    machine: subprocess.Popen[bytes], results: Path, patience: Callable[[], float]
+) -> None:
+    """Wait for the end, as long as something is written."""
+    written, since = -1, time.monotonic()
+    while True:
+        try:
+            machine.wait(1.0)
+            return
+        except subprocess.TimeoutExpired:
+            size = sum(path.stat().st_size for path in results.iterdir() if path.is_file())
+        if size != written:
+            written, since = size, time.monotonic()
+        elif time.monotonic() - since > patience():
+            raise MachineError(f'nothing came of the machine for {time.monotonic() - since:.0f} s'
+                               '\n' + _last_lines(results)) from None
 
 
 def _last_lines(results: Path, count: int = 40) -> str:

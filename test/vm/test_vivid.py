@@ -16,7 +16,7 @@ from vm.scene import CX, CY, FRAMES, FX, FY
 TOLERANCE = 0.08  # px
 DEVICES = '/dev/video0 (vivid), /dev/video2 (vivid)'
 
-pytestmark = pytest.mark.timeout(600)  # the boot, and the kernel's download before it
+pytestmark = pytest.mark.timeout(60, func_only=True)  # the boot is watched by itself
 
 
 @pytest.fixture(scope='module')

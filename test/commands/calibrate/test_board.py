@@ -29,6 +29,7 @@ from rosbags.typesys import get_typestore, Stores
 from sensor_msgs.msg import Image
 from support.boards import camera, CHARUCO, CHESSBOARD, poses, printed
 from support.processes import probe, Process
+from support.slowness import slowness
 
 VIEWS = 14
 CHESS = ['--kind', 'chessboard', '--columns', '9', '--rows', '6', '--square', '25']
@@ -127,14 +128,14 @@ def live(
         publisher = node.create_publisher(Image, 'front/image', IMAGE_OUT)
         node.spin_until(lambda: publisher.get_subscription_count() or not process.running)
         began = time.monotonic()
-        while process.running and time.monotonic() - began < 60.0:
+        while process.running and time.monotonic() - began < 60.0 * slowness():
             for image in images:
                 for _ in range(3):  # the board rests for a while in each pose
                     publisher.publish(from_pixels(image, time.time_ns(), 'camera'))
                     node.spin(0.06)
                 if not process.running:
                     break
-                if interrupt and time.monotonic() - began > interrupt:
+                if interrupt and time.monotonic() - began > interrupt * slowness():
                     code = process.end(signal.SIGINT, timeout=20.0)
                     return code, process.output
         return process.wait(), process.output

@@ -29,6 +29,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, JointState
 from std_msgs.msg import Bool
 from support.processes import Probe, probe, Process, start
+from support.slowness import slowness
 
 MS = 1_000_000  # ns
 FRAME = 33 * MS  # between two bearings
@@ -65,7 +66,7 @@ class Played:
         node.spin_until(lambda: all(each.get_subscription_count() for each in ours))
         node.spin_until(lambda: node.count_publishers(f'{topic}/bearing_predicted'))
         self.tick(0)
-        node.spin(0.3)
+        node.settle(0.3)
 
     def tick(self, nanoseconds: int, step: int = 5 * MS) -> None:
         """Let time pass in small steps."""
@@ -89,7 +90,7 @@ class Played:
         """Publish a good bearing, and wait for what comes of it, if anything does."""
         count = len(self.tracks)
         self.rays.publish(message)
-        until = time.monotonic() + FIRST
+        until = time.monotonic() + FIRST * slowness()
         while len(self.tracks) == count and time.monotonic() < until:
             self.node.spin(0.005)
         self.node.spin(0.02)  # the prediction follows its track
@@ -341,7 +342,7 @@ def test_stamps_and_clocks_that_jump_back_reset_it(domain: int) -> None:
         assert played.predictions[-1].vector.x == pytest.approx(path(newest)[0], abs=5.0)
         # A stamp of an hour ahead, once: the bearings that follow are its past.
         played.rays.publish(played.message(0.0, 0.0, age=-3600 * 1000 * MS))
-        played.node.spin(0.1)
+        played.node.settle(0.1)
         played.follow(10)
         newest = to_ns(played.predictions[-1].header.stamp)
         assert played.predictions[-1].vector.x == pytest.approx(path(newest)[0], abs=5.0)
@@ -388,7 +389,7 @@ def test_a_step_of_the_system_s_clock_starts_it_afresh(
         # What two bearings lead to over the latency, five standard deviations.
         assert error is not None and error < 0.5
         spinner.spin_once(1.0)  # the clock before the step is looked at
-        until = time.monotonic() + 10.0
+        until = time.monotonic() + 10.0 * slowness()
         while node._time[1] != clock.now() and time.monotonic() < until:
             spinner.spin_once(0.1)
         clock.now_ns -= step
@@ -463,7 +464,7 @@ def test_an_imu_that_is_silent_or_wrong_is_named_and_tracked_without(domain: int
             played.expect(sentence)
             played.follow(2)
         played.imu.publish(_imu(played, (0.0, 0.0, 0.0)))
-        played.node.spin(0.1)
+        played.node.settle(0.1)
         played.now_ns -= 10_000 * MS
         played.imu.publish(_imu(played, (0.0, 0.0, 0.0)))
         played.expect('imu: the stamp of the angular velocity is 10.')
@@ -576,7 +577,7 @@ def test_everything_changes_while_it_runs(domain: int) -> None:
         played.follow(5)
         assert node.set_parameter('tracker', 'prediction_rate', 0.0).successful
         assert node.set_parameter('tracker', 'servo_delay', 0.25).successful
-        node.spin(0.1)
+        node.settle(0.1)
         played.predictions.clear()
         played.tick(200 * MS)
         assert not played.predictions
@@ -639,7 +640,7 @@ def test_the_pipeline_tracks_as_a_process_of_its_own_does(domain: int) -> None:
         # Out and on again: both begin with the same bearing.
         assert node.set_parameter('simulator', 'amplitude', 0.0).successful
         node.spin_until(lambda: visible and visible[-1].data is False)
-        node.spin(0.6)
+        node.settle(0.6)
         inside.clear(), outside.clear()
         assert node.set_parameter('simulator', 'amplitude', 150.0).successful
         node.spin_until(lambda: len(inside) > 40 and len(outside) > 40)

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from blob_tracker.studies.beyond.causes import (
-    CAUSES, CENTROID, LM, measure, STEP, STUDY, TOGETHER_ALL,
+    CAUSES, CENTROID, LM, STEP, STUDY, TOGETHER_ALL,
 )
 from blob_tracker.studies.beyond.causes_printed import implied, ratio_of_looks
 from blob_tracker.studies.chapter_5.displacements import bound, TARGETS
 import numpy as np
 import pytest
+from support.quick_study import measured
 
 ML = 'maximum likelihood, extended'
 
 
 def apart(cause: str, locator: str, name: str = 'apart') -> float:
     """Return the rms of a figure over four sequences of the lamp, one look."""
-    found = measure({'cause': cause, 'target': 'active', 'seeds': [0, 1, 2, 3]})['found']
+    case = {'cause': cause, 'target': 'active', 'seeds': [0, 1, 2, 3]}
+    found = measured(STUDY, case)[0]['found']
     return float(np.sqrt(np.mean([entry[name] ** 2 for entry in found[f'{locator}|single']])))
 
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from blob_tracker.simulation.analogue_chain import AnalogueChain
 from blob_tracker.studies.beyond.default_pipeline import (
-    calibration, limits, measure, shear, STUDY, WAYS,
+    calibration, limits, shear, STUDY, WAYS,
 )
 from blob_tracker.studies.chapter_5.displacements import LABORATORY, STEPS
 import numpy as np
 import pytest
+from support.quick_study import measured, quick_findings
 
 
 def errors(way: str) -> np.ndarray:
     """Return the errors of the single looks of one sequence, px."""
-    found = measure({'way': way, 'step': '0.10', 'seed': 0})
+    found = measured(STUDY, {'way': way, 'step': '0.10', 'seed': 0})[0]
     assert len(found['single']) == found['asked single']
     return np.array(found['single'])[:, 1]
 
@@ -45,7 +46,7 @@ def test_what_the_camera_matrix_takes_up_is_said() -> None:
 def test_a_covariance_that_is_not_true_is_reported() -> None:
     """One Gaussian on a lamp of three: the chi2 of the misfit hides in no average."""
     cases = [{'way': way, 'step': step, 'seed': 0} for way in WAYS for step in STEPS]
-    checks = STUDY.conclude([(case, measure(case)) for case in cases]).checks
+    checks = quick_findings(STUDY, cases).checks
     unmet = {check.what for check in checks if not check.met}
     assert {'a true covariance, no defects', 'a true covariance, with the defects'} <= unmet
 

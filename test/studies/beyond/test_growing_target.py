@@ -5,13 +5,14 @@ from __future__ import annotations
 from blob_tracker.studies.beyond.growing_target import _target, STUDY
 from blob_tracker.studies.study import Findings
 import pytest
+from support.quick_study import quick_findings
 
 
 @pytest.fixture(scope='module')
 def findings() -> Findings:
     """Approach once under each light."""
     cases = [case for case in STUDY.cases(True) if case['seed'] == 0]
-    return STUDY.conclude([(case, STUDY.measure(case)) for case in cases])
+    return quick_findings(STUDY, cases)
 
 
 def test_it_is_followed_tenfold_and_at_the_bound(findings: Findings) -> None:

@@ -6,6 +6,7 @@ from blob_tracker.studies.beyond.locale_table import STUDY
 from blob_tracker.studies.study import Findings
 import numpy as np
 import pytest
+from support.quick_study import measured, quick_findings
 
 
 @pytest.fixture(scope='module')
@@ -15,7 +16,7 @@ def findings() -> Findings:
         {**case, 'count': 50, 'repeats': 1} if case['kind'] == 'speed' else case
         for case in STUDY.cases(True)
     ]
-    return STUDY.conclude([(case, STUDY.measure(case)) for case in cases])
+    return quick_findings(STUDY, cases)
 
 
 def test_every_check_is_met(findings: Findings) -> None:
@@ -52,9 +53,9 @@ def test_where_it_loses(findings: Findings) -> None:
 def test_one_colour_of_the_picture_is_one_rounded_window(findings: Findings) -> None:
     """Five levels leave some hundred locales in a pixel, symmetric about its middle."""
     case = STUDY.cases(True)[0]
-    measured = STUDY.measure(case)
-    number = np.array(measured['number']).reshape(160, 160)
-    assert 150 < measured['count'] < 400
+    found = measured(STUDY, case)[0]
+    number = np.array(found['number']).reshape(160, 160)
+    assert 150 < found['count'] < 400
     # Mirrored places have mirrored windows: as many places to a locale on either side.
     left = np.sort(np.unique(number[:, :80], return_counts=True)[1])
     right = np.sort(np.unique(number[:, 80:], return_counts=True)[1])

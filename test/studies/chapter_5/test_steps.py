@@ -11,6 +11,7 @@ from blob_tracker.studies.printed import load
 from blob_tracker.studies.study import Findings, Study
 import numpy as np
 import pytest
+from support.quick_study import measured, quick_findings
 
 STUDIES = {study.name: study for study in steps.STUDIES}
 
@@ -21,7 +22,7 @@ def findings(study: Study, **which: object) -> Findings:
         case for case in study.cases(True)
         if all(case[name] == value for name, value in which.items())
     ]
-    return study.conclude([(case, study.measure(case)) for case in cases])
+    return quick_findings(study, cases)
 
 
 def test_printed_tables_are_complete() -> None:
@@ -87,7 +88,7 @@ def test_one_gaussian_follows_whole_pixels() -> None:
     """Where the thesis has 0.07 to 0.34 px: those are of a window that does not follow."""
     study = STUDIES['table_5_5']
     cases = [case for case in study.cases(True) if case['step'] == '1.00']
-    found = study.measure(cases[0])['found']
+    found = measured(study, cases[0])[0]['found']
     steps = [entry['mean'] for entry in found['otsu_window gaussian_linear circular single raw']]
     still = [entry['mean'] for entry in found['whole gaussian_linear circular single raw']]
     assert np.median(steps) == pytest.approx(1.0, abs=0.05)

@@ -21,6 +21,7 @@ from blob_tracker.studies.study import Case, Findings, Measured, Study
 from distributed import LocalCluster
 from matplotlib.figure import Figure
 import pytest
+from support.slowness import slowness
 
 SMALL = 'figure_2_3'  # a study of less than a second
 measured: list[int] = []
@@ -111,7 +112,7 @@ def test_interrupted_and_resumed(tmp_path: Path) -> None:
             assert process.poll() is None
             time.sleep(0.02)
         process.send_signal(signal.SIGINT)
-        said = process.communicate(timeout=60.0)[1]
+        said = process.communicate(timeout=60.0 * slowness())[1]
     finally:
         process.kill()
         process.wait()
