@@ -35,8 +35,8 @@ WITH_PROCESSES = (
     'commands/test_replay', 'examples', 'nodes', 'test_launch', 'test_security', 'test_views',
 )
 VIRTUAL_MACHINE = ('vm',)
-# What looks at the package as colcon installed it.
-INSTALLED = ('test_package',)
+# Left to `make test` by `make check`, beside those: the same tests again with another library.
+AGAIN = ('test_opencv5',)
 # What computes longest, the longest first; and what takes up the others' results, last.
 LONG = (
     'commands/test_study.py::test_quick_run[causes]',
@@ -58,7 +58,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     """Declare the option of `make check`."""
     parser.addoption(
         '--core', action='store_true',
-        help='only what needs no processes of nodes, no virtual machine and no installed package',
+        help='without the tests that start nodes or a virtual machine, or repeat others',
     )
 
 
@@ -78,7 +78,7 @@ def pytest_unconfigure(config: pytest.Config) -> None:
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
     """Leave out what `--core` does not want, before it is imported."""
     place = collection_path.relative_to(HERE).as_posix() if HERE in collection_path.parents else ''
-    left_out = place.startswith(WITH_PROCESSES + VIRTUAL_MACHINE + INSTALLED)
+    left_out = place.startswith(WITH_PROCESSES + VIRTUAL_MACHINE + AGAIN)
     return True if config.getoption('--core') and left_out else None
 
 
