@@ -30,7 +30,7 @@ TESTS = {
     'calibration/frame_pair.py': ['calibration/test_photon_transfer.py'],
     'camera/lens/equidistant.py': ['camera/lens/test_equidistant.py'],
     'camera/lens/numerical.py': ['camera/lens/test_another_lens.py'],
-    'camera/lens/polynomial.py': ['camera/lens/test_rational_polynomial.py'],
+    'camera/lens/polynomial.py': ['camera/lens/test_polynomial.py'],
     'capture/exposure.py': ['capture/test_exposure.py'],
     'capture/picture.py': ['capture/test_picture.py'],
     'capture/pixel_formats/jpeg.py': ['capture/pixel_formats/test_jpeg.py'],
