@@ -10,7 +10,7 @@ from benchmarks.world.situation import (
 from blob_tracker.simulation.sensor import expose
 from blob_tracker.types import Pixels
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import erf, erfc
 
 CENTRE = np.array([WIDTH / 2, HEIGHT / 2])  # px
@@ -132,9 +132,11 @@ def plain(x: float, y: float, peak: float = PEAK, sigma: float = SIGMA) -> Model
     return Model(spot, np.array([x, y, peak, sigma, BACKGROUND]))
 
 
-def resting(count: int, random: np.random.Generator) -> Floats:
+def resting(
+    count: int, random: np.random.Generator, shape: tuple[int, int] = SHAPE
+) -> Floats:
     """Return (count, 2) px: a place anew for each flash of two frames, in all sub-pixel phases."""
-    flashes = CENTRE + random.uniform(-JITTER, JITTER, ((count + 1) // 2, 2))
+    flashes = np.array([shape[1] / 2, shape[0] / 2]) + random.uniform(-JITTER, JITTER, ((count + 1) // 2, 2))
     return np.asarray(np.repeat(flashes, 2, axis=0)[:count])
 
 
@@ -156,7 +158,8 @@ def flashing(
     *,
     places: Floats | None = None,
     develop: Develop = digitised,
-    unlit: Floats | float = BACKGROUND,
+    unlit: float = BACKGROUND,
+    shape: tuple[int, int] = SHAPE,
 ) -> Iterator[Shot]:
     """
     Yield shots of a light that is on in every other frame, and dark in the others.
@@ -173,12 +176,16 @@ def flashing(
         Of the light, px; that of `resting` where it is left out.
     develop : callable
         (mean, random) -> pixels.
-    unlit : (h, w) array or float
+    unlit : float
         Mean of the dark frames, DN.
+    shape : (int, int)
+        Height and width of the frames, px.
 
     """
-    dark = np.broadcast_to(np.asarray(unlit, dtype=float), SHAPE)
-    for index, (x, y) in enumerate(resting(count, random) if places is None else places):
+    dark = np.full(shape, unlit)
+    if places is None:
+        places = resting(count, random, shape)
+    for index, (x, y) in enumerate(places):
         if index % 2:
             yield Shot(develop(dark, random), False)
         else:
@@ -199,8 +206,3 @@ def smooth_field(
     grain = np.fft.fft2(random.standard_normal(shape))
     field = np.fft.ifft2(grain * np.exp(-2.0 * (np.pi * f * correlation) ** 2)).real
     return np.asarray((field - field.mean()) / field.std())
-
-
-def used_below(mean: Floats, full_scale: float) -> NDArray[np.bool_]:
-    """Return which pixels are not clipped."""
-    return mean < full_scale

@@ -20,6 +20,7 @@ PEAK = 120.0  # DN above the background
 RATE = 60.0  # frames a second
 WIDTH, HEIGHT = 128, 96  # px
 SHAPE = (HEIGHT, WIDTH)
+LARGE = (240, 320)  # px, height and width where much has to find room
 
 
 @dataclass(frozen=True)

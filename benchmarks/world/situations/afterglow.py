@@ -22,8 +22,9 @@ def frames(count: int, random: np.random.Generator, kept: float) -> Iterator[Sho
             ghost = pair(_parameters(x, y, x, y, kept))[1]
             yield Shot(digitised(ghost, random), False, x, y)
             continue
-        before = places[index - 1] if index else places[0]
-        parameters = _parameters(x, y, *before, kept)
+        # The unlit frame of a pair is the one before.
+        ghost_x, ghost_y = places[max(index - 1, 0)]
+        parameters = _parameters(x, y, ghost_x, ghost_y, kept)
         yield Shot(
             digitised(pair(parameters)[0], random), True, x, y, model=Model(pair, parameters)
         )

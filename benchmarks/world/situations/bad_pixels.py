@@ -51,13 +51,13 @@ def stuck(count: int, random: np.random.Generator, distance: int) -> Iterator[Sh
 SITUATIONS = [
     Situation(
         9, 'black core, past 800 DN', f'peak {peak:g} DN', partial(black_core, peak=peak),
-        r'black|clipped|over-?exposed|saturated',
+        r'black (core|sun)|clipped.*exposure|over-?exposed|saturated',
     )
     for peak in (1000.0, 2000.0, 4000.0)
 ] + [
     Situation(
         9, 'pixel stuck at 255', f'{distance} px from the light',
-        partial(stuck, distance=distance), r'stuck|hot pixel|defect|dead pixel',
+        partial(stuck, distance=distance), r'stuck|hot pixel|defect',
     )
     for distance in (0, 2, 5)
 ]

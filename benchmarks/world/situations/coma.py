@@ -21,21 +21,21 @@ def frames(count: int, random: np.random.Generator, part: float) -> Iterator[Sho
     """Yield a light of which a part is in the tail."""
 
     def light(x: float, y: float) -> Model:
-        return Model(comatic, np.array([x, y, PEAK, SIGMA, BACKGROUND, part, ANGLE]))
+        return Model(partial(comatic, part=part), np.array([x, y, PEAK, SIGMA, BACKGROUND]))
 
     return flashing(count, random, light)
 
 
-def comatic(parameters: Floats) -> Floats:
-    """Return the frame: x, y, level, sigma, background, part in the tail, its direction (rad)."""
-    x, y, level, sigma, background, part, angle = parameters
+def comatic(parameters: Floats, part: float) -> Floats:
+    """Return the frame: x, y, level, sigma, background. The tail is the lens' own: no unknown."""
+    x, y, level, sigma, background = parameters
     widths = sigma * (1.0 + (WIDENING - 1.0) * STEPS)
     # Of the light, not of the peak: a wider pulse is lower.
     tail = part * (1.0 - STEPS) / (1.0 - STEPS).sum() * (sigma / widths) ** 2
     return gaussians(
         SHAPE,
-        [x, *(x + LENGTH * STEPS * np.cos(angle))],
-        [y, *(y + LENGTH * STEPS * np.sin(angle))],
+        [x, *(x + LENGTH * STEPS * np.cos(ANGLE))],
+        [y, *(y + LENGTH * STEPS * np.sin(ANGLE))],
         [sigma, *widths],
         level * np.array([1.0 - part, *tail]),
     ) + background
@@ -44,7 +44,7 @@ def comatic(parameters: Floats) -> Floats:
 SITUATIONS = [
     Situation(
         14, 'comatic tail of 5 px', f'{part:.0%} of the light', partial(frames, part=part),
-        r'coma|tail|misfit|lopsided', centred=True,
+        r'\bcoma|\btail|misfit|lopsided', centred=True,
     )
     for part in (0.2, 0.4, 0.6)
 ]

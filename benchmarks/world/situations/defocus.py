@@ -40,13 +40,13 @@ def annulus(parameters: Floats) -> Floats:
 SITUATIONS = [
     Situation(
         14, 'disc (defocus)', f'radius {radius:g} px', partial(frames, radius=radius, hole=0.0),
-        r'disc|focus|ring',
+        r'\bdisc|focus|\bring\b',
     )
     for radius in (3.0, 6.0, 12.0)
 ] + [
     Situation(
         14, 'ring of radius 6 px (defocus)', f'hole {hole:g} R',
-        partial(frames, radius=RADIUS, hole=hole), r'disc|focus|ring',
+        partial(frames, radius=RADIUS, hole=hole), r'\bdisc|focus|\bring\b',
     )
     for hole in (0.3, 0.5, 0.8)
 ]

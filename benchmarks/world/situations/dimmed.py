@@ -36,8 +36,8 @@ def frames(count: int, random: np.random.Generator, exposure: float) -> Iterator
 
 def shares(phase: float, exposure: float) -> Floats:
     """Return (h,) light of each row over that of the brightest: the pulses within its exposure."""
-    start = phase + np.arange(HEIGHT) * ROW_TIME / PERIOD
-    light = _pulsed(start + exposure / PERIOD) - _pulsed(start)
+    start = phase + np.arange(HEIGHT, dtype=np.float64) * ROW_TIME / PERIOD
+    light = _pulsed(np.asarray(start + exposure / PERIOD)) - _pulsed(np.asarray(start))
     most = np.floor(exposure / PERIOD) * DUTY + min(exposure / PERIOD % 1.0, DUTY)
     return np.asarray(light / most)
 
@@ -58,7 +58,7 @@ def _pulsed(periods: Floats) -> Floats:
 SITUATIONS = [
     Situation(
         3, 'dimmed by 1 ms pulses, rolling shutter', f'{1e3 * exposure:g} ms exposure',
-        partial(frames, exposure=exposure), r'PWM|pulse width|dimm|band',
+        partial(frames, exposure=exposure), r'PWM|pulse width|dimm|bands',
     )
     for exposure in (0.5e-3, 0.8e-3, 1.7e-3)
 ]

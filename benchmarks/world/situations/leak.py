@@ -61,13 +61,13 @@ def blooming(count: int, random: np.random.Generator, times: float) -> Iterator[
 SITUATIONS = [
     Situation(
         15, 'tail of a leaking shutter, 4 px', f'{part:.0%} of the light',
-        partial(leaking, part=part), r'tail|leak|smear|misfit|lopsided',
+        partial(leaking, part=part), r'\btail|leak|smear|misfit|lopsided',
     )
     for part in (0.05, 0.16, 0.3)
 ] + [
     Situation(
         15, 'blooming along the column', f'{times:g} x full scale',
-        partial(blooming, times=times), r'bloom|clipped|over-?exposed|column|smear',
+        partial(blooming, times=times), r'bloom|clipped.*exposure|over-?exposed|smear',
     )
     for times in (2.0, 4.0, 8.0)
 ]

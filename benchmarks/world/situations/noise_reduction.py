@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import partial
 
 from benchmarks.world.light import circling, flashing, plain
-from benchmarks.world.situation import FULL_SCALE, NOISE, Shot, Situation
+from benchmarks.world.situation import Floats, FULL_SCALE, NOISE, Shot, Situation
 from blob_tracker.simulation.quantisation import quantise
+from blob_tracker.types import Pixels
 import numpy as np
 
 SPEED = 1.0  # px a frame
@@ -16,25 +16,22 @@ SPEED = 1.0  # px a frame
 
 def frames(count: int, random: np.random.Generator, kept: float) -> Iterator[Shot]:
     """
-    Yield a moving light through out(t) = kept out(t - 1) + (1 - kept) in(t).
+    Return a moving light through out(t) = kept out(t - 1) + (1 - kept) in(t).
 
     The camera keeps its state in full and rounds what it gives away. The bound is that of the
     frames before the filter, which can be undone.
     """
-    state: np.ndarray[tuple[int, ...], np.dtype[np.float64]] | None = None
+    state: Floats | None = None
 
-    def develop(
-        mean: np.ndarray[tuple[int, ...], np.dtype[np.float64]], source: np.random.Generator
-    ) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
+    def develop(mean: Floats, source: np.random.Generator) -> Pixels:
         nonlocal state
         deviation = np.sqrt(mean / NOISE.gain + NOISE.read_noise**2)
         seen = mean + deviation * source.standard_normal(mean.shape)
         state = seen if state is None else kept * state + (1.0 - kept) * seen
-        return quantise(state.astype(np.float32), FULL_SCALE).astype(np.uint8)
+        return quantise(state.astype(np.float32), FULL_SCALE)
 
     places = circling(count, random, SPEED)
-    for shot in flashing(count, random, plain, places=places, develop=develop):
-        yield replace(shot)
+    return flashing(count, random, plain, places=places, develop=develop)
 
 
 SITUATIONS = [

@@ -41,7 +41,7 @@ def streak(parameters: Floats) -> Floats:
 SITUATIONS = [
     Situation(
         13, 'motion streaks at 0, 45, 90 degrees', f'{length:g} px',
-        partial(frames, length=length), r'streak|motion|exposure',
+        partial(frames, length=length), r'streak|shorten the exposure',
     )
     for length in (4.0, 8.0, 12.0, 20.0)
 ]

@@ -31,7 +31,7 @@ def frames(count: int, random: np.random.Generator, noise: SensorNoise) -> Itera
 SITUATIONS = [
     Situation(
         21, 'noise not as configured', name, partial(frames, noise=noise),
-        r'noise\.(black_level|gain|read_noise)|black_level|gain',
+        r'black_level|\bgain\b|read_noise',
     )
     for name, noise in (
         ('pedestal of 100 DN', replace(NOISE, black_level=100.0)),
