@@ -22,7 +22,9 @@ from typing import Any
 for _variable in ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS'):
     os.environ.setdefault(_variable, '1')
 
-from benchmarks import machine, ours, peers, plots, real_pixels, tables, targets, world  # noqa: E402
+from benchmarks import (  # noqa: E402
+    machine, ours, peers, plots, real_pixels, tables, targets, world,
+)
 from benchmarks.contender import SLOWEST  # noqa: E402
 from benchmarks.report import FULL, measure, PARTS, QUICK, steps  # noqa: E402
 from benchmarks.world import baseline  # noqa: E402

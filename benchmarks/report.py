@@ -33,8 +33,8 @@ class Sizes:
     How much is measured.
 
     Windows a scene, phase, lens and stack; repeats of the timing; frames of the clutter scenes
-    and of the moving camera; length of a vehicle's ride, s; rounds and starts of the latency; flashes
-    of each situation outside the lab.
+    and of the moving camera; length of a vehicle's ride, s; rounds and starts of the latency;
+    flashes of each situation outside the lab.
     """
 
     scene: int

@@ -11,9 +11,8 @@ from collections.abc import Callable
 from concurrent.futures import as_completed, ProcessPoolExecutor
 from multiprocessing import get_context
 
-from benchmarks.world.judge import judge, Row
-from benchmarks.world.play import play
-from benchmarks.world.situations import situations
+from benchmarks.world import judge, play, situations
+from benchmarks.world.judge import Row
 import cv2
 
 __all__ = ['FULL', 'QUICK', 'Row', 'SEED', 'run', 'steps']
@@ -28,7 +27,7 @@ WORKERS = 2
 
 def steps() -> int:
     """Return how many ticks `run` makes."""
-    return len(situations())
+    return len(situations.situations())
 
 
 def run(count: int, tick: Tick, seed: int = SEED, workers: int = WORKERS) -> list[Row]:
@@ -47,19 +46,20 @@ def run(count: int, tick: Tick, seed: int = SEED, workers: int = WORKERS) -> lis
         Processes.
 
     """
+    names = list(situations.situations())
     rows: dict[str, Row] = {}
     with ProcessPoolExecutor(
         workers, mp_context=get_context('spawn'), initializer=cv2.setNumThreads, initargs=(1,)
     ) as processes:
-        waiting = {processes.submit(look_at, name, count, seed): name for name in situations()}
+        waiting = {processes.submit(look_at, name, count, seed): name for name in names}
         for done in as_completed(waiting):
             name = waiting[done]
             rows[name] = done.result()
             tick(f'world {name}')
-    return [rows[name] for name in situations()]
+    return [rows[name] for name in names]
 
 
 def look_at(name: str, count: int, seed: int) -> Row:
     """Return the row of one situation."""
-    situation = situations()[name]
-    return judge(situation, play(situation, count, seed))
+    situation = situations.situations()[name]
+    return judge.judge(situation, play.play(situation, count, seed))

@@ -11,7 +11,7 @@ from benchmarks.world.situation import Floats, Model
 from blob_tracker.location.noise import pixel_variance
 import numpy as np
 
-STEP = 1e-4  # of a parameter, and at least of 1: the error of a central difference is of its square
+STEP = 1e-4  # of a parameter, and at least of 1; a central difference errs by its square
 BLIND = 1e-10  # of the largest eigenvalue: what tells nothing costs nothing
 
 

@@ -136,7 +136,8 @@ def resting(
     count: int, random: np.random.Generator, shape: tuple[int, int] = SHAPE
 ) -> Floats:
     """Return (count, 2) px: a place anew for each flash of two frames, in all sub-pixel phases."""
-    flashes = np.array([shape[1] / 2, shape[0] / 2]) + random.uniform(-JITTER, JITTER, ((count + 1) // 2, 2))
+    middle = np.array([shape[1] / 2, shape[0] / 2])
+    flashes = middle + random.uniform(-JITTER, JITTER, ((count + 1) // 2, 2))
     return np.asarray(np.repeat(flashes, 2, axis=0)[:count])
 
 

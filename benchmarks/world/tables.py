@@ -15,7 +15,6 @@ CAPTION = (
     f'rms <= {OVER_BOUND} x bound; or silent: wrong <= {WRONG:.1%} and a reason that names the '
     'cause. wrong: of the bearings, more than 5 of their own sigmas and 0.1 px off'
 )
-SAID = 48  # characters shown
 LARGE = 1e4
 
 
@@ -29,28 +28,32 @@ def table(rows: Sequence[Row], baseline: Baseline) -> Table:
         f'{baseline.commit}',
         caption=CAPTION,
     )
-    for name in ('#', 'situation', 'strength'):
-        out.add_column(name)
+    out.add_column('situation', no_wrap=True)
     for name in ('found, %', 'wrong, %', 'rms, px', '/ bound', 'NEES', 'chi2'):
         out.add_column(name, justify='right')
-    for name in ('said most', 'verdict', f'{baseline.commit}: found, wrong, NEES', 'verdict'):
-        out.add_column(name)
+    out.add_column('verdict', no_wrap=True)
+    out.add_column(f'{baseline.commit}: found, wrong, NEES', style='dim', no_wrap=True)
+    out.add_column('verdict', style='dim', no_wrap=True)
+    out.add_column('said most often', no_wrap=True, overflow='ellipsis', ratio=1)
     kind = ''
     for row, was in zip(rows, before, strict=True):
-        if row.kind != kind and kind:
+        if row.kind != kind:
             out.add_section()
+            out.add_row(f'[bold]{row.number:2d}  {escape(row.kind)}')
+            kind = row.kind
         out.add_row(
-            str(row.number) if row.kind != kind else '', row.kind if row.kind != kind else '',
-            row.strength, _percent(row.found), _percent(row.wrong), _number(row.rms, 3),
-            _number(row.ratio, 2), _number(row.nees, 2), _number(row.chi2, 1),
-            escape(row.said if len(row.said) <= SAID else row.said[:SAID - 1] + '…'),
-            _verdict(row),
-            '' if was is None else
-            f'[dim]{_percent(was.found)}, {_percent(was.wrong)}, {_number(was.nees, 2)}',
-            '' if was is None else f'[dim]{was.verdict}',
+            f'    {escape(row.strength)}', _percent(row.found), _percent(row.wrong),
+            _number(row.rms, 3), _number(row.ratio, 2), _number(row.nees, 2),
+            _number(row.chi2, 1), _verdict(row), *_cells(was), escape(row.said),
         )
-        kind = row.kind
     return out
+
+
+def _cells(was: Row | None) -> tuple[str, str]:
+    if was is None:
+        return '', ''
+    figures = _percent(was.found), _percent(was.wrong), _number(was.nees, 2)
+    return ', '.join(figures), was.verdict
 
 
 def _verdict(row: Row) -> str:

@@ -45,7 +45,8 @@ def _parameters(x: float, y: float, ghost_x: float, ghost_y: float, kept: float)
 SITUATIONS = [
     Situation(
         1, 'light kept in the unlit frame, 0.8 px a frame', f'{kept:.0%}',
-        partial(frames, kept=kept), r'unlit frame.*(light|dark)|ghost|not dark|stays on|on in both',
+        partial(frames, kept=kept),
+        r'unlit frame.*(light|dark)|ghost|not dark|stays on|on in both',
     )
     for kept in (0.05, 0.1, 0.2, 0.4)
 ]

@@ -14,18 +14,20 @@ SCALES = (1.5, 6.0, 25.0)  # px, correlation lengths of what the room reflects
 ROUGHNESS = (0.08, 0.15, 0.3)  # of the mean, at those
 THINGS = 12  # small ones that reflect more
 BOXES = 5  # furniture: edges
+STAY = 100  # frames in a room
 
 
 def frames(count: int, random: np.random.Generator, level: float) -> Iterator[Shot]:
-    """Yield a dark room that lights up as a whole in every other frame."""
-    flooded = DARK + level * reflectance(random)
+    """Yield dark rooms, one after another, that light up as a whole in every other frame."""
     for index in range(count):
+        if index % STAY == 0:
+            flooded = DARK + level * reflectance(random)
         on = index % 2 == 0
         yield Shot(digitised(flooded if on else np.full(SHAPE, DARK), random), on)
 
 
 def reflectance(random: np.random.Generator) -> Floats:
-    """Return what a room reflects, with the mean 1: rough walls, furniture, small bright things."""
+    """Return what a room reflects, mean 1: rough walls, furniture, small bright things."""
     room = np.ones(SHAPE)
     for scale, rough in zip(SCALES, ROUGHNESS, strict=True):
         room *= np.exp(rough * smooth_field(SHAPE, scale, random))

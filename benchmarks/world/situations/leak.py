@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 
 from benchmarks.world.light import circling, digitised, flashing, gaussians, plain
@@ -11,7 +12,6 @@ from benchmarks.world.situation import (
 )
 from blob_tracker.simulation.sensor import Sensor
 from blob_tracker.types import Pixels
-from dataclasses import replace
 import numpy as np
 
 SPEED = 4.0  # px a frame

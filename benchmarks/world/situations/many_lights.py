@@ -45,9 +45,8 @@ def glints(count: int, random: np.random.Generator, number: int) -> Iterator[Sho
     for index, (x, y) in enumerate(resting(count, random, LARGE)):
         at = random.uniform((0.0, 0.0), (LARGE[1], LARGE[0]), (number, 2))
         at = at[np.hypot(*(at - MIDDLE).T) > CLEAR]
-        sparkle = gaussians(
-            LARGE, at[:, 0], at[:, 1], random.uniform(*NARROW, len(at)), random.uniform(*GLINTS, len(at))
-        )
+        sigma, peak = random.uniform(*NARROW, len(at)), random.uniform(*GLINTS, len(at))
+        sparkle = gaussians(LARGE, at[:, 0], at[:, 1], sigma, peak)
         if index % 2:
             yield Shot(digitised(BACKGROUND + sparkle, random), False)
         else:

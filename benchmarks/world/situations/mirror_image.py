@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 
 from benchmarks.world.light import flashing, gaussians
 from benchmarks.world.situation import (
     BACKGROUND, Floats, Model, PEAK, SHAPE, Shot, SIGMA, Situation,
 )
-from dataclasses import replace
 import numpy as np
 
 ANGLE = 0.5  # rad, of the line from the light to its image
@@ -18,7 +18,7 @@ ANGLE = 0.5  # rad, of the line from the light to its image
 def frames(
     count: int, random: np.random.Generator, distance: float, part: float
 ) -> Iterator[Shot]:
-    """Yield a light with an image of the given part of its brightness; one as bright is as right."""
+    """Yield a light with an image of a part of its brightness; one as bright is as right."""
     across, down = distance * np.cos(ANGLE), distance * np.sin(ANGLE)
 
     def light(x: float, y: float) -> Model:

@@ -30,7 +30,8 @@ def frames(count: int, random: np.random.Generator, deviation: float) -> Iterato
 SITUATIONS = [
     Situation(
         19, 'texture that moves 1.4 px a frame', f'{deviation:g} DN',
-        partial(frames, deviation=deviation), r'(texture|background).*mov|moving (texture|background)',
+        partial(frames, deviation=deviation),
+        r'(texture|background).*mov|moving (texture|background)',
     )
     for deviation in (0.5, 1.0, 2.0)
 ]

@@ -27,7 +27,8 @@ def _repeated(count: int, random: np.random.Generator, cadence: int) -> Iterator
 SITUATIONS = [
     Situation(
         10, 'frames that come twice, newly stamped', f'every {cadence}th',
-        partial(frames, cadence=cadence), r'identical|comes? twice|repeated (frame|picture)|duplicate',
+        partial(frames, cadence=cadence),
+        r'identical|comes? twice|repeated (frame|picture)|duplicate',
     )
     for cadence in (4, 5, 12)
 ]
