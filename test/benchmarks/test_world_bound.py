@@ -85,7 +85,7 @@ def test_a_ring_has_its_area(hole):
 
 
 def test_places_have_all_phases():
-    """Resting lights over two pixels, the same in both frames of a pair; circling ones at speed."""
+    """Resting lights over two pixels, still within a pair; circling ones at speed."""
     random = np.random.default_rng(7)
     places = light.resting(4000, random)
     assert (places[::2] == places[1::2]).all()

@@ -45,7 +45,7 @@ def reflectance(random: np.random.Generator) -> Floats:
 SITUATIONS = [
     Situation(
         12, 'flood light in a dark room, no target', f'{level:g} DN',
-        partial(frames, level=level), r'(whole|entire) (scene|frame|picture)|flood|everything',
+        partial(frames, level=level), r'(whole|entire) (scene|frame|picture) (flash|light)|flood',
     )
     for level in (20.0, 40.0, 80.0)
 ]
