@@ -103,7 +103,7 @@ def normal(count, sigma=0.05):
 
 
 def test_true_errors_are_found():
-    """rms at the bound and NEES 2, both within the noise of 1000 errors."""
+    """At the bound, NEES 2, both within the noise of 1000 errors."""
     row = judge(SILENT, played(normal(1000), lit=1000))
     assert row.rms == pytest.approx(0.05, rel=0.07)
     assert row.ratio == pytest.approx(1.0, rel=0.07)

@@ -75,7 +75,7 @@ def test_gaussians_hold_their_light():
 
 @pytest.mark.parametrize('hole', [0.0, 0.5])
 def test_a_ring_has_its_area(hole):
-    """pi R^2 (1 - hole^2): the blur of an edge moves light, and adds pi sigma^2 on each."""
+    """Hold pi R^2 (1 - hole^2): the blur of an edge moves light, and adds pi sigma^2."""
     picture = light.ring(SHAPE, X, Y, 6.0, hole, 0.7)
     area = np.pi * 6.0**2 * (1.0 - hole**2) + (np.pi * 0.7**2 if hole == 0.0 else 0.0)
     assert picture.sum() == pytest.approx(area, rel=1e-3)
