@@ -82,8 +82,9 @@ def play(situation: Situation, count: int, seed: int) -> Played:
     every = max(1, count // BOUNDS)
     for index, shot in enumerate(situation.frames(FIRST + 2 * count, random)):
         stamp_ns = round(index * 1e9 / RATE)
-        location, reason, warnings = _look(segmenter, Frame(shot.image, stamp_ns, FULL_SCALE),
-                                           situation)
+        # A frame has no room for what colours its pixels see: `channel` waits until it has.
+        frame = Frame(shot.image, stamp_ns, FULL_SCALE)
+        location, reason, warnings = _look(segmenter, frame, situation)
         if index < FIRST or not shot.judged:
             continue
         played.frames += 1

@@ -16,7 +16,7 @@ CAPTION = (
     'cause. found: %; wrong: % of the bearings, more than 5 of their own sigmas and 0.1 px off. '
     'Of the other commit: found, wrong, NEES'
 )
-LARGE = 1e4
+LARGE = 1e3  # from which on the digits tell nothing
 SAID = 28  # characters: that the line stays one line
 
 
