@@ -35,6 +35,7 @@ def test_every_situation_renders(name):
     assert {shot.image.dtype for shot in first} == {np.dtype(np.uint8)}
     (shape,) = {shot.image.shape for shot in first}
     for shot, again in zip(first, second):
+        assert type(shot.on) is bool  # NumPy's own would make counts that JSON does not know
         assert (shot.image == again.image).all()
         if shot.lit:
             assert 20.0 < shot.x < shape[1] - 20.0 and 20.0 < shot.y < shape[0] - 20.0

@@ -28,7 +28,7 @@ def frames(count: int, random: np.random.Generator, exposure: float) -> Iterator
         draw = partial(banded, exposure=exposure)
         image = draw(parameters)
         bright = (image - BACKGROUND).sum() / gaussians(SHAPE, x, y, SIGMA, PEAK).sum()
-        lit = bright >= LEAST
+        lit = bool(bright >= LEAST)
         yield Shot(
             digitised(image, random), lit, x, y, model=Model(draw, parameters) if lit else None
         )
