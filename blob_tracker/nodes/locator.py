@@ -13,6 +13,7 @@ from blob_tracker.camera import CalibrationError, LensError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import compile_ahead, method_options
 from blob_tracker.location.noise import noise_in_words, variance_ratio
+from blob_tracker.location.noise_check import NoiseCheck
 from blob_tracker.location.picture import draw
 from blob_tracker.location.scatter import RecentPlaces
 from blob_tracker.nodes.interface.locator import DEFAULT_METHOD, PARAMETERS
@@ -80,6 +81,7 @@ class LocatorNode(Node):
         self._connections = Connections(self, self._health)
         self._lights: Collection[str] = ()
         self._places: dict[str, RecentPlaces] = {}
+        self._noise_checks: dict[str, NoiseCheck] = {}
         self._bearing: Bearing | None = None
         self._debug_image = DebugImage(self)
         self._camera = KnownCamera()
@@ -112,6 +114,7 @@ class LocatorNode(Node):
                 self._method, self._options = method, options
                 self._saturation, self._looks = values['saturation'], values['looks']
                 self._configured = self._noise = noise
+                self._noise_checks.clear()
                 self._line_jitter = line_jitter
                 self._places.clear()  # the next ones are placed in another way
                 if self._listen:
@@ -199,11 +202,15 @@ class LocatorNode(Node):
         try:
             camera_model = self._camera.model(info)
             window = clipping_window(window, self._saturation, self._looks)
+            if light not in self._noise_checks:
+                self._noise_checks[light] = NoiseCheck(self._configured)
+            check = self._noise_checks[light]
+            noise = check.noise if self._noise is self._configured else self._noise
             location, bearing = window_to_bearing(
                 window,
                 camera_model,
                 method=self._method,
-                noise=self._noise,
+                noise=noise,
                 line_jitter=self._line_jitter,
                 **self._options,
             )
@@ -219,7 +226,7 @@ class LocatorNode(Node):
             self._health.show('last refusal', error)
             why = str(error)
             self._debug_image.offer(
-                lambda: draw(window, self._noise, reason=why, name=light),
+                lambda: draw(window, noise, reason=why, name=light),
                 window.stamp_ns,
                 frame_id,
             )
@@ -234,9 +241,10 @@ class LocatorNode(Node):
         if light not in self._places:
             self._places[light] = RecentPlaces(PLACES)
         self._places[light].add(location)
-        self._compare_noise(location)
+        check.add(window, location)
+        self._compare_noise(location, check.warning)
         self._debug_image.offer(
-            lambda: draw(window, self._noise, location, bearing, name=light),
+            lambda: draw(window, noise, location, bearing, name=light),
             window.stamp_ns,
             frame_id,
         )
@@ -293,9 +301,11 @@ class LocatorNode(Node):
             f'their sigmas (chi-square is {places.chi2:.1f}), {cause}',
         )
 
-    def _compare_noise(self, location: Location) -> None:
+    def _compare_noise(self, location: Location, of_windows: str) -> None:
         """Warn where the configured noise is not the measured one at the target's levels."""
         if self._noise is self._configured:
+            if of_windows:
+                self._health.fault(WARN, of_windows)
             return
         levels = np.array([location.background, location.background + location.amplitude])
         ratio = variance_ratio(levels / self._looks, self._configured, self._noise)
