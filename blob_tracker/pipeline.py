@@ -167,13 +167,21 @@ class Pipeline:
         if line_jitter is not None:
             line_jitter.check_height(camera_model.height)
         self.camera_model = camera_model
-        self.noise = noise
         self.method = method
         self.segmenter = segmenter or Segmenter()
         self.line_jitter = line_jitter
         self.tracker = tracker
         self.warning = ''
         self._noise_check = NoiseCheck(noise)
+
+    @property
+    def noise(self) -> SensorNoise:
+        """Gain and read noise of the pixels, as configured; it may be set at any time."""
+        return self._noise_check.configured
+
+    @noise.setter
+    def noise(self, noise: SensorNoise) -> None:
+        self._noise_check.configure(noise)
 
     def run(self, frames: Iterable[Frame]) -> Iterator[Bearing]:
         """

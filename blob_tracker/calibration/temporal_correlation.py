@@ -16,7 +16,7 @@ FEWEST_TILES = 12  # fewer have no median to trust
 MOST_TRIPLES = 48  # of frames: their tiles tell 0.001, and more take time
 CLIPPED = 0.5  # of the pixels at the highest value: such frames are alike without a fault
 SAME_LIGHT = 0.02  # of the mean, and 1 DN, that frames of one light may differ by
-CORRELATED = 0.04  # takes 12 % off the variance of a difference; with it noise is not what it seems
+CORRELATED = 0.04  # takes 4 % off the variance of a difference, and 8 % off the noise itself
 SIGNIFICANT_SIGMA = 5.0
 
 Array = NDArray[np.float64]

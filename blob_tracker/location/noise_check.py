@@ -90,9 +90,14 @@ class NoiseCheck:
         self.warning = ''
         self._last: _Seen | None = None
         # dof, and dof times level and variance; products of neighbours and their count; of the
-        # light's pixels 1 - h, and that times level and times the residual over the variance.
+        # light's pixels 1 - h, and that times level and variance.
         self._sums = np.zeros(8)
         self._windows = 0
+
+    def configure(self, noise: SensorNoise) -> None:
+        """Hold another noise against what was seen so far."""
+        self.configured = noise
+        self._judge()
 
     def add(self, window: Window, location: Location) -> None:
         """
@@ -160,7 +165,7 @@ class NoiseCheck:
         )
 
     def _measured(self, level: float, variance: float) -> SensorNoise:
-        """Return the noise with this variance at this level, as near to the configured as may be."""
+        """Return the noise of this variance at this level that is near the configured one."""
         given = self.configured
         constant = given.read_noise**2 + 1.0 / 12.0
         by_black = 1.0 / given.gain
@@ -168,11 +173,10 @@ class NoiseCheck:
         if level > given.black_level:
             by_gain = max((variance - constant) / (level - given.black_level), 0.0)
         slope = max(by_black, by_gain)
-        count, levels, ratios = map(float, self._sums[5:])
+        count, levels, variances = map(float, self._sums[5:])
         if count > LEAST_BRIGHT and levels / count > level + 1.0:
             bright = levels / count
-            there = ratios / count * float(pixel_variance(np.array(bright), given))
-            told = (there - variance) / (bright - level)
+            told = (variances / count - variance) / (bright - level)
             slope = min(max(told, min(by_black, by_gain)), slope)
         slope = max(slope, FLATTEST * by_black)
         if slope == 0.0:  # no shot noise, as configured
@@ -231,7 +235,7 @@ def _unlit_variance(
 def _bright(
     window: Window, location: Location, x: float, y: float, noise: SensorNoise
 ) -> tuple[float, float, float]:
-    """Return 1 - h of the light's pixels, that times their level, and their residuals' ratio."""
+    """Return 1 - h of the light's pixels, that times their level, and the residuals' squares."""
     assert window.unlit is not None
     height, width = window.unlit.shape
     if max(height, width) > LARGEST or location.saturated or location.sigma <= 0.0:
@@ -254,10 +258,9 @@ def _bright(
     rest = scaled - design @ (back @ scaled)
     shares = 1.0 - np.einsum('ij,ji->i', design, back)
     bright = pulse.ravel() > 0.5
-    # Taking one frame of several looks changes nothing but the scale of the variance.
-    looks = window.looks
-    share = float(shares[bright].sum())
+    squares = np.square(rest * deviation.ravel())
+    # The mean of several looks has so much less variance.
     return (
-        share, float(shares[bright] @ mean.ravel()[bright]),
-        looks * float(rest[bright] @ rest[bright]),
+        float(shares[bright].sum()), float(shares[bright] @ mean.ravel()[bright]),
+        window.looks * float(squares[bright].sum()),
     )

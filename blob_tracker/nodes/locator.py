@@ -242,7 +242,7 @@ class LocatorNode(Node):
             self._places[light] = RecentPlaces(PLACES)
         self._places[light].add(location)
         check.add(window, location)
-        self._compare_noise(location, check.warning)
+        self._compare_noise(location, check)
         self._debug_image.offer(
             lambda: draw(window, noise, location, bearing, name=light),
             window.stamp_ns,
@@ -301,19 +301,22 @@ class LocatorNode(Node):
             f'their sigmas (chi-square is {places.chi2:.1f}), {cause}',
         )
 
-    def _compare_noise(self, location: Location, of_windows: str) -> None:
+    def _compare_noise(self, location: Location, check: NoiseCheck) -> None:
         """Warn where the configured noise is not the measured one at the target's levels."""
         if self._noise is self._configured:
-            if of_windows:
-                self._health.fault(WARN, of_windows)
+            if check.warning:
+                self._health.fault(WARN, check.warning)
+                self._health.show(
+                    'noise', f'as its windows show it: {noise_in_words(check.noise)}'
+                )
             return
         levels = np.array([location.background, location.background + location.amplitude])
         ratio = variance_ratio(levels / self._looks, self._configured, self._noise)
         if not 1.0 / DIFFERENT <= ratio <= DIFFERENT:
             self._health.fault(
                 WARN,
-                f'the configured noise ({noise_in_words(self._configured)}) has {ratio:.2g} times the '
-                f'variance of the measured one, which is used; set noise.gain, '
+                f'the configured noise ({noise_in_words(self._configured)}) has {ratio:.2g} times '
+                f'the variance of the measured one, which is used; set noise.gain, '
                 f'noise.read_noise and noise.black_level to {noise_in_words(self._noise)}',
             )
 
