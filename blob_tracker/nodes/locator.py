@@ -82,6 +82,7 @@ class LocatorNode(Node):
         self._lights: Collection[str] = ()
         self._places: dict[str, RecentPlaces] = {}
         self._noise_checks: dict[str, NoiseCheck] = {}
+        self._by_windows = False  # whether the noise is that of the last window's check
         self._bearing: Bearing | None = None
         self._debug_image = DebugImage(self)
         self._camera = KnownCamera()
@@ -309,6 +310,9 @@ class LocatorNode(Node):
                 self._health.show(
                     'noise', f'as its windows show it: {noise_in_words(check.noise)}'
                 )
+            elif self._by_windows:
+                self._set_online(self._online)  # which shows what holds again
+            self._by_windows = bool(check.warning)
             return
         levels = np.array([location.background, location.background + location.amplitude])
         ratio = variance_ratio(levels / self._looks, self._configured, self._noise)
