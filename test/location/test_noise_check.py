@@ -36,9 +36,9 @@ def windows(
             integrated_profile(SIZE, y - y0, SIGMA)[0], integrated_profile(SIZE, x - x0, SIGMA)[0]
         )
         lit, dark = (
-            sum(
-                expose(mean, noise, random, saturation=255).astype(np.uint16)
-                for _ in range(looks)
+            np.sum(
+                [expose(mean, noise, random, saturation=255) for _ in range(looks)],
+                axis=0, dtype=np.uint16,
             )
             for mean in (unlit + pulse, unlit)
         )
