@@ -36,10 +36,8 @@ def windows(
             integrated_profile(SIZE, y - y0, SIGMA)[0], integrated_profile(SIZE, x - x0, SIGMA)[0]
         )
         lit, dark = (
-            np.sum(
-                [expose(mean, noise, random, saturation=255) for _ in range(looks)],
-                axis=0, dtype=np.uint16,
-            )
+            np.asarray([expose(mean, noise, random, saturation=255) for _ in range(looks)])
+            .sum(axis=0).astype(np.uint16)
             for mean in (unlit + pulse, unlit)
         )
         yield Window(
