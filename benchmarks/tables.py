@@ -11,6 +11,7 @@ from benchmarks.tables_of_finding import capture, detection, frames, lab, search
 from benchmarks.tables_of_locating import accuracy, bearing, bias, motion, peers, real, speed
 from benchmarks.tables_of_running import latency, tracking
 from benchmarks.targets import against_peers, Target
+from benchmarks.world import baseline, tables as world_tables
 from rich.table import Table
 
 
@@ -44,6 +45,7 @@ def figures(report: Report, ours: Sequence[str]) -> list[Table]:
     tables += [motion(report.motion)] if report.motion else []
     tables += tracking(report.tracking) if report.tracking.rows else []
     tables += latency(report.latency) if report.latency.rows else []
+    tables += [world_tables.table(report.world, baseline.read())] if report.world else []
     return tables
 
 

@@ -14,6 +14,7 @@ from blob_tracker import location, segmentation, tracking
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import locate, method_options, METHODS
+from blob_tracker.location.noise_check import NoiseCheck
 from blob_tracker.segmentation import Expectation, FrameError, Segmenter
 from blob_tracker.tracking import Track, Tracker, TrackingError, update_or_restart
 from blob_tracker.types import Bearing, Frame, Location, LocationError, SensorNoise, Window
@@ -135,6 +136,13 @@ class Pipeline:
         Takes each bearing, and tells the segmenter where to look for the next one. What it
         refuses is a bearing all the same.
 
+    Attributes
+    ----------
+    warning : str
+        What is not as it should be about the last bearing, and what to do; '' where all is well.
+        Where the unlit pixels show another noise than `noise`, that is used instead; see
+        `blob_tracker.location.noise_check`.
+
     Raises
     ------
     ValueError
@@ -159,11 +167,21 @@ class Pipeline:
         if line_jitter is not None:
             line_jitter.check_height(camera_model.height)
         self.camera_model = camera_model
-        self.noise = noise
         self.method = method
         self.segmenter = segmenter or Segmenter()
         self.line_jitter = line_jitter
         self.tracker = tracker
+        self.warning = ''
+        self._noise_check = NoiseCheck(noise)
+
+    @property
+    def noise(self) -> SensorNoise:
+        """Gain and read noise of the pixels, as configured; it may be set at any time."""
+        return self._noise_check.configured
+
+    @noise.setter
+    def noise(self, noise: SensorNoise) -> None:
+        self._noise_check.configure(noise)
 
     def run(self, frames: Iterable[Frame]) -> Iterator[Bearing]:
         """
@@ -190,14 +208,16 @@ class Pipeline:
             try:
                 window = self.segmenter.update(frame, self._expected(frame))
                 if window is not None:
-                    _, bearing = window_to_bearing(
+                    location, bearing = window_to_bearing(
                         window,
                         self.camera_model,
                         method=self.method,
-                        noise=self.noise,
+                        noise=self._noise_check.noise,
                         line_jitter=self.line_jitter,
                         **self._options,
                     )
+                    self._noise_check.add(window, location)
+                    self.warning = self._noise_check.warning
                     self._track(bearing)
                     yield bearing
             except (FrameError, LocationError, LensError) as error:
