@@ -70,15 +70,16 @@ def test_the_locator_names_a_noise_that_is_not_as_configured(domain: int) -> Non
 
 def test_an_even_wall_is_said_to_be_one(domain: int) -> None:
     """Nothing is published, the diagnostics say why, and the locator keeps its own values."""
+    sensor = {'noise__gain': 100.0, 'noise__read_noise': 1.5}
     with probe(domain) as node:
         noises = node.record(Vector3Stamped, 'target/noise', STATE)
         node.record(DiagnosticArray, '/diagnostics')
         with (
             start('segmenter', domain, noise__measure=True),
-            start('locator', domain, noise__online=True),
+            # As the sensor is: or its windows would contradict it.
+            start('locator', domain, noise__online=True, **sensor),
             start(
-                'simulator', domain, width=320, height=240, background=4.0, texture=0.0,
-                noise__gain=100.0, noise__read_noise=1.5,
+                'simulator', domain, width=320, height=240, background=4.0, texture=0.0, **sensor
             ),
         ):
             node.spin_until(
