@@ -3,8 +3,8 @@
 #      CAMERA_INFO=file.yaml   its calibration
 # make doctor             what is wrong with this machine, and what to do about it
 # make check              from the source tree, nothing is built: all tests that start no node and
-#                         no virtual machine, the linters and mypy beside them; three minutes
-#      TESTS=test/segmentation/test_box.py   these tests alone, of whatever kind; two seconds
+#                         no virtual machine, the linters and mypy beside them; five minutes
+#      TESTS=test/segmentation/test_box.py   these tests alone, of whatever kind; a second
 # make lint               the ROS linters and mypy
 # make test               all tests of the installed package, the linters and mypy beside them
 #      PYTEST='-k segmenter'   a part of them
