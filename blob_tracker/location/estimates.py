@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 
 import numpy as np
@@ -57,6 +57,8 @@ class Estimates:
         Count of clipped pixels.
     failure : (N,) uint8 array
         A `Failure` each; where it is not NONE the other values mean nothing.
+    warnings : dict
+        Of few windows, by their index: what the user should know and do.
 
     """
 
@@ -70,6 +72,7 @@ class Estimates:
     chi2: NDArray[np.float64]
     saturated: NDArray[np.int64]
     failure: NDArray[np.uint8]
+    warnings: dict[int, str] = field(default_factory=dict)
 
     @classmethod
     def from_table(

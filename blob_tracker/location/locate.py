@@ -184,6 +184,7 @@ def locate(
         chi2=float(found.chi2[0]),
         saturated=int(found.saturated[0]),
         stamp_ns=window.stamp_ns,
+        warning=found.warnings.get(0, ''),
     )
 
 

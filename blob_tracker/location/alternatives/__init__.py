@@ -1,0 +1,22 @@
+"""
+What else may be true of a window than one round pulse: a file each.
+
+An alternative is a function of a `Pair` and the base fit's parameters that returns its `Fit`, or
+None where it has nothing to say. It answers to the suspicions that stand beside it here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from blob_tracker.location.alternatives.ghost import ghost
+from blob_tracker.location.hypotheses import Fit, Pair
+from blob_tracker.location.suspicion import Suspicion
+
+Alternative = Callable[[Pair, Fit], 'Fit | None']
+
+ALTERNATIVES: dict[Alternative, Suspicion] = {
+    ghost: Suspicion.UNLIT | Suspicion.FAILED,
+}
+
+__all__ = ['ALTERNATIVES', 'Alternative']

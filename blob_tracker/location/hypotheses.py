@@ -1,0 +1,117 @@
+"""One window, what may be true of it, and the choice between the models that were fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+import math
+
+from blob_tracker.location.estimates import Failure
+from blob_tracker.types import SensorNoise
+import numpy as np
+from numpy.typing import NDArray
+
+# Twice the gain in log-likelihood that as many more parameters make of noise once in 1e4:
+# chi-square, and a straight line to within 0.4 of it up to eight.
+FALSE_ALARM = (12.8, 2.7)
+
+
+@dataclass(frozen=True)
+class Pair:
+    """
+    The pixels of one window.
+
+    Parameters
+    ----------
+    lit : (h, w) array
+        DN.
+    unlit : (h, w) array or None
+        DN; None where there is no unlit window.
+    noise : SensorNoise
+        Of a pixel, its black level taken off already.
+    saturation : float
+        The DN at which a pixel is clipped; infinite where none can be.
+
+    """
+
+    lit: NDArray[np.float64]
+    unlit: NDArray[np.float64] | None
+    noise: SensorNoise
+    saturation: float
+
+    @property
+    def usable(self) -> NDArray[np.bool_]:
+        """(k, h, w) bool, k 1 or 2: the lit and the unlit pixels that are not clipped."""
+        return self.pixels < self.saturation
+
+    @property
+    def pixels(self) -> NDArray[np.float64]:
+        """(k, h, w) array, k 1 or 2: the lit pixels and, where there are, the unlit ones."""
+        return self.lit[None] if self.unlit is None else np.stack([self.lit, self.unlit])
+
+
+@dataclass(frozen=True)
+class Fit:
+    """
+    A model that was fitted to a pair.
+
+    Parameters
+    ----------
+    x, y : float
+        px, from the centre of the window's first pixel.
+    covariance : (2, 2) array
+        px^2, order x, y.
+    amplitude, background, sigma, snr, chi2 : float
+        As in `Location`.
+    log_likelihood : float
+        Of all pixels of the pair, as `pair_likelihood` has it.
+    parameters : int
+        How many were fitted.
+    warning : str
+        What the user should know and do; '' where there is nothing.
+    failure : Failure
+        Why the window has no location although its model is known; NONE where it has one.
+
+    """
+
+    x: float
+    y: float
+    covariance: NDArray[np.float64]
+    amplitude: float
+    background: float
+    sigma: float
+    snr: float
+    chi2: float
+    log_likelihood: float
+    parameters: int
+    warning: str = ''
+    failure: Failure = Failure.NONE
+
+
+def choose(base: Fit, alternatives: Iterable[Fit], pixels: int) -> Fit:
+    """
+    Return the model that the pixels speak for.
+
+    An alternative is heard where its likelihood ratio over the base is one that noise makes
+    less than once in 1e4; of those that are heard, the one with the least Bayesian information
+    criterion k ln n - 2 ln L is chosen (Schwarz, 1978).
+
+    Parameters
+    ----------
+    base : Fit
+        The model that holds until another is shown to.
+    alternatives : iterable of Fit
+        The others.
+    pixels : int
+        n, of the pair.
+
+    """
+    fixed, each = FALSE_ALARM
+    best, least = base, math.inf
+    for fit in alternatives:
+        gain = 2.0 * (fit.log_likelihood - base.log_likelihood)
+        if gain > fixed + each * max(fit.parameters - base.parameters, 0):
+            criterion = fit.parameters * math.log(pixels) - 2.0 * fit.log_likelihood
+            if criterion < least:
+                best, least = fit, criterion
+    return best
