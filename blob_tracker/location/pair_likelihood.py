@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 import math
+from typing import NamedTuple
 
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.hypotheses import Pair
+from blob_tracker.location.normal_equations import NormalEquations, solve
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
-Model = Callable[[Floats], tuple[Floats, Floats]]
+Model = Callable[[Floats, Floats, Floats], None]  # theta, means to fill in, slopes to fill in
 
 STEPS = 40
 CONVERGED = 1e-3  # gain in log-likelihood still to be had
+STIFFEST = 1e8  # damping: there is no way up
 # Variance of the texture over that of an unlit pixel, among which the likeliest is taken.
 TEXTURES = np.concatenate([[0.0], np.geomspace(0.05, 2000.0, 14)])
 
@@ -36,8 +40,8 @@ class Optimum:
         Variance of what is common to both windows, DN^2.
     chi2 : float
         Squared residuals over their variance, per degree of freedom.
-    residuals : (k, h, w) array
-        Pixels less their means, DN.
+    means : (k, h, w) array
+        Of the pixels, DN.
 
     """
 
@@ -46,43 +50,197 @@ class Optimum:
     log_likelihood: float
     texture: float
     chi2: float
-    residuals: Floats
+    means: Floats
 
 
-def precisions(pair: Pair, means: Floats) -> Floats:
-    """Return the (k, h, w) inverse variances of the pixels of these means; 0 where clipped."""
-    noise = pair.noise
-    variance = np.maximum(means, 0.0) / noise.gain + noise.read_noise**2 + 1.0 / 12.0
-    return np.where(pair.usable, 1.0 / variance, 0.0)
-
-
+@kernel
 def log_likelihood(
-    residuals: Floats, precision: Floats, texture: float
+    pixels: Array, means: Array, usable: NDArray[np.bool_], shot: float, floor: float,
+    texture: float,
 ) -> tuple[float, float]:
     """
-    Return ln L of a pair's residuals, and the squares that are in it.
+    Return ln L of a pair's pixels, and the squares that are in it.
 
     What is behind the target is in both windows: a pixel's two residuals have the variances
     V_1 + T and V_2 + T and the covariance T. With p = 1 / V the inverse of that matrix is
     diag(p) - T p p^T / (1 + T (p_1 + p_2)) and its determinant (1 + T (p_1 + p_2)) / (p_1 p_2).
     """
-    weighted = precision * residuals
-    shared = 1.0 + texture * precision.sum(axis=0)
-    squares = float((weighted * residuals).sum())
-    squares -= float((texture * weighted.sum(axis=0) ** 2 / shared).sum())
-    logarithms = float(np.log(shared).sum() - np.log(precision[precision > 0.0]).sum())
+    windows, height, width = pixels.shape
+    squares, logarithms = 0.0, 0.0
+    for j in range(height):
+        product = 1.0
+        for i in range(width):
+            shared, both = 1.0, 0.0
+            for k in range(windows):
+                if usable[k, j, i]:
+                    variance = max(means[k, j, i], 0.0) * shot + floor
+                    residual = pixels[k, j, i] - means[k, j, i]
+                    product *= variance
+                    shared += texture / variance
+                    both += residual / variance
+                    squares += residual * residual / variance
+            squares -= texture * both * both / shared
+            product *= shared
+            # One logarithm serves several pixels.
+            if i % 4 == 3 or i == width - 1:
+                logarithms += math.log(product)
+                product = 1.0
     return -0.5 * (squares + logarithms), squares
 
 
-def likeliest_texture(residuals: Floats, precision: Floats) -> float:
-    """Return the variance of the texture under which the residuals are likeliest, DN^2."""
-    if len(residuals) < 2:
+@kernel
+def likeliest_texture(
+    pixels: Array, means: Array, usable: NDArray[np.bool_], shot: float, floor: float,
+    textures: Array,
+) -> float:
+    """
+    Return the variance of the texture under which the pixels are likeliest, DN^2.
+
+    `textures` are those that are tried, over the variance of the darkest pixel.
+    """
+    if pixels.shape[0] < 2:
         return 0.0
-    level = np.median(precision[1][precision[1] > 0.0]) if precision[1].any() else 1.0
-    tried = [
-        log_likelihood(residuals, precision, texture)[0] for texture in TEXTURES / level
-    ]
-    return float(TEXTURES[int(np.argmax(tried))] / level)
+    unit = max(means.min(), 0.0) * shot + floor
+    best, found = -math.inf, 0.0
+    for texture in textures:
+        value, _ = log_likelihood(pixels, means, usable, shot, floor, texture * unit)
+        if value > best:
+            best, found = value, texture * unit
+        else:
+            break  # the likelihood has one top
+    return found
+
+
+@kernel
+def fill_equations(
+    pixels: Array, means: Array, slopes: Array, usable: NDArray[np.bool_], shot: float,
+    floor: float, texture: float, score: Array, fisher: Array,
+) -> None:
+    """Fill the (p,) score and the (p, p) Fisher information."""
+    count, windows, height, width = slopes.shape
+    both = np.empty(count)
+    score[:] = 0.0
+    fisher[:] = 0.0
+    for j in range(height):
+        for i in range(width):
+            shared, residuals = 1.0, 0.0
+            both[:] = 0.0
+            for k in range(windows):
+                if not usable[k, j, i]:
+                    continue
+                weight = 1.0 / (max(means[k, j, i], 0.0) * shot + floor)
+                shared += texture * weight
+                residual = weight * (pixels[k, j, i] - means[k, j, i])
+                residuals += residual
+                for p in range(count):
+                    slope = slopes[p, k, j, i]
+                    if slope == 0.0:
+                        continue
+                    score[p] += slope * residual
+                    weighted = weight * slope
+                    both[p] += weighted
+                    for q in range(p + 1):
+                        fisher[p, q] += weighted * slopes[q, k, j, i]
+            if texture > 0.0:
+                part = texture / shared
+                for p in range(count):
+                    score[p] -= part * both[p] * residuals
+                    for q in range(p + 1):
+                        fisher[p, q] -= part * both[p] * both[q]
+    for p in range(count):
+        for q in range(p):
+            fisher[q, p] = fisher[p, q]
+
+
+class Climb(NamedTuple):
+    """
+    Where a climb is; memory that its steps change.
+
+    Parameters
+    ----------
+    theta, ahead, lower, upper : (p,) arrays
+        Where it stands, what it tries next, and the bounds.
+    score, fisher : (p,) and (p, p) arrays
+        Where it stands.
+    numbers : (5,) array
+        Log-likelihood, squares, damping, texture, and the gain that the step promises.
+    equations : NormalEquations
+        Of the parameters that are not held at a bound.
+
+    """
+
+    theta: Array
+    ahead: Array
+    lower: Array
+    upper: Array
+    score: Array
+    fisher: Array
+    numbers: Array
+    equations: NormalEquations
+
+
+@kernel
+def _step(
+    state: Climb, pixels: Array, means: Array, slopes: Array, usable: NDArray[np.bool_],
+    shot: float, floor: float, textures: Array, first: bool,
+) -> bool:
+    """Stand where the likelihood is higher, and step ahead; False at the top, or if stuck."""
+    theta, ahead, lower, upper, score, fisher, numbers, equations = state
+    count = theta.size
+    value, squares = log_likelihood(pixels, means, usable, shot, floor, numbers[3])
+    promised = numbers[4]
+    if first or value >= numbers[0]:
+        theta[:] = ahead
+        texture = likeliest_texture(pixels, means, usable, shot, floor, textures)
+        moved = texture != numbers[3]
+        if moved:
+            value, squares = log_likelihood(pixels, means, usable, shot, floor, texture)
+        numbers[0], numbers[1], numbers[3] = value, squares, texture
+        fill_equations(
+            pixels, means, slopes, usable, shot, floor, texture, score, fisher
+        )
+        numbers[2] *= 0.2
+        if not first and not moved and promised < CONVERGED:
+            return False
+    else:
+        # The root of the score is not quite the top, as the variance moves with the mean.
+        if promised < CONVERGED or (promised < 0.1 and numbers[2] > 1e3):
+            return False
+        numbers[2] *= 8.0
+    matrix, right, _, solution = equations
+    while numbers[2] < STIFFEST:
+        free = 0
+        for p in range(count):
+            if _is_free(state, p):
+                column = 0
+                for q in range(p + 1):
+                    if _is_free(state, q):
+                        matrix[free, column] = fisher[p, q]
+                        column += 1
+                right[free] = score[p]
+                free += 1
+        if solve(equations, free, numbers[2]):
+            break
+        numbers[2] = max(10.0 * numbers[2], 1e-6)
+    column = 0
+    numbers[4] = 0.0
+    for p in range(count):
+        ahead[p] = theta[p]
+        if _is_free(state, p):
+            ahead[p] = min(max(theta[p] + solution[column], lower[p]), upper[p])
+            column += 1
+            numbers[4] += 0.5 * score[p] * (ahead[p] - theta[p])
+    return bool(numbers[2] < STIFFEST)
+
+
+@kernel
+def _is_free(state: Climb, p: int) -> bool:
+    """Return False for a parameter at its bound that is pushed outward, or that has no effect."""
+    if state.fisher[p, p] <= 0.0:
+        return False
+    if state.theta[p] <= state.lower[p]:
+        return bool(state.score[p] > 0.0)
+    return bool(state.theta[p] < state.upper[p] or state.score[p] < 0.0)
 
 
 def climb(
@@ -96,57 +254,30 @@ def climb(
     pair : Pair
         The pixels.
     model : callable
-        theta -> the (k, h, w) means and their (p, k, h, w) slopes.
+        Fills the (k, h, w) means of a (p,) theta and their (p, k, h, w) slopes.
     start, lower, upper : (p,) arrays
         First guess, and what the parameters are held between.
 
     """
-    theta = np.clip(start, lower, upper)
-    means, slopes = model(theta)
-    residuals = pair.pixels - means
-    precision = precisions(pair, means)
-    texture = likeliest_texture(residuals, precision)
-    value, squares = log_likelihood(residuals, precision, texture)
-    damping, settled = 1e-3, False
-    for _ in range(STEPS):
-        score, fisher = _normal_equations(slopes, residuals, precision, texture)
-        # A parameter at its bound that is pushed outward stays there.
-        free = ~(((theta <= lower) & (score < 0.0)) | ((theta >= upper) & (score > 0.0)))
-        free &= np.diag(fisher) > 0.0
-        damped = fisher[np.ix_(free, free)]
-        damped = damped + np.diag(damping * np.diag(damped))
-        step = np.zeros_like(theta)
-        try:
-            step[free] = np.linalg.solve(damped, score[free])
-        except np.linalg.LinAlgError:
-            damping = max(10.0 * damping, 1e-6)
-            if damping > 1e8:
-                break
-            continue
-        ahead = np.clip(theta + step, lower, upper)
-        tried, ahead_slopes = model(ahead)
-        left = pair.pixels - tried
-        weights = precisions(pair, tried)
-        reached, ahead_squares = log_likelihood(left, weights, texture)
-        gain = reached - value
-        promised = 0.5 * float(score @ step)
-        if gain >= 0.0:
-            theta, means, slopes, residuals, precision = ahead, tried, ahead_slopes, left, weights
-            value, squares = reached, ahead_squares
-            damping *= 0.2
-            texture = likeliest_texture(residuals, precision)
-            value, squares = log_likelihood(residuals, precision, texture)
-        else:
-            damping *= 8.0
-        # The root of the score is not quite the top, as the variance moves with the mean.
-        if promised < CONVERGED or (damping > 1e6 and promised < 0.1):
-            settled = True
+    noise, pixels, usable = pair.noise, pair.pixels, pair.usable
+    shot, floor = 1.0 / noise.gain, noise.read_noise**2 + 1.0 / 12.0
+    count = start.size
+    means, slopes = np.zeros(pixels.shape), np.zeros((count, *pixels.shape))
+    state = Climb(
+        np.empty(count), np.clip(start, lower, upper), lower, upper, np.empty(count),
+        np.empty((count, count)), np.array([-math.inf, 0.0, 5e-3, 0.0, 0.0]),
+        NormalEquations(
+            np.empty((count, count)), np.empty(count), np.empty((count, count)), np.empty(count)
+        ),
+    )
+    for step in range(STEPS):
+        model(state.ahead, means, slopes)
+        if not _step(state, pixels, means, slopes, usable, shot, floor, TEXTURES, step == 0):
             break
-        if damping > 1e8:
-            break
-    if not settled or not math.isfinite(value):
+    theta, fisher = state.theta, state.fisher
+    value, squares, damping, texture, _ = state.numbers
+    if step == STEPS - 1 or damping >= STIFFEST or not math.isfinite(value):
         return None
-    _, fisher = _normal_equations(slopes, residuals, precision, texture)
     # What is at a bound is known to be there.
     inner = (theta > lower) & (theta < upper) & (np.diag(fisher) > 0.0)
     covariance = np.zeros_like(fisher)
@@ -154,21 +285,7 @@ def climb(
         covariance[np.ix_(inner, inner)] = np.linalg.inv(fisher[np.ix_(inner, inner)])
     except np.linalg.LinAlgError:
         return None
-    freedom = int((precision > 0.0).sum()) - int(inner.sum())
-    return Optimum(theta, covariance, value, texture, squares / max(freedom, 1), residuals)
-
-
-def _normal_equations(
-    slopes: Floats, residuals: Floats, precision: Floats, texture: float
-) -> tuple[Floats, Floats]:
-    """Return the (p,) score and the (p, p) Fisher information."""
-    count = len(slopes)
-    weighted = (slopes * precision).reshape(count, -1)
-    score = weighted @ residuals.ravel()
-    fisher = weighted @ slopes.reshape(count, -1).T
-    if texture > 0.0:
-        shared = texture / (1.0 + texture * precision.sum(axis=0))
-        both = (slopes * precision).sum(axis=1)
-        score -= both.reshape(count, -1) @ (shared * (precision * residuals).sum(axis=0)).ravel()
-        fisher -= (both * shared).reshape(count, -1) @ both.reshape(count, -1).T
-    return score, fisher
+    model(theta, means, slopes)
+    freedom = int(usable.sum()) - int(inner.sum())
+    return Optimum(theta, covariance, float(value), float(texture), squares / max(freedom, 1),
+                   means)

@@ -13,24 +13,74 @@ import numpy as np
 
 FLATTERY = 12.0  # as in `maximum_likelihood`
 BRIGHTEST = 1e7  # DN: of a fitted pulse, clipped or not
-X, Y, AMPLITUDE, BACKGROUND, SIGMA = range(5)  # of each model's parameters, the first five
+X, Y, AMPLITUDE, BACKGROUND, SIGMA = 0, 1, 2, 3, 4  # of each model's parameters
+GHOST_X, GHOST_Y, GHOST = 5, 6, 7  # of a second light's, which is in the unlit window
 
 
 @kernel
-def pulse_and_slopes(height: int, width: int, x: float, y: float, sigma: float) -> Array:
-    """Return (4, h, w): a pulse of unit peak, and its slopes by x, y and sigma."""
+def add_pulse(
+    means: Array, slopes: Array, x: float, y: float, amplitude: float, sigma: float,
+    places: tuple[int, int, int],
+) -> None:
+    """
+    Add a pulse to the (h, w) means, and its slopes to the (p, h, w) of the parameters.
+
+    `places` are the indices of its x, y and amplitude among them; that of sigma is SIGMA.
+    """
+    height, width = means.shape
     across = np.empty((3, width))
     down = np.empty((3, height))
     fill_profile(x, sigma, across)
     fill_profile(y, sigma, down)
-    out = np.empty((4, height, width))
     for j in range(height):
+        g, h, q = down[0, j], down[1, j], down[2, j]
         for i in range(width):
-            out[0, j, i] = down[0, j] * across[0, i]
-            out[1, j, i] = down[0, j] * across[1, i]
-            out[2, j, i] = down[1, j] * across[0, i]
-            out[3, j, i] = down[2, j] * across[0, i] + down[0, j] * across[2, i]
-    return out
+            gi, hi, qi = across[0, i], across[1, i], across[2, i]
+            means[j, i] += amplitude * g * gi
+            slopes[places[0], j, i] += amplitude * g * hi
+            slopes[places[1], j, i] += amplitude * h * gi
+            slopes[places[2], j, i] += g * gi
+            slopes[SIGMA, j, i] += amplitude * (q * gi + g * qi)
+
+
+@kernel
+def fill_one_pulse(theta: Array, means: Array, slopes: Array) -> None:
+    """Fill the means and slopes of a pulse that is in the lit window alone."""
+    means[:] = theta[BACKGROUND]
+    slopes[:] = 0.0
+    slopes[BACKGROUND] = 1.0
+    add_pulse(
+        means[0], slopes[:, 0], theta[X], theta[Y], theta[AMPLITUDE], theta[SIGMA],
+        (X, Y, AMPLITUDE),
+    )
+
+
+@kernel
+def fill_background(theta: Array, means: Array, slopes: Array) -> None:
+    """Fill the means and slopes of windows without a pulse."""
+    means[:] = theta[0]
+    slopes[:] = 1.0
+
+
+@kernel
+def fill_dark_ghost(theta: Array, means: Array, slopes: Array) -> None:
+    """Fill the means and slopes of a pulse, and one in the unlit window alone."""
+    fill_one_pulse(theta, means, slopes)
+    add_pulse(
+        means[1], slopes[:, 1], theta[GHOST_X], theta[GHOST_Y], theta[GHOST], theta[SIGMA],
+        (GHOST_X, GHOST_Y, GHOST),
+    )
+
+
+@kernel
+def fill_static_ghost(theta: Array, means: Array, slopes: Array) -> None:
+    """Fill the means and slopes of a pulse, and one in both windows."""
+    fill_one_pulse(theta, means, slopes)
+    for k in range(2):
+        add_pulse(
+            means[k], slopes[:, k], theta[GHOST_X], theta[GHOST_Y], theta[GHOST], theta[SIGMA],
+            (GHOST_X, GHOST_Y, GHOST),
+        )
 
 
 def bounds(pair: Pair) -> tuple[Floats, Floats]:
@@ -45,35 +95,15 @@ def bounds(pair: Pair) -> tuple[Floats, Floats]:
 
 def one_pulse(pair: Pair, start: Floats) -> Optimum | None:
     """Fit the pulse that is in the lit window alone: the base of every comparison."""
-    height, width = pair.lit.shape
-
-    def model(theta: Floats) -> tuple[Floats, Floats]:
-        x, y, amplitude, background, sigma = theta
-        pulse = pulse_and_slopes(height, width, x, y, sigma)
-        means = np.full(pair.pixels.shape, background)
-        means[0] += amplitude * pulse[0]
-        slopes = np.zeros((5, *means.shape))
-        slopes[X, 0] = amplitude * pulse[1]
-        slopes[Y, 0] = amplitude * pulse[2]
-        slopes[AMPLITUDE, 0] = pulse[0]
-        slopes[BACKGROUND] = 1.0
-        slopes[SIGMA, 0] = amplitude * pulse[3]
-        return means, slopes
-
-    return climb(pair, model, start, *bounds(pair))
+    return climb(pair, fill_one_pulse, start, *bounds(pair))
 
 
 def no_pulse(pair: Pair) -> Fit:
     """Return the fit of windows without a pulse, placed at the brightest lit pixels."""
     height, width = pair.lit.shape
-
-    def model(theta: Floats) -> tuple[Floats, Floats]:
-        shape = pair.pixels.shape
-        return np.full(shape, theta[0]), np.ones((1, *shape))
-
     level = np.array([float(np.median(pair.pixels))])
     limit = np.array([BRIGHTEST])
-    optimum = climb(pair, model, level, -limit, limit)
+    optimum = climb(pair, fill_background, level, -limit, limit)
     x, y = brightest(pair.lit)
     return Fit(
         x, y, np.eye(2) * max(height, width) ** 2, 0.0, level[0], 1.0, 0.0, math.inf,

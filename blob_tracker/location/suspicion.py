@@ -88,9 +88,9 @@ def suspect_unlit(evidence: float, pulse: float) -> int:
     Return whether the unlit window holds a light that matters.
 
     `evidence` is half the Mahalanobis square of the shift that it lends to the position, and
-    `pulse` the SNR of a pulse at the lit one's place in it.
+    `pulse` what a pulse near the lit one's place takes off its squares.
     """
-    return _UNLIT if evidence > ODD_SHIFT or pulse > QUANTILE else 0
+    return _UNLIT if evidence > ODD_SHIFT or pulse > quantile(5.0) else 0
 
 
 @kernel

@@ -99,12 +99,12 @@ def texture_share(
     unlit: Unlit, seen: Observation, theta: Array, profiles: Profiles, equations: NormalEquations
 ) -> tuple[float, float, float]:
     """
-    Return the share of the unlit texture to take off, 0 none, 1 all of it; its E; and a SNR.
+    Return the share of the unlit texture to take off, 0 none, 1 all of it; E; and a chi2.
 
     The shift d that the texture lends to the position is a linear fit of the pulse's own
     derivatives to it; under noise alone E = d^T C^-1 d / 2 has the mean 1, and with texture of
-    r times the noise 1 + r. The share r / (1 + r) is estimated by 1 - SHRINKAGE / E. The SNR is
-    that of the pulse which the same fit finds in the texture.
+    r times the noise 1 + r. The share r / (1 + r) is estimated by 1 - SHRINKAGE / E. The
+    chi2 is what the same fit takes off the texture's squares where it finds a bright pulse.
     """
     texture, mean, white = unlit.texture, unlit.mean, unlit.white
     extra, shot, floor = seen.extra, seen.shot, seen.floor
@@ -147,13 +147,15 @@ def texture_share(
     join_widths(equations)
     if not solve(equations, size, 0.0):
         return 1.0, 0.0, 0.0
-    shift_x, shift_y, pulse = step[0], step[1], step[2]
+    shift_x, shift_y = step[0], step[1]
+    pulse = 0.0
+    if step[2] > 0.0:
+        for p in range(size):
+            pulse += score[p] * step[p] / variance
     column_of_inverse(equations, size, 0)
     xx, xy = step[0], step[1]
     column_of_inverse(equations, size, 1)
     yy = step[1]
-    column_of_inverse(equations, size, 2)
-    pulse /= math.sqrt(step[2] * variance)
     square = yy * shift_x**2 - 2.0 * xy * shift_x * shift_y + xx * shift_y**2
     evidence = 0.5 * square / ((xx * yy - xy * xy) * variance)
     # The fit is linear in a texture that is weak beside the pulse; the rest is taken off.

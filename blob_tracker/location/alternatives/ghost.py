@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from blob_tracker.location.hypotheses import Fit, Pair
-from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
+from blob_tracker.location.pair_likelihood import climb, Floats, Model, Optimum
 from blob_tracker.location.pair_model import (
-    AMPLITUDE, BACKGROUND, bounds, brightest, BRIGHTEST, pulse_and_slopes, SIGMA, to_fit, X, Y,
+    AMPLITUDE, bounds, brightest, BRIGHTEST, fill_dark_ghost, fill_static_ghost, GHOST, GHOST_X,
+    GHOST_Y, SIGMA, to_fit, X, Y,
 )
 import numpy as np
 
-GHOST_X, GHOST_Y, GHOST = 5, 6, 7  # the parameters after those of the lit pulse
 BRIGHTER = 0.6  # of the lit pulse: such a light in the unlit frame is another one
 FARTHEST = 4.0  # sigmas: beyond it, the same
-UNDECIDED = 4.0  # of twice the log-likelihood, below which a ghost is likelier beforehand
+UNDECIDED = 12.0  # of twice the log-likelihood, below which a ghost is likelier beforehand
 
 
 def ghost(pair: Pair, base: Fit) -> Fit | None:
@@ -31,7 +31,7 @@ def ghost(pair: Pair, base: Fit) -> Fit | None:
     if pair.unlit is None:
         return None
     start = _start(pair, base)
-    left = _fit(pair, start, in_lit=0.0)
+    left = _fit(pair, fill_dark_ghost, start)
     if left is None:
         return None
     theta = left.theta
@@ -39,7 +39,7 @@ def ghost(pair: Pair, base: Fit) -> Fit | None:
     share = theta[GHOST] / max(theta[AMPLITUDE], 1e-6)
     if share > BRIGHTER or distance > FARTHEST * theta[SIGMA]:
         return None
-    behind = _fit(pair, theta, in_lit=1.0)
+    behind = _fit(pair, fill_static_ghost, theta)
     if behind is not None:
         if 2.0 * (behind.log_likelihood - left.log_likelihood) > UNDECIDED:
             return None
@@ -62,32 +62,7 @@ def _start(pair: Pair, base: Fit) -> Floats:
     ])
 
 
-def _fit(pair: Pair, start: Floats, *, in_lit: float) -> Optimum | None:
-    """Fit the model with a share of the ghost in the lit window, too."""
-    height, width = pair.lit.shape
-
-    def model(theta: Floats) -> tuple[Floats, Floats]:
-        x, y, amplitude, background, sigma, ghost_x, ghost_y, left = theta
-        pulse = pulse_and_slopes(height, width, x, y, sigma)
-        other = pulse_and_slopes(height, width, ghost_x, ghost_y, sigma)
-        means = np.full((2, height, width), background)
-        means[0] += amplitude * pulse[0]
-        slopes = np.zeros((8, 2, height, width))
-        slopes[X, 0] = amplitude * pulse[1]
-        slopes[Y, 0] = amplitude * pulse[2]
-        slopes[AMPLITUDE, 0] = pulse[0]
-        slopes[BACKGROUND] = 1.0
-        slopes[SIGMA, 0] = amplitude * pulse[3]
-        for window, share in ((0, in_lit), (1, 1.0)):
-            if share == 0.0:
-                continue
-            means[window] += share * left * other[0]
-            slopes[GHOST_X, window] = share * left * other[1]
-            slopes[GHOST_Y, window] = share * left * other[2]
-            slopes[GHOST, window] = share * other[0]
-            slopes[SIGMA, window] += share * left * other[3]
-        return means, slopes
-
+def _fit(pair: Pair, model: Model, start: Floats) -> Optimum | None:
     lower, upper = bounds(pair)
     lower = np.concatenate([lower, lower[:3]])
     upper = np.concatenate([upper, upper[:2], [BRIGHTEST]])
