@@ -17,6 +17,24 @@ FALSE_ALARM = (12.8, 2.7)
 
 
 @dataclass(frozen=True)
+class Motion:
+    """
+    What the last places of a light say of its motion.
+
+    Parameters
+    ----------
+    flash : (2,) array
+        Displacement from the last lit frame to this one, window px.
+    deviation : float
+        Its standard deviation along either axis, px.
+
+    """
+
+    flash: NDArray[np.float64]
+    deviation: float
+
+
+@dataclass(frozen=True)
 class Pair:
     """
     The pixels of one window.
@@ -31,6 +49,8 @@ class Pair:
         Of a pixel, its black level taken off already.
     saturation : float
         The DN at which a pixel is clipped; infinite where none can be.
+    motion : Motion or None
+        None where nothing is known of it.
 
     """
 
@@ -38,6 +58,7 @@ class Pair:
     unlit: NDArray[np.float64] | None
     noise: SensorNoise
     saturation: float
+    motion: Motion | None = None
 
     @property
     def usable(self) -> NDArray[np.bool_]:

@@ -42,6 +42,8 @@ class Optimum:
         Squared residuals over their variance, per degree of freedom.
     means : (k, h, w) array
         Of the pixels, DN.
+    parameters : int
+        How many were fitted, the texture's variance among them.
 
     """
 
@@ -51,6 +53,7 @@ class Optimum:
     texture: float
     chi2: float
     means: Floats
+    parameters: int
 
 
 @kernel
@@ -162,6 +165,8 @@ class Climb(NamedTuple):
         Where it stands, what it tries next, and the bounds.
     score, fisher : (p,) and (p, p) arrays
         Where it stands.
+    mean, known : (p,) arrays
+        What is known of the parameters beforehand, and the inverse of its variance.
     numbers : (5,) array
         Log-likelihood, squares, damping, texture, and the gain that the step promises.
     equations : NormalEquations
@@ -175,6 +180,8 @@ class Climb(NamedTuple):
     upper: Array
     score: Array
     fisher: Array
+    mean: Array
+    known: Array
     numbers: Array
     equations: NormalEquations
 
@@ -185,9 +192,13 @@ def _step(
     shot: float, floor: float, textures: Array, first: bool,
 ) -> bool:
     """Stand where the likelihood is higher, and step ahead; False at the top, or if stuck."""
-    theta, ahead, lower, upper, score, fisher, numbers, equations = state
+    theta, ahead, lower, upper, score, fisher, prior, known, numbers, equations = state
     count = theta.size
+    surprise = 0.0
+    for p in range(count):
+        surprise += 0.5 * known[p] * (ahead[p] - prior[p]) ** 2
     value, squares = log_likelihood(pixels, means, usable, shot, floor, numbers[3])
+    value -= surprise
     promised = numbers[4]
     if first or value >= numbers[0]:
         theta[:] = ahead
@@ -195,10 +206,14 @@ def _step(
         moved = texture != numbers[3]
         if moved:
             value, squares = log_likelihood(pixels, means, usable, shot, floor, texture)
+            value -= surprise
         numbers[0], numbers[1], numbers[3] = value, squares, texture
         fill_equations(
             pixels, means, slopes, usable, shot, floor, texture, score, fisher
         )
+        for p in range(count):
+            score[p] += known[p] * (prior[p] - theta[p])
+            fisher[p, p] += known[p]
         numbers[2] *= 0.2
         if not first and not moved and promised < CONVERGED:
             return False
@@ -236,7 +251,7 @@ def _step(
 @kernel
 def _is_free(state: Climb, p: int) -> bool:
     """Return False for a parameter at its bound that is pushed outward, or that has no effect."""
-    if state.fisher[p, p] <= 0.0:
+    if state.fisher[p, p] <= 0.0 or state.lower[p] == state.upper[p]:
         return False
     if state.theta[p] <= state.lower[p]:
         return bool(state.score[p] > 0.0)
@@ -244,7 +259,12 @@ def _is_free(state: Climb, p: int) -> bool:
 
 
 def climb(
-    pair: Pair, model: Model, start: Floats, lower: Floats, upper: Floats
+    pair: Pair,
+    model: Model,
+    start: Floats,
+    lower: Floats,
+    upper: Floats,
+    prior: tuple[Floats, Floats] | None = None,
 ) -> Optimum | None:
     """
     Climb the likelihood of a model with damped Fisher scoring; None where there is no top.
@@ -257,6 +277,8 @@ def climb(
         Fills the (k, h, w) means of a (p,) theta and their (p, k, h, w) slopes.
     start, lower, upper : (p,) arrays
         First guess, and what the parameters are held between.
+    prior : two (p,) arrays, optional
+        What is known of them beforehand, and the inverse of its variance.
 
     """
     noise, pixels, usable = pair.noise, pair.pixels, pair.usable
@@ -265,7 +287,8 @@ def climb(
     means, slopes = np.zeros(pixels.shape), np.zeros((count, *pixels.shape))
     state = Climb(
         np.empty(count), np.clip(start, lower, upper), lower, upper, np.empty(count),
-        np.empty((count, count)), np.array([-math.inf, 0.0, 5e-3, 0.0, 0.0]),
+        np.empty((count, count)), *(prior or (np.zeros(count), np.zeros(count))),
+        np.array([-math.inf, 0.0, 5e-3, 0.0, 0.0]),
         NormalEquations(
             np.empty((count, count)), np.empty(count), np.empty((count, count)), np.empty(count)
         ),
@@ -287,5 +310,7 @@ def climb(
         return None
     model(theta, means, slopes)
     freedom = int(usable.sum()) - int(inner.sum())
-    return Optimum(theta, covariance, float(value), float(texture), squares / max(freedom, 1),
-                   means)
+    return Optimum(
+        theta, covariance, float(value), float(texture), squares / max(freedom, 1), means,
+        int(inner.sum()) + (texture > 0.0),
+    )

@@ -14,7 +14,9 @@ import numpy as np
 FLATTERY = 12.0  # as in `maximum_likelihood`
 BRIGHTEST = 1e7  # DN: of a fitted pulse, clipped or not
 X, Y, AMPLITUDE, BACKGROUND, SIGMA = 0, 1, 2, 3, 4  # of each model's parameters
-GHOST_X, GHOST_Y, GHOST = 5, 6, 7  # of a second light's, which is in the unlit window
+SHIFT_X, SHIFT_Y = 5, 6  # from the lit frame to the unlit one
+GHOST = 7  # amplitude of the light that is in the unlit window
+SHARE, SLOPE = 7, 8  # of the light in the lit frame: in the middle row, and what a row adds
 
 
 @kernel
@@ -66,10 +68,7 @@ def fill_background(theta: Array, means: Array, slopes: Array) -> None:
 def fill_dark_ghost(theta: Array, means: Array, slopes: Array) -> None:
     """Fill the means and slopes of a pulse, and one in the unlit window alone."""
     fill_one_pulse(theta, means, slopes)
-    add_pulse(
-        means[1], slopes[:, 1], theta[GHOST_X], theta[GHOST_Y], theta[GHOST], theta[SIGMA],
-        (GHOST_X, GHOST_Y, GHOST),
-    )
+    _add_ghost(theta, 1.0, means[1], slopes[:, 1])
 
 
 @kernel
@@ -77,10 +76,79 @@ def fill_static_ghost(theta: Array, means: Array, slopes: Array) -> None:
     """Fill the means and slopes of a pulse, and one in both windows."""
     fill_one_pulse(theta, means, slopes)
     for k in range(2):
-        add_pulse(
-            means[k], slopes[:, k], theta[GHOST_X], theta[GHOST_Y], theta[GHOST], theta[SIGMA],
-            (GHOST_X, GHOST_Y, GHOST),
-        )
+        _add_ghost(theta, 1.0, means[k], slopes[:, k])
+
+
+@kernel
+def fill_smeared_ghost(theta: Array, means: Array, slopes: Array) -> None:
+    """
+    Fill the means and slopes of a pulse after a recursive filter in time.
+
+    The share of the last frame that is in each one is the share of the last pulse that is in
+    the unlit frame, so that in the lit one it is there once more.
+    """
+    fill_one_pulse(theta, means, slopes)
+    kept = theta[GHOST] / max(theta[AMPLITUDE], 1e-6)
+    # The slope of the share itself is left out: it changes the lit window by its square.
+    for k, share in ((0, kept), (1, 1.0)):
+        _add_ghost(theta, share, means[k], slopes[:, k])
+
+
+@kernel
+def _add_ghost(theta: Array, share: float, means: Array, slopes: Array) -> None:
+    """Add a share of the second pulse, whose place is that of the first and a shift."""
+    x, y = theta[X] + theta[SHIFT_X], theta[Y] + theta[SHIFT_Y]
+    before_x, before_y = slopes[X].copy(), slopes[Y].copy()
+    amplitude = slopes[GHOST].copy()
+    slopes[SHIFT_X] = 0.0
+    slopes[SHIFT_Y] = 0.0
+    slopes[GHOST] = 0.0
+    add_pulse(
+        means, slopes, x, y, share * theta[GHOST], theta[SIGMA], (SHIFT_X, SHIFT_Y, GHOST)
+    )
+    slopes[GHOST] = amplitude + share * slopes[GHOST]
+    slopes[X] = before_x + slopes[SHIFT_X]
+    slopes[Y] = before_y + slopes[SHIFT_Y]
+
+
+@kernel
+def fill_switched(theta: Array, means: Array, slopes: Array) -> None:
+    """
+    Fill the means and slopes of a pulse whose rows are shared out between the two windows.
+
+    Row j has the share s_j = SHARE + SLOPE (j - middle) of its light in the lit window, not
+    below 0 nor above 1, and the rest in the unlit one.
+    """
+    windows, height, width = means.shape
+    amplitude, sigma = theta[AMPLITUDE], theta[SIGMA]
+    means[:] = theta[BACKGROUND]
+    slopes[:] = 0.0
+    slopes[BACKGROUND] = 1.0
+    across = np.empty((3, width))
+    down = np.empty((3, height))
+    for k in range(windows):
+        fill_profile(theta[X] + k * theta[SHIFT_X], sigma, across)
+        fill_profile(theta[Y] + k * theta[SHIFT_Y], sigma, down)
+        for j in range(height):
+            row = j - 0.5 * (height - 1)
+            share = theta[SHARE] + theta[SLOPE] * row
+            moves = 1.0 if 0.0 < share < 1.0 else 0.0
+            share = min(max(share, 0.0), 1.0)
+            if k == 1:
+                share, moves = 1.0 - share, -moves
+            g, h, q = down[0, j], down[1, j], down[2, j]
+            for i in range(width):
+                gi, hi, qi = across[0, i], across[1, i], across[2, i]
+                light = amplitude * g * gi
+                means[k, j, i] += share * light
+                slopes[X, k, j, i] = amplitude * share * g * hi
+                slopes[Y, k, j, i] = amplitude * share * h * gi
+                slopes[AMPLITUDE, k, j, i] = share * g * gi
+                slopes[SIGMA, k, j, i] = amplitude * share * (q * gi + g * qi)
+                slopes[SHIFT_X, k, j, i] = k * slopes[X, k, j, i]
+                slopes[SHIFT_Y, k, j, i] = k * slopes[Y, k, j, i]
+                slopes[SHARE, k, j, i] = moves * light
+                slopes[SLOPE, k, j, i] = moves * row * light
 
 
 def bounds(pair: Pair) -> tuple[Floats, Floats]:
@@ -132,5 +200,5 @@ def to_fit(pair: Pair, optimum: Optimum, warning: str = '') -> Fit:
     return Fit(
         float(theta[X]), float(theta[Y]), grown * optimum.covariance[:2, :2], float(amplitude),
         float(background), float(theta[SIGMA]), float(amplitude / math.sqrt(peak)), optimum.chi2,
-        optimum.log_likelihood, len(theta) + (optimum.texture > 0.0), warning,
+        optimum.log_likelihood, optimum.parameters, warning,
     )

@@ -3,16 +3,28 @@
 from __future__ import annotations
 
 import functools
+import math
 
+from blob_tracker.location.hypotheses import Pair
+from blob_tracker.location.noise import pixel_variance
+from blob_tracker.location.pair_likelihood import Floats, Optimum
 import numpy as np
-from numpy.typing import NDArray
-
-Floats = NDArray[np.float64]
 
 # Correlation lengths, px: a lump as small as a pulse, one of some pulses, and edges or slopes.
 SMOOTH = (1.0, 2.0, 4.0)  # of exp(-d^2 / 2 l^2)
 ROUGH = (3.0, 30.0)  # of exp(-|d| / l) along x times the same along y
+CLEARLY = 10.0  # likelier, of twice the log-likelihood: 150 to 1
 STRENGTHS = np.concatenate([[0.0], np.geomspace(0.02, 2000.0, 26)])  # variance over the noise's
+
+
+def outdoes_texture(pair: Pair, fit: Optimum) -> bool:
+    """Return whether the unlit window is likelier to be the model's than a random texture."""
+    assert pair.unlit is not None
+    # Both are told the noise of the window's mean, and neither that of its lights.
+    variance = float(pixel_variance(pair.unlit.mean(), pair.noise))
+    squares = float(((pair.unlit - fit.means[1]) ** 2).sum()) / variance
+    model = -0.5 * (squares + pair.unlit.size * math.log(variance))
+    return 2.0 * (model - log_likelihood_of_texture(pair.unlit, variance)) > CLEARLY
 
 
 def log_likelihood_of_texture(pixels: Floats, variance: float) -> float:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from blob_tracker.location.alternatives.ghost import ghost
+from blob_tracker.location.alternatives.switched import switched
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.suspicion import Suspicion
 
@@ -17,6 +18,7 @@ Alternative = Callable[[Pair, Fit], 'Fit | None']
 
 ALTERNATIVES: dict[Alternative, Suspicion] = {
     ghost: Suspicion.UNLIT | Suspicion.FAILED,
+    switched: Suspicion.UNLIT | Suspicion.FAILED,
 }
 
 __all__ = ['ALTERNATIVES', 'Alternative']

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import math
-
 from blob_tracker.location.hypotheses import Fit, Pair
-from blob_tracker.location.noise import pixel_variance
 from blob_tracker.location.pair_likelihood import climb, Floats, Model, Optimum
 from blob_tracker.location.pair_model import (
-    AMPLITUDE, bounds, brightest, BRIGHTEST, fill_dark_ghost, fill_static_ghost, GHOST, GHOST_X,
-    GHOST_Y, SIGMA, to_fit, X, Y,
+    AMPLITUDE, bounds, brightest, BRIGHTEST, fill_dark_ghost, fill_static_ghost, GHOST, SHIFT_X,
+    SHIFT_Y, SIGMA, to_fit,
 )
-from blob_tracker.location.texture_field import log_likelihood_of_texture
+from blob_tracker.location.texture_field import outdoes_texture
 import numpy as np
 
 BRIGHTER = 0.6  # of the lit pulse: such a light in the unlit frame is another one
 FARTHEST = 4.0  # sigmas: beyond it, the same
-CLEARLY = 10.0  # likelier, of twice the log-likelihood, than a texture: 1 to 150
 UNDECIDED = 12.0  # of twice the log-likelihood, below which a ghost is likelier beforehand
+BEFORE = -0.5  # of a flash's displacement: the unlit frame is halfway to the last lit one
 
 
 def ghost(pair: Pair, base: Fit) -> Fit | None:
@@ -36,53 +33,53 @@ def ghost(pair: Pair, base: Fit) -> Fit | None:
     """
     if pair.unlit is None:
         return None
-    start = _start(pair, base)
-    left = _fit(pair, fill_dark_ghost, start)
+    left = fit_ghost(pair, fill_dark_ghost, first_guess(pair, base), BEFORE)
     if left is None:
         return None
     theta = left.theta
-    distance = np.hypot(theta[GHOST_X] - theta[X], theta[GHOST_Y] - theta[Y])
+    distance = np.hypot(theta[SHIFT_X], theta[SHIFT_Y])
     share = theta[GHOST] / max(theta[AMPLITUDE], 1e-6)
     if share > BRIGHTER or distance > FARTHEST * theta[SIGMA]:
         return None
-    if not _outdoes_texture(pair, left):
+    if not outdoes_texture(pair, left):
         return None
-    behind = _fit(pair, fill_static_ghost, theta)
+    behind = fit_ghost(pair, fill_static_ghost, theta, BEFORE)
     if behind is not None:
         if 2.0 * (behind.log_likelihood - left.log_likelihood) > UNDECIDED:
             return None
     return to_fit(
         pair, left,
         f'the light is still on in the unlit frame ({100.0 * share:.0f} % of it): shorten the '
-        'exposure, or flash at half the frame rate',
+        'exposure, or flash at half the rate',
     )
 
 
-def _start(pair: Pair, base: Fit) -> Floats:
-    """Return the first guess: the base fit, and the brightest spot of the unlit window."""
+def first_guess(pair: Pair, base: Fit) -> Floats:
+    """Return where a fit of two pulses starts: the base's, and the unlit window's brightest."""
     assert pair.unlit is not None
     background = float(np.median(pair.unlit))
     x, y = brightest(pair.unlit)
     left = max(float(pair.unlit[int(y), int(x)]) - background, 0.1)
     amplitude = max(base.amplitude, float(pair.lit.max()) - background, 1.0)
     return np.array([
-        base.x, base.y, amplitude, background, base.sigma, x, y, left
+        base.x, base.y, amplitude, background, base.sigma, x - base.x, y - base.y, left
     ])
 
 
-def _outdoes_texture(pair: Pair, left: Optimum) -> bool:
-    """Return whether the unlit window is likelier to hold a pulse than a random texture."""
-    assert pair.unlit is not None
-    noise = pair.noise
-    # The window's mean is what the texture knows of the noise; the pulse is told no more.
-    variance = float(pixel_variance(pair.unlit.mean(), noise))
-    squares = float(((pair.unlit - left.means[1]) ** 2).sum()) / variance
-    pulse = -0.5 * (squares + pair.unlit.size * math.log(variance))
-    return 2.0 * (pulse - log_likelihood_of_texture(pair.unlit, variance)) > CLEARLY
-
-
-def _fit(pair: Pair, model: Model, start: Floats) -> Optimum | None:
+def fit_ghost(pair: Pair, model: Model, start: Floats, flashes: float) -> Optimum | None:
+    """Fit two pulses, the second one so many flashes' displacements from the first."""
+    height, width = pair.lit.shape
     lower, upper = bounds(pair)
-    lower = np.concatenate([lower, lower[:3]])
-    upper = np.concatenate([upper, upper[:2], [BRIGHTEST]])
-    return climb(pair, model, start, lower, upper)
+    lower = np.concatenate([lower, [-width, -height, 0.0]])
+    upper = np.concatenate([upper, [width, height, BRIGHTEST]])
+    return climb(pair, model, start, lower, upper, shift_prior(pair, flashes, start.size))
+
+
+def shift_prior(pair: Pair, flashes: float, count: int) -> tuple[Floats, Floats] | None:
+    """Return what the light's motion says of the shift beforehand, for `count` parameters."""
+    if pair.motion is None:
+        return None
+    mean, known = np.zeros(count), np.zeros(count)
+    mean[[SHIFT_X, SHIFT_Y]] = flashes * pair.motion.flash
+    known[[SHIFT_X, SHIFT_Y]] = 1.0 / pair.motion.deviation**2
+    return mean, known
