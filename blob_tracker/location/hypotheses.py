@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 
 from blob_tracker.location.estimates import Failure
@@ -114,8 +114,10 @@ def choose(base: Fit, alternatives: Iterable[Fit], pixels: int) -> Fit:
     Return the model that the pixels speak for.
 
     An alternative is heard where its likelihood ratio over the base is one that noise makes
-    less than once in 1e4; of those that are heard, the one with the least Bayesian information
-    criterion k ln n - 2 ln L is chosen (Schwarz, 1978).
+    less than once in 1e4. Those that are heard have the weights exp(-BIC / 2) with the Bayesian
+    information criterion BIC = k ln n - 2 ln L (Schwarz, 1978). The best of them is returned,
+    at the mean of their places; its covariance holds how far apart they are (Hoeting et al.,
+    Bayesian model averaging, Statistical Science 14 (1999), eq. 3 and 4).
 
     Parameters
     ----------
@@ -128,11 +130,25 @@ def choose(base: Fit, alternatives: Iterable[Fit], pixels: int) -> Fit:
 
     """
     fixed, each = FALSE_ALARM
-    best, least = base, math.inf
-    for fit in alternatives:
-        gain = 2.0 * (fit.log_likelihood - base.log_likelihood)
-        if gain > fixed + each * max(fit.parameters - base.parameters, 0):
-            criterion = fit.parameters * math.log(pixels) - 2.0 * fit.log_likelihood
-            if criterion < least:
-                best, least = fit, criterion
-    return best
+    heard = [
+        fit for fit in alternatives
+        if 2.0 * (fit.log_likelihood - base.log_likelihood)
+        > fixed + each * max(fit.parameters - base.parameters, 0)
+    ]
+    if not heard:
+        return base
+    values = np.array([
+        fit.log_likelihood - 0.5 * fit.parameters * math.log(pixels) for fit in heard
+    ])
+    best = heard[int(values.argmax())]
+    placed = np.array([fit.failure == Failure.NONE for fit in heard])
+    if best.failure != Failure.NONE or placed.sum() < 2:
+        return best
+    weights = np.where(placed, np.exp(values - values.max()), 0.0)
+    weights /= weights.sum()
+    places = np.array([(fit.x, fit.y) for fit in heard])
+    mean = weights @ places
+    apart = places - mean
+    covariance = np.einsum('n,ni,nj->ij', weights, apart, apart)
+    covariance += sum(weight * fit.covariance for weight, fit in zip(weights, heard))
+    return replace(best, x=float(mean[0]), y=float(mean[1]), covariance=covariance)

@@ -7,7 +7,7 @@ import math
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.estimates import Estimates, Failure
 from blob_tracker.location.explain import explain
-from blob_tracker.location.hypotheses import Fit, Pair
+from blob_tracker.location.hypotheses import Fit, Motion, Pair
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
 from blob_tracker.location.normal_equations import column_of_inverse, empty_equations, solve
 from blob_tracker.location.scoring import advance, climb, CONVERGED, NARROWEST, WIDEST
@@ -39,6 +39,7 @@ def maximum_likelihood(
     saturation: float | None,
     *,
     elliptical: bool = False,
+    motion: Motion | None = None,
 ) -> Estimates:
     r"""
     Locate N blobs by Fisher scoring on the likelihood of their pixels.
@@ -84,6 +85,8 @@ def maximum_likelihood(
         DN of a clipped pixel.
     elliptical : bool
         Fit a width along x and one along y in place of one for both.
+    motion : Motion or None
+        Of the light from one flash to the next; what a ghost in the unlit window is told by.
 
     Returns
     -------
@@ -112,10 +115,10 @@ def maximum_likelihood(
         failure,
         odd,
     )
-    estimates = Estimates.from_table(table, covariance, clipped, failure)
+    estimates = Estimates.from_table(table, covariance, clipped, failure, odd)
     limit = math.inf if saturation is None else float(saturation)
     for n, suspicion in suspicions(odd):
-        pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit)
+        pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, motion)
         fit = explain(pair, None if failure[n] else table[:5, n], suspicion)
         if fit is not None:
             _take(estimates, n, fit)

@@ -11,7 +11,7 @@ from blob_tracker.location.pair_model import (
 from blob_tracker.location.texture_field import outdoes_texture
 import numpy as np
 
-BRIGHTER = 0.6  # of the lit pulse: such a light in the unlit frame is another one
+BRIGHTER = 1.0  # than the lit pulse: such a light in the unlit frame is another one
 FARTHEST = 4.0  # sigmas: beyond it, the same
 UNDECIDED = 12.0  # of twice the log-likelihood, below which a ghost is likelier beforehand
 BEFORE = -0.5  # of a flash's displacement: the unlit frame is halfway to the last lit one

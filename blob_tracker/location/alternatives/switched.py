@@ -13,7 +13,7 @@ import numpy as np
 
 STEEPEST = 2.0  # of the share, a row: the next one has it all
 FARTHEST = 20.0  # shares: how far from the middle of the window the switch may be
-EVEN = 2.0  # standard deviations of the slope below which it is a tilt, if anything
+EVEN = 4.0  # standard deviations of the slope, below which all rows have the same share
 
 
 def switched(pair: Pair, base: Fit) -> Fit | None:
@@ -29,11 +29,11 @@ def switched(pair: Pair, base: Fit) -> Fit | None:
     """
     if pair.unlit is None:
         return None
-    still = _fit(pair, _first_guess(pair, base), moving=False)
-    fits = [still]
-    if pair.motion is not None or still is None or still.chi2 > 1.0:
-        start = _first_guess(pair, base) if still is None else still.theta
-        fits.append(_fit(pair, start, moving=True))
+    start = _first_guess(pair, base)
+    fits = [_fit(pair, start, moving=False)]
+    moving = _fit(pair, start if fits[0] is None else fits[0].theta, moving=True)
+    if moving is not None and _runs(moving):
+        fits.append(moving)
     found = [fit for fit in fits if fit is not None and outdoes_texture(pair, fit)]
     if not found:
         return None
@@ -47,6 +47,11 @@ def switched(pair: Pair, base: Fit) -> Fit | None:
         f'({100.0 * min(max(share, 0.0), 1.0):.0f} % of it is in the lit frame): shift its phase, '
         'shorten the exposure or use a global shutter',
     )
+
+
+def _runs(fit: Optimum) -> bool:
+    """Return whether the share surely runs along the rows, whatever the light's motion."""
+    return bool(abs(fit.theta[SLOPE]) > EVEN * np.sqrt(fit.covariance[SLOPE, SLOPE]))
 
 
 def _first_guess(pair: Pair, base: Fit) -> Floats:
