@@ -10,7 +10,7 @@
 #      PYTEST='-k grows'   the tracker alone
 # make bench              beside other people's methods, 20 minutes, out/benchmarks
 #      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion, tracking,
-#                              capture, latency), less of it
+#                              capture, latency, world), less of it
 #      BLOB_TRACKER_DATA=folder   where the real pixels are
 # make study              the thesis' tables and figures done again, out/studies/report.html
 #      STUDY='table_3_3 beyond --quick'   a part of them, less of it

@@ -22,9 +22,12 @@ from typing import Any
 for _variable in ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS'):
     os.environ.setdefault(_variable, '1')
 
-from benchmarks import machine, ours, peers, plots, real_pixels, tables, targets  # noqa: E402
+from benchmarks import (  # noqa: E402
+    machine, ours, peers, plots, real_pixels, tables, targets, world,
+)
 from benchmarks.contender import SLOWEST  # noqa: E402
 from benchmarks.report import FULL, measure, PARTS, QUICK, steps  # noqa: E402
+from benchmarks.world import baseline  # noqa: E402
 import cv2  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.progress import Progress  # noqa: E402
@@ -60,6 +63,7 @@ def main(arguments: list[str] | None = None) -> int:
             sizes,
             data,
             lambda what: progress.update(task, description=what, advance=1),
+            asked.seed,
         )
 
     names = [each.name for each in own + ours.texture_references()] + [real_pixels.CORRECTED]
@@ -70,9 +74,12 @@ def main(arguments: list[str] | None = None) -> int:
         console.print(tables.targets(judged))
     asked.out.mkdir(parents=True, exist_ok=True)
     plots.draw(asked.out, report, names)
+    if report.world:
+        baseline.write(asked.out / 'world.csv', report.world, machine.commit())
     record = {
         'machine': machine.describe(),
         'quick': asked.quick,
+        'seed': asked.seed,
         'settings': {each.name: each.setting for each in contenders},
         'missing': missing,
         **asdict(report),
@@ -99,6 +106,9 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument('parts', nargs='*', metavar='|'.join(PARTS), help='all if none is named')
     parser.add_argument('--quick', action='store_true', help='less of each: three minutes in all')
     parser.add_argument('--out', type=Path, default=Path('out/benchmarks'), help='folder written')
+    parser.add_argument(
+        '--seed', type=int, default=world.SEED, help='of the situations in the part world'
+    )
     asked = parser.parse_args(arguments)
     unknown = set(asked.parts) - set(PARTS)
     if unknown:

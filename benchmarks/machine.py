@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 import platform
+import subprocess
 
 PACKAGES = (
     'numpy', 'scipy', 'numba', 'opencv-python-headless',
@@ -19,6 +20,18 @@ def describe() -> dict[str, object]:
         'python': platform.python_version(),
         'packages': {package: _version(package) for package in PACKAGES},
     }
+
+
+def commit() -> str:
+    """Return the abbreviated commit that is checked out; empty where that cannot be known."""
+    try:
+        found = subprocess.run(
+            ['git', 'rev-parse', '--short', 'HEAD'], cwd=Path(__file__).parent,
+            capture_output=True, text=True, check=False,
+        )
+    except OSError:
+        return ''
+    return found.stdout.strip()
 
 
 def _processor() -> str:

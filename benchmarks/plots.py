@@ -12,6 +12,7 @@ from benchmarks.ours import CHAMPION
 from benchmarks.real_pixels import CORRECTED, Row as RealRow
 from benchmarks.report import Report
 from benchmarks.tables import TITLES
+from benchmarks.world import baseline, plots as world_plots
 import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -49,6 +50,8 @@ def draw(folder: Path, report: Report, ours: Sequence[str]) -> list[Path]:
         drawn.append(_phase(folder, report.real, ours))
     if report.detection:
         drawn.append(_detection(folder, report.detection))
+    if report.world:
+        drawn += world_plots.draw(folder / 'world', report.world, baseline.read())
     return drawn
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from benchmarks import (
     accuracy, bearing, capture, detection, lab, latency, motion, real_frames, real_pixels, search,
-    speed, tracking,
+    speed, tracking, world,
 )
 from benchmarks.accuracy import Bias, Row
 from benchmarks.bearing import Row as BearingRow
@@ -21,9 +21,10 @@ from benchmarks.real_frames import Row as FrameRow
 from benchmarks.real_pixels import Row as RealRow
 from benchmarks.search import Row as SearchRow
 from benchmarks.speed import Pace
+from benchmarks.world import Row as WorldRow
 
 PARTS = ('accuracy', 'speed', 'real', 'detection', 'search', 'motion', 'tracking', 'capture',
-         'latency')
+         'latency', 'world')
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,8 @@ class Sizes:
     How much is measured.
 
     Windows a scene, phase, lens and stack; repeats of the timing; frames of the clutter scenes
-    and of the moving camera; length of a vehicle's ride, s; rounds and starts of the latency.
+    and of the moving camera; length of a vehicle's ride, s; rounds and starts of the latency;
+    flashes of each situation outside the lab.
     """
 
     scene: int
@@ -44,15 +46,18 @@ class Sizes:
     motion: int
     tracking: float
     latency: latency.Plan
+    world: int
 
 
 FULL = Sizes(
     scene=10_000, phase=400, bearing=2_000, stack=10_000, repeats=7,
     detection=detection.FULL, motion=1_200, tracking=120.0, latency=latency.FULL,
+    world=world.FULL,
 )
 QUICK = Sizes(
     scene=1_000, phase=60, bearing=500, stack=2_000, repeats=3,
     detection=detection.QUICK, motion=100, tracking=30.0, latency=latency.QUICK,
+    world=world.QUICK,
 )
 
 
@@ -73,6 +78,7 @@ class Report:
     tracking: tracking.Figures = tracking.Figures()
     capture: list[CaptureRow] = field(default_factory=list)
     latency: latency.Figures = latency.Figures()
+    world: list[WorldRow] = field(default_factory=list)
 
 
 def steps(parts: Collection[str], sizes: Sizes) -> int:
@@ -87,6 +93,7 @@ def steps(parts: Collection[str], sizes: Sizes) -> int:
         'tracking': tracking.steps(),
         'capture': capture.steps(),
         'latency': latency.steps(sizes.latency),
+        'world': world.steps(),
     }
     return sum(each[part] for part in parts)
 
@@ -97,8 +104,13 @@ def measure(
     sizes: Sizes,
     data: Path | None,
     tick: Callable[[str], None],
+    seed: int = world.SEED,
 ) -> Report:
-    """Measure the parts that are named; `data` is the folder of the real pixels."""
+    """
+    Measure the parts that are named.
+
+    `data` is the folder of the real pixels, `seed` that of the situations outside the lab.
+    """
     report = Report()
     if 'accuracy' in parts:
         report.accuracy.extend(accuracy.run(contenders, sizes.scene, tick))
@@ -124,4 +136,6 @@ def measure(
         report.capture.extend(capture.run(sizes.repeats, tick))
     if 'latency' in parts:
         report = replace(report, latency=latency.run(sizes.latency, tick))
+    if 'world' in parts:
+        report.world.extend(world.run(sizes.world, tick, seed))
     return report

@@ -21,6 +21,7 @@ from benchmarks.search import Row as SearchRow
 from benchmarks.speed import Pace, PAIRED
 from benchmarks.targets import against_peers, Comparison, Target
 from benchmarks.tracking import Figures as TrackingFigures, HORIZONS, RATE, SIGMA
+from benchmarks.world import baseline, tables as world_tables
 import numpy as np
 from rich.table import Table
 
@@ -67,6 +68,7 @@ def figures(report: Report, ours: Sequence[str]) -> list[Table]:
     tables += [motion(report.motion)] if report.motion else []
     tables += tracking(report.tracking) if report.tracking.rows else []
     tables += latency(report.latency) if report.latency.rows else []
+    tables += [world_tables.table(report.world, baseline.read())] if report.world else []
     return tables
 
 

@@ -20,6 +20,7 @@ from benchmarks.report import Report
 from benchmarks.search import LOCKED, LOST, Row as SearchRow
 from benchmarks.speed import Pace, PAIRED, REFERENCE
 from benchmarks.tracking import Cost
+from benchmarks.world import Row as WorldRow
 import numpy as np
 from scipy.stats import norm
 
@@ -105,7 +106,8 @@ def judge(report: Report, ours: Sequence[str]) -> list[Target]:
     judged += [_motion_target(report.motion)] if report.motion else []
     judged += [_tracking_target(report.tracking.costs)] if report.tracking.costs else []
     judged += [_capture_target(report.capture)] if report.capture else []
-    return judged + (latency_targets(report.latency) if report.latency.rows else [])
+    judged += latency_targets(report.latency) if report.latency.rows else []
+    return judged + ([_world_target(report.world)] if report.world else [])
 
 
 def accuracy_targets(
@@ -303,6 +305,16 @@ def _motion_target(rows: Sequence[MotionRow]) -> Target:
         1.2,
         worst.ratio,
         where=f'{worst.registration}, SNR {worst.snr:g}, +-{worst.spread * worst.ratio:.2f}',
+    )
+
+
+def _world_target(rows: Sequence[WorldRow]) -> Target:
+    """Return how many situations outside the lab are found as they should be, or named."""
+    faults = [row for row in rows if not row.passed]
+    first = f'; the first fault: {faults[0].kind}, {faults[0].strength}' if faults else ''
+    return Target(
+        'situations outside the lab passed', len(rows), len(rows) - len(faults), floor=True,
+        where=f'{sum(row.verdict == "wrong" for row in rows)} give wrong bearings{first}',
     )
 
 

@@ -69,5 +69,7 @@ def test_unknown_part(capsys):
     """Refuse a part that is not there, and list those that are."""
     with pytest.raises(SystemExit, match='2'):
         __main__.main(['sped'])
-    parts = 'accuracy, speed, real, detection, search, motion, tracking, capture, latency'
+    parts = (
+        'accuracy, speed, real, detection, search, motion, tracking, capture, latency, world'
+    )
     assert f'no part sped; there is {parts}' in capsys.readouterr().err
