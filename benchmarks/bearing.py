@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from benchmarks.accuracy import nees, target_scenes, Tick
 from benchmarks.ours import CHAMPION, estimate
 from benchmarks.scenes import sample
-from blob_tracker.camera.model import CameraModel, MRAD, pinhole_matrix
+from blob_tracker.camera.model import CameraModel, pinhole_matrix
 from blob_tracker.types import Location
+from blob_tracker.units import MRAD_PER_RAD
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -113,7 +114,7 @@ def directions(
         inside = (np.abs(pixels - np.array([WIDTH - 1, HEIGHT - 1]) / 2)
                   < np.array([WIDTH, HEIGHT]) / 2 - MARGIN).all(axis=1)
         found = (
-            np.concatenate([found[0], MRAD * angles[inside]]),
+            np.concatenate([found[0], MRAD_PER_RAD * angles[inside]]),
             np.concatenate([found[1], pixels[inside]]),
         )
     return found[0][:count], found[1][:count]

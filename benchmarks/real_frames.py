@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.stars import FULL_SCALE
-from blob_tracker.segmentation import Candidate, flash_by_name, Look, Segmenter
+from blob_tracker.segmentation import Candidate, Detections, flash_by_name, Segmenter
 from blob_tracker.types import Frame
 import cv2
 import numpy as np
@@ -37,9 +37,9 @@ class Row:
         Laser line or stars; of which file.
     found, total : int
         Of one line, whether the highest of all that lit up is on it; of the stars above peak
-        SNR 8, those found and not refused.
+        SNR 8, those found and not rejected.
     others : int
-        Candidates that are not refused and are off the line, or not in the catalogue.
+        Candidates that are not rejected and are off the line, or not in the catalogue.
     strongest_other : float
         SNR in the matched filter of the strongest of them, 0 where there is none.
     windows : int
@@ -71,10 +71,10 @@ def missed(data: Path) -> list[tuple[str, int, int, Candidate | None]]:
     """Return name and pixel of each bright star that was not found, and what is there instead."""
     out = []
     for path in sorted((data / 'stars').glob('*.csv')):
-        table, look, _ = _sky(path)
+        table, detections, _ = _sky(path)
         for star in table[table['peak_snr'] > BRIGHT]:
-            seen = _at(look.candidates, star['x0'], star['y0'])
-            if seen is None or seen.refused:
+            seen = _at(detections.candidates, star['x0'], star['y0'])
+            if seen is None or seen.rejected:
                 out.append((path.stem, int(star['x0']), int(star['y0']), seen))
     return out
 
@@ -131,11 +131,11 @@ def _laser(path: Path) -> Row:
         if window is not None:
             height, width = window.lit.shape
             windows += not truth[window.y0 + height // 2, window.x0 + width // 2]
-    assert segmenter.look is not None
-    candidates = segmenter.look.candidates
+    assert segmenter.detections is not None
+    candidates = segmenter.detections.candidates
     highest = max(candidates, key=lambda each: each.height, default=None)
     picked = highest is not None and truth[highest.peak[::-1]]
-    others = [each for each in candidates if not each.refused and not truth[each.peak[::-1]]]
+    others = [each for each in candidates if not each.rejected and not truth[each.peak[::-1]]]
     return Row(
         LASER, path.stem, int(picked), 1, len(others), _strongest(others), windows,
         segmenter.reason,
@@ -143,22 +143,23 @@ def _laser(path: Path) -> Row:
 
 
 def _stars(path: Path) -> Row:
-    table, look, reason = _sky(path)
+    table, detections, reason = _sky(path)
     bright = table[table['peak_snr'] > BRIGHT]
-    seen = [_at(look.candidates, star['x0'], star['y0']) for star in bright]
-    found = sum(each is not None and not each.refused for each in seen)
+    seen = [_at(detections.candidates, star['x0'], star['y0']) for star in bright]
+    found = sum(each is not None and not each.rejected for each in seen)
     others = [
-        each for each in look.candidates
-        if not each.refused
+        each for each in detections.candidates
+        if not each.rejected
         and np.hypot(table['x0'] - each.x, table['y0'] - each.y).min() >= NEAR
     ]
     return Row(
-        STARS, path.stem, found, len(bright), len(others), _strongest(others), len(look.windows),
+        STARS, path.stem, found, len(bright), len(others), _strongest(others),
+        len(detections.windows),
         reason,
     )
 
 
-def _sky(path: Path) -> tuple[NDArray[np.void], Look, str]:
+def _sky(path: Path) -> tuple[NDArray[np.void], Detections, str]:
     """Return the catalogue of a frame, and what the steady mode sees in it."""
     frame = cv2.imread(str(path.with_suffix('.png')), cv2.IMREAD_UNCHANGED)
     if frame is None:
@@ -166,8 +167,8 @@ def _sky(path: Path) -> tuple[NDArray[np.void], Look, str]:
     segmenter = Segmenter(flash=flash_by_name('steady'), min_snr=MIN_SNR)
     image = np.asarray(frame // 16, np.uint16)  # 12 bits in the high bits of 16
     segmenter.update(Frame(image, 0, FULL_SCALE))
-    assert segmenter.look is not None
-    return np.genfromtxt(path, delimiter=',', names=True), segmenter.look, segmenter.reason
+    assert segmenter.detections is not None
+    return np.genfromtxt(path, delimiter=',', names=True), segmenter.detections, segmenter.reason
 
 
 def _at(candidates: Sequence[Candidate], x: float, y: float) -> Candidate | None:

@@ -11,10 +11,13 @@ from typing import Any
 
 from blob_tracker.simulation.platform_motion import MOTIONS, Ride
 from blob_tracker.tracking import MODELS, PlatformRates, Tracker
+from blob_tracker.tracking.hypothesis import (
+    CONFIRMING, FIRST_ACCELERATION_MRAD_S2, FIRST_RATE_MRAD_S,
+)
 from blob_tracker.tracking.models import fill_step
 from blob_tracker.tracking.process_noise import process_noise
-from blob_tracker.tracking.tracker import AGREEING, FIRST_ACCELERATION, FIRST_RATE
 from blob_tracker.types import Bearing
+from blob_tracker.units import MRAD_PER_RAD
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,7 +37,6 @@ SETTLED = 30  # bearings at the start that are not judged
 REHEARSAL, REHEARSED = 900, 30.0  # seed and length, s, of the ride that tells the process noise
 LAGS = 10
 HELD, LIMIT, STABILISED, FILTERPY = 'last bearing held', 'limit', 'gyro', 'filterpy'
-MRAD = 1e3  # per radian
 
 
 @dataclass(frozen=True)
@@ -139,13 +141,13 @@ def ride_rows(motion: str, duration: float) -> list[Row]:
     for model, (_, parameter) in MODELS.items():
         noise = process_noise(rehearsed, model)
         settings: dict[str, Any] = {parameter: noise}
-        tracker = Tracker(model, **settings, gate=inf, max_sigma=1e6)
+        tracker = Tracker(model, **settings, gate_sigma=inf, max_sigma=1e6)
         rows.append(_row(motion, model, noise, ours(tracker, bearings), true))
         if KalmanFilter is not None:
             found = filtered(model, noise, bearings)
             rows.append(_row(motion, f'{FILTERPY}, {model}', noise, found, true))
     tracker = Tracker(
-        platform=PlatformRates(), stabilised_acceleration=STILL, gate=inf, max_sigma=1e6
+        platform=PlatformRates(), stabilised_acceleration=STILL, gate_sigma=inf, max_sigma=1e6
     )
     name = f'constant_velocity and {STABILISED}'
     rows.append(_row(motion, name, STILL, ours(tracker, bearings, gyro(ride, duration)), true))
@@ -156,8 +158,8 @@ def ride_rows(motion: str, duration: float) -> list[Row]:
     rows.append(_row(motion, HELD, nan, held, true))
     limits = [
         [
-            MRAD * MOTIONS[motion].process(axis).prediction_limit(
-                horizon, interval=1.0 / RATE, variance=(SIGMA / MRAD)**2
+            MRAD_PER_RAD * MOTIONS[motion].process(axis).prediction_limit(
+                horizon, interval=1.0 / RATE, variance=(SIGMA / MRAD_PER_RAD)**2
             )
             for axis in ('pitch', 'yaw')
         ]
@@ -179,7 +181,7 @@ def bearings_of(ride: Ride, duration: float, seed: int) -> list[Bearing]:
 def angles_at(ride: Ride, times: Array) -> Array:
     """Return the light's (n, 2) azimuth and elevation on the vehicle, mrad."""
     x, y, z = ride.rotations(times)[:, 2].T
-    return MRAD * np.stack([np.arctan2(x, z), np.arctan2(-y, np.hypot(x, z))], axis=1)
+    return MRAD_PER_RAD * np.stack([np.arctan2(x, z), np.arctan2(-y, np.hypot(x, z))], axis=1)
 
 
 def gyro(ride: Ride, duration: float) -> Iterator[tuple[int, Array]]:
@@ -238,7 +240,7 @@ def prepared(model: str, bearings: Sequence[Bearing]) -> Any:
     kalman = KalmanFilter(dim_x=size, dim_z=2)
     kalman.H = np.eye(2, size)
     kalman.x[:2, 0] = bearings[0].azimuth, bearings[0].elevation
-    deviations = [0.0, 0.0, FIRST_RATE, FIRST_RATE, FIRST_ACCELERATION, FIRST_ACCELERATION]
+    deviations = [0.0] * 2 + [FIRST_RATE_MRAD_S] * 2 + [FIRST_ACCELERATION_MRAD_S2] * 2
     kalman.P = np.diag(np.square(deviations[:size]))
     kalman.P[:2, :2] = bearings[0].covariance
     return kalman
@@ -316,13 +318,15 @@ def cost(model: str, repeats: int) -> Cost:
     found: dict[str, list[float]] = {'ours': [], 'answer': [], 'stabilised': [], FILTERPY: []}
     for _ in range(repeats + 1):  # the first compiles
         for name, rates in (('ours', None), ('stabilised', platform)):
-            tracker = Tracker(model, acceleration=noise, jerk=noise, platform=rates, gate=inf)
+            tracker = Tracker(
+                model, acceleration=noise, jerk=noise, platform=rates, gate_sigma=inf
+            )
             began = process_time()
             for bearing in bearings:
                 tracker.update(bearing)
             found[name].append((process_time() - began) / len(bearings))
         tracker = Tracker(model, acceleration=noise, jerk=noise)
-        for bearing in bearings[:AGREEING]:
+        for bearing in bearings[:CONFIRMING]:
             tracker.update(bearing)
         stamp = bearing.stamp_ns + 1
         began = process_time()

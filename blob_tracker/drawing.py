@@ -16,13 +16,13 @@ Colour = tuple[int, int, int]  # blue, green, red
 PAPER: Colour = (32, 32, 32)
 TEXT: Colour = (230, 230, 230)
 FOUND: Colour = (90, 230, 90)
-REFUSED: Colour = (40, 150, 255)
+REJECTED: Colour = (40, 150, 255)
 CLIPPED: Colour = (70, 70, 255)
 
 FONT, FONT_SIZE = cv2.FONT_HERSHEY_SIMPLEX, 0.45
-LINE = 19  # px from one line of text to the next
-GAP = 8  # px between the parts
-FARTHEST = 10_000.0  # px: where OpenCV still draws
+LINE_PX = 19  # px from one line of text to the next
+GAP_PX = 8  # px between the parts
+FARTHEST_PX = 10_000.0  # px: where OpenCV still draws
 
 
 def in_grey(image: NDArray[Any], black: float, white: float, scale: float) -> Picture:
@@ -57,18 +57,18 @@ def in_grey(image: NDArray[Any], black: float, white: float, scale: float) -> Pi
 def titled(shown: Picture, title: str, least: int) -> Picture:
     """Return a picture with a line of text above it, so many px wide at least."""
     height, width = shown.shape[:2]
-    panel = blank(LINE + height, max(width, least))
+    panel = blank(LINE_PX + height, max(width, least))
     write(panel, title, 0, 0, TEXT)
-    panel[LINE:, :width] = shown
+    panel[LINE_PX:, :width] = shown
     return panel
 
 
 def paragraphs(lines: Sequence[tuple[str, Colour]], width: int) -> Picture:
     """Return lines of text in a picture so many px wide, wrapped where they are too long."""
     wrapped = [(part, colour) for text, colour in lines for part in wrap(text, width)]
-    picture = blank(LINE * len(wrapped), width)
+    picture = blank(LINE_PX * len(wrapped), width)
     for index, (text, colour) in enumerate(wrapped):
-        write(picture, text, 0, LINE * index, colour)
+        write(picture, text, 0, LINE_PX * index, colour)
     return picture
 
 
@@ -93,7 +93,7 @@ def write(
     picture: Picture, text: str, left: int, top: int, colour: Colour, *, outlined: bool = False
 ) -> None:
     """Write a line of text with its top left corner at a pixel."""
-    foot = (left, top + LINE - 6)
+    foot = (left, top + LINE_PX - 6)
     if outlined:
         cv2.putText(picture, text, foot, FONT, FONT_SIZE, (0, 0, 0), 3, cv2.LINE_AA)
     cv2.putText(picture, text, foot, FONT, FONT_SIZE, colour, 1, cv2.LINE_AA)
@@ -108,27 +108,27 @@ def blank(height: int, width: int) -> Picture:
 def stack(parts: Sequence[Picture]) -> Picture:
     """Return parts one below the other, with a gap under each."""
     width = max(part.shape[1] for part in parts)
-    height = sum(part.shape[0] + GAP for part in parts)
+    height = sum(part.shape[0] + GAP_PX for part in parts)
     picture = blank(height, width)
     top = 0
     for part in parts:
         picture[top:top + part.shape[0], :part.shape[1]] = part
-        top += part.shape[0] + GAP
+        top += part.shape[0] + GAP_PX
     return picture
 
 
-def beside(left: Picture, right: Picture) -> Picture:
-    """Return two parts beside each other."""
+def side_by_side(left: Picture, right: Picture) -> Picture:
+    """Return two parts side by side."""
     height = max(left.shape[0], right.shape[0])
-    picture = blank(height, left.shape[1] + GAP + right.shape[1])
+    picture = blank(height, left.shape[1] + GAP_PX + right.shape[1])
     picture[:left.shape[0], :left.shape[1]] = left
-    picture[:right.shape[0], left.shape[1] + GAP:] = right
+    picture[:right.shape[0], left.shape[1] + GAP_PX:] = right
     return picture
 
 
 def nearest_pixel(value: float) -> int:
     """Return the nearest whole number, of those that OpenCV can draw at; 0 for none."""
-    return round(within(value, -FARTHEST, FARTHEST, 0.0))
+    return round(within(value, -FARTHEST_PX, FARTHEST_PX, 0.0))
 
 
 def within(value: float, least: float, most: float, otherwise: float) -> float:

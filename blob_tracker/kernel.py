@@ -35,8 +35,12 @@ def kernel(function: Kernel) -> Kernel:
     # Numba looks for changes in the kernel's own file, but the kernels that it calls are compiled
     # into it: after an upgrade it would go on with their old code. So any file of its room counts.
     if hasattr(compiled, '_cache'):  # not where NUMBA_DISABLE_JIT is set
-        room = Path(function.__code__.co_filename).parent
-        compiled._cache._cache_file._source_stamp = _digest(room)
+        digest = _digest(Path(function.__code__.co_filename).parent)
+        file = compiled._cache._cache_file
+        file._source_stamp = digest
+        # The version is looked at first: to get at the stamp, Numba unpickles the types of the
+        # arguments as well, and fails where a class among them has another name since.
+        file._version = f'{file._version} {digest}'
         _KERNELS.append(compiled)
     return compiled
 

@@ -1,16 +1,22 @@
-"""The rooms in a row for one target: frames in, bearings out, no ROS."""
+"""
+The rooms in a row for one target: frames in, bearings out, no ROS.
+
+`window_to_bearing` is the part of it that the locator node shares. What `ros2 run blob_tracker
+pipeline` starts is another thing, the nodes in one process: `blob_tracker.nodes.pipeline`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import Any
 
 from blob_tracker import location, segmentation, tracking
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
-from blob_tracker.location import locate, METHODS
+from blob_tracker.location import locate, method_options, METHODS
 from blob_tracker.segmentation import Expectation, FrameError, Segmenter
-from blob_tracker.tracking import StampJump, Track, Tracker, TrackingError
-from blob_tracker.types import Bearing, Frame, LocationError, SensorNoise
+from blob_tracker.tracking import Track, Tracker, TrackingError, update_or_restart
+from blob_tracker.types import Bearing, Frame, Location, LocationError, SensorNoise, Window
 
 
 def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
@@ -53,9 +59,62 @@ def expectation(track: Track, camera_model: CameraModel) -> Expectation | None:
     return Expectation(x, y, derivative @ track.angle_covariance @ derivative.T)
 
 
+def window_to_bearing(
+    window: Window,
+    camera_model: CameraModel,
+    *,
+    method: str,
+    noise: SensorNoise,
+    line_jitter: LineJitter | None = None,
+    **options: Any,
+) -> tuple[Location, Bearing]:
+    """
+    Locate the blob of a window, take the jitter of its line off, and turn it into an angle.
+
+    Parameters
+    ----------
+    window : Window
+        Lit and unlit pixels, DN.
+    camera_model : CameraModel
+        The calibrated camera.
+    method : str
+        Location method, a key of `blob_tracker.location.METHODS`.
+    noise : SensorNoise
+        Gain and read noise of the camera's pixels.
+    line_jitter : LineJitter, optional
+        Offsets of the lines of an analogue grabber.
+    **options
+        Of the method, see `blob_tracker.location.method_options`.
+
+    Returns
+    -------
+    location : Location
+        px of the full frame, without the jitter.
+    bearing : Bearing
+        mrad.
+
+    Raises
+    ------
+    LocationError
+        Where there is no blob that can be placed.
+    CalibrationError
+        Where the line jitter is for a picture of another height.
+    LensError
+        Where no ray leads to that place in the picture.
+
+    """
+    location = locate(window, method=method, noise=noise, **options)
+    if line_jitter is not None:
+        line_jitter.check_height(camera_model.height)
+        location = line_jitter.corrected(location, gain=noise.gain, looks=window.looks)
+    return location, camera_model.bearing(location)
+
+
 class Pipeline:
     """
-    Track one flashing light.
+    Track one flashing light, frame by frame in the caller's thread.
+
+    The numbers are those of the nodes; see `blob_tracker.nodes.pipeline` for these.
 
     Parameters
     ----------
@@ -65,6 +124,8 @@ class Pipeline:
         Gain and read noise of its pixels.
     method : str
         Location method, a key of `blob_tracker.location.METHODS`.
+    elliptical : bool
+        Fit a width along x and one along y, for the methods that have both forms.
     segmenter : Segmenter, optional
         Finds the flash; one with default settings where it is left out. Its `reason` tells why
         the last frame gave no bearing.
@@ -77,7 +138,7 @@ class Pipeline:
     Raises
     ------
     ValueError
-        Where there is no such method.
+        Where there is no such method, or it has no elliptical form.
     CalibrationError
         Where the line jitter is for a picture of another height.
 
@@ -89,12 +150,12 @@ class Pipeline:
         *,
         noise: SensorNoise,
         method: str = 'maximum_likelihood',
+        elliptical: bool = False,
         segmenter: Segmenter | None = None,
         line_jitter: LineJitter | None = None,
         tracker: Tracker | None = None,
     ) -> None:
-        if method not in METHODS:
-            raise ValueError(f"no method '{method}'; there is {', '.join(METHODS)}")
+        self._options = method_options(method, elliptical=elliptical)
         if line_jitter is not None:
             line_jitter.check_height(camera_model.height)
         self.camera_model = camera_model
@@ -129,12 +190,14 @@ class Pipeline:
             try:
                 window = self.segmenter.update(frame, self._expected(frame))
                 if window is not None:
-                    location = locate(window, method=self.method, noise=self.noise)
-                    if self.line_jitter is not None:
-                        location = self.line_jitter.corrected(
-                            location, gain=self.noise.gain, looks=window.looks
-                        )
-                    bearing = self.camera_model.bearing(location)
+                    _, bearing = window_to_bearing(
+                        window,
+                        self.camera_model,
+                        method=self.method,
+                        noise=self.noise,
+                        line_jitter=self.line_jitter,
+                        **self._options,
+                    )
                     self._track(bearing)
                     yield bearing
             except (FrameError, LocationError, LensError) as error:
@@ -146,15 +209,12 @@ class Pipeline:
         return None if track is None else expectation(track, self.camera_model)
 
     def _track(self, bearing: Bearing) -> None:
-        """Have the tracker take a bearing; begin afresh where the stamps jumped back."""
-        if self.tracker is None:
+        """Have the tracker take a bearing; restart it where the stamps jumped back."""
+        tracker = self.tracker
+        if tracker is None:
             return
         try:
-            try:
-                self.tracker.update(bearing)
-            except StampJump:
-                self.tracker.reset()
-                self.tracker.update(bearing)
+            update_or_restart(lambda: tracker.update(bearing), lambda jump: tracker.reset())
         except TrackingError:
             pass  # what it keeps is the better one; three in a row that agree are believed
 

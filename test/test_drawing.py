@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from blob_tracker.drawing import (
-    beside, blank, FARTHEST, GAP, in_grey, LINE, nearest_pixel, PAPER, paragraphs, stack, TEXT,
-    text_width, wrap,
+    blank, FARTHEST_PX, GAP_PX, in_grey, LINE_PX, nearest_pixel, PAPER, paragraphs, side_by_side,
+    stack, TEXT, text_width, wrap,
 )
 import numpy as np
 import pytest
@@ -33,25 +33,25 @@ def test_text_is_wrapped_between_words():
     assert ' '.join(lines) == text.strip()
     assert max(text_width(line) for line in lines) <= 200
     assert wrap('w' * 100, 200) == ['w' * 100]
-    assert paragraphs([(text, TEXT)], 200).shape == (LINE * len(lines), 200, 3)
+    assert paragraphs([(text, TEXT)], 200).shape == (LINE_PX * len(lines), 200, 3)
 
 
 def test_parts_are_put_together_with_gaps():
     """Each at its left and top, paper about them."""
     one, other = np.full((3, 5, 3), 200, np.uint8), np.full((4, 2, 3), 100, np.uint8)
-    row = beside(one, other)
-    assert row.shape == (4, 7 + GAP, 3)
+    row = side_by_side(one, other)
+    assert row.shape == (4, 7 + GAP_PX, 3)
     assert (row[:3, :5] == 200).all()
-    assert (row[:, 5 + GAP:] == 100).all()
+    assert (row[:, 5 + GAP_PX:] == 100).all()
     assert (row[3, :5] == PAPER).all()
     column = stack([one, other])
-    assert column.shape == (7 + 2 * GAP, 5, 3)
-    assert (column[3 + GAP:7 + GAP, :2] == 100).all()
+    assert column.shape == (7 + 2 * GAP_PX, 5, 3)
+    assert (column[3 + GAP_PX:7 + GAP_PX, :2] == 100).all()
     assert (blank(2, 2) == PAPER).all()
 
 
 @pytest.mark.parametrize(
-    ('value', 'pixel'), [(2.6, 3), (np.nan, 0), (np.inf, FARTHEST), (-1e30, -FARTHEST)]
+    ('value', 'pixel'), [(2.6, 3), (np.nan, 0), (np.inf, FARTHEST_PX), (-1e30, -FARTHEST_PX)]
 )
 def test_places_are_those_that_can_be_drawn_at(value, pixel):
     """Whatever the number."""

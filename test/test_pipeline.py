@@ -8,10 +8,12 @@ from dataclasses import replace
 from blob_tracker import CameraModel, Frame, Pipeline, SensorNoise
 from blob_tracker.camera import CalibrationError
 from blob_tracker.camera.line_jitter import LineJitter
-from blob_tracker.pipeline import expectation
+from blob_tracker.location import locate
+from blob_tracker.pipeline import expectation, window_to_bearing
 from blob_tracker.resources import config_path
 from blob_tracker.simulation import flashing_light, in_step, Light, Scene
 from blob_tracker.tracking import PlatformRates, Track, Tracker
+from blob_tracker.types import Window
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -78,6 +80,59 @@ def test_line_jitter_is_taken_off() -> None:
     with pytest.raises(CalibrationError, match='is for 120 lines and the picture has 240'):
         larger = CameraModel.from_field_of_view(320, 240, 50.0)
         Pipeline(larger, noise=scene.sensor.noise, line_jitter=jitter)
+
+
+def oval() -> tuple[Scene, list[Frame]]:
+    """Return a light whose image is half as high as it is wide, and frames of it."""
+    scene = flashing_light(width=160, height=120)
+    y, x = np.mgrid[:120, :160]
+    blob = 150.0 * np.exp(-0.5 * (((x - 70.3) / 4.0) ** 2 + ((y - 55.6) / 2.0) ** 2))
+    frames = [
+        Frame(np.round(40.0 + blob * (k % 2 == 0)).astype(np.uint8), 1 + k * 10**7, 255)
+        for k in range(6)
+    ]
+    return scene, frames
+
+
+def test_elliptical_is_passed_on_to_the_method() -> None:
+    """The fit of two widths has an error that is right for each; the other form has one width."""
+    scene, frames = oval()
+    model = CameraModel.from_field_of_view(160, 120, 50.0)
+    circular, elliptical = (
+        list(Pipeline(model, noise=scene.sensor.noise, elliptical=each).run(frames))
+        for each in (False, True)
+    )
+    assert len(circular) == len(elliptical) > 0
+    for bearing in elliptical:
+        x, y = model.place(bearing.azimuth, bearing.elevation)[:2]
+        assert (x, y) == pytest.approx((70.3, 55.6), abs=0.01)  # of rounding to whole DN
+        # The axes of a Gaussian are known in proportion to their widths.
+        ratio = np.sqrt(bearing.covariance[0, 0] / bearing.covariance[1, 1])
+        assert ratio == pytest.approx(2.0, rel=0.1)
+    with pytest.raises(
+        ValueError,
+        match="parameter 'elliptical' is True; the method 'centroid' has no such form",
+    ):
+        Pipeline(model, noise=scene.sensor.noise, method='centroid', elliptical=True)
+
+
+def test_a_window_becomes_a_bearing() -> None:
+    """By location, jitter of the line and camera in a row; jitter of another height is named."""
+    scene, frames = oval()
+    model = CameraModel.from_field_of_view(160, 120, 50.0)
+    lit, unlit = (frame.image[40:72, 50:90] for frame in (frames[2], frames[1]))
+    window = Window(lit, unlit, 50, 40, 1, 255)
+    given = {'method': 'maximum_likelihood', 'noise': scene.sensor.noise}
+    location, bearing = window_to_bearing(window, model, **given)
+    plain = locate(window, **given)
+    assert (location.x, location.y) == (plain.x, plain.y)
+    assert bearing.azimuth == model.bearing(plain).azimuth
+    jitter = LineJitter(np.full(120, 0.25), np.zeros(120), 0.0)
+    moved, _ = window_to_bearing(window, model, line_jitter=jitter, **given)
+    assert moved.x == pytest.approx(plain.x - 0.25, abs=1e-9)
+    low = LineJitter(np.zeros(100), np.zeros(100), 0.0)
+    with pytest.raises(CalibrationError, match='is for 100 lines and the picture has 120'):
+        window_to_bearing(window, model, line_jitter=low, **given)
 
 
 def rocked(

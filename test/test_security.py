@@ -8,10 +8,13 @@ from fnmatch import fnmatchcase
 from typing import Any
 from xml.etree import ElementTree
 
+from blob_tracker.nodes import NODES
 from blob_tracker.resources import config_path
 import pytest
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.parameter import Parameter
+import security_policy
+from support.node_classes import OPENED
 from support.processes import Probe, probe, start
 
 POLICY = config_path('security/policy.xml')
@@ -43,26 +46,17 @@ QUESTIONS = {
     'request': 'get_client_names_and_types_by_node',
 }
 # How each enclave's process is started.
-STARTS: dict[str, dict[str, object]] = {
+STARTS: dict[str, dict[str, object]] = dict.fromkeys(NODES, {}) | {
     'camera': {'device': '/dev/no_such_camera'},
-    'segmenter': {},
-    'locator': {},
-    'tracker': {},
-    'triangulator': {},
-    'simulator': {},
     'pipeline': {'device': '/dev/no_such_camera'},
     'pipeline_simulator': {'source': 'simulator'},
     'pipeline_images': {'source': 'images'},
 }
-# What opens each topic that is not there at the start.
-CHANGES: dict[str, dict[str, Any]] = {
-    'segmenter': {
-        'flash.mode': 'coded', 'flash.codes': 'port:1101000,starboard:1110100',
-        'follow_prediction': True,
-    },
-    'locator': {'lights': 'port,starboard', 'noise.online': True},
-    'tracker': {'lights': 'port,starboard', 'imu.enabled': True, 'joints.pan': 'pan'},
-    'simulator': {'pan_tilt': True},
+# What opens each topic of a coded light, which is not there at the start.
+LIGHTS: dict[str, dict[str, Any]] = {
+    'segmenter': {'flash.mode': 'coded', 'flash.codes': 'port:1101000,starboard:1110100'},
+    'locator': {'lights': 'port,starboard'},
+    'tracker': {'lights': 'port,starboard'},
 }
 Rights = dict[str, set[str]]  # kind of rule -> names
 
@@ -123,6 +117,11 @@ def test_the_policy_has_the_form_of_sros2() -> None:
             assert element.text == element.text.strip() != ''
 
 
+def test_the_policy_is_that_of_the_declarations() -> None:
+    """The file is what `make reference` writes."""
+    assert POLICY.read_text() == security_policy.policy(), 'run `make reference`'
+
+
 def test_a_process_has_one_enclave() -> None:
     """No enclave twice, and none of which this file does not know how to start the process."""
     assert sorted(name for name, _ in enclaves()) == sorted(STARTS)
@@ -170,8 +169,9 @@ def test_each_node_has_what_the_policy_allows_and_nothing_else(domain: int) -> N
             stack.enter_context(start(program, domain, *arguments))
         before = settled(observer, nodes)
         for node, namespace in nodes:
-            if node in CHANGES:
-                change(observer, node, namespace, CHANGES[node])
+            values = OPENED.get(node, {}) | LIGHTS.get(node, {})
+            if values:
+                change(observer, node, namespace, values)
         after = settled(observer, nodes)
     missing, superfluous = set(), set()
     for enclave, profile in profiles:

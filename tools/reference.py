@@ -1,5 +1,5 @@
 """
-Write config/tracker.yaml and the README's tables anew from the declarations of the nodes.
+Write what follows from the declarations of the nodes: parameter file, README's tables, policy.
 
     make reference
 """
@@ -14,6 +14,7 @@ from blob_tracker.nodes import NODES
 from blob_tracker.nodes.help import in_brackets, wrapped
 from blob_tracker.nodes.interface import interface_of
 from blob_tracker.ros.interface import Interface, Parameter
+import security_policy
 import yaml
 
 ROOT = Path(__file__).parents[1]
@@ -51,8 +52,11 @@ def parameter_file() -> str:
 def readme(text: str) -> str:
     """Return the README with the tables between its markers written anew."""
     interfaces = [interface_of(node) for node in NODES]
-    tables = {'topics': topics(interfaces), 'services': services(interfaces)}
-    tables |= {f'parameters: {each.node}': parameters(each) for each in interfaces}
+    tables = {
+        'topics': topics(interfaces),
+        'services': services(interfaces),
+        'parameters': '\n'.join(parameters(each) for each in interfaces),
+    }
     for name, table in tables.items():
         marked = re.compile(f'(<!-- {name} -->\n).*?(<!-- end -->\n)', re.S)
         text, count = marked.subn(lambda found: found[1] + table + found[2], text)
@@ -101,7 +105,7 @@ def services(interfaces: Iterable[Interface]) -> str:
 
 
 def parameters(interface: Interface) -> str:
-    """Return the table of a node's parameters."""
+    """Return the table of a node's parameters, folded."""
     rows = []
     for parameter in interface.parameters:
         text = parameter.description
@@ -110,7 +114,9 @@ def parameters(interface: Interface) -> str:
         text = ' '.join(_word(word) for word in text.split(' '))
         limits = parameter.limits or 'text'
         rows.append((f'`{parameter.name}`', f'`{parameter.value}`', limits, text))
-    return _table(('parameter', 'default', 'may be', 'what and why'), rows)
+    table = _table(('parameter', 'default', 'may be', 'what and why'), rows)
+    head = f'<details><summary><b>{interface.node}</b>: {interface.caption}</summary>'
+    return f'{head}\n\n{table}\n</details>\n'
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -132,5 +138,6 @@ def _as_yaml(parameter: Parameter) -> str:
 
 if __name__ == '__main__':
     (ROOT / 'config' / 'tracker.yaml').write_text(parameter_file())
+    (ROOT / 'config' / 'security' / 'policy.xml').write_text(security_policy.policy())
     README = ROOT / 'README.md'
     README.write_text(readme(README.read_text()))

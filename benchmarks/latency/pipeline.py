@@ -19,12 +19,14 @@ from blob_tracker.nodes.locator import LocatorNode
 from blob_tracker.nodes.pipeline import compile_all
 from blob_tracker.nodes.segmenter import SegmenterNode
 from blob_tracker.ros.diagnostics.health import Health
-from blob_tracker.ros.endpoints.frame_topics import Deliver, FrameTopics
+from blob_tracker.ros.endpoints.delivery import Deliver
+from blob_tracker.ros.endpoints.frame_topics import FrameTopics
 from blob_tracker.ros.messages.camera_info import from_camera_model
 from blob_tracker.ros.process import run
 from blob_tracker.types import Frame, Pixels
 import rclpy
 from rclpy.node import Node
+from sensor_msgs.msg import CameraInfo
 
 FULL_SCALE = 255  # DN
 
@@ -40,7 +42,7 @@ class Source(Node):
 
     """
 
-    def __init__(self, deliver: Deliver) -> None:
+    def __init__(self, deliver: Deliver[tuple[Frame, CameraInfo]]) -> None:
         super().__init__('source')
         self._frames = FrameTopics(self, Health(self, 'no frame was sent'), deliver)
         Thread(target=self._stream, daemon=True).start()
@@ -64,12 +66,12 @@ class Source(Node):
         report(send(frames, rate, seconds, publish))
 
 
-def nodes() -> Iterator[Node]:
+def linked_nodes() -> Iterator[Node]:
     """Yield the nodes of blob_tracker.nodes.pipeline with this source."""
     locating = LocatorNode(listen=False)
     yield locating
     segmenting = SegmenterNode(
-        listen=False, deliver=locating.locate, announce=locating.heed
+        listen=False, deliver=locating.locate, announce=locating.set_lights
     )
     yield segmenting
     yield Source(segmenting.segment)
@@ -77,4 +79,4 @@ def nodes() -> Iterator[Node]:
 
 if __name__ == '__main__':
     pauses.watch()
-    sys.exit(run(nodes, compile_all))
+    sys.exit(run(linked_nodes, compile_all))

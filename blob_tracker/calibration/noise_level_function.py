@@ -17,7 +17,7 @@ BINS = 64  # of level, evenly in its square root: the variance changes little wi
 UNKNOWNS = 4  # that the light and the motion take out of a tile
 WHITE = 4.0  # standard deviations that a neighbour correlation may have by chance
 TAILS = 5.0  # and a kurtosis
-BESIDE = 5.0  # and a tile's variance, from the line of its pair
+VARIANCE_SIGMA = 5.0  # and a tile's variance, from the line of its pair
 POOLED = 3.5  # and the neighbour correlation of all tiles together
 FARTHEST = 0.25  # px that a tile may move: first order is enough, and flat tiles seem to by chance
 TAPS = 65.0 / 72.0  # sum of the squared weights of the derivative
@@ -355,4 +355,4 @@ def _on_one_line(levels: Array, variances: Array, dof: int) -> NDArray[np.bool_]
         expected = np.maximum(foot + slope * levels, 1e-6)
     # The medians have a scatter of their own.
     loose = sqrt(2.0) + sqrt(np.pi / min(each.size for each in groups))
-    return np.asarray(np.abs(variances / expected - 1.0) < BESIDE * loose / sqrt(dof))
+    return np.asarray(np.abs(variances / expected - 1.0) < VARIANCE_SIGMA * loose / sqrt(dof))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from math import atan2, hypot, pi, sqrt
 
 from blob_tracker.calibration.scatter import variance_factor
+from blob_tracker.units import MRAD_PER_RAD
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
@@ -14,7 +15,6 @@ LEAST_STATIONS = 4
 MOVES = 3.0  # times the scatter, by which a control point moves at least
 BENT = 3.3  # standard deviations: one in a thousand straight paths looks so bent
 TABLE = (1.00, 0.10, 0.05)  # px, the shifts of thesis Table 5.1
-MRAD = 1000.0
 
 
 class SlideError(ValueError):
@@ -96,7 +96,7 @@ class SlideCalibration:
         angle = atan2(self.scale[1], self.scale[0])
         wrapped = (angle + pi / 2) % pi - pi / 2
         across = np.array([-self.scale[1], self.scale[0]]) / hypot(*self.scale) ** 2
-        return MRAD * wrapped, MRAD * self._sigma(across)
+        return MRAD_PER_RAD * wrapped, MRAD_PER_RAD * self._sigma(across)
 
     @property
     def roll(self) -> tuple[float, float]:
@@ -106,8 +106,8 @@ class SlideCalibration:
         Turning the camera clockwise by it, seen from behind, takes it away.
         """
         angle, sigma = self.direction
-        if abs(angle) > MRAD * pi / 4:
-            angle -= np.copysign(MRAD * pi / 2, angle)
+        if abs(angle) > MRAD_PER_RAD * pi / 4:
+            angle -= np.copysign(MRAD_PER_RAD * pi / 2, angle)
         return angle, sigma
 
     def displacement(self, pixels: float) -> tuple[float, float]:

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 from blob_tracker.calibration.scatter import variance_factor
 from blob_tracker.camera import CameraModel
+from blob_tracker.units import MRAD_PER_RAD
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-MRAD = 1000.0  # per radian
 STILL = 1e-3  # rad: an axis that turned by less was not turned
 LEAST_PLACES = 3  # along an axis: two give a slope, and no principal point
 ROUNDS = 3  # of the fit, each with the weights of the one before
@@ -328,9 +328,9 @@ def _first_look(
     """Return the signs of both axes and the focal length, px, by a linear fit of the pixels."""
     if not any(turned):
         raise TurnError(
-            f'pan turned by {MRAD * np.ptp(pan):.2g} mrad in all and tilt by '
-            f'{MRAD * np.ptp(tilt):.2g}: too little. Is the unit right? The column says it: '
-            'pan_mrad, pan_deg or pan_rad'
+            f'pan turned by {MRAD_PER_RAD * np.ptp(pan):.2g} mrad in all and tilt by '
+            f'{MRAD_PER_RAD * np.ptp(tilt):.2g}: too little. Is the unit right? The column says '
+            'it: pan_mrad, pan_deg or pan_rad'
         )
     columns = [np.ones_like(pan)]
     columns += [angle - angle.mean() for angle, moved in zip((pan, tilt), turned) if moved]

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import atan, cos, hypot, isfinite, sin, sqrt
 
-from blob_tracker.camera.model import CameraModel, MRAD
+from blob_tracker.camera.model import CameraModel
 from blob_tracker.camera.yaml_file import CalibrationError
+from blob_tracker.units import MRAD_PER_RAD
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,7 @@ class DataSheet:
         atan(c r / f) with the pitch c and r px (thesis, eq. 2.3): with r the resolution of a
         location, the least angle that can be told apart.
         """
-        return MRAD * atan(1e-3 * self.pixel_um * pixels / self.focal_length_mm)
+        return MRAD_PER_RAD * atan(1e-3 * self.pixel_um * pixels / self.focal_length_mm)
 
     def bearing_sigma(self, angle: float) -> float:
         """
@@ -103,9 +104,10 @@ class DataSheet:
             many is no better.
 
         """
-        theta = angle / MRAD
+        theta = angle / MRAD_PER_RAD
         scale = hypot(self.focal_length_tolerance, self.pixel_tolerance)
         shift = self.centre_tolerance_mm / self.focal_length_mm
         return (
-            MRAD / sqrt(3.0) * hypot(sin(theta) * cos(theta) * scale, cos(theta) ** 2 * shift)
+            MRAD_PER_RAD / sqrt(3.0)
+            * hypot(sin(theta) * cos(theta) * scale, cos(theta) ** 2 * shift)
         )

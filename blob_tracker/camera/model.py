@@ -12,10 +12,10 @@ from blob_tracker.camera.lens import LensError, LENSES
 from blob_tracker.camera.lens.definition import Coefficients, Derivative, Vector
 from blob_tracker.camera.yaml_file import CalibrationError
 from blob_tracker.types import Bearing, Location
+from blob_tracker.units import MRAD_PER_RAD
 import numpy as np
 from numpy.typing import NDArray
 
-MRAD = 1000.0  # per radian
 # mrad/px, of a focal length of 1e9 px: what turns by less has a matrix of no lens, from which an
 # angle of 90 degrees would come, with a variance of 0.
 LEAST_TURN = 1e-6
@@ -271,9 +271,9 @@ class CameraModel:
             raise LensError(f'the pixel ({x:.1f}, {y:.1f}) looks straight up or down: no azimuth')
         h, length2 = sqrt(h2), h2 + ray_y * ray_y
         # The derivative of both angles by the ray, times that of the ray by the place.
-        turn_x, turn_z = MRAD * ray_z / h2, -MRAD * ray_x / h2
-        lift = MRAD * ray_y / (h * length2)
-        lift_x, lift_y, lift_z = lift * ray_x, -MRAD * h / length2, lift * ray_z
+        turn_x, turn_z = MRAD_PER_RAD * ray_z / h2, -MRAD_PER_RAD * ray_x / h2
+        lift = MRAD_PER_RAD * ray_y / (h * length2)
+        lift_x, lift_y, lift_z = lift * ray_x, -MRAD_PER_RAD * h / length2, lift * ray_z
         (xx, xy), (yx, yy), (zx, zy) = derivative
         azimuth_x, azimuth_y = turn_x * xx + turn_z * zx, turn_x * xy + turn_z * zy
         elevation_x = lift_x * xx + lift_y * yx + lift_z * zx
@@ -298,7 +298,7 @@ class CameraModel:
                 'mrad/px, which no lens does; focal lengths, skew, principal point or distortion '
                 'are out of all proportion'
             )
-        return MRAD * atan2(ray_x, ray_z), MRAD * atan2(-ray_y, h), by_pixel
+        return MRAD_PER_RAD * atan2(ray_x, ray_z), MRAD_PER_RAD * atan2(-ray_y, h), by_pixel
 
     def place(
         self, azimuth: float, elevation: float
@@ -325,7 +325,7 @@ class CameraModel:
         """
         x = y = nan
         if isfinite(azimuth + elevation):
-            a, e = azimuth / MRAD, elevation / MRAD
+            a, e = azimuth / MRAD_PER_RAD, elevation / MRAD_PER_RAD
             ray = np.array([[cos(e) * sin(a), -sin(e), cos(e) * cos(a)]])
             x, y = self.project(ray)[0].tolist()
         if not isfinite(x + y):

@@ -84,17 +84,17 @@ def write_content(
     # Lists in one line each, as ROS writes them; PyYAML writes the repr of a double.
     lines.append(yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=10**6))
     place = Path(os.path.realpath(path))  # a link stays one, and what it leads to is replaced
-    beside = place.with_name(f'.{place.name}.{os.getpid()}')
+    temporary = place.with_name(f'.{place.name}.{os.getpid()}')
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
         try:
-            with beside.open('w', encoding='utf-8') as file:
+            with temporary.open('w', encoding='utf-8') as file:
                 file.write('\n'.join(lines))
                 file.flush()
                 os.fsync(file.fileno())  # else a power cut may leave the new name on no content
-            beside.replace(place)
+            temporary.replace(place)
         finally:
-            beside.unlink(missing_ok=True)
+            temporary.unlink(missing_ok=True)
     except OSError as error:
         raise CalibrationError(
             f'cannot write the {what} {path}: {error.strerror or error}'

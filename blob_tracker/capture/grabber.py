@@ -10,7 +10,7 @@ from blob_tracker.capture.errors import CaptureError, NoFrameError
 from blob_tracker.capture.v4l2 import V4l2Camera
 from blob_tracker.types import Frame
 
-READ_TIMEOUT = 0.5  # s: the longest that the end of the grabber waits for its thread
+READ_TIMEOUT_S = 0.5  # s: the longest that the end of the grabber waits for its thread
 
 
 class Grabber:
@@ -111,7 +111,7 @@ class Grabber:
         """Fill the slot until the grabber is closed or the camera fails."""
         while not self._stop:
             try:
-                frame = self._camera.read(READ_TIMEOUT)
+                frame = self._camera.read(READ_TIMEOUT_S)
             except NoFrameError as error:
                 self._silence = error
                 continue

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from blob_tracker.drawing import (
-    blank, CLIPPED, Colour, GAP, in_grey, PAPER, paragraphs, Picture, stack, TEXT,
+    blank, CLIPPED, Colour, GAP_PX, in_grey, PAPER, paragraphs, Picture, stack, TEXT,
 )
 from blob_tracker.types import Frame
 import cv2
@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 BAR: Colour = (170, 170, 170)
 
-NARROWEST, WIDEST, HIGHEST = 480, 960, 720  # px: small frames grow, large ones shrink
+NARROWEST_PX, WIDEST_PX, HIGHEST_PX = 480, 960, 720  # px: small frames grow, large ones shrink
 BINS = 256  # of the histogram
-STRIP = 72  # px of the histogram's height
+STRIP_PX = 72  # px of the histogram's height
 
 
 def draw(frame: Frame, words: Sequence[str] = ()) -> Picture:
@@ -42,9 +42,9 @@ def draw(frame: Frame, words: Sequence[str] = ()) -> Picture:
     """
     height, width = frame.image.shape
     image = np.minimum(frame.image, frame.saturation)
-    scale = min(WIDEST / width, HIGHEST / height)
+    scale = min(WIDEST_PX / width, HIGHEST_PX / height)
     if scale >= 1.0:
-        scale = float(min(-(-NARROWEST // width), int(scale)))
+        scale = float(min(-(-NARROWEST_PX // width), int(scale)))
     picture = in_grey(image, 0.0, frame.saturation, scale)
     clipped = frame.image >= frame.saturation
     count = int(np.count_nonzero(clipped))
@@ -52,7 +52,7 @@ def draw(frame: Frame, words: Sequence[str] = ()) -> Picture:
         # The mean over what becomes one pixel is above 0 where any of it is clipped.
         where = in_grey(clipped.astype(np.float32), 0.0, 1e-4, scale)
         picture[where[..., 0] > 0] = CLIPPED
-    shown = blank(picture.shape[0], max(picture.shape[1], NARROWEST))
+    shown = blank(picture.shape[0], max(picture.shape[1], NARROWEST_PX))
     shown[:, :picture.shape[1]] = picture
     levels = np.asarray(
         cv2.calcHist([image], [0], None, [BINS], [0.0, frame.saturation + 1.0])[:, 0], np.float32
@@ -71,16 +71,16 @@ def draw(frame: Frame, words: Sequence[str] = ()) -> Picture:
     ]
     parts = [shown, strip, paragraphs(lines, shown.shape[1])]
     return np.pad(
-        stack(parts), [(GAP, 0), (GAP, GAP), (0, 0)], constant_values=PAPER[0]
+        stack(parts), [(GAP_PX, 0), (GAP_PX, GAP_PX), (0, 0)], constant_values=PAPER[0]
     )
 
 
 def _histogram(levels: NDArray[np.float32], width: int, clips: bool) -> Picture:
     """Return the bars of a histogram, the last one red where pixels are clipped."""
-    strip = blank(STRIP, width)
-    heights = np.log1p(levels) / max(float(np.log1p(levels.max())), 1e-9) * STRIP
+    strip = blank(STRIP_PX, width)
+    heights = np.log1p(levels) / max(float(np.log1p(levels.max())), 1e-9) * STRIP_PX
     edges = np.linspace(0, width, BINS + 1).round().astype(int)
     for index, height in enumerate(heights.round().astype(int)):
         colour = CLIPPED if clips and index == BINS - 1 else BAR
-        strip[STRIP - height:, edges[index]:edges[index + 1]] = colour
+        strip[STRIP_PX - height:, edges[index]:edges[index + 1]] = colour
     return strip

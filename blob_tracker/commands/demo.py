@@ -17,6 +17,7 @@ from blob_tracker.commands.child import child
 from blob_tracker.commands.monitor import Monitor, RECENT
 from blob_tracker.resources import config_path
 from blob_tracker.studies.track_report import draw_track
+from blob_tracker.units import MRAD_PER_RAD
 import numpy as np
 import rclpy
 from rclpy.executors import ExternalShutdownException
@@ -168,7 +169,7 @@ def _table(monitor: Monitor, elapsed: float, duration: float) -> Group:
         table.add_row('elevation (mrad)', f'{monitor.bearing.vector.y:+.3f}', '')
     if monitor.ray is not None:
         covariance = monitor.ray.pose.covariance
-        sigmas = [1e3 * covariance[index] ** 0.5 for index in (28, 21)]
+        sigmas = [MRAD_PER_RAD * covariance[index] ** 0.5 for index in (28, 21)]
         table.add_row('sigma (mrad)', f'{max(sigmas):.4f}', '')
     located, true = monitor.matched()
     if len(located):

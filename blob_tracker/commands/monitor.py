@@ -6,10 +6,10 @@ from collections import deque
 import time
 from typing import Any
 
-from blob_tracker.camera.model import MRAD
 from blob_tracker.ros.endpoints.qos import IMAGE_IN, RESULT
 from blob_tracker.ros.messages.camera_info import to_camera_model
 from blob_tracker.ros.messages.stamp import to_ns
+from blob_tracker.units import MRAD_PER_RAD
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
 import numpy as np
@@ -68,7 +68,7 @@ class Monitor(Node):
         """Return the (2, 2) covariance of a location, px^2, from that of its ray, rad^2."""
         model = to_camera_model(self.camera_info)
         _, _, derivative = model.angles(*self.centroids[stamp])
-        inverse = MRAD * np.linalg.inv(derivative)
+        inverse = MRAD_PER_RAD * np.linalg.inv(derivative)
         return inverse @ self.covariances[stamp] @ inverse.T
 
     @property

@@ -9,6 +9,7 @@ from blob_tracker.camera import CalibrationError, DataSheet
 from blob_tracker.studies.chapters_2_to_4.lens_table import (
     computed, printed, THESIS_HEIGHT, THESIS_PIXEL, THESIS_WIDTH, WIDTH_IN_THE_TEXT,
 )
+from blob_tracker.units import MRAD
 import numpy as np
 from rich.console import Console
 from rich.table import Table
@@ -155,7 +156,7 @@ def _print_resolution(
             _digits(sheet.angle(1.0)),
             _digits(middle),
             _digits(edge),
-            _digits(1e-3 * middle * distance),
+            _digits(MRAD * middle * distance),
         )
     console.print(table)
     console.print('Standard deviations; at the range across the line of sight, on the axis.\n')
@@ -175,7 +176,7 @@ def _print_trust(console: Console, sheets: list[DataSheet]) -> None:
         table.add_row(
             f'{sheet.focal_length_mm:g}',
             *(_digits(sheet.bearing_sigma(angle)) for angle in places),
-            f'{np.degrees(1e-3 * places[-1]):.2f}',
+            f'{np.degrees(MRAD * places[-1]):.2f}',
         )
     console.print(table)
     console.print(

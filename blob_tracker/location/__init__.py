@@ -1,7 +1,9 @@
 """Window -> Location: where in the picture the blob is, far below a pixel."""
 
 from blob_tracker.location.estimates import Estimates
-from blob_tracker.location.locate import compile_ahead, locate, locate_batch, METHODS
+from blob_tracker.location.locate import (
+    compile_ahead, locate, locate_batch, method_options, METHODS,
+)
 from blob_tracker.location.locator import Locator
 from blob_tracker.location.phase_correction import (
     correct_phase,
@@ -11,5 +13,5 @@ from blob_tracker.location.phase_correction import (
 
 __all__ = [
     'Estimates', 'Locator', 'METHODS', 'PhaseCorrection', 'compile_ahead', 'correct_phase',
-    'learn_phase_correction', 'locate', 'locate_batch',
+    'learn_phase_correction', 'locate', 'locate_batch', 'method_options',
 ]

@@ -13,7 +13,7 @@ from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-LONE_PIXEL = 1.0 / 12.0  # px^2: the second moment of a lone pixel, the least there is
+LONE_PIXEL_PX2 = 1.0 / 12.0  # px^2: the second moment of a lone pixel, the least there is
 
 _NONE = int(Failure.NONE)
 
@@ -119,7 +119,7 @@ def _describe(
             continue
         x, y, second = found.value[n]
         # The sum over the window, and the width of the second moment less the pixel's own.
-        sigma = math.sqrt(max(second - LONE_PIXEL, LONE_PIXEL))
+        sigma = math.sqrt(max(second - LONE_PIXEL_PX2, LONE_PIXEL_PX2))
         amplitude = found.total[n] / (2.0 * math.pi * sigma**2)
         fill_profile(x, sigma, profiles.across)
         fill_profile(y, sigma, profiles.down)

@@ -8,7 +8,7 @@ from blob_tracker.types import LocationError, SensorNoise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-DARK = 0.5  # DN: what rounds to zero has no logarithm and is left out
+DARK_DN = 0.5  # DN: what rounds to zero has no logarithm and is left out
 SINGULAR = 1e-10  # of the normal equations' determinant, their diagonal being 1
 
 
@@ -147,7 +147,7 @@ def _fit_logarithm(
     """
     count, size = values.shape[0], basis.shape[0]
     design = basis.reshape(size, -1)
-    keep = (values.reshape(count, -1) >= DARK) & (usable.reshape(count, -1) > 0.0)
+    keep = (values.reshape(count, -1) >= DARK_DN) & (usable.reshape(count, -1) > 0.0)
     light = np.where(keep, values.reshape(count, -1), 1.0)
     weight = np.where(keep, light**2 if weighted else 1.0, 0.0)
     # The brightest pixel weighs 1, so that no determinant under- or overflows.
@@ -191,7 +191,7 @@ def _locate(
     centre = np.where(good[:, None], centre, 0.0)
 
     design = basis.reshape(basis.shape[0], -1)
-    light = np.maximum(signal.pixels.reshape(count, -1), DARK)
+    light = np.maximum(signal.pixels.reshape(count, -1), DARK_DN)
     kept = (rows != 0.0).any(axis=1)
     residual = np.where(kept, np.log(light) - fit @ design, 0.0)
     leverage = np.clip(np.einsum('pk,npk->nk', design, rows), 0.0, 0.99)

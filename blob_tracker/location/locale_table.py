@@ -9,7 +9,9 @@ from typing import NamedTuple
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.estimates import Estimates, Failure
 from blob_tracker.location.likelihood import fill_profile
-from blob_tracker.location.maximum_likelihood import FAINTEST, FLATTERY, MISFIT
+from blob_tracker.location.maximum_likelihood import (
+    COVARIANCE_INFLATION, FAINTEST_SIGMA, MISFIT_SIGMA,
+)
 from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
@@ -518,13 +520,13 @@ def _look_up_all(
                 ss += (wx[_E, i] * wy[_V, j]) ** 2 * variance
                 squares += residual * residual / variance
         detection = sums.ev * sums.ev / ss
-        if not detection > FAINTEST**2:
+        if not detection > FAINTEST_SIGMA**2:
             failure[n] = _NO_SIGNAL
             continue
         left_over = max(size_x * size_y - 6, 1)
         chi2 = squares / left_over
-        scale = 1.0 + FLATTERY / detection
-        if chi2 > 1.0 + MISFIT * math.sqrt(2.0 / left_over):
+        scale = 1.0 + COVARIANCE_INFLATION / detection
+        if chi2 > 1.0 + MISFIT_SIGMA * math.sqrt(2.0 / left_over):
             scale *= chi2
         covariance[n, 0, 0] = scale * xx
         covariance[n, 0, 1] = scale * xy

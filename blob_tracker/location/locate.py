@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from inspect import signature
 import math
 from typing import Any
 
@@ -31,12 +32,40 @@ METHODS: dict[str, Callable[..., Estimates]] = {
     'locale_table': locale_table,
     'maximum_likelihood': maximum_likelihood,
 }
-LARGEST = 1e9  # DN: no sensor counts so far, and its fourth power is still a number
+LARGEST_DN = 1e9  # DN: no sensor counts so far, and its fourth power is still a number
 LEAST_ROUND = 1.0 - 1e-9  # of an ellipse's correlation squared: beyond it rounding decides
-SMALLEST = 3  # px: below this the position, level and width of a pulse are not determined
+SMALLEST_PX = 3  # px: below this the position, level and width of a pulse are not determined
 _NONE, _NOT_FINITE = int(Failure.NONE), int(Failure.NOT_FINITE)
 _SATURATED, _FLAT = int(Failure.SATURATED), int(Failure.FLAT)
 _OUTSIDE, _NOT_CONVERGED = int(Failure.OUTSIDE), int(Failure.NOT_CONVERGED)
+
+
+def method_options(method: str, *, elliptical: bool = False) -> dict[str, Any]:
+    """
+    Return the options of a method, as `locate` and `locate_batch` pass them on.
+
+    Parameters
+    ----------
+    method : str
+        A key of `METHODS`.
+    elliptical : bool
+        Fit a width along x and one along y.
+
+    Raises
+    ------
+    ValueError
+        Where there is no such method, or it has no such form.
+
+    """
+    if method not in METHODS:
+        raise ValueError(f"no method '{method}'; there is {', '.join(METHODS)}")
+    if not elliptical:
+        return {}
+    if 'elliptical' not in signature(METHODS[method]).parameters:
+        raise ValueError(
+            f"parameter 'elliptical' is True; the method '{method}' has no such form"
+        )
+    return {'elliptical': True}
 
 
 def locate_batch(
@@ -83,10 +112,10 @@ def locate_batch(
         unlit = _stack(unlit, 'unlit')
         if unlit.shape != lit.shape:
             raise LocationError(f'lit is {lit.shape} and unlit {unlit.shape}; they must be equal')
-    if min(lit.shape[1:]) < SMALLEST:
+    if min(lit.shape[1:]) < SMALLEST_PX:
         raise LocationError(
             f'the window is {lit.shape[2]} x {lit.shape[1]} px; '
-            f'it must be at least {SMALLEST} x {SMALLEST}'
+            f'it must be at least {SMALLEST_PX} x {SMALLEST_PX}'
         )
     if lit.shape[0] == 0:
         return NOTHING
@@ -96,27 +125,27 @@ def locate_batch(
         unlit = None if unlit is None else unlit - black_level
         saturation = None if saturation is None else saturation - black_level
         noise = replace(noise, black_level=0.0)
-    bad = np.empty(lit.shape[0], dtype=np.uint8)
-    _screen(lit, math.inf if saturation is None else float(saturation), bad)
+    invalid = np.empty(lit.shape[0], dtype=np.uint8)
+    _flag_invalid(lit, math.inf if saturation is None else float(saturation), invalid)
     if unlit is not None:
-        unlit_bad = np.empty(lit.shape[0], dtype=np.uint8)
-        _screen(unlit, math.inf, unlit_bad)
+        unlit_invalid = np.empty(lit.shape[0], dtype=np.uint8)
+        _flag_invalid(unlit, math.inf, unlit_invalid)
         # An unlit window may well be flat; it may not hold NaN.
-        bad[unlit_bad == Failure.NOT_FINITE] = Failure.NOT_FINITE
-    if bad.any():
+        invalid[unlit_invalid == Failure.NOT_FINITE] = Failure.NOT_FINITE
+    if invalid.any():
         # A method sees only numbers that it can work on; the flagged rows are overwritten below.
-        lit = np.where((bad == Failure.NONE)[:, None, None], lit, 0.0)
+        lit = np.where((invalid == Failure.NONE)[:, None, None], lit, 0.0)
         if unlit is not None:
-            unlit = np.where((bad == Failure.NONE)[:, None, None], unlit, 0.0)
+            unlit = np.where((invalid == Failure.NONE)[:, None, None], unlit, 0.0)
     estimates = METHODS[method](lit, unlit, noise, saturation, **options)
-    _vouch(
+    _validate(
         estimates.x,
         estimates.y,
         np.ascontiguousarray(estimates.covariance),
         np.stack([estimates.amplitude, estimates.background, estimates.sigma, estimates.snr,
                   estimates.chi2]),
         (lit.shape[1], lit.shape[2]),
-        bad,
+        invalid,
         estimates.failure,
     )
     if black_level != 0.0:
@@ -241,7 +270,7 @@ def _stack(pixels: ArrayLike, name: str) -> NDArray[np.float64]:
 
 
 @kernel
-def _screen(stack: Array, saturation: float, bad: NDArray[np.uint8]) -> None:
+def _flag_invalid(stack: Array, saturation: float, invalid: NDArray[np.uint8]) -> None:
     """Flag the windows that no method can work on."""
     for n in range(stack.shape[0]):
         low, high = math.inf, -math.inf
@@ -249,40 +278,40 @@ def _screen(stack: Array, saturation: float, bad: NDArray[np.uint8]) -> None:
         for j in range(stack.shape[1]):
             for i in range(stack.shape[2]):
                 value = stack[n, j, i]
-                finite = finite and abs(value) <= LARGEST
+                finite = finite and abs(value) <= LARGEST_DN
                 low = min(low, value)
                 high = max(high, value)
-        bad[n] = _NONE
+        invalid[n] = _NONE
         if not finite:
-            bad[n] = _NOT_FINITE
+            invalid[n] = _NOT_FINITE
         elif low >= saturation:
-            bad[n] = _SATURATED
+            invalid[n] = _SATURATED
         elif low == high:
-            bad[n] = _FLAT
+            invalid[n] = _FLAT
 
 
 @kernel
-def _vouch(
+def _validate(
     x: Array,
     y: Array,
     covariance: Array,
     others: Array,
     shape: tuple[int, int],
-    bad: NDArray[np.uint8],
+    invalid: NDArray[np.uint8],
     failure: NDArray[np.uint8],
 ) -> None:
     """Hold every method to the contract: finite, inside, with a positive definite covariance."""
     for n in range(failure.size):
-        if bad[n] != _NONE:
-            failure[n] = bad[n]
+        if invalid[n] != _NONE:
+            failure[n] = invalid[n]
         if failure[n] != _NONE:
             continue
         inside = -0.5 <= x[n] <= shape[1] - 0.5 and -0.5 <= y[n] <= shape[0] - 0.5
         if not inside:
             failure[n] = _OUTSIDE
         xx, xy, yy = covariance[n, 0, 0], covariance[n, 0, 1], covariance[n, 1, 1]
-        sound = 0.0 < xx < math.inf and 0.0 < yy < math.inf and xy * xy < LEAST_ROUND * xx * yy
+        valid = 0.0 < xx < math.inf and 0.0 < yy < math.inf and xy * xy < LEAST_ROUND * xx * yy
         for row in others:
-            sound = sound and abs(row[n]) < math.inf
-        if not sound:
+            valid = valid and abs(row[n]) < math.inf
+        if not valid:
             failure[n] = _NOT_CONVERGED

@@ -10,19 +10,23 @@ from blob_tracker.location.explain import explain
 from blob_tracker.location.hypotheses import Fit, Motion, Pair
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
 from blob_tracker.location.normal_equations import column_of_inverse, empty_equations, solve
-from blob_tracker.location.scoring import advance, climb, CONVERGED, NARROWEST, WIDEST
+from blob_tracker.location.scoring import advance, climb, CONVERGED, NARROWEST_PX, WIDEST
 from blob_tracker.location.start_value import start_value
 from blob_tracker.location.suspicion import (
     suspect_failure, suspect_fit, suspect_pixels, suspect_unlit, suspicions,
 )
-from blob_tracker.location.unlit_texture import blend, left_over, split_unlit, texture_share, Unlit
+from blob_tracker.location.unlit_texture import (
+    blend, residual_variance, split_unlit, texture_share, Unlit,
+)
 from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
 
-FAINTEST = 5.0  # of a matched filter's standard deviations: below it noise is found, not light
-FLATTERY = 12.0  # over the matched filter's squared SNR: how far the covariance is too small
-MISFIT = 5.0  # standard deviations of chi2: beyond it the model is wrong, not the noise
+# Of a matched filter's standard deviations: below it noise is found, not light
+FAINTEST_SIGMA = 5.0
+# Over the matched filter's squared SNR: how far the covariance is too small
+COVARIANCE_INFLATION = 12.0
+MISFIT_SIGMA = 5.0  # standard deviations of chi2: beyond it the model is wrong, not the noise
 FISHER_STEPS = 12  # a good start takes 4 or 5
 TEXTURE_STEP = 2  # by which the pulse is known well enough to ask what the texture does to it
 
@@ -223,12 +227,12 @@ def _fit_all(
         scale, left = 1.0, 0.0
         if paired:
             # Texture that was left in widens the residuals, beyond what it does to the position.
-            left = left_over(share, white)
+            left = residual_variance(share, white)
             chi2 *= (1.0 + left) / (1.0 + max(left, share**2 + (1.0 - share) ** 2 * white))
-        if chi2 > 1.0 + MISFIT * math.sqrt(2.0 / (usable - size)):
+        if chi2 > 1.0 + MISFIT_SIGMA * math.sqrt(2.0 / (usable - size)):
             scale = chi2
         odd[n] |= suspect_pixels(chi2, usable - size)
-        scale *= 1.0 + FLATTERY / _detection(theta, fisher)
+        scale *= 1.0 + COVARIANCE_INFLATION / _detection(theta, fisher)
         column_of_inverse(equations, size, 0)
         covariance[n, 0, 0] = scale * column[0]
         covariance[n, 0, 1] = scale * column[1]
@@ -252,7 +256,7 @@ def _judge(theta: Array, done: bool, fisher: Array, height: int, width: int) -> 
     for p in range(6):
         if not abs(theta[p]) < math.inf:
             return _DIVERGED
-    if min(theta[4], theta[5]) <= 1.0001 * NARROWEST:
+    if min(theta[4], theta[5]) <= 1.0001 * NARROWEST_PX:
         return _NARROW
     if max(theta[4], theta[5]) >= 0.9999 * WIDEST * max(height, width):
         return _WIDE
@@ -261,7 +265,7 @@ def _judge(theta: Array, done: bool, fisher: Array, height: int, width: int) -> 
     inside = -0.5 <= theta[0] <= width - 0.5 and -0.5 <= theta[1] <= height - 0.5
     if not inside:
         return _OUTSIDE
-    if not (theta[2] > 0.0 and _detection(theta, fisher) > FAINTEST**2):
+    if not (theta[2] > 0.0 and _detection(theta, fisher) > FAINTEST_SIGMA**2):
         return _NO_SIGNAL
     return _NONE
 

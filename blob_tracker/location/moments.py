@@ -13,7 +13,7 @@ from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
 
-FAINTEST = 2.0  # standard deviations of the summed signal: below it the ratio means nothing
+FAINTEST_SIGMA = 2.0  # standard deviations of the summed signal: below it the ratio means nothing
 
 _NONE, _NO_SIGNAL = int(Failure.NONE), int(Failure.NO_SIGNAL)
 
@@ -95,7 +95,7 @@ def _moments_of_all(
                 y += j * signal[j, i]
                 scatter += lifted * lifted * variance[j, i]
         found.background[n] = background
-        if not total > FAINTEST * math.sqrt(scatter):
+        if not total > FAINTEST_SIGMA * math.sqrt(scatter):
             found.failure[n] = _NO_SIGNAL
             continue
         x /= total

@@ -19,8 +19,8 @@ LAMP_WIDTHS = (1.0, 2.57, 4.97)
 AMPLITUDES = np.array(LAMP_AMPLITUDES) / sum(LAMP_AMPLITUDES)
 WIDTHS = np.array(LAMP_WIDTHS) / math.sqrt(2.0)
 HALF_AREA = 4.15  # s^2 of the first Gaussian: the area where that blob is above half its peak
-FAINTEST = 3.0  # standard deviations of the brightest pixel
-NARROWEST = 0.5  # px: a narrower Gaussian is one pixel's, and a fit gives it that pixel's noise
+FAINTEST_SIGMA = 3.0  # standard deviations of the brightest pixel
+NARROWEST_PX = 0.5  # px: a narrower Gaussian is one pixel's, and a fit gives it that pixel's noise
 FARTHEST = 1e7  # px or DN: two amplitudes that cancel beyond it leave no digits
 
 Fit = Callable[
@@ -84,7 +84,7 @@ def jacobian(theta: Array, height: int, width: int) -> Array:
 def _row(centre: float, sigma: float, count: int) -> Array:
     """Return `sampled_profile` of one Gaussian: value, by centre, by sigma, each (count,)."""
     # The sign of a width means nothing; its slope keeps it.
-    sigma = math.copysign(max(abs(sigma), NARROWEST), sigma)
+    sigma = math.copysign(max(abs(sigma), NARROWEST_PX), sigma)
     profile = np.empty((3, count))
     for k in range(count):
         offset = (k - centre) / sigma
@@ -188,7 +188,7 @@ def locate_by_fit(
             failure[n] = Failure.TOO_FEW_PIXELS
             continue
         brightest = np.unravel_index(np.argmax(pixels), pixels.shape)
-        if pixels[brightest] <= FAINTEST * math.sqrt(signal.variance[n][brightest]):
+        if pixels[brightest] <= FAINTEST_SIGMA * math.sqrt(signal.variance[n][brightest]):
             failure[n] = Failure.NO_SIGNAL
             continue
         # A step too far may overflow; the search turns back by itself or ends without a result.
@@ -250,8 +250,8 @@ def _equivalent_sigma(
 
     The curvature at the peak over the peak: 1 / sigma^2 = sum A_l / sigma_l^2 / sum A_l.
     """
-    across = np.maximum(np.abs(theta[:, 5:8]), NARROWEST)
-    down = np.maximum(np.abs(theta[:, 8:11]), NARROWEST) if elliptical else across
+    across = np.maximum(np.abs(theta[:, 5:8]), NARROWEST_PX)
+    down = np.maximum(np.abs(theta[:, 8:11]), NARROWEST_PX) if elliptical else across
     steep = (theta[:, 2:5] / (across * down)).sum(axis=1)
     total = theta[:, 2:5].sum(axis=1)
     plain = (steep > 0.0) & (total > 0.0)

@@ -20,7 +20,7 @@ import scipy  # which loads optimize, 25 MB, when it is first used
 SETTLED = 1e-4  # relative, of the squared residuals: a tenth of a standard deviation at most
 EVALUATIONS = 100  # a round: most windows end within half of one
 ROUNDS = 6
-AT_REST = 2e-4  # px in a round: a twentieth of the bound at a peak SNR of 200
+CONVERGED_PX = 2e-4  # px in a round: a twentieth of the bound at a peak SNR of 200
 
 
 def multi_gaussian_lm(
@@ -123,7 +123,7 @@ def _fit(
             residuals, start, slopes, method='lm', x_scale='jac', ftol=SETTLED, xtol=1e-10,
             max_nfev=EVALUATIONS,
         )
-        if found.status > 0 or np.abs(found.x[:2] - start[:2]).max() < AT_REST:
+        if found.status > 0 or np.abs(found.x[:2] - start[:2]).max() < CONVERGED_PX:
             return found.x, True
         start = found.x
     return start, False

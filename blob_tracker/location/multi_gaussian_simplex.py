@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 import scipy  # which loads optimize, 25 MB, when it is first used
 
-STANDARD_ERROR = 1e-3  # DN^2: what a tenth of the standard deviation of rounding changes
+STANDARD_ERROR_DN2 = 1e-3  # DN^2: what a tenth of the standard deviation of rounding changes
 EVALUATIONS = 1500  # a round
 ROUNDS = 5
-AT_REST = 1e-3  # px in a round
+CONVERGED_PX = 1e-3  # px in a round
 
 
 def multi_gaussian_simplex(
@@ -99,7 +99,7 @@ def _fit(
     for _ in range(ROUNDS):
         edge = np.concatenate([[0.5, 0.5], 0.1 * start[2:]])
         best, at_rest = _descend(squared_error, start, edge)
-        if at_rest or np.abs(best[:2] - start[:2]).max() < AT_REST:
+        if at_rest or np.abs(best[:2] - start[:2]).max() < CONVERGED_PX:
             return best, True
         start = best
     return start, False
@@ -131,7 +131,7 @@ def _descend(
             squared_error, start, method='Nelder-Mead',
             options={
                 'initial_simplex': corners, 'adaptive': True, 'xatol': np.inf,
-                'fatol': STANDARD_ERROR, 'maxfev': evaluations, 'maxiter': evaluations,
+                'fatol': STANDARD_ERROR_DN2, 'maxfev': evaluations, 'maxiter': evaluations,
             },
         )
     return found.x, bool(found.success)

@@ -8,10 +8,10 @@ from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.likelihood import fill_profile
 from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
-from blob_tracker.location.scoring import NARROWEST, WIDEST
+from blob_tracker.location.scoring import NARROWEST_PX, WIDEST
 import numpy as np
 
-FLATTERY = 12.0  # as in `maximum_likelihood`
+COVARIANCE_INFLATION = 12.0  # as in `maximum_likelihood`
 BRIGHTEST = 1e7  # DN: of a fitted pulse, clipped or not
 X, Y, AMPLITUDE, BACKGROUND, SIGMA = 0, 1, 2, 3, 4  # of each model's parameters
 SHIFT_X, SHIFT_Y = 5, 6  # from the lit frame to the unlit one
@@ -195,7 +195,7 @@ def fill_banded(theta: Array, means: Array, slopes: Array) -> None:
 def bounds(pair: Pair) -> tuple[Floats, Floats]:
     """Return what x, y, amplitude, background and sigma are held between."""
     height, width = pair.lit.shape
-    lower = np.array([-0.5, -0.5, 0.0, -BRIGHTEST, NARROWEST])
+    lower = np.array([-0.5, -0.5, 0.0, -BRIGHTEST, NARROWEST_PX])
     upper = np.array([
         width - 0.5, height - 0.5, BRIGHTEST, BRIGHTEST, WIDEST * max(height, width)
     ])
@@ -237,7 +237,7 @@ def to_fit(pair: Pair, optimum: Optimum, warning: str = '') -> Fit:
     amplitude, background = theta[AMPLITUDE], theta[BACKGROUND]
     peak = max(amplitude + background, 0.0) / noise.gain + noise.read_noise**2 + 1.0 / 12.0
     deviation = math.sqrt(max(optimum.covariance[AMPLITUDE, AMPLITUDE], 1e-12))
-    grown = 1.0 + FLATTERY * (deviation / max(amplitude, 1e-6)) ** 2
+    grown = 1.0 + COVARIANCE_INFLATION * (deviation / max(amplitude, 1e-6)) ** 2
     return Fit(
         float(theta[X]), float(theta[Y]), grown * optimum.covariance[:2, :2], float(amplitude),
         float(background), float(theta[SIGMA]), float(amplitude / math.sqrt(peak)), optimum.chi2,

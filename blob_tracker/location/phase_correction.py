@@ -10,7 +10,7 @@ from blob_tracker.types import LocationError
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-LEAST = 100  # positions: the correction's standard error is then 0.022 px
+LEAST_POSITIONS = 100  # positions: the correction's standard error is then 0.022 px
 # 2 J1(1), J1 the Bessel function: the harmonic of a bias of 1 / 2 pi px, which stands still with
 # the true phase where it is steepest. Beyond it two true places are located at one.
 STEEPEST = 0.88
@@ -96,10 +96,10 @@ def learn_phase_correction(x: ArrayLike, y: ArrayLike) -> PhaseCorrection:
     if axes['x'].ndim != 1 or shapes[0] != shapes[1]:
         raise LocationError(f'x is {shapes[0]} and y {shapes[1]}; both must be (M,)')
     count = axes['x'].size
-    if count < LEAST:
+    if count < LEAST_POSITIONS:
         raise LocationError(
             f'{count} positions are too few to learn a phase correction from; '
-            f'it takes {LEAST} or more'
+            f'it takes {LEAST_POSITIONS} or more'
         )
     if not all(np.isfinite(axis).all() for axis in axes.values()):
         raise LocationError('positions to learn from hold NaN or infinity; leave those out')

@@ -7,8 +7,8 @@ import math
 from typing import Any
 
 from blob_tracker.drawing import (
-    beside, blank, CLIPPED, Colour, FOUND, GAP, in_grey, LINE, nearest_pixel, PAPER, paragraphs,
-    Picture, REFUSED, stack, TEXT, text_width, titled, write,
+    blank, CLIPPED, Colour, FOUND, GAP_PX, in_grey, LINE_PX, nearest_pixel, PAPER, paragraphs,
+    Picture, REJECTED, side_by_side, stack, TEXT, text_width, titled, write,
 )
 from blob_tracker.location.noise import noise_of_sum, pixel_variance
 from blob_tracker.location.pulse import integrated_profile
@@ -21,11 +21,11 @@ CENTRE: Colour = (0, 255, 255)
 WIDTH: Colour = (255, 190, 90)
 COVARIANCE: Colour = (255, 120, 255)
 
-PANEL = 288  # px of the side of a window
-CROSS = 9  # px of an arm
-LEAST_RANGE = 8.0  # DN from black to white
-STRETCH = 5.0  # standard deviations of a pixel from grey to white
-LEGIBLE = PANEL / 8  # px of the longer half-axis of the covariance, at most
+PANEL_PX = 288  # px of the side of a window
+CROSS_PX = 9  # px of an arm
+LEAST_RANGE_DN = 8.0  # DN from black to white
+STRETCH_SIGMA = 5.0  # standard deviations of a pixel from grey to white
+LEGIBLE_PX = PANEL_PX / 8  # px of the longer half-axis of the covariance, at most
 
 
 def draw(
@@ -69,32 +69,32 @@ def draw(
     lit = _numbers(window.lit)
     unlit = None if window.unlit is None else _numbers(window.unlit)
     height, width = lit.shape
-    scale = PANEL / max(height, width)
+    scale = PANEL_PX / max(height, width)
     if scale >= 1.0:
         scale = math.floor(scale)
     clipped = lit >= (math.inf if window.saturation is None else window.saturation)
     levels = lit if unlit is None else np.stack([lit, unlit])
     black, white = _range(levels)
     panels = [titled(_red(in_grey(lit, black, white, scale), clipped),
-                     f'lit, {black:.0f} to {white:.0f} DN', PANEL)]
+                     f'lit, {black:.0f} to {white:.0f} DN', PANEL_PX)]
     difference = lit
     if unlit is not None:
         panels.append(
-            titled(in_grey(unlit, black, white, scale), 'unlit, the same levels', PANEL)
+            titled(in_grey(unlit, black, white, scale), 'unlit, the same levels', PANEL_PX)
         )
         difference = lit - unlit
     if location is None:
         if unlit is not None:
             low, high = _range(difference)
             panels.append(titled(in_grey(difference, low, high, scale),
-                                 f'lit less unlit, {low:.0f} to {high:.0f} DN', PANEL))
+                                 f'lit less unlit, {low:.0f} to {high:.0f} DN', PANEL_PX))
     else:
         panels += _found(window, difference, clipped, noise, location, scale)
-    row = functools.reduce(beside, panels)
+    row = functools.reduce(side_by_side, panels)
     lines = _in_words(window, location, bearing, reason, name)
-    words = paragraphs(lines, max(row.shape[1], 2 * PANEL + GAP))
+    words = paragraphs(lines, max(row.shape[1], 2 * PANEL_PX + GAP_PX))
     return np.pad(
-        stack([row, words]), [(GAP, 0), (GAP, GAP), (0, 0)], constant_values=PAPER[0]
+        stack([row, words]), [(GAP_PX, 0), (GAP_PX, GAP_PX), (0, 0)], constant_values=PAPER[0]
     )
 
 
@@ -106,7 +106,7 @@ def _numbers(pixels: NDArray[Any]) -> NDArray[np.float64]:
 def _range(pixels: NDArray[np.float64]) -> tuple[float, float]:
     """Return the levels that are shown black and white, DN."""
     low = float(pixels.min())
-    return low, max(float(pixels.max()), low + LEAST_RANGE)
+    return low, max(float(pixels.max()), low + LEAST_RANGE_DN)
 
 
 def _red(shown: Picture, clipped: NDArray[np.bool_]) -> Picture:
@@ -135,14 +135,14 @@ def _found(
     cv2.circle(shown, place, max(nearest_pixel(location.sigma * scale), 1), WIDTH, 1, cv2.LINE_AA)
     variances, axes = np.linalg.eigh(location.covariance / np.outer(binning, binning))
     half = scale * np.sqrt(variances)  # the shorter one first
-    magnified = _round_factor(LEGIBLE / max(float(half[1]), 1e-9))
+    magnified = _round_factor(LEGIBLE_PX / max(float(half[1]), 1e-9))
     angle = math.degrees(math.atan2(axes[1, 1], axes[0, 1]))
     size = (nearest_pixel(half[1] * magnified), nearest_pixel(half[0] * magnified))
     cv2.ellipse(shown, place, size, angle, 0.0, 360.0, COVARIANCE, 1, cv2.LINE_AA)
     for colour, thickness in ((PAPER, 3), (CENTRE, 1)):  # light on light is not seen
-        cv2.drawMarker(shown, place, colour, cv2.MARKER_CROSS, 2 * CROSS, thickness)
+        cv2.drawMarker(shown, place, colour, cv2.MARKER_CROSS, 2 * CROSS_PX, thickness)
     name = 'lit' if window.unlit is None else 'lit less unlit'
-    fitted = titled(shown, f'{name}, {low:.0f} to {high:.0f} DN', PANEL)
+    fitted = titled(shown, f'{name}, {low:.0f} to {high:.0f} DN', PANEL_PX)
     total = noise_of_sum(noise, window.looks)
     variance = pixel_variance(_numbers(window.lit), total)
     if window.unlit is not None:
@@ -156,17 +156,21 @@ def _found(
     weight = np.where(clipped, 0.0, 1.0 / variance)
     left -= (weight * left).sum() / max(float(weight.sum()), 1e-12)
     left = np.where(clipped, 0.0, left / np.sqrt(variance))
-    remainder = _red(in_grey(left, -STRETCH, STRETCH, scale), clipped)
-    legend = blank(LINE, PANEL)
+    remainder = _red(in_grey(left, -STRETCH_SIGMA, STRETCH_SIGMA, scale), clipped)
+    legend = blank(LINE_PX, PANEL_PX)
     left_edge = 0
     for word, colour in (
         ('centre', CENTRE), ('sigma', WIDTH), (f'covariance x {magnified:g}', COVARIANCE),
     ):
         write(legend, word, left_edge, 0, colour)
-        left_edge += text_width(word) + 2 * GAP
+        left_edge += text_width(word) + 2 * GAP_PX
     return [
         np.vstack([fitted, legend]),
-        titled(remainder, f'residual, -{STRETCH:g} to {STRETCH:g} times its noise', PANEL),
+        titled(
+            remainder,
+            f'residual, -{STRETCH_SIGMA:g} to {STRETCH_SIGMA:g} times its noise',
+            PANEL_PX,
+        ),
     ]
 
 
@@ -185,7 +189,7 @@ def _in_words(
     summed = f', the sum of {window.looks} frames' if window.looks > 1 else ''
     where = f'{name} window of {width} x {height} px at ({window.x0}, {window.y0}){summed}'.strip()
     if location is None:
-        return [(f'not located: {reason}', REFUSED), (where, TEXT)]
+        return [(f'not located: {reason}', REJECTED), (where, TEXT)]
     lines = []
     (xx, xy), (_, yy) = location.covariance
     lines.append((

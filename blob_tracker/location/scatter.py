@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 # ones at 30 Hz by as much as their noise of 0.02 px, the fourth by a twentieth of it. Higher ones
 # are worth fewer degrees of freedom and feel slow drifts over the pixels less.
 ORDER = 4
-LONGEST = 2.5  # usual intervals between two neighbours: one place may be missing, not more
+# Usual intervals between two neighbours: one place may be missing, not more
+LONGEST_INTERVAL = 2.5
 # Times the median of the differences: noise is there once in 3e7, another target or a glint is.
 FARTHEST = 25.0
-LEAST = 12  # differences of which anything can be said
-SIGMAS = 3.0  # by which a ratio must lie above another to be said to
+LEAST_DIFFERENCES = 12  # differences of which anything can be said
+SIGNIFICANT_SIGMA = 3.0  # by which a ratio must lie above another to be said to
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ class Scatter:
 
     def exceeds(self, limit: float) -> bool:
         """Tell whether the ratio lies three standard errors above a limit."""
-        return self.ratio > limit * (1.0 + SIGMAS / math.sqrt(2.0 * self.freedom))
+        return self.ratio > limit * (1.0 + SIGNIFICANT_SIGMA / math.sqrt(2.0 * self.freedom))
 
 
 class RecentPlaces:
@@ -153,11 +154,11 @@ def scatter(
     """
     intervals = np.diff(stamps_ns)
     later = intervals > 0
-    if len(stamps_ns) < ORDER + LEAST or not later.any():
+    if len(stamps_ns) < ORDER + LEAST_DIFFERENCES or not later.any():
         return None
     usual = float(np.median(intervals[later]))
     stamped = intervals / usual
-    steady = later & (stamped <= LONGEST)
+    steady = later & (stamped <= LONGEST_INTERVAL)
     by_stamps = _scatter(stamped, steady, places, covariances)
     by_count = _scatter(np.ones(stamped.size), stamped.round() == 1.0, places, covariances)
     if by_stamps is None or by_count is None or not by_stamps.exceeds(by_count.ratio):
@@ -173,7 +174,7 @@ def _scatter(
 ) -> Scatter | None:
     """Return the scatter of places with these intervals, in usual ones, where they are steady."""
     begins = np.flatnonzero(np.lib.stride_tricks.sliding_window_view(steady, ORDER).all(axis=1))
-    if len(begins) < LEAST:
+    if len(begins) < LEAST_DIFFERENCES:
         return None
     rows = begins[:, None] + np.arange(ORDER + 1)
     times = np.cumsum(intervals[rows[:, :-1]], axis=1)

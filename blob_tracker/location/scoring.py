@@ -11,7 +11,7 @@ from blob_tracker.location.likelihood import (
 )
 from blob_tracker.location.normal_equations import NormalEquations, solve
 
-NARROWEST = 0.2  # px: below it one pixel holds 99 % of the light and its place there is lost
+NARROWEST_PX = 0.2  # px: below it one pixel holds 99 % of the light and its place there is lost
 WIDEST = 2.0  # times the window: a wider pulse is a slope, its amplitude and level are one
 DAMPED_STEPS = 80
 CONVERGED = 1e-4  # twice the gain in log-likelihood still to be had: 0.01 standard deviations
@@ -32,7 +32,7 @@ def advance(theta: Array, equations: NormalEquations, size: int, extent: int) ->
     for p in range(4, 6):
         width = theta[p] + step[min(p, size - 1)]
         width = min(max(width, 0.6 * theta[p]), 1.7 * theta[p])
-        theta[p] = min(max(width, NARROWEST), WIDEST * extent)
+        theta[p] = min(max(width, NARROWEST_PX), WIDEST * extent)
     return gain
 
 

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 STEPS = 30
-SETTLED = 1e-7  # px
-NEARBY = 1e-5  # px: the step of the Jacobian's differences
-NARROWEST = 0.2  # px: narrower, the moments are those of one pixel
+CONVERGED_PX = 1e-7  # px
+DIFFERENCE_STEP_PX = 1e-5  # px: the step of the Jacobian's differences
+NARROWEST_PX = 0.2  # px: narrower, the moments are those of one pixel
 WIDEST = 0.5  # times the window: beyond it the moments are the window's, not the pulse's
 
 _NONE = int(Failure.NONE)
@@ -130,7 +130,7 @@ def _invert_all(
     equations = empty_equations()
     theta = np.empty(3)
     value = np.empty(3)
-    nearby = np.empty(3)
+    shifted = np.empty(3)
     jacobian = np.empty((3, 3))
     widest = WIDEST * max(height, width)
     for n in range(count):
@@ -140,31 +140,32 @@ def _invert_all(
         theta[0] = min(max(target[0], 0.0), width - 1.0)
         theta[1] = min(max(target[1], 0.0), height - 1.0)
         theta[2] = min(max(math.sqrt(max(target[2], 0.25)), 0.5), max(height, width) / 4.0)
-        settled = False
+        converged = False
         for _ in range(STEPS):
             if not _cut_moments(theta, profiles, corners, paired, value):
                 break
             for p in range(3):
-                theta[p] += NEARBY
-                _cut_moments(theta, profiles, corners, paired, nearby)
-                theta[p] -= NEARBY
+                theta[p] += DIFFERENCE_STEP_PX
+                _cut_moments(theta, profiles, corners, paired, shifted)
+                theta[p] -= DIFFERENCE_STEP_PX
                 for q in range(3):
-                    jacobian[q, p] = (nearby[q] - value[q]) / NEARBY
+                    jacobian[q, p] = (shifted[q] - value[q]) / DIFFERENCE_STEP_PX
             if not _newton(jacobian, target, value, equations):
                 break
-            longest = 0.0
+            longest_step = 0.0
             for p in range(3):
                 step = min(max(equations.solution[p], -0.5), 0.5)
-                longest = max(longest, abs(step))
+                longest_step = max(longest_step, abs(step))
                 theta[p] += step
-            theta[2] = min(max(theta[2], 0.5 * NARROWEST), 1.2 * widest)
-            if longest < SETTLED:
-                settled = True
+            theta[2] = min(max(theta[2], 0.5 * NARROWEST_PX), 1.2 * widest)
+            if longest_step < CONVERGED_PX:
+                converged = True
                 break
-        settled = settled and NARROWEST < theta[2] < widest
-        settled = settled and -0.5 <= theta[0] <= width - 0.5 and -0.5 <= theta[1] <= height - 0.5
-        if settled:
-            _carry(jacobian, found.covariance[n], covariance[n])
+        converged = converged and NARROWEST_PX < theta[2] < widest
+        converged = converged and -0.5 <= theta[0] <= width - 0.5
+        converged = converged and -0.5 <= theta[1] <= height - 0.5
+        if converged:
+            _propagate_covariance(jacobian, found.covariance[n], covariance[n])
         else:
             # The centroid, with the skew of the widest pulse as its uncertainty.
             middle_x, middle_y = 0.5 * (width - 1), 0.5 * (height - 1)
@@ -173,7 +174,7 @@ def _invert_all(
             skew_x = (target[0] - middle_x) * (0.25 / max(value[0] - middle_x, 0.05) - 1.0)
             skew_y = (target[1] - middle_y) * (0.25 / max(value[1] - middle_y, 0.05) - 1.0)
             theta[0], theta[1] = target[0], target[1]
-            theta[2] = min(max(math.sqrt(max(target[2], 0.0)), NARROWEST), widest)
+            theta[2] = min(max(math.sqrt(max(target[2], 0.0)), NARROWEST_PX), widest)
             covariance[n] = found.covariance[n, :2, :2]
             covariance[n, 0, 0] += skew_x**2 / 3.0
             covariance[n, 0, 1] += skew_x * skew_y / 3.0
@@ -255,7 +256,7 @@ def _newton(
 
 
 @kernel
-def _carry(jacobian: Array, moments_covariance: Array, covariance: Array) -> None:
+def _propagate_covariance(jacobian: Array, moments_covariance: Array, covariance: Array) -> None:
     """Fill covariance with that of x and y: J^-1 C J^-T."""
     inverse = np.linalg.inv(jacobian)
     for p in range(2):

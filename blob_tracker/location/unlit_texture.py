@@ -17,8 +17,9 @@ from blob_tracker.location.likelihood import (
 from blob_tracker.location.normal_equations import column_of_inverse, NormalEquations, solve
 
 SHRINKAGE = 1.2  # of `texture_share`; 1.1 to 1.4 keep the worst case below 1.09
-BESIDE = 0.25  # of the pulse's peak: a texture of this rms is half taken off whatever it shifts
-STRAY = 1.2  # times its noise: the texture that a small shift leaves probable
+# Of the pulse's peak: a texture of this rms is half taken off whatever it shifts
+STRONG_TEXTURE = 0.25
+RESIDUAL_TEXTURE = 1.2  # times its noise: the texture that a small shift leaves probable
 
 
 class Unlit(NamedTuple):
@@ -58,10 +59,10 @@ def split_unlit(
 
 
 @kernel
-def left_over(share: float, white: float) -> float:
+def residual_variance(share: float, white: float) -> float:
     """Return the variance that the unlit window adds, over that of its noise."""
     # The noise of the share that was taken off, and the texture of the share that was not.
-    return max(share**2 + (1.0 - share) ** 2 * min(white, STRAY), share)
+    return max(share**2 + (1.0 - share) ** 2 * min(white, RESIDUAL_TEXTURE), share)
 
 
 @kernel
@@ -75,7 +76,7 @@ def blend(lit: Array, unlit: Unlit, share: float, seen: Observation) -> None:
     texture, mean, white = unlit
     pixels, extra, prior, shot, floor = seen
     height, width = texture.shape
-    added = left_over(share, white)
+    added = residual_variance(share, white)
     # What the texture is but for its noise, in the mean.
     clean = white / (1.0 + white)
     usable = 0
@@ -159,6 +160,6 @@ def texture_share(
     square = yy * shift_x**2 - 2.0 * xy * shift_x * shift_y + xx * shift_y**2
     evidence = 0.5 * square / ((xx * yy - xy * xy) * variance)
     # The fit is linear in a texture that is weak beside the pulse; the rest is taken off.
-    strong = white * variance / (white * variance + (BESIDE * amplitude) ** 2)
+    strong = white * variance / (white * variance + (STRONG_TEXTURE * amplitude) ** 2)
     share = max(strong, 1.0 - SHRINKAGE / max(evidence, SHRINKAGE))
     return share, evidence, pulse

@@ -20,7 +20,8 @@ from blob_tracker.ros.diagnostics.connections import Connections
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
 from blob_tracker.ros.diagnostics.losses import Losses
 from blob_tracker.ros.endpoints.debug_image import DebugImage
-from blob_tracker.ros.endpoints.frame_topics import Deliver, FrameTopics
+from blob_tracker.ros.endpoints.delivery import Deliver
+from blob_tracker.ros.endpoints.frame_topics import FrameTopics
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.camera_info import from_camera_model, to_camera_model
 from blob_tracker.ros.parameters.controls import ControlParameters
@@ -41,9 +42,9 @@ DEVICE = (
     'device', 'width', 'height', 'pixel_format', 'frame_rate', 'buffers', 'exposure_time',
     'readout_time',
 )
-FRAME_TIMEOUT = 0.1  # s: how soon the end of the node is noticed while no frame comes
-QUIET, LONGEST_SILENCE = 1.0, 10.0  # s without a frame: is told; opens the device again
-FIRST_PAUSE, LONGEST_PAUSE = 0.5, 5.0  # s between attempts to open the device
+FRAME_TIMEOUT_S = 0.1  # s: how soon the end of the node is noticed while no frame comes
+QUIET_S, LONGEST_SILENCE_S = 1.0, 10.0  # s without a frame: is told; opens the device again
+FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.5, 5.0  # s between attempts to open the device
 
 
 class CameraNode(Node):
@@ -63,7 +64,10 @@ class CameraNode(Node):
     """
 
     def __init__(
-        self, *, deliver: Deliver | None = None, elsewhere: Collection[str] = ()
+        self,
+        *,
+        deliver: Deliver[tuple[Frame, CameraInfo]] | None = None,
+        elsewhere: Collection[str] = (),
     ) -> None:
         super().__init__('camera')
         values = declare(self, PARAMETERS, complete=False)
@@ -92,7 +96,7 @@ class CameraNode(Node):
             callback_group=MutuallyExclusiveCallbackGroup(),
         )
         self._search: Future | None = None
-        self._pause = FIRST_PAUSE
+        self._pause = FIRST_PAUSE_S
         self._awake = self.create_guard_condition(lambda: None)
         self._stop = threading.Event()
         # A daemon: an interrupt before the node is whole must not leave it running alone.
@@ -160,8 +164,8 @@ class CameraNode(Node):
         while time.monotonic() < again and not self._ends:
             self._health.fault(ERROR, why)  # it holds until it is gone
             self._answer(False, why)
-            self._stop.wait(FIRST_PAUSE)
-        self._pause = min(2.0 * self._pause, LONGEST_PAUSE)
+            self._stop.wait(FIRST_PAUSE_S)
+        self._pause = min(2.0 * self._pause, LONGEST_PAUSE_S)
 
     @property
     def _ends(self) -> bool:
@@ -200,7 +204,7 @@ class CameraNode(Node):
         self._health.arrived(frame.stamp_ns)
         self._frames.publish(frame, info, values['frame_id'])
         self._health.left(frame.stamp_ns)
-        self._pause = FIRST_PAUSE  # not before: a device may open well and fail at once
+        self._pause = FIRST_PAUSE_S  # not before: a device may open well and fail at once
         self._report(camera, grabber, bool(info.k[0]))
         self._debug_image.offer(
             lambda: draw(frame, self._in_words(camera, grabber)),
@@ -222,14 +226,14 @@ class CameraNode(Node):
         begin = time.monotonic()
         while not self._ends:
             try:
-                return grabber.newest(FRAME_TIMEOUT)
+                return grabber.newest(FRAME_TIMEOUT_S)
             except NoFrameError as error:
                 self._show_losses(camera, grabber)  # spoilt pictures alone may be all that comes
                 # A slow or triggered camera is no broken one: only a long silence opens it anew.
                 silence = time.monotonic() - begin
-                if silence > LONGEST_SILENCE:
+                if silence > LONGEST_SILENCE_S:
                     raise
-                if silence > QUIET:
+                if silence > QUIET_S:
                     self._health.fault(ERROR, str(error))
         raise CaptureError('the device is closed, as its settings changed')
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from functools import partial
-from inspect import signature
 import sys
 from threading import Lock
 import time
@@ -12,16 +11,18 @@ from typing import Any
 
 from blob_tracker.camera import CalibrationError, LensError
 from blob_tracker.camera.line_jitter import LineJitter
-from blob_tracker.location import compile_ahead, locate, METHODS
+from blob_tracker.location import compile_ahead, method_options
 from blob_tracker.location.noise import variance_ratio
 from blob_tracker.location.picture import draw
 from blob_tracker.location.scatter import RecentPlaces
 from blob_tracker.nodes.interface.locator import DEFAULT_METHOD, PARAMETERS
+from blob_tracker.pipeline import window_to_bearing
 from blob_tracker.ros.diagnostics.clock_jumps import on_clock_jump
 from blob_tracker.ros.diagnostics.connections import Connections
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
 from blob_tracker.ros.endpoints.bearing_topics import BearingTopics
 from blob_tracker.ros.endpoints.debug_image import DebugImage
+from blob_tracker.ros.endpoints.delivery import Deliver, Delivery
 from blob_tracker.ros.endpoints.names import lights_from_text, target_topic
 from blob_tracker.ros.endpoints.pairing import FramePairs
 from blob_tracker.ros.endpoints.qos import STATE, subscription
@@ -46,8 +47,6 @@ PLACES = 240  # of which the scatter is told to 5 %: the last 8 s at 30 Hz
 SUSPICIOUS = 1.5
 DIFFERENT = 1.5  # ratio of two variances; what is measured has sigmas far below that
 
-Deliver = Callable[[str, Bearing, str], None]
-
 
 class LocatorNode(Node):
     """
@@ -58,8 +57,7 @@ class LocatorNode(Node):
     listen : bool
         Whether windows come from target/window/...; else whoever has them calls `locate`.
     deliver : callable, optional
-        Takes each bearing in memory: the name of the light, its bearing and the name of the
-        optical frame.
+        Takes each bearing in memory.
     elsewhere : collection of str
         Parameters of other nodes in the same process.
 
@@ -69,7 +67,7 @@ class LocatorNode(Node):
         self,
         *,
         listen: bool = True,
-        deliver: Deliver | None = None,
+        deliver: Deliver[Bearing] | None = None,
         elsewhere: Collection[str] = (),
     ) -> None:
         super().__init__('locator')
@@ -96,13 +94,10 @@ class LocatorNode(Node):
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Build what these parameters ask for; return what puts it into effect."""
         method = values['method']
-        options = {}
-        if values['elliptical']:
-            if 'elliptical' not in signature(METHODS[method]).parameters:
-                raise ParameterError(
-                    f"parameter 'elliptical' is True; the method '{method}' has no such form"
-                )
-            options['elliptical'] = True
+        try:
+            options = method_options(method, elliptical=values['elliptical'])
+        except ValueError as error:
+            raise ParameterError(str(error)) from None
         compile_ahead([method])
         noise = SensorNoise(
             values['noise.gain'], values['noise.read_noise'], values['noise.black_level']
@@ -120,16 +115,16 @@ class LocatorNode(Node):
                 self._line_jitter = line_jitter
                 self._places.clear()  # the next ones are placed in another way
                 if self._listen:
-                    self._set_lights(lights)
+                    self._follow(lights)
                 self._set_online(values['noise.online'])
 
         return use
 
-    def heed(self, lights: Collection[str]) -> None:
+    def set_lights(self, lights: Collection[str]) -> None:
         """Be told by the segmenter in this process which lights it will hand over."""
         self._make_topics(lights)
         with self._lock:
-            self._set_lights(lights)
+            self._follow(lights)
 
     def _make_topics(self, lights: Collection[str]) -> None:
         """Have the topics of these lights; those of others stay, see `process.run`."""
@@ -141,13 +136,13 @@ class LocatorNode(Node):
                     self, f'{target_topic(name)}/window', self._health, partial(self._take, name)
                 )
 
-    def _set_lights(self, lights: Collection[str]) -> None:
+    def _follow(self, lights: Collection[str]) -> None:
         """Place these lights and speak of no other."""
         self._lights = lights
         self._places = {name: self._places[name] for name in lights if name in self._places}
 
     def _set_online(self, online: bool) -> None:
-        """Heed the noise that the segmenter measures, or no longer."""
+        """Use the noise that the segmenter measures, or no longer."""
         self._online = online
         if not online:
             self._health.show('noise', f'as configured: {_in_words(self._configured)}')
@@ -184,32 +179,34 @@ class LocatorNode(Node):
         except MessageError as error:
             self._health.fault(ERROR, f'{target_topic(light)}/window: {error}')
             return
-        self.locate(light, window, info, image.header.frame_id)
+        self.locate(Delivery((window, info), image.header.frame_id, light))
 
     def _forget(self, after_ns: int) -> None:
         """Forget the windows that wait for their camera_info and have a later stamp, ns."""
         for windows in self._windows.values():
             windows.forget(after_ns)
 
-    def locate(self, light: str, window: Window, info: CameraInfo, frame_id: str) -> None:
+    def locate(self, delivery: Delivery[tuple[Window, CameraInfo]]) -> None:
         """Place the blob of a window and publish its direction, or nothing at all."""
         came_ns = time.monotonic_ns()
+        window, info = delivery.item
         with self._lock:
-            if light in self._lights:
-                self._locate(light, window, info, frame_id)
+            if delivery.light in self._lights:
+                self._locate(delivery.light, window, info, delivery.frame_id)
         self._health.arrived(window.stamp_ns, came_ns)
 
     def _locate(self, light: str, window: Window, info: CameraInfo, frame_id: str) -> None:
         try:
             camera_model = self._camera.model(info)
             window = clipping_window(window, self._saturation, self._looks)
-            location = locate(window, method=self._method, noise=self._noise, **self._options)
-            if self._line_jitter is not None:
-                self._line_jitter.check_height(camera_model.height)
-                location = self._line_jitter.corrected(
-                    location, gain=self._noise.gain, looks=self._looks
-                )
-            bearing = camera_model.bearing(location)
+            location, bearing = window_to_bearing(
+                window,
+                camera_model,
+                method=self._method,
+                noise=self._noise,
+                line_jitter=self._line_jitter,
+                **self._options,
+            )
         except MessageError as error:
             self._health.fault(ERROR, f'{target_topic(light)}/window: {error}')
             return
@@ -229,7 +226,7 @@ class LocatorNode(Node):
             return
         self._targets[light].publish(bearing, location, frame_id)
         if self._deliver is not None:
-            self._deliver(light, bearing, frame_id)
+            self._deliver(Delivery(bearing, frame_id, light))
         self._health.left(window.stamp_ns)
         self._health.count('bearings')
         self._health.ok('target located')

@@ -1,4 +1,9 @@
-"""Camera, segmenter, locator and tracker in one process: all is handed over in memory."""
+"""
+Camera, segmenter, locator and tracker in one process: all is handed over in memory.
+
+The nodes are what they are alone, with ROS about them. Their arithmetic without ROS is another
+thing, the class `blob_tracker.Pipeline`.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +11,14 @@ from collections.abc import Collection, Iterator
 import sys
 
 from blob_tracker.nodes import camera, locator, segmenter, simulator, tracker
-from blob_tracker.nodes.interface.pipeline import PARAMETERS
+from blob_tracker.nodes.interface import interface_of
+from blob_tracker.nodes.interface.pipeline import CHAIN, PARAMETERS, SOURCES
 from blob_tracker.ros.parameters.declaration import declare, given, unknown
 from blob_tracker.ros.process import run
 from rclpy.node import Node
 
 
-def nodes() -> Iterator[Node]:
+def linked_nodes() -> Iterator[Node]:
     """
     Yield the nodes of the process, each linked to the next.
 
@@ -30,12 +36,11 @@ def nodes() -> Iterator[Node]:
     yield pipeline
     common = given(pipeline)
     source = declare(pipeline, PARAMETERS, common)['source']
-    modules = [segmenter, locator, tracker] + {
-        'camera': [camera], 'simulator': [simulator], 'images': []
-    }[source]
-    known = {each.name for module in (*modules, sys.modules[__name__])
-             for each in module.PARAMETERS}
-    known.add('use_sim_time')
+    known = {
+        each.name
+        for name in ('pipeline', *CHAIN, *SOURCES[source])
+        for each in interface_of(name).parameters
+    } | {'use_sim_time'}
     if source != 'camera':  # whose controls have names that only the device knows
         for name in common:
             if name not in known:
@@ -47,8 +52,8 @@ def nodes() -> Iterator[Node]:
     yield locating
 
     def announce(lights: Collection[str]) -> None:
-        tracking.heed(lights)
-        locating.heed(lights)
+        tracking.set_lights(lights)
+        locating.set_lights(lights)
 
     segmenting = segmenter.SegmenterNode(
         listen=source == 'images',
@@ -73,4 +78,4 @@ def compile_all() -> None:
 
 def main() -> None:
     """Run the nodes."""
-    sys.exit(run(nodes, compile_all))
+    sys.exit(run(linked_nodes, compile_all))

@@ -14,7 +14,8 @@ from blob_tracker.nodes.interface.simulator import PARAMETERS, STILL
 from blob_tracker.ros.diagnostics.connections import Connections
 from blob_tracker.ros.diagnostics.health import Health, WARN
 from blob_tracker.ros.endpoints.debug_image import DebugImage
-from blob_tracker.ros.endpoints.frame_topics import Deliver, FrameTopics
+from blob_tracker.ros.endpoints.delivery import Deliver
+from blob_tracker.ros.endpoints.frame_topics import FrameTopics
 from blob_tracker.ros.endpoints.qos import publisher, RESULT, subscription
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.camera_info import from_camera_model
@@ -36,10 +37,10 @@ import numpy as np
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.timer import Timer
-from sensor_msgs.msg import Imu, JointState
+from sensor_msgs.msg import CameraInfo, Imu, JointState
 
-RIDE = 300.0  # s, after which it begins again: the vehicle leaps, once in five minutes
-BACK = 0.1  # s that the clock may go back as it is slewed; else it was set back
+RIDE_S = 300.0  # s, after which it begins again: the vehicle leaps, once in five minutes
+BACK_S = 0.1  # s that the clock may go back as it is slewed; else it was set back
 JOINTS = ('pan', 'tilt')
 GYRO = Gyro()
 AHEAD = (0.0, 0.0, 1.0)  # the direction of the light, in the level frame
@@ -59,7 +60,10 @@ class SimulatorNode(Node):
     """
 
     def __init__(
-        self, *, deliver: Deliver | None = None, elsewhere: Collection[str] = ()
+        self,
+        *,
+        deliver: Deliver[tuple[Frame, CameraInfo]] | None = None,
+        elsewhere: Collection[str] = (),
     ) -> None:
         super().__init__('simulator')
         values = declare(self, PARAMETERS, elsewhere)
@@ -158,7 +162,7 @@ class SimulatorNode(Node):
         """Return the time since the ride began, s; it begins again where it is over."""
         assert self._vehicle is not None
         time = 1e-9 * (now_ns - self._begin_ns)
-        if not self._vehicle.pan_tilt.time <= time + BACK or time > RIDE:
+        if not self._vehicle.pan_tilt.time <= time + BACK_S or time > RIDE_S:
             self._begin_ns = now_ns
             self._vehicle = self._vehicle.again()
             return 0.0
@@ -250,10 +254,10 @@ class SimulatorNode(Node):
 def _ride(platform: str, seed: int) -> tuple[Ride, Felt]:
     """Return how a vehicle turns, and what its gyro says of it: a second's work of a ride."""
     ride = (
-        Ride(RIDE + 1.0, np.zeros((2, 3)), np.zeros((2, 3))) if platform == STILL
-        else MOTIONS[platform].ride(RIDE + 1.0, seed)
+        Ride(RIDE_S + 1.0, np.zeros((2, 3)), np.zeros((2, 3))) if platform == STILL
+        else MOTIONS[platform].ride(RIDE_S + 1.0, seed)
     )
-    return ride, GYRO.samples(ride, RIDE, np.random.default_rng([seed, 11]))
+    return ride, GYRO.samples(ride, RIDE_S, np.random.default_rng([seed, 11]))
 
 
 def main() -> None:

@@ -21,10 +21,10 @@ from blob_tracker.ros.messages.position import point_message, pose_message
 from blob_tracker.ros.messages.target import to_bearing
 from blob_tracker.ros.parameters.declaration import about, declare, on_change
 from blob_tracker.ros.process import run
-from blob_tracker.tracking.simultaneous import Simultaneous
-from blob_tracker.tracking.triangulation import (
-    CameraPose, check_bearing, Position, triangulate, TriangulationError,
+from blob_tracker.tracking import (
+    CameraPose, Position, Simultaneous, triangulate, TriangulationError,
 )
+from blob_tracker.tracking.triangulation import check_bearing
 from blob_tracker.types import Bearing
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped
 import numpy as np
@@ -32,10 +32,10 @@ from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
 from rclpy.validate_topic_name import validate_topic_name
 
-SILENCE = 2.0  # s of wall time without a ray, while the other camera has some
-TOGETHER = 0.1  # s of wall time within which the ages of two rays are compared
-APART = 1.0  # s by which they may differ: no camera is so much later than another
-LEAST_BASELINE = 1e-9  # m
+SILENCE_S = 2.0  # s of wall time without a ray, while the other camera has some
+TOGETHER_S = 0.1  # s of wall time within which the ages of two rays are compared
+APART_S = 1.0  # s by which they may differ: no camera is so much later than another
+LEAST_BASELINE_M = 1e-9  # m
 
 
 @dataclass
@@ -106,7 +106,7 @@ class TriangulatorNode(Node):
 
         def use() -> None:
             self._camera_poses, self._frame_id = poses, values['frame_id']
-            self._gate = values['gate']
+            self._gate_sigma = values['gate']
             self._pairing.max_interval = values['max_interval']
             self._pairing.acceleration = values['acceleration']
 
@@ -145,7 +145,7 @@ class TriangulatorNode(Node):
         """Tell, and say, whether the rays that come together have stamps of different clocks."""
         first, second = (self._cameras[name] for name in CAMERAS)
         apart = second.age - first.age
-        if abs(first.came - second.came) > TOGETHER or abs(apart) <= APART:
+        if abs(first.came - second.came) > TOGETHER_S or abs(apart) <= APART_S:
             return False
         late, early = (second, first) if apart > 0.0 else (first, second)
         self._health.fault(
@@ -161,7 +161,7 @@ class TriangulatorNode(Node):
         if self._at_one_place():  # which is said each second
             return
         try:
-            position = triangulate(pair, self._camera_poses, gate=self._gate)
+            position = triangulate(pair, self._camera_poses, gate_sigma=self._gate_sigma)
         except TriangulationError as error:
             self._health.fault(WARN, f'no position: {error}')
             self._health.count('pairs refused')
@@ -177,7 +177,7 @@ class TriangulatorNode(Node):
     def _at_one_place(self) -> bool:
         """Tell whether no one has said yet where the cameras are."""
         first, second = self._camera_poses
-        return float(np.linalg.norm(first.position - second.position)) < LEAST_BASELINE
+        return float(np.linalg.norm(first.position - second.position)) < LEAST_BASELINE_M
 
     def _check_cameras(self) -> None:
         """Report cameras at one place, one that is silent, and rays that come in vain."""
@@ -188,7 +188,7 @@ class TriangulatorNode(Node):
                 'second.y, second.z to where they are in frame_id',
             )
         now = time.monotonic()
-        silent = [each for each in self._cameras.values() if now - each.came > SILENCE]
+        silent = [each for each in self._cameras.values() if now - each.came > SILENCE_S]
         if len(silent) == 1:
             heard = next(each for each in self._cameras.values() if each not in silent)
             self._health.fault(

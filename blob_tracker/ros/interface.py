@@ -1,8 +1,8 @@
 """
 What a node shows of itself, as data: its parameters, topics and services.
 
-One declaration of each is read by the node, by its `--help`, by config/tracker.yaml and by the
-tables of the README.
+One declaration of each is read by the node, by its `--help`, by config/tracker.yaml, by the
+README's tables and by config/security/policy.xml.
 """
 
 from __future__ import annotations
@@ -126,6 +126,8 @@ class Interface:
     ----------
     node : str
         Its name, and that of its executable.
+    caption : str
+        What it is about, in a few words.
     summary : str
         What it does.
     parameters : sequence of Parameter
@@ -134,17 +136,21 @@ class Interface:
         What it reads and what it says.
     services : sequence of Service
         What it does when asked.
+    each_light : sequence of Topic
+        Those that each coded light has under its name as well, target/<name>/... for target/...
     examples : sequence of str
         Command lines.
 
     """
 
     node: str
+    caption: str
     summary: str
     parameters: Sequence[Parameter]
     subscribed: Sequence[Topic] = ()
     published: Sequence[Topic] = ()
     services: Sequence[Service] = ()
+    each_light: Sequence[Topic] = ()
     examples: Sequence[str] = ()
 
     def resolved(self, name: str) -> str:

@@ -20,7 +20,7 @@ except ImportError:  # rclpy before 7.1.4
     EventsExecutor = None
 
 WRONG_USE = 2  # exit code, as for a shell command called wrongly
-SPELL = 10.0  # s; the plain executor adds a little to its future with each callback
+SPELL_S = 10.0  # s; the plain executor adds a little to its future with each callback
 
 
 def run(
@@ -79,7 +79,7 @@ def run(
         while rclpy.ok():
             # Not spin(): that of the EventsExecutor of rclpy 7.1 waits for a time that overflows
             # and calls nobody back. This way both executors work.
-            executor.spin_until_future_complete(Future(), SPELL)
+            executor.spin_until_future_complete(Future(), SPELL_S)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except ParameterError as error:  # only the camera knows what its controls may be

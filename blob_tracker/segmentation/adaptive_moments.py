@@ -1,8 +1,5 @@
 """Place, width and SNR of the blob at a peak, by adaptive moments."""
 
-# Numba's decorators bring no types.
-# mypy: disable-error-code="untyped-decorator"
-
 from __future__ import annotations
 
 from blob_tracker.kernel import kernel
@@ -10,19 +7,19 @@ from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
 
-REACH = 4.0  # sigma: a Gaussian is 3e-4 of its peak there, which is background
-FINEST = 0.7  # px, scale at which the search begins: the pixel itself is 0.29 wide
-COARSEST = 8.0  # binned px; beyond it the pixels are binned and the search goes on
+REACH_SIGMA = 4.0  # sigma: a Gaussian is 3e-4 of its peak there, which is background
+FINEST_SCALE_PX = 0.7  # px, scale at which the search begins: the pixel itself is 0.29 wide
+COARSEST_SCALE_PX = 8.0  # binned px; beyond it the pixels are binned and the search goes on
 BINNING = 4  # by which they are: from 8 px to 2, well sampled still
 # Binned px to either side: first what holds the finest scales, because most peaks are noise.
-HALVES = (6, 12, int(REACH * COARSEST))
-STEPS = 20  # the moments settle in 3 to 6
-SETTLED = 0.02  # change of sigma and of place, in sigma, at which they have
+HALF_WIDTHS_PX = (6, 12, int(REACH_SIGMA * COARSEST_SCALE_PX))
+MAX_STEPS = 20  # the moments settle in 3 to 6
+CONVERGED_SIGMA = 0.02  # change of sigma and of place, in sigma, at which they have
 # Of the weight's variance: what has more of it along one axis and less across is four times as
 # long as wide, or longer: no blob, and a weight that grew with it would only gather what is near.
 LINE_ALONG, LINE_ACROSS = 0.8, 0.2
-LINE_SIGMA = 1.9  # px of the weight: below it pixels and noise have a part in what is long
-RING_AGAIN = 0.15  # change of sigma, in sigma, after which the background is taken anew
+LINE_SIGMA_PX = 1.9  # px of the weight: below it pixels and noise have a part in what is long
+RING_UPDATE_SIGMA = 0.15  # change of sigma, in sigma, after which the background is taken anew
 
 # What `measure` returns: the SNR is 0 where there is no blob.
 Measured = tuple[float, float, float, float, float, float, float, float, float]
@@ -38,8 +35,8 @@ def measure(
     row: int,
     level: float,
     noise: float,
-    least: float,
-    largest: float,
+    min_snr: float,
+    max_sigma: float,
 ) -> Measured:
     """
     Measure the blob at a peak.
@@ -68,9 +65,9 @@ def measure(
         Pixel of the peak.
     level, noise : float
         Background and standard deviation of lit less unlit, DN.
-    least : float
+    min_snr : float
         SNR below which the blob is not measured further.
-    largest : float
+    max_sigma : float
         Greatest sigma, px.
 
     Returns
@@ -80,16 +77,16 @@ def measure(
     sigma_major, sigma_minor, correlation : float
         Standard deviations along the longest and shortest axis, px; correlation of x and y.
     snr : float
-        Of the matched filter, 0 where nothing stands out or it is wider than `largest`.
+        Of the matched filter, 0 where nothing stands out or it is wider than `max_sigma`.
     background : float
         Median of lit less unlit about it, DN.
 
     """
-    x, y, sigma = float(column), float(row), FINEST
+    x, y, sigma = float(column), float(row), FINEST_SCALE_PX
     binning, size = 1, 0
-    while binning * FINEST <= largest:
-        half = HALVES[size]
-        coarsest = half / REACH
+    while binning * FINEST_SCALE_PX <= max_sigma:
+        half = HALF_WIDTHS_PX[size]
+        coarsest = half / REACH_SIGMA
         x0 = max(int(round(x)) - half * binning, region[0])
         y0 = max(int(round(y)) - half * binning, region[1])
         width = (min(int(round(x)) + (half + 1) * binning, region[2]) - x0) // binning
@@ -98,21 +95,21 @@ def measure(
             return NO_BLOB
         # The centre of the samples of a binned pixel is so far from the first one.
         edge = 0.5 * (binning - max(binning // BINNING, 1))
-        found = _settle(
+        found = _iterate(
             _patch(lit, unlit, x0, y0, width, height, binning),
             (x - x0 - edge) / binning,
             (y - y0 - edge) / binning,
             sigma / binning,
             level,
             noise / min(binning, BINNING),
-            least,
+            min_snr,
             coarsest,
         )
-        snr, wide = found[7], found[2] >= coarsest
-        if snr < least and not wide:
+        snr, too_wide = found[7], found[2] >= coarsest
+        if snr < min_snr and not too_wide:
             return NO_BLOB
         x, y = x0 + edge + binning * found[0], y0 + edge + binning * found[1]
-        if not wide:
+        if not too_wide:
             # What a binned pixel is wide is no part of the blob; nor does its filter see less.
             sigma_x, sigma_y, major, minor = (
                 _unbinned(found[2], binning), _unbinned(found[3], binning),
@@ -120,13 +117,13 @@ def measure(
             )
             snr *= max(binning // BINNING, 1)
             inside = region[0] <= x <= region[2] - 1 and region[1] <= y <= region[3] - 1
-            if not inside or max(sigma_x, sigma_y) > largest:
+            if not inside or max(sigma_x, sigma_y) > max_sigma:
                 return NO_BLOB
             return (
                 x, y, sigma_x, sigma_y, major, minor, found[6], snr, found[8],
             )
         sigma = 0.5 * coarsest * binning
-        if size + 1 < len(HALVES):
+        if size + 1 < len(HALF_WIDTHS_PX):
             size += 1
         else:
             binning *= BINNING
@@ -164,20 +161,20 @@ def _patch(
 
 
 @kernel
-def _settle(
+def _iterate(
     pixels: NDArray[np.float32],
     x: float,
     y: float,
     sigma: float,
     level: float,
     noise: float,
-    least: float,
+    min_snr: float,
     coarsest: float,
 ) -> Measured:
     """
     Return what `measure` does, in px of `pixels`.
 
-    Sigma is `coarsest` or more where the blob is wider than that; the SNR is below `least`, and
+    Sigma is `coarsest` or more where the blob is wider than that; the SNR is below `min_snr`, and
     what else is returned is rough, where there is none.
     """
     best = -1.0
@@ -196,17 +193,17 @@ def _settle(
         scale *= 2.0
     if scale > coarsest and best > 0.0:
         return x, y, coarsest, coarsest, coarsest, coarsest, 0.0, best, level
-    if best < 0.8 * least:  # the scales tried are within 20 % of the best one
+    if best < 0.8 * min_snr:  # the scales tried are within 20 % of the best one
         return x, y, sigma, sigma, sigma, sigma, 0.0, 0.0, level
     xx = yy = sigma * sigma
     mxx = myy = 0.5 * xx
     mxy = 0.0
     weight = xx
-    of_ring = 0.0
-    for _ in range(STEPS):
-        if abs(sigma - of_ring) > RING_AGAIN * sigma:
-            level = _ring(pixels, x, y, sigma)
-            of_ring = sigma
+    ring_sigma = 0.0
+    for _ in range(MAX_STEPS):
+        if abs(sigma - ring_sigma) > RING_UPDATE_SIGMA * sigma:
+            level = _ring_median(pixels, x, y, sigma)
+            ring_sigma = sigma
         flux, norm, dx, dy, mxx, myy, mxy = _moments(pixels, x, y, sigma, level)
         best = flux / (noise * np.sqrt(norm))
         if best <= 0.0:
@@ -226,7 +223,7 @@ def _settle(
         y += dy
         change = max(abs(new - sigma), abs(dx), abs(dy))
         sigma = new
-        if sigma >= coarsest or change < SETTLED * sigma:
+        if sigma >= coarsest or change < CONVERGED_SIGMA * sigma:
             break
     if sigma >= coarsest:
         return x, y, coarsest, coarsest, coarsest, coarsest, 0.0, best, level
@@ -251,7 +248,7 @@ def _is_line(mxx: float, myy: float, mxy: float, sigma: float) -> bool:
     mean, half = 0.5 * (mxx + myy), np.sqrt(0.25 * (mxx - myy) ** 2 + mxy * mxy)
     weight = sigma * sigma
     return (
-        sigma > LINE_SIGMA
+        sigma > LINE_SIGMA_PX
         and mean + half > LINE_ALONG * weight
         and mean - half < LINE_ACROSS * weight
     )
@@ -270,7 +267,7 @@ def _moments(
     pixels: NDArray[np.float32], x: float, y: float, sigma: float, level: float
 ) -> tuple[float, float, float, float, float, float, float]:
     """Return sum(w I), sum(w^2), and the first and second moments under w about (x, y)."""
-    half = max(REACH * sigma, 2.0)
+    half = max(REACH_SIGMA * sigma, 2.0)
     first, last = max(int(x - half), 0), min(int(x + half) + 2, pixels.shape[1])
     top, bottom = max(int(y - half), 0), min(int(y + half) + 2, pixels.shape[0])
     scale = -0.5 / (sigma * sigma)
@@ -310,9 +307,9 @@ def _moments(
 
 
 @kernel
-def _ring(pixels: NDArray[np.float32], x: float, y: float, sigma: float) -> float:
+def _ring_median(pixels: NDArray[np.float32], x: float, y: float, sigma: float) -> float:
     """Return the median of the pixels on the border of the box of 4 sigma about (x, y)."""
-    half = max(REACH * sigma, 3.0)
+    half = max(REACH_SIGMA * sigma, 3.0)
     left, right = max(int(x - half), 0), min(int(x + half) + 1, pixels.shape[1] - 1)
     top, bottom = max(int(y - half), 0), min(int(y + half) + 1, pixels.shape[0] - 1)
     ring = np.empty(2 * (max(right - left, 0) + max(bottom - top, 0) + 2))

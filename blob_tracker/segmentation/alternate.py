@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from blob_tracker.segmentation.box import Box, common, whole
+from blob_tracker.segmentation.box import Box, intersection, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.confirmation import Confirmation
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.history import FrameError, FrameHistory
-from blob_tracker.segmentation.registration import laid_over, overlap, REGISTRATIONS
+from blob_tracker.segmentation.registration import overlap, REGISTRATIONS, warped
 from blob_tracker.types import Frame, Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +32,7 @@ class Alternate:
     registration : str
         How the unlit frame is laid over the lit one, a key of `REGISTRATIONS`: for a camera that
         moves between the two. It is none for one that stands still.
-    gate : float
+    gate_px : float
         Greatest way of the target in the picture from one flash to the next, px.
 
     Raises
@@ -47,17 +47,17 @@ class Alternate:
         *,
         max_pair_interval: float = 0.1,
         registration: str = 'none',
-        gate: float = 24.0,
+        gate_px: float = 24.0,
     ) -> None:
         if registration not in REGISTRATIONS:
             raise ValueError(
                 f"no registration '{registration}'; there is {', '.join(REGISTRATIONS)}"
             )
         self._register = REGISTRATIONS[registration]
-        self.gate = gate
+        self.gate_px = gate_px
         self.reason = 'no frame yet'
         self._history = FrameHistory(2, max_pair_interval)
-        self._confirmation = Confirmation(gate)
+        self._confirmation = Confirmation(gate_px)
         self._region = Box(0, 0, 0, 0)
         self._motion: NDArray[np.float64] | None = None  # of the camera since the last frame
 
@@ -80,11 +80,11 @@ class Alternate:
             interval = self._history.push(frame)
         except FrameError:
             if len(self._history.frames) == 1:
-                self._confirmation = Confirmation(self.gate)
+                self._confirmation = Confirmation(self.gate_px)
             raise
         if interval is None:
             self.reason = 'waiting for a second frame'
-            self._confirmation = Confirmation(self.gate)
+            self._confirmation = Confirmation(self.gate_px)
             return None
         if interval > self._history.max_interval:
             self.reason = (
@@ -111,17 +111,17 @@ class Alternate:
         unlit, lit = (each.image for each in self._history.frames)
         self._region = self._confirmation.region((lit.shape[0], lit.shape[1]))
         if self._motion is not None:
-            unlit = self._laid_over(lit, unlit, self._motion)
+            unlit = self._warped(lit, unlit, self._motion)
         return Contrast(lit, unlit, frame.saturation, frame, (lit,), (unlit,))
 
-    def _laid_over(self, lit: Pixels, unlit: Pixels, motion: NDArray[np.float64]) -> Pixels:
+    def _warped(self, lit: Pixels, unlit: Pixels, motion: NDArray[np.float64]) -> Pixels:
         """Return the unlit frame laid over the lit one in the region, cut to what both see."""
         seen = overlap(motion, (lit.shape[0], lit.shape[1]))
-        self._region = common(self._region, seen)
+        self._region = intersection(self._region, seen)
         if self._region == whole((lit.shape[0], lit.shape[1])):
-            return laid_over(lit, unlit, motion)
+            return warped(lit, unlit, motion)
         out = lit.copy()
-        out[self._region.slices] = laid_over(lit, unlit, motion, self._region)
+        out[self._region.slices] = warped(lit, unlit, motion, self._region)
         return out
 
     def region(self, contrast: Contrast) -> Box:
@@ -141,7 +141,7 @@ class Alternate:
         target = self._confirmation.choose(candidates, contrast.shape)
         if target is not None:
             return [('', target)]
-        allowed = sum(not each.refused for each in candidates)
+        allowed = sum(not each.rejected for each in candidates)
         if allowed and not self.reason:
             self.reason = f'{allowed} lit up; none of them flashes in step with the frames yet'
         return []

@@ -49,7 +49,7 @@ def whole(shape: tuple[int, int]) -> Box:
     return Box(0, 0, shape[1], shape[0])
 
 
-def common(first: Box, second: Box) -> Box:
+def intersection(first: Box, second: Box) -> Box:
     """Return the pixels that two boxes share; without any where they are apart."""
     x0, y0 = max(first.x0, second.x0), max(first.y0, second.y0)
     return Box(x0, y0, max(min(first.x1, second.x1), x0), max(min(first.y1, second.y1), y0))

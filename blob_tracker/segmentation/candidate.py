@@ -31,21 +31,21 @@ class Candidate(NamedTuple):
         Height of the Gaussian that fits best, DN.
     misfit : float
         What of it the Gaussian does not explain, nor the noise: rms over rms of the Gaussian.
-    beside : float
+    neighbour_ratio : float
         Mean rise of the four neighbours of the peak, as a part of the peak's.
     fall : float
         Greatest loss of light in a square of 2 sigma within 9 sigma of it, DN.
-    stood : float
-        Height of the blob that was there before it lit up, DN.
+    unlit_amplitude : float
+        That of the blob that was there before it lit up, DN.
     texture : float
         Standard deviation of the scene about it before it lit up, DN.
     clipped : float
         Whether pixels were clipped there before; 0 or 1.
     noise : float
         Standard deviation of lit less unlit in that part of the frame, DN.
-    unrest : float
+    surround_noise : float
         Standard deviation of lit less unlit within 9 sigma about it, DN.
-    refused : str
+    rejected : str
         Why it is no target; empty where it may be one.
 
     """
@@ -64,14 +64,14 @@ class Candidate(NamedTuple):
     height: float
     amplitude: float
     misfit: float
-    beside: float
+    neighbour_ratio: float
     fall: float
-    stood: float
+    unlit_amplitude: float
     texture: float
     clipped: float
     noise: float
-    unrest: float = 0.0
-    refused: str = ''
+    surround_noise: float = 0.0
+    rejected: str = ''
 
     @property
     def peak(self) -> tuple[int, int]:

@@ -14,9 +14,10 @@ from blob_tracker.types import Frame, Pixels
 import numpy as np
 from numpy.typing import NDArray
 
-GATE = 6  # px that a light may move between two of its rises, and the reach of its place
-LEAST_SWING = 6.0  # standard deviations that a light which still blinks goes up and down by
-LONGEST = 2048  # frames of a code: half a minute at 60 Hz; every phase of it is compared
+GATE_PX = 6  # px that a light may move between two of its rises, and the reach of its place
+LEAST_SWING_SIGMA = 6.0  # standard deviations that a light which still blinks goes up and down by
+# Frames of a code: half a minute at 60 Hz; every phase of it is compared
+LONGEST_CODE_FRAMES = 2048
 MOST_LIGHTS = 16  # of one frame: what has more rises than that is no scene of lights
 
 
@@ -66,10 +67,10 @@ class Coded:
     ) -> None:
         check_codes(codes, bit_errors)
         length = frames_per_bit * max(len(bits) for bits in codes.values())
-        if length > LONGEST:
+        if length > LONGEST_CODE_FRAMES:
             raise ValueError(
                 f'a code of {length} frames is too long to be read; it must have at most '
-                f'{LONGEST}, frames_per_bit included'
+                f'{LONGEST_CODE_FRAMES}, frames_per_bit included'
             )
         self.reason = 'no frame yet'
         self._tolerance = bit_errors * frames_per_bit
@@ -123,7 +124,7 @@ class Coded:
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
         """Return the known lights that lit up, each by its name."""
-        allowed = [each for each in candidates if not each.refused]
+        allowed = [each for each in candidates if not each.rejected]
         found: dict[str, Candidate] = {}
         for candidate in allowed[:MOST_LIGHTS]:
             spot = self._spot_at(*candidate.peak, contrast.lit, contrast.unlit)
@@ -141,7 +142,7 @@ class Coded:
     def _spot_at(self, column: int, row: int, image: Pixels, unlit: Pixels) -> _Spot:
         """Return the spot that rose here, moved to the rise; a new one where there is none."""
         for spot in self._spots:
-            if max(abs(spot.column - column), abs(spot.row - row)) <= GATE:
+            if max(abs(spot.column - column), abs(spot.row - row)) <= GATE_PX:
                 spot.column, spot.row = column, row
                 return spot
         spot = _Spot(column, row)
@@ -152,7 +153,7 @@ class Coded:
     def _lives(self, spot: _Spot, noise: float) -> bool:
         """Tell whether a spot still blinks: it has not been of one level for a whole code."""
         swing = max(spot.levels) - min(spot.levels)
-        return len(spot.levels) < self._length or swing >= LEAST_SWING * noise
+        return len(spot.levels) < self._length or swing >= LEAST_SWING_SIGMA * noise
 
     def _name(self, levels: Sequence[float]) -> str:
         """Return the name of the light with these levels; empty where it is none or unsure."""
@@ -201,5 +202,5 @@ def _phases(bits: str, frames_per_bit: int) -> NDArray[np.bool_]:
 
 def _level(image: Pixels, spot: _Spot) -> float:
     """Return the brightest pixel about a spot, DN."""
-    about: Box = box_about(spot.column, spot.row, GATE, GATE, image.shape)
+    about: Box = box_about(spot.column, spot.row, GATE_PX, GATE_PX, image.shape)
     return float(image[about.slices].max())

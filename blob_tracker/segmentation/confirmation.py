@@ -12,24 +12,25 @@ from blob_tracker.segmentation.box import Box, box_about, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.expectation import Expectation
 
-PERIOD = 2  # frames from one flash to the next
+PERIOD_FRAMES = 2  # frames from one flash to the next
 INTERVALS = 9  # of the last frames, whose median is the time between frames
-ON_TIME = 0.25  # frames by which a stamp may be off and still tell even from odd
-FOLLOWED = 0.3  # of the gate: what is left to chance once the motion is known
-FLANK = 4.0  # sigma: a wide blob's peak wanders so far
-ALIKE = 2.5  # times brighter or fainter than before, and still the same light
-FORGOTTEN = 8  # frames without a flash after which a track ends
+STAMP_TOLERANCE_FRAMES = 0.25  # frames by which a stamp may be off and still tell even from odd
+FOLLOWED_GATE_FRACTION = 0.3  # of the gate: what is left to chance once the motion is known
+FLANK_SIGMA = 4.0  # sigma: a wide blob's peak wanders so far
+MAX_BRIGHTNESS_RATIO = 2.5  # times brighter or fainter than before, and still the same light
+MAX_AGE_FRAMES = 8  # frames without a flash after which a track ends
 MOST_TRACKS = 32
-FIRST = 3  # pairs of frames in which a single light is taken for the target at once
-REGION = 16  # px about the prediction, and as many sigma as FLANK says
+FIRST_PAIRS = 3  # pairs of frames in which a single light is taken for the target at once
+REGION_MARGIN_PX = 16  # px about the prediction, and as many sigma as FLANK_SIGMA says
 # False alarms: at most so many by chance in a frame, at the rate at which new things light up.
-CHANCE = 3e-6
-CLUSTERED = 20.0  # times denser than if they were spread evenly: glints, leaves, a street's lamps
-LEAST_MEMORY, MOST_MEMORY = 16, 128  # frames over which that rate is the mean
-FIRST_RATE = 0.05  # before anything was seen
+FALSE_ALARMS_PER_FRAME = 3e-6
+CLUSTERING = 20.0  # times denser than if they were spread evenly: glints, leaves, a street's lamps
+LEAST_MEMORY_FRAMES, MOST_MEMORY_FRAMES = 16, 128  # frames over which that rate is the mean
+INITIAL_RATE = 0.05  # before anything was seen
 MOST_FLASHES = 6  # are always enough
-SETTLED = 3  # flashes of the target after which one that comes a frame late is still it
-SPOILED = 2  # more flashes are asked of a light that was once seen out of step
+# Flashes of the target after which one that comes a frame late is still it
+ESTABLISHED_FLASHES = 3
+OUT_OF_STEP_FLASHES = 2  # more flashes are asked of a light that was once seen out of step
 
 
 @dataclass
@@ -42,19 +43,19 @@ class _Track:
     height: float
     stamp_ns: int
     flashes: int = 1
-    speed_x: float = 0.0  # px a frame
-    speed_y: float = 0.0
-    spoiled: bool = False
+    velocity_x: float = 0.0  # px a frame
+    velocity_y: float = 0.0
+    out_of_step: bool = False
     trusted: bool = False
 
-    def at(self, age: float) -> tuple[float, float]:
+    def position_at(self, age: float) -> tuple[float, float]:
         """Return where it is expected so many frames later, px."""
-        return self.x + self.speed_x * age, self.y + self.speed_y * age
+        return self.x + self.velocity_x * age, self.y + self.velocity_y * age
 
-    def reach(self, gate: float, age: float) -> float:
+    def gate_radius_px(self, gate_px: float, age: float) -> float:
         """Return how far from there it may be, px."""
-        moved = gate if self.flashes == 1 else FOLLOWED * gate
-        return FLANK * self.sigma + moved * max(age, 1.0) / PERIOD
+        moved = gate_px if self.flashes == 1 else FOLLOWED_GATE_FRACTION * gate_px
+        return FLANK_SIGMA * self.sigma + moved * max(age, 1.0) / PERIOD_FRAMES
 
 
 class Confirmation:
@@ -77,21 +78,21 @@ class Confirmation:
 
     Parameters
     ----------
-    gate : float
+    gate_px : float
         Greatest way of the target in the picture from one flash to the next, px.
 
     """
 
-    def __init__(self, gate: float) -> None:
-        self.gate = gate
+    def __init__(self, gate_px: float) -> None:
+        self.gate_px = gate_px
         self._tracks: list[_Track] = []
         self._locked: _Track | None = None
         self._expected: Expectation | None = None
         self._intervals: deque[int] = deque(maxlen=INTERVALS)
         self._stamp_ns: int | None = None
         self._frames = 0
-        self._rate = FIRST_RATE  # of new things that light up, a frame
-        self._remembered = LEAST_MEMORY
+        self._rate = INITIAL_RATE  # of new things that light up, a frame
+        self._rate_frames = LEAST_MEMORY_FRAMES
 
     @property
     def locked(self) -> bool:
@@ -122,8 +123,8 @@ class Confirmation:
             self._intervals.append(stamp_ns - self._stamp_ns)
         self._stamp_ns = stamp_ns
         self._frames += 1
-        self._tracks = [each for each in self._tracks if self._age(each) <= FORGOTTEN]
-        if self._locked is not None and self._age(self._locked) > FORGOTTEN:
+        self._tracks = [each for each in self._tracks if self._age(each) <= MAX_AGE_FRAMES]
+        if self._locked is not None and self._age(self._locked) > MAX_AGE_FRAMES:
             self._locked = None
         self._expected = None
         if expected is not None and self._followed and expected.inside(shape):
@@ -144,7 +145,7 @@ class Confirmation:
         half = self._half()
         if 2.0 * half > min(shape):
             return whole(shape)
-        x, y = self._place(track)
+        x, y = self._predicted_position(track)
         column = min(max(round(x), 0), shape[1] - 1)
         row = min(max(round(y), 0), shape[0] - 1)
         return box_about(column, row, round(half), round(half), shape)
@@ -153,10 +154,10 @@ class Confirmation:
         """Return half the side of the region about the target that is followed, px."""
         assert self._locked is not None
         if self._expected is not None:
-            return REGION + self._reach(self._locked)
+            return REGION_MARGIN_PX + self._gate_radius_px(self._locked)
         age = self._age(self._locked)
-        half = REGION + self._locked.reach(self.gate, PERIOD)
-        return half * 2.0 ** max(math.ceil(age / PERIOD - ON_TIME) - 1, 0)
+        half = REGION_MARGIN_PX + self._locked.gate_radius_px(self.gate_px, PERIOD_FRAMES)
+        return half * 2.0 ** max(math.ceil(age / PERIOD_FRAMES - STAMP_TOLERANCE_FRAMES) - 1, 0)
 
     def widened(self, everything: Sequence[Candidate]) -> bool:
         """
@@ -172,8 +173,8 @@ class Confirmation:
         if self._expected is None or track is None:
             return False
         age = self._age(track)
-        if age < PERIOD - ON_TIME or any(
-            not each.refused and self._fits(track, each, self._away(track, each))
+        if age < PERIOD_FRAMES - STAMP_TOLERANCE_FRAMES or any(
+            not each.rejected and self._matches(track, each, self._distance(track, each))
             for each in everything
         ):
             return False
@@ -189,7 +190,7 @@ class Confirmation:
         Parameters
         ----------
         everything : sequence of Candidate
-            What lit up. Of those that are refused it only counts that they are out of step.
+            What lit up. Of those that are rejected it only counts that they are out of step.
         shape : (int, int)
             Height and width of the frame, px.
 
@@ -197,21 +198,22 @@ class Confirmation:
         searched = self._locked is None
         candidates = []
         for each in everything:
-            if each.refused:
-                self._spoil(each)
+            if each.rejected:
+                self._mark_out_of_step(each)
             else:
                 candidates.append(each)
-        seen = [(self._continued(each), each) for each in candidates]
+        seen = [(self._associated(each), each) for each in candidates]
         if searched:
-            new = sum(track.flashes == 1 and not track.spoiled for track, _ in seen)
-            self._remembered = min(self._remembered + 1, MOST_MEMORY)
-            self._rate += (new - self._rate) / self._remembered
-        needed = self._needed(shape)
+            new = sum(track.flashes == 1 and not track.out_of_step for track, _ in seen)
+            self._rate_frames = min(self._rate_frames + 1, MOST_MEMORY_FRAMES)
+            self._rate += (new - self._rate) / self._rate_frames
+        needed = self._flashes_needed(shape)
         best: tuple[_Track, Candidate] | None = None
-        alone = self._frames <= FIRST and len(everything) == 1
+        alone = self._frames <= FIRST_PAIRS and len(everything) == 1
         for track, candidate in seen:
-            track.trusted = not track.spoiled and (track.trusted or alone)
-            if not track.trusted and track.flashes < needed + SPOILED * track.spoiled:
+            track.trusted = not track.out_of_step and (track.trusted or alone)
+            more = OUT_OF_STEP_FLASHES if track.out_of_step else 0
+            if not track.trusted and track.flashes < needed + more:
                 continue
             if track is self._locked:
                 best = track, candidate
@@ -227,83 +229,84 @@ class Confirmation:
         self._locked = best[0]
         return best[1]
 
-    def _continued(self, candidate: Candidate) -> _Track:
+    def _associated(self, candidate: Candidate) -> _Track:
         """Return the track that a candidate belongs to, brought up to date; else a new one."""
         assert self._stamp_ns is not None
         sigma = math.hypot(candidate.sigma_x, candidate.sigma_y) / math.sqrt(2.0)
-        fresh = _Track(candidate.x, candidate.y, sigma, candidate.height, self._stamp_ns)
-        nearest, distance = None, math.inf
+        new = _Track(candidate.x, candidate.y, sigma, candidate.height, self._stamp_ns)
+        nearest, least_px = None, math.inf
         for track in self._tracks:
-            away = self._away(track, candidate)
-            if away < distance and self._fits(track, candidate, away):
-                nearest, distance = track, away
+            offset_px = self._distance(track, candidate)
+            if offset_px < least_px and self._matches(track, candidate, offset_px):
+                nearest, least_px = track, offset_px
         if nearest is None:
-            return fresh
+            return new
         age = self._age(nearest)
         if not self._in_step(age):
-            if nearest.flashes >= MOST_FLASHES and age < PERIOD:
-                return fresh  # right after a flash that was expected: something else
-            if nearest is self._locked and nearest.flashes >= SETTLED and age > PERIOD:
+            if nearest.flashes >= MOST_FLASHES and age < PERIOD_FRAMES:
+                return new  # right after a flash that was expected: something else
+            established = nearest.flashes >= ESTABLISHED_FLASHES
+            if nearest is self._locked and established and age > PERIOD_FRAMES:
                 # It missed its flash and comes a frame late: the light slipped.
-                fresh.trusted = True
-                self._replace(nearest, fresh)
-                return fresh
-            fresh.spoiled = True
-            self._replace(nearest, None)
-            return fresh
-        fresh.speed_x = (candidate.x - nearest.x) / age
-        fresh.speed_y = (candidate.y - nearest.y) / age
-        fresh.flashes = nearest.flashes + 1
-        fresh.spoiled = nearest.spoiled
-        fresh.trusted = nearest.trusted
-        self._replace(nearest, fresh)
-        return fresh
+                new.trusted = True
+                self._replace_track(nearest, new)
+                return new
+            new.out_of_step = True
+            self._replace_track(nearest, None)
+            return new
+        new.velocity_x = (candidate.x - nearest.x) / age
+        new.velocity_y = (candidate.y - nearest.y) / age
+        new.flashes = nearest.flashes + 1
+        new.out_of_step = nearest.out_of_step
+        new.trusted = nearest.trusted
+        self._replace_track(nearest, new)
+        return new
 
-    def _place(self, track: _Track) -> tuple[float, float]:
+    def _predicted_position(self, track: _Track) -> tuple[float, float]:
         """Return where a track is expected in this frame, px."""
         if track is self._locked and self._expected is not None:
             return self._expected.x, self._expected.y
-        return track.at(self._age(track))
+        return track.position_at(self._age(track))
 
-    def _reach(self, track: _Track) -> float:
+    def _gate_radius_px(self, track: _Track) -> float:
         """Return how far from there it may be, px."""
         if track is self._locked and self._expected is not None:
-            return FLANK * track.sigma + self._expected.reach
-        return track.reach(self.gate, self._age(track))
+            return FLANK_SIGMA * track.sigma + self._expected.gate_radius_px
+        return track.gate_radius_px(self.gate_px, self._age(track))
 
-    def _away(self, track: _Track, candidate: Candidate) -> float:
+    def _distance(self, track: _Track, candidate: Candidate) -> float:
         """Return how far a candidate is from where a track is expected, px."""
-        x, y = self._place(track)
+        x, y = self._predicted_position(track)
         return math.hypot(candidate.x - x, candidate.y - y)
 
-    def _fits(self, track: _Track, candidate: Candidate, away: float) -> bool:
+    def _matches(self, track: _Track, candidate: Candidate, offset_px: float) -> bool:
         """Tell whether a candidate that is so far from a track may be the same light."""
         return (
             self._age(track) > 0.0
-            and away < self._reach(track)
-            and track.height < ALIKE * candidate.height
-            and candidate.height < ALIKE * track.height
+            and offset_px < self._gate_radius_px(track)
+            and track.height < MAX_BRIGHTNESS_RATIO * candidate.height
+            and candidate.height < MAX_BRIGHTNESS_RATIO * track.height
         )
 
-    def _replace(self, track: _Track, by: _Track | None) -> None:
+    def _replace_track(self, track: _Track, by: _Track | None) -> None:
         """End a track; where it was the one that is followed, another is from now on, or none."""
         if track is self._locked:
             self._locked = by
         self._tracks = [each for each in self._tracks if each is not track]
 
-    def _spoil(self, candidate: Candidate) -> None:
+    def _mark_out_of_step(self, candidate: Candidate) -> None:
         """Mark the young track that is followed, and end all others, where it is out of step."""
         for track in list(self._tracks):
-            near = FLANK * (track.sigma + 1.0)
+            near = FLANK_SIGMA * (track.sigma + 1.0)
             if (
                 track.flashes < MOST_FLASHES
                 and not self._in_step(self._age(track))
-                and self._away(track, candidate) < near
-                and track.height < ALIKE * candidate.height
+                and self._distance(track, candidate) < near
+                and track.height < MAX_BRIGHTNESS_RATIO * candidate.height
             ):
-                track.spoiled = True
+                track.out_of_step = True
                 if track is not self._locked:
-                    self._replace(track, None)
+                    self._replace_track(track, None)
 
     def _age(self, track: _Track) -> float:
         """Return the time since a track was seen, in frames."""
@@ -314,17 +317,17 @@ class Confirmation:
     def _in_step(self, age: float) -> bool:
         """Tell whether a light that flashes in step can be on after so many frames."""
         frames = round(age)
-        return abs(age - frames) > ON_TIME or frames % PERIOD == 0
+        return abs(age - frames) > STAMP_TOLERANCE_FRAMES or frames % PERIOD_FRAMES == 0
 
-    def _needed(self, shape: tuple[int, int]) -> int:
+    def _flashes_needed(self, shape: tuple[int, int]) -> int:
         """Return after how many flashes chance cannot have made a track."""
         # Half of what lights up within reach is as bright as what lit up there before.
-        near = 0.5 * CLUSTERED * math.pi / (shape[0] * shape[1])
-        rate = max(self._rate - 1.0 / self._remembered, 0.0)  # the target was new once as well
-        first = rate * min(near * self.gate**2, 1.0)
-        later = rate * min(near * (FOLLOWED * self.gate) ** 2, 1.0)
+        near = 0.5 * CLUSTERING * math.pi / (shape[0] * shape[1])
+        rate = max(self._rate - 1.0 / self._rate_frames, 0.0)  # the target was new once as well
+        first = rate * min(near * self.gate_px**2, 1.0)
+        later = rate * min(near * (FOLLOWED_GATE_FRACTION * self.gate_px) ** 2, 1.0)
         chance, flashes = rate * first, 2
-        while chance > CHANCE and flashes < MOST_FLASHES:
+        while chance > FALSE_ALARMS_PER_FRAME and flashes < MOST_FLASHES:
             chance *= later
             flashes += 1
         return flashes

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-ROUNDING = float(np.sqrt(2 / 12))  # DN: noise of the difference of two rounded frames
+ROUNDING_DN = float(np.sqrt(2 / 12))  # DN: noise of the difference of two rounded frames
 
 
 class Contrast(NamedTuple):
@@ -24,8 +24,8 @@ class Contrast(NamedTuple):
     saturation : int
         Value at which a pixel of them is clipped.
     frame : Frame
-        Gives stamp, crop, binning, and the saturation of the looks.
-    lit_looks, unlit_looks : tuple of (h, w) arrays
+        Gives stamp, crop, binning, and the raw frames' saturation.
+    lit_frames, unlit_frames : tuple of (h, w) arrays
         The raw frames from which the window is cut; as many of each, or no unlit ones.
     floor : float
         Least noise of lit less unlit.
@@ -40,9 +40,9 @@ class Contrast(NamedTuple):
     unlit: Pixels
     saturation: int
     frame: Frame
-    lit_looks: tuple[Pixels, ...]
-    unlit_looks: tuple[Pixels, ...]
-    floor: float = ROUNDING
+    lit_frames: tuple[Pixels, ...]
+    unlit_frames: tuple[Pixels, ...]
+    floor: float = ROUNDING_DN
     unit: float = 1.0
     duration: float = 0.0
 

@@ -1,8 +1,5 @@
 """What tells a blob from other things that lit up: a row of numbers for each."""
 
-# Numba's decorators bring no types.
-# mypy: disable-error-code="untyped-decorator"
-
 from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel
@@ -12,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 FIELDS = 21  # of a candidate
-WINDOW = 3.0  # sigma to either side: what is compared with a Gaussian
-FROM_MEAN = np.sqrt(0.5 * np.pi)  # sigma over the mean |d| of a Gaussian deviate
+WINDOW_SIGMA = 3.0  # sigma to either side: what is compared with a Gaussian
+SIGMA_PER_MEAN_DEVIATION = np.sqrt(0.5 * np.pi)  # sigma over the mean |d| of a Gaussian deviate
 SAMPLES = 12  # to either side of a blob on which it is compared; of wider ones pixels are left out
 
 
@@ -31,7 +28,7 @@ def describe(
     unlit: Pixels,
     region: tuple[int, int, int, int],
     saturation: int,
-    alone: bool,
+    single_frame: bool,
     blob: tuple[float, float, float, float, float, float, float, float, float],
     column: int,
     row: int,
@@ -51,7 +48,7 @@ def describe(
         Columns x0 to x1 and rows y0 to y1 that may be looked at, px.
     saturation : int
         The DN at which a pixel is clipped.
-    alone : bool
+    single_frame : bool
         Whether nothing was subtracted.
     blob : tuple of 9 floats
         What `adaptive_moments.measure` returns.
@@ -62,10 +59,10 @@ def describe(
 
     """
     x, y, sigma_x, sigma_y, _, _, correlation, _, level = blob
-    half_x, half_y = max(WINDOW * sigma_x, 3.0), max(WINDOW * sigma_y, 3.0)
+    half_x, half_y = max(WINDOW_SIGMA * sigma_x, 3.0), max(WINDOW_SIGMA * sigma_y, 3.0)
     left, right = max(int(x - half_x), region[0]), min(int(x + half_x) + 2, region[2])
     top, bottom = max(int(y - half_y), region[1]), min(int(y + half_y) + 2, region[3])
-    norm = flux = stood = around = squares = 0.0
+    norm = flux = unlit_amplitude = surround_level = squares = 0.0
     outside = 0
     clipped = False
     weights = np.empty((bottom - top, right - left))
@@ -75,28 +72,29 @@ def describe(
             q = distance2(i - x, j - y, sigma_x, sigma_y, correlation)
             w = np.exp(-0.5 * q)
             weights[j - top, i - left] = w
-            under = float(unlit[j, i])
+            unlit_pixel = float(unlit[j, i])
             clipped = clipped or unlit[j, i] >= saturation
-            if q > WINDOW * WINDOW:
-                around += under
-                squares += under * under
+            if q > WINDOW_SIGMA * WINDOW_SIGMA:
+                surround_level += unlit_pixel
+                squares += unlit_pixel * unlit_pixel
                 outside += 1
             elif lit[j, i] < saturation:
                 norm += w * w
-                flux += w * (float(lit[j, i]) - under - level)
+                flux += w * (float(lit[j, i]) - unlit_pixel - level)
     amplitude = flux / norm if norm > 0.0 else height
-    around = around / outside if outside > 0 else 0.0
-    texture = np.sqrt(max(squares / outside - around * around, 0.0)) if outside > 0 else 0.0
+    surround_level = surround_level / outside if outside > 0 else 0.0
+    variance = squares / outside - surround_level * surround_level if outside > 0 else 0.0
+    texture = np.sqrt(max(variance, 0.0))
     misfit, count = 0.0, 0
     total = 0.0
     for j in range(top, bottom, step):
         for i in range(left, right, step):
             w = weights[j - top, i - left]
-            stood += w * (float(unlit[j, i]) - around)
+            unlit_amplitude += w * (float(unlit[j, i]) - surround_level)
             total += w * w
             if lit[j, i] < saturation:
-                left_over = float(lit[j, i]) - float(unlit[j, i]) - level - amplitude * w
-                misfit += left_over * left_over
+                residual = float(lit[j, i]) - float(unlit[j, i]) - level - amplitude * w
+                misfit += residual * residual
                 count += 1
     # Less what the noise explains, and five of its standard deviations: it is known to 10 % only.
     misfit -= (count + 5.0 * np.sqrt(2.0 * count)) * noise * noise
@@ -105,21 +103,21 @@ def describe(
     out[9], out[10], out[11] = column, row, height
     out[12] = amplitude
     out[13] = np.sqrt(max(misfit, 0.0) / explained) if explained > 0.0 else 0.0
-    out[14] = _beside(lit, unlit, region, column, row, level) / max(height, noise)
+    out[14] = _neighbour_rise(lit, unlit, region, column, row, level) / max(height, noise)
     # In one frame by itself nothing fell: what is darker beside it is the scene.
     out[15] = 0.0
-    if not alone:
+    if not single_frame:
         size = 2.0 * min(sigma_x, sigma_y)
         out[15] = _fall(lit, unlit, region, x, y, 3.0 * half_x, 3.0 * half_y, size, level)
-    out[16] = stood / total if total > 0.0 else 0.0
+    out[16] = unlit_amplitude / total if total > 0.0 else 0.0
     out[17] = texture
     out[18] = clipped
     out[19] = noise
-    out[20] = _unrest(lit, unlit, region, x, y, half_x, half_y, level)
+    out[20] = _surround_noise(lit, unlit, region, x, y, half_x, half_y, level)
 
 
 @kernel
-def _beside(
+def _neighbour_rise(
     lit: Pixels,
     unlit: Pixels,
     region: tuple[int, int, int, int],
@@ -191,7 +189,7 @@ def _add_row(
 
 
 @kernel
-def _unrest(
+def _surround_noise(
     lit: Pixels,
     unlit: Pixels,
     region: tuple[int, int, int, int],
@@ -220,16 +218,16 @@ def _unrest(
         if size <= 0:
             continue
         a, b = lit[j], unlit[j]
-        total = _departure(a, b, left, first if inside else right, middle)
+        total = _absolute_deviation(a, b, left, first if inside else right, middle)
         if inside:
-            total += _departure(a, b, last, right, middle)
+            total += _absolute_deviation(a, b, last, right, middle)
         rows[count] = total / size
         count += 1
-    return FROM_MEAN * median(rows, count) if count > 0 else 0.0
+    return SIGMA_PER_MEAN_DEVIATION * median(rows, count) if count > 0 else 0.0
 
 
 @kernel
-def _departure(a: Pixels, b: Pixels, left: int, right: int, level: float) -> float:
+def _absolute_deviation(a: Pixels, b: Pixels, left: int, right: int, level: float) -> float:
     """Return the sum of |a - b - level| from left to right."""
     total = np.float32(0.0)
     for i in range(np.uint64(left), np.uint64(right)):

@@ -9,7 +9,7 @@ from blob_tracker.types import Frame
 import numpy as np
 from numpy.typing import NDArray
 
-SIGMAS = 4.0  # of a place in two dimensions: one in 3000 is further off
+GATE_SIGMA = 4.0  # of a place in two dimensions: one in 3000 is further off
 
 
 class Expectation(NamedTuple):
@@ -39,17 +39,17 @@ class Expectation(NamedTuple):
         )
 
     @property
-    def reach(self) -> float:
+    def gate_radius_px(self) -> float:
         """How far from there the target may be, px: NaN where the covariance is none."""
         (a, b), (_, c) = self.covariance.tolist()
         if not (a >= 0.0 and c >= 0.0 and b * b <= a * c):
             return math.nan
-        return SIGMAS * math.sqrt(0.5 * (a + c) + math.hypot(0.5 * (a - c), b))
+        return GATE_SIGMA * math.sqrt(0.5 * (a + c) + math.hypot(0.5 * (a - c), b))
 
     def inside(self, shape: tuple[int, int]) -> bool:
         """Tell whether it lies in a frame of (h, w); not where a number of it is none."""
         return (
             -0.5 <= self.x < shape[1] - 0.5
             and -0.5 <= self.y < shape[0] - 0.5
-            and self.reach < math.inf
+            and self.gate_radius_px < math.inf
         )

@@ -5,8 +5,8 @@ from __future__ import annotations
 from blob_tracker.types import Frame
 import numpy as np
 
-DARK = 1 / 64  # of full scale: no light that can be placed is fainter, whatever the noise
-BLOWN = 0.5  # of the pixels
+DARK_FRACTION = 1 / 64  # of full scale: no light that can be placed is fainter, whatever the noise
+CLIPPED_FRACTION = 0.5  # of the pixels
 
 
 def exposure_fault(frame: Frame) -> str:
@@ -26,13 +26,13 @@ def exposure_fault(frame: Frame) -> str:
     """
     image, full = frame.image, frame.saturation
     brightest = int(image.max())
-    if brightest < DARK * full:
+    if brightest < DARK_FRACTION * full:
         return (
             f'the brightest pixel is {brightest} DN of {full}: is the lens cap on? The exposure '
             'is far too short otherwise'
         )
     clipped = float(np.count_nonzero(image >= full)) / image.size
-    if clipped > BLOWN:
+    if clipped > CLIPPED_FRACTION:
         return (
             f'{100 * clipped:.0f} % of the pixels are clipped at {full} DN: the exposure is far '
             'too long'

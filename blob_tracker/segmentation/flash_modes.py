@@ -28,8 +28,8 @@ def flash_by_name(mode: str, **options: object) -> Flash:
     mode : str
         A key of `FLASH_MODES`.
     **options
-        Those of all modes: max_pair_interval, registration, gate, frequency, duty, frames, codes,
-        frames_per_bit, bit_errors.
+        Those of all modes: max_pair_interval, registration, gate_px, frequency, duty, frames,
+        codes, frames_per_bit, bit_errors.
 
     Returns
     -------

@@ -8,10 +8,10 @@ from blob_tracker.segmentation.contrast import Contrast
 import numpy as np
 from numpy.typing import NDArray
 
-EMPTY = 5  # bins in a row, as the thesis has it
+EMPTY_BINS = 5  # bins in a row, as the thesis has it
 # A bin of so small a part of the pixels, or of one pixel, is nearly empty: below it lies the tail
 # of a Gaussian background beyond 3.5 sigma, and the few pixels of the blob that share a level.
-NEARLY = 1e-4
+NEARLY_EMPTY = 1e-4
 
 
 def histogram_threshold(pixels: NDArray[np.floating], step: float = 1.0) -> float | None:
@@ -38,10 +38,10 @@ def histogram_threshold(pixels: NDArray[np.floating], step: float = 1.0) -> floa
     # The half keeps whole numbers in the middle of their bins.
     count = np.bincount(np.floor((pixels - floor) / step + 0.5).astype(np.intp).ravel())
     mode = int(np.argmax(count))
-    empty = count[mode + 1:] <= max(1.0, NEARLY * pixels.size)
-    if empty.size < EMPTY:
+    empty = count[mode + 1:] <= max(1.0, NEARLY_EMPTY * pixels.size)
+    if empty.size < EMPTY_BINS:
         return None
-    gaps = np.lib.stride_tricks.sliding_window_view(empty, EMPTY).all(axis=1)
+    gaps = np.lib.stride_tricks.sliding_window_view(empty, EMPTY_BINS).all(axis=1)
     if not gaps.any():
         return None
     return floor + step * (mode + int(np.argmax(gaps)) + 0.5)

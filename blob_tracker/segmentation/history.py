@@ -60,12 +60,12 @@ class FrameHistory:
         if frame.stamp_ns <= previous.stamp_ns:
             late = (previous.stamp_ns - frame.stamp_ns) / 1e9
             if late > self.max_interval:
-                self._start_afresh(frame)
+                self._restart(frame)
                 raise FrameError(f'the stamps jumped back by {late:.3f} s; starting afresh')
             kind = 'repeated' if late == 0.0 else f'{late:.3f} s older than the one before'
             raise FrameError(f'frame left out: its stamp is {kind}; stamps must grow')
         if _geometry(frame) != _geometry(previous):
-            self._start_afresh(frame)
+            self._restart(frame)
             raise FrameError(
                 f'the frames changed from {_describe(previous)} to {_describe(frame)}; '
                 'starting afresh'
@@ -76,7 +76,7 @@ class FrameHistory:
         self.frames.append(frame)
         return interval
 
-    def _start_afresh(self, frame: Frame) -> None:
+    def _restart(self, frame: Frame) -> None:
         self.frames.clear()
         self.frames.append(frame)
 

@@ -1,8 +1,5 @@
 """Light on the whole scene that changes between frames: lamps on the mains, clouds, bands."""
 
-# Numba's decorators bring no types.
-# mypy: disable-error-code="untyped-decorator"
-
 from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel
@@ -12,9 +9,9 @@ import numpy as np
 
 # Of a region so many rows are sampled, and so far apart at least: between them a band is on a
 # straight line.
-ROWS, APART = 32, 4
+ROWS, ROWS_APART_PX = 32, 4
 PARTS = 5  # of a row, whose median it is: a target or a lamp is in two of them at most
-DARK = 4.0  # DN: of less the ratio says nothing
+DARK_DN = 4.0  # DN: of less the ratio says nothing
 
 
 @kernel
@@ -37,7 +34,7 @@ def row_gains(lit: Pixels, unlit: Pixels, y0: int, y1: int) -> tuple[Array, floa
         How much brighter or darker it is, rms over the rows, DN.
 
     """
-    count = max(min(ROWS, (y1 - y0) // APART), 1)
+    count = max(min(ROWS, (y1 - y0) // ROWS_APART_PX), 1)
     gains = np.empty((count, 2))
     ratios = np.empty(PARTS)
     width = lit.shape[1] // PARTS
@@ -49,7 +46,7 @@ def row_gains(lit: Pixels, unlit: Pixels, y0: int, y1: int) -> tuple[Array, floa
         for part in range(PARTS):
             after, before = _sums(a, b, part * width, (part + 1) * width)
             total += before
-            ratios[part] = after / before if before >= DARK * width and width > 0 else 1.0
+            ratios[part] = after / before if before >= DARK_DN * width and width > 0 else 1.0
         gain = median(ratios, PARTS)
         gains[k, 0], gains[k, 1] = j, gain
         squares += ((gain - 1.0) * total / lit.shape[1]) ** 2

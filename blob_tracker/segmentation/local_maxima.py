@@ -1,18 +1,16 @@
 """Where light rose: the local maxima of lit less unlit, tile by tile."""
 
-# Numba's decorators bring no types.
-# mypy: disable-error-code="untyped-decorator"
-
 from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel
-from blob_tracker.segmentation.tile_noise import TILE
+from blob_tracker.segmentation.tile_noise import TILE_PX
 from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
 
-BAND = 0.25  # of a row above the threshold: the row is brighter, not something in it
-CROWDED = 32  # pixels of a tile's row above the threshold: of such only the highest is looked at
+BAND_FRACTION = 0.25  # of a row above the threshold: the row is brighter, not something in it
+# Pixels of a tile's row above the threshold: of such only the highest is looked at
+CROWDED_PX = 32
 
 
 @kernel
@@ -67,21 +65,21 @@ def local_maxima(
     for j in range(y0, y1):
         rises[j - y0] = _greatest_rise(lit[j], unlit[j], x0, x1)
     for j in range(y0, y1):
-        ty = min((j - y0) // TILE, down - 1)
+        ty = min((j - y0) // TILE_PX, down - 1)
         strongest = max(strongest, rises[j - y0] - darkest[ty])
         if rises[j - y0] <= lowest[ty]:
             continue
         a, b = lit[j], unlit[j]
         brighter = -1.0
         for tx in range(across):
-            left = x0 + tx * TILE
-            right = x1 if tx == across - 1 else left + TILE
+            left = x0 + tx * TILE_PX
+            right = x1 if tx == across - 1 else left + TILE_PX
             level = floors[ty, tx]
             highest = float(_greatest_rise(a, b, left, right)) - level
             least = threshold * noises[ty, tx]
             if highest <= least:
                 continue
-            crowded = _count_above(a, b, left, right, int(level + least)) > CROWDED
+            crowded = _count_above(a, b, left, right, int(level + least)) > CROWDED_PX
             if crowded:
                 if brighter < 0.0:
                     brighter = _level_of_band(a, b, x0, x1, level, least)
@@ -114,12 +112,12 @@ def local_maxima(
 def level_at(levels: Array, x: float, y: float) -> float:
     """Return the level at a place, px from the first tile, between the tiles' middles."""
     down, across = levels.shape
-    v, u = y / TILE - 0.5, x / TILE - 0.5
+    v, u = y / TILE_PX - 0.5, x / TILE_PX - 0.5
     top, left = max(min(int(v), down - 2), 0), max(min(int(u), across - 2), 0)
-    under, beside = min(top + 1, down - 1), min(left + 1, across - 1)
+    below, right = min(top + 1, down - 1), min(left + 1, across - 1)
     v, u = v - top, u - left
-    upper = levels[top, left] + u * (levels[top, beside] - levels[top, left])
-    lower = levels[under, left] + u * (levels[under, beside] - levels[under, left])
+    upper = levels[top, left] + u * (levels[top, right] - levels[top, left])
+    lower = levels[below, left] + u * (levels[below, right] - levels[below, left])
     return upper + v * (lower - upper)
 
 
@@ -129,7 +127,7 @@ def _lowest_level(levels: Array, tx: int, ty: int) -> float:
     lowest = levels[ty, tx]
     for y in (ty, ty + 1):
         for x in (tx, tx + 1):
-            lowest = min(lowest, level_at(levels, float(x * TILE), float(y * TILE)))
+            lowest = min(lowest, level_at(levels, float(x * TILE_PX), float(y * TILE_PX)))
     return lowest
 
 
@@ -197,7 +195,7 @@ def _level_of_band(
         rise = float(np.int32(a[i]) - np.int32(b[i])) - level
         above += rise > least
         total += rise
-    return max(total / (right - left), 0.0) if above > BAND * (right - left) else 0.0
+    return max(total / (right - left), 0.0) if above > BAND_FRACTION * (right - left) else 0.0
 
 
 @kernel

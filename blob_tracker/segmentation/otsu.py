@@ -8,7 +8,7 @@ from blob_tracker.segmentation.contrast import Contrast
 import numpy as np
 from numpy.typing import NDArray
 
-FIRST_HALF = 4  # px: holds a blob of sigma 0.6 to 2 with background about it
+FIRST_HALF_PX = 4  # px: holds a blob of sigma 0.6 to 2 with background about it
 GROWTH = 1.5  # a larger step would jump over the size at which the threshold settles
 
 
@@ -74,7 +74,7 @@ def otsu_window(contrast: Contrast, candidate: Candidate, largest: int) -> Box |
 
     """
     column, row = candidate.peak
-    half = FIRST_HALF
+    half = FIRST_HALF_PX
     last = -1
     while True:
         box = box_about(column, row, half, half, contrast.shape)

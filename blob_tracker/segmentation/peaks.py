@@ -1,16 +1,13 @@
 """Every peak in a part of a frame, measured and described: the loops over pixels."""
 
-# Numba's decorators bring no types.
-# mypy: disable-error-code="untyped-decorator"
-
 from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.adaptive_moments import measure
-from blob_tracker.segmentation.description import describe, distance2, FIELDS, WINDOW
+from blob_tracker.segmentation.description import describe, distance2, FIELDS, WINDOW_SIGMA
 from blob_tracker.segmentation.illumination import row_gains
 from blob_tracker.segmentation.local_maxima import brightest_square, level_at, local_maxima
-from blob_tracker.segmentation.tile_noise import TILE, tile_noise
+from blob_tracker.segmentation.tile_noise import tile_noise, TILE_PX
 from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +17,11 @@ from numpy.typing import NDArray
 # for more would cost more time than the search.
 MOST_PEAKS, FEW_PEAKS = 2048, 128
 MOST_CANDIDATES, FEW_CANDIDATES = 1024, 16
-FLANK = 4.0  # sigma of a blob within which further peaks are its own
+FLANK_SIGMA = 4.0  # sigma of a blob within which further peaks are its own
 # And as many px further out those that have such a part of its height: the wings of the lens, the
 # ringing of a codec. What is brighter is another light beside it.
-WING = 0.1
-SMALL = 65536  # px: a larger region is not near the prediction
+WING_FRACTION = 0.1
+SMALL_REGION_PX = 65536  # px: a larger region is not near the prediction
 
 
 @kernel
@@ -35,10 +32,10 @@ def measure_peaks(
     mask: NDArray[np.uint8],
     floor: float,
     threshold: float,
-    least: float,
-    largest: float,
+    min_snr: float,
+    max_sigma: float,
     saturation: int,
-    alone: bool,
+    single_frame: bool,
     followed: bool,
 ) -> tuple[Array, Array, float, float, float, float, float]:
     """
@@ -60,13 +57,13 @@ def measure_peaks(
         Least noise, DN.
     threshold : float
         Least height of a peak, in standard deviations of lit less unlit.
-    least : float
+    min_snr : float
         Least SNR in the matched filter.
-    largest : float
+    max_sigma : float
         Greatest sigma, px.
     saturation : int
         The DN at which a pixel is clipped.
-    alone : bool
+    single_frame : bool
         Whether nothing was subtracted. The level is then that of the scene, tile by tile; of a
         difference it is one for the whole region.
     followed : bool
@@ -90,15 +87,15 @@ def measure_peaks(
     gains, change = row_gains(lit, unlit, y0, y1)
     levels, noises, bright = tile_noise(lit, unlit, x0, y0, x1, y1, floor)
     level = np.median(levels)
-    if not alone:
+    if not single_frame:
         levels[:] = level
-    room = FEW_PEAKS
-    peaks = np.empty((room, 3))
+    capacity = FEW_PEAKS
+    peaks = np.empty((capacity, 3))
     count, strongest = local_maxima(lit, unlit, region, mask, levels, noises, threshold, peaks)
-    while count > room:
-        if room < MOST_PEAKS:
-            room = MOST_PEAKS
-            peaks = np.empty((room, 3))
+    while count > capacity:
+        if capacity < MOST_PEAKS:
+            capacity = MOST_PEAKS
+            peaks = np.empty((capacity, 3))
         else:
             threshold *= 2.0
         count, strongest = local_maxima(lit, unlit, region, mask, levels, noises, threshold, peaks)
@@ -108,13 +105,13 @@ def measure_peaks(
         column, row = int(peaks[index, 0]), int(peaks[index, 1])
         if _on_flank(table[:found], column, row, peaks[index, 2]):
             continue
-        noise, under = _surroundings(levels, noises, column - x0, row - y0)
-        blob = measure(lit, unlit, region, column, row, under, noise, least, largest)
+        noise, local_level = _surroundings(levels, noises, column - x0, row - y0)
+        blob = measure(lit, unlit, region, column, row, local_level, noise, min_snr, max_sigma)
         # A faint peak in the reach of a brighter light ends in it, or half-way to it.
-        if blob[7] >= least and not _wandered(table[:found], blob, column, row):
+        if blob[7] >= min_snr and not _is_misplaced(table[:found], blob, column, row):
             describe(
-                table[found], lit, unlit, region, saturation, alone, blob, column, row, noise,
-                peaks[index, 2],
+                table[found], lit, unlit, region, saturation, single_frame, blob, column, row,
+                noise, peaks[index, 2],
             )
             found += 1
             if found == MOST_CANDIDATES:
@@ -123,15 +120,15 @@ def measure_peaks(
                 more = np.empty((MOST_CANDIDATES, FIELDS))
                 more[:found] = table
                 table = more
-    if found == 0 and followed and (x1 - x0) * (y1 - y0) <= SMALL:
+    if found == 0 and followed and (x1 - x0) * (y1 - y0) <= SMALL_REGION_PX:
         # Near the prediction a faint blob is worth a second look: its brightest 3 x 3 pixels.
         column, row, height = brightest_square(lit, unlit, region, mask)
-        noise, under = _surroundings(levels, noises, column - x0, row - y0)
-        blob = measure(lit, unlit, region, column, row, under, noise, least, largest)
-        if blob[7] >= least:
+        noise, local_level = _surroundings(levels, noises, column - x0, row - y0)
+        blob = measure(lit, unlit, region, column, row, local_level, noise, min_snr, max_sigma)
+        if blob[7] >= min_snr:
             describe(
-                table[0], lit, unlit, region, saturation, alone, blob, column, row, noise,
-                height - under,
+                table[0], lit, unlit, region, saturation, single_frame, blob, column, row,
+                noise, height - local_level,
             )
             found = 1
     return table[:found], gains, change, level, np.median(noises), np.median(bright), strongest
@@ -140,8 +137,8 @@ def measure_peaks(
 @kernel
 def _surroundings(levels: Array, noises: Array, x: int, y: int) -> tuple[float, float]:
     """Return noise and level at a pixel, counted from the first tile, DN."""
-    ty = min(y // TILE, noises.shape[0] - 1)
-    tx = min(x // TILE, noises.shape[1] - 1)
+    ty = min(y // TILE_PX, noises.shape[0] - 1)
+    tx = min(x // TILE_PX, noises.shape[1] - 1)
     return noises[ty, tx], level_at(levels, x, y)
 
 
@@ -151,16 +148,16 @@ def _on_flank(table: Array, column: int, row: int, height: float) -> bool:
     for k in range(table.shape[0]):
         dx, dy = column - table[k, 0], row - table[k, 1]
         q = np.sqrt(distance2(dx, dy, table[k, 2], table[k, 3], table[k, 6]))
-        if q < FLANK:
+        if q < FLANK_SIGMA:
             return True
-        outside = np.sqrt(dx * dx + dy * dy) * (1.0 - FLANK / q)
-        if outside < FLANK and height < WING * table[k, 11]:
+        outside = np.sqrt(dx * dx + dy * dy) * (1.0 - FLANK_SIGMA / q)
+        if outside < FLANK_SIGMA and height < WING_FRACTION * table[k, 11]:
             return True
     return False
 
 
 @kernel
-def _wandered(
+def _is_misplaced(
     table: Array,
     blob: tuple[float, float, float, float, float, float, float, float, float],
     column: int,
@@ -170,7 +167,7 @@ def _wandered(
     x, y, sigma_x, sigma_y, _, _, correlation, _, _ = blob
     margin = 1.0 / min(sigma_x, sigma_y)
     away = np.sqrt(distance2(column - x, row - y, sigma_x, sigma_y, correlation))
-    if away > WINDOW + margin:
+    if away > WINDOW_SIGMA + margin:
         return True
     for k in range(table.shape[0]):
         dx, dy = x - table[k, 0], y - table[k, 1]

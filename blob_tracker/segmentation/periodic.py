@@ -8,8 +8,8 @@ from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.expectation import Expectation
+from blob_tracker.segmentation.frame_stack import most_frames
 from blob_tracker.segmentation.history import FrameHistory
-from blob_tracker.segmentation.looks import most_looks
 from blob_tracker.segmentation.steady import strongest
 from blob_tracker.types import Frame
 import cv2
@@ -17,10 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 LEAST_FRAMES = 4  # one more than there are unknowns in a pixel
-LOWEST, HIGHEST = 0.1, 0.45  # of the frame rate; beyond 0.5 the frequency is aliased
-JITTER = 0.01  # of the frame rate, as the stamps tell it
-LEAST_NOISE = float(np.sqrt(1 / 12))  # DN, of the rounding of one frame
-LEVEL = 32767  # of the demodulated picture where nothing flashes; full scale is twice that
+# Of the frame rate; beyond 0.5 the frequency is aliased
+LOWEST_FREQUENCY, HIGHEST_FREQUENCY = 0.1, 0.45
+STAMP_JITTER = 0.01  # of the frame rate, as the stamps tell it
+LEAST_NOISE_DN = float(np.sqrt(1 / 12))  # DN, of the rounding of one frame
+ZERO_LEVEL = 32767  # of the demodulated picture where nothing flashes; full scale is twice that
 
 
 class Periodic:
@@ -73,7 +74,7 @@ class Periodic:
         self.frames = frames
         self.reason = 'no frame yet'
         self._history = FrameHistory(frames, max_pair_interval)
-        self._fresh = 0
+        self._new_frames = 0
 
     def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
         """
@@ -87,11 +88,13 @@ class Periodic:
         """
         block = self._history.frames
         self._history.push(frame)
-        self._fresh = min(self._fresh + 1, len(block))
-        if self._fresh < self.frames:
-            self.reason = f'frame {self._fresh} of the {self.frames} that are demodulated together'
+        self._new_frames = min(self._new_frames + 1, len(block))
+        if self._new_frames < self.frames:
+            self.reason = (
+                f'frame {self._new_frames} of the {self.frames} that are demodulated together'
+            )
             return None
-        self._fresh = 0
+        self._new_frames = 0
         return self._demodulate(list(block))
 
     def region(self, contrast: Contrast) -> Box:
@@ -112,10 +115,11 @@ class Periodic:
         """Return the light of a block, or None."""
         times = np.array([each.stamp_ns - block[0].stamp_ns for each in block]) / 1e9
         rate = 1.0 / float(np.median(np.diff(times)))  # a dropped frame leaves it as it is
-        if not (1 - JITTER) * LOWEST * rate <= self.frequency <= (1 + JITTER) * HIGHEST * rate:
+        least = (1 - STAMP_JITTER) * LOWEST_FREQUENCY * rate
+        if not least <= self.frequency <= (1 + STAMP_JITTER) * HIGHEST_FREQUENCY * rate:
             self.reason = (
                 f'the light is said to flash at {self.frequency:g} Hz; {rate:.1f} frames a second '
-                f'show {LOWEST * rate:.1f} to {HIGHEST * rate:.1f} Hz'
+                f'show {LOWEST_FREQUENCY * rate:.1f} to {HIGHEST_FREQUENCY * rate:.1f} Hz'
             )
             return None
         phases = 2.0 * np.pi * self.frequency * times
@@ -133,22 +137,22 @@ class Periodic:
         # The fewer of lit and unlit frames, but for those that an edge may run through.
         part = min(self.duty, 1.0 - self.duty)
         last = block[-1]
-        count = max(min(int(part * len(block) - 0.5), most_looks(last.saturation)), 1)
+        count = max(min(int(part * len(block) - 0.5), most_frames(last.saturation)), 1)
         # In the middle of the frames that are lit, as the sum of their exposures is.
         lit = [block[index] for index in sorted(order[-count:])]
         unlit = [block[index] for index in sorted(order[:count])]
         middle = sum(each.stamp_ns - lit[0].stamp_ns for each in lit) // count + lit[0].stamp_ns
         # Whole steps of a part of a DN: what the search takes, and finer than the noise.
-        unit = last.saturation / LEVEL
-        picture = cv2.addWeighted(own, 1.0 / unit, own, 0.0, LEVEL, dtype=cv2.CV_16U)
+        unit = last.saturation / ZERO_LEVEL
+        picture = cv2.addWeighted(own, 1.0 / unit, own, 0.0, ZERO_LEVEL, dtype=cv2.CV_16U)
         return Contrast(
             np.asarray(picture),
-            np.full(own.shape, LEVEL, np.uint16),
-            2 * LEVEL,
+            np.full(own.shape, ZERO_LEVEL, np.uint16),
+            2 * ZERO_LEVEL,
             Frame(last.image, middle, last.saturation, last.x0, last.y0, last.binning),
             tuple(each.image for each in lit),
             tuple(each.image for each in unlit),
-            LEAST_NOISE * float(np.sqrt((weights[0] ** 2).sum())) / unit,
+            LEAST_NOISE_DN * float(np.sqrt((weights[0] ** 2).sum())) / unit,
             unit,
             float(times[-1]),
         )

@@ -7,12 +7,12 @@ import math
 from typing import Any, NamedTuple
 
 from blob_tracker.drawing import (
-    beside, blank, Colour, FOUND, GAP, in_grey, LINE, nearest_pixel, PAPER, paragraphs, Picture,
-    REFUSED, stack, TEXT, text_width, titled, within, wrap, write,
+    blank, Colour, FOUND, GAP_PX, in_grey, LINE_PX, nearest_pixel, PAPER, paragraphs, Picture,
+    REJECTED, side_by_side, stack, TEXT, text_width, titled, within, wrap, write,
 )
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
-from blob_tracker.segmentation.look import Look
+from blob_tracker.segmentation.detections import Detections
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -20,14 +20,16 @@ from numpy.typing import NDArray
 WINDOW: Colour = (0, 255, 255)
 REGION: Colour = (255, 170, 70)
 
-NARROWEST, WIDEST, HIGHEST = 480, 800, 720  # px of a panel: small frames grow, large ones shrink
-INSET = 144  # px of the side of a zoomed window
-LARGEST_CIRCLE = 80  # px of radius
+# px of a panel: small frames grow, large ones shrink
+NARROWEST_PX, WIDEST_PX, HIGHEST_PX = 480, 800, 720
+INSET_PX = 144  # px of the side of a zoomed window
+LARGEST_RADIUS_PX = 80  # px of radius
 MOST_INSETS = 3  # windows that are zoomed
-AROUND = 3  # px of the frame about a zoomed window
-LEAST_NOISE, MOST = 0.01, 65535.0  # DN that can be
-STRETCH = 8.0  # standard deviations of the noise from grey to white
-DIMMEST = 64.0  # DN of white, at least: the noise of a dark frame must not look like a scene
+MARGIN_PX = 3  # px of the frame about a zoomed window
+LEAST_NOISE_DN, MOST_DN = 0.01, 65535.0  # DN that can be
+STRETCH_SIGMA = 8.0  # standard deviations of the noise from grey to white
+# DN of white, at least: the noise of a dark frame must not look like a scene
+DIMMEST_WHITE_DN = 64.0
 SAMPLES = 64  # pixels along either axis from which the brightness of the frame is told
 
 
@@ -52,19 +54,19 @@ class _Zoom(NamedTuple):
         cv2.rectangle(picture, first, last, colour, 1)
 
 
-def draw(look: Look) -> Picture:
+def draw(detections: Detections) -> Picture:
     """
-    Draw a look: frame, difference, what lit up and why it was refused, window and state.
+    Draw frame, difference, what lit up and why it was rejected, window and state.
 
     On the left the frame with the searched region (blue) and the windows (yellow); on the right
     lit less unlit, grey where nothing changed and white or black at +-8 standard deviations of the
     noise, with the candidates numbered: green where they may be the target, orange where they were
-    refused. Below them the state, the windows zoomed (lit, unlit, difference), or what is about
+    rejected. Below them the state, the windows zoomed (lit, unlit, difference), or what is about
     the strongest candidate where there is no window, and the candidates in words.
 
     Parameters
     ----------
-    look : Look
+    detections : Detections
         What the segmenter saw, in a frame of any size and depth.
 
     Returns
@@ -73,64 +75,65 @@ def draw(look: Look) -> Picture:
         Blue, green and red; 984 to 1624 px wide, whatever the frame.
 
     """
-    shape = look.lit.shape
+    shape = detections.lit.shape
     whole = Box(0, 0, shape[1], shape[0])
     zoom = _Zoom(whole, _scale(*shape))
-    brightest = _brightest(look.lit)
-    noise = within(look.noise, LEAST_NOISE, MOST, 1.0)
-    rise = _rise(look, within(look.background, -MOST, MOST, 0.0))
+    brightest = _brightest(detections.lit)
+    noise = within(detections.noise, LEAST_NOISE_DN, MOST_DN, 1.0)
+    rise = _rise(detections, within(detections.background, -MOST_DN, MOST_DN, 0.0))
     frame = titled(
-        in_grey(look.lit, 0.0, brightest, zoom.scale),
+        in_grey(detections.lit, 0.0, brightest, zoom.scale),
         f'frame {shape[1]} x {shape[0]} px, white is {brightest:.0f} DN',
-        NARROWEST,
+        NARROWEST_PX,
     )
     difference = titled(
-        in_grey(rise, -STRETCH * noise, STRETCH * noise, zoom.scale),
-        f'{"frame less its background" if look.unlit is None else "lit less unlit"}, '
-        f'grey to white is {STRETCH:g} x the noise of {noise:.2f} DN',
-        NARROWEST,
+        in_grey(rise, -STRETCH_SIGMA * noise, STRETCH_SIGMA * noise, zoom.scale),
+        f'{"frame less its background" if detections.unlit is None else "lit less unlit"}, '
+        f'grey to white is {STRETCH_SIGMA:g} x the noise of {noise:.2f} DN',
+        NARROWEST_PX,
     )
-    for panel in (frame[LINE:], difference[LINE:]):
-        if look.region != whole:
-            zoom.outline(panel, look.region, REGION)
-        for box in look.windows.values():
+    for panel in (frame[LINE_PX:], difference[LINE_PX:]):
+        if detections.region != whole:
+            zoom.outline(panel, detections.region, REGION)
+        for box in detections.windows.values():
             zoom.outline(panel, box, WINDOW)
     taken = [
         (*zoom.place(box.x0, box.y0), *zoom.place(box.x1, box.y1))
-        for box in look.windows.values()
+        for box in detections.windows.values()
     ]
-    _mark(difference[LINE:], look.candidates, zoom, taken)
-    panels = np.hstack([frame, blank(frame.shape[0], GAP), difference])
-    insets = _insets(look, rise, noise)
-    words = panels.shape[1] - insets.shape[1] - GAP
-    room = max(insets.shape[0] // LINE, 3)
-    state = f'{look.state}: {look.reason or "target in view"}'
-    below = beside(insets, paragraphs(_in_words(look.candidates, words, room), words))
-    colour = FOUND if look.windows else REFUSED
+    _mark(difference[LINE_PX:], detections.candidates, zoom, taken)
+    panels = np.hstack([frame, blank(frame.shape[0], GAP_PX), difference])
+    insets = _insets(detections, rise, noise)
+    words = panels.shape[1] - insets.shape[1] - GAP_PX
+    room = max(insets.shape[0] // LINE_PX, 3)
+    state = f'{detections.state}: {detections.reason or "target in view"}'
+    in_words = paragraphs(_in_words(detections.candidates, words, room), words)
+    below = side_by_side(insets, in_words)
+    colour = FOUND if detections.windows else REJECTED
     parts = [panels, paragraphs([(state, colour)], panels.shape[1]), below]
-    return np.pad(stack(parts), [(0, 0), (GAP, GAP), (0, 0)], constant_values=PAPER[0])
+    return np.pad(stack(parts), [(0, 0), (GAP_PX, GAP_PX), (0, 0)], constant_values=PAPER[0])
 
 
 def _scale(height: int, width: int) -> float:
     """Return how many pixels of a panel are one of the frame."""
-    most = min(WIDEST / width, HIGHEST / height)
+    most = min(WIDEST_PX / width, HIGHEST_PX / height)
     if most < 1.0:
         return most
-    return float(min(max(math.ceil(NARROWEST / width), 1), math.floor(most)))
+    return float(min(max(math.ceil(NARROWEST_PX / width), 1), math.floor(most)))
 
 
 def _brightest(image: NDArray[Any]) -> float:
     """Return the DN that is shown white, but for a few pixels the brightest in the frame."""
     step = [max(side // SAMPLES, 1) for side in image.shape]
     value = float(np.percentile(image[::step[0], ::step[1]], 99.9))
-    return max(value, DIMMEST) if math.isfinite(value) else DIMMEST
+    return max(value, DIMMEST_WHITE_DN) if math.isfinite(value) else DIMMEST_WHITE_DN
 
 
-def _rise(look: Look, background: float) -> NDArray[np.float32]:
+def _rise(detections: Detections, background: float) -> NDArray[np.float32]:
     """Return lit less unlit less background, DN."""
-    lit = look.lit.astype(np.float32)
-    if look.unlit is not None and look.unlit.shape == look.lit.shape:
-        lit -= look.unlit
+    lit = detections.lit.astype(np.float32)
+    if detections.unlit is not None and detections.unlit.shape == detections.lit.shape:
+        lit -= detections.unlit
     lit -= background
     return np.nan_to_num(lit)
 
@@ -143,13 +146,13 @@ def _mark(
 ) -> None:
     """Circle and number the candidates; a number that finds no free place is left out."""
     for number, candidate in enumerate(candidates, 1):
-        colour = REFUSED if candidate.refused else FOUND
+        colour = REJECTED if candidate.rejected else FOUND
         x, y = zoom.place(candidate.x, candidate.y)
         radius = max(nearest_pixel(3.0 * candidate.sigma_major * zoom.scale), 6)
-        radius = min(radius, LARGEST_CIRCLE)
+        radius = min(radius, LARGEST_RADIUS_PX)
         cv2.circle(panel, (x, y), radius, colour, 1, cv2.LINE_AA)
         for left, top in _places(x, y, radius, text_width(str(number))):
-            label = (left, top, left + text_width(str(number)), top + LINE)
+            label = (left, top, left + text_width(str(number)), top + LINE_PX)
             inside = left >= 0 and top >= 0 and label[2] <= panel.shape[1] and (
                 label[3] <= panel.shape[0]
             )
@@ -165,60 +168,60 @@ def _places(x: int, y: int, radius: int, width: int) -> list[tuple[int, int]]:
         place
         for reach in (radius + 2, 2 * radius + 2)
         for place in (
-            (x + reach, y - LINE // 2),
-            (x - reach - width, y - LINE // 2),
-            (x - width // 2, y - reach - LINE),
+            (x + reach, y - LINE_PX // 2),
+            (x - reach - width, y - LINE_PX // 2),
+            (x - width // 2, y - reach - LINE_PX),
             (x - width // 2, y + reach),
         )
     ]
 
 
-def _insets(look: Look, rise: NDArray[np.float32], noise: float) -> Picture:
+def _insets(detections: Detections, rise: NDArray[np.float32], noise: float) -> Picture:
     """Return the windows zoomed, one below the other; else what the strongest candidate is."""
-    height, width = look.lit.shape
+    height, width = detections.lit.shape
     outline = WINDOW
     zoomed = [
         (f'{name or "window"} {box.x1 - box.x0} x {box.y1 - box.y0} px at ({box.x0}, {box.y0})',
          box)
-        for name, box in look.windows.items()
+        for name, box in detections.windows.items()
     ]
-    if not zoomed and look.candidates:
-        strongest = max(look.candidates, key=lambda candidate: candidate.snr)
+    if not zoomed and detections.candidates:
+        strongest = max(detections.candidates, key=lambda candidate: candidate.snr)
         half = min(max(nearest_pixel(4.0 * strongest.sigma_major), 3), max(height, width))
         x, y = nearest_pixel(strongest.x), nearest_pixel(strongest.y)
-        number = look.candidates.index(strongest) + 1
+        number = detections.candidates.index(strongest) + 1
         zoomed = [(f'candidate {number}', Box(x - half, y - half, x + half + 1, y + half + 1))]
-        outline = REFUSED if strongest.refused else FOUND
+        outline = REJECTED if strongest.rejected else FOUND
     rows = []
     for title, box in zoomed[:MOST_INSETS]:
         around = Box(
-            max(box.x0 - AROUND, 0),
-            max(box.y0 - AROUND, 0),
-            min(box.x1 + AROUND, width),
-            min(box.y1 + AROUND, height),
+            max(box.x0 - MARGIN_PX, 0),
+            max(box.y0 - MARGIN_PX, 0),
+            min(box.x1 + MARGIN_PX, width),
+            min(box.y1 + MARGIN_PX, height),
         )
         if around.x0 >= around.x1 or around.y0 >= around.y1:
             continue
-        lit = np.nan_to_num(look.lit[around.slices].astype(np.float32))
-        black, white = float(lit.min()), max(float(lit.max()), float(lit.min()) + STRETCH)
+        lit = np.nan_to_num(detections.lit[around.slices].astype(np.float32))
+        black, white = float(lit.min()), max(float(lit.max()), float(lit.min()) + STRETCH_SIGMA)
         part = rise[around.slices]
-        most = max(float(np.abs(part).max()), STRETCH * noise)
+        most = max(float(np.abs(part).max()), STRETCH_SIGMA * noise)
         shown: list[tuple[str, NDArray[Any], float, float]] = [
             ('lit', lit, black, white), ('difference', part, -most, most)
         ]
-        if look.unlit is not None and look.unlit.shape == look.lit.shape:
-            unlit = look.unlit[around.slices]
+        if detections.unlit is not None and detections.unlit.shape == detections.lit.shape:
+            unlit = detections.unlit[around.slices]
             shown.insert(1, ('unlit', unlit, black, white))
-        zoom = _Zoom(around, INSET / max(around.x1 - around.x0, around.y1 - around.y0))
-        row = blank(2 * LINE + INSET, len(shown) * (INSET + GAP) - GAP)
+        zoom = _Zoom(around, INSET_PX / max(around.x1 - around.x0, around.y1 - around.y0))
+        row = blank(2 * LINE_PX + INSET_PX, len(shown) * (INSET_PX + GAP_PX) - GAP_PX)
         write(row, title, 0, 0, TEXT)
         for index, (name, pixels, low, high) in enumerate(shown):
             grey = in_grey(pixels, low, high, zoom.scale)
             zoom.outline(grey, box, outline)
-            left = index * (INSET + GAP)
-            write(row, name, left, LINE, TEXT)
-            row[2 * LINE:2 * LINE + grey.shape[0], left:left + grey.shape[1]] = (
-                grey[:INSET, :INSET]
+            left = index * (INSET_PX + GAP_PX)
+            write(row, name, left, LINE_PX, TEXT)
+            row[2 * LINE_PX:2 * LINE_PX + grey.shape[0], left:left + grey.shape[1]] = (
+                grey[:INSET_PX, :INSET_PX]
             )
         rows.append(row)
     return stack(rows) if rows else blank(0, 0)
@@ -231,14 +234,14 @@ def _in_words(
     if not candidates:
         return [('nothing lit up', TEXT)]
     lines: list[tuple[str, Colour]] = []
-    numbered = sorted(enumerate(candidates, 1), key=lambda item: bool(item[1].refused))
+    numbered = sorted(enumerate(candidates, 1), key=lambda item: bool(item[1].rejected))
     for count, (number, each) in enumerate(numbered):
         text = (
             f'{number}  SNR {each.snr:.1f}, {each.height:.0f} DN, sigma {each.sigma_major:.1f} x '
             f'{each.sigma_minor:.1f} px at ({each.x:.1f}, {each.y:.1f}): '
-            f'{each.refused or "may be the target"}'
+            f'{each.rejected or "may be the target"}'
         )
-        colour = REFUSED if each.refused else FOUND
+        colour = REJECTED if each.rejected else FOUND
         wrapped = [(line, colour) for line in wrap(text, width)]
         left = len(candidates) - count
         if len(lines) + len(wrapped) + (left > 1) > room:

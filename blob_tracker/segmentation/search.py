@@ -11,29 +11,30 @@ from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.illumination import relit
 from blob_tracker.segmentation.peaks import measure_peaks
-from blob_tracker.segmentation.refusal import refuse
+from blob_tracker.segmentation.rejection import reject
 from blob_tracker.types import Frame, Pixels
 import numpy as np
 from numpy.typing import NDArray
 
-ANYWHERE: NDArray[np.uint8] = np.empty((0, 0), np.uint8)  # the mask that leaves all open
-SMALLEST_REGION = 5  # px: less holds no blob with background about it
-LARGEST_SIGMA = 64.0  # px: what is wider is no blob
+NO_MASK: NDArray[np.uint8] = np.empty((0, 0), np.uint8)  # the mask that leaves all open
+SMALLEST_REGION_PX = 5  # px: less holds no blob with background about it
+LARGEST_SIGMA_PX = 64.0  # px: what is wider is no blob
 # Auto-exposure or a lamp: such a part of the scene's brightness came or went with the flash.
 EXPOSURE_JUMP = 0.25
-JUMP_NOISE = 4.0  # standard deviations of a pixel that the level may move by itself
+JUMP_NOISE_SIGMA = 4.0  # standard deviations of a pixel that the level may move by itself
 JUMP_GLARE = 0.15  # of the strongest rise, which a wide blob may add to the level about it
 # rms over the rows, standard deviations of a pixel: of less the scene is not laid in new light.
-FELT = 0.75
+RELIGHTING_SIGMA = 0.75
 IN_DN = [
     Candidate._fields.index(name)
     for name in (
-        'background', 'height', 'amplitude', 'fall', 'stood', 'texture', 'noise', 'unrest',
+        'background', 'height', 'amplitude', 'fall', 'unlit_amplitude', 'texture', 'noise',
+        'surround_noise',
     )
 ]
 
 
-class Found(NamedTuple):
+class SearchResult(NamedTuple):
     """
     What `search` returns.
 
@@ -63,8 +64,8 @@ def search(
     *,
     min_snr: float,
     followed: bool = False,
-    mask: NDArray[np.uint8] = ANYWHERE,
-) -> Found:
+    mask: NDArray[np.uint8] = NO_MASK,
+) -> SearchResult:
     """
     Find all that lit up in a part of the frame.
 
@@ -84,13 +85,13 @@ def search(
     Returns
     -------
     Found
-        The candidates, refused or not, and the noise.
+        The candidates, rejected or not, and the noise.
 
     """
-    if min(region.x1 - region.x0, region.y1 - region.y0) < SMALLEST_REGION:
-        return Found((), 0.0, contrast.floor * contrast.unit, 0.0, '')
+    if min(region.x1 - region.x0, region.y1 - region.y0) < SMALLEST_REGION_PX:
+        return SearchResult((), 0.0, contrast.floor * contrast.unit, 0.0, '')
 
-    def look(unlit: Pixels) -> tuple[Array, Array, float, float, float, float, float]:
+    def measured(unlit: Pixels) -> tuple[Array, Array, float, float, float, float, float]:
         return measure_peaks(
             contrast.lit,
             unlit,
@@ -99,22 +100,22 @@ def search(
             contrast.floor,
             _threshold(region),
             min_snr,
-            LARGEST_SIGMA,
+            LARGEST_SIGMA_PX,
             contrast.saturation,
-            not contrast.unlit_looks,
+            not contrast.unlit_frames,
             followed,
         )
 
-    table, gains, change, level, noise, brightness, strongest = look(contrast.unlit)
+    table, gains, change, level, noise, brightness, strongest = measured(contrast.unlit)
     reason = ''
-    if contrast.unlit_looks:
+    if contrast.unlit_frames:
         step = level
-        if change > FELT * noise:
-            table, _, _, level, noise, _, strongest = look(
+        if change > RELIGHTING_SIGMA * noise:
+            table, _, _, level, noise, _, strongest = measured(
                 relit(contrast.unlit, gains, contrast.saturation)
             )
         # In the new light: before, what the scene's texture gained or lost passes for noise.
-        jump = EXPOSURE_JUMP * brightness + JUMP_NOISE * noise + JUMP_GLARE * strongest
+        jump = EXPOSURE_JUMP * brightness + JUMP_NOISE_SIGMA * noise + JUMP_GLARE * strongest
         if abs(step) > jump:
             reason = (
                 f'the whole scene changed by {step:+.0f} DN from {brightness:.0f} DN between the '
@@ -127,9 +128,9 @@ def search(
     candidates = []
     for row in table.tolist():
         candidate = Candidate(*row)
-        why = refuse(candidate, followed, min_snr)
-        candidates.append(candidate._replace(refused=why) if why else candidate)
-    return Found(tuple(candidates), level, noise, strongest, reason)
+        rejected = reject(candidate, followed, min_snr)
+        candidates.append(candidate._replace(rejected=rejected) if rejected else candidate)
+    return SearchResult(tuple(candidates), level, noise, strongest, reason)
 
 
 def _threshold(region: Box) -> float:

@@ -8,19 +8,19 @@ from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.detections import Detections
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash import Flash
+from blob_tracker.segmentation.frame_stack import FrameStack
 from blob_tracker.segmentation.history import FrameError
-from blob_tracker.segmentation.look import Look
-from blob_tracker.segmentation.looks import Looks
-from blob_tracker.segmentation.search import ANYWHERE, Found, search
+from blob_tracker.segmentation.search import NO_MASK, search, SearchResult
 from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
 from blob_tracker.types import Frame, Pixels, Window
 import numpy as np
 from numpy.typing import NDArray
 
-GATED = 0.85  # of the SNR that is asked for is enough where the target is expected
-UNLIT_APART = 10**9  # ns between two unlit frames of a pair, at most
+GATED_SNR_FRACTION = 0.85  # of the SNR that is asked for is enough where the target is expected
+MAX_UNLIT_INTERVAL_NS = 10**9  # ns between two unlit frames of a pair, at most
 
 
 class Sighting(NamedTuple):
@@ -55,7 +55,7 @@ class Segmenter:
     max_blob : int
         Greatest half-width of the blob's window, px.
     looks : int
-        Windows of a still target that are summed into one, see `Looks`.
+        Windows of a still target that are summed into one, see `FrameStack`.
     mask : (h, w) array, optional
         0 where the target cannot be; of the frames' size.
 
@@ -63,7 +63,7 @@ class Segmenter:
     ----------
     reason : str
         Why the last frame gave no window; empty where it gave one.
-    look : Look or None
+    detections : Detections or None
         What was seen in the last frame that was compared with others.
     unlit_pair : (array, array) or None
         Raw pixels of the last two frames without a light, where the last frame is one of them or
@@ -86,11 +86,11 @@ class Segmenter:
         self.min_snr = min_snr
         self.max_blob = max_blob
         self.reason = 'no frame yet'
-        self.look: Look | None = None
+        self.detections: Detections | None = None
         self.unlit_pair: tuple[Pixels, Pixels] | None = None
         self._unlit: Frame | None = None
-        self._looks = Looks(looks)
-        self._mask = ANYWHERE if mask is None else np.ascontiguousarray(mask != 0, dtype=np.uint8)
+        self._stack = FrameStack(looks)
+        self._mask = NO_MASK if mask is None else np.ascontiguousarray(mask != 0, dtype=np.uint8)
 
     def update(self, frame: Frame, expected: Expectation | None = None) -> Window | None:
         """
@@ -124,7 +124,7 @@ class Segmenter:
         FrameError
             Where the stamp is not later than the last one (that frame is left out), the stamps
             jumped back or the size, crop or depth changed (this frame starts afresh), the mask is
-            of another size, or the looks do not fit into 16 bits.
+            of another size, or the sum of the looks does not fit into 16 bits.
 
         """
         if self._mask.size > 0 and self._mask.shape != frame.image.shape:
@@ -148,23 +148,23 @@ class Segmenter:
             self.reason = found.reason
         else:
             chosen = self.flash.choose(contrast, found.candidates)
-            self.reason = '' if chosen else self._why(found)
+            self.reason = '' if chosen else self._reason_for_none(found)
             for name, candidate in chosen:
                 box = self._window(contrast, candidate)
                 if box is None:
                     continue
                 windows[name] = box
-                window = self._looks.add(name, contrast, candidate, box)
+                window = self._stack.add(name, contrast, candidate, box)
                 if window is None:
-                    self.reason = self._looks.reason
+                    self.reason = self._stack.reason
                 else:
                     sightings.append(Sighting(name, window))
         if sightings:
             self.reason = ''
         self._keep_unlit(frame, contrast, before, lit=bool(windows))
-        self.look = Look(
+        self.detections = Detections(
             contrast.lit,
-            contrast.unlit if contrast.unlit_looks else None,
+            contrast.unlit if contrast.unlit_frames else None,
             found.background,
             found.noise,
             self.flash.region(contrast),
@@ -175,7 +175,7 @@ class Segmenter:
         )
         return sightings
 
-    def _search(self, contrast: Contrast) -> Found:
+    def _search(self, contrast: Contrast) -> SearchResult:
         """Return what lit up in the region in which the target can be."""
         region = self.flash.region(contrast)
         # Within the gate there is little room for chance.
@@ -183,7 +183,7 @@ class Segmenter:
         return search(
             contrast,
             region,
-            min_snr=self.min_snr * (GATED if followed else 1.0),
+            min_snr=self.min_snr * (GATED_SNR_FRACTION if followed else 1.0),
             followed=followed,
             mask=self._mask,
         )
@@ -192,13 +192,13 @@ class Segmenter:
         self, frame: Frame, contrast: Contrast, before: Frame | None, *, lit: bool
     ) -> None:
         """Pair this frame with the unlit one before it, or take the unlit ones of a block."""
-        if len(contrast.unlit_looks) > 1:
-            self.unlit_pair = contrast.unlit_looks[-2], contrast.unlit_looks[-1]
+        if len(contrast.unlit_frames) > 1:
+            self.unlit_pair = contrast.unlit_frames[-2], contrast.unlit_frames[-1]
         elif lit:
             self._unlit = before
         else:
             self._unlit = frame
-            if before is not None and frame.stamp_ns - before.stamp_ns <= UNLIT_APART:
+            if before is not None and frame.stamp_ns - before.stamp_ns <= MAX_UNLIT_INTERVAL_NS:
                 self.unlit_pair = before.image, frame.image
 
     def _window(self, contrast: Contrast, candidate: Candidate) -> Box | None:
@@ -214,12 +214,12 @@ class Segmenter:
             return None
         return box
 
-    def _why(self, found: Found) -> str:
+    def _reason_for_none(self, found: SearchResult) -> str:
         """Return why nothing was chosen."""
         if self.flash.reason:
             return self.flash.reason
         if found.candidates:
-            return found.candidates[0].refused
+            return found.candidates[0].rejected
         return (
             f'nothing lit up: the strongest rise is {found.strongest:.0f} DN, '
             f'{found.strongest / found.noise:.1f} times the noise; the SNR asked for in the '

@@ -8,7 +8,7 @@ from blob_tracker.segmentation.box import Box, box_about
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 
-SMALLEST_HALF = 3  # px: 7 x 7 hold a blob of sigma 1 and its background
+SMALLEST_HALF_PX = 3  # px: 7 x 7 hold a blob of sigma 1 and its background
 
 
 def sigma_window(
@@ -39,7 +39,7 @@ def sigma_window(
 
     """
     half_x, half_y = (
-        max(math.ceil(sigmas * sigma), SMALLEST_HALF)
+        max(math.ceil(sigmas * sigma), SMALLEST_HALF_PX)
         for sigma in (candidate.sigma_x, candidate.sigma_y)
     )
     if max(half_x, half_y) > largest:

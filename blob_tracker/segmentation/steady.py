@@ -12,10 +12,10 @@ from blob_tracker.segmentation.history import FrameHistory
 from blob_tracker.types import Frame, Pixels
 import numpy as np
 
-ROUNDING = float(np.sqrt(1 / 12))  # DN, of one frame
+ROUNDING_DN = float(np.sqrt(1 / 12))  # DN, of one frame
 # Standard deviations of a pixel, the scene's texture among them. A texture is not white: a wide
 # filter sums it up as it does the light, so that its SNR alone does not tell them apart.
-LEAST_HEIGHT = 5.0
+LEAST_HEIGHT_SIGMA = 5.0
 
 
 class Steady:
@@ -53,7 +53,7 @@ class Steady:
         image = self._history.frames[-1].image
         if self._nothing.shape != image.shape or self._nothing.dtype != image.dtype:
             self._nothing = np.zeros_like(image)
-        return Contrast(image, self._nothing, frame.saturation, frame, (image,), (), ROUNDING)
+        return Contrast(image, self._nothing, frame.saturation, frame, (image,), (), ROUNDING_DN)
 
     def region(self, contrast: Contrast) -> Box:
         """Return the whole frame."""
@@ -68,7 +68,7 @@ class Steady:
         """Return the candidate of the highest SNR that the scene does not explain."""
         self.reason = ''
         found = strongest([
-            each for each in candidates if each.amplitude >= LEAST_HEIGHT * each.noise
+            each for each in candidates if each.amplitude >= LEAST_HEIGHT_SIGMA * each.noise
         ])
         below = strongest(candidates)
         if not found and below:
@@ -76,12 +76,12 @@ class Steady:
             self.reason = (
                 f'the best blob stands {light.amplitude:.0f} DN above the scene, '
                 f'{light.amplitude / light.noise:.1f} times its noise and texture; a light that '
-                f'does not flash must be {LEAST_HEIGHT:g} times as high as they are'
+                f'does not flash must be {LEAST_HEIGHT_SIGMA:g} times as high as they are'
             )
         return found
 
 
 def strongest(candidates: Sequence[Candidate]) -> list[tuple[str, Candidate]]:
-    """Return the candidate of the highest SNR that is not refused, under the empty name."""
-    allowed = [each for each in candidates if not each.refused]
+    """Return the candidate of the highest SNR that is not rejected, under the empty name."""
+    allowed = [each for each in candidates if not each.rejected]
     return [('', max(allowed, key=lambda each: each.snr))] if allowed else []

@@ -1,18 +1,16 @@
 """Level and noise of a difference of two frames, tile by tile."""
 
-# Numba's decorators bring no types.
-# mypy: disable-error-code="untyped-decorator"
-
 from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.types import Pixels
 import numpy as np
 
-TILE = 128  # px: wide enough for 256 samples and more, small enough to follow shade and texture
+TILE_PX = 128  # px: wide enough for 256 samples and more, small enough to follow shade and texture
 ROWS = 8  # of a tile that are sampled: the noise is known to 4 %
-LAG = 8  # px between the two pixels compared, beyond the reach of a codec's or a lens' blur
-TO_SIGMA = 0.5 * np.sqrt(np.pi)  # sigma over the mean |d1 - d2| of two Gaussian deviates
+LAG_PX = 8  # px between the two pixels compared, beyond the reach of a codec's or a lens' blur
+# Sigma over the mean |d1 - d2| of two Gaussian deviates
+SIGMA_PER_MEAN_DIFFERENCE = 0.5 * np.sqrt(np.pi)
 
 
 @kernel
@@ -42,8 +40,8 @@ def tile_noise(
         mean of `unlit`, DN.
 
     """
-    across = max((x1 - x0 + TILE // 2) // TILE, 1)
-    down = max((y1 - y0 + TILE // 2) // TILE, 1)
+    across = max((x1 - x0 + TILE_PX // 2) // TILE_PX, 1)
+    down = max((y1 - y0 + TILE_PX // 2) // TILE_PX, 1)
     levels = np.empty((down, across))
     noises = np.empty((down, across))
     brightness = np.empty((down, across))
@@ -52,9 +50,9 @@ def tile_noise(
     means = np.empty((across, most))
     spreads = np.empty((across, most))
     unlits = np.empty((across, most))
-    lag = min(LAG, (x1 - x0) // 4)
+    lag = min(LAG_PX, (x1 - x0) // 4)
     for ty in range(down):
-        top, bottom = y0 + ty * TILE, y0 + (ty + 1) * TILE
+        top, bottom = y0 + ty * TILE_PX, y0 + (ty + 1) * TILE_PX
         if ty == down - 1:
             bottom = y1
         count = 0
@@ -63,7 +61,7 @@ def tile_noise(
                 break
             a, b = lit[j], unlit[j]
             for tx in range(across):
-                left, right = x0 + tx * TILE, x0 + (tx + 1) * TILE
+                left, right = x0 + tx * TILE_PX, x0 + (tx + 1) * TILE_PX
                 if tx == across - 1:
                     right = x1
                 means[tx, count], spreads[tx, count], unlits[tx, count] = _row_means(
@@ -72,7 +70,7 @@ def tile_noise(
             count += 1
         for tx in range(across):
             levels[ty, tx] = median(means[tx], count)
-            noises[ty, tx] = max(TO_SIGMA * median(spreads[tx], count), floor)
+            noises[ty, tx] = max(SIGMA_PER_MEAN_DIFFERENCE * median(spreads[tx], count), floor)
             brightness[ty, tx] = unlits[tx, :count].mean()
     return levels, noises, brightness
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 LINES = 480  # of the grabber's picture (thesis, page 11)
-AHEAD = 24  # px drawn to the left of a window, so that the camera's memory comes filled
+AHEAD_PX = 24  # px drawn to the left of a window, so that the camera's memory comes filled
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class AnalogueChain:
 
         """
         height, width = shape
-        left = max(corner[0] - AHEAD, 0)
+        left = max(corner[0] - AHEAD_PX, 0)
         lines = corner[1] + np.arange(height)
         offsets = jittering_offsets(
             self.offsets()[lines], random, per_line=self.per_line, per_frame=self.per_frame

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import RectBivariateSpline
 
 CLOSE_ENOUGH = 1e-9  # of the normalised coordinates: no picture shows it
-KNOTS = 4  # px between the rays that are computed
-RIM = 4.0  # sigmas of the blur that reach across the board's edge
+KNOTS_PX = 4  # px between the rays that are computed
+RIM_SIGMA = 4.0  # sigmas of the blur that reach across the board's edge
 # Elements of the print to the side of a square, and to the diameter of a dot. Between elements the
 # picture is interpolated: about as fine as the rays, they leave no steps in slanting edges.
 FINENESS = 120
@@ -229,7 +229,7 @@ class BoardScene:
         places = self.truth(outline * self.board.size + corner, pose)
         if np.isnan(places).any():  # partly out of sight: look everywhere
             return slice(0, self.model.height), slice(0, self.model.width)
-        rim = RIM * self.blur + 2.0
+        rim = RIM_SIGMA * self.blur + 2.0
         low = np.maximum(np.floor(places.min(axis=0) - rim), 0).astype(int)
         size = (self.model.width, self.model.height)
         high = np.minimum(np.ceil(places.max(axis=0) + rim) + 1, size).astype(int)
@@ -268,7 +268,7 @@ def _rays(lens: _Lens, count: int) -> tuple[NDArray[np.float32], NDArray[np.floa
     width, height = lens.size
     # A lens is smooth: a cubic spline over every fourth pixel is true to 1e-6 px, and ten times
     # faster than as many rays as there are.
-    x, y = (np.arange(-KNOTS, side + 2 * KNOTS, KNOTS) for side in (width, height))
+    x, y = (np.arange(-KNOTS_PX, side + 2 * KNOTS_PX, KNOTS_PX) for side in (width, height))
     knots = _undistorted(np.stack(np.meshgrid(x, y), axis=-1).astype(float), lens)
     shift = (np.arange(count) + 0.5) / count
     rays = []

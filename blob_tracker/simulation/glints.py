@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from blob_tracker.simulation.light import REACH
+from blob_tracker.simulation.light import REACH_SIGMA
 from blob_tracker.simulation.shot import Shot
 import numpy as np
 from numpy.typing import NDArray
 
-LONGEST = 3  # frames that a glint lasts
+LONGEST_FRAMES = 3  # frames that a glint lasts
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Glints:
     def draw(self, picture: NDArray[np.float32], shot: Shot) -> None:
         """Add those that were born in this frame or shortly before it."""
         height, width = picture.shape
-        for age in range(min(LONGEST, shot.index + 1)):
+        for age in range(min(LONGEST_FRAMES, shot.index + 1)):
             random = np.random.Generator(np.random.SFC64([self.seed, shot.index - age]))
             for _ in range(random.poisson(self.rate)):
                 x = width * random.uniform(self.region[0], self.region[2])
@@ -65,7 +65,7 @@ class Glints:
     ) -> None:
         count = 1 + random.poisson(self.size)
         # All drawn before any is left out: the same numbers at every age.
-        lives = random.integers(1, LONGEST + 1, count)
+        lives = random.integers(1, LONGEST_FRAMES + 1, count)
         places = (x, y) + self.spread * random.standard_normal((count, 2))
         peaks = random.exponential(self.amplitude, count)
         sigmas = random.uniform(0.5, 1.6, count)
@@ -89,7 +89,7 @@ def _add_streak(
 ) -> None:
     """Add a Gaussian spot, `drawn_out` times as long as it is wide, sampled in the pixels."""
     x, y = place
-    reach = REACH * sigma * drawn_out
+    reach = REACH_SIGMA * sigma * drawn_out
     height, width = picture.shape
     left, top = max(int(x - reach), 0), max(int(y - reach), 0)
     right, bottom = min(int(x + reach) + 2, width), min(int(y + reach) + 2, height)

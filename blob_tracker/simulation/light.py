@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 import scipy  # which loads special, 20 MB, when it is first used
 
-REACH = 6.0  # sigma: beyond it the pulse is below 1e-7 of its peak
+REACH_SIGMA = 6.0  # sigma: beyond it the pulse is below 1e-7 of its peak
 # Nodes over a pixel: exact to 1e-7 down to a sigma of 0.4 px.
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 

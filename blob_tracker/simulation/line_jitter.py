@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 import scipy  # which loads special, 20 MB, when it is first used
 
-SHIFT = 0.25  # px from the top to the bottom of a field (thesis, Figure 2.4)
-SETTLED = 150  # lines of a field after which most of it is over (thesis, 2.2.4)
-REMAINDER = 0.05  # px, what is left from frame to frame: 1/20 (Lenz and Fritsch)
+SHIFT_PX = 0.25  # px from the top to the bottom of a field (thesis, Figure 2.4)
+SETTLED_LINES = 150  # lines of a field after which most of it is over (thesis, 2.2.4)
+REMAINDER_PX = 0.05  # px, what is left from frame to frame: 1/20 (Lenz and Fritsch)
 
 
 def line_offsets(
@@ -17,9 +17,10 @@ def line_offsets(
     """
     Return the mean horizontal offset of each line, as thesis Figure 2.4 shows it.
 
-    The lines of a field drift towards a limit, after SETTLED lines to within 5 % of SHIFT:
+    The lines of a field drift towards a limit, after SETTLED_LINES lines to within 5 % of
+    SHIFT_PX:
 
-        offset = -SHIFT exp(-3 line / SETTLED)
+        offset = -SHIFT_PX exp(-3 line / SETTLED_LINES)
 
     Parameters
     ----------
@@ -38,7 +39,7 @@ def line_offsets(
     """
     lines = np.arange(height)
     in_field = lines // fields
-    return -SHIFT * np.exp(-3.0 * in_field / SETTLED) + between_fields * (lines % fields)
+    return -SHIFT_PX * np.exp(-3.0 * in_field / SETTLED_LINES) + between_fields * (lines % fields)
 
 
 def draw_edge(
@@ -118,7 +119,7 @@ def jittering_offsets(
     offsets: NDArray[np.float64],
     random: np.random.Generator,
     *,
-    per_line: float = REMAINDER,
+    per_line: float = REMAINDER_PX,
     per_frame: float = 0.0,
 ) -> NDArray[np.float64]:
     """

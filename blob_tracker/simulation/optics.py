@@ -14,7 +14,7 @@ from blob_tracker.simulation.waveforms import always, Waveform
 import numpy as np
 from numpy.typing import NDArray
 
-STEP = 1e-4  # rad between the rays that tell the scale of the picture about a place
+STEP_RAD = 1e-4  # rad between the rays that tell the scale of the picture about a place
 
 
 @dataclass(frozen=True)
@@ -69,10 +69,10 @@ class Optics:
         ray /= distance
         across = np.cross(ray, (0.0, 1.0, 0.0) if abs(ray[1]) < 0.7 else (1.0, 0.0, 0.0))
         across /= np.linalg.norm(across)
-        steps = 0.5 * STEP * np.array([across, -across, np.cross(ray, across)])
+        steps = 0.5 * STEP_RAD * np.array([across, -across, np.cross(ray, across)])
         steps = np.vstack([steps, -steps[2:]])
         (x, y), first, second, third, fourth = self.camera.project(np.vstack([ray, ray + steps]))
-        (a, b), (c, d) = (first - second) / STEP, (third - fourth) / STEP  # px/rad
+        (a, b), (c, d) = (first - second) / STEP_RAD, (third - fourth) / STEP_RAD  # px/rad
         area = a * d - b * c
         if not np.isfinite(area):
             return Spot(nan, nan, nan, nan)

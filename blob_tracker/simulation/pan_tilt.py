@@ -13,8 +13,8 @@ import scipy  # which loads interpolate when it is first used
 Array = NDArray[np.float64]
 
 BRAKE = 0.6  # of the acceleration, with which a long way ends: the rest is for the loop
-STEP = 0.002  # s: within it the motors' limits hold on the mean
-KEPT = 0.05  # s of the past that is known: longer than an exposure
+STEP_S = 0.002  # s: within it the motors' limits hold on the mean
+KEPT_S = 0.05  # s of the past that is known: longer than an exposure
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ class PanTilt:
         Parameters
         ----------
         times : (n,) array
-            From the last `KEPT` s, to which it has been driven, s.
+            From the last `KEPT_S` s, to which it has been driven, s.
 
         Returns
         -------
@@ -150,7 +150,7 @@ class PanTilt:
             raise ValueError(
                 f'times are from {np.min(times):g} to {np.max(times):g} s; known are '
                 f'{past[0, 0]:g} to {self.time:g} s: drive it up to the last one, and ask before '
-                f'the first is {KEPT:g} s ago'
+                f'the first is {KEPT_S:g} s ago'
             )
         if len(past) == 1:
             return np.tile(past[0, 1:3], (len(times), 1))
@@ -163,7 +163,7 @@ class PanTilt:
         while self.time < time:
             while self._underway and self._underway[0][0] <= self.time + 1e-12:
                 self._obey(*self._underway.popleft())
-            until = min(time, self.time + STEP)
+            until = min(time, self.time + STEP_S)
             if self._underway:
                 until = min(until, self._underway[0][0])
             if self.time > self._goal_until:
@@ -171,7 +171,7 @@ class PanTilt:
             self._step(until - self.time)
             self.time = until
             self._past.append((until, *self.angles, *self._rates))
-            while self._past[1][0] <= until - KEPT:
+            while self._past[1][0] <= until - KEPT_S:
                 self._past.popleft()
 
     def _obey(self, arrival: float, goal: tuple[float, float]) -> None:

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 PARTS = 5  # of an exposure, in each of which the light stands still
-MARGIN = 96  # px of the shore around what the camera sees when it points at the light
+MARGIN_PX = 96  # px of the shore around what the camera sees when it points at the light
 
 
 @dataclass(frozen=True)
@@ -196,6 +196,6 @@ def _shore(
 ) -> NDArray[np.float32]:
     """Return the mean signal of the shore, DN, with a margin on each side."""
     return textured_wall(
-        (height + 2 * MARGIN, width + 2 * MARGIN), background=background, texture=texture,
+        (height + 2 * MARGIN_PX, width + 2 * MARGIN_PX), background=background, texture=texture,
         seed=seed,
     )

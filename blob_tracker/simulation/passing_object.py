@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 import scipy  # which loads special, 20 MB, when it is first used
 
-MARGIN = 20.0  # px beyond the border at which it comes in again
+MARGIN_PX = 20.0  # px beyond the border at which it comes in again
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class PassingObject:
 
 def _around(place: float, side: int, size: float) -> float:
     """Return the place of what leaves on one side and comes in on the other."""
-    beyond = 0.5 * size + MARGIN
+    beyond = 0.5 * size + MARGIN_PX
     return (place + beyond) % (side + 2.0 * beyond) - beyond
 
 

@@ -13,7 +13,7 @@ import scipy  # which loads linalg when it is first used
 
 Array = NDArray[np.float64]
 AXES = ('roll', 'pitch', 'yaw')
-INTERVAL = 0.0025  # s between samples: a cubic between them errs by 1e-4 of a swing of 25 Hz
+INTERVAL_S = 0.0025  # s between samples: a cubic between them errs by 1e-4 of a swing of 25 Hz
 
 
 @dataclass(frozen=True)
@@ -265,7 +265,7 @@ class PlatformMotion:
         )
         return PlatformMotion(roll, pitch, yaw, shocks)
 
-    def ride(self, duration: float, seed: int, interval: float = INTERVAL) -> Ride:
+    def ride(self, duration: float, seed: int, interval: float = INTERVAL_S) -> Ride:
         """
         Draw a ride: exact at the samples, from a start that is as likely as any.
 
@@ -313,27 +313,27 @@ def _root(covariance: Array) -> Array:
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
-DEGREE = pi / 180.0
+DEGREE_RAD = pi / 180.0
 # A work boat of 10 m in the wind sea of a lake: 8 m/s of wind over 5 km make waves of 0.29 m and
 # 2.1 s (JONSWAP: Hasselmann et al. 1973), whose slope is 3.7 degrees rms. The beam follows it and
 # the length averages it. The last swing is the engine's: see docs/servo.md for all numbers.
 ENGINE = Swing(1.06e-5, 25.0, 0.02, 0.002)
 MOTIONS = {
     'sea': PlatformMotion(
-        roll=(Swing(3.0 * DEGREE, 0.40, 0.10, 0.25), ENGINE),
-        pitch=(Swing(1.5 * DEGREE, 0.45, 0.25, 0.3), ENGINE),
-        yaw=(Swing(1.5 * DEGREE, 0.17, 0.30, 0.6), ENGINE),
+        roll=(Swing(3.0 * DEGREE_RAD, 0.40, 0.10, 0.25), ENGINE),
+        pitch=(Swing(1.5 * DEGREE_RAD, 0.45, 0.25, 0.3), ENGINE),
+        yaw=(Swing(1.5 * DEGREE_RAD, 0.17, 0.30, 0.6), ENGINE),
     ),
     # Four wheels on a track, at a walk: the suspension's modes, and steering.
     'rover': PlatformMotion(
-        roll=(Swing(1.2 * DEGREE, 1.5, 0.3, 0.03), Swing(2.0 * DEGREE, 0.2, 0.5, 0.2)),
-        pitch=(Swing(1.0 * DEGREE, 1.8, 0.3, 0.03), Swing(2.0 * DEGREE, 0.2, 0.5, 0.2)),
-        yaw=(Swing(0.3 * DEGREE, 1.5, 0.3, 0.03), Swing(4.0 * DEGREE, 0.15, 0.7, 0.3)),
+        roll=(Swing(1.2 * DEGREE_RAD, 1.5, 0.3, 0.03), Swing(2.0 * DEGREE_RAD, 0.2, 0.5, 0.2)),
+        pitch=(Swing(1.0 * DEGREE_RAD, 1.8, 0.3, 0.03), Swing(2.0 * DEGREE_RAD, 0.2, 0.5, 0.2)),
+        yaw=(Swing(0.3 * DEGREE_RAD, 1.5, 0.3, 0.03), Swing(4.0 * DEGREE_RAD, 0.15, 0.7, 0.3)),
     ),
     # A quadcopter that holds its place in gusts: its attitude loop, and its rotors.
     'drone': PlatformMotion(
-        roll=(Swing(2.0 * DEGREE, 0.8, 0.5, 0.05), Swing(5e-5, 60.0, 0.05, 0.001)),
-        pitch=(Swing(2.0 * DEGREE, 0.8, 0.5, 0.05), Swing(5e-5, 60.0, 0.05, 0.001)),
-        yaw=(Swing(1.5 * DEGREE, 0.4, 0.7, 0.1), Swing(2e-5, 60.0, 0.05, 0.001)),
+        roll=(Swing(2.0 * DEGREE_RAD, 0.8, 0.5, 0.05), Swing(5e-5, 60.0, 0.05, 0.001)),
+        pitch=(Swing(2.0 * DEGREE_RAD, 0.8, 0.5, 0.05), Swing(5e-5, 60.0, 0.05, 0.001)),
+        yaw=(Swing(1.5 * DEGREE_RAD, 0.4, 0.7, 0.1), Swing(2e-5, 60.0, 0.05, 0.001)),
     ),
 }

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Protocol
 
 from blob_tracker.simulation.light import (
-    pixel_integrated_gaussian, Place, REACH, rotated_gaussian,
+    pixel_integrated_gaussian, Place, REACH_SIGMA, rotated_gaussian,
 )
 import numpy as np
 from numpy.typing import NDArray
@@ -61,7 +61,7 @@ class Gaussian:
     @property
     def reach(self) -> float:
         """Distance beyond which nothing is drawn, sigma."""
-        return REACH * self.axis_ratio**0.5
+        return REACH_SIGMA * self.axis_ratio**0.5
 
     def over_pixels(
         self, shape: tuple[int, int], x: Place, y: Place, sigma: float, aperture: float = 1.0
@@ -85,7 +85,7 @@ class ThreeGaussians:
     exponent: s = sqrt2 sigma, with sigma that of the light and of the narrowest of the three.
     """
 
-    reach = REACH * LAMP_WIDTHS[-1]
+    reach = REACH_SIGMA * LAMP_WIDTHS[-1]
     peak = (0.0, 0.0)
 
     def over_pixels(
@@ -150,7 +150,7 @@ class Comatic:
     def reach(self) -> float:
         """Distance beyond which nothing is drawn, sigma."""
         _, places, widths = self._pulses.T
-        return float((np.abs(places) + REACH * widths).max())
+        return float((np.abs(places) + REACH_SIGMA * widths).max())
 
     @cached_property
     def peak(self) -> tuple[float, float]:

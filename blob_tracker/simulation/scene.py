@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 STILL = np.eye(2, 3)
-MARGIN = 80  # px of wall on each side of the picture, into which the camera may move
+MARGIN_PX = 80  # px of wall on each side of the picture, into which the camera may move
 PITCH = 2  # elements of the wall to a pixel: between them cubic interpolation leaves no trace
 
 
@@ -133,7 +133,7 @@ class Scene:
         wall = _wall(self.width, self.height, self.background, self.texture, self.seed)
         # From elements of the wall to pixels of the scene to those of the picture.
         motion = shot.motion.copy()
-        motion[:, 2] -= motion[:, :2] @ (MARGIN, MARGIN)
+        motion[:, 2] -= motion[:, :2] @ (MARGIN_PX, MARGIN_PX)
         motion[:, :2] /= PITCH
         size = (self.width, self.height)
         return np.asarray(cv2.warpAffine(
@@ -146,7 +146,7 @@ def _wall(
     width: int, height: int, background: float, texture: float, seed: int
 ) -> NDArray[np.float32]:
     """Return the mean signal of a wall, DN, at PITCH elements a pixel and with a margin."""
-    shape = (PITCH * (height + 2 * MARGIN), PITCH * (width + 2 * MARGIN))
+    shape = (PITCH * (height + 2 * MARGIN_PX), PITCH * (width + 2 * MARGIN_PX))
     wall = textured_wall(
         shape, background=background, texture=texture, seed=seed, pitch=PITCH
     )
@@ -159,7 +159,7 @@ def _wall_at_rest(
     width: int, height: int, background: float, texture: float, seed: int
 ) -> NDArray[np.float32]:
     """Return the elements of the wall that are the pixels of a camera at rest."""
-    inside = slice(PITCH * MARGIN, -PITCH * MARGIN, PITCH)
+    inside = slice(PITCH * MARGIN_PX, -PITCH * MARGIN_PX, PITCH)
     wall = _wall(width, height, background, texture, seed)[inside, inside].copy()
     wall.flags.writeable = False
     return wall

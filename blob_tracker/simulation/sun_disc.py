@@ -8,7 +8,7 @@ from blob_tracker.simulation.shot import Shot
 import numpy as np
 from numpy.typing import NDArray
 
-LIMB = 1.0  # px over which the disc's edge falls
+LIMB_PX = 1.0  # px over which the disc's edge falls
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class SunDisc:
         columns = (np.arange(left, right) - x).astype(np.float32)
         rows = (np.arange(top, bottom) - y).astype(np.float32)[:, None]
         square = (columns**2 + rows**2) / np.float32(self.radius**2)
-        inside = (self.radius * (1.0 - np.sqrt(square)) / LIMB + 0.5).clip(0.0, 1.0)
+        inside = (self.radius * (1.0 - np.sqrt(square)) / LIMB_PX + 0.5).clip(0.0, 1.0)
         # Less what it is at the border, so that it ends there without an edge.
         falling = (1.0 / np.maximum(square, 1.0) - 1.0 / 49.0).clip(0.0)
         picture[top:bottom, left:right] += self.glare * falling + self.level * inside

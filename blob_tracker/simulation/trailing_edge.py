@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 # what the text says (pages 102 and 103): a blob some 10 px wide falls in two thirds of the length
 # of its rise, one of 80 px and more within a tenth of it as it rose.
 PEAKING = 1.0
-MEMORY = 4.0  # px: 0.3 us of a line of 52 us and 640 px
+MEMORY_PX = 4.0  # px: 0.3 us of a line of 52 us and 640 px
 
 
 def peaked(mean: NDArray[Any], trailing_edge: TrailingEdge) -> NDArray[np.float64]:

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-SCALES = (1.0, 4.0, 16.0)  # px, standard deviations of the blurs that make the pattern
+SCALES_PX = (1.0, 4.0, 16.0)  # px, standard deviations of the blurs that make the pattern
 
 
 def textured_wall(
@@ -39,7 +39,7 @@ def textured_wall(
     """
     random = np.random.default_rng([seed, 0])
     pattern = np.zeros(shape, dtype=np.float32)
-    for scale in SCALES:
+    for scale in SCALES_PX:
         white = random.standard_normal(shape, dtype=np.float32)
         layer = np.asarray(cv2.GaussianBlur(white, (0, 0), pitch * scale))
         pattern += layer / layer.std()

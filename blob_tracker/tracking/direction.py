@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.tracking.rotation import from_vector, pan_tilt, product
+from blob_tracker.units import MRAD
 import numpy as np
 
-MRAD = 1e-3  # rad
 NEAREST_POLE = 1e-9  # cosine of the elevation, below which the azimuth is arbitrary
 
 

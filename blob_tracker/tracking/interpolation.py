@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 from blob_tracker.types import Bearing
+from blob_tracker.units import MRAD_PER_RAD
 import numpy as np
 
-TURN = 2e3 * math.pi  # mrad
+TURN_MRAD = 2.0 * math.pi * MRAD_PER_RAD
 
 
 def interpolated(
@@ -52,10 +53,10 @@ def interpolated(
         )
     interval = 1e-9 * (after.stamp_ns - before.stamp_ns)
     part = (stamp_ns - before.stamp_ns) / (after.stamp_ns - before.stamp_ns)
-    way = math.remainder(after.azimuth - before.azimuth, TURN)
+    way = math.remainder(after.azimuth - before.azimuth, TURN_MRAD)
     strayed = acceleration**2 * (part * (1.0 - part)) ** 2 * interval**3 / 3.0
     return Bearing(
-        azimuth=math.remainder(before.azimuth + part * way, TURN),
+        azimuth=math.remainder(before.azimuth + part * way, TURN_MRAD),
         elevation=(1.0 - part) * before.elevation + part * after.elevation,
         covariance=(1.0 - part) ** 2 * before.covariance
         + part**2 * after.covariance

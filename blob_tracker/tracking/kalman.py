@@ -1,4 +1,4 @@
-"""The Kalman filter: a state predicted over any interval, and corrected by a bearing."""
+"""The Kalman filter: a state predicted over any interval, and updated by a bearing."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ class Step(NamedTuple):
     variance: float
 
 
-class Seen(NamedTuple):
+class Measurement(NamedTuple):
     """
-    A bearing of a camera.
+    A bearing, and how its camera stood.
 
     Parameters
     ----------
@@ -87,20 +87,20 @@ class Innovation(NamedTuple):
 
 
 @kernel
-def _across(axes: Array, place: Array, seen: Seen) -> tuple[float, float, float]:
+def _across(axes: Array, place: Array, measurement: Measurement) -> tuple[float, float, float]:
     """Return the bearing's covariance as that of turns right and up of some axes."""
-    variances = seen.azimuth_variance, seen.shared, seen.elevation_variance
-    return turned_covariance(axes, place, seen.elevation, variances)
+    variances = measurement.azimuth_variance, measurement.shared, measurement.elevation_variance
+    return turned_covariance(axes, place, measurement.elevation, variances)
 
 
 @kernel
-def started(seen: Seen, rate: float, acceleration: float, size: int) -> State:
+def initiated(measurement: Measurement, rate: float, acceleration: float, size: int) -> State:
     """
     Return the state that one bearing gives, with what may be expected of the motion.
 
     Parameters
     ----------
-    seen : Seen
+    measurement : Measurement
         The first bearing.
     rate, acceleration : float
         Standard deviations of the motion at first sight, mrad/s and mrad/s^2; their mean is 0.
@@ -108,9 +108,9 @@ def started(seen: Seen, rate: float, acceleration: float, size: int) -> State:
         Numbers in the state.
 
     """
-    axes = placed(seen.azimuth, seen.elevation, seen.camera)
+    axes = placed(measurement.azimuth, measurement.elevation, measurement.camera)
     covariance = np.zeros((size, size))
-    rr, ru, uu = _across(axes, axes, seen)
+    rr, ru, uu = _across(axes, axes, measurement)
     covariance[0, 0], covariance[1, 1] = rr, uu
     covariance[0, 1] = covariance[1, 0] = ru
     for k in range(2, size):
@@ -147,9 +147,11 @@ def predicted(state: State, step: Step) -> State:
 
 
 @kernel
-def corrected(state: State, seen: Seen, gate: float) -> tuple[bool, State, Innovation]:
+def updated(
+    state: State, measurement: Measurement, gate_squared: float
+) -> tuple[bool, State, Innovation]:
     """
-    Return whether a bearing passes the gate, the state that it corrects, and its innovation.
+    Return whether a bearing passes the gate, the state that it updates, and its innovation.
 
     With the innovation v, its covariance S = P_angles + R inverted in closed form and the gain
     K = P H^T / S, the covariance is Joseph's (I - K H) P (I - K H)^T + K R K^T, symmetric and a
@@ -159,16 +161,16 @@ def corrected(state: State, seen: Seen, gate: float) -> tuple[bool, State, Innov
     ----------
     state : State
         Predicted to the bearing's instant.
-    seen : Seen
+    measurement : Measurement
         The bearing.
-    gate : float
-        Largest v^T S^-1 v.
+    gate_squared : float
+        Largest v^T S^-1 v: the square of a Mahalanobis distance in sigma.
 
     """
     size = state.covariance.shape[0]
     before = state.covariance
-    axes = placed(seen.azimuth, seen.elevation, seen.camera)
-    rr, ru, uu = _across(state.axes, axes, seen)
+    axes = placed(measurement.azimuth, measurement.elevation, measurement.camera)
+    rr, ru, uu = _across(state.axes, axes, measurement)
     right, up = offset(state.axes, axes[0, 2], axes[1, 2], axes[2, 2])
     a, b, c = before[0, 0] + rr, before[1, 0] + ru, before[1, 1] + uu
     # Cholesky of S: the second pivot is the variance of up once right is known.
@@ -176,7 +178,7 @@ def corrected(state: State, seen: Seen, gate: float) -> tuple[bool, State, Innov
     innovation = Innovation(
         right / math.sqrt(a), (up - b / a * right) / math.sqrt(rest), math.log(a) + math.log(rest)
     )
-    if not innovation.first**2 + innovation.second**2 <= gate:
+    if not innovation.first**2 + innovation.second**2 <= gate_squared:
         return False, state, innovation
     determinant = a * rest
     gain = np.empty((size, 2))
@@ -207,7 +209,7 @@ def corrected(state: State, seen: Seen, gate: float) -> tuple[bool, State, Innov
 
 @kernel
 def with_motion_forgotten(state: State, rate: float, acceleration: float) -> State:
-    """Return the direction of a state with the motion as at first sight; see `started`."""
+    """Return the direction of a state with the motion as at first sight; see `initiated`."""
     size = state.covariance.shape[0]
     covariance = np.zeros((size, size))
     covariance[:2, :2] = state.covariance[:2, :2]

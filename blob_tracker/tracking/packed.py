@@ -10,7 +10,7 @@ from __future__ import annotations
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.tracking import direction, kalman
 from blob_tracker.tracking.direction import State
-from blob_tracker.tracking.kalman import Seen, Step
+from blob_tracker.tracking.kalman import Measurement, Step
 import numpy as np
 
 AXES = 9  # numbers of the axes; the motion and the covariance follow
@@ -39,13 +39,13 @@ def packed(state: State) -> Array:
 
 
 @kernel
-def started(
+def initiated(
     azimuth: float, elevation: float, rr: float, ru: float, uu: float, camera: Array,
     rate: float, acceleration: float, size: int,
 ) -> Array:
-    """Return what `kalman.started` does."""
-    seen = Seen(azimuth, elevation, rr, ru, uu, camera)
-    return packed(kalman.started(seen, rate, acceleration, size))
+    """Return what `kalman.initiated` does."""
+    measurement = Measurement(azimuth, elevation, rr, ru, uu, camera)
+    return packed(kalman.initiated(measurement, rate, acceleration, size))
 
 
 @kernel
@@ -57,14 +57,15 @@ def predicted(
 
 
 @kernel
-def tracked(
-    held: Array, gate: float, seconds: float, density: float, turn: Array, variance: float,
+def updated(
+    held: Array, gate_squared: float,
+    seconds: float, density: float, turn: Array, variance: float,
     azimuth: float, elevation: float, rr: float, ru: float, uu: float, camera: Array,
 ) -> tuple[bool, Array, float, float, float, float]:
-    """Return what `kalman.corrected` does of the state that is `predicted`, and its deviation."""
+    """Return what `kalman.updated` does of the state that is `predicted`, and its deviation."""
     before = kalman.predicted(unpacked(held), Step(seconds, density, turn, variance))
-    seen = Seen(azimuth, elevation, rr, ru, uu, camera)
-    passed, state, innovation = kalman.corrected(before, seen, gate)
+    measurement = Measurement(azimuth, elevation, rr, ru, uu, camera)
+    passed, state, innovation = kalman.updated(before, measurement, gate_squared)
     return (
         passed, packed(state), innovation.first, innovation.second, innovation.log_determinant,
         kalman.largest_deviation(before),

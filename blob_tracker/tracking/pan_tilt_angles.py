@@ -5,16 +5,17 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from math import cos, isfinite, remainder, sin, tau
 
-from blob_tracker.tracking.errors import check_stamp, PlatformGap, StampJump, TrackingError
+from blob_tracker.tracking.errors import PlatformGap, StampJump, TrackingError
 from blob_tracker.tracking.rotation import pan_tilt
+from blob_tracker.tracking.validation import check_positive, check_stamp
 import numpy as np
 from numpy.typing import NDArray
 
 # ns over which a rate is taken at least: over less it is the encoder's step and the stamps' jitter
 # (1e-4 rad in 20 us are 5 rad/s). A little less than the interval of 100 Hz, which is common.
 SPAN_NS = 8_000_000
-# rad/s, standard deviation of a rate that no samples tell: what a pan/tilt turns at when it does.
-UNKNOWN_RATE = 1.0
+# Standard deviation of a rate that no samples tell: what a pan/tilt turns at when it does.
+UNKNOWN_RATE_RAD_S = 1.0
 
 
 class PanTiltAngles:
@@ -54,9 +55,7 @@ class PanTiltAngles:
         sigma: float = 0.0,
         acceleration: float = 5.0,
     ) -> None:
-        for name, value in (('hold', hold), ('memory', memory)):
-            if not (value > 0.0 and isfinite(value)):
-                raise TrackingError(f'{name} is {value} s; it must be above 0 and finite')
+        check_positive({'hold': hold, 'memory': memory}, ' s')
         for name, value, unit in (
             ('sigma', sigma, 'rad'), ('acceleration', acceleration, 'rad/s^2')
         ):
@@ -164,7 +163,7 @@ class PanTiltAngles:
 
             s^2 ((1 + t/h)^2 + (t/h)^2) + (a t (t + h) / 2)^2
 
-        Where no samples tell a rate, s^2 + (`UNKNOWN_RATE` t)^2; between samples s^2.
+        Where no samples tell a rate, s^2 + (`UNKNOWN_RATE_RAD_S` t)^2; between samples s^2.
 
         Parameters
         ----------
@@ -177,7 +176,7 @@ class PanTiltAngles:
             return self.sigma**2
         begin = self._begin(len(self._stamps) - 1)
         if begin is None:
-            return self.sigma**2 + (UNKNOWN_RATE * ahead) ** 2
+            return self.sigma**2 + (UNKNOWN_RATE_RAD_S * ahead) ** 2
         interval = 1e-9 * (self._stamps[-1] - self._stamps[begin])
         share = ahead / interval
         strayed = 0.5 * self.acceleration * ahead * (ahead + interval)

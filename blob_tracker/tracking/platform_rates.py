@@ -2,25 +2,15 @@
 
 from __future__ import annotations
 
-from math import isfinite
-
-from blob_tracker.kernel import Array, kernel
-from blob_tracker.tracking.errors import check_stamp, PlatformGap, StampJump, TrackingError
-from blob_tracker.tracking.rotation import from_vector, product
+from blob_tracker.tracking.angular_velocity import AFTER, BEFORE, rate_at, turn_between
+from blob_tracker.tracking.errors import PlatformGap, StampJump, TrackingError
+from blob_tracker.tracking.gyro_faults import without_faults
+from blob_tracker.tracking.validation import check_positive, check_stamp
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-DENSEST = 4000  # samples a second of the memory: twice as fast as a fused gyro publishes
-# s of samples to which a line is fitted: a longer one follows a turn too late, a shorter one the
-# noise and the engine. On a boat 0.05 to 0.07 are alike (study servo).
-FITTED = 0.06
-FEWEST = 4  # samples of a line; of fewer the newest holds
-# s that they span at least: of a burst, stamped on arrival, the slope is noise over microseconds.
-SHORTEST = FITTED / 2.0
-# rad/s^2: past what a vehicle's drive, a rock under its tool or a camera drone's rotors give it.
-SWIFTEST = 100.0
-SHAKEN = 0.3  # rad/s from sample to sample: a gyro's noise and what an engine shakes it by
-FASTEST = 100.0  # rad/s: 6000 degrees a second, past the range of any gyro
+DENSEST_HZ = 4000  # of samples in the memory: twice as fast as a fused gyro publishes
+FASTEST_RAD_S = 100.0  # 6000 degrees a second, past the range of any gyro
 
 
 class PlatformRates:
@@ -36,16 +26,16 @@ class PlatformRates:
     McKern, A Study of Transformation Algorithms, MIT 1968, calls it coning).
 
     Past the newest sample the angular velocity goes on along a straight line, the least-squares
-    fit to the samples of the last `FITTED` seconds, whose weights rise evenly from 0 to 1 at the
-    newest; of fewer than `FEWEST` or within less than `SHORTEST` seconds the newest rate holds. A
-    vehicle swings: its last rate alone would be off by its acceleration times the
-    horizon, and the last sample is as noisy as any.
+    fit to the samples of the last `FITTED_S` seconds, whose weights rise evenly from 0 to 1 at the
+    newest; of fewer than `FEWEST` or within less than `SHORTEST_S` seconds the newest rate holds.
+    A vehicle swings: its last rate alone would be off by its acceleration times the horizon, and
+    the last sample is as noisy as any.
 
     A sample is a fault of the sensor, or of its bus, where a component is above both neighbours or
-    below both by more than `SHAKEN` and than an angular acceleration of `SWIFTEST` explains: it
-    counts as the nearer neighbour, their median. Of the newest sample one neighbour is missing:
-    so far from the one before, it waits for the next, and a change of the rate that lasts is late
-    by one sample.
+    below both by more than `SHAKEN_RAD_S` and than an angular acceleration of `SWIFTEST_RAD_S2`
+    explains: it counts as the nearer neighbour, their median. Of the newest sample one neighbour
+    is missing: so far from the one before, it waits for the next, and a change of the rate that
+    lasts is late by one sample.
 
     Parameters
     ----------
@@ -63,13 +53,11 @@ class PlatformRates:
     """
 
     def __init__(self, hold: float = 0.2, memory: float = 2.0) -> None:
-        for name, value in (('hold', hold), ('memory', memory)):
-            if not (value > 0.0 and isfinite(value)):
-                raise TrackingError(f'{name} is {value} s; it must be above 0 and finite')
+        check_positive({'hold': hold, 'memory': memory}, ' s')
         self.hold = hold
         self.memory = memory
         self._hold_ns, self._memory_ns = round(1e9 * hold), round(1e9 * memory)
-        capacity = max(2, int(DENSEST * memory))
+        capacity = max(2, int(DENSEST_HZ * memory))
         self._stamps = np.empty(capacity, np.int64)
         self._samples = np.empty((capacity, 3))  # as they came
         self._rates = np.empty((capacity, 3))  # without faults
@@ -110,15 +98,15 @@ class PlatformRates:
         """
         check_stamp(stamp_ns)
         vector = np.asarray(rate, dtype=float)
-        if vector.shape != (3,) or not np.abs(vector).max() <= FASTEST:
+        if vector.shape != (3,) or not np.abs(vector).max() <= FASTEST_RAD_S:
             raise TrackingError(
                 f'the angular velocity is {vector.tolist()} rad/s; it must be 3 numbers within '
-                f'+-{FASTEST:g}'
+                f'+-{FASTEST_RAD_S:g}'
             )
-        if not 0.0 <= variance <= FASTEST**2:
+        if not 0.0 <= variance <= FASTEST_RAD_S**2:
             raise TrackingError(
                 f'the variance of the angular velocity is {variance} (rad/s)^2; it must be from 0 '
-                f'to {FASTEST**2:g}'
+                f'to {FASTEST_RAD_S**2:g}'
             )
         place = self._place(stamp_ns)
         for kept, value in (
@@ -133,7 +121,7 @@ class PlatformRates:
         while self._stamps[self._first] < oldest:
             self._first += 1
         known = slice(self._first, self._end)
-        self._waiting = _without_faults(
+        self._waiting = without_faults(
             self._stamps[known], self._samples[known], self._rates[known], place - self._first
         )
 
@@ -161,7 +149,7 @@ class PlatformRates:
 
         """
         samples = slice(self._first, self._end - self._waiting)
-        turn, variance, gap = _integrated(
+        turn, variance, gap = turn_between(
             self._stamps[samples], self._rates[samples], self._variances[samples], t0_ns, t1_ns,
             self._hold_ns,
         )
@@ -185,7 +173,7 @@ class PlatformRates:
 
         """
         samples = slice(self._first, self._end - self._waiting)
-        rate, gap = _rate(self._stamps[samples], self._rates[samples], stamp_ns, self._hold_ns)
+        rate, gap = rate_at(self._stamps[samples], self._rates[samples], stamp_ns, self._hold_ns)
         if gap:
             raise PlatformGap(self._reason(gap, stamp_ns, stamp_ns))
         return rate
@@ -228,176 +216,3 @@ class PlatformRates:
                 f'for {self.hold:g} s'
             )
         return f'angular velocities are more than {self.hold:g} s apart'
-
-
-BEFORE, AFTER, BETWEEN = 1, 2, 3  # where a gap is; 0 where there is none
-
-
-@kernel
-def _search(stamps: NDArray[np.int64], stamp: int) -> int:
-    """Return how many stamps are not after one."""
-    low, high = 0, len(stamps)
-    while low < high:
-        middle = (low + high) // 2
-        if stamps[middle] <= stamp:
-            low = middle + 1
-        else:
-            high = middle
-    return low
-
-
-@kernel
-def _leaps(stamps: NDArray[np.int64], samples: Array, index: int, axis: int) -> int:
-    """Return whether the rate leaps up (1) or down (-1) from a sample to the next one, or 0."""
-    step = samples[index + 1, axis] - samples[index, axis]
-    if abs(step) <= SHAKEN + SWIFTEST * 1e-9 * (stamps[index + 1] - stamps[index]):
-        return 0
-    return 1 if step > 0.0 else -1
-
-
-@kernel
-def _without_faults(
-    stamps: NDArray[np.int64], samples: Array, rates: Array, place: int
-) -> int:
-    """Fill the rates about a sample that has come; return 1 where the newest one must wait."""
-    last = len(stamps) - 1
-    for index in range(max(place - 1, 1), min(place + 2, last)):
-        for k in range(3):
-            rates[index, k] = samples[index, k]
-            up = _leaps(stamps, samples, index - 1, k)
-            if up != 0 and _leaps(stamps, samples, index, k) == -up:
-                before, after = samples[index - 1, k], samples[index + 1, k]
-                rates[index, k] = max(before, after) if up > 0 else min(before, after)
-    if last == 0:
-        return 0
-    for k in range(3):
-        if _leaps(stamps, samples, last - 1, k) != 0:
-            return 1
-    return 0
-
-
-@kernel
-def _line(
-    stamps: NDArray[np.int64], rates: Array
-) -> tuple[Array, Array, float, float, float]:
-    """
-    Return the rate at the newest sample, its slope, and their covariance for a noise of 1.
-
-    The covariance is that of the weighted fit, A^-1 B A^-1 with A = X'WX and B = X'W^2X: of the
-    rate, of both, and of the slope.
-    """
-    newest = len(stamps) - 1
-    rate, slope = rates[newest].copy(), np.zeros(3)
-    first = _search(stamps, stamps[newest] - round(1e9 * FITTED))
-    span = 1e-9 * (stamps[newest] - stamps[first])
-    if newest - first + 1 < FEWEST or span < SHORTEST:
-        return rate, slope, 1.0, 0.0, 0.0
-    a0 = a1 = a2 = b0 = b1 = b2 = 0.0
-    sums, moments = np.zeros(3), np.zeros(3)
-    for index in range(first, newest + 1):
-        time = 1e-9 * (stamps[index] - stamps[newest])
-        weight = 1.0 + time / FITTED
-        a0 += weight
-        a1 += weight * time
-        a2 += weight * time * time
-        b0 += weight * weight
-        b1 += weight * weight * time
-        b2 += weight * weight * time * time
-        for k in range(3):
-            sums[k] += weight * rates[index, k]
-            moments[k] += weight * time * rates[index, k]
-    determinant = a0 * a2 - a1 * a1
-    for k in range(3):
-        rate[k] = (a2 * sums[k] - a1 * moments[k]) / determinant
-        slope[k] = (a0 * moments[k] - a1 * sums[k]) / determinant
-    square = determinant * determinant
-    return (
-        rate, slope,
-        (a2 * a2 * b0 - 2.0 * a1 * a2 * b1 + a1 * a1 * b2) / square,
-        (-a1 * a2 * b0 + (a0 * a2 + a1 * a1) * b1 - a0 * a1 * b2) / square,
-        (a1 * a1 * b0 - 2.0 * a0 * a1 * b1 + a0 * a0 * b2) / square,
-    )
-
-
-@kernel
-def _rate(
-    stamps: NDArray[np.int64], rates: Array, stamp: int, hold: int
-) -> tuple[Array, int]:
-    """Return the angular velocity at an instant, and where there is a gap."""
-    count = len(stamps)
-    rate = np.zeros(3)
-    after = _search(stamps, stamp)
-    if after == 0:
-        return rate, BEFORE
-    before = after - 1
-    if after == count:
-        if stamp - stamps[before] > hold:
-            return rate, AFTER
-        rate, slope, _, _, _ = _line(stamps, rates)
-        rate += 1e-9 * (stamp - stamps[before]) * slope
-        return rate, 0
-    if stamps[after] - stamps[before] > hold:
-        return rate, BETWEEN
-    share = (stamp - stamps[before]) / (stamps[after] - stamps[before])
-    for k in range(3):
-        rate[k] = rates[before, k] + share * (rates[after, k] - rates[before, k])
-    return rate, 0
-
-
-@kernel
-def _turned(w0: Array, w1: Array, dt: float) -> Array:
-    """Return how a vector at rest turns against the base while the rate goes from w0 to w1."""
-    half, cone = 0.5 * dt, dt * dt / 12.0
-    return from_vector(
-        -half * (w0[0] + w1[0]) - cone * (w0[1] * w1[2] - w0[2] * w1[1]),
-        -half * (w0[1] + w1[1]) - cone * (w0[2] * w1[0] - w0[0] * w1[2]),
-        -half * (w0[2] + w1[2]) - cone * (w0[0] * w1[1] - w0[1] * w1[0]),
-    )
-
-
-@kernel
-def _integrated(
-    stamps: NDArray[np.int64], rates: Array, variances: Array, t0: int, t1: int, hold: int
-) -> tuple[Array, float, int]:
-    """Return the rotation, its variance, and where there is a gap."""
-    turn = np.eye(3)
-    count = len(stamps)
-    variance = 0.0
-    if count == 0 or t0 < stamps[0]:
-        return turn, variance, BEFORE
-    newest = stamps[count - 1]
-    if t1 - newest > hold:
-        return turn, variance, AFTER
-    following = _search(stamps, t0)
-    at = t0
-    w0, gap = _rate(stamps, rates, t0, hold)
-    if gap:  # also where no time passes: nobody knows the rate there
-        return turn, variance, gap
-    while at < t1 and following < count:
-        if stamps[following] <= t1:
-            until = stamps[following]
-            w1 = rates[following]
-            if until - stamps[following - 1] > hold:
-                gap = BETWEEN
-        else:
-            until = t1
-            w1, gap = _rate(stamps, rates, t1, hold)
-        if gap:
-            return turn, variance, gap
-        dt = 1e-9 * (until - at)
-        turn = product(_turned(w0, w1, dt), turn)
-        # Each sample speaks for half the intervals beside it: its variance over its time
-        # squared, shared out evenly over the interval so that parts add up to the whole.
-        interval = 1e-9 * (stamps[following] - stamps[following - 1])
-        variance += 0.5 * (variances[following - 1] + variances[following]) * interval * dt
-        w0, at = w1, until
-        following += 1
-    if at < t1:
-        rate, slope, of_rate, of_both, of_slope = _line(stamps, rates)
-        begin, end = 1e-9 * (at - newest), 1e-9 * (t1 - newest)
-        dt, half = end - begin, 0.5 * (end * end - begin * begin)
-        turn = product(_turned(rate + begin * slope, rate + end * slope, dt), turn)
-        variance += variances[count - 1] * (
-            of_rate * dt * dt + 2.0 * of_both * dt * half + of_slope * half * half
-        )
-    return turn, variance, 0

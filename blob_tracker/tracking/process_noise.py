@@ -18,8 +18,8 @@ import scipy
 LEAST, MOST = 1e-2, 1e6
 SETTLING = 3  # innovations at the start of a track, which tell of the prior
 FEWEST = 50  # innovations: the deviation of what is found is 10 % then
-# mrad: where a track ended by its deviation, a great noise would leave few innovations to explain.
-ANY_SIGMA = 1e12
+# Where a track ended by its deviation, a great noise would leave few innovations to explain.
+ANY_SIGMA_MRAD = 1e12
 FOUND = 0.01  # of the value, to which it is searched for
 
 
@@ -64,8 +64,8 @@ def log_likelihood(
     """
     noise = MODELS[model].noise
     tracker = Tracker(
-        model, **{noise: value, f'stabilised_{noise}': value}, gate=inf, coast=coast,
-        max_sigma=ANY_SIGMA, platform=platform, pan_tilt=pan_tilt,
+        model, **{noise: value, f'stabilised_{noise}': value}, gate_sigma=inf, coast=coast,
+        max_sigma=ANY_SIGMA_MRAD, platform=platform, pan_tilt=pan_tilt,
     )
     total, count, age = 0.0, 0, 0
     for bearing in sorted(bearings, key=lambda each: each.stamp_ns):

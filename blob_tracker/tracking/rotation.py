@@ -7,6 +7,8 @@ import math
 from blob_tracker.kernel import Array, kernel
 import numpy as np
 
+NO_TURN = np.eye(3)
+
 
 @kernel
 def from_vector(x: float, y: float, z: float) -> Array:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import cos, hypot, sqrt
 
+from blob_tracker.units import MRAD
 import numpy as np
 from numpy.typing import NDArray
-
-MRAD = 1e-3  # rad
 
 
 @dataclass(frozen=True)

@@ -62,4 +62,4 @@ def test_stars_above_peak_snr_8(rows):
 def test_missed_stars_are_lone_pixels():
     """Miss a star for no other reason than that its light is in one pixel."""
     for name, x, y, instead in real_frames.missed(Path(DATA)):
-        assert instead is not None and 'lone pixel' in instead.refused, (name, x, y)
+        assert instead is not None and 'lone pixel' in instead.rejected, (name, x, y)

@@ -17,7 +17,7 @@ def test_filterpys_filter_is_ours(model):
     """The same model, noise and prior: on a few degrees of the sphere they differ by little."""
     pytest.importorskip('filterpy', reason='it is not installed: see requirements/test.txt')
     bearings = tracking.bearings_of(MOTIONS['sea'].ride(SECONDS + 1.0, 3), SECONDS, 3)
-    tracker = Tracker(model, acceleration=40.0, jerk=400.0, gate=np.inf, max_sigma=1e6)
+    tracker = Tracker(model, acceleration=40.0, jerk=400.0, gate_sigma=np.inf, max_sigma=1e6)
     noise = {'constant_velocity': 40.0, 'constant_acceleration': 400.0}[model]
     mine = tracking.ours(tracker, bearings)
     other = tracking.filtered(model, noise, bearings)

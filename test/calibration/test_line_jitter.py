@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from blob_tracker.calibration.edge import edge_places, EdgeError, find_edge
 from blob_tracker.calibration.line_jitter import measure_line_jitter
 from blob_tracker.simulation import expose
-from blob_tracker.simulation.line_jitter import draw_edge, line_offsets, REMAINDER
+from blob_tracker.simulation.line_jitter import draw_edge, line_offsets, REMAINDER_PX
 from blob_tracker.types import Pixels, SensorNoise
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +31,7 @@ def frames(
     random: np.random.Generator,
     *,
     count: int = 6,
-    jitter: float = REMAINDER,
+    jitter: float = REMAINDER_PX,
     sigma: float = 1.1,
     dark: float = 30.0,
     bright: float = 200.0,
@@ -44,7 +44,7 @@ def frames(
         yield expose(draw_edge((HEIGHT, WIDTH), places, sigma, dark, bright), NOISE, random)
 
 
-@pytest.mark.parametrize('jitter', [0.0, REMAINDER])
+@pytest.mark.parametrize('jitter', [0.0, REMAINDER_PX])
 def test_truth_is_within_the_stated_sigma(jitter: float) -> None:
     """Chi-square of all lines, and the jitter from frame to frame, over 100 draws."""
     random = np.random.default_rng(3)
@@ -128,7 +128,7 @@ def test_missing_and_marked_lines_are_interpolated_in_their_field() -> None:
     assert np.isfinite(error).all()
     assert (np.abs(error) < 5.0 * found.jitter.sigma).all()
     assert found.jitter.sigma[42] > 1.3 * np.median(found.jitter.sigma)
-    assert found.jitter.sigma_from_frame_to_frame == pytest.approx(REMAINDER, rel=0.1)
+    assert found.jitter.sigma_from_frame_to_frame == pytest.approx(REMAINDER_PX, rel=0.1)
 
 
 def test_lines_that_jitter_together_are_found_out() -> None:

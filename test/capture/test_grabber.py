@@ -103,7 +103,7 @@ def test_a_frame_that_waited_too_long_is_not_handed_over(camera):
 
 
 def test_silence_is_told_with_its_reason_and_ends_nothing(camera, monkeypatch):
-    monkeypatch.setattr('blob_tracker.capture.grabber.READ_TIMEOUT', 0.01)
+    monkeypatch.setattr('blob_tracker.capture.grabber.READ_TIMEOUT_S', 0.01)
     with Grabber(camera) as grabber:
         with pytest.raises(NoFrameError, match='/dev/pipe: no frame for 0.0 s: no signal'):
             grabber.newest(0.2)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import inf
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
-from blob_tracker.drawing import CLIPPED, FOUND, GAP, LINE, PAPER, REFUSED
+from blob_tracker.drawing import CLIPPED, FOUND, GAP_PX, LINE_PX, PAPER, REJECTED
 from blob_tracker.location import locate
-from blob_tracker.location.picture import CENTRE, COVARIANCE, draw, PANEL, WIDTH
+from blob_tracker.location.picture import CENTRE, COVARIANCE, draw, PANEL_PX, WIDTH
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
 from blob_tracker.types import Location, LocationError, SensorNoise, Window
 from hypothesis import given, settings, strategies as st
@@ -38,8 +38,8 @@ def picture_of(one):
 
 def panel(picture, index):
     """Return one of the panels of a square window."""
-    left = GAP + index * (PANEL + GAP)
-    return picture[GAP + LINE:GAP + LINE + PANEL, left:left + PANEL]
+    left = GAP_PX + index * (PANEL_PX + GAP_PX)
+    return picture[GAP_PX + LINE_PX:GAP_PX + LINE_PX + PANEL_PX, left:left + PANEL_PX]
 
 
 def places(picture, colour):
@@ -56,10 +56,10 @@ def test_what_was_found_is_marked_whatever_the_window(height, width, saturation,
     """All windows fill a panel, and nothing is written over the border."""
     location, picture = picture_of(window(height, width, saturation=saturation, steady=steady))
     assert picture.dtype == np.uint8
-    assert picture.shape[1] == panels * (PANEL + GAP) + GAP
-    assert (picture[:, :GAP] == PAPER).all()
-    assert (picture[:, -GAP:] == PAPER).all()
-    assert (picture[-GAP:] == PAPER).all()
+    assert picture.shape[1] == panels * (PANEL_PX + GAP_PX) + GAP_PX
+    assert (picture[:, :GAP_PX] == PAPER).all()
+    assert (picture[:, -GAP_PX:] == PAPER).all()
+    assert (picture[-GAP_PX:] == PAPER).all()
     for colour in (CENTRE, WIDTH, COVARIANCE, FOUND):
         assert places(picture, colour)[0].size
 
@@ -68,7 +68,7 @@ def test_the_marks_are_in_their_places():
     """The cross on the centre; the circle as wide as the fitted sigma says."""
     one = window()
     location, picture = picture_of(one)
-    scale = PANEL // 13
+    scale = PANEL_PX // 13
     found = panel(picture, 2)
     row, column = (np.mean(which) for which in places(found, CENTRE))
     # A picture pixel for rounding, and one for the middle of a line.
@@ -90,7 +90,7 @@ def test_the_residual_is_noise_where_the_pulse_fits():
     """Grey in the mean, and spread by its own sigma: 255 / 10 levels each."""
     one = window(25, 25)
     _, picture = picture_of(one)
-    scale = PANEL // 25
+    scale = PANEL_PX // 25
     residual = panel(picture, 3)[:25 * scale:scale, :25 * scale:scale, 0].astype(float)
     # The error of the mean and of the spread of 625 pixels are 4 % and 3 % of sigma; four times.
     assert residual.mean() == pytest.approx(127.5, abs=4.0)
@@ -102,7 +102,7 @@ def test_clipped_pixels_are_red():
     one = window(amplitude=600.0)
     count = np.count_nonzero(one.lit >= 255)
     _, picture = picture_of(one)
-    scale = PANEL // 13
+    scale = PANEL_PX // 13
     red = [places(panel(picture, index), CLIPPED)[0].size for index in range(4)]
     assert red[0] == red[3] == count * scale**2 > 0
     assert red[1] == 0
@@ -112,10 +112,10 @@ def test_clipped_pixels_are_red():
 def test_a_refusal_is_said():
     """Without marks, in the colour of what was refused."""
     picture = draw(window(), NOISE, reason='the window does not hold one blob ' * 8)
-    assert picture.shape[1] == 3 * (PANEL + GAP) + GAP
-    assert places(picture, REFUSED)[0].size
+    assert picture.shape[1] == 3 * (PANEL_PX + GAP_PX) + GAP_PX
+    assert places(picture, REJECTED)[0].size
     assert not places(picture, FOUND)[0].size
-    assert (picture[:, -GAP:] == PAPER).all()
+    assert (picture[:, -GAP_PX:] == PAPER).all()
 
 
 numbers = st.floats(1e-6, 1e6)

@@ -232,13 +232,13 @@ def test_whatever_fails_is_told_and_the_device_is_opened_again(
     found = told(lambda now: now.opened > 1 and now.words, error=error)
     assert found.alive
     assert str(error) in found.words[0]
-    assert found.pause > nodes_camera.FIRST_PAUSE
+    assert found.pause > nodes_camera.FIRST_PAUSE_S
 
 
 def test_the_first_frame_ends_the_backing_off(told: Callable[..., Any]) -> None:
     """Each opening gives a frame here, so that the pause never grows beyond the second."""
     found = told(lambda now: now.opened > 2, frames=1)
-    assert found.pause <= 2.0 * nodes_camera.FIRST_PAUSE  # just before or after a frame
+    assert found.pause <= 2.0 * nodes_camera.FIRST_PAUSE_S  # just before or after a frame
 
 
 def test_losses_are_told_while_no_frame_comes(told: Callable[..., Any]) -> None:

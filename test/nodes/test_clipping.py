@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from blob_tracker.nodes.segmenter import SegmenterNode
 from blob_tracker.ros.diagnostics.health import Health
+from blob_tracker.ros.endpoints.delivery import Delivery
 from blob_tracker.types import Frame
 import numpy as np
 import pytest
@@ -23,7 +24,8 @@ def test_a_camera_that_clips_below_is_told_of(
     rclpy.init(domain_id=domain)
     try:
         node = SegmenterNode(listen=False)
-        node.segment(Frame(np.zeros((20, 30), kind), 1, saturation), CameraInfo(), 'optical')
+        frame = Frame(np.zeros((20, 30), kind), 1, saturation)
+        node.segment(Delivery((frame, CameraInfo()), 'optical'))
         node.destroy_node()
     finally:
         rclpy.shutdown()

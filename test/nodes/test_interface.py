@@ -4,19 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from blob_tracker.nodes.camera import CameraNode
 from blob_tracker.nodes.interface import interface_of
-from blob_tracker.nodes.locator import LocatorNode
-from blob_tracker.nodes.segmenter import SegmenterNode
-from blob_tracker.nodes.simulator import SimulatorNode
-from blob_tracker.nodes.tracker import TrackerNode
-from blob_tracker.nodes.triangulator import TriangulatorNode
 from blob_tracker.resources import config_path
 from blob_tracker.ros.interface import Interface, Service, Topic
 import pytest
 import rclpy
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from support.node_classes import CLASSES, OPENED
 import yaml
 
 # What rclpy gives to every node.
@@ -26,12 +21,11 @@ SERVICES = (
     'list_parameters', 'set_parameters', 'set_parameters_atomically',
 )
 PARAMETERS = {'use_sim_time', 'start_type_description_service'}
-# What has them take and give all that they can.
-ARGUMENTS = (
-    'camera:device:=/dev/no_such_device', 'locator:noise.online:=true',
-    'segmenter:noise.measure:=true', 'segmenter:follow_prediction:=true',
-    'tracker:imu.enabled:=true', 'tracker:joints.pan:=pan', 'simulator:pan_tilt:=true',
-)
+ARGUMENTS = ('camera:device:=/dev/no_such_device', *(
+    f'{node}:{name}:={str(value).lower()}'
+    for node, values in OPENED.items()
+    for name, value in values.items()
+))
 
 Ends = dict[str, str]  # type by name
 
@@ -45,9 +39,7 @@ def nodes(domain: int) -> Iterator[dict[str, Node]]:
     )
     made: list[Node] = []
     try:
-        for kind in (
-            CameraNode, SegmenterNode, LocatorNode, TrackerNode, TriangulatorNode, SimulatorNode,
-        ):
+        for kind in CLASSES.values():
             made.append(kind())
         yield {node.get_name(): node for node in made}
     finally:

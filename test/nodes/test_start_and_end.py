@@ -7,12 +7,12 @@ import subprocess
 import sys
 import time
 
+from blob_tracker.nodes import NODES
 from geometry_msgs.msg import Vector3Stamped
 import pytest
 from support.processes import PATIENCE, probe, start
 
 ATTEMPTS = 3  # a busy machine may be late once; a node that hangs is late each time
-NODES = ('camera', 'segmenter', 'locator', 'tracker', 'simulator')
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])

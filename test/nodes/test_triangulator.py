@@ -7,7 +7,7 @@ from math import atan2, hypot, nan, pi
 
 from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.ros.messages.target import ray_message
-from blob_tracker.tracking.triangulation import CameraPose
+from blob_tracker.tracking import CameraPose
 from blob_tracker.types import Bearing
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped

@@ -143,15 +143,15 @@ def test_a_target_that_was_lost_is_found_again() -> None:
     there = replace(here, target=replace(here.target, x=250.4, y=180.7))
     segmenter = Segmenter()
     assert tracked(here, range(1, 31), segmenter) == (15, 0, 15)
-    assert segmenter.look.state == 'locked'
-    assert segmenter.look.region.size < 0.1 * 320 * 240
+    assert segmenter.detections.state == 'locked'
+    assert segmenter.detections.region.size < 0.1 * 320 * 240
     assert tracked(WALL, range(31, 151), segmenter)[:2] == (0, 0)
-    assert segmenter.look.state == 'lost'
-    assert segmenter.look.region.size == 320 * 240
+    assert segmenter.detections.state == 'lost'
+    assert segmenter.detections.region.size == 320 * 240
     right, wrong, flashes = tracked(there, range(151, 181), segmenter)
     assert wrong == 0
     assert right >= flashes - 2
-    assert segmenter.look.state == 'locked'
+    assert segmenter.detections.state == 'locked'
 
 
 def test_a_target_behind_something_is_found_again_near_by() -> None:
@@ -160,7 +160,7 @@ def test_a_target_behind_something_is_found_again_near_by() -> None:
     segmenter = Segmenter()
     tracked(scene, range(1, 31), segmenter)
     assert tracked(WALL, range(31, 35), segmenter)[:2] == (0, 0)
-    assert segmenter.look.state == 'locked'
+    assert segmenter.detections.state == 'locked'
     assert tracked(scene, range(35, 41), segmenter) == (3, 0, 3)
 
 

@@ -1,6 +1,6 @@
 """Boxes: cut at borders, and told when too much is cut off."""
 
-from blob_tracker.segmentation.box import Box, box_about, common, component_box, whole
+from blob_tracker.segmentation.box import Box, box_about, component_box, intersection, whole
 import numpy as np
 import pytest
 
@@ -53,4 +53,4 @@ def test_whole_has_all_pixels() -> None:
 def test_common_pixels_of_two_boxes(other: Box, shared: Box) -> None:
     """Whichever is named first; none where they are apart."""
     box = Box(0, 0, 20, 10)
-    assert common(box, other) == common(other, box) == shared
+    assert intersection(box, other) == intersection(other, box) == shared

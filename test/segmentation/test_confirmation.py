@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
-from blob_tracker.segmentation.confirmation import Confirmation, FORGOTTEN
+from blob_tracker.segmentation.confirmation import Confirmation, MAX_AGE_FRAMES
 import numpy as np
 import pytest
 from support.contrasts import candidate_at
@@ -99,7 +99,7 @@ def test_what_is_refused_in_the_other_phase_speaks_against_a_light() -> None:
     for index in range(start, start + 6):
         seen = light(index)
         if index % 2:
-            seen = seen._replace(refused='a lamp that flickers')
+            seen = seen._replace(rejected='a lamp that flickers')
         assert camera.see(index, seen) is None
 
 
@@ -166,7 +166,7 @@ def test_the_region_grows_when_flashes_are_missed_and_ends_in_the_whole() -> Non
         camera.confirmation.push(10**9 + index * STEP_NS)
         region = camera.confirmation.region(SHAPE)
         sides.append(region.x1 - region.x0)
-        assert camera.confirmation.locked is (index - 10 <= FORGOTTEN)
+        assert camera.confirmation.locked is (index - 10 <= MAX_AGE_FRAMES)
         camera.confirmation.choose([], SHAPE)
     assert sides == sorted(sides)
     # Frame 12 is the first in which it is expected, 14 the first after it was missed.

@@ -91,7 +91,7 @@ def test_what_is_thrown_beyond_the_gate_is_followed(
     flashes = sum(lit for _, lit in seen)
     segmenter = Segmenter()
     assert on_target(middles(seen, expected, segmenter), place) == flashes
-    assert segmenter.look is not None and segmenter.look.region.size < 0.1 * 320 * 240
+    assert segmenter.detections is not None and segmenter.detections.region.size < 0.1 * 320 * 240
     assert on_target(middles(seen, lambda index: None), place) < 0.5 * flashes
 
 
@@ -212,8 +212,8 @@ def test_reach_is_four_sigma_of_the_longest_axis() -> None:
     """Of an ellipse that lies askew; of an area of none as well."""
     turn = np.array([[0.6, -0.8], [0.8, 0.6]])
     askew = turn @ np.diag([9.0, 1.0]) @ turn.T
-    assert Expectation(0.0, 0.0, askew).reach == pytest.approx(12.0)
-    assert Expectation(0.0, 0.0, np.zeros((2, 2))).reach == 0.0
+    assert Expectation(0.0, 0.0, askew).gate_radius_px == pytest.approx(12.0)
+    assert Expectation(0.0, 0.0, np.zeros((2, 2))).gate_radius_px == 0.0
 
 
 def test_other_modes_search_the_whole_frame() -> None:
@@ -223,5 +223,5 @@ def test_other_modes_search_the_whole_frame() -> None:
         segmenter = Segmenter(flash=flash_by_name(mode, frequency=15.0, **options))
         for frame, _ in frames(WALL, never)[:40]:
             segmenter.update(frame, Expectation(*never(0), TIGHT))
-        assert segmenter.look is not None
-        assert (segmenter.look.region == whole((240, 320))) is (mode != 'alternate')
+        assert segmenter.detections is not None
+        assert (segmenter.detections.region == whole((240, 320))) is (mode != 'alternate')

@@ -6,7 +6,7 @@ import pytest
 OPTIONS = {
     'max_pair_interval': 0.1,
     'registration': 'none',
-    'gate': 24.0,
+    'gate_px': 24.0,
     'frequency': 15.0,
     'duty': 0.5,
     'frames': 16,

@@ -94,7 +94,7 @@ def test_the_target_is_found_in_another_light(name: str) -> None:
     """And nothing else, though the texture has another height."""
     allowed = [
         each for each in searched(contrast_of(*pair(CHANGES[name], 60.0))).candidates
-        if not each.refused
+        if not each.rejected
     ]
     assert [(round(each.x), round(each.y)) for each in allowed] == [(150, 101)]
 

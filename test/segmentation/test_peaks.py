@@ -5,7 +5,7 @@ from __future__ import annotations
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.description import FIELDS
 from blob_tracker.segmentation.peaks import measure_peaks
-from blob_tracker.segmentation.search import ANYWHERE
+from blob_tracker.segmentation.search import NO_MASK
 from blob_tracker.simulation import pixel_integrated_gaussian
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def peaks(
     lit: np.ndarray,
     unlit: np.ndarray = EVEN,
     *,
-    mask: np.ndarray = ANYWHERE,
+    mask: np.ndarray = NO_MASK,
     region: tuple[int, int, int, int] = (0, 0, SHAPE[1], SHAPE[0]),
     saturation: int = 255,
     alone: bool = False,
@@ -41,7 +41,7 @@ def peaks(
 
 def test_the_table_has_the_fields_of_a_candidate() -> None:
     """In their order; the last one is what a rule says of them."""
-    assert Candidate._fields[FIELDS:] == ('refused',)
+    assert Candidate._fields[FIELDS:] == ('rejected',)
 
 
 def test_fields_of_a_blob_are_those_of_its_pixels() -> None:
@@ -53,10 +53,10 @@ def test_fields_of_a_blob_are_those_of_its_pixels() -> None:
     assert found.sigma_x == found.sigma_y == pytest.approx(np.hypot(2.0, 0.29), rel=0.02)
     assert found.correlation == pytest.approx(0.0, abs=0.02)
     assert found.height == lit[40, 60] - 40
-    assert found.beside == pytest.approx((lit[40, 61] - 40) / found.height)
+    assert found.neighbour_ratio == pytest.approx((lit[40, 61] - 40) / found.height)
     assert found.amplitude == pytest.approx(98.0, abs=1.0)
     assert found.noise == FLOOR
-    assert (found.background, found.fall, found.stood, found.clipped) == (0.0, 0.0, 0.0, 0.0)
+    assert (found.background, found.fall, found.unlit_amplitude, found.clipped) == (0.0,) * 4
     assert found.misfit < 0.02
     assert found.snr == pytest.approx(98.0 * np.sqrt(np.pi) * 2.02 / FLOOR, rel=0.03)
 
@@ -77,7 +77,7 @@ def test_what_stood_there_before_is_measured() -> None:
     """A lamp of 50 DN, and its clipped pixels where there are some."""
     lamp = lit_by(60.0, 40.0, 2.0, 50.0)
     found, = peaks(lit_by(60.0, 40.0, 2.0, 120.0), lamp)
-    assert found.stood == pytest.approx(50.0, abs=3.0)
+    assert found.unlit_amplitude == pytest.approx(50.0, abs=3.0)
     assert found.amplitude == pytest.approx(70.0, abs=3.0)
     assert not found.clipped
     assert peaks(lit_by(60.0, 40.0, 2.0, 120.0), lamp, saturation=80)[0].clipped

@@ -68,7 +68,7 @@ def snr(frames: int) -> float:
     found = []
     for index in range(16 * frames):
         if segmenter.update(Frame(lights.frame(index), lights.stamp_ns(index), 255)):
-            found.append(segmenter.look.candidates[0])
+            found.append(segmenter.detections.candidates[0])
     assert len(found) == 16
     return float(np.mean([each.amplitude / each.noise for each in found]))
 

@@ -1,13 +1,13 @@
-"""The picture of a look: what must be seen in it, and that nothing odd breaks it."""
+"""The picture of the detections: what must be seen in it, and that nothing odd breaks it."""
 
 from __future__ import annotations
 
 from math import inf, nan
 
-from blob_tracker.drawing import FOUND, GAP, PAPER, REFUSED
+from blob_tracker.drawing import FOUND, GAP_PX, PAPER, REJECTED
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
-from blob_tracker.segmentation.look import Look
+from blob_tracker.segmentation.detections import Detections
 from blob_tracker.segmentation.picture import draw, REGION, WINDOW
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
 from blob_tracker.types import SensorNoise
@@ -23,11 +23,11 @@ def candidate(**changes):
     """Return something that may be the target at (100, 60)."""
     fields = dict.fromkeys(Candidate._fields, 0.0)
     fields |= {'x': 100.0, 'y': 60.0, 'sigma_major': 2.0, 'sigma_minor': 1.9, 'snr': 80.0}
-    return Candidate(**{**fields, 'height': 100.0, 'refused': '', **changes})
+    return Candidate(**{**fields, 'height': 100.0, 'rejected': '', **changes})
 
 
-def look(width=640, height=480, saturation=255, **changes):
-    """Return a look at a light at (100, 60), or the middle of what is smaller."""
+def detections(width=640, height=480, saturation=255, **changes):
+    """Return the detections of a light at (100, 60), or the middle of what is smaller."""
     random = np.random.default_rng(1)
     x, y = min(100, width // 2), min(60, height // 2)
     wall = np.full((height, width), 0.1 * saturation)
@@ -43,7 +43,7 @@ def look(width=640, height=480, saturation=255, **changes):
         'state': 'locked',
         'reason': '',
     }
-    return Look(**{**fields, **changes})
+    return Detections(**{**fields, **changes})
 
 
 def has(picture, colour):
@@ -58,20 +58,20 @@ def has(picture, colour):
 ])
 def test_the_text_has_room_whatever_the_frame(width, height, shown, saturation):
     """Two panels of 480 to 800 px: small frames grow by whole numbers, large ones shrink."""
-    picture = draw(look(width, height, saturation))
+    picture = draw(detections(width, height, saturation))
     assert picture.dtype == np.uint8
-    assert picture.shape[1:] == (2 * shown + 3 * GAP, 3)
+    assert picture.shape[1:] == (2 * shown + 3 * GAP_PX, 3)
     assert has(picture, WINDOW)
 
 
 @pytest.mark.parametrize(('width', 'height', 'scale'), [(160, 120, 3), (640, 480, 1)])
 def test_the_difference_is_signed_and_in_its_place(width, height, scale):
     """What rose is white, what fell black, the rest grey about the middle."""
-    one = look(width, height, windows={}, candidates=())
+    one = detections(width, height, windows={}, candidates=())
     unlit = one.unlit.copy()
     unlit[20, 30] = 200
     picture = draw(one._replace(unlit=unlit))
-    left = picture.shape[1] - GAP - scale * width
+    left = picture.shape[1] - GAP_PX - scale * width
     panel = picture[TITLE:TITLE + scale * height, left:left + scale * width]
     x, y = min(100, width // 2), min(60, height // 2)
     assert panel[scale * y, scale * x].min() == 255
@@ -82,8 +82,8 @@ def test_the_difference_is_signed_and_in_its_place(width, height, scale):
 
 def test_a_window_is_drawn_about_its_pixels():
     """Its outline runs through its outermost pixels, in frame and difference."""
-    picture = draw(look(candidates=()))
-    for left in (GAP, picture.shape[1] - GAP - 640):
+    picture = draw(detections(candidates=()))
+    for left in (GAP_PX, picture.shape[1] - GAP_PX - 640):
         rows, columns = np.nonzero(
             (picture[TITLE:TITLE + 480, left:left + 640] == WINDOW).all(axis=-1)
         )
@@ -91,27 +91,27 @@ def test_a_window_is_drawn_about_its_pixels():
 
 
 def test_candidates_and_region_have_colours_of_their_own():
-    """Green for what may be the target, orange for what was refused, blue for the region."""
-    one = look(windows={}, candidates=(), reason='nothing lit up')
+    """Green for what may be the target, orange for what was rejected, blue for the region."""
+    one = detections(windows={}, candidates=(), reason='nothing lit up')
     # The line of text that says the reason is orange as well: panels only.
     plain = draw(one)[TITLE:TITLE + 480]
-    assert not any(has(plain, colour) for colour in (FOUND, REFUSED, REGION))
+    assert not any(has(plain, colour) for colour in (FOUND, REJECTED, REGION))
     picture = draw(one._replace(
-        candidates=(candidate(), candidate(x=300.0, refused='a lone pixel')),
+        candidates=(candidate(), candidate(x=300.0, rejected='a lone pixel')),
         region=Box(50, 40, 400, 300),
     ))[TITLE:TITLE + 480]
-    assert all(has(picture, colour) for colour in (FOUND, REFUSED, REGION))
+    assert all(has(picture, colour) for colour in (FOUND, REJECTED, REGION))
 
 
 def test_long_text_stays_inside():
     """Sentences are wrapped, and candidates that find no line are counted."""
     many = tuple(
-        candidate(x=7.0 * index, refused='a rise that is none, and that at length ' * 4)
+        candidate(x=7.0 * index, rejected='a rise that is none, and that at length ' * 4)
         for index in range(90)
     )
-    picture = draw(look(candidates=many, reason='why it is no target ' * 30, windows={}))
-    assert (picture[:, -GAP:] == PAPER).all()
-    assert (picture[-GAP:] == PAPER).all()
+    picture = draw(detections(candidates=many, reason='why it is no target ' * 30, windows={}))
+    assert (picture[:, -GAP_PX:] == PAPER).all()
+    assert (picture[-GAP_PX:] == PAPER).all()
     assert picture.shape[0] < 1000
 
 
@@ -119,7 +119,7 @@ numbers = st.floats(allow_nan=True, allow_infinity=True)
 candidates = st.builds(
     candidate,
     **dict.fromkeys(['x', 'y', 'sigma_major', 'sigma_minor', 'snr', 'height'], numbers),
-    refused=st.sampled_from(['', 'no', 'ein schräger\nGrund ' * 9]),
+    rejected=st.sampled_from(['', 'no', 'ein schräger\nGrund ' * 9]),
 )
 whole = st.integers(-3000, 3000)
 
@@ -142,7 +142,7 @@ def test_nothing_odd_breaks_it(
     """Any numbers at all: a picture comes of them."""
     lit = np.full(size, min(level, np.iinfo(kind).max) if kind is not np.float32 else nan, kind)
     dark = {'none': None, 'same': lit, 'other': np.zeros((3, 5), kind)}[unlit]
-    picture = draw(Look(
+    picture = draw(Detections(
         lit, dark, background, noise, region, tuple(found),
         {f'light{index}': box for index, box in enumerate(boxes)}, 'lost', '',
     ))
@@ -153,7 +153,7 @@ def test_nothing_odd_breaks_it(
 @pytest.mark.parametrize('noise', [0.0, nan, inf, -1.0])
 def test_a_target_at_the_edge(noise):
     """A window that the frame cuts, and a noise that is none."""
-    picture = draw(look(
+    picture = draw(detections(
         noise=noise,
         windows={'': Box(-4, -5, 9, 8)},
         candidates=(candidate(x=-0.4, y=-0.3),),

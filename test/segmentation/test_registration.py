@@ -9,7 +9,7 @@ from blob_tracker.location import locate, locate_batch
 from blob_tracker.segmentation import Segmenter
 from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.segmentation.box import Box
-from blob_tracker.segmentation.registration import affine, laid_over, overlap, translation
+from blob_tracker.segmentation.registration import affine, overlap, translation, warped
 from blob_tracker.simulation import flashing_light, in_step, Light, Scene, Stepping
 from blob_tracker.simulation.light import pixel_integrated_gaussian
 from blob_tracker.simulation.sensor import expose
@@ -150,7 +150,7 @@ def test_a_camera_that_stands_still_is_told(method, texture: float) -> None:
     frames = pair(motion(0.0, 0.0), seed=3, texture=texture)
     found = method(frames.lit, frames.unlit)
     np.testing.assert_array_equal(found, np.eye(2, 3))
-    np.testing.assert_array_equal(laid_over(frames.lit, frames.unlit, found), frames.unlit)
+    np.testing.assert_array_equal(warped(frames.lit, frames.unlit, found), frames.unlit)
 
 
 def stripes(shift: float, seed: int) -> np.ndarray:
@@ -192,7 +192,7 @@ def test_where_the_motion_does_not_show_it_is_none(method, frames) -> None:
 def test_whole_pixels_are_moved_as_they_are() -> None:
     """Nothing is interpolated, but for the three pixels that the kernel misses at the border."""
     unlit = pair(motion(0.0, 0.0)).unlit
-    laid = laid_over(np.zeros_like(unlit), unlit, motion(5.0, -3.0))
+    laid = warped(np.zeros_like(unlit), unlit, motion(5.0, -3.0))
     np.testing.assert_array_equal(laid[2:-6, 7:-3], unlit[5:-3, 2:-8])
 
 
@@ -205,16 +205,16 @@ def test_what_is_laid_over_is_what_the_camera_would_have_seen(true: np.ndarray) 
     fine = wall(1, 30.0)
     now, before = (np.rint(view(fine, m)).clip(0, 255).astype(np.uint8)
                    for m in (true, motion(0.0, 0.0)))
-    laid = laid_over(now, before, true)
+    laid = warped(now, before, true)
     assert np.std(laid.astype(float) - now) < 0.6
 
 
 def test_a_box_is_that_part_of_the_whole() -> None:
     """To one level: the phase of a place is rounded to 1/128 px from the box's own corner."""
     frames = pair(motion(8.0, -8.0, 1.0))
-    whole = laid_over(frames.lit, frames.unlit, motion(8.0, -8.0, 1.0)).astype(int)
+    whole = warped(frames.lit, frames.unlit, motion(8.0, -8.0, 1.0)).astype(int)
     for box in (Box(100, 90, 121, 111), Box(0, 0, 30, 20), Box(300, 220, 320, 240)):
-        part = laid_over(frames.lit, frames.unlit, motion(8.0, -8.0, 1.0), box)
+        part = warped(frames.lit, frames.unlit, motion(8.0, -8.0, 1.0), box)
         assert part.dtype == np.uint8
         assert np.abs(part - whole[box.slices]).max() <= 1
 
@@ -222,11 +222,11 @@ def test_a_box_is_that_part_of_the_whole() -> None:
 def test_where_the_unlit_frame_did_not_reach_nothing_rises() -> None:
     """The strip that came into view is that of the lit frame, and so is all that is beyond."""
     lit, unlit = np.full((40, 60), 90, np.uint8), np.full((40, 60), 30, np.uint8)
-    laid = laid_over(lit, unlit, np.array([[1.0, 0.0, 5.0], [0.0, 1.0, 0.0]]))
+    laid = warped(lit, unlit, np.array([[1.0, 0.0, 5.0], [0.0, 1.0, 0.0]]))
     assert (laid[:, :5] == 90).all()
     assert (laid[2:-3, 7:-3] == 30).all()
     far = np.array([[1.0, 0.0, 500.0], [0.0, 1.0, 500.0]])
-    np.testing.assert_array_equal(laid_over(lit, unlit, far), lit)
+    np.testing.assert_array_equal(warped(lit, unlit, far), lit)
 
 
 @pytest.mark.parametrize('true', [
@@ -237,7 +237,7 @@ def test_the_overlap_is_where_both_frames_were(true: np.ndarray) -> None:
     """In it all is interpolated, and a pixel or three further on each side not all of it is."""
     lit, unlit = np.full((HEIGHT, WIDTH), 255, np.uint8), np.full((HEIGHT, WIDTH), 30, np.uint8)
     seen = overlap(true, (HEIGHT, WIDTH))
-    from_unlit = laid_over(lit, unlit, true) == 30
+    from_unlit = warped(lit, unlit, true) == 30
     assert from_unlit[seen.slices].all()
     assert from_unlit.sum() - seen.size <= 2 * 8 * (WIDTH + HEIGHT)  # a turn leaves wedges
     assert (seen.size == 0) == (true[0, 2] > WIDTH)
@@ -262,7 +262,7 @@ def test_the_light_is_placed_as_from_a_still_camera(method, true: np.ndarray) ->
         frames = pair(true, seed=seed, texture=30.0)
         found = method(frames.lit, frames.unlit)
         assert found is not None
-        laid = laid_over(frames.lit, frames.unlit, found)
+        laid = warped(frames.lit, frames.unlit, found)
         for name, unlit in (('still', frames.still), ('moving', laid)):
             first = np.rint(frames.lights).astype(int) - half
             lit, behind = (

@@ -48,16 +48,16 @@ def test_each_light_is_measured() -> None:
     assert found.strongest == pytest.approx(heights[0], abs=1e-9)
     for x, y, sigma in PLACES:
         near, = (each for each in found.candidates if np.hypot(each.x - x, each.y - y) < 0.2)
-        assert near.refused == ''
+        assert near.rejected == ''
         assert near.sigma_x == pytest.approx(np.hypot(sigma, 0.29), rel=0.05)
         # The brightest of some pixels is one or two of its noise too high, and less than the peak.
         assert near.height == pytest.approx(95.0, abs=8.0)
         assert near.amplitude == pytest.approx(97.0, abs=4.0)
         assert abs(near.column - x) <= 0.2 + sigma and abs(near.row - y) <= 0.2 + sigma
         # Each of 49 pixels or more leaves its noise; the blob is one.
-        assert near.misfit < 0.1 and near.beside > 0.3 and not near.clipped
+        assert near.misfit < 0.1 and near.neighbour_ratio > 0.3 and not near.clipped
         assert near.fall < 4.0 * DEVIATION
-        assert abs(near.stood) < 2.0
+        assert abs(near.unlit_amplitude) < 2.0
 
 
 def test_sixteen_bits_are_searched_as_eight() -> None:
@@ -101,14 +101,14 @@ def test_a_light_that_went_out_is_none() -> None:
     """The difference has a sign."""
     contrast = lights()
     swapped = searched(contrast_of(contrast.unlit, contrast.lit))
-    assert [each for each in swapped.candidates if not each.refused] == []
+    assert [each for each in swapped.candidates if not each.rejected] == []
 
 
 @pytest.mark.parametrize('sigma', [2.0, 6.0])
 def test_a_clipped_plateau_is_one_candidate(sigma: float) -> None:
     """Three times full scale: its many equal pixels are one peak, in the middle of it."""
     contrast = lights(((160.0, 120.0, sigma),), 645.0)
-    found, = (each for each in searched(contrast).candidates if not each.refused)
+    found, = (each for each in searched(contrast).candidates if not each.rejected)
     assert (found.x, found.y) == pytest.approx((160.0, 120.0), abs=0.1)
     assert contrast.lit[int(found.row), int(found.column)] == 255
 
@@ -117,7 +117,7 @@ def test_a_clipped_plateau_is_one_candidate(sigma: float) -> None:
 def test_a_blob_of_any_width_is_one_candidate(sigma: float) -> None:
     """Its other peaks, by noise, are its own flanks."""
     contrast = noisy_blob((480, 640), 320.3, 240.4, sigma, 120.0)
-    allowed = [each for each in searched(contrast).candidates if not each.refused]
+    allowed = [each for each in searched(contrast).candidates if not each.rejected]
     assert len(allowed) == 1
     assert np.hypot(allowed[0].x - 320.3, allowed[0].y - 240.4) < 0.1 * max(sigma, 1.0)
 
@@ -188,7 +188,7 @@ def test_a_faint_target_on_texture_is_not_refused(sigma: float) -> None:
             *(expose(mean, scene.sensor.noise, random) for mean in (lit, scene.wall))
         ))
         missed += not any(
-            not each.refused and np.hypot(each.x - round(x), each.y - round(y)) < 2.0 + sigma
+            not each.rejected and np.hypot(each.x - round(x), each.y - round(y)) < 2.0 + sigma
             for each in found.candidates
         )
     assert missed <= 4

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from blob_tracker.segmentation.contrast import ROUNDING
+from blob_tracker.segmentation.contrast import ROUNDING_DN
 from blob_tracker.segmentation.tile_noise import median, tile_noise
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
 from blob_tracker.types import SensorNoise
@@ -28,7 +28,7 @@ def tiles(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return levels, noises and brightness."""
     x0, y0, x1, y1 = region or (0, 0, lit.shape[1], lit.shape[0])
-    return tile_noise(lit, unlit, x0, y0, x1, y1, ROUNDING)
+    return tile_noise(lit, unlit, x0, y0, x1, y1, ROUNDING_DN)
 
 
 @pytest.mark.parametrize('read_noise, saturation', [(0.7, 255), (3.0, 255), (40.0, 65535)])
@@ -98,7 +98,7 @@ def test_noise_is_at_least_the_floor() -> None:
     """Equal frames have none of their own."""
     flat = np.full(SHAPE, 40, np.uint8)
     levels, noises, brightness = tiles(flat, flat)
-    assert (noises == ROUNDING).all() and (levels == 0.0).all() and (brightness == 40.0).all()
+    assert (noises == ROUNDING_DN).all() and (levels == 0.0).all() and (brightness == 40.0).all()
 
 
 def test_a_change_of_the_whole_is_the_level() -> None:

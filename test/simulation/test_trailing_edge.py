@@ -5,12 +5,12 @@ from __future__ import annotations
 from blob_tracker.camera.trailing_edge import TrailingEdge
 from blob_tracker.location.pulse import integrated_profile
 from blob_tracker.simulation import pixel_integrated_gaussian
-from blob_tracker.simulation.trailing_edge import MEMORY, peaked, PEAKING
+from blob_tracker.simulation.trailing_edge import MEMORY_PX, peaked, PEAKING
 import numpy as np
 from numpy.typing import NDArray
 import pytest
 
-EDGE = TrailingEdge(PEAKING, MEMORY)
+EDGE = TrailingEdge(PEAKING, MEMORY_PX)
 BACKGROUND = 10.0
 
 
@@ -40,7 +40,7 @@ def test_a_step_overshoots_and_settles() -> None:
     seen = peaked(step, EDGE)
     assert seen[:20] == pytest.approx(20.0)
     assert seen[20] - 100.0 == pytest.approx(PEAKING * 80.0)
-    assert seen[20 + int(MEMORY)] - 100.0 == pytest.approx(PEAKING * 80.0 / np.e)
+    assert seen[20 + int(MEMORY_PX)] - 100.0 == pytest.approx(PEAKING * 80.0 / np.e)
 
 
 def test_only_small_bright_blobs_fall_faster_than_they_rise() -> None:

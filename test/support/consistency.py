@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from blob_tracker.simulation.platform_motion import Ride
 from blob_tracker.tracking import Tracker
 from blob_tracker.types import Bearing
+from blob_tracker.units import MRAD_PER_RAD
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
 Array = NDArray[np.float64]
-MRAD = 1e3  # per radian
 CONFIDENCE = 0.95
 
 
@@ -59,14 +59,14 @@ def integrated(times: Array, order: int, noise: float, seed: int, first: float =
 def of_rays(rays: Array) -> Array:
     """Return (n, 2) azimuth and elevation of (n, 3) vectors in an optical frame, mrad."""
     across = np.hypot(rays[:, 0], rays[:, 2])
-    return MRAD * np.stack(
+    return MRAD_PER_RAD * np.stack(
         [np.arctan2(rays[:, 0], rays[:, 2]), np.arctan2(-rays[:, 1], across)], axis=1
     )
 
 
 def rays_of(angles: Array) -> Array:
     """Return (n, 3) unit vectors of (n, 2) azimuth and elevation, mrad."""
-    azimuth, elevation = angles.T / MRAD
+    azimuth, elevation = angles.T / MRAD_PER_RAD
     return np.stack([
         np.sin(azimuth) * np.cos(elevation), -np.sin(elevation),
         np.cos(azimuth) * np.cos(elevation),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
-from blob_tracker.segmentation.search import Found, search
+from blob_tracker.segmentation.search import search, SearchResult
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
 from blob_tracker.types import Frame, SensorNoise
 import numpy as np
@@ -19,10 +19,10 @@ def contrast_of(
 ) -> Contrast:
     """Return what is compared; nothing is subtracted where there is no unlit frame."""
     full = int(np.iinfo(lit.dtype).max) if saturation is None else saturation
-    unlit_looks = () if unlit is None else (unlit,)
+    unlit_frames = () if unlit is None else (unlit,)
     if unlit is None:
         unlit = np.zeros_like(lit)
-    return Contrast(lit, unlit, full, Frame(lit, 0, full), (lit,), unlit_looks)
+    return Contrast(lit, unlit, full, Frame(lit, 0, full), (lit,), unlit_frames)
 
 
 def candidate_at(column: int, row: int, **changes: float | str) -> Candidate:
@@ -30,8 +30,9 @@ def candidate_at(column: int, row: int, **changes: float | str) -> Candidate:
     fields: dict[str, float | str] = dict.fromkeys(Candidate._fields, 0.0)
     fields |= {'x': float(column), 'y': float(row), 'column': float(column), 'row': float(row)}
     fields |= dict.fromkeys(['sigma_x', 'sigma_y', 'sigma_major', 'sigma_minor'], 2.0)
-    fields |= {'snr': 100.0, 'height': 100.0, 'amplitude': 100.0, 'beside': 0.9, 'noise': 1.0}
-    return Candidate(**{**fields, 'refused': '', **changes})
+    fields |= {'snr': 100.0, 'height': 100.0, 'amplitude': 100.0, 'noise': 1.0}
+    fields |= {'neighbour_ratio': 0.9}
+    return Candidate(**{**fields, 'rejected': '', **changes})
 
 
 def noisy_blob(
@@ -56,6 +57,6 @@ def noisy_blob(
     )
 
 
-def searched(contrast: Contrast, region: Box | None = None, **options: object) -> Found:
+def searched(contrast: Contrast, region: Box | None = None, **options: object) -> SearchResult:
     """Return what lit up, in the whole frame where no region is given."""
     return search(contrast, region or whole(contrast.shape), **{'min_snr': 7.0, **options})

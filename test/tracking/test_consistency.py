@@ -49,7 +49,7 @@ def test_motion_of_the_model(model: str, noise: float, irregular: bool) -> None:
     innovations, nees = [], []
     for seed in range(SEED, SEED + RUNS):
         truth = integrated(times, MODELS[model].size // 2, noise, seed, first=30.0)[:, :, 0]
-        tracker = Tracker(model, acceleration=noise, jerk=noise, gate=np.inf)
+        tracker = Tracker(model, acceleration=noise, jerk=noise, gate_sigma=np.inf)
         each = followed(tracker, measured(times, truth, SIGMA, seed), truth)
         innovations.append(each[0])
         nees.append(each[1])
@@ -73,7 +73,7 @@ def test_stabilised(motion: str) -> None:
         noise = GYRO_NOISE * np.random.default_rng([seed, 3]).standard_normal((ticks.size, 3))
         for stamp, rate in zip(nanoseconds(ticks), ride.rates(ticks) + noise):
             platform.push(stamp, rate, GYRO_NOISE**2)
-        tracker = Tracker(platform=platform, stabilised_acceleration=TARGET, gate=np.inf)
+        tracker = Tracker(platform=platform, stabilised_acceleration=TARGET, gate_sigma=np.inf)
         each = followed(tracker, measured(TIMES, truth, SIGMA, seed), truth)
         assert tracker.platform_gap == ''
         innovations.append(each[0])
@@ -103,7 +103,7 @@ def test_unstabilised(motion: str) -> None:
     innovations, nees = [], []
     for seed in range(SEED, SEED + RUNS):
         truth = seen_from(MOTIONS[motion].ride(10.5, seed), times, level)
-        tracker = Tracker('constant_acceleration', jerk=jerk, gate=np.inf)
+        tracker = Tracker('constant_acceleration', jerk=jerk, gate_sigma=np.inf)
         each = followed(tracker, measured(times, truth, SIGMA, seed), truth)
         innovations.append(each[0])
         nees.append(each[1])

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from blob_tracker.tracking import MODELS, Tracker
-from blob_tracker.tracking.kalman import corrected, predicted, Seen, started, Step
+from blob_tracker.tracking.hypothesis import FIRST_ACCELERATION_MRAD_S2, FIRST_RATE_MRAD_S
+from blob_tracker.tracking.kalman import initiated, Measurement, predicted, Step, updated
 from blob_tracker.tracking.models import fill_step
-from blob_tracker.tracking.tracker import FIRST_ACCELERATION, FIRST_RATE
 from blob_tracker.types import Bearing
 import numpy as np
 import pytest
@@ -55,7 +55,7 @@ def most_likely(
         rows.append(whiten @ row)
         right.append(whiten @ value)
 
-    prior = np.diag(([FIRST_RATE] * 2 + [FIRST_ACCELERATION] * 2)[:size - 2])**2
+    prior = np.diag(([FIRST_RATE_MRAD_S] * 2 + [FIRST_ACCELERATION_MRAD_S2] * 2)[:size - 2])**2
     add(np.eye(size)[2:], 0, np.zeros(size - 2), prior)
     for index, bearing in enumerate(bearings):
         seen = np.array([bearing.azimuth, bearing.elevation])
@@ -89,7 +89,7 @@ def test_filter_is_the_most_likely_state(model: str) -> None:
         root = SCALE * random.uniform(0.3, 3.0) * np.array([[1.0, 0.0], [0.6, 0.5]])
         azimuth, elevation = 30.0 * SCALE * random.standard_normal(2)
         bearings.append(Bearing(azimuth, elevation, root @ root.T, int(stamp)))
-    tracker = Tracker(model, acceleration=300.0 * SCALE, jerk=1000.0 * SCALE, gate=np.inf)
+    tracker = Tracker(model, acceleration=300.0 * SCALE, jerk=1000.0 * SCALE, gate_sigma=np.inf)
     density = (SCALE * {4: 300.0, 6: 1000.0}[MODELS[model].size])**2
     for count, bearing in enumerate(bearings, 1):
         track = tracker.update(bearing)
@@ -104,12 +104,12 @@ def test_filter_is_the_most_likely_state(model: str) -> None:
 def test_covariance_stays_symmetric_and_positive(size: int) -> None:
     """Over steps in which bearings are a million times better than what is predicted."""
     camera = np.eye(3)
-    state = started(Seen(0.0, 0.0, 1e-8, 0.0, 1e-8, camera), 1e4, 1e6, size)
+    state = initiated(Measurement(0.0, 0.0, 1e-8, 0.0, 1e-8, camera), 1e4, 1e6, size)
     for index in range(2000):
         dt = 1e-4 if index % 7 else 0.5
         state = predicted(state, Step(dt, 1e6, camera, 0.0))
-        seen = Seen(0.0, 0.0, 1e-8, 0.9e-8, 1e-8, camera)
-        passed, state, _ = corrected(state, seen, np.inf)
+        measurement = Measurement(0.0, 0.0, 1e-8, 0.9e-8, 1e-8, camera)
+        passed, state, _ = updated(state, measurement, np.inf)
         assert passed
         np.testing.assert_array_equal(state.covariance, state.covariance.T)
         scale = np.sqrt(np.diag(state.covariance))

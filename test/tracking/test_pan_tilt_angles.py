@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.tracking import PanTiltAngles, PlatformGap, StampJump, TrackingError
-from blob_tracker.tracking.pan_tilt_angles import UNKNOWN_RATE
+from blob_tracker.tracking.pan_tilt_angles import UNKNOWN_RATE_RAD_S
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -131,4 +131,4 @@ def test_an_unknown_rate_is_uncertain() -> None:
     angles = PanTiltAngles(sigma=1e-3)
     angles.push(0, 0.1, 0.2)
     assert angles.variance_at(0) == 1e-6
-    assert angles.variance_at(10 * MS) == pytest.approx(1e-6 + (UNKNOWN_RATE * 0.01) ** 2)
+    assert angles.variance_at(10 * MS) == pytest.approx(1e-6 + (UNKNOWN_RATE_RAD_S * 0.01) ** 2)

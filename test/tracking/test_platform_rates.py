@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.tracking import PlatformGap, PlatformRates, StampJump, TrackingError
-from blob_tracker.tracking.platform_rates import DENSEST
+from blob_tracker.tracking.platform_rates import DENSEST_HZ
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -130,13 +130,13 @@ def test_memory_is_bounded() -> None:
     assert platform.rate_at(2_500 * MS) == pytest.approx([0.0, 0.0, 2.5])
     with pytest.raises(PlatformGap, match='is not kept'):
         platform.rate_at(1_998 * MS)
-    for index in range(3 * DENSEST):
+    for index in range(3 * DENSEST_HZ):
         platform.push(3000 * MS + index * 1000, np.zeros(3))
-    newest = 3000 * MS + (3 * DENSEST - 1) * 1000
+    newest = 3000 * MS + (3 * DENSEST_HZ - 1) * 1000
     assert platform.newest_ns == newest
-    platform.between(newest - DENSEST // 2 * 1000, newest)
+    platform.between(newest - DENSEST_HZ // 2 * 1000, newest)
     with pytest.raises(PlatformGap, match='is not kept'):
-        platform.between(newest - (DENSEST + 1) * 1000, newest)
+        platform.between(newest - (DENSEST_HZ + 1) * 1000, newest)
 
 
 def test_stamps_that_jump() -> None:

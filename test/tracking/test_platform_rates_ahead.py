@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.tracking import PlatformRates
-from blob_tracker.tracking.platform_rates import FITTED
+from blob_tracker.tracking.angular_velocity import FITTED_S
 import numpy as np
 import pytest
 
@@ -41,7 +41,7 @@ def test_of_few_samples_the_newest_holds() -> None:
 def test_the_variance_is_that_of_the_line() -> None:
     """Of 2000 draws of white noise, 45 ms ahead; their variance is known to 3 %, three times."""
     random = np.random.default_rng(4)
-    count = round(FITTED / 5e-3) + 5
+    count = round(FITTED_S / 5e-3) + 5
     ends = [turned(pushed(random.normal(scale=1e-3, size=count)), 0.045) for _ in range(2000)]
     _, variance = pushed(np.zeros(count), 1e-6).between(NEWEST, NEWEST + 45 * MS)
     assert np.var(ends) / variance == pytest.approx(1.0, abs=0.1)

@@ -164,7 +164,7 @@ def test_impossible_bearings_are_refused(
 
 @pytest.mark.parametrize(('name', 'value'), [
     ('acceleration', 0.0), ('jerk', np.nan), ('stabilised_acceleration', -1.0),
-    ('stabilised_jerk', np.inf), ('gate', 0.0), ('coast', np.nan), ('max_sigma', 0.0),
+    ('stabilised_jerk', np.inf), ('gate_sigma', 0.0), ('coast', np.nan), ('max_sigma', 0.0),
 ])
 def test_impossible_parameters_are_refused(name: str, value: float) -> None:
     """Each by its name."""
@@ -277,13 +277,13 @@ def test_limits_are_set_while_it_follows() -> None:
     assert 'max_sigma' in (tracker.at(last + 300 * MS) or tracker.reason)
     tracker.set_limits(max_sigma=20.0)
     np.testing.assert_array_equal(present(tracker.at(last + 300 * MS)).state, told.state)
-    for name, value in (('gate', -1.0), ('coast', np.nan), ('max_sigma', np.inf)):
+    for name, value in (('gate_sigma', -1.0), ('coast', np.nan), ('max_sigma', np.inf)):
         with pytest.raises(TrackingError, match=f'{name} is {value}'):
-            tracker.set_limits(**{'gate': 1.0, 'coast': 1.0, 'max_sigma': 1.0, name: value})
-    assert (tracker.gate, tracker.coast, tracker.max_sigma) == (5.0, 0.5, 20.0)
+            tracker.set_limits(**{'gate_sigma': 1.0, 'coast': 1.0, 'max_sigma': 1.0, name: value})
+    assert (tracker.gate_sigma, tracker.coast, tracker.max_sigma) == (5.0, 0.5, 20.0)
     off = Bearing(bearings[30].azimuth + 1.0, 0.0, COVARIANCE, bearings[30].stamp_ns)
     assert fed(tracker, [off]) != ['']
-    tracker.set_limits(gate=100.0)
+    tracker.set_limits(gate_sigma=100.0)
     assert fed(tracker, [Bearing(off.azimuth, 0.0, COVARIANCE, off.stamp_ns + MS)]) == ['']
     assert tracker.begun == 1
 
@@ -322,14 +322,14 @@ def test_one_wild_bearing_is_refused() -> None:
 
 
 def test_gate_lets_true_bearings_through() -> None:
-    """With the probability of a chi-square of two degrees of freedom: 1 - exp(-gate^2 / 2)."""
-    gate = 2.0
+    """By a chi-square of two degrees of freedom: with probability 1 - exp(-gate_sigma^2 / 2)."""
+    gate_sigma = 2.0
     times = 0.033 * np.arange(3000)
     bearings = measured(times, np.zeros((3000, 2)), 0.1, 4)
-    tracker = Tracker(acceleration=1.0, gate=gate)
+    tracker = Tracker(acceleration=1.0, gate_sigma=gate_sigma)
     refused = sum(map(bool, fed(tracker, bearings))) / 3000
     # Binomial, 4 standard deviations.
-    assert refused == pytest.approx(np.exp(-gate**2 / 2), abs=4 * np.sqrt(0.135 / 3000))
+    assert refused == pytest.approx(np.exp(-gate_sigma**2 / 2), abs=4 * np.sqrt(0.135 / 3000))
 
 
 @pytest.mark.parametrize('model', list(MODELS))
@@ -581,7 +581,7 @@ def test_whatever_comes_the_track_is_one(seed: int) -> None:
     pan_tilt = PanTiltAngles() if seed % 5 == 0 else None
     tracker = Tracker(
         list(MODELS)[seed % 2], acceleration=10**random.uniform(-2, 6),
-        jerk=10**random.uniform(-2, 6), gate=10**random.uniform(0, 1.5), coast=1.0,
+        jerk=10**random.uniform(-2, 6), gate_sigma=10**random.uniform(0, 1.5), coast=1.0,
         max_sigma=1e3, platform=platform, pan_tilt=pan_tilt,
     )
     now, told = 10**18, 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from math import atan2, hypot, pi
 
-from blob_tracker.tracking.triangulation import (
+from blob_tracker.tracking import (
     CameraPose, ParallelRays, Position, RaysApart, triangulate, TriangulationError,
 )
 from blob_tracker.types import Bearing
@@ -87,7 +87,7 @@ def test_errors_are_those_of_the_covariance(poses: tuple[CameraPose, ...]) -> No
     random = np.random.default_rng(1)
     runs = 2000
     found = [
-        triangulate([seen(TARGET, pose, random) for pose in poses], poses, gate=7.0)
+        triangulate([seen(TARGET, pose, random) for pose in poses], poses, gate_sigma=7.0)
         for _ in range(runs)
     ]
     assert within(sum(nees(each, TARGET) for each in found), 3 * runs)
@@ -106,7 +106,7 @@ def test_a_ray_counts_by_its_covariance() -> None:
     found = [
         triangulate(
             [seen(TARGET, *each) for each in zip(poses, 3 * [random], covariances)], poses,
-            gate=7.0,
+            gate_sigma=7.0,
         )
         for _ in range(runs)
     ]
@@ -128,7 +128,8 @@ def test_errors_of_the_poses_are_in_the_covariance(
     runs = 2000
     found = [
         triangulate(
-            [seen(TARGET, displaced(pose, random), random) for pose in poses], poses, gate=7.0
+            [seen(TARGET, displaced(pose, random), random) for pose in poses], poses,
+            gate_sigma=7.0,
         )
         for _ in range(runs)
     ]
@@ -147,7 +148,7 @@ def test_what_the_poses_err_by_does_not_average() -> None:
         # The mean of the noise is drawn at once: its covariance over the number of looks.
         mean = [seen(TARGET, pose, random, COVARIANCE / looks) for pose in true]
         found = triangulate(
-            [replace(each, covariance=COVARIANCE) for each in mean], poses, gate=7.0
+            [replace(each, covariance=COVARIANCE) for each in mean], poses, gate_sigma=7.0
         )
         random_part = found.covariance - found.systematic
         error = found.position - TARGET
@@ -170,7 +171,9 @@ def test_nearly_parallel_rays_are_still_right(distance: float, ratio: float, off
     target, covariance = with_parallax(ratio, distance)
     runs = 2000
     found = [
-        triangulate([seen(target, pose, random, covariance) for pose in PAIR], PAIR, gate=7.0)
+        triangulate(
+            [seen(target, pose, random, covariance) for pose in PAIR], PAIR, gate_sigma=7.0
+        )
         for _ in range(runs)
     ]
     # 2000 runs know the mean to 0.055, or 2 %.

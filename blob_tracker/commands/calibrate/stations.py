@@ -10,6 +10,7 @@ from itertools import product
 from math import isfinite
 from pathlib import Path
 
+from blob_tracker.units import MRAD
 import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
@@ -53,7 +54,7 @@ class Quantity:
         return f'{self.name}_{self.unit}'
 
 
-PAN = Quantity('pan', {'mrad': 1e-3, 'deg': np.pi / 180.0, 'rad': 1.0})
+PAN = Quantity('pan', {'mrad': MRAD, 'deg': np.pi / 180.0, 'rad': 1.0})
 TILT = Quantity('tilt', PAN.units)
 SLIDE = Quantity('slide', {'mm': 1.0, 'um': 1e-3, 'in': 25.4})
 

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 import sys
 
-from blob_tracker.calibration.turn import calibrate_turn, MRAD, TurnCalibration, TurnError
+from blob_tracker.calibration.turn import calibrate_turn, TurnCalibration, TurnError
 from blob_tracker.calibration.turn_picture import draw_turn
 from blob_tracker.camera import CalibrationError, CameraModel, write_calibration
 from blob_tracker.commands.calibrate.report import (
@@ -15,6 +15,7 @@ from blob_tracker.commands.calibrate.report import (
 from blob_tracker.commands.calibrate.stations import (
     add_stations, PAN, Stations, stations, StationsError, TILT,
 )
+from blob_tracker.units import MRAD_PER_RAD
 from rich.console import Console
 
 QUANTITIES = (PAN, TILT)
@@ -101,7 +102,7 @@ def main(arguments: argparse.Namespace) -> int:
             measured.pixels,
             guess,
             pixel_sigma=measured.sigma,
-            step_sigma=arguments.step_sigma / MRAD,
+            step_sigma=arguments.step_sigma / MRAD_PER_RAD,
             one_focal_length=arguments.one_f,
             fit_centre=not arguments.fix_centre,
             fit_distortion=arguments.fit_distortion,
@@ -131,7 +132,7 @@ def _report(
     """Print the table and what is to be said about it."""
     rows = []
     for name, value in result.values.items():
-        unit, size = UNITS.get(name, ('mrad', MRAD))
+        unit, size = UNITS.get(name, ('mrad', MRAD_PER_RAD))
         title = f'target {name}' if name in ('azimuth', 'elevation') else name
         title = f'camera {name}' if name in ('yaw', 'pitch', 'roll') else title
         rows.append(row(title, value * size, result.sigmas[name] * size, unit))

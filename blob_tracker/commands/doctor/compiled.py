@@ -16,8 +16,9 @@ ROOMS = ('location', 'segmentation', 'tracking')
 NEEDED = (
     'location.locate', 'location.maximum_likelihood', 'segmentation.adaptive_moments',
     'segmentation.description', 'segmentation.local_maxima', 'segmentation.peaks',
-    'segmentation.tile_noise', 'tracking.constant_velocity', 'tracking.direction',
-    'tracking.kalman', 'tracking.packed', 'tracking.platform_rates', 'tracking.rotation',
+    'segmentation.tile_noise', 'tracking.angular_velocity', 'tracking.constant_velocity',
+    'tracking.direction', 'tracking.gyro_faults', 'tracking.kalman', 'tracking.packed',
+    'tracking.rotation',
 )
 COMPILE = 'from blob_tracker.pipeline import compile_ahead; compile_ahead({})'  # the methods
 TELL = (

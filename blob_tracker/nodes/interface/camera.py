@@ -81,6 +81,7 @@ PARAMETERS = (
 )
 INTERFACE = Interface(
     'camera',
+    'frames',
     'Streams a V4L2 camera. Every control of the camera (exposure, gain ...) is a parameter too, '
     'with its own range or menu, once the camera is open: `ros2 param list /camera`.',
     PARAMETERS,

@@ -78,11 +78,13 @@ PARAMETERS = (
 )
 INTERFACE = Interface(
     'locator',
+    'where it is',
     'Places the blob of each window far below a pixel and publishes the angle at which it is '
     'seen, with its covariance.',
     PARAMETERS,
     subscribed=(WINDOW_IMAGE, WINDOW_INFO, NOISE),
     published=(BEARING, CENTROID, RAY, WINDOW_PICTURE, DIAGNOSTICS),
+    each_light=(WINDOW_IMAGE, WINDOW_INFO, BEARING, CENTROID, RAY),
     examples=(
         'ros2 run blob_tracker locator --ros-args --params-file noise.yaml',
         'ros2 param set /locator method gaussian_linear',

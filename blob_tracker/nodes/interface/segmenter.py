@@ -166,10 +166,12 @@ PARAMETERS = (
 )
 INTERFACE = Interface(
     'segmenter',
+    'what flashes',
     'Finds the flash in the frames and cuts its pixels out, lit and unlit.',
     PARAMETERS,
     subscribed=(CAMERA_IMAGE, CAMERA_INFO, TRACK),
     published=(WINDOW_IMAGE, WINDOW_INFO, VISIBLE, NOISE, SEGMENTER_PICTURE, DIAGNOSTICS),
+    each_light=(WINDOW_IMAGE, WINDOW_INFO, VISIBLE),
     examples=(
         'ros2 run blob_tracker segmenter --ros-args -p registration:=translation',
         'ros2 param set /segmenter min_snr 8.0',

@@ -111,6 +111,7 @@ PARAMETERS = (
 )
 INTERFACE = Interface(
     'simulator',
+    'a light that is not there',
     'Publishes what a camera does that sees a flashing light move before a wall, and the truth.',
     PARAMETERS,
     subscribed=(JOINT_COMMAND,),

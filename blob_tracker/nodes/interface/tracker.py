@@ -46,7 +46,7 @@ PARAMETERS = (
     ),
     Parameter(
         'max_innovation',  # not gate or rate: others in the pipeline have those
-        _DEFAULTS['gate'],
+        _DEFAULTS['gate_sigma'],
         'Standard deviations that a bearing may be off where it is expected; at 5 one right '
         'bearing in 270,000 is refused. What is further off is another light, or the target has '
         'leapt: three of them that agree are followed.',
@@ -156,11 +156,13 @@ PARAMETERS = (
 )
 INTERFACE = Interface(
     'tracker',
+    'where it will be',
     'Filters the bearings over time and predicts the angle at which the target will be when the '
     'servo moves.',
     PARAMETERS,
     subscribed=(RAY, IMU, JOINT_STATES),
     published=(PREDICTED, TRACK, TRACKED, DIAGNOSTICS),
+    each_light=(RAY, PREDICTED, TRACK, TRACKED),
     examples=(
         'ros2 run blob_tracker tracker --ros-args -p servo_delay:=0.03',
         'ros2 param set /tracker acceleration 500.0',

@@ -102,6 +102,7 @@ PARAMETERS = (
 )
 INTERFACE = Interface(
     'triangulator',
+    'where it is in space, of two cameras',
     'Tells where in space a light is that two cameras see, with its covariance.',
     PARAMETERS,
     subscribed=(FIRST_RAY, SECOND_RAY),

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
 import time
 from typing import NamedTuple
 
 from blob_tracker.nodes.tracker.platform import Platform
 from blob_tracker.nodes.tracker.track_topics import TrackTopics
 from blob_tracker.ros.diagnostics.health import Health, WARN
+from blob_tracker.ros.endpoints.delivery import Delivery
 from blob_tracker.ros.endpoints.names import target_topic
-from blob_tracker.tracking import MODELS, StampJump, Track, Tracker, TrackingError
+from blob_tracker.tracking import (
+    MODELS, StampJump, Track, Tracker, TrackingError, update_or_restart,
+)
 from blob_tracker.types import Bearing
 import numpy as np
 from rclpy.node import Node
@@ -30,10 +32,9 @@ MOST_HELD = 100  # bearings that wait: 5 kHz
 
 
 class Held(NamedTuple):
-    """A bearing that waits, the frame it is in, and when it came, ns of a monotonic clock."""
+    """A bearing that waits, and when it came, ns of a monotonic clock."""
 
-    bearing: Bearing
-    frame_id: str
+    delivery: Delivery[Bearing]
     came_ns: int
 
 
@@ -46,7 +47,7 @@ class LightTrack:
     node : Node
         Publishes it.
     health : Health
-        Hears of bearings that are refused.
+        Hears of each bearing, tracked or refused.
     light : str
         Name of the light; empty for the only one.
     platform : Platform
@@ -68,7 +69,7 @@ class LightTrack:
         self._prediction: Track | None = None
 
     def use(self, tracker: Tracker) -> None:
-        """Begin afresh with another tracker; bearings that wait are for this one."""
+        """Restart with another tracker; bearings that wait are for this one."""
         self._tracker = tracker
         self._innovations.clear()
 
@@ -83,51 +84,46 @@ class LightTrack:
 
     def forget(self, after_ns: int) -> None:
         """Forget where the light was if that has a later stamp, ns, and what waits with one."""
-        self._held = deque(each for each in self._held if each.bearing.stamp_ns <= after_ns)
+        self._held = deque(each for each in self._held if each.delivery.item.stamp_ns <= after_ns)
         newest_ns = self._tracker.stamp_ns
         if newest_ns is not None and newest_ns > after_ns:
             self.reset()
 
-    def hold(self, bearing: Bearing, frame_id: str) -> None:
-        """Keep a bearing until `release` finds that it need not wait."""
-        self._held.append(Held(bearing, frame_id, time.monotonic_ns()))
+    def take(self, delivery: Delivery[Bearing], ahead_ns: int) -> None:
+        """Take a bearing, once it need not wait: see `release`."""
+        self._held.append(Held(delivery, time.monotonic_ns()))
+        self.release(ahead_ns)
 
-    def release(self) -> Iterator[int]:
+    def release(self, ahead_ns: int) -> None:
         """
         Filter the bearings that need not wait any longer, in the order in which they came.
 
         A bearing waits until the joints' angles at its stamp are there, for `PATIENCE` at most;
         then it is used with those that the former angles lead to, and their variance. Who is at
-        the head of the line decides for those behind.
-
-        Yields
-        ------
-        int
-            Stamp of each bearing that became part of the track, ns.
-
+        the head of the line decides for those behind. With each that became part of the track it
+        is published where the light will be in so many ns.
         """
         while self._held:
-            bearing, frame_id, came_ns = self._held[0]
-            early = self._platform.awaits(bearing.stamp_ns)
+            delivery, came_ns = self._held[0]
+            early = self._platform.awaits(delivery.item.stamp_ns)
             waited_ns = time.monotonic_ns() - came_ns
             if early and waited_ns < PATIENCE and len(self._held) <= MOST_HELD:
                 return
             self._held.popleft()
             self._early += early
-            if self._take(bearing, frame_id):
-                yield bearing.stamp_ns
+            self._filter(delivery.item, delivery.frame_id, ahead_ns)
 
-    def _take(self, bearing: Bearing, frame_id: str) -> bool:
-        """Filter a bearing and publish the track; False, and why in `health`, where refused."""
+    def _filter(self, bearing: Bearing, frame_id: str, ahead_ns: int) -> None:
+        """Filter a bearing; publish track and prediction, or tell `health` why it is refused."""
         before_ns, refused = self._tracker.stamp_ns, self._tracker.refused
         try:
-            self._filter(bearing)
+            update_or_restart(lambda: self._tracker.update(bearing), self._restart)
         except TrackingError as error:
             self._health.fault(WARN, f'{self._topic}/ray: {error}')
             self._health.count(f'{self._name}bearings refused')
             if self._tracker.refused > refused:
                 self._remember_innovation()
-            return False
+            return
         self._remember_innovation()
         newest_ns = self._tracker.stamp_ns
         assert newest_ns is not None
@@ -138,7 +134,9 @@ class LightTrack:
         track = self._tracker.seen_at(newest_ns)
         if track is not None:
             self._topics.publish(track, frame_id)
-        return True
+        self.predict(ahead_ns)
+        self._health.left(bearing.stamp_ns)
+        self._health.ok('target tracked')
 
     def predict(self, ahead_ns: int) -> None:
         """Publish where the light will be in so many ns, or that this is not known."""
@@ -232,14 +230,10 @@ class LightTrack:
             'locator is above 1 as well',
         )
 
-    def _filter(self, bearing: Bearing) -> None:
-        """Have the tracker take a bearing; begin afresh where the stamps jumped back."""
-        try:
-            self._tracker.update(bearing)
-        except StampJump as error:
-            self._health.fault(WARN, f'{self._topic}/ray: {error}; starting afresh')
-            self.reset()
-            self._tracker.update(bearing)
+    def _restart(self, jump: StampJump) -> None:
+        """Forget where the light was, and say that its stamps jumped back."""
+        self._health.fault(WARN, f'{self._topic}/ray: {jump}; starting afresh')
+        self.reset()
 
     def _remember_innovation(self) -> None:
         """Keep the innovation of the last bearing; the first one of a track has none."""

@@ -15,6 +15,7 @@ from blob_tracker.nodes.tracker.platform import Platform
 from blob_tracker.ros.diagnostics.clock_jumps import on_clock_jump
 from blob_tracker.ros.diagnostics.connections import Connections
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
+from blob_tracker.ros.endpoints.delivery import Delivery
 from blob_tracker.ros.endpoints.names import lights_from_text, target_topic
 from blob_tracker.ros.endpoints.qos import RESULT, subscription
 from blob_tracker.ros.errors import MessageError
@@ -40,7 +41,7 @@ FILTER = {
     'imu.acceleration': 'stabilised_acceleration',
     'imu.jerk': 'stabilised_jerk',
 }
-LIMITS = {'max_innovation': 'gate', 'coast': 'coast', 'max_sigma': 'max_sigma'}
+LIMITS = {'max_innovation': 'gate_sigma', 'coast': 'coast', 'max_sigma': 'max_sigma'}
 # A rate of 0 is a timer that is cancelled, of any period.
 SLOWEST = 1.0  # Hz
 
@@ -96,7 +97,7 @@ class TrackerNode(Node):
 
         def use() -> None:
             with self._lock:
-                afresh = change_platform() or asked != self._filter
+                restart = change_platform() or asked != self._filter
                 self._filter = asked
                 self._new_tracker = partial(
                     Tracker,
@@ -106,12 +107,12 @@ class TrackerNode(Node):
                     pan_tilt=self._platform.angles,
                 )
                 for light in self._lights.values():
-                    if afresh:
+                    if restart:
                         light.use(self._new_tracker())
                     else:
                         light.limit(limits)
                 if self._listen:
-                    self._set_lights(lights)
+                    self._follow(lights)
                 self._ahead_ns = int(1e9 * values['servo_delay'])
                 self._set_rate(values['prediction_rate'])
                 if self._platform.angles is None:
@@ -130,11 +131,11 @@ class TrackerNode(Node):
             self._timer.timer_period_ns = round(1e9 / rate)
             self._timer.reset()
 
-    def heed(self, lights: Collection[str]) -> None:
+    def set_lights(self, lights: Collection[str]) -> None:
         """Be told in this process which lights will be handed over."""
         self._make_topics(lights)
         with self._lock:
-            self._set_lights(lights)
+            self._follow(lights)
 
     def _make_topics(self, lights: Collection[str]) -> None:
         """Have the topics of these lights; those of others stay, see `process.run`."""
@@ -147,7 +148,7 @@ class TrackerNode(Node):
                     partial(self._take, name), RESULT,
                 )
 
-    def _set_lights(self, lights: Collection[str]) -> None:
+    def _follow(self, lights: Collection[str]) -> None:
         """Track these lights and speak of no other."""
         for name, light in self._lights.items():
             if name not in lights:
@@ -164,9 +165,9 @@ class TrackerNode(Node):
         except MessageError as error:
             self._health.fault(ERROR, f'{target_topic(light)}/ray: {error}')
             return
-        self.track(light, bearing, message.header.frame_id)
+        self.track(Delivery(bearing, message.header.frame_id, light))
 
-    def track(self, light: str, bearing: Bearing, frame_id: str) -> None:
+    def track(self, delivery: Delivery[Bearing]) -> None:
         """
         Take the next bearing of a light; publish its track and where it will be.
 
@@ -174,18 +175,14 @@ class TrackerNode(Node):
         """
         came_ns = time.monotonic_ns()
         with self._lock:
-            if light in self._lights:
-                self._lights[light].hold(bearing, frame_id)
-                self._release()
-        self._health.arrived(bearing.stamp_ns, came_ns)
+            if delivery.light in self._lights:
+                self._lights[delivery.light].take(delivery, self._ahead_ns)
+        self._health.arrived(delivery.item.stamp_ns, came_ns)
 
     def _release(self) -> None:
-        """Filter the bearings that need not wait; the lock is held."""
+        """Filter the bearings that need not wait any longer; the lock is held."""
         for light in self._lights.values():
-            for stamp_ns in light.release():
-                light.predict(self._ahead_ns)
-                self._health.left(stamp_ns)
-                self._health.ok('target tracked')
+            light.release(self._ahead_ns)
 
     def _look(self) -> None:
         """Filter the bearings that have waited long enough."""

@@ -12,7 +12,10 @@ from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.imu import to_rate, turn_of
 from blob_tracker.ros.messages.joint_states import to_angle
 from blob_tracker.ros.messages.stamp import to_ns
-from blob_tracker.tracking import PanTiltAngles, PlatformRates, StampJump, TrackingError
+from blob_tracker.tracking import (
+    PanTiltAngles, PlatformRates, StampJump, TrackingError, update_or_restart,
+)
+from blob_tracker.units import MRAD
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import Imu, JointState
@@ -22,7 +25,6 @@ JOINTS = 'joints.pan', 'joints.tilt', 'joints.pan_reversed', 'joints.tilt_revers
 MINE = (
     'imu.enabled', 'imu.frame_id', *TURN, *JOINTS, 'joints.sigma', 'joints.frame_id',
 )
-MRAD = 1e-3  # rad
 SILENCE = 1_000_000_000  # ns of ROS time without angles that are worth a word
 
 
@@ -187,14 +189,13 @@ class Platform:
         message: Imu | JointState,
         *values: Any,
     ) -> None:
-        """Keep a sample; begin afresh where the stamps jumped back."""
-        stamp_ns = to_ns(message.header.stamp)
-        try:
-            samples.push(stamp_ns, *values)
-        except StampJump as error:
-            self._health.fault(WARN, f'{topic}: {error}; starting afresh')
+        """Keep a sample; restart where the stamps jumped back."""
+        def restart(jump: StampJump) -> None:
+            self._health.fault(WARN, f'{topic}: {jump}; starting afresh')
             samples.reset()
-            samples.push(stamp_ns, *values)
+
+        stamp_ns = to_ns(message.header.stamp)
+        update_or_restart(lambda: samples.push(stamp_ns, *values), restart)
 
     def _wanted(self) -> tuple[str, str]:
         """Return the names of the joints that pan and tilt."""

@@ -20,11 +20,11 @@ from rclpy.node import Node
 OK = DiagnosticStatus.OK
 WARN = DiagnosticStatus.WARN
 ERROR = DiagnosticStatus.ERROR
-PERIOD = 1.0  # s
+PERIOD_S = 1.0  # s
 PATIENCE = 3  # periods of silence at the start: the others are starting as well
 MOST_AT_ONCE = 4  # messages in a second: whatever a node is fed, this stays readable
-MOST_LOGGED = 20  # kinds of them in the log within REPEAT
-REPEAT = 5.0  # s: the same sentence is logged again after this long, while it holds
+MOST_LOGGED = 20  # kinds of them in the log within REPEAT_S
+REPEAT_S = 5.0  # s: the same sentence is logged again after this long, while it holds
 
 
 class Health:
@@ -78,7 +78,7 @@ class Health:
         # Wall time that never jumps: with use_sim_time a paused bag must not silence a node.
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._publisher = publisher(node, DiagnosticArray, '/diagnostics', RESULT)
-        self._timer = node.create_timer(PERIOD, self._publish, clock=self._clock)
+        self._timer = node.create_timer(PERIOD_S, self._publish, clock=self._clock)
 
     def watch(self, check: Callable[[], None]) -> None:
         """Have a check report what it finds at the end of each second: what lasts is in each."""
@@ -130,10 +130,10 @@ class Health:
             if level == self._level:
                 if kind in self._messages or len(self._messages) < MOST_AT_ONCE:
                     self._messages[kind] = message
-            silent = now - self._logged.get(kind, -REPEAT) < REPEAT
+            silent = now - self._logged.get(kind, -REPEAT_S) < REPEAT_S
             if not silent and len(self._logged) >= MOST_LOGGED:
                 # What is fed to a node may make a new sentence of each message.
-                self._logged = {k: at for k, at in self._logged.items() if now - at < REPEAT}
+                self._logged = {k: at for k, at in self._logged.items() if now - at < REPEAT_S}
                 silent = len(self._logged) >= MOST_LOGGED
             if not silent:
                 self._logged[kind] = now

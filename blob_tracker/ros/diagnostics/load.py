@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 import time
 
-PAGE = os.sysconf('SC_PAGE_SIZE')  # bytes
+PAGE_BYTES = os.sysconf('SC_PAGE_SIZE')  # bytes
 PAGES = Path('/proc/self/statm')
 
 
@@ -27,4 +27,4 @@ class Load:
     @staticmethod
     def memory() -> float:
         """Return the resident memory of the process (proc(5), statm), MB."""
-        return 1e-6 * PAGE * int(PAGES.read_text().split()[1])
+        return 1e-6 * PAGE_BYTES * int(PAGES.read_text().split()[1])

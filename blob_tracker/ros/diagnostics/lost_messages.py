@@ -15,7 +15,7 @@ from rclpy.event_handler import QoSMessageLostInfo
 from rclpy.node import Node
 from rclpy.utilities import get_rmw_implementation_identifier
 
-WINDOW = 5  # s over which losses are a share
+WINDOW_S = 5  # s over which losses are a share
 IMAGE = 'sensor_msgs/msg/Image'
 QUEUE = 10  # messages: less room than a publisher's queue is the cause of a loss
 SILENCE_NS = 10**9  # after it a publisher may be another one, that counts from anew
@@ -50,7 +50,7 @@ class LostMessages:
         self._backwards: deque[int] = deque(maxlen=2)  # when the numbers went back, ns
         # Since the publisher began: numbers that are missing, and what became of them.
         self._missing = self._missing_lost = self._missing_late = 0
-        self._seconds: deque[tuple[int, int, int]] = deque([(0, 0, 0)], maxlen=WINDOW + 1)
+        self._seconds: deque[tuple[int, int, int]] = deque([(0, 0, 0)], maxlen=WINDOW_S + 1)
         health.watch(self._tell)
 
     def lost(self, event: QoSMessageLostInfo) -> None:
@@ -120,14 +120,14 @@ class LostMessages:
             self._health.fault(
                 WARN,
                 f'{self._topic}: this node is too slow: {late} of {late + taken} images in '
-                f'{WINDOW} s were replaced by newer ones before it took them; give it more of '
+                f'{WINDOW_S} s were replaced by newer ones before it took them; give it more of '
                 'the processor (see top), fewer or smaller images, or run all in one process '
                 '(pipeline); for a bag that is played fast there is config/replay.yaml',
             )
         if grave(lost, taken) and len(publishers) == 1:
             self._health.fault(
                 WARN,
-                f'{self._topic}: {lost} of {lost + taken} images in {WINDOW} s were lost on the '
+                f'{self._topic}: {lost} of {lost + taken} images in {WINDOW_S} s were lost on the '
                 f'way from {full_name(publishers[0])}: '
                 f'{self._why(bytes(publishers[0].endpoint_gid))}',
             )

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 from blob_tracker.resources import config_path
 
 VARIABLE = 'FASTRTPS_DEFAULT_PROFILES_FILE'  # what Fast DDS 2, that of Jazzy, reads
-DEFAULT = 512 * 1024  # bytes, without a profile
+DEFAULT_BYTES = 512 * 1024  # bytes, without a profile
 _VENDOR = b'\x01\x0f'  # of Fast DDS, in the GUID of all that it makes (RTPS, 9.3.1.5)
 
 
@@ -19,9 +19,9 @@ def segment_size(environment: Mapping[str, str]) -> int:
     try:
         root = ElementTree.parse(environment.get(VARIABLE, '')).getroot()
         return max((int(each.text or 0) for each in root.findall('.//{*}segment_size')),
-                   default=DEFAULT)
+                   default=DEFAULT_BYTES)
     except (OSError, ValueError, ElementTree.ParseError):
-        return DEFAULT  # Fast DDS does without a profile that it cannot read, too
+        return DEFAULT_BYTES  # Fast DDS does without a profile that it cannot read, too
 
 
 def export() -> str:

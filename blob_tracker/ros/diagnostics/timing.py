@@ -10,15 +10,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-SECOND = 1e9  # ns
-WINDOW = 10.0  # s: at 30 Hz the 99th percentile is the third largest of 300
-SHORT = 1.0  # s: the window of the rate
+SECOND_NS = 1e9  # ns
+WINDOW_S = 10.0  # s: at 30 Hz the 99th percentile is the third largest of 300
+RATE_WINDOW_S = 1.0  # s: the window of the rate
 ROOM = 8192  # entries of a ring: the window of 800 Hz
 FEW = 5  # arrivals of which a rate is told, however long ago the first of them was
 MANY = 300  # results of which three are the late hundredth: one may be the first of all
-OLDEST = 10.0  # s: an older stamp is one of another clock, such as that of a recording
-MINUTE, SETTLED, LASTING = 60, 10, 3  # s: of the usual rate, until there is one, of its fall
-AHEAD = -0.001  # s: what the rounding of two clocks may do to an age
+OLDEST_S = 10.0  # s: an older stamp is one of another clock, such as that of a recording
+MINUTE_S, SETTLED_S, LASTING_S = 60, 10, 3  # s: of the usual rate, until there is one, of its fall
+AHEAD_S = -0.001  # s: what the rounding of two clocks may do to an age
 
 
 class Timing:
@@ -45,7 +45,7 @@ class Timing:
         """Return what is known of the last seconds."""
         times, ages = self._arrivals.events()
         departures, latencies = self._departures.events()
-        begin_ns = now_ns - WINDOW * SECOND
+        begin_ns = now_ns - WINDOW_S * SECOND_NS
         ages = ages[np.searchsorted(times, begin_ns):]
         latencies = latencies[np.searchsorted(departures, begin_ns):]
         return Figures(
@@ -92,14 +92,14 @@ class Figures(NamedTuple):
 
 def plausible(age: float) -> bool:
     """Tell whether an age in ms can be one: it is none where the stamp is of another clock."""
-    return 1e3 * AHEAD <= age <= 1e3 * OLDEST
+    return 1e3 * AHEAD_S <= age <= 1e3 * OLDEST_S
 
 
 class UsualRate:
     """The rate of the last minute, to tell when it falls."""
 
     def __init__(self) -> None:
-        self._rates: deque[float] = deque(maxlen=MINUTE)
+        self._rates: deque[float] = deque(maxlen=MINUTE_S)
         self._fallen = 0
 
     def fell(self, rate: float) -> float | None:
@@ -118,10 +118,10 @@ class UsualRate:
             seconds: half a minute later the new one is the usual one. None else.
 
         """
-        usual = statistics.median(self._rates) if len(self._rates) >= SETTLED else 0.0
+        usual = statistics.median(self._rates) if len(self._rates) >= SETTLED_S else 0.0
         self._fallen = self._fallen + 1 if rate < 0.5 * usual else 0
         self._rates.append(rate)
-        return usual if self._fallen >= LASTING else None
+        return usual if self._fallen >= LASTING_S else None
 
 
 class _Ring:
@@ -150,13 +150,14 @@ def _rate(times: NDArray[np.float64], now_ns: int) -> float:
     """Return the messages a second at the end of these times."""
     if len(times) < 2:
         return 0.0
-    recent = min(int(np.searchsorted(times, now_ns - SHORT * SECOND)), max(len(times) - FEW, 0))
+    first = int(np.searchsorted(times, now_ns - RATE_WINDOW_S * SECOND_NS))
+    recent = min(first, max(len(times) - FEW, 0))
     span = times[-1] - times[recent]
     interval = span / (len(times) - 1 - recent)
     silence = now_ns - times[-1]
     if silence > 2.0 * interval:
         interval = silence  # none came in that time
-    return float(SECOND / interval) if interval > 0.0 else 0.0
+    return float(SECOND_NS / interval) if interval > 0.0 else 0.0
 
 
 def _milliseconds(ages_ns: NDArray[np.float64], percentile: float) -> float:

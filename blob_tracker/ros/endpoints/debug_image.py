@@ -12,7 +12,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from sensor_msgs.msg import Image
 
-PAUSE = 0.1  # s from one picture to the next
+PAUSE_S = 0.1  # s from one picture to the next
 
 
 class DebugImage:
@@ -36,7 +36,7 @@ class DebugImage:
         draw: Callable[[], NDArray[np.uint8]],
         stamp_ns: int,
         frame_id: str,
-        pause: float = PAUSE,
+        pause: float = PAUSE_S,
     ) -> None:
         """
         Publish a picture if somebody subscribes and it is time for one.

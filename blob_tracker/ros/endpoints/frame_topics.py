@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 import traceback
 
 from blob_tracker.ros.diagnostics.health import ERROR, Health
+from blob_tracker.ros.endpoints.delivery import Deliver, Delivery
 from blob_tracker.ros.endpoints.qos import IMAGE_OUT, publisher
 from blob_tracker.ros.messages.camera_info import stamped
 from blob_tracker.ros.messages.image import from_pixels
@@ -13,8 +13,6 @@ from blob_tracker.types import Frame
 import rclpy
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
-
-Deliver = Callable[[Frame, CameraInfo, str], None]
 
 
 class FrameTopics:
@@ -28,13 +26,17 @@ class FrameTopics:
     health : Health
         Hears of a deliver that fails.
     deliver : callable, optional
-        Takes each frame, its camera_info and the name of the optical frame before they are
-        published: who is in the same process does not wait for who is not. The camera_info is
-        filled again for the next frame.
+        Takes each frame before it is published: who is in the same process does not wait for who
+        is not.
 
     """
 
-    def __init__(self, node: Node, health: Health, deliver: Deliver | None = None) -> None:
+    def __init__(
+        self,
+        node: Node,
+        health: Health,
+        deliver: Deliver[tuple[Frame, CameraInfo]] | None = None,
+    ) -> None:
         self._node = node
         self._health = health
         self._deliver = deliver
@@ -54,7 +56,7 @@ class FrameTopics:
         stamped(info, frame.stamp_ns, frame_id)
         if self._deliver is not None:
             try:
-                self._deliver(frame, info, frame_id)
+                self._deliver(Delivery((frame, info), frame_id))
             except Exception as error:  # a fault of theirs is none of the camera's
                 if not rclpy.ok():  # a signal came: nothing can be published any more
                     raise

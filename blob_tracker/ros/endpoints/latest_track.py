@@ -11,7 +11,7 @@ from blob_tracker.tracking.extrapolation import extrapolated
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 
-FRESH = 0.25  # s: after as much a straight line says nothing any more
+FRESH_S = 0.25  # s: after as much a straight line says nothing any more
 
 
 class LatestTrack:
@@ -37,7 +37,7 @@ class LatestTrack:
     def seen_at(self, stamp_ns: int) -> Track | None:
         """Return the track at a stamp, ns; None where the last one is not of about then."""
         track = self._track  # another thread may take the next one
-        if track is None or abs(stamp_ns - track.stamp_ns) > 1e9 * FRESH:
+        if track is None or abs(stamp_ns - track.stamp_ns) > 1e9 * FRESH_S:
             return None
         return extrapolated(track, stamp_ns)
 

@@ -15,9 +15,9 @@ from rclpy.qos import qos_profile_sensor_data
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 
-PATIENCE = 10.0  # s without a message: what published it is not there
-LISTEN = 0.1  # s after which Ctrl-C is looked for
-SETTLE = 0.3  # s of messages that are thrown away: they were seen before the camera stood still
+PATIENCE_S = 10.0  # s without a message: what published it is not there
+LISTEN_S = 0.1  # s after which Ctrl-C is looked for
+SETTLE_S = 0.3  # s of messages that are thrown away: they were seen before the camera stood still
 
 
 class NoCentroidsError(RuntimeError):
@@ -99,17 +99,17 @@ class LiveCentroids:
             Where nothing comes for 10 s.
 
         """
-        settled = time.monotonic() + SETTLE
+        settled = time.monotonic() + SETTLE_S
         while time.monotonic() < settled:
-            rclpy.spin_once(self._node, timeout_sec=LISTEN)
+            rclpy.spin_once(self._node, timeout_sec=LISTEN_S)
         self._centroids.clear()
         self._angles.clear()
         came, since = 0, time.monotonic()
         while len(self._centroids) < count or len(self._angles) < bool(self._joints):
-            rclpy.spin_once(self._node, timeout_sec=LISTEN)
+            rclpy.spin_once(self._node, timeout_sec=LISTEN_S)
             if came < len(self._centroids) <= count:  # more of them do not bring the joints
                 came, since = len(self._centroids), time.monotonic()
-            if time.monotonic() - since > PATIENCE:
+            if time.monotonic() - since > PATIENCE_S:
                 raise NoCentroidsError(self._missing(count))
         places = np.array(self._centroids[:count])
         return (
@@ -130,10 +130,10 @@ class LiveCentroids:
         """Say what does not come."""
         if len(self._centroids) < count:
             return (
-                f"no more centroids came on '{self._topic}' within {PATIENCE:.0f} s: is the "
+                f"no more centroids came on '{self._topic}' within {PATIENCE_S:.0f} s: is the "
                 'locator running, and the target in view?'
             )
         return (
             f"no joints {', '.join(self._joints)} came on '{self._joint_topic}' within "
-            f'{PATIENCE:.0f} s; does the servo publish them under these names?'
+            f'{PATIENCE_S:.0f} s; does the servo publish them under these names?'
         )

@@ -15,8 +15,8 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import Image
 
-PATIENCE = 10.0  # s without an image: what published it is not there
-LISTEN = 0.1  # s after which Ctrl-C is looked for
+PATIENCE_S = 10.0  # s without an image: what published it is not there
+LISTEN_S = 0.1  # s after which Ctrl-C is looked for
 # One: whoever takes long over an image gets the newest next, not those that came meanwhile.
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
@@ -59,16 +59,16 @@ def live_images(topic: str) -> Iterator[tuple[float, Pixels]]:
         first_ns: int | None = None
         waited_since = time.monotonic()
         while True:
-            rclpy.spin_once(node, timeout_sec=LISTEN)
+            rclpy.spin_once(node, timeout_sec=LISTEN_S)
             if not arrived:
-                if time.monotonic() - waited_since > PATIENCE:
+                if time.monotonic() - waited_since > PATIENCE_S:
                     known = dict(node.get_topic_names_and_types()).items()
                     there = sorted(name for name, types in known if Image.__name__ in
                                    (each.rpartition('/')[2] for each in types)
                                    and node.count_publishers(name))
                     raise NoImagesError(
                         f"there is no folder '{topic}', and no image came on the topic of that "
-                        f'name within {PATIENCE:.0f} s; images are published on '
+                        f'name within {PATIENCE_S:.0f} s; images are published on '
                         + (', '.join(there) or 'no topic: start the camera node')
                     )
                 continue

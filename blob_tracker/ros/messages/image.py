@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.stamp import from_ns, SECOND, to_ns
+from blob_tracker.ros.messages.stamp import from_ns, SECOND_NS, to_ns
 from blob_tracker.types import Frame, Pixels, Window
 import cv2
 import numpy as np
@@ -191,10 +191,10 @@ def from_picture(picture: NDArray[np.uint8], stamp_ns: int, frame_id: str) -> Im
 
 def _stamp_ns(image: Image) -> int:
     """Return the stamp; one whose nanoseconds make seconds could not be sent on."""
-    if image.header.stamp.nanosec >= SECOND:
+    if image.header.stamp.nanosec >= SECOND_NS:
         raise MessageError(
             f'the nanoseconds of the stamp are {image.header.stamp.nanosec}; they must be below '
-            f'{SECOND}'
+            f'{SECOND_NS}'
         )
     return to_ns(image.header.stamp)
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from builtin_interfaces.msg import Time
 
-SECOND = 1_000_000_000  # ns
+SECOND_NS = 1_000_000_000  # ns
 
 
 def to_ns(stamp: Time) -> int:
     """Return the stamp in ns."""
-    return int(stamp.sec) * SECOND + int(stamp.nanosec)
+    return int(stamp.sec) * SECOND_NS + int(stamp.nanosec)
 
 
 def from_ns(stamp_ns: int) -> Time:
     """Return the message of a stamp in ns."""
-    sec, nanosec = divmod(stamp_ns, SECOND)
+    sec, nanosec = divmod(stamp_ns, SECOND_NS)
     return Time(sec=sec, nanosec=nanosec)

@@ -7,15 +7,15 @@ from math import atan2, cos, hypot, pi, sin
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.stamp import from_ns, to_ns
 from blob_tracker.types import Bearing, Location, SensorNoise
+from blob_tracker.units import MRAD
 from geometry_msgs.msg import (
     PointStamped, PoseWithCovarianceStamped, Quaternion, Vector3Stamped,
 )
 import numpy as np
 from numpy.typing import NDArray
 
-MRAD = 1e-3  # rad
 LEAST_GAIN, MOST_GAIN = 1e-3, 1e6  # electrons per DN: those of no camera lie outside
-MOST_READ_NOISE, MOST_BLACK_LEVEL = 1e4, 65535.0  # DN
+MOST_READ_NOISE_DN, MOST_BLACK_LEVEL_DN = 1e4, 65535.0  # DN
 # The turn about the ray cannot be seen: evenly spread over the circle, rad^2.
 ROLL_VARIANCE = pi**2 / 3.0
 UNIT = 1e-3  # that the length of a quaternion may be off 1: more is no rounding
@@ -166,12 +166,12 @@ def to_noise(message: Vector3Stamped) -> SensorNoise:
     # NaN is within no bounds.
     if not (
         LEAST_GAIN <= gain <= MOST_GAIN
-        and 0.0 <= read_noise <= MOST_READ_NOISE
-        and abs(black_level) <= MOST_BLACK_LEVEL
+        and 0.0 <= read_noise <= MOST_READ_NOISE_DN
+        and abs(black_level) <= MOST_BLACK_LEVEL_DN
     ):
         raise MessageError(
             f'gain (x) is {gain} electrons per DN, read noise (y) {read_noise} DN and black level '
             f'(z) {black_level} DN; they must be from {LEAST_GAIN:g} to {MOST_GAIN:g}, from 0 to '
-            f'{MOST_READ_NOISE:g} and within +-{MOST_BLACK_LEVEL:g}'
+            f'{MOST_READ_NOISE_DN:g} and within +-{MOST_BLACK_LEVEL_DN:g}'
         )
     return SensorNoise(gain, read_noise, black_level)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.stamp import from_ns, to_ns
 from blob_tracker.ros.messages.target import (
-    about_x_and_y, MRAD, ray_covariance, to_angles, to_covariance, turn_onto,
+    about_x_and_y, ray_covariance, to_angles, to_covariance, turn_onto,
 )
 from blob_tracker.tracking import Track
+from blob_tracker.units import MRAD
 from geometry_msgs.msg import Vector3Stamped
 from nav_msgs.msg import Odometry
 import numpy as np

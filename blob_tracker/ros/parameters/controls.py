@@ -21,7 +21,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-REFRESH = 1.0  # s between two looks at what the driver or another program has changed
+REFRESH_S = 1.0  # s between two looks at what the driver or another program has changed
 _MODES = ('boolean', 'menu', 'integer_menu')  # they may decide whether another control is active
 _TYPES = {
     'boolean': ParameterType.PARAMETER_BOOL,
@@ -110,7 +110,7 @@ def set_in_order(
     """
     modes = [name for name in values if name in known and known[name].kind in _MODES]
     turns = [modes, [name for name in values if name not in modes]]
-    refused: dict[str, ControlError] = {}
+    rejected: dict[str, ControlError] = {}
     stale = False  # whether something was set since the camera was asked for its controls
     while turns:
         moved = False
@@ -118,18 +118,18 @@ def set_in_order(
             if stale and turn:
                 known, stale = camera.controls, False
             for name in turn:
-                error = _refusal(camera, known.get(name, name), values[name])
+                error = _rejection(camera, known.get(name, name), values[name])
                 if error is not None:
-                    refused[name] = error
+                    rejected[name] = error
                     continue
                 moved = stale = True
-                refused.pop(name, None)
+                rejected.pop(name, None)
                 yield name, None
-        turns = [list(refused)] if moved and refused else []
-    yield from refused.items()
+        turns = [list(rejected)] if moved and rejected else []
+    yield from rejected.items()
 
 
-def _refusal(camera: V4l2Camera, control: Control | str, value: Any) -> ControlError | None:
+def _rejection(camera: V4l2Camera, control: Control | str, value: Any) -> ControlError | None:
     if isinstance(control, Control) and control.inactive:
         return ControlError(
             f"control '{control.name}' is inactive: an automatic mode governs it; switch that off "
@@ -186,7 +186,7 @@ class ControlParameters:
         self._camera: V4l2Camera | None = None
         self._met = False  # whether a camera has taken what start-up gave
         self._wrong: ParameterError | None = None
-        self._refused: tuple[str, ...] = ()
+        self._rejected: tuple[str, ...] = ()
         self._shown: dict[str, ParameterDescriptor] = {}
         self._restless: list[Control] = []  # may change without the driver's telling
         self._seen = 0  # of the changes that the driver told of
@@ -194,7 +194,7 @@ class ControlParameters:
         self._changed = node.create_guard_condition(self._mirror)
         # Wall time, as a paused simulation does not pause a camera.
         clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self._timer = node.create_timer(REFRESH, self._refresh, clock=clock)
+        self._timer = node.create_timer(REFRESH_S, self._refresh, clock=clock)
         node.add_on_set_parameters_callback(self._set)
 
     # --- called by the thread that captures ---
@@ -218,7 +218,7 @@ class ControlParameters:
             for name in wanted:
                 if name not in known and not self._met:
                     raise unknown(name, [*self._own, *known])
-            refused = []
+            rejected = []
             fixed = {name: value for name, value in off(known).items() if name not in wanted}
             for name, error in set_in_order(camera, known, fixed | wanted):
                 if error is None:
@@ -227,12 +227,12 @@ class ControlParameters:
                     raise ParameterError(f"parameter '{name}': {error}")
                 if name in known and known[name].inactive:
                     continue  # it has no effect, and nobody asks for it now
-                refused.append(str(error))
+                rejected.append(str(error))
         except ParameterError as error:
             self._wrong = error
             self._changed.trigger()
             raise
-        self._refused = tuple(refused)
+        self._rejected = tuple(rejected)
         # A button is pressed once, not whenever the camera returns.
         buttons = {name for name, control in known.items() if control.kind == 'button'}
         with self._lock:
@@ -285,8 +285,8 @@ class ControlParameters:
             return SetParametersResult(successful=True)
         camera = self._camera
         if camera is None:
-            return _refused(f"'{next(iter(values))}' is a control of the camera, which is not "
-                            'there; see /diagnostics')
+            return _rejected(f"'{next(iter(values))}' is a control of the camera, which is not "
+                             'there; see /diagnostics')
         try:
             known = camera.controls
             before = _values(camera, [known[name] for name in values if name in known])
@@ -294,11 +294,11 @@ class ControlParameters:
             for name, error in set_in_order(camera, known, values):
                 if error is not None:
                     put_back(camera, {each: before[each] for each in done})
-                    return _refused(str(error))
+                    return _rejected(str(error))
                 if name in before:  # a button cannot be released
                     done.append(name)
         except CaptureError as error:
-            return _refused(str(error))
+            return _rejected(str(error))
         finally:
             # Buttons spring back, and others may have changed with it, refused or not.
             self._changed.trigger()
@@ -355,7 +355,7 @@ class ControlParameters:
         ]
         automatic = still_on(controls, values)
         self._health.show('automatic modes on', ', '.join(automatic) or 'none')
-        self.warnings = (*self._refused, *automatic.values())
+        self.warnings = (*self._rejected, *automatic.values())
 
     def _show(self, control: Control, value: int | str) -> None:
         """Declare the parameter of a control, or bring it up to date."""
@@ -371,7 +371,7 @@ class ControlParameters:
         self._shown[name] = described
 
 
-def _refused(reason: str) -> SetParametersResult:
+def _rejected(reason: str) -> SetParametersResult:
     return SetParametersResult(successful=False, reason=reason)
 
 

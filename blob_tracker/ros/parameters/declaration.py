@@ -57,9 +57,9 @@ def declare(
                 parameter.name, parameter.default, _descriptor(parameter)
             ).value
         except (InvalidParameterTypeException, InvalidParameterValueException):
-            raise _refused(node, parameter) from None
+            raise _rejected(node, parameter) from None
         if parameter.choices and value not in parameter.choices:
-            raise _refused(node, parameter)
+            raise _rejected(node, parameter)
         values[parameter.name] = value
     if complete:
         for name in undeclared(node, elsewhere):
@@ -170,7 +170,7 @@ def _descriptor(parameter: Parameter) -> ParameterDescriptor:
     return descriptor
 
 
-def _refused(node: Node, parameter: Parameter) -> ParameterError:
+def _rejected(node: Node, parameter: Parameter) -> ParameterError:
     """Return the error for the value that start-up gave to a parameter."""
     return _not_allowed(parameter, node._parameter_overrides[parameter.name].value)
 

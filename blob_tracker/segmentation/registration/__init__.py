@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from blob_tracker.segmentation.registration.affine import affine
 from blob_tracker.segmentation.registration.translation import translation
-from blob_tracker.segmentation.registration.warp import laid_over, overlap
+from blob_tracker.segmentation.registration.warp import overlap, warped
 from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -15,4 +15,4 @@ REGISTRATIONS: dict[str, Callable[[Pixels, Pixels], NDArray[np.float64] | None] 
     'affine': affine,
 }
 
-__all__ = ['affine', 'laid_over', 'overlap', 'REGISTRATIONS', 'translation']
+__all__ = ['affine', 'overlap', 'REGISTRATIONS', 'translation', 'warped']

@@ -1,8 +1,5 @@
 """The motion that lays the pixels of one frame on those of another, far below a pixel."""
 
-# Numba's decorators bring no types.
-# mypy: disable-error-code="untyped-decorator"
-
 from __future__ import annotations
 
 import math
@@ -18,25 +15,27 @@ Array = NDArray[np.float64]
 
 POINTS = 12_000  # at most; at a texture of 8 times the noise they place the frame to 0.005 px
 LEAST_POINTS = 100  # sixteen for each number of an affine map
-FINER = 4  # from one level to the next
-COARSEST = 160  # px of the smaller side, at most: 8 px are then a fraction of a pixel, or two
-NEIGHBOURHOOD = 15  # px of the coarsest level, over which contrast is made equal
-STEPS = 12  # a level takes 3 to 5 of them
-SETTLED = 0.01  # px of a level: each step is at most a third of the one before
-START = 0.5  # px of a level, by which its start is off
-NEARER = 3.0  # times, by which a step brings it nearer at most
-NEAR = 0.25  # px of a level: after a shorter step the slopes of the two frames are alike
-FLOOR = 0.02  # px of a level, by which a slope is off for other reasons than the motion
-TUKEY = 4.685  # standard deviations: 95 % efficient for Gaussian residuals
-MAD = 1.4826  # standard deviations to a median absolute deviation
-SAMPLE = 800  # residuals that tell their median absolute deviation to 4 %
-NOISE_FREE = 1e-2  # DN: least standard deviation, for pictures without noise
+PYRAMID_RATIO = 4  # from one level to the next
+# px of the smaller side, at most: 8 px are then a fraction of a pixel, or two
+COARSEST_SIDE_PX = 160
+NEIGHBOURHOOD_PX = 15  # px of the coarsest level, over which contrast is made equal
+MAX_STEPS = 12  # a level takes 3 to 5 of them
+CONVERGED_PX = 0.01  # px of a level: each step is at most a third of the one before
+START_ERROR_PX = 0.5  # px of a level, by which its start is off
+MAX_STEP_GAIN = 3.0  # times, by which a step brings it nearer at most
+NEAR_PX = 0.25  # px of a level: after a shorter step the slopes of the two frames are alike
+# px of a level, by which a slope is off for other reasons than the motion
+LEAST_MOTION_ERROR_PX = 0.02
+TUKEY_SIGMA = 4.685  # standard deviations: 95 % efficient for Gaussian residuals
+SIGMA_PER_MAD = 1.4826  # standard deviations to a median absolute deviation
+MAD_SAMPLES = 800  # residuals that tell their median absolute deviation to 4 %
+LEAST_SIGMA_DN = 1e-2  # DN: least standard deviation, for pictures without noise
 
 LEAST_CORRELATION = 0.5  # of what the two frames show in the same place
-LARGEST_ERROR = 0.1  # px, standard deviation of the map at the frame's corners
-FARTHEST = 0.25  # of the frame's smaller side: what is found beyond it is a false match
-STILL_WITHIN = 0.02  # px at the corners: such a motion is none, and nothing is interpolated
-DOUBT = 3.0  # standard deviations of the map, within which a motion is none either
+LARGEST_ERROR_PX = 0.1  # px, standard deviation of the map at the frame's corners
+LARGEST_SHIFT = 0.25  # of the frame's smaller side: what is found beyond it is a false match
+STILL_WITHIN_PX = 0.02  # px at the corners: such a motion is none, and nothing is interpolated
+DOUBT_SIGMA = 3.0  # standard deviations of the map, within which a motion is none either
 
 
 class _Points(NamedTuple):
@@ -123,19 +122,19 @@ def align(lit: Pixels, unlit: Pixels, *, affine: bool) -> Array | None:
     error = math.sqrt(max(variance.max(), 0.0))
     if not (
         correlation >= LEAST_CORRELATION
-        and error <= LARGEST_ERROR
-        and far <= FARTHEST * min(height, width)
+        and error <= LARGEST_ERROR_PX
+        and far <= LARGEST_SHIFT * min(height, width)
     ):
         return None
-    still = far < max(STILL_WITHIN, DOUBT * error)
+    still = far < max(STILL_WITHIN_PX, DOUBT_SIGMA * error)
     return np.eye(2, 3) if still else _map(motion, middle)
 
 
 def _levels(side: int) -> list[int]:
     """Return by what the frame is reduced, from coarse to fine."""
     factors = [1]
-    while side > COARSEST * factors[0]:
-        factors.insert(0, FINER * factors[0])
+    while side > COARSEST_SIDE_PX * factors[0]:
+        factors.insert(0, PYRAMID_RATIO * factors[0])
     return factors
 
 
@@ -178,10 +177,10 @@ def _equalised(image: NDArray[np.float32]) -> NDArray[np.float32]:
 
     What covers most of the picture then decides the phase correlation, and not what is brightest.
     """
-    size = (NEIGHBOURHOOD, NEIGHBOURHOOD)
+    size = (NEIGHBOURHOOD_PX, NEIGHBOURHOOD_PX)
     rise = image - cv2.blur(image, size)
     contrast = np.sqrt(cv2.blur(rise * rise, size))
-    return np.asarray(rise / np.maximum(contrast, np.median(contrast) + NOISE_FREE))
+    return np.asarray(rise / np.maximum(contrast, np.median(contrast) + LEAST_SIGMA_DN))
 
 
 def _points(
@@ -213,20 +212,20 @@ def _fit(
     values, slopes = points.values, points.slopes
     steep = points.slopes[0] ** 2 + points.slopes[1] ** 2
     found, across, down = np.empty((3, len(values)))
-    motion, off, moved = start, START * factor, math.inf
-    for _ in range(STEPS):
+    motion, off, moved = start, START_ERROR_PX * factor, math.inf
+    for _ in range(MAX_STEPS):
         _sample(image, points.places, _map(motion, middle) / factor, found, across, down)
         seen = np.isfinite(found)
         shown = np.where(seen, found, values)
         residual = shown - values
         if np.count_nonzero(seen) < LEAST_POINTS:
             return None
-        every = max(len(values) // SAMPLE, 1)
+        every = max(len(values) // MAD_SAMPLES, 1)
         some = residual[::every][seen[::every]]
         level = _median(some)
-        deviation = MAD * _median(np.abs(some - level)) + NOISE_FREE
+        deviation = SIGMA_PER_MAD * _median(np.abs(some - level)) + LEAST_SIGMA_DN
         variance = deviation**2 + off**2 * steep
-        weight = np.square(residual - level) / (TUKEY**2 * variance)
+        weight = np.square(residual - level) / (TUKEY_SIGMA**2 * variance)
         weight = np.square(np.maximum(1.0 - weight, 0.0)) * seen / variance
         total = weight.sum()
         # About their weighted means: the level of the frames is one more unknown.
@@ -235,7 +234,7 @@ def _fit(
         fisher = weighted @ slopes.T
         score = weighted @ residual
         try:
-            if moved > NEAR * factor:
+            if moved > NEAR_PX * factor:
                 information = fisher + known
                 move = np.linalg.solve(information, score + known @ (motion - start))
             else:
@@ -250,11 +249,11 @@ def _fit(
         except np.linalg.LinAlgError:
             return None
         motion = motion - move
-        near, moved = moved <= NEAR * factor, float(np.abs(move).sum())
-        if not moved < FARTHEST * max(image.shape) * factor:
+        near, moved = moved <= NEAR_PX * factor, float(np.abs(move).sum())
+        if not moved < LARGEST_SHIFT * max(image.shape) * factor:
             return None
-        off = max(moved, off / NEARER, FLOOR * factor)
-        if near and moved < SETTLED * factor:
+        off = max(moved, off / MAX_STEP_GAIN, LEAST_MOTION_ERROR_PX * factor)
+        if near and moved < CONVERGED_PX * factor:
             break
     values = values - weight @ values / total
     shown = shown - weight @ shown / total

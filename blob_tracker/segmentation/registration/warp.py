@@ -1,8 +1,5 @@
 """Interpolate the unlit frame at the places that the lit one's pixels see."""
 
-# Numba's decorators bring no types.
-# mypy: disable-error-code="untyped-decorator"
-
 from __future__ import annotations
 
 import math
@@ -17,12 +14,12 @@ from numpy.typing import NDArray
 
 LOBES = 3.0  # of the Lanczos kernel: two place a blob up to 8 % worse, four no better
 TAPS = 6  # pixels under it
-BEFORE = 2  # of them are before the pixel to the left of the place
+TAPS_BEFORE = 2  # of them are before the pixel to the left of the place
 PHASES = 128  # between two pixels: a place is off by 1/256 px at most
-SHORT = 8  # px: a shorter run costs more to set up than to go through
+SHORT_RUN_PX = 8  # px: a shorter run costs more to set up than to go through
 
 
-def laid_over(
+def warped(
     lit: Pixels, unlit: Pixels, found: NDArray[np.float64], box: Box | None = None
 ) -> Pixels:
     """
@@ -80,13 +77,13 @@ def laid_over(
 def _rows(back: NDArray[np.float64], box: Box, height: int) -> tuple[int, int]:
     """Return the first row of the unlit frame that the box needs, and one past the last."""
     places = [back[1] @ (x, y, 1.0) for x in (box.x0, box.x1 - 1) for y in (box.y0, box.y1 - 1)]
-    top = max(math.floor(min(places)) - BEFORE, 0)
-    return top, max(min(math.floor(max(places)) + TAPS - BEFORE, height), top)
+    top = max(math.floor(min(places)) - TAPS_BEFORE, 0)
+    return top, max(min(math.floor(max(places)) + TAPS - TAPS_BEFORE, height), top)
 
 
 def _weights() -> NDArray[np.float32]:
     """Return the (PHASES + 1, TAPS) weights of the pixels about a place; each row sums to 1."""
-    away = np.arange(TAPS) - BEFORE - np.linspace(0.0, 1.0, PHASES + 1)[:, None]
+    away = np.arange(TAPS) - TAPS_BEFORE - np.linspace(0.0, 1.0, PHASES + 1)[:, None]
     lobes = np.sinc(away) * np.sinc(away / LOBES) * (np.abs(away) < LOBES)
     return np.asarray(lobes / lobes.sum(axis=1, keepdims=True), dtype=np.float32)
 
@@ -111,14 +108,14 @@ def _along_rows(
     height, width = out.shape
     last = image.shape[1] - TAPS
     drift = abs(slope - 1.0)
-    slow = drift * PHASES * SHORT < 1.0
+    slow = drift * PHASES * SHORT_RUN_PX < 1.0
     for j in range(height):
         i = 0
         while i < width:
             place = start + slope * i + shear * j
             left = math.floor(place)
             phase = int((place - left) * PHASES + 0.5)
-            first = left - BEFORE
+            first = left - TAPS_BEFORE
             if first < 0 or first > last:
                 out[j, i] = math.nan
                 i += 1

@@ -8,7 +8,7 @@ import math
 
 from blob_tracker.camera.trailing_edge import TrailingEdge
 from blob_tracker.simulation.analogue_chain import AnalogueChain
-from blob_tracker.simulation.trailing_edge import MEMORY, PEAKING
+from blob_tracker.simulation.trailing_edge import MEMORY_PX, PEAKING
 from blob_tracker.studies.beyond.causes_pictures import draw_causes, draw_sizes
 from blob_tracker.studies.beyond.causes_printed import implied, ratio_of_looks, results_here
 from blob_tracker.studies.chapter_5.displacements import (
@@ -37,7 +37,7 @@ CAUSES: dict[str, Conditions] = {
     'jitter of each line, 1/20 px': replace(ROUNDED, chain=AnalogueChain(per_line=0.05)),
     'jitter of each frame, 1/20 px': replace(ROUNDED, chain=AnalogueChain(per_frame=0.05)),
     'trailing edge': replace(
-        ROUNDED, chain=AnalogueChain(trailing_edge=TrailingEdge(PEAKING, MEMORY))
+        ROUNDED, chain=AnalogueChain(trailing_edge=TrailingEdge(PEAKING, MEMORY_PX))
     ),
     '641 cells on 640 pixels': replace(ROUNDED, chain=AnalogueChain(own_clock=True)),
     'caliper, 1/1000 inch': replace(ROUNDED, caliper=0.001),

@@ -17,7 +17,7 @@ from blob_tracker.segmentation.thresholds import threshold_by_name
 from blob_tracker.simulation import expose
 from blob_tracker.simulation.analogue_chain import AnalogueChain, LINES
 from blob_tracker.simulation.frame_grabber import grabbed
-from blob_tracker.simulation.line_jitter import draw_edge, jittering_offsets, REMAINDER
+from blob_tracker.simulation.line_jitter import draw_edge, jittering_offsets, REMAINDER_PX
 from blob_tracker.simulation.trailing_edge import peaked
 from blob_tracker.studies.beyond.default_pipeline_pictures import draw_errors, draw_steps
 from blob_tracker.studies.chapter_5.displacements import (
@@ -161,7 +161,7 @@ def limits(looks: int, *, jitter: bool) -> float:
         blob = np.einsum('l,lh,lw->hw', target.amplitudes, down, across)
         weights = (blob**2).sum(axis=1)
         weights /= weights.sum()
-        variance += float(weights @ weights) * REMAINDER**2 / looks
+        variance += float(weights @ weights) * REMAINDER_PX**2 / looks
     return sqrt(variance)
 
 

@@ -11,6 +11,7 @@ from blob_tracker.studies.axes import COLOURS, legend_below, new_axes
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
 from blob_tracker.tracking import PlatformRates, Tracker, TrackingError
 from blob_tracker.types import Bearing
+from blob_tracker.units import MRAD, MRAD_PER_RAD
 from matplotlib.figure import Figure
 import numpy as np
 from numpy.typing import NDArray
@@ -71,7 +72,7 @@ def measure(case: Case) -> Measured:
 def directions(ride: Ride, times: Array) -> Array:
     """Return (n, 2) azimuth and elevation of a light straight ahead at rest, mrad."""
     x, y, z = np.swapaxes(ride.rotations(times), -1, -2)[:, :, 2].T
-    return 1e3 * np.stack([np.arctan2(x, z), np.arctan2(-y, np.hypot(x, z))], axis=1)
+    return MRAD_PER_RAD * np.stack([np.arctan2(x, z), np.arctan2(-y, np.hypot(x, z))], axis=1)
 
 
 def limit(motion: str, horizon: float) -> float:
@@ -81,8 +82,8 @@ def limit(motion: str, horizon: float) -> float:
     Azimuth is taken to be yaw and elevation pitch, each by itself.
     """
     yaw, pitch = (
-        1e3 * MOTIONS[motion].process(axis).prediction_limit(
-            horizon, interval=1.0 / RATE, variance=(1e-3 * SIGMA) ** 2
+        MRAD_PER_RAD * MOTIONS[motion].process(axis).prediction_limit(
+            horizon, interval=1.0 / RATE, variance=(MRAD * SIGMA) ** 2
         )
         for axis in ('yaw', 'pitch')
     )
@@ -97,7 +98,7 @@ def _tracker(motion: str, model: str, *, gyro: bool) -> Tracker:
         jerk=jerk,
         stabilised_acceleration=resting,
         stabilised_jerk=resting_jerk,
-        gate=8.0,  # what is compared are the filters: nothing here is a false light
+        gate_sigma=8.0,  # what is compared are the filters: nothing here is a false light
         max_sigma=1e3,
         platform=PlatformRates() if gyro else None,
     )

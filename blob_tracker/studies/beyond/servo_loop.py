@@ -21,12 +21,12 @@ from blob_tracker.simulation.sensor import Sensor
 from blob_tracker.studies.chapter_5.displacements import LABORATORY
 from blob_tracker.tracking import PanTiltAngles, PlatformRates, Tracker, TrackingError
 from blob_tracker.types import Bearing, Frame, LocationError, SensorNoise
+from blob_tracker.units import MRAD
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 START_NS = 10**9  # stamp of the time 0: ns count from there
-MRAD = 1e-3
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class Scenario:
     vehicle_acceleration, vehicle_jerk, light_acceleration : float
         Process noise of the tracker, mrad/s^2 and mrad/s^3: what the boat does, and what is left
         of it, and of the light's own way, where the gyro is used.
-    gate : float
+    gate_sigma : float
         Of the tracker, standard deviations: wide, as only the light flashes in step, and the boat
         does not move by the tracker's model.
 
@@ -107,7 +107,7 @@ class Scenario:
     vehicle_acceleration: float = 36.0
     vehicle_jerk: float = 410.0
     light_acceleration: float = 3.0
-    gate: float = 8.0
+    gate_sigma: float = 8.0
 
     def disturbed(self, factor: float) -> Scenario:
         """Return the scenario with a boat that turns, and is struck, so many times as much."""
@@ -283,7 +283,7 @@ class Predicted:
             jerk=scenario.vehicle_jerk,
             acceleration=scenario.vehicle_acceleration,
             stabilised_acceleration=scenario.light_acceleration,
-            gate=scenario.gate,
+            gate_sigma=scenario.gate_sigma,
             # A prediction is better than none: the pan/tilt's own limits bound what it does.
             max_sigma=50.0,
             pan_tilt=self._angles,

@@ -12,7 +12,7 @@ from blob_tracker.location.limits import cramer_rao_bound
 from blob_tracker.segmentation.box import Box, box_about
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
 from blob_tracker.simulation.line_jitter import draw_edge, jittering_offsets, line_offsets
-from blob_tracker.simulation.trailing_edge import MEMORY, peaked, PEAKING
+from blob_tracker.simulation.trailing_edge import MEMORY_PX, peaked, PEAKING
 from blob_tracker.studies.beyond.trailing_edge_pictures import draw_removal, draw_row
 from blob_tracker.studies.chapter_5.displacements import segmented
 from blob_tracker.studies.study import Case, Cell, Check, Findings, Measured, Study, Table
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 NOISE = SensorNoise(gain=40.0, read_noise=0.7)  # accuracy.md's third camera: 15 x 15, gain 40
 SIDE = 56  # px: the crops of chapter 5
-FILTERS = ((PEAKING, MEMORY), (0.3, 4.0), (0.3, 12.0), (2.0, 2.0))
+FILTERS = ((PEAKING, MEMORY_PX), (0.3, 4.0), (0.3, 12.0), (2.0, 2.0))
 CALIBRATIONS = (6, 60)  # quick and full, of each filter
 FRAMES, LINES, WIDTH = 16, 120, 110  # of an edge, of which a calibration is made
 BLOBS = (20, 200)  # quick and full, of each kind
@@ -78,7 +78,7 @@ def _calibrated(index: int, seed: int) -> list[float]:
 def _removed(background: float, amplitude: float, count: int, seed: int) -> Measured:
     """Return the errors and the variances of x that were stated, for each way."""
     random = np.random.default_rng([seed, int(background), int(amplitude)])
-    true = TrailingEdge(PEAKING, MEMORY)
+    true = TrailingEdge(PEAKING, MEMORY_PX)
     peaking, memory = _calibrated(0, seed)[:2]
     known = TrailingEdge(peaking, memory)
     half = int(np.ceil(3 * SIGMA))
@@ -201,7 +201,7 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
                    'memory found, mean, px', 'rms error, px', 'stated, px'], filters),
         ],
         figures={
-            'trailing_edge_row': draw_row(example, PEAKING, MEMORY),
+            'trailing_edge_row': draw_row(example, PEAKING, MEMORY_PX),
             'trailing_edge': draw_removal(rows, WAYS, BACKGROUNDS, AMPLITUDES),
         },
         checks=[

@@ -17,7 +17,7 @@ from blob_tracker.segmentation.thresholds import threshold_by_name
 from blob_tracker.simulation import expose
 from blob_tracker.simulation.analogue_chain import AnalogueChain
 from blob_tracker.simulation.profiles import Gaussian, ThreeGaussians
-from blob_tracker.simulation.trailing_edge import MEMORY, PEAKING
+from blob_tracker.simulation.trailing_edge import MEMORY_PX, PEAKING
 from blob_tracker.studies.printed import load
 from blob_tracker.types import Frame, LocationError, SensorNoise, Window
 import numpy as np
@@ -101,7 +101,7 @@ class Conditions:
 LABORATORY = Conditions(
     chain=AnalogueChain(
         drift=1.0, between_fields=0.02, per_line=0.05, own_clock=True,
-        trailing_edge=TrailingEdge(PEAKING, MEMORY),
+        trailing_edge=TrailingEdge(PEAKING, MEMORY_PX),
     ),
     caliper=0.001,
 )
@@ -210,7 +210,7 @@ def segmented(picture: NDArray[np.floating], name: str) -> Box | None:
     """
     lit = np.rint(picture).astype(np.uint8)
     row, column = (int(index) for index in np.unravel_index(np.argmax(lit), lit.shape))
-    nothing = dict.fromkeys(Candidate._fields, 0.0) | {'refused': ''}
+    nothing = dict.fromkeys(Candidate._fields, 0.0) | {'rejected': ''}
     candidate = Candidate(
         **{**nothing, 'column': float(column), 'row': float(row), 'noise': 1.0}  # type: ignore
     )

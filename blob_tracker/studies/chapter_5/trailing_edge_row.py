@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from blob_tracker.camera.trailing_edge import TrailingEdge
 from blob_tracker.location.centroid import centroid_1d
 from blob_tracker.location.pulse import integrated_profile
-from blob_tracker.simulation.trailing_edge import MEMORY, peaked, PEAKING
+from blob_tracker.simulation.trailing_edge import MEMORY_PX, peaked, PEAKING
 from blob_tracker.studies.axes import COLOURS
 from blob_tracker.studies.chapter_5.pictures import MARKERS, THIN
 from blob_tracker.studies.printed import load
@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 import numpy as np
 from numpy.typing import NDArray
 
-EDGE = TrailingEdge(PEAKING, MEMORY)
+EDGE = TrailingEdge(PEAKING, MEMORY_PX)
 BACKGROUND = 10.0  # DN above black
 HALF = 3.0  # sigma, of the window that the centroid is taken over
 WIDTHS = (1.0, 1.5, 2.5, 4.0, 7.0, 12.0, 20.0)  # px, sigma
@@ -102,7 +102,7 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
     }
     return Findings(
         shows=(
-            f'Behind a peaking filter of {PEAKING:g} and {MEMORY:g} px a blob of '
+            f'Behind a peaking filter of {PEAKING:g} and {MEMORY_PX:g} px a blob of '
             f'{text["small"].value} px falls in {ratio:.2f} of the length of its rise and dives '
             f'through black, one of {text["wide"].value} px in {ratio_wide:.2f}, and a column '
             'not at all. The centroid of the small one is drawn to the left by '

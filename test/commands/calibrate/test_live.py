@@ -146,7 +146,7 @@ def test_joints_of_other_names_are_told(
     rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """While centroids flow: it does not wait for ever."""
-    monkeypatch.setattr('blob_tracker.ros.endpoints.live_centroids.PATIENCE', 0.5)
+    monkeypatch.setattr('blob_tracker.ros.endpoints.live_centroids.PATIENCE_S', 0.5)
     answers(monkeypatch, ['', 'q'], lambda index: None)
     words = ['turn', str(tmp_path / 'turn.csv'), '--size', '640x480', '--count', '10', '--live']
     assert main(['calibrate', *words, '--joints', 'pann,tilt']) == 1
@@ -157,7 +157,7 @@ def test_typed_in_and_nothing_in_view(
     rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Wrong words are asked again; without a target there is a sentence, and nothing is lost."""
-    monkeypatch.setattr('blob_tracker.ros.endpoints.live_centroids.PATIENCE', 0.5)
+    monkeypatch.setattr('blob_tracker.ros.endpoints.live_centroids.PATIENCE_S', 0.5)
     file = tmp_path / 'turn.csv'
 
     def moved(index: int) -> None:

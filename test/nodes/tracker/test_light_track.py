@@ -10,6 +10,7 @@ from blob_tracker.nodes.tracker import light_track
 from blob_tracker.nodes.tracker.light_track import LightTrack
 from blob_tracker.nodes.tracker.platform import Platform
 from blob_tracker.ros.diagnostics.health import Health
+from blob_tracker.ros.endpoints.delivery import Delivery
 from blob_tracker.tracking import PanTiltAngles, Tracker
 from blob_tracker.types import Bearing
 import numpy as np
@@ -28,13 +29,27 @@ JOINTS = {**NO_JOINTS, 'joints.pan': 'pan', 'joints.tilt': 'tilt'}
 FOREVER = 10**18  # ns
 
 
+class Heard(Health):
+    """Health that remembers the stamp of each bearing that became part of the track, ns."""
+
+    def __init__(self, node: Node) -> None:
+        super().__init__(node, '')
+        self.tracked_ns: list[int] = []
+
+    def left(self, stamp_ns: int) -> None:
+        """Remember it."""
+        super().left(stamp_ns)
+        self.tracked_ns.append(stamp_ns)
+
+
 class Light:
     """A light that is seen from a pan/tilt which swings."""
 
     def __init__(self, node: Node) -> None:
         self.platform = Platform(node, Health(node, ''), Lock(), lambda: None)
         self.platform.change(JOINTS)()
-        self.track = LightTrack(node, Health(node, ''), '', self.platform)
+        self.health = Heard(node)
+        self.track = LightTrack(node, self.health, '', self.platform)
         self.start_ns = node.get_clock().now().nanoseconds
         self.track.use(self.tracker())
 
@@ -57,13 +72,19 @@ class Light:
             -1e3 * place(milliseconds), 0.0, 4e-4 * np.eye(2), self.stamp(milliseconds)
         )
 
+    def take(self, bearing: Bearing) -> None:
+        """Have a bearing come."""
+        self.track.take(Delivery(bearing, 'optical'), 0)
+
     def hold(self, milliseconds: int) -> None:
-        """Have a bearing wait."""
-        self.track.hold(self.bearing(milliseconds), 'optical')
+        """Have the bearing of a time come, which waits if it has to."""
+        self.take(self.bearing(milliseconds))
 
     def released(self) -> list[int]:
-        """Return the time of each bearing that became part of the track, ms."""
-        return [(each - self.start_ns) // MS for each in self.track.release()]
+        """Return the time of each bearing that has become part of the track since, ms."""
+        self.track.release(0)
+        stamps, self.health.tracked_ns = self.health.tracked_ns, []
+        return [(each - self.start_ns) // MS for each in stamps]
 
 
 def place(milliseconds: int) -> float:
@@ -193,12 +214,12 @@ def test_innovations_that_are_too_large_may_be_the_joints(
         if not with_joints:
             seen.platform.change(NO_JOINTS)()
         # A filter that expects a light at rest, and bearings far off what they say.
-        seen.track.use(Tracker(acceleration=1.0, gate=100.0, pan_tilt=seen.platform.angles))
+        seen.track.use(Tracker(acceleration=1.0, gate_sigma=100.0, pan_tilt=seen.platform.angles))
         for time in range(0, 1000, 10):
             if with_joints:
                 seen.platform.angles.push(seen.stamp(time), 0.0, 0.0)
             noise = random.normal(scale=0.1, size=2)
-            seen.track.hold(Bearing(*noise, 4e-4 * np.eye(2), seen.stamp(time)), 'optical')
+            seen.take(Bearing(*noise, 4e-4 * np.eye(2), seen.stamp(time)))
             seen.released()
         said.clear()
         seen.track.describe()

@@ -8,6 +8,7 @@ from math import atan2, cos, hypot, inf, nan, pi, sin
 import time
 
 from blob_tracker.nodes.tracker import TrackerNode
+from blob_tracker.ros.endpoints.delivery import Delivery
 from blob_tracker.ros.endpoints.qos import RESULT, STATE
 from blob_tracker.ros.messages.imu import turn_of
 from blob_tracker.ros.messages.stamp import from_ns, to_ns
@@ -378,7 +379,7 @@ def test_a_step_of_the_system_s_clock_starts_it_afresh(
             truth = rate * (clock.now_ns + stepped - begin_ns) / MS
             before = truth - rate * LATENCY / MS
             bearing = Bearing(before, 0.0, SIGMA**2 * np.eye(2), clock.now_ns - LATENCY)
-            node.track('', bearing, 'optical')
+            node.track(Delivery(bearing, 'optical'))
             said = node.seen_at('', clock.now_ns)
             return None if said is None else abs(said.azimuth - truth)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from blob_tracker.resources import config_path
 from blob_tracker.ros.diagnostics.shared_memory import (
-    DEFAULT, environment_of, export, same_host, segment_size, VARIABLE,
+    DEFAULT_BYTES, environment_of, export, same_host, segment_size, VARIABLE,
 )
 from std_msgs.msg import Bool
 from support.processes import probe
@@ -21,8 +21,8 @@ def test_size_of_the_segment(tmp_path: Path) -> None:
     plain.write_text('<dds xmlns="http://www.eprosima.com"><profiles/></dds>')
     assert segment_size({VARIABLE: str(config_path('fastdds.xml'))}) == 32 << 20
     for name in ('', '/no/such/file.xml', str(broken), str(plain)):
-        assert segment_size({VARIABLE: name}) == DEFAULT
-    assert segment_size({}) == DEFAULT
+        assert segment_size({VARIABLE: name}) == DEFAULT_BYTES
+    assert segment_size({}) == DEFAULT_BYTES
     assert export() == f'export {VARIABLE}={config_path("fastdds.xml")}'
 
 

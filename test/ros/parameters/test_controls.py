@@ -275,10 +275,10 @@ def test_an_inactive_mode_that_nobody_asked_for_is_no_fault(node: Node) -> None:
     locked = replace(FRAMERATE, inactive=True)
     parameters = ControlParameters(node, {}, FakeHealth())
     parameters.prepare(FakeCamera(locked, GAIN))
-    assert parameters._refused == ()
+    assert parameters._rejected == ()
     # One that is active, and that the camera refuses, is told.
     parameters.prepare(FakeCamera(replace(FRAMERATE, minimum=1)))
-    assert len(parameters._refused) == 1
+    assert len(parameters._rejected) == 1
 
 
 def test_an_inactive_control_that_start_up_named_is_refused(node: Node) -> None:

@@ -10,7 +10,7 @@ from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.types import Pixels
 
 
-class Look(NamedTuple):
+class Detections(NamedTuple):
     """
     One update of a segmenter.
 

@@ -9,45 +9,43 @@ from threading import Lock
 import time
 from typing import Any
 
-from blob_tracker.calibration.noise_level_function import NoiseLevelFunction
 from blob_tracker.nodes.interface.segmenter import PARAMETERS
+from blob_tracker.nodes.segmenter.last_detections import LastDetections
+from blob_tracker.nodes.segmenter.noise_topic import NoiseTopic
 from blob_tracker.pipeline import expectation
 from blob_tracker.ros.diagnostics.clock_jumps import on_clock_jump
 from blob_tracker.ros.diagnostics.connections import Connections
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
 from blob_tracker.ros.diagnostics.losses import Losses, StampGaps
 from blob_tracker.ros.endpoints.debug_image import DebugImage
+from blob_tracker.ros.endpoints.delivery import Deliver, Delivery
 from blob_tracker.ros.endpoints.latest_track import LatestTrack
 from blob_tracker.ros.endpoints.names import check_light, target_topic
 from blob_tracker.ros.endpoints.pairing import FramePairs
-from blob_tracker.ros.endpoints.qos import publisher, STATE
 from blob_tracker.ros.endpoints.window_topics import WindowTopics
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.camera_info import KnownCamera
 from blob_tracker.ros.messages.clipping import clipping_frame
 from blob_tracker.ros.messages.image import to_frame
-from blob_tracker.ros.messages.target import noise_message
 from blob_tracker.ros.parameters.declaration import about, declare, on_change
 from blob_tracker.ros.parameters.mask import read_mask
 from blob_tracker.ros.process import run, say
 from blob_tracker.segmentation import (
     codes_from_text,
     compile_ahead,
+    Detections,
     Expectation,
     exposure_fault,
     Flash,
     flash_by_name,
     FrameError,
-    Look,
     Segmenter,
     threshold_by_name,
 )
-from blob_tracker.segmentation.candidate import Candidate
-from blob_tracker.segmentation.periodic import HIGHEST
+from blob_tracker.segmentation.periodic import HIGHEST_FREQUENCY
 from blob_tracker.segmentation.picture import draw
 from blob_tracker.tracking import Track
 from blob_tracker.types import Frame, Window
-from geometry_msgs.msg import Vector3Stamped
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
@@ -56,13 +54,10 @@ from sensor_msgs.msg import CameraInfo, Image
 FLASH = ('max_pair_interval', 'registration', 'gate')
 # s from one picture to the next. Frames with a window have the first call, those with a candidate
 # the second: at a fixed pace every picture could be of an unlit frame.
-WITH_WINDOW, WITH_CANDIDATE, WITH_NOTHING = 0.1, 0.2, 0.3
-LEAST_NOISE = 0.01  # DN: pixels that are all equal have none
-NOISE_PERIOD_NS = 10**9  # by the stamps, between two pairs that are measured
-CHECK = 0.25  # s between two looks at whether frames still come
-SILENCE = 1.0  # s of wall time without a good frame; slow bags and cameras pause for less
+WITH_WINDOW_S, WITH_CANDIDATE_S, WITH_NOTHING_S = 0.1, 0.2, 0.3
+CHECK_S = 0.25  # s between two looks at whether frames still come
+SILENCE_S = 1.0  # s of wall time without a good frame; slow bags and cameras pause for less
 
-Deliver = Callable[[str, Window, CameraInfo, str], None]
 Predict = Callable[[str, int], Track | None]
 
 
@@ -76,8 +71,7 @@ class SegmenterNode(Node):
         Whether frames come from camera/...; else whoever has them calls `segment`, from one
         thread.
     deliver : callable, optional
-        Takes each window in memory: the name of the light, its window, the camera_info of the
-        frame and the name of the optical frame.
+        Takes each window in memory.
     announce : callable, optional
         Told the names of the lights before the first window of any.
     predict : callable, optional
@@ -91,7 +85,7 @@ class SegmenterNode(Node):
         self,
         *,
         listen: bool = True,
-        deliver: Deliver | None = None,
+        deliver: Deliver[tuple[Window, CameraInfo]] | None = None,
         announce: Callable[[Collection[str]], None] | None = None,
         predict: Predict | None = None,
         elsewhere: Collection[str] = (),
@@ -109,9 +103,7 @@ class SegmenterNode(Node):
         )
         self._connections = Connections(self, self._health)
         self._gaps, self._losses = StampGaps(), Losses()
-        self._reason = ''
-        self._candidates: tuple[Candidate, ...] = ()
-        self._target: Candidate | None = None
+        self._last_detections = LastDetections()
         self._flash: tuple[dict[str, Any], Flash] | None = None
         self._new_segmenter: Callable[[], Segmenter]
         self._newest_ns = -1  # of the stamps
@@ -120,10 +112,7 @@ class SegmenterNode(Node):
         self._follow = False
         self._track: LatestTrack | None = None
         self._camera = KnownCamera()
-        self._noise: NoiseLevelFunction | None = None
-        self._noise_ns = 0
-        self._noises = publisher(self, Vector3Stamped, 'target/noise', STATE)
-        self._look: Look | None = None
+        self._noise = NoiseTopic(self, self._health)
         self._debug_image = DebugImage(self)
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._good_frame = self._steady.now()
@@ -131,7 +120,7 @@ class SegmenterNode(Node):
         on_change(self, PARAMETERS, self._change)
         self._frames = FramePairs(self, 'camera', self._health, self._take) if listen else None
         self._clock_jumps = on_clock_jump(self, self._health, self._forget)
-        self.create_timer(CHECK, self._check_silence, clock=self._steady)
+        self.create_timer(CHECK_S, self._check_silence, clock=self._steady)
 
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Build what these parameters ask for; return what puts it into effect."""
@@ -145,6 +134,7 @@ class SegmenterNode(Node):
             for name in codes:
                 check_light(name)
             options = {name.removeprefix('flash.'): value for name, value in asked.items()}
+            options['gate_px'] = options.pop('gate')
             new_flash = partial(flash_by_name, **options | {'codes': codes})
             same = self._flash is not None and self._flash[0] == asked
             flash = self._flash[1] if self._flash is not None and same else new_flash()
@@ -169,7 +159,7 @@ class SegmenterNode(Node):
                 self._topics[name] = WindowTopics(self, target_topic(name))
         follow = values['follow_prediction']
         if follow and self._predict is None and self._track is None:
-            # Of the light without a name: the others are those of modes that do not heed it.
+            # Of the light without a name: the others are those of modes that do not use it.
             self._track = LatestTrack(self, f'{target_topic("")}/track', self._health)
 
         def use() -> None:
@@ -181,10 +171,7 @@ class SegmenterNode(Node):
                 self._saturation = values['saturation']
                 self._follow = follow
                 self._set_lights(lights, _lost_after_ns(values))
-                if not values['noise.measure']:
-                    self._noise = None
-                elif self._noise is None:
-                    self._noise = NoiseLevelFunction()
+                self._noise.enable(values['noise.measure'])
 
         return use
 
@@ -205,16 +192,15 @@ class SegmenterNode(Node):
             self._frames.forget(after_ns)
         with self._lock:
             if self._newest_ns > after_ns:
-                self._start_afresh()
+                self._restart()
 
-    def _start_afresh(self) -> None:
+    def _restart(self) -> None:
         """Forget all frames, as after a start: what follows is of another time."""
         assert self._flash is not None
         self._segmenter = self._new_segmenter()
         self._flash = self._flash[0], self._segmenter.flash
         self._newest_ns = -1
-        self._look = self._target = None
-        self._candidates = ()
+        self._last_detections.reset()
         for target in self._targets.values():
             target.forget()
 
@@ -225,11 +211,12 @@ class SegmenterNode(Node):
         except MessageError as error:
             self._health.fault(ERROR, f'camera/image_raw: {error}')
             return
-        self.segment(frame, info, image.header.frame_id)
+        self.segment(Delivery((frame, info), image.header.frame_id))
 
-    def segment(self, frame: Frame, info: CameraInfo, frame_id: str) -> None:
+    def segment(self, delivery: Delivery[tuple[Frame, CameraInfo]]) -> None:
         """Look for the lights in the next frame; publish the window of each that is there."""
         came_ns = time.monotonic_ns()
+        frame, info = delivery.item
         with self._lock:
             clipped = clipping_frame(frame, self._saturation)
             if frame.saturation < clipped.saturation:
@@ -238,7 +225,7 @@ class SegmenterNode(Node):
                     f'the camera clips at {frame.saturation} DN; set saturation to that in '
                     'segmenter and locator',
                 )
-            self._segment(clipped, info, frame_id)
+            self._segment(clipped, info, delivery.frame_id)
         self._health.arrived(frame.stamp_ns, came_ns)
         self._losses.add(self._gaps.missing(frame.stamp_ns))
 
@@ -250,7 +237,7 @@ class SegmenterNode(Node):
                 f'camera/image_raw: the stamps jumped back by {late_ns / 1e9:.3f} s; '
                 'starting afresh',
             )
-            self._start_afresh()
+            self._restart()
         self._newest_ns = max(self._newest_ns, frame.stamp_ns)
         try:
             found = dict(self._segmenter.sightings(frame, self._expected(frame, info)))
@@ -260,16 +247,14 @@ class SegmenterNode(Node):
         self._good_frame = self._steady.now()
         for name, window in found.items():
             if self._deliver is not None:
-                self._deliver(name, window, info, frame_id)
+                self._deliver(Delivery((window, info), frame_id, name))
             self._targets[name].publish(window, frame_id, info)
             self._health.left(window.stamp_ns)
             self._health.count('windows')
             self._health.show('frames summed in a window', window.looks)
-        # A frame that is only gathered, or begins afresh, leaves the look as it was.
-        previous, self._look = self._look, self._segmenter.look
-        look = None if self._look is previous else self._look
+        detections = self._last_detections.update(self._segmenter.detections)
         # Each of several looks has the target in view; the last one has the window of their sum.
-        seen = look.windows if look else {}
+        seen = detections.windows if detections else {}
         visible = [
             target.visible(frame.stamp_ns, name in seen)
             for name, target in self._targets.items()
@@ -279,13 +264,11 @@ class SegmenterNode(Node):
             self._health.ok('target in view')
         elif not any(visible):
             self._say_why(frame)
-        if look:
-            self._remember(look)
+        if detections:
             self._debug_image.offer(
-                lambda: draw(look), frame.stamp_ns, frame_id, _pause(look)
+                lambda: draw(detections), frame.stamp_ns, frame_id, _pause(detections)
             )
-        if self._noise is not None:
-            self._measure_noise(self._noise, frame, frame_id)
+        self._noise.measure(self._segmenter.unlit_pair, frame, frame_id)
 
     def _expected(self, frame: Frame, info: CameraInfo) -> Expectation | None:
         """Return where the tracker expects the light in a frame; None where it is not asked."""
@@ -313,39 +296,6 @@ class SegmenterNode(Node):
         else:
             self._health.ok(f'no target: {self._segmenter.reason}')
 
-    def _measure_noise(self, measured: NoiseLevelFunction, frame: Frame, frame_id: str) -> None:
-        """Take the last pair of unlit frames, once a second; publish the noise if it is known."""
-        pair = self._segmenter.unlit_pair
-        if pair is None or 0 <= frame.stamp_ns - self._noise_ns < NOISE_PERIOD_NS:
-            return
-        self._noise_ns = frame.stamp_ns
-        try:
-            tiles = measured.add(*pair, frame.saturation, frame.stamp_ns)
-        except ValueError as error:
-            self._health.fault(WARN, f'noise.measure: {error}')
-            return
-        line = measured.line()
-        gain = read_noise = black_level = f'unknown: {measured.reason}'
-        if line is not None:
-            noise = line.noise
-            self._noises.publish(noise_message(noise, frame.stamp_ns, frame_id))
-            sigma = line.noise_covariance.diagonal() ** 0.5
-            gain = f'{noise.gain:.4g} +- {sigma[0]:.2g} e-/DN'
-            read_noise = f'{noise.read_noise:.3g} +- {sigma[1]:.2g} DN'
-            # A higher one with more read noise has the same variance.
-            black_level = f'at least {noise.black_level:.4g} DN'
-        self._health.show('measured gain', gain)
-        self._health.show('measured read noise', read_noise)
-        self._health.show('measured black level', black_level)
-        self._health.show('tiles of the last unlit pair', tiles)
-
-    def _remember(self, look: Look) -> None:
-        """Keep of a look what the diagnostics show: the unlit half of the frames has no light."""
-        self._reason = look.reason or self._reason
-        self._candidates = look.candidates or self._candidates
-        if look.windows:
-            self._target = next((each for each in look.candidates if not each.refused), None)
-
     def _describe(self) -> None:
         """Show in the diagnostics what the segmenter saw last."""
         self._health.show('missing frames', self._losses.total)
@@ -356,30 +306,11 @@ class SegmenterNode(Node):
                 'stamps: the camera dropped them (see its diagnostics), they were lost on the way '
                 '(use config/fastdds.xml), or this node was too late for them (see CPU)',
             )
-        look = self._look
-        if look is not None:
-            self._health.show('flash lock', look.state)
-            self._health.show('noise (DN)', f'{look.noise:.2f}')
-        if self._reason:
-            self._health.show('last frame without target', self._reason)
-        target = self._target
-        if target is not None:
-            self._health.show('contrast (DN)', f'{target.amplitude:.1f}')
-            self._health.show(
-                'contrast / noise', f'{target.amplitude / max(target.noise, LEAST_NOISE):.1f}'
-            )
-        if self._candidates:
-            first = self._candidates[0]
-            self._health.show('last candidates', len(self._candidates))
-            self._health.show(
-                'strongest of them',
-                f'SNR {first.snr:.1f} at ({first.x:.0f}, {first.y:.0f}): '
-                f'{first.refused or "may be the target"}',
-            )
+        self._last_detections.describe(self._health)
 
     def _check_silence(self) -> None:
         """Say that the targets are out of view when no good frame has come for a while."""
-        if (self._steady.now() - self._good_frame).nanoseconds > 1e9 * SILENCE:
+        if (self._steady.now() - self._good_frame).nanoseconds > 1e9 * SILENCE_S:
             with self._lock:
                 for target in self._targets.values():
                     target.out_of_view()
@@ -390,16 +321,16 @@ def _lost_after_ns(values: dict[str, Any]) -> int:
     lost_after = values['lost_after']
     if values['flash.mode'] == 'periodic':
         # So long a block of the slowest camera that shows the light lasts, and a tenth more.
-        block = HIGHEST * values['flash.frames'] / values['flash.frequency']
+        block = HIGHEST_FREQUENCY * values['flash.frames'] / values['flash.frequency']
         lost_after = max(lost_after, 1.1 * block)
     return int(1e9 * lost_after)
 
 
-def _pause(look: Look) -> float:
+def _pause(detections: Detections) -> float:
     """Return the least time between two pictures, s, by what there is to see in this one."""
-    if look.windows:
-        return WITH_WINDOW
-    return WITH_CANDIDATE if look.candidates else WITH_NOTHING
+    if detections.windows:
+        return WITH_WINDOW_S
+    return WITH_CANDIDATE_S if detections.candidates else WITH_NOTHING_S
 
 
 def compile_search() -> None:

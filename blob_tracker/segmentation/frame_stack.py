@@ -1,4 +1,4 @@
-"""Several looks at a still target, summed into one window."""
+"""The frames of several looks at a still target, summed into one window."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from blob_tracker.segmentation.history import FrameError
 from blob_tracker.types import Frame, Pixels, Window
 import numpy as np
 
-FULL = 65535  # DN: clipped, in a sum of looks
-PAUSE = 1.0  # s without a look, beyond two flashes of the light: it was out of view
-STILL = 0.5  # sigma, and as many px: what moved further since the first look does not stand still
+FULL_SCALE_DN = 65535  # DN: clipped, in a sum of looks
+MAX_PAUSE_S = 1.0  # s without a look, beyond two flashes of the light: it was out of view
+# Sigma, and as many px: what moved further since the first look does not stand still
+STILL_SIGMA = 0.5
 
 
 class _Pair(NamedTuple):
@@ -28,7 +29,7 @@ class _Pair(NamedTuple):
     unlit: tuple[Pixels, ...]
 
 
-class Looks:
+class FrameStack:
     """
     Sum k windows of a still target into one (thesis, section 5.4: five).
 
@@ -83,19 +84,19 @@ class Looks:
             Where the sum does not fit into 16 bits.
 
         """
-        frames, saturation = self.count * len(contrast.lit_looks), contrast.frame.saturation
-        if frames > most_looks(saturation):
+        frames, saturation = self.count * len(contrast.lit_frames), contrast.frame.saturation
+        if frames > most_frames(saturation):
             raise FrameError(
                 f'{frames} frames of up to {saturation} DN do not fit into the 16 bits of a '
-                f"window, {most_looks(saturation)} would; sum fewer looks, or set the camera's "
+                f"window, {most_frames(saturation)} would; sum fewer looks, or set the camera's "
                 'true full scale (saturation)'
             )
         look = _Pair(
-            candidate.x, candidate.y, contrast.frame, contrast.lit_looks, contrast.unlit_looks
+            candidate.x, candidate.y, contrast.frame, contrast.lit_frames, contrast.unlit_frames
         )
         pairs = self._pairs.setdefault(name, [])
-        reach = STILL * (1.0 + candidate.sigma_minor)
-        longest_ns = 1e9 * (PAUSE + 2.0 * contrast.duration)
+        reach = STILL_SIGMA * (1.0 + candidate.sigma_minor)
+        longest_ns = 1e9 * (MAX_PAUSE_S + 2.0 * contrast.duration)
         if pairs and (
             not 0 <= look.frame.stamp_ns - pairs[-1].frame.stamp_ns <= longest_ns
             or math.hypot(look.x - pairs[0].x, look.y - pairs[0].y) > reach
@@ -115,30 +116,30 @@ def _cut(pairs: Sequence[_Pair], box: Box) -> Window:
     """Return the raw pixels of a box, summed over all frames of the looks."""
     frame = pairs[-1].frame
     lit, unlit = (
-        [image[box.slices] for images in looks for image in images]
-        for looks in ([pair.lit for pair in pairs], [pair.unlit for pair in pairs])
+        [image[box.slices] for images in all_looks for image in images]
+        for all_looks in ([pair.lit for pair in pairs], [pair.unlit for pair in pairs])
     )
     first = pairs[0].frame.stamp_ns
     return Window(
-        lit=sum_looks(lit, frame.saturation),
-        unlit=sum_looks(unlit, frame.saturation) if unlit else None,
+        lit=sum_frames(lit, frame.saturation),
+        unlit=sum_frames(unlit, frame.saturation) if unlit else None,
         x0=frame.x0 + frame.binning[0] * box.x0,
         y0=frame.y0 + frame.binning[1] * box.y0,
         stamp_ns=first + sum(pair.frame.stamp_ns - first for pair in pairs) // len(pairs),
-        saturation=FULL if len(lit) > 1 else frame.saturation,
+        saturation=FULL_SCALE_DN if len(lit) > 1 else frame.saturation,
         binning=frame.binning,
         looks=len(lit),
     )
 
 
-def most_looks(saturation: int) -> int:
-    """Return how many looks of this full scale (DN) can be summed in 16 bits; 1 or more."""
-    return max((FULL - 1) // max(saturation - 1, 1), 1)
+def most_frames(saturation: int) -> int:
+    """Return how many frames of this full scale (DN) can be summed in 16 bits; 1 or more."""
+    return max((FULL_SCALE_DN - 1) // max(saturation - 1, 1), 1)
 
 
-def sum_looks(looks: Sequence[Pixels], saturation: int) -> Pixels:
+def sum_frames(images: Sequence[Pixels], saturation: int) -> Pixels:
     """
-    Return the sum of n looks, pixel by pixel.
+    Return the sum of n frames, pixel by pixel.
 
     A sum, not a mean: it keeps the electrons per DN, so that the shot noise m / gain of a pixel
     stays true, and rounds nothing away. The read noise grows by sqrt(n). The thesis averages 5
@@ -146,23 +147,23 @@ def sum_looks(looks: Sequence[Pixels], saturation: int) -> Pixels:
 
     Parameters
     ----------
-    looks : sequence of (h, w) arrays
+    images : sequence of (h, w) arrays
         DN, of one type.
     saturation : int
-        The DN at which a pixel of one look is clipped.
+        The DN at which a pixel of one frame is clipped.
 
     Returns
     -------
     (h, w) uint16 array
-        DN; 65535 where a pixel was clipped in any of the looks. Their one look where n is 1.
+        DN; 65535 where a pixel was clipped in any of the frames. Their one frame where n is 1.
 
     """
-    if len(looks) == 1:
-        return looks[0]
-    total = np.zeros(looks[0].shape, dtype=np.uint16)
-    clipped = np.zeros(looks[0].shape, dtype=bool)
-    for look in looks:
-        total += look
-        clipped |= look >= saturation
-    total[clipped] = FULL
+    if len(images) == 1:
+        return images[0]
+    total = np.zeros(images[0].shape, dtype=np.uint16)
+    clipped = np.zeros(images[0].shape, dtype=bool)
+    for image in images:
+        total += image
+        clipped |= image >= saturation
+    total[clipped] = FULL_SCALE_DN
     return total

@@ -6,28 +6,30 @@ from blob_tracker.segmentation.candidate import Candidate
 
 # The four neighbours of the peak pixel have a third of its height where sigma is 0.6 px, and more
 # where it is wider; those of a hot pixel have none but noise.
-LONE = 0.1
+LEAST_NEIGHBOUR_RATIO = 0.1
 # Times as long as wide: a moving edge, a glint's streak or a band is longer, as far as adaptive
 # moments follow (2.6).
-LONGEST = 2.5
-NARROWEST = 0.7  # px: below it the width is that of the pixel, and noise decides
-WORST_MISFIT = 0.5  # a clipped or a square blob leaves 0.3; half a blob, an edge or a ring more
-SAMPLED = 0.9  # px of sigma, from which on pixels draw the shape of a blob
-UNSAMPLED_MISFIT = 1.0  # below it
+MAX_ELONGATION = 2.5
+NARROWEST_PX = 0.7  # px: below it the width is that of the pixel, and noise decides
+MAX_MISFIT = 0.5  # a clipped or a square blob leaves 0.3; half a blob, an edge or a ring more
+SAMPLED_SIGMA_PX = 0.9  # px of sigma, from which on pixels draw the shape of a blob
+MAX_UNSAMPLED_MISFIT = 1.0  # below it
 # A lamp on the mains does not go dark within an exposure: more of it stands than comes. Of a
 # flash nothing is left but the background, and that is no higher than its own texture.
-STANDING = 1.0
-TEXTURE = 3.0  # standard deviations
+MAX_UNLIT_RATIO = 1.0
+TEXTURE_SIGMA = 3.0  # standard deviations
 # The edge of something slow rises as little as this over the step that it makes in the scene.
-EDGE = 1.0
-FOLLOWED = 3.0  # times that: a target that is followed may pass in front of something bright
+LEAST_TEXTURE_RATIO = 1.0
+# Times that: a target that is followed may pass in front of something bright
+FOLLOWED_ALLOWANCE = 3.0
 # Two lit frames of a moving light leave a rise and an equal fall beside each other; a true flash
 # leaves no fall but noise. Half-way between the two tells them apart.
-LARGEST_FALL = 0.5
-NOISE_FALL = 4.0  # standard deviations: the mean of 2 x 2 pixels falls by 2.5 at most by noise
+MAX_FALL_RATIO = 0.5
+# Standard deviations: the mean of 2 x 2 pixels falls by 2.5 at most by noise
+NOISE_FALL_SIGMA = 4.0
 
 
-def refuse(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
+def reject(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
     """
     Say why a candidate is no target.
 
@@ -47,37 +49,37 @@ def refuse(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
 
     """
     height = candidate.height
-    if candidate.beside < LONE:
+    if candidate.neighbour_ratio < LEAST_NEIGHBOUR_RATIO:
         return f'a lone pixel rose by {height:.0f} DN: it is hot, or was hit by a particle'
-    if candidate.sigma_major > LONGEST * max(candidate.sigma_minor, NARROWEST):
+    if candidate.sigma_major > MAX_ELONGATION * max(candidate.sigma_minor, NARROWEST_PX):
         return (
             f'what lit up is {candidate.sigma_major:.1f} px long and '
             f'{candidate.sigma_minor:.1f} px wide (sigma): an edge that moved, or a band'
         )
-    if candidate.fall > max(LARGEST_FALL * height, NOISE_FALL * candidate.noise):
+    if candidate.fall > max(MAX_FALL_RATIO * height, NOISE_FALL_SIGMA * candidate.noise):
         return (
             f'a rise of {height:.0f} DN beside a fall of {candidate.fall:.0f} DN: '
             'something moved, or the light was on in both frames'
         )
     if candidate.misfit > (
-        WORST_MISFIT if candidate.sigma_minor > SAMPLED else UNSAMPLED_MISFIT
+        MAX_MISFIT if candidate.sigma_minor > SAMPLED_SIGMA_PX else MAX_UNSAMPLED_MISFIT
     ):
         return (
             f'a rise of {height:.0f} DN that is no blob: a Gaussian leaves '
             f'{100 * candidate.misfit:.0f} % of it'
         )
-    if candidate.snr * candidate.noise < min_snr * candidate.unrest:
+    if candidate.snr * candidate.noise < min_snr * candidate.surround_noise:
         return (
-            f'a rise of {height:.0f} DN where all about it changes by {candidate.unrest:.1f} DN: '
-            "the scene's own, or the codec's"
+            f'a rise of {height:.0f} DN where all about it changes by '
+            f"{candidate.surround_noise:.1f} DN: the scene's own, or the codec's"
         )
-    standing = max(STANDING * candidate.amplitude, TEXTURE * candidate.texture)
-    if candidate.stood > standing * (FOLLOWED if followed else 1.0):
+    standing = max(MAX_UNLIT_RATIO * candidate.amplitude, TEXTURE_SIGMA * candidate.texture)
+    if candidate.unlit_amplitude > standing * (FOLLOWED_ALLOWANCE if followed else 1.0):
         return (
-            f'a rise of {candidate.amplitude:.0f} DN on {candidate.stood:.0f} DN that were there '
-            'before: a lamp that flickers'
+            f'a rise of {candidate.amplitude:.0f} DN on {candidate.unlit_amplitude:.0f} DN that '
+            'were there before: a lamp that flickers'
         )
-    if not followed and candidate.amplitude < EDGE * candidate.texture:
+    if not followed and candidate.amplitude < LEAST_TEXTURE_RATIO * candidate.texture:
         return (
             f'a rise of {candidate.amplitude:.0f} DN where the scene itself varies by '
             f'{candidate.texture:.0f} DN: an edge that moved a little'

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.frame_stack import (
+    FrameStack, FULL_SCALE_DN, most_frames, sum_frames,
+)
 from blob_tracker.segmentation.history import FrameError
-from blob_tracker.segmentation.looks import FULL, Looks, most_looks, sum_looks
 from blob_tracker.types import Frame, Window
 import numpy as np
 import pytest
@@ -14,7 +16,7 @@ BOX = Box(3, 2, 10, 9)
 
 
 def add(
-    looks: Looks,
+    stack: FrameStack,
     x: float,
     *,
     level: int = 50,
@@ -30,54 +32,54 @@ def add(
     contrast = contrast._replace(
         frame=Frame(lit, stamp_ns, saturation), duration=duration
     )
-    return looks.add(name, contrast, candidate_at(6, 5, x=x, sigma_minor=2.0), BOX)
+    return stack.add(name, contrast, candidate_at(6, 5, x=x, sigma_minor=2.0), BOX)
 
 
 def test_looks_are_summed_beyond_their_own_type() -> None:
     """Three of 200 DN make 600."""
-    looks = [np.full((2, 3), 200, np.uint8)] * 3
-    assert (sum_looks(looks, 255) == 600).all()
+    images = [np.full((2, 3), 200, np.uint8)] * 3
+    assert (sum_frames(images, 255) == 600).all()
 
 
 def test_a_pixel_clipped_once_is_clipped() -> None:
     """The others of its sum say nothing about it."""
-    looks = [np.full((2, 3), 200, np.uint8) for _ in range(2)]
-    looks[1][0, 1] = 255
-    assert sum_looks(looks, 255).tolist() == [[400, FULL, 400], [400] * 3]
+    images = [np.full((2, 3), 200, np.uint8) for _ in range(2)]
+    images[1][0, 1] = 255
+    assert sum_frames(images, 255).tolist() == [[400, FULL_SCALE_DN, 400], [400] * 3]
 
 
 def test_one_look_is_left_as_it_is() -> None:
     """No other type, no copy."""
-    look = np.full((2, 3), 255, np.uint8)
-    assert sum_looks([look], 255) is look
+    frame = np.full((2, 3), 255, np.uint8)
+    assert sum_frames([frame], 255) is frame
 
 
 def test_every_kth_look_gives_the_window_of_all() -> None:
     """Lit and unlit pixels are summed, the stamp is the mean, and they do not overlap."""
-    looks = Looks(3)
-    given = [add(looks, 6.0, level=50 + k, stamp_ns=1000 + 7 * k) for k in range(6)]
+    stack = FrameStack(3)
+    given = [add(stack, 6.0, level=50 + k, stamp_ns=1000 + 7 * k) for k in range(6)]
     assert [window is not None for window in given] == [False, False, True] * 2
     window = given[2]
     assert (window.lit == 50 + 51 + 52).all() and (window.unlit == 25 + 25 + 26).all()
     assert window.lit.dtype == np.uint16 and window.lit.shape == (7, 7)
-    assert (window.stamp_ns, window.saturation, window.looks) == (1007, FULL, 3)
+    assert (window.stamp_ns, window.saturation, window.looks) == (1007, FULL_SCALE_DN, 3)
     assert (window.x0, window.y0) == (3, 2)
     assert given[5].stamp_ns == 1000 + 7 * 4
 
 
 def test_what_is_waited_for_is_told() -> None:
     """With the count."""
-    looks = Looks(5)
-    assert add(looks, 6.0) is None
-    assert looks.reason == 'look 1 of the 5 that are summed'
+    stack = FrameStack(5)
+    assert add(stack, 6.0) is None
+    assert stack.reason == 'look 1 of the 5 that are summed'
 
 
 def test_a_target_that_moves_begins_anew() -> None:
     """Half a sigma and half a pixel are still: 1.5 px of a blob of 2 px."""
-    looks = Looks(2)
-    assert add(looks, 6.0) is None
-    assert add(looks, 7.6) is None
-    assert add(looks, 9.0) is not None
+    stack = FrameStack(2)
+    assert add(stack, 6.0) is None
+    assert add(stack, 7.6) is None
+    assert add(stack, 9.0) is not None
 
 
 @pytest.mark.parametrize('seconds, duration, summed', [
@@ -86,47 +88,47 @@ def test_a_target_that_moves_begins_anew() -> None:
 ])
 def test_a_pause_begins_anew(seconds: float, duration: float, summed: bool) -> None:
     """The mean of two times far apart is the time of neither; a long code has long gaps."""
-    looks = Looks(2)
+    stack = FrameStack(2)
     first = 10**10
-    assert add(looks, 6.0, stamp_ns=first, duration=duration) is None
+    assert add(stack, 6.0, stamp_ns=first, duration=duration) is None
     later = first + round(1e9 * seconds)
-    window = add(looks, 6.0, stamp_ns=later, duration=duration)
+    window = add(stack, 6.0, stamp_ns=later, duration=duration)
     assert (window is not None) is summed
     if not summed:
-        window = add(looks, 6.0, stamp_ns=later + 2, duration=duration)
+        window = add(stack, 6.0, stamp_ns=later + 2, duration=duration)
         assert window is not None and window.stamp_ns == later + 1
 
 
 @pytest.mark.parametrize('change', [{'kind': np.uint16}], ids=['depth'])
 def test_other_frames_begin_anew(change: dict[str, type]) -> None:
     """Pixels of two kinds are not summed."""
-    looks = Looks(2)
-    assert add(looks, 6.0) is None
-    assert add(looks, 6.0, **change) is None
-    assert add(looks, 6.0, **change) is not None
+    stack = FrameStack(2)
+    assert add(stack, 6.0) is None
+    assert add(stack, 6.0, **change) is None
+    assert add(stack, 6.0, **change) is not None
 
 
 def test_lights_are_summed_by_their_names() -> None:
     """Two lights in turn do not end each other's looks."""
-    looks = Looks(2)
-    assert add(looks, 6.0, name='port') is None
-    assert add(looks, 60.0, name='starboard') is None
-    assert add(looks, 6.0, name='port') is not None
-    assert add(looks, 60.0, name='starboard') is not None
+    stack = FrameStack(2)
+    assert add(stack, 6.0, name='port') is None
+    assert add(stack, 60.0, name='starboard') is None
+    assert add(stack, 6.0, name='port') is not None
+    assert add(stack, 60.0, name='starboard') is not None
 
 
 @pytest.mark.parametrize('saturation, most', [(255, 258), (4095, 16), (65535, 1)])
 def test_what_does_not_fit_is_refused(saturation: int, most: int) -> None:
     """The greatest sum of unclipped pixels stays below the level that says clipped."""
-    assert most_looks(saturation) == most
-    assert most * (saturation - 1) < FULL
+    assert most_frames(saturation) == most
+    assert most * (saturation - 1) < FULL_SCALE_DN
     kind = np.uint8 if saturation == 255 else np.uint16
     with pytest.raises(FrameError, match=f'16 bits of a window, {most} would; .*saturation'):
-        add(Looks(most + 1), 6.0, saturation=saturation, kind=kind)
-    add(Looks(most), 6.0, saturation=saturation, kind=kind)
+        add(FrameStack(most + 1), 6.0, saturation=saturation, kind=kind)
+    add(FrameStack(most), 6.0, saturation=saturation, kind=kind)
 
 
 def test_looks_are_one_or_more() -> None:
     """None is no window."""
     with pytest.raises(ValueError, match='0 looks; there must be 1 or more'):
-        Looks(0)
+        FrameStack(0)

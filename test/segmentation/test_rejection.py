@@ -1,4 +1,4 @@
-"""What lights up beside the target and is not it: refused with its reason, its twin is not."""
+"""What lights up beside the target and is not it: rejected with its reason, its twin is not."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 import re
 
 from blob_tracker.segmentation import Candidate, Segmenter
-from blob_tracker.segmentation.refusal import refuse
+from blob_tracker.segmentation.rejection import reject
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
 from blob_tracker.types import Frame, SensorNoise, Window
 import cv2
@@ -120,12 +120,12 @@ def even() -> np.ndarray:
     return np.full(SHAPE, 30.0)
 
 
-def pixel_of(beside: float) -> tuple[np.ndarray, np.ndarray]:
+def pixel_of(neighbour_ratio: float) -> tuple[np.ndarray, np.ndarray]:
     """Return a pixel that rose by 150 DN, and its four neighbours by a part of it."""
     lit = even()
     lit[60, 80] += 150
     for row, column in ((59, 80), (61, 80), (60, 79), (60, 81)):
-        lit[row, column] += 150 * beside
+        lit[row, column] += 150 * neighbour_ratio
     return even(), lit
 
 
@@ -171,42 +171,42 @@ def beside_the_clipped(level: float) -> tuple[np.ndarray, np.ndarray]:
 ], ids=['hot pixel', 'edge', 'moving light', 'ring', 'lamp', 'rim'])
 def test_each_rule_has_its_pixels(make, target: float, clutter: float, words: str) -> None:
     """The same pixels, but for what the rule asks for, may be a target."""
-    assert one(*make(target)).refused == ''
+    assert one(*make(target)).rejected == ''
     found = one(*make(clutter))
-    assert found.refused
-    assert re.search(words, found.refused), found.refused
+    assert found.rejected
+    assert re.search(words, found.rejected), found.rejected
 
 
 @pytest.mark.parametrize('changes, words', [
-    ({'beside': 0.09}, 'a lone pixel'),
+    ({'neighbour_ratio': 0.09}, 'a lone pixel'),
     ({'sigma_major': 5.1}, 'an edge that moved, or a band'),
     ({'fall': 51.0}, 'something moved'),
     ({'misfit': 0.51}, 'no blob: a Gaussian leaves 51 %'),
-    ({'stood': 101.0}, 'a lamp that flickers'),
+    ({'unlit_amplitude': 101.0}, 'a lamp that flickers'),
     ({'clipped': 1.0}, 'the rim of the sun'),
 ])
 def test_each_limit_is_where_it_is_said_to_be(changes: dict[str, float], words: str) -> None:
-    """Two hundredths below it nothing is refused."""
-    assert words in refuse(candidate_at(80, 60, **changes), False)
+    """Two hundredths below it nothing is rejected."""
+    assert words in reject(candidate_at(80, 60, **changes), False)
     (name, value), = changes.items()
-    within = {'beside': 0.11, 'clipped': 0.0}.get(name, 0.98 * value)
-    assert refuse(candidate_at(80, 60, **{name: within}), False) == ''
+    within = {'neighbour_ratio': 0.11, 'clipped': 0.0}.get(name, 0.98 * value)
+    assert reject(candidate_at(80, 60, **{name: within}), False) == ''
 
 
 def test_noise_and_pixels_are_allowed_for() -> None:
     """A faint blob has falls beside it, a small one no shape, a textured scene heights."""
     faint = candidate_at(80, 60, height=7.0, amplitude=7.0, fall=3.9)
-    assert refuse(faint, False) == ''
-    assert 'beside a fall' in refuse(faint._replace(fall=4.1), False)
+    assert reject(faint, False) == ''
+    assert 'beside a fall' in reject(faint._replace(fall=4.1), False)
     small = candidate_at(80, 60, sigma_minor=0.6, sigma_major=1.7, misfit=0.9)
-    assert refuse(small, False) == ''
-    assert 'px long' in refuse(small._replace(sigma_major=2.2), False)
-    textured = candidate_at(80, 60, stood=140.0, texture=50.0)
-    assert refuse(textured, False) == ''
+    assert reject(small, False) == ''
+    assert 'px long' in reject(small._replace(sigma_major=2.2), False)
+    textured = candidate_at(80, 60, unlit_amplitude=140.0, texture=50.0)
+    assert reject(textured, False) == ''
 
 
 def test_a_target_that_is_followed_may_pass_in_front_of_something_bright() -> None:
     """Three times as bright as it."""
-    assert refuse(candidate_at(80, 60, stood=290.0), False)
-    assert refuse(candidate_at(80, 60, stood=290.0), True) == ''
-    assert refuse(candidate_at(80, 60, stood=310.0), True)
+    assert reject(candidate_at(80, 60, unlit_amplitude=290.0), False)
+    assert reject(candidate_at(80, 60, unlit_amplitude=290.0), True) == ''
+    assert reject(candidate_at(80, 60, unlit_amplitude=310.0), True)

@@ -1,0 +1,72 @@
+"""What a segmenter saw last, for its diagnostics: the unlit half of the frames has no light."""
+
+from __future__ import annotations
+
+from blob_tracker.ros.diagnostics.health import Health
+from blob_tracker.segmentation import Detections
+from blob_tracker.segmentation.candidate import Candidate
+
+LEAST_NOISE_DN = 0.01  # pixels that are all equal have none
+
+
+class LastDetections:
+    """
+    Remember the last detections, the last candidates, the last target and why there was none.
+
+    Attributes
+    ----------
+    detections : Detections or None
+        The last ones; None before the first.
+
+    """
+
+    def __init__(self) -> None:
+        self.detections: Detections | None = None
+        self._reason = ''
+        self._candidates: tuple[Candidate, ...] = ()
+        self._target: Candidate | None = None
+
+    def reset(self) -> None:
+        """Forget what was seen: what follows is of another time."""
+        self.detections = self._target = None
+        self._candidates = ()
+
+    def update(self, detections: Detections | None) -> Detections | None:
+        """
+        Take the detections that the segmenter has; None where they are the former ones.
+
+        A frame that is only gathered, or begins a new search, leaves them as they were.
+        """
+        if detections is None or detections is self.detections:
+            self.detections = detections
+            return None
+        self.detections = detections
+        self._reason = detections.reason or self._reason
+        self._candidates = detections.candidates or self._candidates
+        if detections.windows:
+            self._target = next(
+                (each for each in detections.candidates if not each.rejected), None
+            )
+        return detections
+
+    def describe(self, health: Health) -> None:
+        """Show it."""
+        if self.detections is not None:
+            health.show('flash lock', self.detections.state)
+            health.show('noise (DN)', f'{self.detections.noise:.2f}')
+        if self._reason:
+            health.show('last frame without target', self._reason)
+        target = self._target
+        if target is not None:
+            health.show('contrast (DN)', f'{target.amplitude:.1f}')
+            health.show(
+                'contrast / noise', f'{target.amplitude / max(target.noise, LEAST_NOISE_DN):.1f}'
+            )
+        if self._candidates:
+            first = self._candidates[0]
+            health.show('last candidates', len(self._candidates))
+            health.show(
+                'strongest of them',
+                f'SNR {first.snr:.1f} at ({first.x:.0f}, {first.y:.0f}): '
+                f'{first.rejected or "may be the target"}',
+            )
