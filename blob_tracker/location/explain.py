@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.location.alternatives import ALTERNATIVES
+from blob_tracker.location.doubt import misfitting
 from blob_tracker.location.hypotheses import choose, Fit, Pair
 from blob_tracker.location.pair_likelihood import Floats
 from blob_tracker.location.pair_model import no_pulse, one_pulse, to_fit
@@ -24,9 +25,9 @@ def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | Non
 
     """
     base = None
-    if theta is not None:
-        optimum = one_pulse(pair, theta)
-        base = None if optimum is None else to_fit(pair, optimum)
+    optimum = None if theta is None else one_pulse(pair, theta)
+    if optimum is not None:
+        base = to_fit(pair, optimum)
     if base is None:
         base = no_pulse(pair)
     fits = [
@@ -34,4 +35,8 @@ def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | Non
         for alternative, answers in ALTERNATIVES.items() if suspicion & answers
     ]
     chosen = choose(base, [fit for fit in fits if fit is not None], pair.pixels.size)
-    return None if chosen is base else chosen
+    if chosen is not base:
+        return chosen
+    if optimum is None or not suspicion & Suspicion.PIXELS:
+        return None
+    return misfitting(pair, optimum)

@@ -27,11 +27,14 @@ class Motion:
         Displacement from the last lit frame to this one, window px.
     deviation : float
         Its standard deviation along either axis, px.
+    place : (2,) array or None
+        Where it should be now, window px.
 
     """
 
     flash: NDArray[np.float64]
     deviation: float
+    place: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)

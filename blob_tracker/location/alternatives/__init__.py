@@ -10,9 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from blob_tracker.location.alternatives.banded import banded
+from blob_tracker.location.alternatives.defocused import defocused
 from blob_tracker.location.alternatives.ghost import ghost
 from blob_tracker.location.alternatives.smeared import smeared
+from blob_tracker.location.alternatives.streak import streak
 from blob_tracker.location.alternatives.switched import switched
+from blob_tracker.location.alternatives.tailed import tailed
+from blob_tracker.location.alternatives.two_lights import two_lights
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.suspicion import Suspicion
 
@@ -23,6 +27,10 @@ ALTERNATIVES: dict[Alternative, Suspicion] = {
     ghost: Suspicion.UNLIT | Suspicion.FAILED,
     smeared: Suspicion.UNLIT | Suspicion.FAILED,
     switched: Suspicion.UNLIT | Suspicion.FAILED,
+    streak: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS,
+    tailed: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS,
+    two_lights: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS,
+    defocused: Suspicion.PIXELS,
 }
 
 __all__ = ['ALTERNATIVES', 'Alternative']
