@@ -161,6 +161,8 @@ class Location:
         Count of clipped pixels in the window.
     stamp_ns : int
         The window's stamp, ns of ROS time.
+    warning : str
+        What is not as it should be, and what to do about it; '' where all is well.
 
     """
 
@@ -174,6 +176,7 @@ class Location:
     chi2: float
     saturated: int
     stamp_ns: int = 0
+    warning: str = ''
 
 
 @dataclass(frozen=True)

@@ -115,10 +115,7 @@ def _look(
             location = locate(window, method=METHOD, noise=situation.noise)
     except (FrameError, LocationError) as error:
         reason = str(error)
-    # No room warns so far; what will is asked here, and nowhere else.
-    warnings = [
-        str(each) for room in (segmenter, location) for each in getattr(room, 'warnings', ())
-    ]
+    warnings = [location.warning] if location is not None and location.warning else []
     return location, reason, warnings
 
 

@@ -189,9 +189,16 @@ def locate(
         Where the blob cannot be placed; the message gives the reason.
 
     """
+    return to_location(window, estimate(window, method=method, noise=noise, **options))
+
+
+def estimate(
+    window: Window, *, method: str, noise: SensorNoise, **options: Any
+) -> Estimates:
+    """Return the estimates of one window, in its own coordinates; see `locate`."""
     lit = _numbers(window.lit, 'lit')[None]
     unlit = None if window.unlit is None else _numbers(window.unlit, 'unlit')[None]
-    found = locate_batch(
+    return locate_batch(
         lit,
         unlit,
         method=method,
@@ -199,6 +206,10 @@ def locate(
         saturation=window.saturation,
         **options,
     )
+
+
+def to_location(window: Window, found: Estimates) -> Location:
+    """Return the location of a window from its estimates, or raise LocationError."""
     if not found.ok[0]:
         raise LocationError(REASONS[Failure(found.failure[0])])
     scale = np.array(window.binning, dtype=float)
@@ -213,6 +224,7 @@ def locate(
         chi2=float(found.chi2[0]),
         saturated=int(found.saturated[0]),
         stamp_ns=window.stamp_ns,
+        warning=found.warnings.get(0, ''),
     )
 
 

@@ -6,10 +6,15 @@ import math
 
 from blob_tracker.kernel import Array, kernel, written_into_kernels
 from blob_tracker.location.estimates import Estimates, Failure
+from blob_tracker.location.explain import explain
+from blob_tracker.location.hypotheses import Fit, Motion, Pair
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
 from blob_tracker.location.normal_equations import column_of_inverse, empty_equations, solve
 from blob_tracker.location.scoring import advance, climb, CONVERGED, NARROWEST_PX, WIDEST
 from blob_tracker.location.start_value import start_value
+from blob_tracker.location.suspicion import (
+    suspect_failure, suspect_fit, suspect_pixels, suspect_unlit, suspicions,
+)
 from blob_tracker.location.unlit_texture import (
     blend, residual_variance, split_unlit, texture_share, Unlit,
 )
@@ -38,6 +43,7 @@ def maximum_likelihood(
     saturation: float | None,
     *,
     elliptical: bool = False,
+    motion: Motion | None = None,
 ) -> Estimates:
     r"""
     Locate N blobs by Fisher scoring on the likelihood of their pixels.
@@ -83,6 +89,8 @@ def maximum_likelihood(
         DN of a clipped pixel.
     elliptical : bool
         Fit a width along x and one along y in place of one for both.
+    motion : Motion or None
+        Of the light from one flash to the next; what a ghost in the unlit window is told by.
 
     Returns
     -------
@@ -97,6 +105,7 @@ def maximum_likelihood(
     covariance = np.zeros((lit.shape[0], 2, 2))
     clipped = np.zeros(lit.shape[0], dtype=np.int64)
     failure = np.zeros(lit.shape[0], dtype=np.uint8)
+    odd = np.zeros(lit.shape[0], dtype=np.uint8)
     _fit_all(
         lit,
         lit[:0] if unlit is None else unlit,
@@ -108,8 +117,25 @@ def maximum_likelihood(
         covariance,
         clipped,
         failure,
+        odd,
     )
-    return Estimates.from_table(table, covariance, clipped, failure)
+    estimates = Estimates.from_table(table, covariance, clipped, failure, odd)
+    limit = math.inf if saturation is None else float(saturation)
+    for n, suspicion in suspicions(odd):
+        pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, motion)
+        fit = explain(pair, None if failure[n] else table[:5, n], suspicion)
+        if fit is not None:
+            _take(estimates, n, fit)
+    return estimates
+
+
+def _take(estimates: Estimates, n: int, fit: Fit) -> None:
+    """Put a fit in the place of a window's estimates."""
+    for name in ('x', 'y', 'covariance', 'amplitude', 'background', 'sigma', 'snr', 'chi2'):
+        getattr(estimates, name)[n] = getattr(fit, name)
+    estimates.failure[n] = fit.failure
+    if fit.warning:
+        estimates.warnings[n] = fit.warning
 
 
 @written_into_kernels
@@ -151,6 +177,7 @@ def _fit_all(
     covariance: Array,
     clipped: NDArray[np.int64],
     failure: NDArray[np.uint8],
+    odd: NDArray[np.uint8],
 ) -> None:
     """Fit each window; `shot` is 1 / gain, `floor` the variance of a dark pixel, DN^2."""
     count, height, width = lit.shape
@@ -173,7 +200,7 @@ def _fit_all(
             failure[n] = _FEW
             continue
         white = 0.0
-        share = 0.0
+        share, evidence, pulse = 0.0, 0.0, 0.0
         if paired:
             mean /= usable
             white = split_unlit(texture, seen.extra, mean, shot, floor, usable)
@@ -186,9 +213,11 @@ def _fit_all(
         for iteration in range(FISHER_STEPS):
             if paired and iteration == TEXTURE_STEP:
                 behind_it = Unlit(texture, mean, white)
-                share = texture_share(behind_it, seen, theta, profiles, equations)
+                share, evidence, pulse = texture_share(
+                    behind_it, seen, theta, profiles, equations
+                )
                 blend(lit[n], behind_it, share, seen)
-            chi2 = score_and_information(seen, theta, profiles, elliptical, equations)
+            chi2, rows = score_and_information(seen, theta, profiles, elliptical, equations)
             if not solve(equations, size, 0.0):
                 break
             gain = advance(theta, equations, size, max(height, width))
@@ -198,11 +227,14 @@ def _fit_all(
         if not done:
             theta[:] = start
             done = climb(seen, theta, profiles, elliptical, equations, size)
-            chi2 = score_and_information(seen, theta, profiles, elliptical, equations)
+            chi2, rows = score_and_information(seen, theta, profiles, elliptical, equations)
             done = done and solve(equations, size, 0.0)
         failure[n] = _judge(theta, done, fisher, height, width)
         if failure[n] != _NONE:
+            odd[n] = suspect_failure(white, usable) if paired else 0
             continue
+        odd[n] = suspect_unlit(evidence, pulse)
+        odd[n] |= suspect_fit(equations, rows, height, elliptical)
         chi2 /= usable - size
         scale, left = 1.0, 0.0
         if paired:
@@ -211,6 +243,7 @@ def _fit_all(
             chi2 *= (1.0 + left) / (1.0 + max(left, share**2 + (1.0 - share) ** 2 * white))
         if chi2 > 1.0 + MISFIT_SIGMA * math.sqrt(2.0 / (usable - size)):
             scale = chi2
+        odd[n] |= suspect_pixels(chi2, usable - size)
         scale *= 1.0 + COVARIANCE_INFLATION / _detection(theta, fisher)
         column_of_inverse(equations, size, 0)
         covariance[n, 0, 0] = scale * column[0]

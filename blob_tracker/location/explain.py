@@ -1,0 +1,42 @@
+"""A window about which something is odd: the model that explains it."""
+
+from __future__ import annotations
+
+from blob_tracker.location.alternatives import ALTERNATIVES
+from blob_tracker.location.doubt import misfitting
+from blob_tracker.location.hypotheses import choose, Fit, Pair
+from blob_tracker.location.pair_likelihood import Floats
+from blob_tracker.location.pair_model import no_pulse, one_pulse, to_fit
+from blob_tracker.location.suspicion import Suspicion
+
+
+def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
+    """
+    Return the fit of the alternative that the window speaks for; None where none is better.
+
+    Parameters
+    ----------
+    pair : Pair
+        The window.
+    theta : (5,) array or None
+        x, y, amplitude, background and sigma of its fit; None where it has none.
+    suspicion : Suspicion
+        What is odd about it.
+
+    """
+    base = None
+    optimum = None if theta is None else one_pulse(pair, theta)
+    if optimum is not None:
+        base = to_fit(pair, optimum)
+    if base is None:
+        base = no_pulse(pair)
+    fits = [
+        alternative(pair, base)
+        for alternative, answers in ALTERNATIVES.items() if suspicion & answers
+    ]
+    chosen = choose(base, [fit for fit in fits if fit is not None], pair.pixels.size)
+    if chosen is not base:
+        return chosen
+    if optimum is None or not suspicion & Suspicion.PIXELS:
+        return None
+    return misfitting(pair, optimum)

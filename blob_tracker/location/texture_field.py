@@ -1,0 +1,71 @@
+"""How likely the pixels of a window are if what they show is a random texture."""
+
+from __future__ import annotations
+
+import functools
+import math
+
+from blob_tracker.location.hypotheses import Pair
+from blob_tracker.location.noise import pixel_variance
+from blob_tracker.location.pair_likelihood import Floats, Optimum
+import numpy as np
+
+# Correlation lengths, px: a lump as small as a pulse, one of some pulses, and edges or slopes.
+SMOOTH = (1.0, 2.0, 4.0)  # of exp(-d^2 / 2 l^2)
+ROUGH = (3.0, 30.0)  # of exp(-|d| / l) along x times the same along y
+CLEARLY = 10.0  # likelier, of twice the log-likelihood: 150 to 1
+STRENGTHS = np.concatenate([[0.0], np.geomspace(0.02, 2000.0, 26)])  # variance over the noise's
+
+
+def outdoes_texture(pair: Pair, fit: Optimum) -> bool:
+    """Return whether the unlit window is likelier to be the model's than a random texture."""
+    assert pair.unlit is not None
+    # Both are told the noise of the window's mean, and neither that of its lights.
+    variance = float(pixel_variance(pair.unlit.mean(), pair.noise))
+    squares = float(((pair.unlit - fit.means[1]) ** 2).sum()) / variance
+    model = -0.5 * (squares + pair.unlit.size * math.log(variance))
+    return 2.0 * (model - log_likelihood_of_texture(pair.unlit, variance)) > CLEARLY
+
+
+def log_likelihood_of_texture(pixels: Floats, variance: float) -> float:
+    """
+    Return the likelihood of pixels that are a random texture and noise, as likely as can be.
+
+    The texture is a Gaussian process of the mean of the pixels, whose covariance is a product
+    of one along x and one along y, K = K_y (x) K_x with the eigenvalues k_i k_j. In the basis
+    of the eigenvectors the pixels c_ij are independent (Rasmussen and Williams, Gaussian
+    Processes for Machine Learning (2006), eq. 2.30 and 5.8):
+
+        -2 ln L = sum_ij c_ij^2 / (V + S k_i k_j) + ln(V + S k_i k_j)
+
+    The strength S and the correlation are the likeliest of those above.
+
+    Parameters
+    ----------
+    pixels : (h, w) array
+        DN.
+    variance : float
+        V, of a pixel's noise, DN^2.
+
+    """
+    centred = pixels - pixels.mean()
+    height, width = pixels.shape
+    best = np.inf
+    for smooth, lengths in ((True, SMOOTH), (False, ROUGH)):
+        for length in lengths:
+            down, rows = _modes(height, length, smooth)
+            across, columns = _modes(width, length, smooth)
+            squares = (down.T @ centred @ across) ** 2
+            spread = np.outer(rows, columns)
+            total = variance * (1.0 + STRENGTHS[:, None, None] * spread)
+            best = min(best, float((squares / total + np.log(total)).sum(axis=(1, 2)).min()))
+    return -0.5 * best
+
+
+@functools.cache
+def _modes(count: int, length: float, smooth: bool) -> tuple[Floats, Floats]:
+    """Return the eigenvectors and eigenvalues of the correlation along one axis."""
+    distance = np.abs(np.subtract.outer(np.arange(count), np.arange(count))) / length
+    correlation = np.exp(-(distance**2) / 2.0) if smooth else np.exp(-distance)
+    values, vectors = np.linalg.eigh(correlation)
+    return vectors, np.maximum(values, 0.0)
