@@ -160,16 +160,9 @@ def locate(
         Where the blob cannot be placed; the message gives the reason.
 
     """
-    return to_location(window, estimate(window, method=method, noise=noise, **options))
-
-
-def estimate(
-    window: Window, *, method: str, noise: SensorNoise, **options: Any
-) -> Estimates:
-    """Return the estimates of one window, in its own coordinates; see `locate`."""
     lit = _numbers(window.lit, 'lit')[None]
     unlit = None if window.unlit is None else _numbers(window.unlit, 'unlit')[None]
-    return locate_batch(
+    found = locate_batch(
         lit,
         unlit,
         method=method,
@@ -177,10 +170,6 @@ def estimate(
         saturation=window.saturation,
         **options,
     )
-
-
-def to_location(window: Window, found: Estimates) -> Location:
-    """Return the location of a window from its estimates, or raise LocationError."""
     if not found.ok[0]:
         raise LocationError(REASONS[Failure(found.failure[0])])
     scale = np.array(window.binning, dtype=float)

@@ -115,7 +115,7 @@ def maximum_likelihood(
         failure,
         odd,
     )
-    estimates = Estimates.from_table(table, covariance, clipped, failure, odd)
+    estimates = Estimates.from_table(table, covariance, clipped, failure)
     limit = math.inf if saturation is None else float(saturation)
     for n, suspicion in suspicions(odd):
         pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, motion)
