@@ -149,7 +149,7 @@ def _with_uneven_rows(
     return replace(
         location,
         covariance=covariance,
-        warning=f'the light flickers ({100.0 * flicker:.0f} % from flash to flash): where it is dimmed by '
-        'PWM, a rolling shutter cuts it into bands across the rows, and y is not to be '
-        'trusted; expose for whole periods of it, or use a global shutter',
+        warning=f'the light flickers ({100.0 * flicker:.0f} % from flash to flash): if it is '
+        'dimmed by PWM, a rolling shutter cuts it into bands across the rows, and y is not to '
+        'be trusted; expose for whole periods of it, or use a global shutter',
     )

@@ -14,6 +14,10 @@ import numpy as np
 BRIGHTER = 1.0  # than the lit pulse: such a light in the unlit frame is another one
 FARTHEST = 4.0  # sigmas: beyond it, the same
 UNDECIDED = 12.0  # of twice the log-likelihood, below which a ghost is likelier beforehand
+STILL_ON = (
+    'the light is still on in the unlit frame ({:.0f} % of it): shorten the exposure, shift the '
+    "flash's phase or flash at half the rate"
+)
 BEFORE = -0.5  # of a flash's displacement: the unlit frame is halfway to the last lit one
 
 
@@ -47,11 +51,7 @@ def ghost(pair: Pair, base: Fit) -> Fit | None:
     if behind is not None:
         if 2.0 * (behind.log_likelihood - left.log_likelihood) > UNDECIDED:
             return None
-    return to_fit(
-        pair, left,
-        f'the light is still on in the unlit frame ({100.0 * share:.0f} % of it): shorten the '
-        'exposure, or flash at half the rate',
-    )
+    return to_fit(pair, left, STILL_ON.format(100.0 * share))
 
 
 def first_guess(pair: Pair, base: Fit) -> Floats:

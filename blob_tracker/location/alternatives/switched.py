@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from blob_tracker.location.alternatives.ghost import BEFORE, shift_prior
+from blob_tracker.location.alternatives.ghost import BEFORE, shift_prior, STILL_ON
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
 from blob_tracker.location.pair_model import (
@@ -41,12 +41,16 @@ def switched(pair: Pair, base: Fit) -> Fit | None:
     best = min(found, key=lambda fit: fit.parameters * pixels - 2.0 * fit.log_likelihood)
     theta = best.theta
     share = theta[SHARE] + theta[SLOPE] * (theta[Y] - 0.5 * (pair.lit.shape[0] - 1))
-    return to_fit(
-        pair, best,
-        'the flash switches while the rows of the light are exposed '
-        f'({100.0 * min(max(share, 0.0), 1.0):.0f} % of it is in the lit frame): shift its phase, '
-        'shorten the exposure or use a global shutter',
-    )
+    percent = 100.0 * min(max(float(share), 0.0), 1.0)
+    if _runs(best):
+        warning = (
+            'the flash switches while the rows of the light are exposed '
+            f'({percent:.0f} % of it is in the lit frame): shift its phase, shorten the exposure '
+            'or use a global shutter'
+        )
+    else:
+        warning = STILL_ON.format(100.0 - percent)
+    return to_fit(pair, best, warning)
 
 
 def _runs(fit: Optimum) -> bool:
