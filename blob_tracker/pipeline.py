@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from blob_tracker import location, segmentation, tracking
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
-from blob_tracker.location import locate, METHODS
+from blob_tracker.location import Locator, METHODS
 from blob_tracker.segmentation import Expectation, FrameError, Segmenter
 from blob_tracker.tracking import StampJump, Track, Tracker, TrackingError
 from blob_tracker.types import Bearing, Frame, LocationError, SensorNoise
@@ -74,6 +74,11 @@ class Pipeline:
         Takes each bearing, and tells the segmenter where to look for the next one. What it
         refuses is a bearing all the same.
 
+    Attributes
+    ----------
+    warning : str
+        What is not as it should be about the last bearing, and what to do; '' where all is well.
+
     Raises
     ------
     ValueError
@@ -103,6 +108,8 @@ class Pipeline:
         self.segmenter = segmenter or Segmenter()
         self.line_jitter = line_jitter
         self.tracker = tracker
+        self.warning = ''
+        self._locator = Locator(method)
 
     def run(self, frames: Iterable[Frame]) -> Iterator[Bearing]:
         """
@@ -129,7 +136,8 @@ class Pipeline:
             try:
                 window = self.segmenter.update(frame, self._expected(frame))
                 if window is not None:
-                    location = locate(window, method=self.method, noise=self.noise)
+                    location = self._locator.locate(window, noise=self.noise)
+                    self.warning = location.warning
                     if self.line_jitter is not None:
                         location = self.line_jitter.corrected(
                             location, gain=self.noise.gain, looks=window.looks

@@ -315,5 +315,5 @@ def climb(
     freedom = int(usable.sum()) - int(inner.sum())
     return Optimum(
         theta, covariance, float(value), float(texture), squares / max(freedom, 1), means,
-        int(inner.sum()) + (texture > 0.0),
+        int(inner.sum()) + int(texture > 0.0),
     )

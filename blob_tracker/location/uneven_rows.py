@@ -9,7 +9,7 @@ from blob_tracker.location.pair_likelihood import climb
 from blob_tracker.location.pair_model import bounds, fill_elliptical, OWN, SIGMA
 from blob_tracker.types import Location
 import numpy as np
-from scipy.special import erfcx
+import scipy  # which loads special, 20 MB, when it is first used
 
 
 def variance_of_uneven_rows(pair: Pair, location: Location, x: float, y: float) -> float:
@@ -49,5 +49,6 @@ def variance_of_uneven_rows(pair: Pair, location: Location, x: float, y: float) 
     if not deviation > 0.0:
         return sigma**2
     # The mean of the rest of a normal distribution above 0, whose ratio erfcx keeps from 0 / 0.
-    ratio = math.sqrt(2.0 / math.pi) / float(erfcx(-measured / (math.sqrt(2.0) * deviation)))
+    standard = -measured / (math.sqrt(2.0) * deviation)
+    ratio = math.sqrt(2.0 / math.pi) / float(scipy.special.erfcx(standard))
     return wide**2 * min(measured + deviation * ratio, 1.0)

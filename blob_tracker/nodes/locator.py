@@ -12,7 +12,7 @@ from typing import Any
 
 from blob_tracker.camera import CalibrationError, LensError
 from blob_tracker.camera.line_jitter import LineJitter
-from blob_tracker.location import compile_ahead, locate, METHODS
+from blob_tracker.location import compile_ahead, Locator, METHODS
 from blob_tracker.location.noise import variance_ratio
 from blob_tracker.location.picture import draw
 from blob_tracker.location.scatter import RecentPlaces
@@ -114,7 +114,7 @@ class LocatorNode(Node):
 
         def use() -> None:
             with self._lock:
-                self._method, self._options = method, options
+                self._locator = Locator(method, **options)
                 self._saturation, self._looks = values['saturation'], values['looks']
                 self._configured = self._noise = noise
                 self._line_jitter = line_jitter
@@ -190,6 +190,8 @@ class LocatorNode(Node):
         """Forget the windows that wait for their camera_info and have a later stamp, ns."""
         for windows in self._windows.values():
             windows.forget(after_ns)
+        with self._lock:
+            self._locator.forget()
 
     def locate(self, light: str, window: Window, info: CameraInfo, frame_id: str) -> None:
         """Place the blob of a window and publish its direction, or nothing at all."""
@@ -203,7 +205,7 @@ class LocatorNode(Node):
         try:
             camera_model = self._camera.model(info)
             window = clipping_window(window, self._saturation, self._looks)
-            location = locate(window, method=self._method, noise=self._noise, **self._options)
+            location = self._locator.locate(window, noise=self._noise, light=light)
             if self._line_jitter is not None:
                 self._line_jitter.check_height(camera_model.height)
                 location = self._line_jitter.corrected(
@@ -233,6 +235,8 @@ class LocatorNode(Node):
         self._health.left(window.stamp_ns)
         self._health.count('bearings')
         self._health.ok('target located')
+        if location.warning:
+            self._health.fault(WARN, f'{target_topic(light)}: {location.warning}')
         self._bearing = bearing
         if light not in self._places:
             self._places[light] = RecentPlaces(PLACES)

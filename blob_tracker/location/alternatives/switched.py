@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from blob_tracker.location.alternatives.ghost import BEFORE, shift_prior, STILL_ON
+from blob_tracker.location.alternatives.ghost import (
+    BEFORE, first_guess, lamp_is_likelier, shift_prior, STILL_ON,
+)
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
 from blob_tracker.location.pair_model import (
@@ -40,6 +42,8 @@ def switched(pair: Pair, base: Fit) -> Fit | None:
         return None
     pixels = np.log(pair.pixels.size)
     best = min(found, key=lambda fit: fit.parameters * pixels - 2.0 * fit.log_likelihood)
+    if lamp_is_likelier(pair, first_guess(pair, base), best):
+        return None
     percent = 100.0 * _share(pair, best)
     if _runs(best):
         warning = (
