@@ -8,12 +8,11 @@ pipeline` starts is another thing, the nodes in one process: `blob_tracker.nodes
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import Any
 
 from blob_tracker import location, segmentation, tracking
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
-from blob_tracker.location import locate, method_options, METHODS
+from blob_tracker.location import Locator, method_options, METHODS
 from blob_tracker.segmentation import Expectation, FrameError, Segmenter
 from blob_tracker.tracking import Track, Tracker, TrackingError, update_or_restart
 from blob_tracker.types import Bearing, Frame, Location, LocationError, SensorNoise, Window
@@ -63,10 +62,10 @@ def window_to_bearing(
     window: Window,
     camera_model: CameraModel,
     *,
-    method: str,
+    locator: Locator,
     noise: SensorNoise,
     line_jitter: LineJitter | None = None,
-    **options: Any,
+    light: str = '',
 ) -> tuple[Location, Bearing]:
     """
     Locate the blob of a window, take the jitter of its line off, and turn it into an angle.
@@ -77,14 +76,14 @@ def window_to_bearing(
         Lit and unlit pixels, DN.
     camera_model : CameraModel
         The calibrated camera.
-    method : str
-        Location method, a key of `blob_tracker.location.METHODS`.
+    locator : Locator
+        Has the method, and remembers the last flashes of the light.
     noise : SensorNoise
         Gain and read noise of the camera's pixels.
     line_jitter : LineJitter, optional
         Offsets of the lines of an analogue grabber.
-    **options
-        Of the method, see `blob_tracker.location.method_options`.
+    light : str
+        Name of the light.
 
     Returns
     -------
@@ -103,7 +102,7 @@ def window_to_bearing(
         Where no ray leads to that place in the picture.
 
     """
-    location = locate(window, method=method, noise=noise, **options)
+    location = locator.locate(window, noise=noise, light=light)
     if line_jitter is not None:
         line_jitter.check_height(camera_model.height)
         location = line_jitter.corrected(location, gain=noise.gain, looks=window.looks)
@@ -135,6 +134,11 @@ class Pipeline:
         Takes each bearing, and tells the segmenter where to look for the next one. What it
         refuses is a bearing all the same.
 
+    Attributes
+    ----------
+    warning : str
+        What is not as it should be about the last bearing, and what to do; '' where all is well.
+
     Raises
     ------
     ValueError
@@ -155,7 +159,6 @@ class Pipeline:
         line_jitter: LineJitter | None = None,
         tracker: Tracker | None = None,
     ) -> None:
-        self._options = method_options(method, elliptical=elliptical)
         if line_jitter is not None:
             line_jitter.check_height(camera_model.height)
         self.camera_model = camera_model
@@ -164,6 +167,8 @@ class Pipeline:
         self.segmenter = segmenter or Segmenter()
         self.line_jitter = line_jitter
         self.tracker = tracker
+        self.warning = ''
+        self._locator = Locator(method, **method_options(method, elliptical=elliptical))
 
     def run(self, frames: Iterable[Frame]) -> Iterator[Bearing]:
         """
@@ -190,14 +195,14 @@ class Pipeline:
             try:
                 window = self.segmenter.update(frame, self._expected(frame))
                 if window is not None:
-                    _, bearing = window_to_bearing(
+                    location, bearing = window_to_bearing(
                         window,
                         self.camera_model,
-                        method=self.method,
+                        locator=self._locator,
                         noise=self.noise,
                         line_jitter=self.line_jitter,
-                        **self._options,
                     )
+                    self.warning = location.warning
                     self._track(bearing)
                     yield bearing
             except (FrameError, LocationError, LensError) as error:

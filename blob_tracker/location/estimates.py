@@ -23,7 +23,6 @@ class Failure(IntEnum):
     TOO_NARROW = 8
     TOO_WIDE = 9
     CLIPPED = 10
-    BANDED = 11
 
 
 REASONS = {
@@ -38,8 +37,6 @@ REASONS = {
     Failure.TOO_WIDE: 'the blob is wider than the window; enlarge the window',
     Failure.CLIPPED: 'the blob holds saturated pixels, which no look-up can leave out; lower the '
     'exposure or take maximum_likelihood',
-    Failure.BANDED: 'bands across the rows: the light is dimmed by PWM, or flickers, faster than '
-    'the rolling shutter exposes; expose for whole periods of it or use a global shutter',
 }
 
 
@@ -60,8 +57,6 @@ class Estimates:
         Count of clipped pixels.
     failure : (N,) uint8 array
         A `Failure` each; where it is not NONE the other values mean nothing.
-    odd : (N,) uint8 array
-        Bits of `Suspicion`: what the fit leaves unexplained. Empty where nobody looked.
     warnings : dict
         Of few windows, by their index: what the user should know and do.
 
@@ -77,7 +72,6 @@ class Estimates:
     chi2: NDArray[np.float64]
     saturated: NDArray[np.int64]
     failure: NDArray[np.uint8]
-    odd: NDArray[np.uint8] = field(default_factory=lambda: np.empty(0, dtype=np.uint8))
     warnings: dict[int, str] = field(default_factory=dict)
 
     @classmethod
@@ -87,7 +81,6 @@ class Estimates:
         covariance: NDArray[np.float64],
         saturated: NDArray[np.int64],
         failure: NDArray[np.uint8],
-        odd: NDArray[np.uint8] | None = None,
     ) -> Estimates:
         """
         Return the estimates that a kernel has filled in.
@@ -96,7 +89,7 @@ class Estimates:
         ----------
         table : (7, N) array
             Rows x, y, amplitude, background, sigma, SNR, chi2.
-        covariance, saturated, failure, odd
+        covariance, saturated, failure
             See the class.
 
         """
@@ -112,7 +105,6 @@ class Estimates:
             chi2=chi2,
             saturated=saturated,
             failure=failure,
-            odd=np.empty(0, dtype=np.uint8) if odd is None else odd,
         )
 
     @property

@@ -8,6 +8,9 @@ from blob_tracker.location.hypotheses import choose, Fit, Pair
 from blob_tracker.location.pair_likelihood import Floats
 from blob_tracker.location.pair_model import no_pulse, one_pulse, to_fit
 from blob_tracker.location.suspicion import Suspicion
+from blob_tracker.location.texture_field import shows_pulse
+
+IN_UNLIT = Suspicion.UNLIT | Suspicion.FAILED
 
 
 def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
@@ -24,16 +27,18 @@ def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | Non
         What is odd about it.
 
     """
+    if suspicion & IN_UNLIT and (pair.unlit is None or not shows_pulse(pair)):
+        suspicion &= ~IN_UNLIT  # a texture, of which the base fit takes care
+    asked = [one for one, answers in ALTERNATIVES.items() if suspicion & answers]
+    if not asked:
+        return None
     base = None
     optimum = None if theta is None else one_pulse(pair, theta)
     if optimum is not None:
         base = to_fit(pair, optimum)
     if base is None:
         base = no_pulse(pair)
-    fits = [
-        alternative(pair, base)
-        for alternative, answers in ALTERNATIVES.items() if suspicion & answers
-    ]
+    fits = [alternative(pair, base) for alternative in asked]
     chosen = choose(base, [fit for fit in fits if fit is not None], pair.pixels.size)
     if chosen is not base:
         return chosen

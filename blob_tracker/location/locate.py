@@ -12,6 +12,7 @@ from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.centroid import centroid
 from blob_tracker.location.estimates import Estimates, Failure, NOTHING, REASONS
 from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_linear_elliptical
+from blob_tracker.location.hypotheses import Motion
 from blob_tracker.location.locale_table import locale_table
 from blob_tracker.location.maximum_likelihood import maximum_likelihood
 from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm
@@ -189,16 +190,9 @@ def locate(
         Where the blob cannot be placed; the message gives the reason.
 
     """
-    return to_location(window, estimate(window, method=method, noise=noise, **options))
-
-
-def estimate(
-    window: Window, *, method: str, noise: SensorNoise, **options: Any
-) -> Estimates:
-    """Return the estimates of one window, in its own coordinates; see `locate`."""
     lit = _numbers(window.lit, 'lit')[None]
     unlit = None if window.unlit is None else _numbers(window.unlit, 'unlit')[None]
-    return locate_batch(
+    found = locate_batch(
         lit,
         unlit,
         method=method,
@@ -206,10 +200,6 @@ def estimate(
         saturation=window.saturation,
         **options,
     )
-
-
-def to_location(window: Window, found: Estimates) -> Location:
-    """Return the location of a window from its estimates, or raise LocationError."""
     if not found.ok[0]:
         raise LocationError(REASONS[Failure(found.failure[0])])
     scale = np.array(window.binning, dtype=float)
@@ -244,8 +234,16 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     bell = np.exp(-((np.arange(7) - 3.0) ** 2) / 4.0)
     lit = np.round(100.0 * bell[:, None] * bell[None, :] + 10.0)[None]
     noise = SensorNoise(gain=1.0, read_noise=1.0)
+    dark = np.full_like(lit, 10.0)
     for method in methods:
-        locate_batch(lit, np.full_like(lit, 10.0), method=method, noise=noise)
+        locate_batch(lit, dark, method=method, noise=noise)
+        if 'motion' in signature(METHODS[method]).parameters:
+            # A light in the unlit window, beside one in the lit window and by itself, has every
+            # alternative tried.
+            ghost = np.roll(lit, 1, axis=2)
+            motion = Motion(np.array([2.0, 0.0]), 0.2)
+            locate_batch(lit, 0.3 * ghost + 7.0, method=method, noise=noise, motion=motion)
+            locate_batch(0.01 * lit + 10.0, lit, method=method, noise=noise, motion=motion)
 
 
 def _numbers(pixels: ArrayLike, name: str) -> NDArray[Any]:

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import replace
 from inspect import signature
+import math
 from typing import Any
 
-from blob_tracker.location.estimates import Failure, REASONS
-from blob_tracker.location.hypotheses import Motion
-from blob_tracker.location.locate import estimate, METHODS, to_location
-from blob_tracker.location.suspicion import Suspicion
-from blob_tracker.types import Location, LocationError, SensorNoise, Window
+from blob_tracker.location.hypotheses import Motion, Pair
+from blob_tracker.location.locate import locate, METHODS
+from blob_tracker.location.noise import noise_of_sum
+from blob_tracker.location.uneven_rows import variance_of_uneven_rows
+from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
 
 STEADIEST = 0.15  # px: the light's motion is not known better than that
 ACCELERATING = 1.5  # of the last change of its displacement, that the next may have
 LONGEST = 1.6  # of the last interval between two flashes, that the next may take
-REMEMBERED = 16  # flashes of which bands are told
-FEWEST = 6  # of them, before any can be
-UNLIKE = 0.08  # of the light's mean, by which it differs from flash to flash in bands
-ODD = 0.25  # of the flashes, that are not round pulses in bands
+REMEMBERED = 32  # flashes, of which is told whether the light is the same in all
+FEWEST = 8  # of them, before it can be
+UNLIKE = 0.06  # of the light's mean, by which it differs from flash to flash where it flickers
+SIGMAS = 5.0  # of what noise makes of that
 
 
 class _Memory:
@@ -27,8 +29,13 @@ class _Memory:
 
     def __init__(self) -> None:
         self.places: deque[tuple[int, float, float]] = deque(maxlen=3)
-        self.light: deque[float] = deque(maxlen=REMEMBERED)
-        self.odd: deque[bool] = deque(maxlen=REMEMBERED)
+        self.light: deque[tuple[float, float]] = deque(maxlen=REMEMBERED)
+
+    def add(self, location: Location) -> None:
+        """Take the next flash: where it was, how much light, and the noise of that over it."""
+        self.places.append((location.stamp_ns, location.x, location.y))
+        noise = 1.0 / (location.snr * max(location.sigma, 0.5))
+        self.light.append((location.amplitude * location.sigma**2, noise))
 
     def motion(self, stamp_ns: int, binning: tuple[int, int]) -> Motion | None:
         """Return how the light should have moved since its last flash; None if unknown."""
@@ -46,14 +53,15 @@ class _Memory:
         return Motion(flash / scale, deviation)
 
     @property
-    def banded(self) -> bool:
-        """Whether the flashes are as bands across the rows make them."""
+    def flicker(self) -> float:
+        """How much the light differs from flash to flash over its mean; 0 if noise may do so."""
         if len(self.light) < FEWEST:
-            return False
-        light = np.array(self.light)
-        # Of the differences: a light that comes nearer is no band.
-        unlike = float(np.median(np.abs(np.diff(light)))) > UNLIKE * float(light.mean())
-        return unlike and float(np.mean(self.odd)) > ODD
+            return 0.0
+        light, noise = np.array(self.light).T
+        # Of the differences: a light that comes nearer does not flicker.
+        # Three quarters of them: bands leave some flashes alike, and something may pass once.
+        unlike = float(np.quantile(np.abs(np.diff(light)), 0.75) / light.mean())
+        return unlike if unlike > max(UNLIKE, SIGMAS * float(np.median(noise))) else 0.0
 
 
 class Locator:
@@ -101,26 +109,18 @@ class Locator:
         Raises
         ------
         LocationError
-            Where the blob cannot be placed, or the last flashes say that its place is wrong.
+            Where the blob cannot be placed.
 
         """
         options = dict(self._options)
         memory = self._memories.setdefault(light, _Memory())
         if self._remembers:
             options['motion'] = memory.motion(window.stamp_ns, window.binning)
-        found = estimate(window, method=self._method, noise=noise, **options)
-        if self._remembers and found.odd.size:
-            suspicion = Suspicion(int(found.odd[0]))
-            banded = found.failure[0] == Failure.BANDED
-            if banded or found.ok[0]:
-                explained = bool(found.warnings) and not banded
-                odd = not explained and bool(suspicion & (Suspicion.AXES | Suspicion.ROWS))
-                memory.odd.append(banded or odd)
-                memory.light.append(float(found.amplitude[0] * found.sigma[0] ** 2))
-        location = to_location(window, found)
-        memory.places.append((window.stamp_ns, location.x, location.y))
-        if memory.banded:
-            raise LocationError(REASONS[Failure.BANDED])
+        location = locate(window, method=self._method, noise=noise, **options)
+        memory.add(location)
+        flicker = memory.flicker
+        if self._remembers and flicker > 0.0 and not location.warning:
+            location = _with_uneven_rows(location, window, noise, flicker)
         return location
 
     def forget(self, light: str | None = None) -> None:
@@ -129,3 +129,27 @@ class Locator:
             self._memories.clear()
         else:
             self._memories.pop(light, None)
+
+
+def _with_uneven_rows(
+    location: Location, window: Window, noise: SensorNoise, flicker: float
+) -> Location:
+    """Return the location of a light that flickers, which a rolling shutter may have moved."""
+    noise = noise_of_sum(noise, window.looks)
+    level = noise.black_level
+    saturation = math.inf if window.saturation is None else window.saturation - level
+    lit = np.asarray(window.lit, dtype=float) - level
+    pair = Pair(lit, None, replace(noise, black_level=0.0), saturation)
+    across, down = window.binning
+    x = (location.x - window.x0 + 0.5) / across - 0.5
+    y = (location.y - window.y0 + 0.5) / down - 0.5
+    covariance = location.covariance.copy()
+    level_of_fit = replace(location, background=location.background - level)
+    covariance[1, 1] += down**2 * variance_of_uneven_rows(pair, level_of_fit, x, y)
+    return replace(
+        location,
+        covariance=covariance,
+        warning=f'the light flickers ({100.0 * flicker:.0f} % from flash to flash): if it is '
+        'dimmed by PWM, a rolling shutter cuts it into bands across the rows, and y is not to '
+        'be trusted; expose for whole periods of it, or use a global shutter',
+    )

@@ -119,17 +119,17 @@ def maximum_likelihood(
         failure,
         odd,
     )
-    estimates = Estimates.from_table(table, covariance, clipped, failure, odd)
+    estimates = Estimates.from_table(table, covariance, clipped, failure)
     limit = math.inf if saturation is None else float(saturation)
     for n, suspicion in suspicions(odd):
         pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, motion)
         fit = explain(pair, None if failure[n] else table[:5, n], suspicion)
         if fit is not None:
-            _take(estimates, n, fit)
+            _adopt(estimates, n, fit)
     return estimates
 
 
-def _take(estimates: Estimates, n: int, fit: Fit) -> None:
+def _adopt(estimates: Estimates, n: int, fit: Fit) -> None:
     """Put a fit in the place of a window's estimates."""
     for name in ('x', 'y', 'covariance', 'amplitude', 'background', 'sigma', 'snr', 'chi2'):
         getattr(estimates, name)[n] = getattr(fit, name)

@@ -304,13 +304,16 @@ def climb(
     # What is at a bound is known to be there.
     inner = (theta > lower) & (theta < upper) & (np.diag(fisher) > 0.0)
     covariance = np.zeros_like(fisher)
+    scale = np.sqrt(np.diag(fisher)[inner])
     try:
-        covariance[np.ix_(inner, inner)] = np.linalg.inv(fisher[np.ix_(inner, inner)])
+        known = fisher[np.ix_(inner, inner)] / np.outer(scale, scale)
+        root = np.linalg.inv(np.linalg.cholesky(known))
     except np.linalg.LinAlgError:
         return None
+    covariance[np.ix_(inner, inner)] = root.T @ root / np.outer(scale, scale)
     model(theta, means, slopes)
     freedom = int(usable.sum()) - int(inner.sum())
     return Optimum(
         theta, covariance, float(value), float(texture), squares / max(freedom, 1), means,
-        int(inner.sum()) + (texture > 0.0),
+        int(inner.sum()) + int(texture > 0.0),
     )

@@ -16,7 +16,7 @@ BRIGHTEST = 1e7  # DN: of a fitted pulse, clipped or not
 X, Y, AMPLITUDE, BACKGROUND, SIGMA = 0, 1, 2, 3, 4  # of each model's parameters
 SHIFT_X, SHIFT_Y = 5, 6  # from the lit frame to the unlit one
 GHOST = 7  # amplitude of the light that is in the unlit window
-OWN = 5  # sigma along y, or what a row adds to the light over that of the middle one
+OWN = 5  # sigma along y
 SHARE, SLOPE = 7, 8  # of the light in the lit frame: in the middle row, and what a row adds
 
 
@@ -172,24 +172,6 @@ def fill_elliptical(theta: Array, means: Array, slopes: Array) -> None:
             slopes[AMPLITUDE, 0, j, i] = down[0, j] * across[0, i]
             slopes[SIGMA, 0, j, i] = amplitude * down[0, j] * across[2, i]
             slopes[OWN, 0, j, i] = amplitude * down[2, j] * across[0, i]
-
-
-@kernel
-def fill_banded(theta: Array, means: Array, slopes: Array) -> None:
-    """Fill the means and slopes of a lit pulse whose rows' light runs up or down to none."""
-    fill_one_pulse(theta, means, slopes)
-    height, width = means.shape[1:]
-    for j in range(height):
-        row = j - theta[Y]
-        share = max(1.0 + theta[OWN] * row, 0.0)
-        moves = 1.0 if share > 0.0 else 0.0
-        for i in range(width):
-            light = means[0, j, i] - theta[BACKGROUND]
-            means[0, j, i] = theta[BACKGROUND] + share * light
-            for p in (X, Y, AMPLITUDE, SIGMA):
-                slopes[p, 0, j, i] *= share
-            slopes[Y, 0, j, i] -= moves * theta[OWN] * light
-            slopes[OWN, 0, j, i] = moves * row * light
 
 
 def bounds(pair: Pair) -> tuple[Floats, Floats]:

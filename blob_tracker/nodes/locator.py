@@ -11,7 +11,7 @@ from typing import Any
 
 from blob_tracker.camera import CalibrationError, LensError
 from blob_tracker.camera.line_jitter import LineJitter
-from blob_tracker.location import compile_ahead, method_options
+from blob_tracker.location import compile_ahead, Locator, method_options
 from blob_tracker.location.noise import variance_ratio
 from blob_tracker.location.picture import draw
 from blob_tracker.location.scatter import RecentPlaces
@@ -109,7 +109,7 @@ class LocatorNode(Node):
 
         def use() -> None:
             with self._lock:
-                self._method, self._options = method, options
+                self._locator = Locator(method, **options)
                 self._saturation, self._looks = values['saturation'], values['looks']
                 self._configured = self._noise = noise
                 self._line_jitter = line_jitter
@@ -185,6 +185,8 @@ class LocatorNode(Node):
         """Forget the windows that wait for their camera_info and have a later stamp, ns."""
         for windows in self._windows.values():
             windows.forget(after_ns)
+        with self._lock:
+            self._locator.forget()
 
     def locate(self, delivery: Delivery[tuple[Window, CameraInfo]]) -> None:
         """Place the blob of a window and publish its direction, or nothing at all."""
@@ -202,10 +204,10 @@ class LocatorNode(Node):
             location, bearing = window_to_bearing(
                 window,
                 camera_model,
-                method=self._method,
+                locator=self._locator,
                 noise=self._noise,
                 line_jitter=self._line_jitter,
-                **self._options,
+                light=light,
             )
         except MessageError as error:
             self._health.fault(ERROR, f'{target_topic(light)}/window: {error}')
@@ -230,6 +232,8 @@ class LocatorNode(Node):
         self._health.left(window.stamp_ns)
         self._health.count('bearings')
         self._health.ok('target located')
+        if location.warning:
+            self._health.fault(WARN, f'{target_topic(light)}: {location.warning}')
         self._bearing = bearing
         if light not in self._places:
             self._places[light] = RecentPlaces(PLACES)

@@ -178,7 +178,7 @@ def test_sentences_are_counted_whatever_their_numbers() -> None:
     assert (count, heard.words[kind]) == (2, 'a rise of 20 DN')
 
 
-def test_of_two_places_that_are_as_right_the_nearer_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_of_two_places_as_right_the_nearer_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     """A mirror image as bright as the light."""
     image = np.zeros((20, 20), np.uint8)
     window = Window(lit=image, unlit=image)

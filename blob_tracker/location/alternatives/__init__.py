@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from blob_tracker.location.alternatives.banded import banded
 from blob_tracker.location.alternatives.defocused import defocused
 from blob_tracker.location.alternatives.ghost import ghost
 from blob_tracker.location.alternatives.smeared import smeared
@@ -23,7 +22,6 @@ from blob_tracker.location.suspicion import Suspicion
 Alternative = Callable[[Pair, Fit], 'Fit | None']
 
 ALTERNATIVES: dict[Alternative, Suspicion] = {
-    banded: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS,
     ghost: Suspicion.UNLIT | Suspicion.FAILED,
     smeared: Suspicion.UNLIT | Suspicion.FAILED,
     switched: Suspicion.UNLIT | Suspicion.FAILED,

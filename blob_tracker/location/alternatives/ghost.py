@@ -14,6 +14,10 @@ import numpy as np
 BRIGHTER = 1.0  # than the lit pulse: such a light in the unlit frame is another one
 FARTHEST = 4.0  # sigmas: beyond it, the same
 UNDECIDED = 12.0  # of twice the log-likelihood, below which a ghost is likelier beforehand
+STILL_ON = (
+    'the light is still on in the unlit frame ({:.0f} % of it): shorten the exposure, shift the '
+    "flash's phase or flash at half the rate"
+)
 BEFORE = -0.5  # of a flash's displacement: the unlit frame is halfway to the last lit one
 
 
@@ -43,15 +47,15 @@ def ghost(pair: Pair, base: Fit) -> Fit | None:
         return None
     if not outdoes_texture(pair, left):
         return None
-    behind = fit_ghost(pair, fill_static_ghost, theta, BEFORE)
-    if behind is not None:
-        if 2.0 * (behind.log_likelihood - left.log_likelihood) > UNDECIDED:
-            return None
-    return to_fit(
-        pair, left,
-        f'the light is still on in the unlit frame ({100.0 * share:.0f} % of it): shorten the '
-        'exposure, or flash at half the rate',
-    )
+    if lamp_is_likelier(pair, theta, left):
+        return None
+    return to_fit(pair, left, STILL_ON.format(100.0 * share))
+
+
+def lamp_is_likelier(pair: Pair, start: Floats, fit: Optimum) -> bool:
+    """Return whether a light behind the target, in both windows, is clearly likelier than a fit."""
+    lamp = fit_ghost(pair, fill_static_ghost, start, None)
+    return lamp is not None and 2.0 * (lamp.log_likelihood - fit.log_likelihood) > UNDECIDED
 
 
 def first_guess(pair: Pair, base: Fit) -> Floats:
@@ -66,13 +70,16 @@ def first_guess(pair: Pair, base: Fit) -> Floats:
     ])
 
 
-def fit_ghost(pair: Pair, model: Model, start: Floats, flashes: float) -> Optimum | None:
-    """Fit two pulses, the second one so many flashes' displacements from the first."""
+def fit_ghost(
+    pair: Pair, model: Model, start: Floats, flashes: float | None
+) -> Optimum | None:
+    """Fit two pulses, the second one so many flashes' displacements from the first, or free."""
     height, width = pair.lit.shape
     lower, upper = bounds(pair)
     lower = np.concatenate([lower, [-width, -height, 0.0]])
     upper = np.concatenate([upper, [width, height, BRIGHTEST]])
-    return climb(pair, model, start, lower, upper, shift_prior(pair, flashes, start.size))
+    prior = None if flashes is None else shift_prior(pair, flashes, start.size)
+    return climb(pair, model, start, lower, upper, prior)
 
 
 def shift_prior(pair: Pair, flashes: float, count: int) -> tuple[Floats, Floats] | None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from blob_tracker.location.alternatives.ghost import BRIGHTER, first_guess, fit_ghost
+from blob_tracker.location.alternatives.ghost import (
+    BRIGHTER, first_guess, fit_ghost, lamp_is_likelier,
+)
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.pair_model import AMPLITUDE, fill_smeared_ghost, GHOST, to_fit
 from blob_tracker.location.texture_field import outdoes_texture
@@ -29,8 +31,9 @@ def smeared(pair: Pair, base: Fit) -> Fit | None:
         return None
     if np.hypot(*pair.motion.flash) < APART * pair.motion.deviation:
         return None
-    kept = fit_ghost(pair, fill_smeared_ghost, first_guess(pair, base), LAST_FLASH)
-    if kept is None or not outdoes_texture(pair, kept):
+    start = first_guess(pair, base)
+    kept = fit_ghost(pair, fill_smeared_ghost, start, LAST_FLASH)
+    if kept is None or not outdoes_texture(pair, kept) or lamp_is_likelier(pair, start, kept):
         return None
     share = float(kept.theta[GHOST] / max(kept.theta[AMPLITUDE], 1e-6))
     if share > BRIGHTER:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from blob_tracker.location.alternatives.ghost import BEFORE, shift_prior
+from blob_tracker.location.alternatives.ghost import (
+    BEFORE, first_guess, lamp_is_likelier, shift_prior, STILL_ON,
+)
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
 from blob_tracker.location.pair_model import (
@@ -32,21 +34,33 @@ def switched(pair: Pair, base: Fit) -> Fit | None:
     start = _first_guess(pair, base)
     fits = [_fit(pair, start, moving=False)]
     moving = _fit(pair, start if fits[0] is None else fits[0].theta, moving=True)
-    if moving is not None and _runs(moving):
+    # Where all rows have the same share, more than a half, it is a ghost that moves.
+    if moving is not None and (_runs(moving) or _share(pair, moving) < 0.5):
         fits.append(moving)
     found = [fit for fit in fits if fit is not None and outdoes_texture(pair, fit)]
     if not found:
         return None
     pixels = np.log(pair.pixels.size)
     best = min(found, key=lambda fit: fit.parameters * pixels - 2.0 * fit.log_likelihood)
-    theta = best.theta
-    share = theta[SHARE] + theta[SLOPE] * (theta[Y] - 0.5 * (pair.lit.shape[0] - 1))
-    return to_fit(
-        pair, best,
-        'the flash switches while the rows of the light are exposed '
-        f'({100.0 * min(max(share, 0.0), 1.0):.0f} % of it is in the lit frame): shift its phase, '
-        'shorten the exposure or use a global shutter',
-    )
+    if lamp_is_likelier(pair, first_guess(pair, base), best):
+        return None
+    percent = 100.0 * _share(pair, best)
+    if _runs(best):
+        warning = (
+            'the flash switches while the rows of the light are exposed '
+            f'({percent:.0f} % of it is in the lit frame): shift its phase, shorten the exposure '
+            'or use a global shutter'
+        )
+    else:
+        warning = STILL_ON.format(100.0 - percent)
+    return to_fit(pair, best, warning)
+
+
+def _share(pair: Pair, fit: Optimum) -> float:
+    """Return the share of the light in the lit frame, at its own row."""
+    theta = fit.theta
+    row = theta[Y] - 0.5 * (pair.lit.shape[0] - 1)
+    return min(max(float(theta[SHARE] + theta[SLOPE] * row), 0.0), 1.0)
 
 
 def _runs(fit: Optimum) -> bool:
