@@ -8,7 +8,7 @@ from blob_tracker.location.hypotheses import choose, Fit, Pair
 from blob_tracker.location.pair_likelihood import Floats
 from blob_tracker.location.pair_model import no_pulse, one_pulse, to_fit
 from blob_tracker.location.suspicion import Suspicion
-from blob_tracker.location.texture_field import shows_pulse
+from blob_tracker.location.unlit_pulse import shows_pulse
 
 IN_UNLIT = Suspicion.UNLIT | Suspicion.FAILED
 

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+import functools
 import math
 
 from blob_tracker.location.estimates import Failure
+from blob_tracker.location.noise import pixel_variance
+from blob_tracker.location.texture_field import log_likelihood_of_texture
 from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
@@ -63,15 +66,27 @@ class Pair:
     saturation: float
     motion: Motion | None = None
 
-    @property
+    @functools.cached_property
     def usable(self) -> NDArray[np.bool_]:
         """(k, h, w) bool, k 1 or 2: the lit and the unlit pixels that are not clipped."""
         return self.pixels < self.saturation
 
-    @property
+    @functools.cached_property
     def pixels(self) -> NDArray[np.float64]:
         """(k, h, w) array, k 1 or 2: the lit pixels and, where there are, the unlit ones."""
         return self.lit[None] if self.unlit is None else np.stack([self.lit, self.unlit])
+
+    @functools.cached_property
+    def unlit_variance(self) -> float:
+        """Return the variance of an unlit pixel at the window's mean, DN^2."""
+        assert self.unlit is not None
+        return float(pixel_variance(self.unlit.mean(), self.noise))
+
+    @functools.cached_property
+    def log_likelihood_of_texture(self) -> float:
+        """Return that of the unlit window if it holds a random texture."""
+        assert self.unlit is not None
+        return log_likelihood_of_texture(self.unlit, self.unlit_variance)
 
 
 @dataclass(frozen=True)

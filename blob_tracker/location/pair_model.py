@@ -202,15 +202,21 @@ def no_pulse(pair: Pair) -> Fit:
     )
 
 
-def brightest(pixels: Floats) -> tuple[float, float]:
+@kernel
+def brightest(pixels: Array) -> tuple[float, float]:
     """Return x and y of the pixel in the middle of the brightest 3 x 3, px."""
-    padded = np.pad(pixels, 1, mode='edge')
     height, width = pixels.shape
-    total = sum(
-        padded[j:j + height, i:i + width] for j in range(3) for i in range(3)
-    )
-    row, column = np.unravel_index(int(np.argmax(total)), pixels.shape)
-    return float(column), float(row)
+    most = -math.inf
+    x, y = 0.0, 0.0
+    for j in range(height):
+        for i in range(width):
+            total = 0.0
+            for jj in range(j - 1, j + 2):
+                for ii in range(i - 1, i + 2):
+                    total += pixels[min(max(jj, 0), height - 1), min(max(ii, 0), width - 1)]
+            if total > most:
+                most, x, y = total, float(i), float(j)
+    return x, y
 
 
 def to_fit(pair: Pair, optimum: Optimum, warning: str = '') -> Fit:

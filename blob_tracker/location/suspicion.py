@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import IntFlag
 import math
 
-from blob_tracker.kernel import Array, kernel
+from blob_tracker.kernel import kernel
 from blob_tracker.location.normal_equations import NormalEquations
 import numpy as np
 from numpy.typing import NDArray

@@ -3,49 +3,16 @@
 from __future__ import annotations
 
 import functools
-import math
 
-from blob_tracker.location.hypotheses import Pair
-from blob_tracker.location.noise import pixel_variance
-from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
-from blob_tracker.location.pair_model import bounds, brightest, fill_elliptical, SIGMA
 import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
 
 # Correlation lengths, px: a lump as small as a pulse, one of some pulses, and edges or slopes.
 SMOOTH = (1.0, 2.0, 4.0)  # of exp(-d^2 / 2 l^2)
 ROUGH = (3.0, 30.0)  # of exp(-|d| / l) along x times the same along y
-CLEARLY = 10.0  # likelier, of twice the log-likelihood: 150 to 1
 STRENGTHS = np.concatenate([[0.0], np.geomspace(0.02, 5000.0, 14)])  # variance over the noise's
-
-
-def shows_pulse(pair: Pair) -> bool:
-    """Return whether one pulse of any width and height explains the unlit window better."""
-    assert pair.unlit is not None
-    alone = Pair(pair.unlit, None, pair.noise, pair.saturation)
-    lower, upper = bounds(alone)
-    level = float(np.median(alone.lit))
-    x, y = brightest(alone.lit)
-    peak = max(float(alone.lit[int(y), int(x)]) - level, 1.0)
-    fit = climb(
-        alone, fill_elliptical, np.array([x, y, peak, level, 1.5, 1.5]),
-        np.append(lower, lower[SIGMA]), np.append(upper, upper[SIGMA]),
-    )
-    return fit is not None and _gain(pair, fit.means[0]) > 0.0
-
-
-def outdoes_texture(pair: Pair, fit: Optimum) -> bool:
-    """Return whether the unlit window is likelier to be the model's than a random texture."""
-    return _gain(pair, fit.means[1]) > CLEARLY
-
-
-def _gain(pair: Pair, means: Floats) -> float:
-    """Return twice the log-likelihood of the unlit window's means over that of a texture."""
-    assert pair.unlit is not None
-    # Both are told the noise of the window's mean, and neither that of its lights.
-    variance = float(pixel_variance(pair.unlit.mean(), pair.noise))
-    squares = float(((pair.unlit - means) ** 2).sum()) / variance
-    model = -0.5 * (squares + pair.unlit.size * math.log(variance))
-    return 2.0 * (model - log_likelihood_of_texture(pair.unlit, variance))
 
 
 def log_likelihood_of_texture(pixels: Floats, variance: float) -> float:

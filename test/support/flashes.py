@@ -111,7 +111,7 @@ class Flight(NamedTuple):
 
     @property
     def nees(self) -> float:
-        """The mean normalised squared error."""
+        """Return the mean normalised squared error."""
         return nees(self.errors, [each.covariance for each in self.locations])
 
     def said(self, words: str) -> float:

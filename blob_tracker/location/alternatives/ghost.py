@@ -5,10 +5,10 @@ from __future__ import annotations
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.pair_likelihood import climb, Floats, Model, Optimum
 from blob_tracker.location.pair_model import (
-    AMPLITUDE, bounds, brightest, BRIGHTEST, fill_dark_ghost, fill_static_ghost, GHOST, SHIFT_X,
+    AMPLITUDE, bounds, BRIGHTEST, brightest, fill_dark_ghost, fill_static_ghost, GHOST, SHIFT_X,
     SHIFT_Y, SIGMA, to_fit,
 )
-from blob_tracker.location.texture_field import outdoes_texture
+from blob_tracker.location.unlit_pulse import outdoes_texture
 import numpy as np
 
 BRIGHTER = 1.0  # than the lit pulse: such a light in the unlit frame is another one
@@ -53,7 +53,7 @@ def ghost(pair: Pair, base: Fit) -> Fit | None:
 
 
 def lamp_is_likelier(pair: Pair, start: Floats, fit: Optimum) -> bool:
-    """Return whether a light behind the target, in both windows, is clearly likelier than a fit."""
+    """Return whether a lamp behind the target, in both windows, is clearly likelier."""
     lamp = fit_ghost(pair, fill_static_ghost, start, None)
     return lamp is not None and 2.0 * (lamp.log_likelihood - fit.log_likelihood) > UNDECIDED
 

@@ -9,7 +9,7 @@ from blob_tracker.location.alternatives.ghost import (
 )
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.pair_model import AMPLITUDE, fill_smeared_ghost, GHOST, to_fit
-from blob_tracker.location.texture_field import outdoes_texture
+from blob_tracker.location.unlit_pulse import outdoes_texture
 import numpy as np
 
 LAST_FLASH = -1.0  # of a flash's displacement: where the light was in the last lit frame

@@ -8,9 +8,9 @@ from blob_tracker.location.alternatives.ghost import (
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
 from blob_tracker.location.pair_model import (
-    AMPLITUDE, bounds, brightest, fill_switched, SHARE, SHIFT_X, SHIFT_Y, SLOPE, to_fit, Y,
+    bounds, brightest, fill_switched, SHARE, SLOPE, to_fit, Y,
 )
-from blob_tracker.location.texture_field import outdoes_texture
+from blob_tracker.location.unlit_pulse import outdoes_texture
 import numpy as np
 
 STEEPEST = 2.0  # of the share, a row: the next one has it all
