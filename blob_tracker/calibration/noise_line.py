@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, sqrt
 
 from blob_tracker.types import SensorNoise
@@ -33,6 +33,8 @@ class NoiseLine:
         Squared residuals over their variance, of all points.
     dof : int
         Points less 2.
+    fits : bool
+        Whether the points lie on a line as far as chance lets them; else sigmas have grown.
 
     """
 
@@ -41,11 +43,7 @@ class NoiseLine:
     covariance: NDArray[np.float64]
     chi2: float
     dof: int
-
-    @property
-    def fits(self) -> bool:
-        """Whether the points lie on a line as far as chance lets them; else sigmas have grown."""
-        return self.dof < 1 or bool(scipy.special.chdtrc(self.dof, self.chi2) >= MISFIT)
+    fits: bool = True
 
     @property
     def separates(self) -> bool:
@@ -92,6 +90,28 @@ class NoiseLine:
         jacobian = np.diag([-self.gain**2, 0.5 / root if root > 0.0 else 0.0])
         return np.asarray(jacobian @ self.covariance @ jacobian.T)
 
+    def turned(self, slope: float) -> NoiseLine:
+        """
+        Return the line with a sigma of its slope that is no smaller than the way to another one.
+
+        A response that bends takes neighbouring points off to one side, and the slope depends on
+        what each level weighs: the weights of the fit favour the dark ones. Two slopes of the same
+        points tell how much. The line is turned about its middle, the level at which slope and
+        height are apart.
+
+        Parameters
+        ----------
+        slope : float
+            Of the same points with other weights.
+
+        """
+        least = (slope - self.slope) ** 2
+        known = float(self.covariance[0, 0])
+        if known <= 0.0 or least <= known:
+            return self
+        turn = np.array([1.0, self.covariance[0, 1] / known])
+        return replace(self, covariance=self.covariance + (least - known) * np.outer(turn, turn))
+
     def variance(self, level: float) -> tuple[float, float]:
         """Return the variance of a pixel at a level, DN^2, and its standard deviation."""
         row = np.array([level, 1.0])
@@ -108,8 +128,12 @@ def fit_noise_line(
 
     The variance of a sample variance s^2 over n values is (kurtosis - 1) sigma^4 / n, for Gaussian
     noise 2 sigma^4 / n. The sigma^4 in it is that of the line, not of the point: a point that is
-    low by chance must not weigh more. Where the points do not lie on a line (chi2 beyond its 99 %
-    bound) the covariance is scaled by chi2 per degree of freedom.
+    low by chance must not weigh more.
+
+    Where the points do not lie on a line (chi2 beyond its 99 % bound) their variances, and with
+    them the covariance, grow by chi2 per degree of freedom: that of their shot noise and that of
+    the rest each by its own, so that many dark points that agree hide no bright ones that do not.
+    That is all where each point is off by itself; for a bend see `NoiseLine.turned`.
 
     Parameters
     ----------
@@ -132,7 +156,7 @@ def fit_noise_line(
     if levels.size < 2 or not np.ptp(levels) > 0.0:
         raise ValueError(f'{levels.size} points at one level; a line needs two levels or more')
     expected = variances
-    covariance = np.empty((2, 2))
+    covariance = back = np.empty((2, 2))
     line = np.empty(2)
     for _ in range(ITERATIONS):
         weights = 1.0 / (scatters * np.maximum(expected, 0.5 * QUANTISATION) ** 2)
@@ -147,10 +171,27 @@ def fit_noise_line(
         covariance = back @ apart @ back.T
         expected = line[1] + line[0] * levels
     weights = 1.0 / (scatters * np.maximum(expected, 0.5 * QUANTISATION) ** 2)
-    chi2 = float((weights * (variances - expected) ** 2).sum())
-    found = NoiseLine(float(line[0]), float(line[1]), covariance, chi2, levels.size - 2)
-    if found.fits:
-        return found
-    return NoiseLine(
-        found.slope, found.foot, covariance * chi2 / found.dof, chi2, found.dof
+    squares = weights * (variances - expected) ** 2
+    chi2, dof = float(squares.sum()), levels.size - 2
+    # The part of a point's variance that grows with the level.
+    shot = np.clip(line[0] * levels / np.maximum(expected, 0.5 * QUANTISATION), 0.0, 1.0)
+    grown = 1.0 + sum(
+        part * (_misfit(float(part @ squares), dof * float(part.mean())) - 1.0)
+        for part in (shot, 1.0 - shot)
     )
+    if np.all(grown == 1.0):
+        return NoiseLine(slope, float(line[1]), covariance, chi2, dof)
+    apart = np.diag([
+        (weights * grown * away**2).sum() / (weights * away**2).sum() ** 2,
+        (weights * grown).sum() / weights.sum() ** 2,
+    ])
+    crossed = (weights * grown * away).sum() / (weights * away**2).sum() / weights.sum()
+    apart[0, 1] = apart[1, 0] = crossed
+    return NoiseLine(slope, float(line[1]), back @ apart @ back.T, chi2, dof, fits=False)
+
+
+def _misfit(chi2: float, dof: float) -> float:
+    """Return chi2 per degree of freedom where it is no chance, and 1 where it may be."""
+    if dof <= 0.0 or scipy.special.chdtrc(dof, chi2) >= MISFIT:
+        return 1.0
+    return chi2 / dof

@@ -9,11 +9,11 @@ from math import sqrt
 from blob_tracker.calibration.frame_pair import CLIPPED, Pair, PhotonTransferError, PILED_UP
 from blob_tracker.calibration.noise_line import fit_noise_line, NoiseLine, QUANTISATION
 from blob_tracker.calibration.non_uniformity import dsnu_of, linearity_of, prnu_of
+from blob_tracker.calibration.system_gain import RANGE, system_gain
 from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
 
-RANGE = 0.7  # of saturation, up to which the line is fitted (EMVA 1288, section 6.5)
 FALL = 0.9  # of the variance before it: the transfer curve has passed its peak
 CORRELATED = 0.05  # between neighbours' noise; row noise and crosstalk of good sensors is below
 GROWS = 3.0  # standard deviations of the slope, that it must be above 0
@@ -30,6 +30,8 @@ class PhotonTransfer:
     ----------
     line : NoiseLine
         Variance over the level above black: its foot is the temporal dark variance.
+    system_gain : (float, float) or None
+        K by the letter of EMVA 1288, DN per electron; None where dark frames are missing or wrong.
     black_level : (float, float) or None
         DN; None without dark frames, or where dark pixels are clipped at 0 DN.
     saturation : int
@@ -57,6 +59,7 @@ class PhotonTransfer:
     """
 
     line: NoiseLine
+    system_gain: tuple[float, float] | None
     black_level: tuple[float, float] | None
     saturation: int
     saturation_seen: bool
@@ -160,6 +163,12 @@ def photon_transfer(pairs: Sequence[Pair], saturation: int | None = None) -> Pho
             f'{levels.max():.0f} DN; a camera that applies a gamma curve or takes out noise has '
             'no photon transfer, switch that off'
         )
+    standard = system_gain(bright, darks if black_of else [])
+    if not line.fits:
+        # Two ways to ask for one gain: neither is known better than they agree.
+        line = line.turned(
+            standard[0] if standard else float(np.polyfit(levels, variances, 1)[0])
+        )
     warnings += _of_the_line(line, levels, variances, scatters)
     linearity = linearity_of(bright, black, most)
     if linearity is not None and linearity[0] > NONLINEAR:
@@ -172,6 +181,7 @@ def photon_transfer(pairs: Sequence[Pair], saturation: int | None = None) -> Pho
     step = (below_next[0] - peak.mean) if below_next else float(full) - peak.mean
     return PhotonTransfer(
         line=line,
+        system_gain=standard,
         black_level=known,
         saturation=full,
         saturation_seen=seen,

@@ -76,3 +76,8 @@ def variance_ratio(
     """
     ratios = pixel_variance(levels, first) / pixel_variance(levels, second)
     return float(ratios[np.abs(np.log(ratios)).argmax()])
+
+
+def noise_in_words(noise: SensorNoise) -> str:
+    """Return gain, read noise and black level with their units."""
+    return f'{noise.gain:.4g} e-/DN, {noise.read_noise:.3g} DN, {noise.black_level:.4g} DN'

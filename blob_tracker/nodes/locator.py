@@ -12,7 +12,7 @@ from typing import Any
 from blob_tracker.camera import CalibrationError, LensError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import compile_ahead, Locator, method_options
-from blob_tracker.location.noise import variance_ratio
+from blob_tracker.location.noise import noise_in_words, variance_ratio
 from blob_tracker.location.picture import draw
 from blob_tracker.location.scatter import RecentPlaces
 from blob_tracker.nodes.interface.locator import DEFAULT_METHOD, PARAMETERS
@@ -145,7 +145,7 @@ class LocatorNode(Node):
         """Use the noise that the segmenter measures, or no longer."""
         self._online = online
         if not online:
-            self._health.show('noise', f'as configured: {_in_words(self._configured)}')
+            self._health.show('noise', f'as configured: {noise_in_words(self._configured)}')
         elif self._measurement is not None:
             self._use(self._measurement)
         else:
@@ -170,7 +170,7 @@ class LocatorNode(Node):
     def _use(self, noise: SensorNoise) -> None:
         """Reckon with a noise that was measured."""
         self._noise = noise
-        self._health.show('noise', f'as measured: {_in_words(noise)}')
+        self._health.show('noise', f'as measured: {noise_in_words(noise)}')
 
     def _take(self, light: str, image: Image, info: CameraInfo) -> None:
         """Take a window from the topics."""
@@ -306,9 +306,9 @@ class LocatorNode(Node):
         if not 1.0 / DIFFERENT <= ratio <= DIFFERENT:
             self._health.fault(
                 WARN,
-                f'the configured noise ({_in_words(self._configured)}) has {ratio:.2g} times the '
+                f'the configured noise ({noise_in_words(self._configured)}) has {ratio:.2g} times the '
                 f'variance of the measured one, which is used; set noise.gain, '
-                f'noise.read_noise and noise.black_level to {_in_words(self._noise)}',
+                f'noise.read_noise and noise.black_level to {noise_in_words(self._noise)}',
             )
 
 
@@ -318,10 +318,6 @@ def _line_jitter(url: str) -> LineJitter | None:
         return None
     with about('line_jitter_url'):
         return LineJitter.from_yaml(to_path(url))
-
-
-def _in_words(noise: SensorNoise) -> str:
-    return f'{noise.gain:.4g} e-/DN, {noise.read_noise:.3g} DN, {noise.black_level:.4g} DN'
 
 
 def compile_default() -> None:

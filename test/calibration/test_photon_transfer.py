@@ -258,6 +258,11 @@ def test_real_sensor() -> None:
             pairs.append(pair_of(images[0], images[1], dark=kind == 'd', exposure=float(step)))
     found = photon_transfer(pairs)
     assert found.line.slope == pytest.approx(0.280, rel=0.02)
+    # By the standard on all 50 exposures 0.2801; its line bends by 1 %.
+    assert found.system_gain is not None
+    assert found.system_gain[0] == pytest.approx(0.2801, rel=0.01)
+    assert abs(found.system_gain[0] - 0.2801) < 2.0 * found.system_gain[1]
+    assert abs(found.line.slope - 0.2801) < 2.0 * np.sqrt(found.line.covariance[0, 0])
     assert found.noise.read_noise == pytest.approx(3.07, rel=0.03)
     assert not any('black level' in each for each in found.warnings)
     assert found.prnu is not None

@@ -11,7 +11,10 @@ from blob_tracker.calibration.frame_pair import Pair, pair_of, PhotonTransferErr
 from blob_tracker.calibration.noise_level_function import NoiseLevelFunction
 from blob_tracker.calibration.photon_transfer import clipped_level, photon_transfer
 from blob_tracker.calibration.photon_transfer_picture import draw_noise_line
-from blob_tracker.commands.calibrate.noise_pairs import in_twos, INDEX, pairs_of, shown_frames
+from blob_tracker.calibration.temporal_correlation import Succession
+from blob_tracker.commands.calibrate.noise_pairs import (
+    in_twos, INDEX, pairs_of, shown_frames, watched,
+)
 from blob_tracker.commands.calibrate.noise_report import (
     print_photon_transfer, rows_of_noise, write_parameters,
 )
@@ -93,7 +96,9 @@ def main(arguments: argparse.Namespace) -> int:
 def _photon_transfer(arguments: argparse.Namespace) -> None:
     """Measure with flat frames, print, draw and write."""
     console = Console()
-    pairs = pairs_of(arguments, console)
+    succession = Succession()
+    pairs = pairs_of(arguments, console, succession)
+    untested = _check_time(succession)
     found = photon_transfer(pairs, arguments.saturation)
     print_photon_transfer(console, found)
     mean = np.array([each.mean for each in found.pairs])
@@ -107,7 +112,24 @@ def _photon_transfer(arguments: argparse.Namespace) -> None:
         title=f'Photon transfer of {len(found.pairs)} pairs',
         label='mean level above black, DN',
     )
-    write_parameters(console, arguments, found.line, found.noise, found.saturation, found.warnings)
+    write_parameters(
+        console, arguments, found.line, found.noise, found.saturation,
+        [*found.warnings, *untested],
+    )
+
+
+def _check_time(succession: Succession) -> list[str]:
+    """Refuse frames that hang together in time; return a warning where that cannot be told."""
+    found = succession.found()
+    if found is None:
+        return [
+            'no three frames of one light follow each other: whether the camera takes out noise '
+            'over time (temporal noise reduction), which would falsify all of this, cannot be '
+            'told. Take three or more in a row of each light'
+        ]
+    if found.fault:
+        raise PhotonTransferError(found.fault)
+    return []
 
 
 def _scene(arguments: argparse.Namespace) -> None:
@@ -117,7 +139,10 @@ def _scene(arguments: argparse.Namespace) -> None:
     pairs = tiles = full = 0
     seen = deep = False
     brightest: Pair | None = None
-    for first, second in in_twos(shown_frames(arguments, console), odd=True):
+    succession = Succession()
+    for first, second in in_twos(
+        watched(shown_frames(arguments, console), succession), odd=True
+    ):
         pair = pair_of(first, second)
         if brightest is None or (
             (pair.highest, pair.at_highest) > (brightest.highest, brightest.at_highest)
@@ -132,6 +157,7 @@ def _scene(arguments: argparse.Namespace) -> None:
             raise PhotonTransferError(str(error)) from None
     if not pairs:
         raise PhotonTransferError(f'{arguments.source} has fewer than two frames')
+    warnings = _check_time(succession)
     line = measured.line()
     if line is None:
         raise PhotonTransferError(measured.reason)
@@ -144,7 +170,6 @@ def _scene(arguments: argparse.Namespace) -> None:
         arguments.out.with_suffix('.png'), line, *measured.points(),
         title=f'Noise of a scene, {tiles} tiles of {pairs} pairs', label='level, DN',
     )
-    warnings = []
     if not (seen or arguments.saturation):
         full = 0 if deep else full
         warnings.append(

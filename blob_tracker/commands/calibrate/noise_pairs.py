@@ -10,6 +10,7 @@ from pathlib import Path
 import signal
 
 from blob_tracker.calibration.frame_pair import Pair, pair_of, PhotonTransferError
+from blob_tracker.calibration.temporal_correlation import Succession
 from blob_tracker.commands.calibrate.sources import frames, is_folder, is_live, SourceError
 from blob_tracker.types import Pixels
 from rich.console import Console
@@ -23,8 +24,10 @@ LIVE_S = 60.0  # of a topic, where neither --seconds nor --count is given
 MOST_PAIRS = 8  # of one step: more tell little that eight do not
 
 
-def pairs_of(arguments: argparse.Namespace, console: Console) -> list[Pair]:
-    """Return the pairs of any of the sources."""
+def pairs_of(
+    arguments: argparse.Namespace, console: Console, succession: Succession
+) -> list[Pair]:
+    """Return the pairs of any of the sources, whose frames a succession is shown in order."""
     folder = Path(arguments.source)
     if arguments.dark:
         dark = argparse.Namespace(**{**vars(arguments), 'source': arguments.dark})
@@ -33,11 +36,16 @@ def pairs_of(arguments: argparse.Namespace, console: Console) -> list[Pair]:
                 _pair(two, dark=each is dark)
                 for each in (dark, arguments)
                 # A topic ends anywhere.
-                for two in in_twos(shown_frames(each, console), odd=is_live(each))
+                for two in in_twos(
+                    watched(shown_frames(each, console), succession, each is dark),
+                    odd=is_live(each),
+                )
             ),
         ]
     if not is_folder(arguments):
-        pairs = _steps(image for _, image in shown_frames(arguments, console))
+        pairs = _steps(
+            image for _, image in watched(shown_frames(arguments, console), succession)
+        )
         console.print(f'{len(pairs)} pairs; the darkest step is taken for the dark one')
         return pairs
     if not (folder / INDEX).is_file():
@@ -46,7 +54,16 @@ def pairs_of(arguments: argparse.Namespace, console: Console) -> list[Pair]:
             'the dark frames of these bright ones with --dark FOLDER, or say --scene if they '
             'show a still scene'
         )
-    return _indexed(arguments, folder / INDEX, console)
+    return _indexed(arguments, folder / INDEX, console, succession)
+
+
+def watched(
+    stream: Iterable[tuple[str, Pixels]], succession: Succession, dark: bool = False
+) -> Iterator[tuple[str, Pixels]]:
+    """Yield the frames of a stream, and show them to a succession."""
+    for name, image in stream:
+        succession.add(image, dark)
+        yield name, image
 
 
 def shown_frames(arguments: argparse.Namespace, console: Console) -> Iterator[tuple[str, Pixels]]:
@@ -164,7 +181,9 @@ def _steps(stream: Iterable[Pixels]) -> list[Pair]:
     ]
 
 
-def _indexed(arguments: argparse.Namespace, index: Path, console: Console) -> list[Pair]:
+def _indexed(
+    arguments: argparse.Namespace, index: Path, console: Console, succession: Succession
+) -> list[Pair]:
     """Return the pairs of a folder by its index."""
     try:
         # Spreadsheets begin UTF-8 with a byte order mark.
@@ -205,6 +224,7 @@ def _indexed(arguments: argparse.Namespace, index: Path, console: Console) -> li
             continue
         seen.add(name)
         key = where[name]
+        succession.add(image, key)
         group = groups.setdefault(key, [])
         group.append(image)
         if len(group) == 2:

@@ -34,7 +34,16 @@ def print_photon_transfer(console: Console, found: PhotonTransfer) -> None:
     line = found.line
     table = Table('', 'value', 'standard deviation', title='Photon transfer (EMVA 1288)')
     slope_sigma = sqrt(line.covariance[0, 0])
-    table.add_row('system gain K, DN/e-', f'{line.slope:.4f}', f'{slope_sigma:.2g}')
+    if found.system_gain is None:
+        table.add_row('system gain K by EMVA 1288, DN/e-', 'not told without dark frames', '')
+    else:
+        standard, sigma = found.system_gain
+        table.add_row('system gain K by EMVA 1288, DN/e-', f'{standard:.4g}', f'{sigma:.2g}')
+    table.add_row(
+        'slope of the weighted line, 1 / noise.gain, DN/e-',
+        f'{line.slope:.4g}',
+        f'{slope_sigma:.2g}',
+    )
     table.add_row(
         'temporal dark noise, e-',
         f'{line.read_noise * line.gain:.2f}',

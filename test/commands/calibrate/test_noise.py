@@ -77,6 +77,40 @@ def test_a_folder_with_an_index(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert 'overwritten' in capsys.readouterr().out
 
 
+def test_frames_that_hang_together_in_time(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A camera's noise reduction is refused, flat and in a scene; with two frames it is not told."""
+    random = np.random.default_rng(14)
+    scene = Scene(width=320, height=240, background=90.0, sensor=Sensor(SensorNoise(8.0, 1.2)))
+    held: dict[str, np.ndarray] = {}
+
+    def reduced(name: str, image: np.ndarray) -> np.ndarray:
+        """Return 0.75 of a frame and 0.25 of what was returned before."""
+        held[name] = 0.25 * held[name] + 0.75 * image if name in held else image.astype(float)
+        return np.rint(held[name]).astype(image.dtype)
+
+    for index in range(12):
+        write(tmp_path / 'scene', f'{index:02d}.png', reduced('scene', scene.frame(index)))
+        for signal in (0, 400, 1200, 2400):
+            name = f'{signal:04d}_{index:02d}.png'
+            folder = tmp_path / ('bright' if signal else 'dark')
+            write(folder, name, reduced(str(signal), FIELD.frame(signal, random)))
+    out = tmp_path / 'noise.yaml'
+    for words in (
+        (tmp_path / 'scene', '--scene'), (tmp_path / 'bright', '--dark', tmp_path / 'dark'),
+    ):
+        assert run(*words, '--out', out) == 1
+        told = capsys.readouterr().err
+        assert 'hang together in time' in told and 'off and record again' in told
+        assert 0.2 < float(re.findall(r'correlation (\S+)', told)[0]) < 0.35
+    assert not out.exists()
+    assert run(indexed(tmp_path / 'frames'), '--out', out) == 0
+    assert 'cannot be told. Take three' in ' '.join(capsys.readouterr().out.split())
+    assert run(indexed(tmp_path / 'four', shots=4), '--out', out) == 0
+    assert 'in a row' not in capsys.readouterr().out
+
+
 def test_folders_of_bright_and_dark(tmp_path: Path) -> None:
     """Names sorted in pairs."""
     random = np.random.default_rng(2)

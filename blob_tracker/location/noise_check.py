@@ -1,0 +1,235 @@
+"""The configured noise, held against the windows of a light."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import hypot, inf, isfinite, log, sqrt
+
+from blob_tracker.location.noise import noise_in_words, pixel_variance
+from blob_tracker.location.pulse import integrated_profile
+from blob_tracker.types import Location, SensorNoise, Window
+import numpy as np
+from numpy.typing import NDArray
+
+CONTRADICTION = 1.2  # ratio of two variances; calibrations differ by less
+SIGNIFICANT_SIGMA = 3.5
+MEMORY = 256  # windows that were looked at, after which one weighs 1/e
+LEAST_DOF = 500.0  # differences of pixels, which tell a variance to 9 %
+ENOUGH_DOF = 4000.0  # beyond which every eighth window is looked at
+LEAST_BRIGHT = 100.0  # pixels of the light: a variance to 14 %
+FEWEST = 24  # px that two windows share: fewer say little
+LARGEST = 64  # px of the sides of what is looked at: that is enough, and large lights cost time
+REACH = 2.5  # sigma about the light that are left out: it may not be dark in the unlit frame
+FARTHEST = 0.25  # px that the picture may move: first order is enough
+UNSEEN = 0.05  # of the variance, that such a motion may make
+HIDDEN_DN2 = 0.24  # variance below which rounding hides the noise (EMVA 1288, section 6.6)
+CORRELATED = 0.1  # between neighbours: pixels that were warped, compressed or cleared of noise
+FLATTEST = 0.05  # of the configured slope of the variance: what is measured as less is chance
+
+Array = NDArray[np.float64]
+
+
+class NoiseCheck:
+    """
+    Measure the noise on the windows of a light, and say where the configured one is not it.
+
+    The unlit pixels of two windows that follow each other differ by noise, by what the light of
+    the room changed (a constant, and a part of the picture) and by what the picture moved (its
+    derivatives): what is left of a fit of these is the variance at the level behind the light. It
+    is not used where neighbours are correlated, or hidden by rounding. How the variance grows
+    from there to the light's peak is told by the residuals of the pulse in the lit pixels,
+    each over its share 1 - h of degrees of freedom, h the leverage; as a pulse of another shape
+    leaves more than noise, the slope is taken between that of another black level and that of
+    another gain.
+
+    Only where the configured variance is off by more than 1.2, and 3.5 standard deviations, is
+    the measured noise used: a right configuration is left as it is, bit for bit. All comes from
+    windows in their order, so that a bag has the same numbers in one process and in three.
+
+    Parameters
+    ----------
+    configured : SensorNoise
+        Of one frame.
+
+    Attributes
+    ----------
+    noise : SensorNoise
+        To be used for the next window.
+    warning : str
+        What is wrong and what to set; '' where the configured noise is right, or not tested yet.
+
+    """
+
+    def __init__(self, configured: SensorNoise) -> None:
+        self.configured = configured
+        self.noise = configured
+        self.warning = ''
+        self._last: tuple[Array, int, int, float, float, float] | None = None
+        # dof, and dof times level and variance; products of neighbours and their count; of the
+        # light's pixels 1 - h, and that times level and times the residual over the variance.
+        self._sums = np.zeros(8)
+        self._windows = 0
+
+    def add(self, window: Window, location: Location) -> None:
+        """
+        Take the next window.
+
+        Parameters
+        ----------
+        window : Window
+            Lit and unlit pixels, DN.
+        location : Location
+            Of its light.
+
+        """
+        if window.unlit is None:
+            return
+        unlit = np.asarray(window.unlit, dtype=float)
+        across, down = window.binning
+        x = (location.x - window.x0 + 0.5) / across - 0.5
+        y = (location.y - window.y0 + 0.5) / down - 0.5
+        left, top = window.x0 // across, window.y0 // down
+        before = self._last
+        self._last = unlit, left, top, x + left, y + top, location.sigma
+        self._windows += 1
+        if before is None or (self._sums[0] > ENOUGH_DOF and self._windows % 8):
+            return
+        limit = inf if window.saturation is None else window.saturation * window.looks
+        found = _unlit_variance(before, self._last, limit)
+        if found is None:
+            return
+        dof, level, variance, product, neighbours = found
+        self._sums *= 1.0 - 1.0 / MEMORY
+        looks = window.looks
+        self._sums[:3] += dof, dof * level / looks, dof * variance / looks
+        self._sums[3:5] += product, neighbours
+        self._sums[5:] += _bright(window, location, x, y, self.configured)
+        self._judge()
+
+    def _judge(self) -> None:
+        """Say whether the configured noise is that of the windows, and which one is."""
+        self.noise, self.warning = self.configured, ''
+        dof = self._sums[0]
+        if dof < LEAST_DOF:
+            return
+        level, variance = (float(each) for each in self._sums[1:3] / dof)
+        if variance < HIDDEN_DN2 or abs(self._sums[3]) > CORRELATED * self._sums[4] * variance:
+            return
+        configured = float(pixel_variance(np.array(level), self.configured))
+        ratio = variance / configured
+        # Each frame is in two differences: half as many are independent.
+        sigma = sqrt(4.0 / dof)
+        if abs(log(ratio)) < log(CONTRADICTION) + SIGNIFICANT_SIGMA * sigma:
+            return
+        self.noise = self._measured(level, variance)
+        self.warning = (
+            f'the unlit pixels have {ratio:.2g} times the variance of the configured noise '
+            f'({noise_in_words(self.configured)}) at {level:.0f} DN; '
+            f'{noise_in_words(self.noise)} is used instead. Set noise.gain, noise.read_noise and '
+            'noise.black_level; python3 -m blob_tracker calibrate noise measures them'
+        )
+
+    def _measured(self, level: float, variance: float) -> SensorNoise:
+        """Return the noise with this variance at this level, as near to the configured as may be."""
+        given = self.configured
+        constant = given.read_noise**2 + 1.0 / 12.0
+        by_black = 1.0 / given.gain
+        by_gain = by_black
+        if level > given.black_level:
+            by_gain = max((variance - constant) / (level - given.black_level), 0.0)
+        slope = max(by_black, by_gain)
+        count, levels, ratios = map(float, self._sums[5:])
+        if count > LEAST_BRIGHT and levels / count > level + 1.0:
+            bright = levels / count
+            there = ratios / count * float(pixel_variance(np.array(bright), given))
+            told = (there - variance) / (bright - level)
+            slope = min(max(told, min(by_black, by_gain)), slope)
+        slope = max(slope, FLATTEST * by_black)
+        if not isfinite(1.0 / slope if slope > 0.0 else inf):
+            return replace(given, read_noise=sqrt(max(variance - 1.0 / 12.0, 0.0)))
+        black_level = level - (variance - constant) / slope
+        read_noise = given.read_noise
+        if black_level > level:
+            black_level, read_noise = level, sqrt(variance - 1.0 / 12.0)
+        elif black_level < 0.0:
+            black_level, read_noise = 0.0, sqrt(max(variance - 1.0 / 12.0 - level * slope, 0.0))
+        return SensorNoise(1.0 / slope, read_noise, black_level)
+
+
+def _unlit_variance(
+    before: tuple[Array, int, int, float, float, float],
+    now: tuple[Array, int, int, float, float, float],
+    limit: float,
+) -> tuple[float, float, float, float, float] | None:
+    """Return dof, level, variance, and the products of neighbours with their count; or None."""
+    (a, left_a, top_a, *_), (b, left_b, top_b, *_) = before, now
+    left, top = max(left_a, left_b), max(top_a, top_b)
+    right = min(left_a + a.shape[1], left_b + b.shape[1], left + LARGEST)
+    bottom = min(top_a + a.shape[0], top_b + b.shape[0], top + LARGEST)
+    if right - left < 4 or bottom - top < 4:
+        return None
+    first, second = (
+        each[top - y0:bottom - y0, left - x0:right - x0]
+        for each, x0, y0 in ((a, left_a, top_a), (b, left_b, top_b))
+    )
+    rows, columns = np.mgrid[top:bottom, left:right]
+    used = (first > 0.0) & (second > 0.0) & (first < limit) & (second < limit)
+    for _, _, _, x, y, sigma in (before, now):
+        used &= np.hypot(columns - x, rows - y) > REACH * sigma
+    count = int(used.sum())
+    if count < FEWEST or np.array_equal(first, second):
+        return None
+    mean = 0.5 * (first + second)
+    along_y, along_x = np.gradient(mean)
+    design = np.stack([np.ones(count), mean[used], along_x[used], along_y[used]], axis=1)
+    difference = (second - first)[used]
+    found = np.linalg.lstsq(design, difference, rcond=1e-9)[0]
+    rest = difference - design @ found
+    dof = count - 4
+    variance = 0.5 * float(rest @ rest) / dof
+    motion = hypot(found[2], found[3])
+    if motion > FARTHEST and (
+        motion**2 * float(np.square(design[:, 2:]).mean()) > UNSEEN * 2.0 * variance
+    ):
+        return None
+    picture = np.zeros(first.shape)
+    picture[used] = rest
+    product = float((picture[:, 1:] * picture[:, :-1]).sum()
+                    + (picture[1:] * picture[:-1]).sum())
+    neighbours = float((used[:, 1:] & used[:, :-1]).sum() + (used[1:] & used[:-1]).sum())
+    return float(dof), float(mean[used].mean()), variance, 0.5 * product, neighbours
+
+
+def _bright(
+    window: Window, location: Location, x: float, y: float, noise: SensorNoise
+) -> tuple[float, float, float]:
+    """Return 1 - h of the light's pixels, that times their level, and their residuals' ratio."""
+    assert window.unlit is not None
+    height, width = window.unlit.shape
+    if max(height, width) > LARGEST or location.saturated or location.sigma <= 0.0:
+        return 0.0, 0.0, 0.0
+    lit = np.asarray(window.lit, dtype=float) / window.looks
+    gx, gx_x, gx_s = integrated_profile(width, x, location.sigma)
+    gy, gy_y, gy_s = integrated_profile(height, y, location.sigma)
+    pulse = np.outer(gy, gx)
+    mean = (location.background + location.amplitude * pulse) / window.looks
+    deviation = np.sqrt(pixel_variance(mean, noise))
+    unlit = np.asarray(window.unlit, dtype=float)
+    design = np.stack([
+        np.ones_like(pulse), unlit - unlit.mean(), pulse, np.outer(gy, gx_x), np.outer(gy_y, gx),
+        np.outer(gy, gx_s) + np.outer(gy_s, gx),
+    ], axis=-1) / deviation[..., None]
+    design = design.reshape(-1, design.shape[-1])
+    scaled = ((lit - mean) / deviation).ravel()
+    # The pseudo-inverse: an unlit window without any texture is no column.
+    back = np.linalg.pinv(design.T @ design, rcond=1e-12, hermitian=True) @ design.T
+    rest = scaled - design @ (back @ scaled)
+    shares = 1.0 - np.einsum('ij,ji->i', design, back)
+    bright = pulse.ravel() > 0.5
+    # Taking one frame of several looks changes nothing but the scale of the variance.
+    looks = window.looks
+    share = float(shares[bright].sum())
+    return (
+        share, float(shares[bright] @ mean.ravel()[bright]),
+        looks * float(rest[bright] @ rest[bright]),
+    )
