@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
+from heapq import nlargest
 import math
 from statistics import median
+from typing import NamedTuple
 
 from blob_tracker.segmentation.box import Box, box_about, whole
 from blob_tracker.segmentation.candidate import Candidate
@@ -19,15 +21,18 @@ FOLLOWED_GATE_FRACTION = 0.3  # of the gate: what is left to chance once the mot
 FLANK_SIGMA = 4.0  # sigma: a wide blob's peak wanders so far
 MAX_BRIGHTNESS_RATIO = 2.5  # times brighter or fainter than before, and still the same light
 MAX_AGE_FRAMES = 8  # frames without a flash after which a track ends
-MOST_TRACKS = 32
+# What is kept of a crowd, so that its frames take a bounded time; the strongest of it. Of the glints
+# of a frame each is on a track for 8 frames.
+MOST_LIGHTS, MOST_TRACKS = 128, 512
 FIRST_PAIRS = 3  # pairs of frames in which a single light is taken for the target at once
 REGION_MARGIN_PX = 16  # px about the prediction, and as many sigma as FLANK_SIGMA says
 # False alarms: at most so many by chance in a frame, at the rate at which new things light up.
 FALSE_ALARMS_PER_FRAME = 3e-6
 CLUSTERING = 20.0  # times denser than if they were spread evenly: glints, leaves, a street's lamps
+MOST_FLASHES = 6  # are always enough for what is clustered so: it leaves the rest of the frame
+MOST_EVEN_FLASHES = 20  # for what is spread evenly: 130 glints in each frame of 320 x 240 px
 LEAST_MEMORY_FRAMES, MOST_MEMORY_FRAMES = 16, 128  # frames over which that rate is the mean
 INITIAL_RATE = 0.05  # before anything was seen
-MOST_FLASHES = 6  # are always enough
 # Flashes of the target after which one that comes a frame late is still it
 ESTABLISHED_FLASHES = 3
 OUT_OF_STEP_FLASHES = 2  # more flashes are asked of a light that was once seen out of step
@@ -58,6 +63,15 @@ class _Track:
         return FLANK_SIGMA * self.sigma + moved * max(age, 1.0) / PERIOD_FRAMES
 
 
+class _Reach(NamedTuple):
+    """Where a track is expected in a frame, and how far from there it may be, px."""
+
+    track: _Track
+    x: float
+    y: float
+    radius: float
+
+
 class Confirmation:
     """
     Confirm the light that is on in every other frame, and follow it.
@@ -85,10 +99,11 @@ class Confirmation:
 
     def __init__(self, gate_px: float) -> None:
         self.gate_px = gate_px
-        self._tracks: list[_Track] = []
+        self._tracks: dict[int, _Track] = {}  # by their identity
         self._locked: _Track | None = None
         self._expected: Expectation | None = None
         self._intervals: deque[int] = deque(maxlen=INTERVALS)
+        self._interval_ns = 0.0  # their median
         self._stamp_ns: int | None = None
         self._frames = 0
         self._rate = INITIAL_RATE  # of new things that light up, a frame
@@ -121,9 +136,12 @@ class Confirmation:
         """
         if self._stamp_ns is not None:
             self._intervals.append(stamp_ns - self._stamp_ns)
+            self._interval_ns = median(self._intervals)
         self._stamp_ns = stamp_ns
         self._frames += 1
-        self._tracks = [each for each in self._tracks if self._age(each) <= MAX_AGE_FRAMES]
+        self._tracks = {
+            key: each for key, each in self._tracks.items() if self._age(each) <= MAX_AGE_FRAMES
+        }
         if self._locked is not None and self._age(self._locked) > MAX_AGE_FRAMES:
             self._locked = None
         self._expected = None
@@ -172,10 +190,9 @@ class Confirmation:
         track = self._locked
         if self._expected is None or track is None:
             return False
-        age = self._age(track)
-        if age < PERIOD_FRAMES - STAMP_TOLERANCE_FRAMES or any(
-            not each.rejected and self._matches(track, each, self._distance(track, each))
-            for each in everything
+        reach = self._reach(track)
+        if self._age(track) < PERIOD_FRAMES - STAMP_TOLERANCE_FRAMES or any(
+            not each.rejected and _offset_px(reach, each) < math.inf for each in everything
         ):
             return False
         self._expected = None
@@ -196,18 +213,22 @@ class Confirmation:
 
         """
         searched = self._locked is None
+        reaches = {
+            key: self._reach(each) for key, each in self._tracks.items() if self._age(each) > 0.0
+        }
         candidates = []
         for each in everything:
-            if each.rejected:
-                self._mark_out_of_step(each)
-            else:
+            if not each.rejected:
                 candidates.append(each)
-        seen = [(self._associated(each), each) for each in candidates]
+            elif len(reaches) > 0:
+                self._mark_out_of_step(each, reaches)
+        seen = [(self._associated(each, reaches), each) for each in self._strongest(candidates)]
         if searched:
             new = sum(track.flashes == 1 and not track.out_of_step for track, _ in seen)
             self._rate_frames = min(self._rate_frames + 1, MOST_MEMORY_FRAMES)
             self._rate += (new - self._rate) / self._rate_frames
-        needed = self._flashes_needed(shape)
+        sigma = max((track.sigma for track, _ in seen), default=0.0)
+        needed = self._flashes_needed(shape, sigma)
         best: tuple[_Track, Candidate] | None = None
         alone = self._frames <= FIRST_PAIRS and len(everything) == 1
         for track, candidate in seen:
@@ -220,25 +241,43 @@ class Confirmation:
                 break
             if best is None or candidate.snr > best[1].snr:
                 best = track, candidate
-        self._tracks = [
-            each for each in self._tracks if all(each is not track for track, _ in seen)
-        ] + [track for track, _ in seen]
-        del self._tracks[:-MOST_TRACKS]
-        if best is None:
-            return None
-        self._locked = best[0]
-        return best[1]
+        self._tracks |= {id(track): track for track, _ in seen}
+        if best is not None:
+            self._locked = best[0]
+        if len(self._tracks) > MOST_TRACKS:
+            kept = nlargest(
+                MOST_TRACKS,
+                self._tracks.values(),
+                key=lambda each: (each is self._locked, each.flashes, each.height),
+            )
+            self._tracks = {id(each): each for each in kept}
+        return None if best is None else best[1]
 
-    def _associated(self, candidate: Candidate) -> _Track:
-        """Return the track that a candidate belongs to, brought up to date; else a new one."""
+    def _strongest(self, candidates: Sequence[Candidate]) -> Sequence[Candidate]:
+        """Return the highest of a crowd, and what may be the target that is followed."""
+        if len(candidates) <= MOST_LIGHTS:
+            return candidates
+        reach = None if self._locked is None else self._reach(self._locked)
+        ordered = sorted(candidates, key=lambda each: -each.height)
+        return ordered[:MOST_LIGHTS] + [
+            each for each in ordered[MOST_LIGHTS:]
+            if reach is not None and _offset_px(reach, each) < math.inf
+        ]
+
+    def _associated(self, candidate: Candidate, reaches: dict[int, _Reach]) -> _Track:
+        """
+        Return the track that a candidate belongs to, brought up to date; else a new one.
+
+        The reach of the track that it belongs to is taken out: no other candidate is on it.
+        """
         assert self._stamp_ns is not None
         sigma = math.hypot(candidate.sigma_x, candidate.sigma_y) / math.sqrt(2.0)
         new = _Track(candidate.x, candidate.y, sigma, candidate.height, self._stamp_ns)
         nearest, least_px = None, math.inf
-        for track in self._tracks:
-            offset_px = self._distance(track, candidate)
-            if offset_px < least_px and self._matches(track, candidate, offset_px):
-                nearest, least_px = track, offset_px
+        for reach in reaches.values():
+            offset_px = _offset_px(reach, candidate)
+            if offset_px < least_px:
+                nearest, least_px = reach.track, offset_px
         if nearest is None:
             return new
         age = self._age(nearest)
@@ -249,17 +288,17 @@ class Confirmation:
             if nearest is self._locked and established and age > PERIOD_FRAMES:
                 # It missed its flash and comes a frame late: the light slipped.
                 new.trusted = True
-                self._replace_track(nearest, new)
+                self._replace_track(nearest, new, reaches)
                 return new
             new.out_of_step = True
-            self._replace_track(nearest, None)
+            self._replace_track(nearest, None, reaches)
             return new
         new.velocity_x = (candidate.x - nearest.x) / age
         new.velocity_y = (candidate.y - nearest.y) / age
         new.flashes = nearest.flashes + 1
         new.out_of_step = nearest.out_of_step
         new.trusted = nearest.trusted
-        self._replace_track(nearest, new)
+        self._replace_track(nearest, new, reaches)
         return new
 
     def _predicted_position(self, track: _Track) -> tuple[float, float]:
@@ -274,60 +313,92 @@ class Confirmation:
             return FLANK_SIGMA * track.sigma + self._expected.gate_radius_px
         return track.gate_radius_px(self.gate_px, self._age(track))
 
-    def _distance(self, track: _Track, candidate: Candidate) -> float:
-        """Return how far a candidate is from where a track is expected, px."""
-        x, y = self._predicted_position(track)
-        return math.hypot(candidate.x - x, candidate.y - y)
+    def _reach(self, track: _Track) -> _Reach:
+        """Return where a track may go on in this frame."""
+        return _Reach(track, *self._predicted_position(track), self._gate_radius_px(track))
 
-    def _matches(self, track: _Track, candidate: Candidate, offset_px: float) -> bool:
-        """Tell whether a candidate that is so far from a track may be the same light."""
-        return (
-            self._age(track) > 0.0
-            and offset_px < self._gate_radius_px(track)
-            and track.height < MAX_BRIGHTNESS_RATIO * candidate.height
-            and candidate.height < MAX_BRIGHTNESS_RATIO * track.height
-        )
-
-    def _replace_track(self, track: _Track, by: _Track | None) -> None:
+    def _replace_track(
+        self, track: _Track, by: _Track | None, reaches: dict[int, _Reach]
+    ) -> None:
         """End a track; where it was the one that is followed, another is from now on, or none."""
         if track is self._locked:
             self._locked = by
-        self._tracks = [each for each in self._tracks if each is not track]
+        del self._tracks[id(track)], reaches[id(track)]
 
-    def _mark_out_of_step(self, candidate: Candidate) -> None:
+    def _mark_out_of_step(self, candidate: Candidate, reaches: dict[int, _Reach]) -> None:
         """Mark the young track that is followed, and end all others, where it is out of step."""
-        for track in list(self._tracks):
-            near = FLANK_SIGMA * (track.sigma + 1.0)
+        for track, x, y, _ in list(reaches.values()):
             if (
-                track.flashes < MOST_FLASHES
+                math.hypot(candidate.x - x, candidate.y - y) < FLANK_SIGMA * (track.sigma + 1.0)
+                and track.flashes < MOST_FLASHES
                 and not self._in_step(self._age(track))
-                and self._distance(track, candidate) < near
                 and track.height < MAX_BRIGHTNESS_RATIO * candidate.height
             ):
                 track.out_of_step = True
                 if track is not self._locked:
-                    self._replace_track(track, None)
+                    self._replace_track(track, None, reaches)
 
     def _age(self, track: _Track) -> float:
         """Return the time since a track was seen, in frames."""
-        if self._stamp_ns is None or not self._intervals:
+        if self._stamp_ns is None or self._interval_ns <= 0.0:
             return 0.0
-        return (self._stamp_ns - track.stamp_ns) / median(self._intervals)
+        return (self._stamp_ns - track.stamp_ns) / self._interval_ns
 
     def _in_step(self, age: float) -> bool:
         """Tell whether a light that flashes in step can be on after so many frames."""
         frames = round(age)
         return abs(age - frames) > STAMP_TOLERANCE_FRAMES or frames % PERIOD_FRAMES == 0
 
-    def _flashes_needed(self, shape: tuple[int, int]) -> int:
-        """Return after how many flashes chance cannot have made a track."""
-        # Half of what lights up within reach is as bright as what lit up there before.
-        near = 0.5 * CLUSTERING * math.pi / (shape[0] * shape[1])
+    def _flashes_needed(self, shape: tuple[int, int], sigma: float) -> int:
+        """Return after how many flashes chance cannot have made a track of such a sigma, px."""
         rate = max(self._rate - 1.0 / self._rate_frames, 0.0)  # the target was new once as well
-        first = rate * min(near * self.gate_px**2, 1.0)
-        later = rate * min(near * (FOLLOWED_GATE_FRACTION * self.gate_px) ** 2, 1.0)
-        chance, flashes = rate * first, 2
-        while chance > FALSE_ALARMS_PER_FRAME and flashes < MOST_FLASHES:
-            chance *= later
-            flashes += 1
-        return flashes
+        # Half of what lights up within reach is as bright as what lit up there before.
+        near = 0.5 * rate * math.pi / (shape[0] * shape[1])
+        first, later = self.gate_px**2, (FOLLOWED_GATE_FRACTION * self.gate_px) ** 2
+        crowded = (FOLLOWED_GATE_FRACTION * self.gate_px + FLANK_SIGMA * sigma) ** 2
+        return max(
+            _flashes_beyond_chance(
+                rate, CLUSTERING * near * first, CLUSTERING * near * later, rate, MOST_FLASHES
+            ),
+            _flashes_beyond_chance(rate, near * first, near * crowded, rate, MOST_EVEN_FLASHES),
+        )
+
+
+def _flashes_beyond_chance(
+    rate: float, first: float, later: float, most_near: float, most: int
+) -> int:
+    """
+    Return after how many flashes chance makes a track as seldom as it may.
+
+    Parameters
+    ----------
+    rate : float
+        New things that light up in a frame.
+    first, later : float
+        How many of them are within the gate of another one, and of a track whose motion is known.
+    most_near : float
+        How many they can be.
+    most : int
+        Flashes that are always enough.
+
+    """
+    chance, flashes = rate * min(first, most_near), 2
+    while chance > FALSE_ALARMS_PER_FRAME and flashes < most:
+        chance *= min(later, most_near)
+        flashes += 1
+    return flashes
+
+
+def _offset_px(reach: _Reach, candidate: Candidate) -> float:
+    """Return how far a candidate is from where a track is expected; infinity for another light."""
+    track, x, y, radius = reach
+    dx, dy = candidate.x - x, candidate.y - y
+    # Most of a crowd is far away: told by the first of these.
+    if not -radius < dx < radius or not -radius < dy < radius:
+        return math.inf
+    offset_px = math.hypot(dx, dy)
+    alike = (
+        track.height < MAX_BRIGHTNESS_RATIO * candidate.height
+        and candidate.height < MAX_BRIGHTNESS_RATIO * track.height
+    )
+    return offset_px if offset_px < radius and alike else math.inf

@@ -267,3 +267,58 @@ def test_of_two_flashes_the_greater_snr_is_taken() -> None:
     camera.see(start + 11)
     chosen = camera.see(start + 12, light(0)._replace(snr=400.0), other)
     assert chosen is not None and chosen.peak == (500, 300)
+
+
+@pytest.mark.parametrize('count', [31, 40, 100, 300, 900])
+def test_the_brightest_of_a_crowd_in_step_is_found(count: int) -> None:
+    """Dots of a projector: more than are kept, seen in any order."""
+    random = np.random.default_rng(count)
+    places = random.permutation([(x, y) for x in range(8, 640, 16) for y in range(150, 480, 12)])
+    heights = random.uniform(50.0, 100.0, count)
+    dots = [
+        candidate_at(int(x), int(y), height=height, snr=height)
+        for (x, y), height in zip(places, heights)
+    ]
+    target = light(0)._replace(height=150.0, snr=150.0)
+    camera = Camera()
+    found = []
+    for index in range(40):
+        shown = random.permutation(np.array([*dots, target], dtype=object)).tolist()
+        chosen = camera.see(index, *(Candidate(*each) for each in shown if index % 2 == 0))
+        if chosen is not None:
+            assert chosen.peak == target.peak
+            found.append(index)
+    # Seven flashes confirm it at most: at the first one all of the crowd is new.
+    assert found == list(range(found[0], 40, 2)) and found[0] <= 12
+
+
+@pytest.mark.parametrize('count', [20, 40])
+def test_a_light_among_glints_in_every_frame_is_found(count: int) -> None:
+    """As bright as they are, and none of them is taken for it."""
+    random = np.random.default_rng(count)
+    camera = Camera()
+    found = []
+    for index in range(200):
+        places = random.integers((0, 130), (640, 480), (count, 2))
+        glints = [
+            candidate_at(int(x), int(y), height=height, sigma_x=1.2, sigma_y=1.2)
+            for (x, y), height in zip(places, random.uniform(50.0, 150.0, count))
+        ]
+        chosen = camera.see(index, *glints, *([light(0)] if index % 2 == 0 else []))
+        if chosen is not None:
+            assert chosen.peak == (200, 100)
+            found.append(index)
+    assert found == list(range(found[0], 200, 2)) and found[0] <= 40
+
+
+def test_chance_confirms_nothing_among_glints_in_every_frame() -> None:
+    """20 of them a frame, anywhere in a small one; in 1500 frames one chosen at most."""
+    random = np.random.default_rng(11)
+    camera = Camera((240, 320))
+    chosen = 0
+    for index in range(1500):
+        places = random.integers(0, (320, 240), (20, 2))
+        chosen += camera.see(
+            index, *(candidate_at(int(x), int(y), sigma_x=1.2, sigma_y=1.2) for x, y in places)
+        ) is not None
+    assert chosen <= 1
