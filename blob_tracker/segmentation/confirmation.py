@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from heapq import nlargest
 import math
@@ -30,7 +30,8 @@ REGION_MARGIN_PX = 16  # px about the prediction, and as many sigma as FLANK_SIG
 FALSE_ALARMS_PER_FRAME = 3e-6
 CLUSTERING = 20.0  # times denser than if they were spread evenly: glints, leaves, a street's lamps
 MOST_FLASHES = 6  # are always enough for what is clustered so: it leaves the rest of the frame
-MOST_EVEN_FLASHES = 20  # for what is spread evenly: 130 glints in each frame of 320 x 240 px
+MOST_EVEN_FLASHES = 20  # for what is spread evenly: 100 glints in each frame of 320 x 240 px
+KNOWN_RUN = 4  # flashes without a miss, from which on a light is not one of those that pass
 LEAST_MEMORY_FRAMES, MOST_MEMORY_FRAMES = 16, 128  # frames over which that rate is the mean
 INITIAL_RATE = 0.05  # before anything was seen
 # Flashes of the target after which one that comes a frame late is still it
@@ -48,6 +49,7 @@ class _Track:
     height: float
     stamp_ns: int
     flashes: int = 1
+    run: int = 1  # of them since one was missed
     velocity_x: float = 0.0  # px a frame
     velocity_y: float = 0.0
     out_of_step: bool = False
@@ -107,6 +109,7 @@ class Confirmation:
         self._stamp_ns: int | None = None
         self._frames = 0
         self._rate = INITIAL_RATE  # of new things that light up, a frame
+        self._crowd = INITIAL_RATE  # of all but what flashed several times, a frame
         self._rate_frames = LEAST_MEMORY_FRAMES
 
     @property
@@ -191,7 +194,7 @@ class Confirmation:
         if self._expected is None or track is None:
             return False
         reach = self._reach(track)
-        if self._age(track) < PERIOD_FRAMES - STAMP_TOLERANCE_FRAMES or any(
+        if not self._is_due(track) or any(
             not each.rejected and _offset_px(reach, each) < math.inf for each in everything
         ):
             return False
@@ -222,24 +225,32 @@ class Confirmation:
                 candidates.append(each)
             elif len(reaches) > 0:
                 self._mark_out_of_step(each, reaches)
-        seen = [(self._associated(each, reaches), each) for each in self._strongest(candidates)]
+        candidates = self._strongest(candidates)
+        partners = _partners(candidates, reaches)
+        seen = [
+            (self._continued(each, partners.get(index)), each)
+            for index, each in enumerate(candidates)
+        ]
         if searched:
             new = sum(track.flashes == 1 and not track.out_of_step for track, _ in seen)
             self._rate_frames = min(self._rate_frames + 1, MOST_MEMORY_FRAMES)
             self._rate += (new - self._rate) / self._rate_frames
+            passing = sum(track.run < KNOWN_RUN for track, _ in seen)
+            self._crowd += (passing - self._crowd) / self._rate_frames
         sigma = max((track.sigma for track, _ in seen), default=0.0)
-        needed = self._flashes_needed(shape, sigma)
+        needed, needed_run = self._flashes_needed(shape, sigma)
         best: tuple[_Track, Candidate] | None = None
         alone = self._frames <= FIRST_PAIRS and len(everything) == 1
+        due = not self._followed or self._is_due(self._locked)
         for track, candidate in seen:
             track.trusted = not track.out_of_step and (track.trusted or alone)
             more = OUT_OF_STEP_FLASHES if track.out_of_step else 0
-            if not track.trusted and track.flashes < needed + more:
+            if not track.trusted and (track.flashes < needed + more or track.run < needed_run):
                 continue
             if track is self._locked:
                 best = track, candidate
                 break
-            if best is None or candidate.snr > best[1].snr:
+            if due and (best is None or candidate.snr > best[1].snr):
                 best = track, candidate
         self._tracks |= {id(track): track for track, _ in seen}
         if best is not None:
@@ -253,7 +264,7 @@ class Confirmation:
             self._tracks = {id(each): each for each in kept}
         return None if best is None else best[1]
 
-    def _strongest(self, candidates: Sequence[Candidate]) -> Sequence[Candidate]:
+    def _strongest(self, candidates: list[Candidate]) -> list[Candidate]:
         """Return the highest of a crowd, and what may be the target that is followed."""
         if len(candidates) <= MOST_LIGHTS:
             return candidates
@@ -264,20 +275,11 @@ class Confirmation:
             if reach is not None and _offset_px(reach, each) < math.inf
         ]
 
-    def _associated(self, candidate: Candidate, reaches: dict[int, _Reach]) -> _Track:
-        """
-        Return the track that a candidate belongs to, brought up to date; else a new one.
-
-        The reach of the track that it belongs to is taken out: no other candidate is on it.
-        """
+    def _continued(self, candidate: Candidate, nearest: _Track | None) -> _Track:
+        """Return a track brought up to date by the candidate that belongs to it; or a new one."""
         assert self._stamp_ns is not None
         sigma = math.hypot(candidate.sigma_x, candidate.sigma_y) / math.sqrt(2.0)
         new = _Track(candidate.x, candidate.y, sigma, candidate.height, self._stamp_ns)
-        nearest, least_px = None, math.inf
-        for reach in reaches.values():
-            offset_px = _offset_px(reach, candidate)
-            if offset_px < least_px:
-                nearest, least_px = reach.track, offset_px
         if nearest is None:
             return new
         age = self._age(nearest)
@@ -288,17 +290,18 @@ class Confirmation:
             if nearest is self._locked and established and age > PERIOD_FRAMES:
                 # It missed its flash and comes a frame late: the light slipped.
                 new.trusted = True
-                self._replace_track(nearest, new, reaches)
+                self._replace_track(nearest, new)
                 return new
             new.out_of_step = True
-            self._replace_track(nearest, None, reaches)
+            self._replace_track(nearest, None)
             return new
         new.velocity_x = (candidate.x - nearest.x) / age
         new.velocity_y = (candidate.y - nearest.y) / age
         new.flashes = nearest.flashes + 1
+        new.run = nearest.run + 1 if round(age) <= PERIOD_FRAMES else 1
         new.out_of_step = nearest.out_of_step
         new.trusted = nearest.trusted
-        self._replace_track(nearest, new, reaches)
+        self._replace_track(nearest, new)
         return new
 
     def _predicted_position(self, track: _Track) -> tuple[float, float]:
@@ -317,13 +320,11 @@ class Confirmation:
         """Return where a track may go on in this frame."""
         return _Reach(track, *self._predicted_position(track), self._gate_radius_px(track))
 
-    def _replace_track(
-        self, track: _Track, by: _Track | None, reaches: dict[int, _Reach]
-    ) -> None:
+    def _replace_track(self, track: _Track, by: _Track | None) -> None:
         """End a track; where it was the one that is followed, another is from now on, or none."""
         if track is self._locked:
             self._locked = by
-        del self._tracks[id(track)], reaches[id(track)]
+        del self._tracks[id(track)]
 
     def _mark_out_of_step(self, candidate: Candidate, reaches: dict[int, _Reach]) -> None:
         """Mark the young track that is followed, and end all others, where it is out of step."""
@@ -336,7 +337,8 @@ class Confirmation:
             ):
                 track.out_of_step = True
                 if track is not self._locked:
-                    self._replace_track(track, None, reaches)
+                    self._replace_track(track, None)
+                    del reaches[id(track)]
 
     def _age(self, track: _Track) -> float:
         """Return the time since a track was seen, in frames."""
@@ -344,29 +346,41 @@ class Confirmation:
             return 0.0
         return (self._stamp_ns - track.stamp_ns) / self._interval_ns
 
+    def _is_due(self, track: _Track | None) -> bool:
+        """Tell whether a track may have flashed again."""
+        return track is None or self._age(track) >= PERIOD_FRAMES - STAMP_TOLERANCE_FRAMES
+
     def _in_step(self, age: float) -> bool:
         """Tell whether a light that flashes in step can be on after so many frames."""
         frames = round(age)
         return abs(age - frames) > STAMP_TOLERANCE_FRAMES or frames % PERIOD_FRAMES == 0
 
-    def _flashes_needed(self, shape: tuple[int, int], sigma: float) -> int:
-        """Return after how many flashes chance cannot have made a track of such a sigma, px."""
+    def _flashes_needed(self, shape: tuple[int, int], sigma: float) -> tuple[int, int]:
+        """
+        Return after how many flashes chance cannot have made a track of such a sigma, px.
+
+        The second number is how many of them must follow each other without a miss: it is above 1
+        where so much lights up all over the frame that something is near wherever one looks.
+        """
         rate = max(self._rate - 1.0 / self._rate_frames, 0.0)  # the target was new once as well
-        # Half of what lights up within reach is as bright as what lit up there before.
-        near = 0.5 * rate * math.pi / (shape[0] * shape[1])
+        per_px2 = math.pi / (shape[0] * shape[1])
         first, later = self.gate_px**2, (FOLLOWED_GATE_FRACTION * self.gate_px) ** 2
-        crowded = (FOLLOWED_GATE_FRACTION * self.gate_px + FLANK_SIGMA * sigma) ** 2
-        return max(
-            _flashes_beyond_chance(
-                rate, CLUSTERING * near * first, CLUSTERING * near * later, rate, MOST_FLASHES
-            ),
-            _flashes_beyond_chance(rate, near * first, near * crowded, rate, MOST_EVEN_FLASHES),
+        # Half of what lights up within reach is as bright as what lit up there before.
+        clustered = _flashes_beyond_chance(
+            rate,
+            0.5 * CLUSTERING * per_px2 * rate * first,
+            0.5 * CLUSTERING * per_px2 * rate * later,
+            MOST_FLASHES,
         )
+        crowd = max(self._crowd - (KNOWN_RUN - 1.0) / self._rate_frames, 0.0)
+        crowded = (FOLLOWED_GATE_FRACTION * self.gate_px + FLANK_SIGMA * sigma) ** 2
+        even = _flashes_beyond_chance(
+            crowd, per_px2 * crowd * first, per_px2 * crowd * crowded, MOST_EVEN_FLASHES
+        )
+        return clustered, even if even > clustered else 1
 
 
-def _flashes_beyond_chance(
-    rate: float, first: float, later: float, most_near: float, most: int
-) -> int:
+def _flashes_beyond_chance(rate: float, first: float, later: float, most: int) -> int:
     """
     Return after how many flashes chance makes a track as seldom as it may.
 
@@ -376,27 +390,44 @@ def _flashes_beyond_chance(
         New things that light up in a frame.
     first, later : float
         How many of them are within the gate of another one, and of a track whose motion is known.
-    most_near : float
-        How many they can be.
     most : int
         Flashes that are always enough.
 
     """
-    chance, flashes = rate * min(first, most_near), 2
+    chance, flashes = rate * min(first, rate), 2
     while chance > FALSE_ALARMS_PER_FRAME and flashes < most:
-        chance *= min(later, most_near)
+        chance *= min(later, rate)
         flashes += 1
     return flashes
+
+
+def _partners(
+    candidates: Sequence[Candidate], reaches: Mapping[int, _Reach]
+) -> dict[int, _Track]:
+    """Return the tracks that candidates belong to, by their index; the nearest pairs first."""
+    pairs = []
+    for index, candidate in enumerate(candidates):
+        x, y = candidate.x, candidate.y
+        for key, reach in reaches.items():
+            # Most of a crowd is far away: told by the first of these.
+            if -reach[3] < x - reach[1] < reach[3] and -reach[3] < y - reach[2] < reach[3]:
+                offset_px = _offset_px(reach, candidate)
+                if offset_px < math.inf:
+                    pairs.append((offset_px, index, key))
+    pairs.sort()
+    partners: dict[int, _Track] = {}
+    taken: set[int] = set()
+    for _, index, key in pairs:
+        if index not in partners and key not in taken:
+            partners[index] = reaches[key].track
+            taken.add(key)
+    return partners
 
 
 def _offset_px(reach: _Reach, candidate: Candidate) -> float:
     """Return how far a candidate is from where a track is expected; infinity for another light."""
     track, x, y, radius = reach
-    dx, dy = candidate.x - x, candidate.y - y
-    # Most of a crowd is far away: told by the first of these.
-    if not -radius < dx < radius or not -radius < dy < radius:
-        return math.inf
-    offset_px = math.hypot(dx, dy)
+    offset_px = math.hypot(candidate.x - x, candidate.y - y)
     alike = (
         track.height < MAX_BRIGHTNESS_RATIO * candidate.height
         and candidate.height < MAX_BRIGHTNESS_RATIO * track.height
