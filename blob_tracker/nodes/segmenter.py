@@ -352,6 +352,8 @@ class SegmenterNode(Node):
     def _describe(self) -> None:
         """Show in the diagnostics what the segmenter saw last."""
         self._health.show('missing frames', self._losses.total)
+        if self._segmenter.repeated_frames:
+            self._health.show('repeated frames', self._segmenter.repeated_frames)
         if self._losses.grave:
             self._health.fault(
                 WARN,

@@ -124,6 +124,10 @@ class Alternate:
         out[self._region.slices] = warped(lit, unlit, motion, self._region)
         return out
 
+    def skip(self, frame: Frame) -> None:
+        """Let the light be in either phase of the stamps from this frame on."""
+        self._confirmation.skip(frame.stamp_ns)
+
     def region(self, contrast: Contrast) -> Box:
         """Return the surroundings of the predicted place; the whole frame while it is lost."""
         return self._region

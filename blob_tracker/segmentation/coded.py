@@ -113,6 +113,9 @@ class Coded:
             duration=self._length * interval,
         )
 
+    def skip(self, frame: Frame) -> None:
+        """Do nothing: it is as if the frame had not come."""
+
     def region(self, contrast: Contrast) -> Box:
         """Return the whole frame: the lights may be anywhere in it."""
         return whole(contrast.shape)

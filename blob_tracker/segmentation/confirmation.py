@@ -107,6 +107,7 @@ class Confirmation:
         self._intervals: deque[int] = deque(maxlen=INTERVALS)
         self._interval_ns = 0.0  # their median
         self._stamp_ns: int | None = None
+        self._skipped_ns: int | None = None  # stamp of the last frame that came twice
         self._frames = 0
         self._rate = INITIAL_RATE  # of new things that light up, a frame
         self._crowd = INITIAL_RATE  # of all but what flashed several times, a frame
@@ -152,6 +153,15 @@ class Confirmation:
             self._expected = expected
             if 2.0 * self._half() > min(shape):
                 self._expected = None
+
+    def skip(self, stamp_ns: int) -> None:
+        """
+        Take note of a frame that showed the one before it once more, by its stamp, ns.
+
+        It may stand for a frame that was lost, or be one too many, as where 24 frames a second are
+        made 30: the stamps no longer tell in which phase a light is that was seen before it.
+        """
+        self._skipped_ns = stamp_ns
 
     @property
     def _followed(self) -> bool:
@@ -283,7 +293,7 @@ class Confirmation:
         if nearest is None:
             return new
         age = self._age(nearest)
-        if not self._in_step(age):
+        if not self._in_step(nearest):
             if nearest.flashes >= MOST_FLASHES and age < PERIOD_FRAMES:
                 return new  # right after a flash that was expected: something else
             established = nearest.flashes >= ESTABLISHED_FLASHES
@@ -298,7 +308,8 @@ class Confirmation:
         new.velocity_x = (candidate.x - nearest.x) / age
         new.velocity_y = (candidate.y - nearest.y) / age
         new.flashes = nearest.flashes + 1
-        new.run = nearest.run + 1 if round(age) <= PERIOD_FRAMES else 1
+        missed = round(age) > PERIOD_FRAMES + self._is_phase_unknown(nearest)
+        new.run = 1 if missed else nearest.run + 1
         new.out_of_step = nearest.out_of_step
         new.trusted = nearest.trusted
         self._replace_track(nearest, new)
@@ -332,7 +343,7 @@ class Confirmation:
             if (
                 math.hypot(candidate.x - x, candidate.y - y) < FLANK_SIGMA * (track.sigma + 1.0)
                 and track.flashes < MOST_FLASHES
-                and not self._in_step(self._age(track))
+                and not self._in_step(track)
                 and track.height < MAX_BRIGHTNESS_RATIO * candidate.height
             ):
                 track.out_of_step = True
@@ -350,9 +361,16 @@ class Confirmation:
         """Tell whether a track may have flashed again."""
         return track is None or self._age(track) >= PERIOD_FRAMES - STAMP_TOLERANCE_FRAMES
 
-    def _in_step(self, age: float) -> bool:
-        """Tell whether a light that flashes in step can be on after so many frames."""
+    def _is_phase_unknown(self, track: _Track) -> bool:
+        """Tell whether a frame came twice since a track was seen."""
+        return self._skipped_ns is not None and track.stamp_ns < self._skipped_ns
+
+    def _in_step(self, track: _Track) -> bool:
+        """Tell whether a light that flashes in step can be on again in this frame."""
+        age = self._age(track)
         frames = round(age)
+        if self._is_phase_unknown(track):
+            return frames >= PERIOD_FRAMES
         return abs(age - frames) > STAMP_TOLERANCE_FRAMES or frames % PERIOD_FRAMES == 0
 
     def _flashes_needed(self, shape: tuple[int, int], sigma: float) -> tuple[int, int]:

@@ -44,6 +44,9 @@ class Flash(Protocol):
 
         """
 
+    def skip(self, frame: Frame) -> None:
+        """Take note of a frame that is left out: it shows the one before it once more."""
+
     def region(self, contrast: Contrast) -> Box:
         """Return the part of the frame in which the target can be."""
 

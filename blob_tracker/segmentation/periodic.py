@@ -97,6 +97,9 @@ class Periodic:
         self._new_frames = 0
         return self._demodulate(list(block))
 
+    def skip(self, frame: Frame) -> None:
+        """Do nothing: it is as if the frame had not come."""
+
     def region(self, contrast: Contrast) -> Box:
         """Return the whole frame."""
         return whole(contrast.shape)

@@ -13,6 +13,7 @@ from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.frame_stack import FrameStack
 from blob_tracker.segmentation.history import FrameError
+from blob_tracker.segmentation.repeated_frames import RepeatedFrames
 from blob_tracker.segmentation.search import NO_MASK, search, SearchResult
 from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
 from blob_tracker.types import Frame, Pixels, Window
@@ -65,6 +66,8 @@ class Segmenter:
         Why the last frame gave no window; empty where it gave one.
     detections : Detections or None
         What was seen in the last frame that was compared with others.
+    repeated_frames : int
+        How many frames were left out because they showed the one before once more.
     unlit_pair : (array, array) or None
         Raw pixels of the last two frames without a light, where the last frame is one of them or
         ended a block that holds them. What differs in them is noise, or moved.
@@ -89,8 +92,14 @@ class Segmenter:
         self.detections: Detections | None = None
         self.unlit_pair: tuple[Pixels, Pixels] | None = None
         self._unlit: Frame | None = None
+        self._repeated = RepeatedFrames()
         self._stack = FrameStack(looks)
         self._mask = NO_MASK if mask is None else np.ascontiguousarray(mask != 0, dtype=np.uint8)
+
+    @property
+    def repeated_frames(self) -> int:
+        """How many frames were left out because they showed the one before once more."""
+        return self._repeated.count
 
     def update(self, frame: Frame, expected: Expectation | None = None) -> Window | None:
         """
@@ -132,6 +141,13 @@ class Segmenter:
                 f'the mask is {self._mask.shape[1]} x {self._mask.shape[0]} px and the frame '
                 f'{frame.image.shape[1]} x {frame.image.shape[0]}; they must be of one size'
             )
+        if self._repeated.push(frame):
+            self.flash.skip(frame)
+            self.reason = (
+                f'the frame is identical to the one before it, {self._repeated.count} so far: a '
+                'camera slower than its stamps, or a driver that repeats what it had'
+            )
+            return []
         before, self._unlit, self.unlit_pair = self._unlit, None, None
         contrast = self.flash.contrast(frame, expected)
         if contrast is None:

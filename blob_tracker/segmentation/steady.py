@@ -55,6 +55,9 @@ class Steady:
             self._nothing = np.zeros_like(image)
         return Contrast(image, self._nothing, frame.saturation, frame, (image,), (), ROUNDING_DN)
 
+    def skip(self, frame: Frame) -> None:
+        """Do nothing: it is as if the frame had not come."""
+
     def region(self, contrast: Contrast) -> Box:
         """Return the whole frame."""
         return whole(contrast.shape)
