@@ -29,6 +29,8 @@ def test_a_light_is_found_though_frames_come_twice(cadence: int, first: int) -> 
         for copy in range(1 + (number % cadence == cadence - 1)):
             window = segmenter.update(stamped(index, SCENE.frame(number)))
             index += 1
+            if index == 2 and copy:
+                continue  # of the first frame of all: nothing was seen to change before
             repeated += copy
             if copy:
                 assert window is None and 'identical' in segmenter.reason
