@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 from blob_tracker.segmentation.alternate import Alternate
+from blob_tracker.segmentation.black_core import without_black_cores
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
@@ -153,11 +155,10 @@ class Segmenter:
         if contrast is None:
             self.reason = self.flash.reason
             return []
-        found = self._search(contrast)
+        contrast, found = self._search(contrast)
         wider = self.flash.widened(contrast, () if found.reason else found.candidates)
         if wider is not None:
-            contrast = wider
-            found = self._search(contrast)
+            contrast, found = self._search(wider)
         sightings: list[Sighting] = []
         windows: dict[str, Box] = {}
         if found.reason:
@@ -191,18 +192,21 @@ class Segmenter:
         )
         return sightings
 
-    def _search(self, contrast: Contrast) -> SearchResult:
-        """Return what lit up in the region in which the target can be."""
+    def _search(self, contrast: Contrast) -> tuple[Contrast, SearchResult]:
+        """Return what lit up in the region in which the target can be, and what it is seen in."""
         region = self.flash.region(contrast)
         # Within the gate there is little room for chance.
         followed = self.flash.locked and 2 * region.size < contrast.lit.size
-        return search(
-            contrast,
-            region,
+        look = partial(
+            search,
+            region=region,
             min_snr=self.min_snr * (GATED_SNR_FRACTION if followed else 1.0),
             followed=followed,
             mask=self._mask,
         )
+        found = look(contrast)
+        mended = without_black_cores(contrast, found.candidates)
+        return (contrast, found) if mended is None else (mended, look(mended))
 
     def _keep_unlit(
         self, frame: Frame, contrast: Contrast, before: Frame | None, *, lit: bool
