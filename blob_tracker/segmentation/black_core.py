@@ -13,8 +13,11 @@ import numpy as np
 
 REACH_PX = 48  # px from a clipped peak, within which the rim about the core is closed
 MOST_PLACES = 8  # clipped peaks that are looked at: a light has few, and the sun's rim has many
-# A rim that is thinner than a pixel has gaps as wide as that.
-GAP = np.ones((3, 3), np.uint8)
+# Of full scale: the rim is brighter, and the core darker. A rim that is thinner than a pixel has
+# gaps, where the flank begins; a ring out of focus has a slope down to its hole, and no such step.
+RIM_FRACTION, DARK_FRACTION = 0.35, 0.2
+CLIPPED_FRACTION = 0.125  # of the rim
+NEIGHBOURS = np.ones((3, 3), np.uint8)
 
 
 def without_black_cores(contrast: Contrast, candidates: Sequence[Candidate]) -> Contrast | None:
@@ -51,16 +54,20 @@ def without_black_cores(contrast: Contrast, candidates: Sequence[Candidate]) -> 
             continue
         box = box_about(column, row, REACH_PX, REACH_PX, contrast.shape)
         part = image[box.slices]
-        clipped = (part >= saturation).view(np.uint8)
-        closed = cv2.morphologyEx(clipped, cv2.MORPH_CLOSE, GAP)
+        bright = (part >= RIM_FRACTION * saturation).view(np.uint8)
         # Through edges only: the diagonal steps of a rim hold tight.
-        count, labels = cv2.connectedComponents(1 - closed, connectivity=4)
+        count, labels = cv2.connectedComponents(1 - bright, connectivity=4)
         border = np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])
-        enclosed = np.setdiff1d(np.arange(1, count), border)
-        core = (np.isin(labels, enclosed) | (closed > clipped)) & (part < 0.5 * saturation)
-        if core.any():
-            filled = image.copy() if filled is None else filled
-            filled[box.slices][core] = saturation
+        for label in np.setdiff1d(np.arange(1, count), border):
+            core = labels == label
+            rim = cv2.dilate(core.view(np.uint8), NEIGHBOURS).view(bool) & ~core
+            clipped = np.count_nonzero(part[rim] >= saturation)
+            if (
+                clipped >= CLIPPED_FRACTION * np.count_nonzero(rim)
+                and np.median(part[core]) < DARK_FRACTION * saturation
+            ):
+                filled = image.copy() if filled is None else filled
+                filled[box.slices][core] = saturation
         seen.append(box)
         if len(seen) == MOST_PLACES:
             break

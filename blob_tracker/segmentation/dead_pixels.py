@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from blob_tracker.kernel import kernel
 from blob_tracker.types import Pixels
+import numpy as np
 
-LEAST_NOISES = 8.0  # standard deviations of lit less unlit, by which all about a pixel must stand out
+# Standard deviations of lit less unlit, by which all about a pixel must stand out; of one that is
+# the same in both frames, to the DN, noise makes less.
+LEAST_NOISES, STUCK_NOISES = 6.0, 3.0
 DIP_FRACTION = 0.5  # of what both of any two opposite neighbours rose by, or a dead pixel has less
 
 
@@ -42,26 +45,21 @@ def mark_dead(lit: Pixels, unlit: Pixels, saturation: int, noise: float) -> int:
             if lit[j, i] >= saturation or unlit[j, i] >= saturation:
                 continue
             rise = float(lit[j, i]) - float(unlit[j, i])
-            # Most pixels are told by one pair.
-            least = min(
-                float(lit[j, i - 1]) - float(unlit[j, i - 1]),
-                float(lit[j, i + 1]) - float(unlit[j, i + 1]),
-            )
-            if least > LEAST_NOISES * noise and rise < DIP_FRACTION * least:
-                for dy, dx in ((1, -1), (1, 0), (1, 1)):
-                    least = min(
-                        least,
-                        float(lit[j + dy, i + dx]) - float(unlit[j + dy, i + dx]),
-                        float(lit[j - dy, i - dx]) - float(unlit[j - dy, i - dx]),
-                    )
-                dead = least > LEAST_NOISES * noise and rise < DIP_FRACTION * least
-            else:
-                dead = lit[j, i] == 0 and unlit[j, i] == 0
-                if dead:
-                    for v in range(j - 1, j + 2):
-                        for u in range(i - 1, i + 2):
-                            if (v != j or u != i) and unlit[v, u] < LEAST_NOISES * noise:
-                                dead = False
+            bound = STUCK_NOISES if rise == 0.0 else LEAST_NOISES
+            least = np.inf
+            for dx, dy in ((1, 0), (0, 1), (1, 1), (1, -1)):
+                for u, v in ((i - dx, j - dy), (i + dx, j + dy)):
+                    least = min(least, float(lit[v, u]) - float(unlit[v, u]))
+                # Most pixels are told by the first pair.
+                if least <= bound * noise or rise >= DIP_FRACTION * least:
+                    break
+            dead = least > bound * noise and rise < DIP_FRACTION * least
+            if not dead and lit[j, i] == 0 and unlit[j, i] == 0:
+                dead = True
+                for v in range(j - 1, j + 2):
+                    for u in range(i - 1, i + 2):
+                        if (v != j or u != i) and unlit[v, u] < LEAST_NOISES * noise:
+                            dead = False
             if dead:
                 lit[j, i] = saturation
                 count += 1
