@@ -11,7 +11,7 @@ from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.illumination import relit
 from blob_tracker.segmentation.peaks import measure_peaks
-from blob_tracker.segmentation.rejection import reject
+from blob_tracker.segmentation.rejection import reject, without_glows
 from blob_tracker.types import Frame, Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -130,7 +130,7 @@ def search(
         candidate = Candidate(*row)
         rejected = reject(candidate, followed, min_snr)
         candidates.append(candidate._replace(rejected=rejected) if rejected else candidate)
-    return SearchResult(tuple(candidates), level, noise, strongest, reason)
+    return SearchResult(without_glows(candidates), level, noise, strongest, reason)
 
 
 def _threshold(region: Box) -> float:
