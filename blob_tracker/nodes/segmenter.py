@@ -276,6 +276,8 @@ class SegmenterNode(Node):
             for name, target in self._targets.items()
         ]
         self._health.count('frames')
+        for warning in self._segmenter.warnings:
+            self._health.fault(WARN, warning)
         if seen:
             self._health.ok('target in view')
         elif not any(visible):

@@ -22,7 +22,7 @@ LINE_ALONG, LINE_ACROSS = 0.8, 0.2
 LINE_SIGMA_PX = 1.9  # px of the weight: below it pixels and noise have a part in what is long
 # Of a blob's response against its own surroundings: where a filter of twice the scale has less, the
 # blob is the narrow one, and what is wider is a glow that it stands on.
-SHARP_FALL = 0.92
+SHARP_FALL = 0.97
 SHARP_LIMIT = 1.9  # times the scale of that blob, which its sigma is not beyond
 # Pixels on a circle at 4 s: enough for a median and quartiles, and not a tenth of the moments' time.
 CIRCLE = 24

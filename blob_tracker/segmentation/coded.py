@@ -57,6 +57,9 @@ class Coded:
 
     """
 
+    surveys = False
+    warning = ''
+
     def __init__(
         self,
         *,
@@ -122,6 +125,9 @@ class Coded:
 
     def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
         """Return None: the whole frame is searched in any case."""
+
+    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Do nothing: `choose` had the whole frame."""
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]

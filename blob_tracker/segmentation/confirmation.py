@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from heapq import nlargest
 import math
@@ -36,6 +36,15 @@ LEAST_MEMORY_FRAMES, MOST_MEMORY_FRAMES = 16, 128  # frames over which that rate
 INITIAL_RATE = 0.05  # before anything was seen
 # Flashes of the target after which one that comes a frame late is still it
 ESTABLISHED_FLASHES = 3
+# Other lights in step are looked for in the whole frame: in the first of so many frames of a lock,
+# and from then on in a few frames of as many.
+SURVEY_FRAMES, SURVEY_PART = 128, 8
+BESIDE_RUN = 3  # flashes that another light has together with the target, and is known from then on
+BRIGHTER_RATIO = 1.25  # times brighter: what a light of the first frames was a reflection of
+LIKE_RATIO = 1.6  # times brighter or fainter than when it was seen beside the target
+# Frames without the target (1 s at 60 a second) after which another light in step is taken for it,
+# and for which it is remembered from then on.
+PATIENCE_FRAMES, MEMORY_FRAMES = 60, 7200
 OUT_OF_STEP_FLASHES = 2  # more flashes are asked of a light that was once seen out of step
 
 
@@ -65,6 +74,14 @@ class _Track:
         return FLANK_SIGMA * self.sigma + moved * max(age, 1.0) / PERIOD_FRAMES
 
 
+class _Beside(NamedTuple):
+    """A light that flashes in step beside the target: where from it, px, and how high, DN."""
+
+    dx: float
+    dy: float
+    height: float
+
+
 class _Reach(NamedTuple):
     """Where a track is expected in a frame, and how far from there it may be, px."""
 
@@ -89,6 +106,11 @@ class Confirmation:
     lights up there is the target, however it moved. Where nothing does when a flash is due, the
     expectation is as if it had not been, in the same frame.
 
+    Other lights that flash in step, as the target's reflections do, are known by where they are
+    from it. In the first two seconds the target is the brightest of them. Where it is hidden none
+    of them is taken for it, for a second; and the one that is taken then is left for the target
+    once that flashes again.
+
     A single light in the first frames, with nothing else, is trusted from its first flash on:
     nothing is known that speaks against it.
 
@@ -97,10 +119,23 @@ class Confirmation:
     gate_px : float
         Greatest way of the target in the picture from one flash to the next, px.
 
+    Attributes
+    ----------
+    warning : str
+        What other lights flash in step with the target; empty where there is none.
+    reason : str
+        Why a light that flashes in step was not taken in the last frame; empty where none was.
+
     """
 
     def __init__(self, gate_px: float) -> None:
         self.gate_px = gate_px
+        self.warning = ''
+        self.reason = ''
+        self._target: _Track | None = None  # as it was last seen, also when it is lost
+        self._beside: list[_Beside] = []  # that flash in step with it
+        self._locked_frames = 0
+        self._stands_in = False  # whether another light is followed in place of the target
         self._tracks: dict[int, _Track] = {}  # by their identity
         self._locked: _Track | None = None
         self._expected: Expectation | None = None
@@ -148,6 +183,9 @@ class Confirmation:
         }
         if self._locked is not None and self._age(self._locked) > MAX_AGE_FRAMES:
             self._locked = None
+        self._locked_frames = self._locked_frames + 1 if self._locked is not None else 0
+        if self._target is not None and self._age(self._target) > MEMORY_FRAMES:
+            self._target, self._stands_in = None, False
         self._expected = None
         if expected is not None and self._followed and expected.inside(shape):
             self._expected = expected
@@ -235,12 +273,8 @@ class Confirmation:
                 candidates.append(each)
             elif len(reaches) > 0:
                 self._mark_out_of_step(each, reaches)
-        candidates = self._strongest(candidates)
-        partners = _partners(candidates, reaches)
-        seen = [
-            (self._continued(each, partners.get(index)), each)
-            for index, each in enumerate(candidates)
-        ]
+        seen = self._seen(candidates, reaches)
+        self.reason = ''
         if searched:
             new = sum(track.flashes == 1 and not track.out_of_step for track, _ in seen)
             self._rate_frames = min(self._rate_frames + 1, MOST_MEMORY_FRAMES)
@@ -260,11 +294,13 @@ class Confirmation:
             if track is self._locked:
                 best = track, candidate
                 break
-            if due and (best is None or candidate.snr > best[1].snr):
+            if not due or self._is_waited_for(candidate):
+                continue
+            if best is None or candidate.snr > best[1].snr:
                 best = track, candidate
         self._tracks |= {id(track): track for track, _ in seen}
         if best is not None:
-            self._locked = best[0]
+            self._follow(best[0])
         if len(self._tracks) > MOST_TRACKS:
             kept = nlargest(
                 MOST_TRACKS,
@@ -273,6 +309,140 @@ class Confirmation:
             )
             self._tracks = {id(each): each for each in kept}
         return None if best is None else best[1]
+
+    def _seen(
+        self, candidates: list[Candidate], reaches: Mapping[int, _Reach]
+    ) -> list[tuple[_Track, Candidate]]:
+        """Return each of the strongest candidates with its track, brought up to date or new."""
+        candidates = self._strongest(candidates)
+        partners = _partners(
+            candidates, reaches, {
+                index for index, each in enumerate(candidates) if self._beside_target(each)
+            } if self._beside else set(), id(self._locked),
+        )
+        return [
+            (self._continued(each, partners.get(index)), each)
+            for index, each in enumerate(candidates)
+        ]
+
+    def _follow(self, track: _Track) -> None:
+        """Follow a track from this frame on; it is the target, or stands in for it."""
+        if self._locked is None and self._target is not None:
+            gone = self._age(self._target) > MAX_AGE_FRAMES
+            beside = self._beside_target(track)
+            if gone and beside is not None:
+                self._stands_in = True
+            elif not self._stands_in and math.hypot(
+                track.x - self._target.x, track.y - self._target.y
+            ) > 2.0 * self.gate_px:
+                self._beside, self.warning = [], ''
+        self._locked = track
+        if not self._stands_in:
+            self._target = track
+
+    def _beside_target(self, light: Candidate | _Track) -> _Beside | None:
+        """Return which of the lights that flash beside the target this is; None for none."""
+        if self._target is None or self._stands_in:
+            return None
+        if self._target is self._locked:
+            x, y = self._predicted_position(self._target)
+        else:
+            x, y = self._target.x, self._target.y
+        dx, dy = light.x - x, light.y - y
+        for each in self._beside:
+            offset = math.hypot(dx - each.dx, dy - each.dy)
+            if (
+                offset < min(self.gate_px, math.hypot(dx, dy))
+                and each.height < LIKE_RATIO * light.height
+                and light.height < LIKE_RATIO * each.height
+            ):
+                return each
+        return None
+
+    def _is_waited_for(self, candidate: Candidate) -> bool:
+        """Tell whether the target, beside which this light flashes, may still come back."""
+        if self._target is None or self._age(self._target) > PATIENCE_FRAMES:
+            return False
+        beside = self._beside_target(candidate)
+        if beside is None:
+            return False
+        self.reason = (
+            f'another light flashes in step, {math.hypot(beside.dx, beside.dy):.0f} px from the '
+            f'target, which was last seen {self._age(self._target):.0f} frames ago; a reflection? '
+            f'It is taken after {PATIENCE_FRAMES} frames'
+        )
+        return True
+
+    @property
+    def surveys(self) -> bool:
+        """Whether the whole of this frame is to be searched for other lights in step."""
+        if not self._followed:
+            return False
+        return (
+            self._stands_in
+            or self._locked_frames < SURVEY_FRAMES // 2
+            or self._locked_frames % SURVEY_FRAMES < SURVEY_PART
+        )
+
+    def survey(self, everything: Sequence[Candidate], region: Box) -> None:
+        """
+        Look for other lights that flash in step with the one that is followed.
+
+        Parameters
+        ----------
+        everything : sequence of Candidate
+            What lit up in the whole frame.
+        region : Box
+            The part of it whose lights `choose` had.
+
+        """
+        assert self._locked is not None
+        reaches = {
+            key: self._reach(each) for key, each in self._tracks.items()
+            if self._age(each) > 0.0 and each is not self._locked
+        }
+        candidates = []
+        for each in everything:
+            inside = region.x0 <= each.x < region.x1 and region.y0 <= each.y < region.y1
+            if inside and not each.rejected:
+                continue
+            if not each.rejected:
+                candidates.append(each)
+            elif reaches:
+                self._mark_out_of_step(each, reaches)
+        self._tracks |= {id(track): track for track, _ in self._seen(candidates, reaches)}
+        locked = self._locked
+        if locked.stamp_ns != self._stamp_ns:
+            return
+        others = [
+            each for each in self._tracks.values()
+            if each is not locked
+            and each.stamp_ns == self._stamp_ns
+            and each.run >= BESIDE_RUN
+            and not each.out_of_step
+        ]
+        if not others:
+            if self._locked_frames % SURVEY_FRAMES == SURVEY_PART - 1:
+                self._beside, self.warning = [], ''
+            return
+        brightest = max(others, key=lambda each: each.height)
+        young = self._stands_in or self._locked_frames < SURVEY_FRAMES
+        if young and brightest.height > BRIGHTER_RATIO * locked.height:
+            others = [locked if each is brightest else each for each in others]
+            self._locked = self._target = locked = brightest
+            self._stands_in = False
+        if self._stands_in:
+            return
+        self._beside = [
+            _Beside(each.x - locked.x, each.y - locked.y, each.height) for each in others
+        ]
+        nearest = min(others, key=lambda each: math.hypot(each.x - locked.x, each.y - locked.y))
+        self.warning = (
+            f'{len(others) + 1} lights flash in step: the target at ({locked.x:.0f}, '
+            f'{locked.y:.0f}) and, {math.hypot(nearest.x - locked.x, nearest.y - locked.y):.0f} px '
+            f'away, one at ({nearest.x:.0f}, {nearest.y:.0f}): a reflection? Cover it, or set '
+            'mask_url'
+        )
 
     def _strongest(self, candidates: list[Candidate]) -> list[Candidate]:
         """Return the highest of a crowd, and what may be the target that is followed."""
@@ -420,9 +590,16 @@ def _flashes_beyond_chance(rate: float, first: float, later: float, most: int) -
 
 
 def _partners(
-    candidates: Sequence[Candidate], reaches: Mapping[int, _Reach]
+    candidates: Sequence[Candidate],
+    reaches: Mapping[int, _Reach],
+    beside: Set[int],
+    target: int,
 ) -> dict[int, _Track]:
-    """Return the tracks that candidates belong to, by their index; the nearest pairs first."""
+    """
+    Return the tracks that candidates belong to, by their index; the nearest pairs first.
+
+    The candidates `beside` the target do not belong to its track, whose key is `target`.
+    """
     pairs = []
     for index, candidate in enumerate(candidates):
         x, y = candidate.x, candidate.y
@@ -430,7 +607,7 @@ def _partners(
             # Most of a crowd is far away: told by the first of these.
             if -reach[3] < x - reach[1] < reach[3] and -reach[3] < y - reach[2] < reach[3]:
                 offset_px = _offset_px(reach, candidate)
-                if offset_px < math.inf:
+                if offset_px < math.inf and not (key == target and index in beside):
                     pairs.append((offset_px, index, key))
     pairs.sort()
     partners: dict[int, _Track] = {}

@@ -54,6 +54,8 @@ class Periodic:
     """
 
     locked = False
+    surveys = False
+    warning = ''
 
     def __init__(
         self,
@@ -106,6 +108,9 @@ class Periodic:
 
     def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
         """Return None: the whole frame is searched in any case."""
+
+    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Do nothing: `choose` had the whole frame."""
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]

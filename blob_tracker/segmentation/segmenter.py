@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.segmentation.black_core import without_black_cores
-from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.detections import Detections
@@ -70,6 +70,8 @@ class Segmenter:
         What was seen in the last frame that was compared with others.
     repeated_frames : int
         How many frames were left out because they showed the one before once more.
+    warnings : tuple of str
+        What is wrong though there may be a window: other lights that flash in step.
     unlit_pair : (array, array) or None
         Raw pixels of the last two frames without a light, where the last frame is one of them or
         ended a block that holds them. What differs in them is noise, or moved.
@@ -102,6 +104,11 @@ class Segmenter:
     def repeated_frames(self) -> int:
         """How many frames were left out because they showed the one before once more."""
         return self._repeated.count
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is wrong though there may be a window: other lights that flash in step."""
+        return (self.flash.warning,) if self.flash.warning else ()
 
     def update(self, frame: Frame, expected: Expectation | None = None) -> Window | None:
         """
@@ -166,6 +173,8 @@ class Segmenter:
         else:
             chosen = self.flash.choose(contrast, found.candidates)
             self.reason = '' if chosen else self._reason_for_none(found)
+            if self.flash.surveys:
+                self._survey(contrast)
             for name, candidate in chosen:
                 box = self._window(contrast, candidate)
                 if box is None:
@@ -189,6 +198,7 @@ class Segmenter:
             windows,
             'locked' if self.flash.locked else 'lost',
             self.reason,
+            self.warnings,
         )
         return sightings
 
@@ -207,6 +217,14 @@ class Segmenter:
         found = look(contrast)
         mended = without_black_cores(contrast, found.candidates)
         return (contrast, found) if mended is None else (mended, look(mended))
+
+    def _survey(self, contrast: Contrast) -> None:
+        """Show the flash mode what lit up outside of the region as well."""
+        everything = search(
+            contrast, whole(contrast.shape), min_snr=self.min_snr, mask=self._mask
+        )
+        if not everything.reason:
+            self.flash.survey(contrast, everything.candidates)
 
     def _keep_unlit(
         self, frame: Frame, contrast: Contrast, before: Frame | None, *, lit: bool

@@ -33,6 +33,8 @@ class Steady:
     """
 
     locked = False
+    surveys = False
+    warning = ''
 
     def __init__(self, *, max_pair_interval: float = 0.1) -> None:
         self.reason = 'no frame yet'
@@ -64,6 +66,9 @@ class Steady:
 
     def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
         """Return None: the whole frame is searched in any case."""
+
+    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Do nothing: `choose` had the whole frame."""
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]

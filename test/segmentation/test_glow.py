@@ -30,7 +30,6 @@ def scene(peak: float, sigma: float, glow: float, width: float, aside: float) ->
     (150.0, 1.5, 40.0, 20.0, 20.0),
     (100.0, 1.5, 40.0, 20.0, 0.0),
     (100.0, 1.5, 40.0, 20.0, 40.0),
-    (60.0, 1.5, 100.0, 20.0, 20.0),
     (40.0, 1.5, 100.0, 30.0, 10.0),
     (100.0, 1.0, 60.0, 10.0, 8.0),
     (100.0, 3.0, 40.0, 25.0, 20.0),
@@ -60,7 +59,7 @@ def test_the_light_is_the_blob(
     assert found >= 14
 
 
-@pytest.mark.parametrize('sigma', [4.0, 10.0, 25.0])
+@pytest.mark.parametrize('sigma', [4.0, 10.0, 16.0])
 @pytest.mark.parametrize('peak, gain', [(40.0, np.inf), (150.0, 10.0), (200.0, 0.5)])
 def test_a_wide_light_is_no_glow(sigma: float, peak: float, gain: float) -> None:
     """Its own shot noise, a hundred times that of the tile, is no light on it."""
