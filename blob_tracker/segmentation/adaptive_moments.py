@@ -20,11 +20,12 @@ CONVERGED_SIGMA = 0.02  # change of sigma and of place, in sigma, at which they 
 # long as wide, or longer: no blob, and a weight that grew with it would only gather what is near.
 LINE_ALONG, LINE_ACROSS = 0.8, 0.2
 LINE_SIGMA_PX = 1.9  # px of the weight: below it pixels and noise have a part in what is long
-# Of a blob's response against its own surroundings: where a filter of twice the scale has less, the
-# blob is the narrow one, and what is wider is a glow that it stands on.
-SHARP_FALL = 0.97
+# Of a blob's response against its own surroundings: where a filter of twice the scale has no more
+# than so many times it, the blob is the narrow one (that of a Gaussian 1.6 times as wide grows by
+# this much), and what is wider is a glow that it stands on.
+SHARP_GROWTH = 1.15
 SHARP_LIMIT = 1.9  # times the scale of that blob, which its sigma is not beyond
-# Pixels on a circle at 4 s: enough for a median and quartiles, and not a tenth of the moments' time.
+# Pixels on a circle of 4 s: enough for a median and quartiles, and not a tenth of the moments' time.
 CIRCLE = 24
 COSINES = np.cos(2.0 * np.pi * np.arange(CIRCLE) / CIRCLE)
 SINES = np.sin(2.0 * np.pi * np.arange(CIRCLE) / CIRCLE)
@@ -201,7 +202,7 @@ def _iterate(
             around, spread = surroundings(pixels, x, y, scale)
             # The sum of w is twice that of its square.
             own = (flux - 2.0 * norm * (around - level)) / (max(noise, spread) * np.sqrt(norm))
-            if sharpest >= min_snr and own < SHARP_FALL * sharpest:
+            if sharpest >= min_snr and own < SHARP_GROWTH * sharpest:
                 sigma, limit, x, y = sharp_scale, SHARP_LIMIT * sharp_scale, sharp_x, sharp_y
                 break
             if own > sharpest:

@@ -22,7 +22,9 @@ SMALLEST_REGION_PX = 5  # px: less holds no blob with background about it
 LARGEST_SIGMA_PX = 64.0  # px: what is wider is no blob
 # Auto-exposure or a lamp: such a part of the scene's brightness came or went with the flash.
 EXPOSURE_JUMP = 0.25
-LEAST_FLOOD_DN = 2.0  # DN that the level rises by where a flood is worth a look
+# DN that the level rises by where a flood is worth a look; where what was there is laid in new light
+# as well, the scene has become twice as bright at least, which no lamp or cloud does.
+LEAST_FLOOD_DN = 2.0
 JUMP_NOISE_SIGMA = 4.0  # standard deviations of a pixel that the level may move by itself
 JUMP_GLARE = 0.15  # of the strongest rise, which a wide blob may add to the level about it
 # rms over the rows, standard deviations of a pixel: of less the scene is not laid in new light.
@@ -109,9 +111,8 @@ def search(
         )
 
     table, gains, change, level, noise, brightness, strongest = measured(contrast.unlit)
-    reason = ''
+    reason, step = '', level
     if contrast.unlit_frames:
-        step = level
         if change > RELIGHTING_SIGMA * noise:
             table, _, _, level, noise, _, strongest = measured(
                 relit(contrast.unlit, gains, contrast.saturation)
@@ -135,7 +136,9 @@ def search(
         candidates.append(candidate._replace(rejected=rejected) if rejected else candidate)
     judged = without_glows(candidates)
     # Near a target that is followed its own glow may be all over.
-    if contrast.unlit_frames and not followed and level > LEAST_FLOOD_DN:
+    if contrast.unlit_frames and not followed and (
+        level > LEAST_FLOOD_DN or unit * step > max(LEAST_FLOOD_DN, brightness)
+    ):
         rise = unit * flood_rise(contrast, region)
         if rise > 0.0:
             judged = without_flooded(judged, rise)

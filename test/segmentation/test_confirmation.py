@@ -322,3 +322,88 @@ def test_chance_confirms_nothing_among_glints_in_every_frame() -> None:
             index, *(candidate_at(int(x), int(y), sigma_x=1.2, sigma_y=1.2) for x, y in places)
         ) is not None
     assert chosen <= 1
+
+
+def two_lights(index: int, *, hidden: bool, ratio: float = 0.5, distance: float = 40.0):
+    """Return the lights of a frame: the target unless it is hidden, and its reflection."""
+    if index % 2:
+        return []
+    target = light(0)
+    other = candidate_at(
+        round(200 + distance), 100, height=100.0 * ratio, snr=100.0 * ratio, amplitude=100.0 * ratio
+    )
+    return [other] if hidden else [target, other]
+
+
+class Surveyor(Camera):
+    """Frames of which the region is searched first, and the rest where it is asked for."""
+
+    def look(self, index: int, *candidates: Candidate) -> Candidate | None:
+        """Take the frame of this index; return what is chosen in it."""
+        self.confirmation.push(10**9 + round(index * STEP_NS))
+        region = self.confirmation.region(self.shape)
+        inside = [
+            each for each in candidates
+            if region.x0 <= each.x < region.x1 and region.y0 <= each.y < region.y1
+        ]
+        chosen = self.confirmation.choose(inside, self.shape)
+        if self.confirmation.surveys:
+            self.confirmation.survey(candidates, region)
+        return chosen
+
+
+@pytest.mark.parametrize('hidden', [1, 2, 5, 10, 15])
+@pytest.mark.parametrize('ratio, distance', [
+    (0.5, 40.0), (0.5, 20.0), (0.5, 150.0), (0.75, 60.0), (1.0, 60.0)
+])
+def test_a_target_that_was_hidden_is_returned_to(
+    hidden: int, ratio: float, distance: float
+) -> None:
+    """And until then nothing is taken for it."""
+    camera = Surveyor()
+    turn = 60 + 2 * hidden
+    for index in range(4 * turn):
+        away = index % turn >= 60
+        chosen = camera.look(index, *two_lights(index, hidden=away, ratio=ratio, distance=distance))
+        if chosen is not None:
+            assert chosen.peak == (200, 100)
+        if away and index % 2 == 0 and index % turn >= 70:
+            assert 'another light flashes in step' in camera.confirmation.reason
+        if index > turn and 12 <= index % turn < 60 and index % 2 == 0:
+            assert chosen is not None
+    assert '2 lights flash in step' in camera.confirmation.warning
+
+
+def test_a_reflection_that_is_seen_first_is_left_for_the_brighter_light() -> None:
+    """It is a light by itself for the first half second."""
+    camera = Surveyor()
+    for index in range(100):
+        chosen = camera.look(index, *two_lights(index, hidden=index < 30))
+        if index % 2 == 0 and index >= 40:
+            assert chosen is not None and chosen.peak == (200, 100)
+
+
+def test_a_light_that_stays_the_only_one_is_taken_after_a_second() -> None:
+    """And left for the target once that is back, ten seconds later."""
+    camera = Surveyor()
+    chosen_at = {}
+    for index in range(1000):
+        chosen = camera.look(index, *two_lights(index, hidden=100 <= index < 700))
+        if chosen is not None:
+            chosen_at[index] = chosen.peak[0]
+    assert {peak for index, peak in chosen_at.items() if index < 100} == {200}
+    assert not {index for index in chosen_at if 100 <= index < 158}
+    assert {peak for index, peak in chosen_at.items() if 100 <= index < 700} == {240}
+    assert min(index for index, peak in chosen_at.items() if peak == 240) <= 170
+    assert {chosen_at.get(index) for index in range(710, 1000, 2)} == {200}
+
+
+def test_a_light_that_jumps_alone_is_not_waited_for() -> None:
+    """Nothing flashed beside it: what flashes elsewhere in step from then on is the light."""
+    camera = Surveyor()
+    found = []
+    for index in range(100):
+        x = 200 if index < 60 else 330
+        if camera.look(index, *([candidate_at(x, 100)] if index % 2 == 0 else [])) is not None:
+            found.append(index)
+    assert [index for index in found if index >= 60][0] <= 68
