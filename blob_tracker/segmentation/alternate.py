@@ -66,6 +66,20 @@ class Alternate:
         """Whether the target is followed."""
         return self._confirmation.locked
 
+    @property
+    def warning(self) -> str:
+        """What other lights flash in step with the target."""
+        return self._confirmation.warning
+
+    @property
+    def surveys(self) -> bool:
+        """Whether the whole frame is to be searched for them."""
+        return self._confirmation.surveys and self._motion is None
+
+    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Take note of other lights that flash in step."""
+        self._confirmation.survey(candidates, self._region)
+
     def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
         """
         Return the next frame and the one before it; where to look is where it is expected.
@@ -124,6 +138,10 @@ class Alternate:
         out[self._region.slices] = warped(lit, unlit, motion, self._region)
         return out
 
+    def skip(self, frame: Frame) -> None:
+        """Let the light be in either phase of the stamps from this frame on."""
+        self._confirmation.skip(frame.stamp_ns)
+
     def region(self, contrast: Contrast) -> Box:
         """Return the surroundings of the predicted place; the whole frame while it is lost."""
         return self._region
@@ -141,6 +159,9 @@ class Alternate:
         target = self._confirmation.choose(candidates, contrast.shape)
         if target is not None:
             return [('', target)]
+        if self._confirmation.reason:
+            self.reason = self._confirmation.reason
+            return []
         allowed = sum(not each.rejected for each in candidates)
         if allowed and not self.reason:
             self.reason = f'{allowed} lit up; none of them flashes in step with the frames yet'

@@ -57,6 +57,9 @@ class Coded:
 
     """
 
+    surveys = False
+    warning = ''
+
     def __init__(
         self,
         *,
@@ -113,12 +116,18 @@ class Coded:
             duration=self._length * interval,
         )
 
+    def skip(self, frame: Frame) -> None:
+        """Do nothing: it is as if the frame had not come."""
+
     def region(self, contrast: Contrast) -> Box:
         """Return the whole frame: the lights may be anywhere in it."""
         return whole(contrast.shape)
 
     def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
         """Return None: the whole frame is searched in any case."""
+
+    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Do nothing: `choose` had the whole frame."""
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]

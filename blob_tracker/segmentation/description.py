@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel
+from blob_tracker.segmentation.flanks import flank_misfit
 from blob_tracker.segmentation.tile_noise import median
 from blob_tracker.types import Pixels
 import numpy as np
@@ -64,7 +65,7 @@ def describe(
     top, bottom = max(int(y - half_y), region[1]), min(int(y + half_y) + 2, region[3])
     norm = flux = unlit_amplitude = surround_level = squares = 0.0
     outside = 0
-    clipped = False
+    clipped, overexposed = False, False
     weights = np.empty((bottom - top, right - left))
     step = 1 + int(max(half_x, half_y) / (SAMPLES + 1))
     for j in range(top, bottom, step):
@@ -73,7 +74,11 @@ def describe(
             w = np.exp(-0.5 * q)
             weights[j - top, i - left] = w
             unlit_pixel = float(unlit[j, i])
-            clipped = clipped or unlit[j, i] >= saturation
+            if unlit[j, i] >= saturation:
+                # One by itself is stuck, and tells nothing of the scene.
+                clipped = clipped or not _is_single(unlit, region, i, j, saturation)
+                continue
+            overexposed = overexposed or lit[j, i] >= saturation
             if q > WINDOW_SIGMA * WINDOW_SIGMA:
                 surround_level += unlit_pixel
                 squares += unlit_pixel * unlit_pixel
@@ -85,24 +90,36 @@ def describe(
     surround_level = surround_level / outside if outside > 0 else 0.0
     variance = squares / outside - surround_level * surround_level if outside > 0 else 0.0
     texture = np.sqrt(max(variance, 0.0))
-    misfit, count = 0.0, 0
+    misfit, count, deepest = 0.0, 0, 0.0
     total = 0.0
     for j in range(top, bottom, step):
         for i in range(left, right, step):
             w = weights[j - top, i - left]
+            if unlit[j, i] >= saturation:
+                continue
             unlit_amplitude += w * (float(unlit[j, i]) - surround_level)
             total += w * w
             if lit[j, i] < saturation:
                 residual = float(lit[j, i]) - float(unlit[j, i]) - level - amplitude * w
                 misfit += residual * residual
+                deepest = min(deepest, residual)
                 count += 1
+    misfit -= deepest * deepest  # a dead pixel does not see the light
     # Less what the noise explains, and five of its standard deviations: it is known to 10 % only.
     misfit -= (count + 5.0 * np.sqrt(2.0 * count)) * noise * noise
     explained = amplitude * amplitude * norm
+    misfit = np.sqrt(max(misfit, 0.0) / explained) if explained > 0.0 else 0.0
+    if overexposed and misfit > 0.0:
+        # The Gaussian of the flat top is too wide for the flanks, which tell the true one.
+        steeper, peak = flank_misfit(
+            lit, unlit, (left, top, right, bottom), step, x, y, level, noise, saturation
+        )
+        if steeper < misfit:
+            misfit, amplitude = steeper, peak
     out[0:9] = blob
     out[9], out[10], out[11] = column, row, height
     out[12] = amplitude
-    out[13] = np.sqrt(max(misfit, 0.0) / explained) if explained > 0.0 else 0.0
+    out[13] = misfit
     out[14] = _neighbour_rise(lit, unlit, region, column, row, level) / max(height, noise)
     # In one frame by itself nothing fell: what is darker beside it is the scene.
     out[15] = 0.0
@@ -114,6 +131,18 @@ def describe(
     out[18] = clipped
     out[19] = noise
     out[20] = _surround_noise(lit, unlit, region, x, y, half_x, half_y, level)
+
+
+@kernel
+def _is_single(
+    image: Pixels, region: tuple[int, int, int, int], column: int, row: int, saturation: int
+) -> bool:
+    """Tell whether none of a clipped pixel's neighbours is clipped."""
+    for v in range(max(row - 1, region[1]), min(row + 2, region[3])):
+        for u in range(max(column - 1, region[0]), min(column + 2, region[2])):
+            if (u != column or v != row) and image[v, u] >= saturation:
+                return False
+    return True
 
 
 @kernel

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.dead_pixels import mark_dead
 from blob_tracker.segmentation.history import FrameError
 from blob_tracker.types import Frame, Pixels, Window
 import numpy as np
@@ -27,6 +28,7 @@ class _Pair(NamedTuple):
     frame: Frame
     lit: tuple[Pixels, ...]
     unlit: tuple[Pixels, ...]
+    noise: float
 
 
 class FrameStack:
@@ -92,7 +94,8 @@ class FrameStack:
                 'true full scale (saturation)'
             )
         look = _Pair(
-            candidate.x, candidate.y, contrast.frame, contrast.lit_frames, contrast.unlit_frames
+            candidate.x, candidate.y, contrast.frame, contrast.lit_frames, contrast.unlit_frames,
+            candidate.noise,
         )
         pairs = self._pairs.setdefault(name, [])
         reach = STILL_SIGMA * (1.0 + candidate.sigma_minor)
@@ -116,9 +119,12 @@ def _cut(pairs: Sequence[_Pair], box: Box) -> Window:
     """Return the raw pixels of a box, summed over all frames of the looks."""
     frame = pairs[-1].frame
     lit, unlit = (
-        [image[box.slices] for images in all_looks for image in images]
+        [image[box.slices].copy() for images in all_looks for image in images]
         for all_looks in ([pair.lit for pair in pairs], [pair.unlit for pair in pairs])
     )
+    noises = [pair.noise for pair in pairs for _ in pair.unlit]
+    for bright, dark, noise in zip(lit, unlit, noises):
+        mark_dead(bright, dark, frame.saturation, noise)
     first = pairs[0].frame.stamp_ns
     return Window(
         lit=sum_frames(lit, frame.saturation),

@@ -54,6 +54,8 @@ class Periodic:
     """
 
     locked = False
+    surveys = False
+    warning = ''
 
     def __init__(
         self,
@@ -97,12 +99,18 @@ class Periodic:
         self._new_frames = 0
         return self._demodulate(list(block))
 
+    def skip(self, frame: Frame) -> None:
+        """Do nothing: it is as if the frame had not come."""
+
     def region(self, contrast: Contrast) -> Box:
         """Return the whole frame."""
         return whole(contrast.shape)
 
     def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
         """Return None: the whole frame is searched in any case."""
+
+    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Do nothing: `choose` had the whole frame."""
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]

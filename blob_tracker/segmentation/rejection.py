@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+import math
+
 from blob_tracker.segmentation.candidate import Candidate
 
 # The four neighbours of the peak pixel have a third of its height where sigma is 0.6 px, and more
@@ -27,6 +30,10 @@ FOLLOWED_ALLOWANCE = 3.0
 MAX_FALL_RATIO = 0.5
 # Standard deviations: the mean of 2 x 2 pixels falls by 2.5 at most by noise
 NOISE_FALL_SIGMA = 4.0
+
+# Haze and walls are lit up far about a light: what holds a blob that is so many times narrower
+GLOW_WIDTH_RATIO = 3.0
+GLOW_REACH_SIGMA = 3.0  # within so many sigma of its middle is the glow of that one
 
 
 def reject(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
@@ -90,3 +97,35 @@ def reject(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
             'the sun or of a lamp'
         )
     return ''
+
+
+def without_glows(candidates: Sequence[Candidate]) -> tuple[Candidate, ...]:
+    """
+    Return the candidates with those rejected that are the glow of another one.
+
+    Parameters
+    ----------
+    candidates : sequence of Candidate
+        What lit up in one frame, rejected or not.
+
+    """
+    lights = [each for each in candidates if not each.rejected]
+    if len(lights) < 2:
+        return tuple(candidates)
+    narrowest = min(each.sigma_major for each in lights)
+    out = []
+    for each in candidates:
+        if not each.rejected and each.sigma_minor > GLOW_WIDTH_RATIO * narrowest:
+            for light in lights:
+                distance = math.hypot(light.x - each.x, light.y - each.y)
+                if (
+                    each.sigma_minor > GLOW_WIDTH_RATIO * light.sigma_major
+                    and distance < GLOW_REACH_SIGMA * each.sigma_major
+                ):
+                    each = each._replace(rejected=(
+                        f'a glow {each.sigma_major:.0f} px wide (sigma) about the light at '
+                        f'({light.x:.0f}, {light.y:.0f}): haze or a wall that it lights up'
+                    ))
+                    break
+        out.append(each)
+    return tuple(out)

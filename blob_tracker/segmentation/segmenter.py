@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 from blob_tracker.segmentation.alternate import Alternate
-from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.black_core import without_black_cores
+from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.detections import Detections
@@ -13,6 +15,7 @@ from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.frame_stack import FrameStack
 from blob_tracker.segmentation.history import FrameError
+from blob_tracker.segmentation.repeated_frames import RepeatedFrames
 from blob_tracker.segmentation.search import NO_MASK, search, SearchResult
 from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
 from blob_tracker.types import Frame, Pixels, Window
@@ -65,6 +68,10 @@ class Segmenter:
         Why the last frame gave no window; empty where it gave one.
     detections : Detections or None
         What was seen in the last frame that was compared with others.
+    repeated_frames : int
+        How many frames were left out because they showed the one before once more.
+    warnings : tuple of str
+        What is wrong though there may be a window: other lights that flash in step.
     unlit_pair : (array, array) or None
         Raw pixels of the last two frames without a light, where the last frame is one of them or
         ended a block that holds them. What differs in them is noise, or moved.
@@ -89,8 +96,19 @@ class Segmenter:
         self.detections: Detections | None = None
         self.unlit_pair: tuple[Pixels, Pixels] | None = None
         self._unlit: Frame | None = None
+        self._repeated = RepeatedFrames()
         self._stack = FrameStack(looks)
         self._mask = NO_MASK if mask is None else np.ascontiguousarray(mask != 0, dtype=np.uint8)
+
+    @property
+    def repeated_frames(self) -> int:
+        """How many frames were left out because they showed the one before once more."""
+        return self._repeated.count
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is wrong though there may be a window: other lights that flash in step."""
+        return (self.flash.warning,) if self.flash.warning else ()
 
     def update(self, frame: Frame, expected: Expectation | None = None) -> Window | None:
         """
@@ -132,16 +150,22 @@ class Segmenter:
                 f'the mask is {self._mask.shape[1]} x {self._mask.shape[0]} px and the frame '
                 f'{frame.image.shape[1]} x {frame.image.shape[0]}; they must be of one size'
             )
+        if self._repeated.push(frame):
+            self.flash.skip(frame)
+            self.reason = (
+                f'the frame is identical to the one before it, {self._repeated.count} so far: a '
+                'camera slower than its stamps, or a driver that repeats what it had'
+            )
+            return []
         before, self._unlit, self.unlit_pair = self._unlit, None, None
         contrast = self.flash.contrast(frame, expected)
         if contrast is None:
             self.reason = self.flash.reason
             return []
-        found = self._search(contrast)
+        contrast, found = self._search(contrast)
         wider = self.flash.widened(contrast, () if found.reason else found.candidates)
         if wider is not None:
-            contrast = wider
-            found = self._search(contrast)
+            contrast, found = self._search(wider)
         sightings: list[Sighting] = []
         windows: dict[str, Box] = {}
         if found.reason:
@@ -149,6 +173,8 @@ class Segmenter:
         else:
             chosen = self.flash.choose(contrast, found.candidates)
             self.reason = '' if chosen else self._reason_for_none(found)
+            if self.flash.surveys:
+                self._survey(contrast)
             for name, candidate in chosen:
                 box = self._window(contrast, candidate)
                 if box is None:
@@ -172,21 +198,33 @@ class Segmenter:
             windows,
             'locked' if self.flash.locked else 'lost',
             self.reason,
+            self.warnings,
         )
         return sightings
 
-    def _search(self, contrast: Contrast) -> SearchResult:
-        """Return what lit up in the region in which the target can be."""
+    def _search(self, contrast: Contrast) -> tuple[Contrast, SearchResult]:
+        """Return what lit up in the region in which the target can be, and what it is seen in."""
         region = self.flash.region(contrast)
         # Within the gate there is little room for chance.
         followed = self.flash.locked and 2 * region.size < contrast.lit.size
-        return search(
-            contrast,
-            region,
+        look = partial(
+            search,
+            region=region,
             min_snr=self.min_snr * (GATED_SNR_FRACTION if followed else 1.0),
             followed=followed,
             mask=self._mask,
         )
+        found = look(contrast)
+        mended = without_black_cores(contrast, found.candidates)
+        return (contrast, found) if mended is None else (mended, look(mended))
+
+    def _survey(self, contrast: Contrast) -> None:
+        """Show the flash mode what lit up outside of the region as well."""
+        everything = search(
+            contrast, whole(contrast.shape), min_snr=self.min_snr, mask=self._mask
+        )
+        if not everything.reason:
+            self.flash.survey(contrast, everything.candidates)
 
     def _keep_unlit(
         self, frame: Frame, contrast: Contrast, before: Frame | None, *, lit: bool

@@ -33,6 +33,8 @@ class Steady:
     """
 
     locked = False
+    surveys = False
+    warning = ''
 
     def __init__(self, *, max_pair_interval: float = 0.1) -> None:
         self.reason = 'no frame yet'
@@ -55,12 +57,18 @@ class Steady:
             self._nothing = np.zeros_like(image)
         return Contrast(image, self._nothing, frame.saturation, frame, (image,), (), ROUNDING_DN)
 
+    def skip(self, frame: Frame) -> None:
+        """Do nothing: it is as if the frame had not come."""
+
     def region(self, contrast: Contrast) -> Box:
         """Return the whole frame."""
         return whole(contrast.shape)
 
     def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
         """Return None: the whole frame is searched in any case."""
+
+    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Do nothing: `choose` had the whole frame."""
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]

@@ -260,6 +260,8 @@ class SegmenterNode(Node):
             for name, target in self._targets.items()
         ]
         self._health.count('frames')
+        for warning in self._segmenter.warnings:
+            self._health.fault(WARN, warning)
         if seen:
             self._health.ok('target in view')
         elif not any(visible):
@@ -299,6 +301,8 @@ class SegmenterNode(Node):
     def _describe(self) -> None:
         """Show in the diagnostics what the segmenter saw last."""
         self._health.show('missing frames', self._losses.total)
+        if self._segmenter.repeated_frames:
+            self._health.show('repeated frames', self._segmenter.repeated_frames)
         if self._losses.grave:
             self._health.fault(
                 WARN,
