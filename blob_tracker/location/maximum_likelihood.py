@@ -9,6 +9,7 @@ from blob_tracker.location.estimates import Estimates, Failure
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
 from blob_tracker.location.normal_equations import column_of_inverse, empty_equations, solve
 from blob_tracker.location.scoring import advance, climb, CONVERGED, NARROWEST_PX, WIDEST
+from blob_tracker.location.sites import ABSENT_DN, fill_absent
 from blob_tracker.location.start_value import start_value
 from blob_tracker.location.unlit_texture import (
     blend, residual_variance, split_unlit, texture_share, Unlit,
@@ -147,7 +148,7 @@ def _fit_all(
                 pixels[j, i] = lit[n, j, i]
                 extra[j, i] = floor
                 lost = lit[n, j, i] >= saturation
-                if lost:
+                if lost and lit[n, j, i] < ABSENT_DN:
                     clipped[n] += 1
                 if paired:
                     texture[j, i] = unlit[n, j, i]
@@ -168,6 +169,7 @@ def _fit_all(
             # Lit minus unlit to start from: bright texture must not be taken for the target.
             share = 1.0
             blend(lit[n], Unlit(texture, mean, white), share, seen)
+        fill_absent(pixels, lit[n])
         start_value(pixels, lit[n], saturation, paired, mean, start)
         theta[:] = start
         done = False

@@ -91,7 +91,7 @@ def _plain(frame: Frame) -> Frame:
 
 def _geometry(frame: Frame) -> tuple[object, ...]:
     """Return what two frames must share for their pixels to be comparable."""
-    return frame.image.shape, frame.image.dtype, frame.x0, frame.y0, frame.binning
+    return frame.image.shape, frame.image.dtype, frame.x0, frame.y0, frame.binning, frame.channel
 
 
 def _describe(frame: Frame) -> str:
@@ -99,5 +99,5 @@ def _describe(frame: Frame) -> str:
     height, width = frame.image.shape
     return (
         f'{width} x {height} {frame.image.dtype} at ({frame.x0}, {frame.y0}) '
-        f'binned {frame.binning[0]} x {frame.binning[1]}'
+        f'binned {frame.binning[0]} x {frame.binning[1]} {frame.channel}'.rstrip()
     )
