@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 COLOURS = ('red', 'green', 'blue')
 CHANNELS = (*COLOURS, 'luma')
+AUTO = 'auto'  # the channel in which the light is strongest
 _TO_LUMA = {
     'rgb': cv2.COLOR_RGB2GRAY,
     'bgr': cv2.COLOR_BGR2GRAY,
@@ -116,10 +117,10 @@ def summed(first: Pixels, second: Pixels, saturation: int) -> tuple[NDArray[np.u
 
 def _of_mosaic(frame: Frame, channel: str) -> Frame:
     """Return the samples of one colour, and their sum in each cell."""
-    height, width = (size // 2 * 2 for size in frame.image.shape)
-    if not height or not width:
-        raise ValueError(f'{frame.image.shape[1]} x {frame.image.shape[0]} px have no cell of 2 x 2')
-    pixels = frame.image[:height, :width]
+    height, width = frame.image.shape
+    if min(height, width) < 2:
+        raise ValueError(f'{width} x {height} px have no cell of 2 x 2')
+    pixels = frame.image[:height // 2 * 2, :width // 2 * 2]
     sites = np.array([each == channel[0] for each in frame.layout]).reshape(2, 2)
     planes = [pixels[row::2, column::2] for row, column in np.argwhere(sites)]
     saturation = frame.saturation

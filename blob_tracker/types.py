@@ -145,12 +145,12 @@ class Frame:
 
     @property
     def samples(self) -> Pixels:
-        """The pixels that the sensor gave: those of the mosaic where there is one."""
+        """Return the pixels that the sensor gave: those of the mosaic where there is one."""
         return self.image if self.mosaic is None else self.mosaic.pixels
 
     @property
     def sample_saturation(self) -> int:
-        """The DN at which one of `samples` is clipped."""
+        """Return the DN at which one of `samples` is clipped."""
         return self.saturation if self.mosaic is None else self.mosaic.saturation
 
 

@@ -43,15 +43,18 @@ ROOMS = {
         'simulation',
     },
     'ros': {
-        'capture', 'colour', 'segmentation', 'location', 'camera', 'tracking', 'calibration', 'pipeline',
+        'capture', 'colour', 'segmentation', 'location', 'camera', 'tracking', 'calibration',
+        'pipeline',
         'resources',
     },
     'nodes': {
-        'capture', 'colour', 'segmentation', 'location', 'camera', 'tracking', 'calibration', 'pipeline',
+        'capture', 'colour', 'segmentation', 'location', 'camera', 'tracking', 'calibration',
+        'pipeline',
         'simulation', 'ros', 'resources', 'kernel',
     },
     'commands': {
-        'capture', 'colour', 'segmentation', 'location', 'camera', 'tracking', 'calibration', 'pipeline',
+        'capture', 'colour', 'segmentation', 'location', 'camera', 'tracking', 'calibration',
+        'pipeline',
         'simulation', 'studies', 'ros', 'nodes', 'resources', 'kernel',
     },
     '__main__': {'commands'},

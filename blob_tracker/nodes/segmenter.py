@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from functools import partial
 import sys
 from threading import Lock
@@ -43,11 +44,15 @@ from blob_tracker.segmentation import (
     threshold_by_name,
 )
 from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.channel import ChannelChoice
+from blob_tracker.segmentation.compression import standard_quantisation
 from blob_tracker.segmentation.periodic import HIGHEST_FREQUENCY
 from blob_tracker.segmentation.picture import draw
 from blob_tracker.tracking import Track
 from blob_tracker.types import Frame, Window
 from geometry_msgs.msg import Vector3Stamped
+import numpy as np
+from numpy.typing import NDArray
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
@@ -113,6 +118,8 @@ class SegmenterNode(Node):
         self._candidates: tuple[Candidate, ...] = ()
         self._target: Candidate | None = None
         self._flash: tuple[dict[str, Any], Flash] | None = None
+        self._channel: tuple[str, ChannelChoice] | None = None
+        self._quantisation: NDArray[np.uint16] | None = None
         self._new_segmenter: Callable[[], Segmenter]
         self._newest_ns = -1  # of the stamps
         self._topics: dict[str, WindowTopics] = {}  # of all lights that there ever were
@@ -163,7 +170,14 @@ class SegmenterNode(Node):
             looks=values['looks'],
             mask=mask,
         )
-        segmenter = new_segmenter(flash=flash)
+        same = self._channel is not None and self._channel[0] == values['channel']
+        channel = (
+            self._channel[1] if self._channel is not None and same
+            else ChannelChoice(values['channel'])
+        )
+        segmenter = new_segmenter(flash=flash, channel=channel)
+        quality = values['jpeg_quality']
+        quantisation = standard_quantisation(quality) if quality else None
         lights = tuple(codes) if values['flash.mode'] == 'coded' else ('',)
         for name in lights:
             if name not in self._topics:
@@ -176,8 +190,12 @@ class SegmenterNode(Node):
         def use() -> None:
             with self._lock:
                 self._flash = asked, flash
+                self._channel = values['channel'], channel
+                self._quantisation = quantisation
                 self._segmenter = segmenter
-                self._new_segmenter = lambda: new_segmenter(flash=new_flash())
+                self._new_segmenter = lambda: new_segmenter(
+                    flash=new_flash(), channel=ChannelChoice(values['channel'])
+                )
                 self._late_ns = int(1e9 * values['max_pair_interval'])
                 self._saturation = values['saturation']
                 self._follow = follow
@@ -213,6 +231,7 @@ class SegmenterNode(Node):
         assert self._flash is not None
         self._segmenter = self._new_segmenter()
         self._flash = self._flash[0], self._segmenter.flash
+        self._channel = self._segmenter.channel.name, self._segmenter.channel
         self._newest_ns = -1
         self._detections = self._target = None
         self._candidates = ()
@@ -239,6 +258,8 @@ class SegmenterNode(Node):
                     f'the camera clips at {frame.saturation} DN; set saturation to that in '
                     'segmenter and locator',
                 )
+            if clipped.quantisation is None and self._quantisation is not None:
+                clipped = replace(clipped, quantisation=self._quantisation)
             self._segment(clipped, info, frame_id)
         self._health.arrived(frame.stamp_ns, came_ns)
         self._losses.add(self._gaps.missing(frame.stamp_ns))
@@ -276,6 +297,8 @@ class SegmenterNode(Node):
             for name, target in self._targets.items()
         ]
         self._health.count('frames')
+        if frame.layout != 'grey':
+            self._health.show('channel', self._segmenter.channel.channel)
         if seen:
             self._health.ok('target in view')
         elif not any(visible):

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from blob_tracker.colour import channels, in_channel
+from blob_tracker.colour import AUTO, channels, in_channel
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.history import FrameError
 from blob_tracker.types import Frame
 import cv2
 import numpy as np
 
-AUTO = 'auto'
 LEAST_RISE_SIGMA = 7.0  # of the noise of a square of 3 x 3 px: no chance among all of a frame's
 BETTER = 1.25  # times the SNR of the channel in use is worth a change
 VOTES = 3  # flashes in a row that another channel must be better in, once the first is chosen
@@ -34,12 +33,15 @@ class ChannelChoice:
 
     Attributes
     ----------
+    name : str
+        As it was given.
     channel : str
         The one in use.
 
     """
 
     def __init__(self, channel: str = AUTO) -> None:
+        self.name = channel
         self._auto = channel == AUTO
         self.channel = 'luma' if self._auto else channel
         self._before: Frame | None = None

@@ -17,6 +17,17 @@ _COSINES = np.sqrt(2.0 / SIDE) * np.cos(
     np.pi / SIDE * np.outer(np.arange(SIDE), np.arange(SIDE) + 0.5)
 )
 _COSINES[0] /= math.sqrt(2.0)
+# Steps of the luma at quality 50 (ITU-T T.81, table K.1), which encoders scale.
+_STANDARD = np.array([
+    [16, 11, 10, 16, 24, 40, 51, 61],
+    [12, 12, 14, 19, 26, 58, 60, 55],
+    [14, 13, 16, 24, 40, 57, 69, 56],
+    [14, 17, 22, 29, 51, 87, 80, 62],
+    [18, 22, 37, 56, 68, 109, 103, 77],
+    [24, 35, 55, 64, 81, 104, 113, 92],
+    [49, 64, 78, 87, 103, 121, 120, 101],
+    [72, 92, 95, 98, 112, 100, 103, 99],
+])
 
 
 def compression_noise(quantisation: NDArray[Any] | None, candidate: Candidate) -> float:
@@ -60,6 +71,25 @@ def compression_noise(quantisation: NDArray[Any] | None, candidate: Candidate) -
     return round(STEPS * math.sqrt(variance)) / STEPS
 
 
+def standard_quantisation(quality: int) -> NDArray[np.uint16]:
+    """
+    Return the steps of the luma that libjpeg takes for a quality.
+
+    Parameters
+    ----------
+    quality : int
+        1 to 100.
+
+    Returns
+    -------
+    (8, 8) array
+        DN, by row and column.
+
+    """
+    percent = 5000 // quality if quality < 50 else 200 - 2 * quality
+    return np.clip((_STANDARD * percent + 50) // 100, 1, 255).astype(np.uint16)
+
+
 def _coefficients(
     centre: float, sigma: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -68,6 +98,5 @@ def _coefficients(
     last = math.floor((centre + REACH_SIGMA * sigma) / SIDE)
     offset = np.arange(SIDE * first, SIDE * (last + 1)) - centre
     bell = np.exp(-0.5 * (offset / sigma) ** 2)
-    return tuple(  # type: ignore[return-value]
-        each.reshape(-1, SIDE) @ _COSINES.T for each in (bell, bell * offset / sigma**2)
-    )
+    slope = bell * offset / sigma**2
+    return bell.reshape(-1, SIDE) @ _COSINES.T, slope.reshape(-1, SIDE) @ _COSINES.T

@@ -85,7 +85,8 @@ class FrameStack:
             Where the sum does not fit into 16 bits.
 
         """
-        frames, saturation = self.count * len(contrast.lit_frames), contrast.frame.sample_saturation
+        frames = self.count * len(contrast.lit_frames)
+        saturation = contrast.frame.sample_saturation
         if frames > most_frames(saturation):
             raise FrameError(
                 f'{frames} frames of up to {saturation} DN do not fit into the 16 bits of a '

@@ -49,7 +49,7 @@ class FrameHistory:
         ------
         FrameError
             Where the stamp is not later than the last one (that frame is left out), or the stamps
-            jumped back or the size, crop or depth changed (this frame starts afresh).
+            jumped back or the channel, size, crop or depth changed (this frame starts afresh).
 
         """
         frame = _plain(frame)
@@ -57,6 +57,11 @@ class FrameHistory:
             self.frames.append(frame)
             return None
         previous = self.frames[-1]
+        if frame.channel != previous.channel:  # an earlier frame may come again, in another one
+            self._restart(frame)
+            raise FrameError(
+                f'the channel changed from {previous.channel} to {frame.channel}; starting afresh'
+            )
         if frame.stamp_ns <= previous.stamp_ns:
             late = (previous.stamp_ns - frame.stamp_ns) / 1e9
             if late > self.max_interval:
@@ -91,7 +96,7 @@ def _plain(frame: Frame) -> Frame:
 
 def _geometry(frame: Frame) -> tuple[object, ...]:
     """Return what two frames must share for their pixels to be comparable."""
-    return frame.image.shape, frame.image.dtype, frame.x0, frame.y0, frame.binning, frame.channel
+    return frame.image.shape, frame.image.dtype, frame.x0, frame.y0, frame.binning
 
 
 def _describe(frame: Frame) -> str:
@@ -99,5 +104,5 @@ def _describe(frame: Frame) -> str:
     height, width = frame.image.shape
     return (
         f'{width} x {height} {frame.image.dtype} at ({frame.x0}, {frame.y0}) '
-        f'binned {frame.binning[0]} x {frame.binning[1]} {frame.channel}'.rstrip()
+        f'binned {frame.binning[0]} x {frame.binning[1]}'
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from copy import deepcopy
+from contextlib import suppress
 from typing import NamedTuple
 
 from blob_tracker.segmentation.alternate import Alternate
@@ -88,7 +88,6 @@ class Segmenter:
         channel: ChannelChoice | None = None,
     ) -> None:
         self.flash = flash or Alternate()
-        self._fresh = deepcopy(self.flash)
         self.channel = channel or ChannelChoice()
         self.threshold = threshold or threshold_by_name('sigma_window', sigmas=3.0, extension=2)
         self.min_snr = min_snr
@@ -191,9 +190,9 @@ class Segmenter:
         region = self._region if self.flash.locked else None
         frame, before = self.channel.take(frame, region)
         if before is not None:
-            self.flash = deepcopy(self._fresh)
             self._unlit = None
-            self.flash.contrast(before)
+            with suppress(FrameError):  # which says that it begins afresh with this one
+                self.flash.contrast(before)
         return frame
 
     def _search(self, contrast: Contrast) -> SearchResult:

@@ -50,11 +50,13 @@ class Steady:
 
         """
         self._history.push(frame)
-        image = self._history.frames[-1].image
+        kept = self._history.frames[-1]
+        image = kept.image
         if self._nothing.shape != image.shape or self._nothing.dtype != image.dtype:
             self._nothing = np.zeros_like(image)
-        return Contrast(image, self._nothing, frame.saturation, frame, (self._history.frames[-1].samples,), (),
-            ROUNDING_DN)
+        return Contrast(
+            image, self._nothing, frame.saturation, frame, (kept.samples,), (), ROUNDING_DN
+        )
 
     def region(self, contrast: Contrast) -> Box:
         """Return the whole frame."""

@@ -102,4 +102,4 @@ def test_the_range_of_the_levels_tells_where_they_are_clipped(name, quantization
     assert found.saturation == saturation
     grey = np.full(found.stride * 2, 100, np.uint8)
     grey[0] = saturation  # red, or the luma, of the first pixel
-    assert (found.luma(grey.tobytes()) >= saturation).sum() == 1
+    assert (found.picture(grey.tobytes()) >= saturation).sum() == 1

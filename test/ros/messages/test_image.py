@@ -101,7 +101,7 @@ def test_padded_rows_and_big_endian_are_read() -> None:
 @pytest.mark.parametrize(
     'changes, sentence',
     [
-        ({'encoding': 'rgb8'}, "encoding is 'rgb8'; it must be mono8 or"),
+        ({'encoding': 'rgb16'}, "encoding is 'rgb16'; it must be mono8 or"),
         ({'encoding': ''}, "encoding is ''"),
         ({'width': 0}, 'neither may be 0'),
         ({'height': 0}, 'neither may be 0'),
@@ -117,10 +117,10 @@ def test_wrong_fields_are_named(changes: dict, sentence: str) -> None:
         to_frame(image(**changes), INFO)
 
 
-def test_a_window_of_three_channels_is_refused() -> None:
-    """Only lit, or lit and unlit."""
-    with pytest.raises(MessageError, match="encoding is '8UC3'; it must be 8UC1 or 8UC2"):
-        to_window(image(encoding='8UC3'), INFO)
+def test_a_window_of_four_channels_is_refused() -> None:
+    """Only lit, lit and unlit, or both and what their pixels are worth."""
+    with pytest.raises(MessageError, match="encoding is '8UC4'; it must be 8UC1 or 8UC2"):
+        to_window(image(encoding='8UC4'), INFO)
 
 
 @pytest.mark.parametrize(
