@@ -68,7 +68,9 @@ def test_a_light_behind_a_mosaic_is_where_it_is(
 
 
 @pytest.mark.parametrize(('colours', 'channel'), [
-    (LED, 'red'), ({'r': 0.1, 'g': 0.2, 'b': 1.0}, 'blue'), ({'r': 1.0, 'g': 1.0, 'b': 1.0}, 'luma'),
+    (LED, 'red'),
+    ({'r': 0.1, 'g': 0.2, 'b': 1.0}, 'blue'),
+    ({'r': 1.0, 'g': 1.0, 'b': 1.0}, 'luma'),
 ])
 def test_the_strongest_of_three_planes(colours: dict[str, float], channel: str) -> None:
     """White light is seen best in the mean of all three."""
@@ -135,7 +137,7 @@ def test_a_mask_is_of_the_size_of_the_mosaic() -> None:
 
 @pytest.mark.parametrize(('mode', 'options'), [
     ('periodic', {'frequency': 10.0, 'frames': 12}),
-    ('coded', {'codes': {'port': (1, 1, 0, 1, 0, 0, 0)}}),
+    ('coded', {'codes': {'port': '1101000'}}),
     ('steady', {}),
 ])
 def test_other_modes_cut_the_samples_out_too(mode: str, options: dict) -> None:

@@ -96,8 +96,8 @@ INTERFACE = Interface(
         Service(
             'camera/find_exposure',
             'std_srvs/Trigger',
-            'search once for the exposure and gain that put the lit peak, in the light\'s own '
-            'colour, at 70 % of full scale',
+            'search once for the exposure and gain that put the lit peak, in the colour of the '
+            'light, at 70 % of full scale',
         ),
     ),
     examples=(

@@ -89,7 +89,8 @@ def test_a_header_without_steps_is_refused():
     _, whole = encoded()
     for wrong, sentence in (
         (b'', 'it has no scan'),
-        (whole[:30], 'it has no scan'),
+        (whole[:20], 'it has no scan'),
+        (whole[:60], 'a table is cut short'),
         (whole.replace(b'\xff\xdb', b'\xff\xee'), 'no table of its luma'),
     ):
         with pytest.raises(ValueError, match=sentence):

@@ -215,7 +215,7 @@ def test_semiplanar_yuv(encoding: str) -> None:
 
 def test_chromas_of_half_a_pixel_are_refused() -> None:
     """An odd size has no place for them."""
-    with pytest.raises(MessageError, match='it must be even'):
+    with pytest.raises(MessageError, match='must be even'):
         to_frame(image(encoding='nv12'), INFO)
 
 
