@@ -59,6 +59,6 @@ def test_equal_steps_are_white_noise() -> None:
 
 @pytest.mark.parametrize('quality', [1, 10, 49, 50, 75, 95, 100])
 def test_the_standard_table_is_that_of_the_encoder(quality: int) -> None:
-    """OpenCV's is libjpeg's."""
+    """The one of OpenCV is libjpeg's."""
     written = luma_quantisation(encoded(np.zeros((16, 16), np.uint8), quality))
     np.testing.assert_array_equal(standard_quantisation(quality), written)
