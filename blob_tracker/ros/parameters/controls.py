@@ -252,7 +252,7 @@ class ControlParameters:
         self.warnings = ()
 
     def adjust_exposure(
-        self, camera: V4l2Camera, read: Callable[[], Frame], channel: str = 'auto'
+        self, camera: V4l2Camera, read: Callable[[], Frame], channel: str
     ) -> Outcome:
         """
         Search for the exposure and gain of a lit target; keep what was found as if it were set.
