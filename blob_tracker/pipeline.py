@@ -225,7 +225,7 @@ class Pipeline:
 
     def _check_size(self, frame: Frame) -> None:
         """Refuse a frame that the calibration does not cover."""
-        height, width = frame.image.shape
+        height, width = frame.image.shape[:2]
         right, bottom = frame.x0 + width * frame.binning[0], frame.y0 + height * frame.binning[1]
         if right > self.camera_model.width or bottom > self.camera_model.height:
             raise CalibrationError(

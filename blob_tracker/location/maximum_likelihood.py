@@ -11,6 +11,7 @@ from blob_tracker.location.hypotheses import Fit, Motion, Pair
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
 from blob_tracker.location.normal_equations import column_of_inverse, empty_equations, solve
 from blob_tracker.location.scoring import advance, climb, CONVERGED, NARROWEST_PX, WIDEST
+from blob_tracker.location.sites import ABSENT_DN, fill_absent
 from blob_tracker.location.start_value import start_value
 from blob_tracker.location.suspicion import (
     suspect_failure, suspect_fit, suspect_pixels, suspect_unlit, suspicions,
@@ -152,7 +153,7 @@ def _take(
             seen.pixels[j, i] = lit[j, i]
             seen.extra[j, i] = seen.floor
             lost = lit[j, i] >= saturation
-            if lost:
+            if lost and lit[j, i] < ABSENT_DN:
                 clipped[n] += 1
             if paired:
                 texture[j, i] = unlit[j, i]
@@ -207,6 +208,7 @@ def _fit_all(
             # Lit minus unlit to start from: bright texture must not be taken for the target.
             share = 1.0
             blend(lit[n], Unlit(texture, mean, white), share, seen)
+        fill_absent(seen.pixels, lit[n])
         start_value(seen.pixels, lit[n], saturation, paired, mean, start)
         theta[:] = start
         done = False

@@ -122,11 +122,14 @@ class Alternate:
 
     def _compared(self, frame: Frame) -> Contrast:
         """Return the contrast of the two frames in the region where the target can be."""
-        unlit, lit = (each.image for each in self._history.frames)
+        before, after = self._history.frames
+        unlit, lit = before.image, after.image
+        samples = before.samples
         self._region = self._confirmation.region((lit.shape[0], lit.shape[1]))
         if self._motion is not None:
             unlit = self._warped(lit, unlit, self._motion)
-        return Contrast(lit, unlit, frame.saturation, frame, (lit,), (unlit,))
+            samples = self._warped_samples(after, before, unlit, self._motion)
+        return Contrast(lit, unlit, frame.saturation, frame, (after.samples,), (samples,))
 
     def _warped(self, lit: Pixels, unlit: Pixels, motion: NDArray[np.float64]) -> Pixels:
         """Return the unlit frame laid over the lit one in the region, cut to what both see."""
@@ -141,6 +144,25 @@ class Alternate:
     def skip(self, frame: Frame) -> None:
         """Let the light be in either phase of the stamps from this frame on."""
         self._confirmation.skip(frame.stamp_ns)
+
+    def _warped_samples(
+        self, lit: Frame, unlit: Frame, image: Pixels, motion: NDArray[np.float64]
+    ) -> Pixels:
+        """Return the unlit samples laid over the lit ones; `image` is the unlit image so laid."""
+        if lit.mosaic is None or unlit.mosaic is None:
+            return image
+        out = lit.samples.copy()
+        for row, column in np.argwhere(lit.mosaic.sites):
+            plane = slice(row, None, 2), slice(column, None, 2)
+            # The motion is that of the image, whose pixels lie between these where it is a sum.
+            alone = lit.mosaic.sites.sum() == 1
+            place = np.zeros(2) if alone else np.array([column, row]) / 2.0 - 0.25
+            own = motion.copy()
+            own[:, 2] += motion[:, :2] @ place - place
+            out[plane][self._region.slices] = warped(
+                lit.samples[plane], unlit.samples[plane], own, self._region
+            )
+        return out
 
     def region(self, contrast: Contrast) -> Box:
         """Return the surroundings of the predicted place; the whole frame while it is lost."""

@@ -107,12 +107,13 @@ class Coded:
             self._spots.clear()
             self.reason = 'waiting for a second frame'
             return None
-        unlit, lit = (each.image for each in self._history.frames)
+        before, after = self._history.frames
+        unlit, lit = before.image, after.image
         for spot in self._spots:
             spot.levels.append(_level(lit, spot))
             del spot.levels[:-self._length]
         return Contrast(
-            lit, unlit, frame.saturation, frame, (lit,), (unlit,),
+            lit, unlit, frame.saturation, frame, (after.samples,), (before.samples,),
             duration=self._length * interval,
         )
 

@@ -52,10 +52,13 @@ class Steady:
 
         """
         self._history.push(frame)
-        image = self._history.frames[-1].image
+        kept = self._history.frames[-1]
+        image = kept.image
         if self._nothing.shape != image.shape or self._nothing.dtype != image.dtype:
             self._nothing = np.zeros_like(image)
-        return Contrast(image, self._nothing, frame.saturation, frame, (image,), (), ROUNDING_DN)
+        return Contrast(
+            image, self._nothing, frame.saturation, frame, (kept.samples,), (), ROUNDING_DN
+        )
 
     def skip(self, frame: Frame) -> None:
         """Do nothing: it is as if the frame had not come."""
