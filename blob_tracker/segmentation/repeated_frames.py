@@ -46,7 +46,7 @@ class RepeatedFrames:
         sample = frame.image[samples]
         changed = np.count_nonzero(sample != last.image[samples])
         if changed > 0:
-            self._noisy = changed >= LEAST_CHANGE * sample.size
+            self._noisy = bool(changed >= LEAST_CHANGE * sample.size)
             return False
         if not (self._noisy and np.array_equal(frame.image, last.image)):
             return False
