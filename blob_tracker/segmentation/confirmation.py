@@ -281,8 +281,11 @@ class Confirmation:
             self._rate += (new - self._rate) / self._rate_frames
             passing = sum(track.run < KNOWN_RUN for track, _ in seen)
             self._crowd += (passing - self._crowd) / self._rate_frames
-        sigma = max((track.sigma for track, _ in seen), default=0.0)
-        needed, needed_run = self._flashes_needed(shape, sigma)
+        needed, needed_run = 0, 0
+        if seen:
+            needed, needed_run = self._flashes_needed(
+                shape, max(track.sigma for track, _ in seen)
+            )
         best: tuple[_Track, Candidate] | None = None
         alone = self._frames <= FIRST_PAIRS and len(everything) == 1
         due = not self._followed or self._is_due(self._locked)
