@@ -25,7 +25,7 @@ LINE_SIGMA_PX = 1.9  # px of the weight: below it pixels and noise have a part i
 # this much), and what is wider is a glow that it stands on.
 SHARP_GROWTH = 1.15
 SHARP_LIMIT = 1.9  # times the scale of that blob, which its sigma is not beyond
-# Pixels on a circle of 4 s: enough for a median and quartiles, and not a tenth of the moments' time.
+# Pixels on a circle of 4 s: enough for a median and quartiles.
 CIRCLE = 24
 COSINES = np.cos(2.0 * np.pi * np.arange(CIRCLE) / CIRCLE)
 SINES = np.sin(2.0 * np.pi * np.arange(CIRCLE) / CIRCLE)

@@ -21,8 +21,8 @@ FOLLOWED_GATE_FRACTION = 0.3  # of the gate: what is left to chance once the mot
 FLANK_SIGMA = 4.0  # sigma: a wide blob's peak wanders so far
 MAX_BRIGHTNESS_RATIO = 2.5  # times brighter or fainter than before, and still the same light
 MAX_AGE_FRAMES = 8  # frames without a flash after which a track ends
-# What is kept of a crowd, so that its frames take a bounded time; the strongest of it. Of the glints
-# of a frame each is on a track for 8 frames.
+# What is kept of a crowd, the strongest of it, so that its frames take a bounded time. Each of the
+# glints of a frame is on a track for 8 frames.
 MOST_LIGHTS, MOST_TRACKS = 128, 512
 FIRST_PAIRS = 3  # pairs of frames in which a single light is taken for the target at once
 REGION_MARGIN_PX = 16  # px about the prediction, and as many sigma as FLANK_SIGMA says
@@ -39,7 +39,7 @@ ESTABLISHED_FLASHES = 3
 # Other lights in step are looked for in the whole frame: in the first of so many frames of a lock,
 # and from then on in a few frames of as many.
 SURVEY_FRAMES, SURVEY_PART = 128, 8
-BESIDE_RUN = 3  # flashes that another light has together with the target, and is known from then on
+BESIDE_RUN = 3  # flashes that another light has together with the target, before it is known
 BRIGHTER_RATIO = 1.25  # times brighter: what a light of the first frames was a reflection of
 LIKE_RATIO = 1.6  # times brighter or fainter than when it was seen beside the target
 # Frames without the target (1 s at 60 a second) after which another light in step is taken for it,
@@ -281,8 +281,11 @@ class Confirmation:
             self._rate += (new - self._rate) / self._rate_frames
             passing = sum(track.run < KNOWN_RUN for track, _ in seen)
             self._crowd += (passing - self._crowd) / self._rate_frames
-        sigma = max((track.sigma for track, _ in seen), default=0.0)
-        needed, needed_run = self._flashes_needed(shape, sigma)
+        needed, needed_run = 0, 0
+        if seen:
+            needed, needed_run = self._flashes_needed(
+                shape, max(track.sigma for track, _ in seen)
+            )
         best: tuple[_Track, Candidate] | None = None
         alone = self._frames <= FIRST_PAIRS and len(everything) == 1
         due = not self._followed or self._is_due(self._locked)
@@ -436,10 +439,13 @@ class Confirmation:
         self._beside = [
             _Beside(each.x - locked.x, each.y - locked.y, each.height) for each in others
         ]
-        nearest = min(others, key=lambda each: math.hypot(each.x - locked.x, each.y - locked.y))
+        away, nearest = min(
+            ((math.hypot(each.x - locked.x, each.y - locked.y), each) for each in others),
+            key=lambda pair: pair[0],
+        )
         self.warning = (
             f'{len(others) + 1} lights flash in step: the target at ({locked.x:.0f}, '
-            f'{locked.y:.0f}) and, {math.hypot(nearest.x - locked.x, nearest.y - locked.y):.0f} px '
+            f'{locked.y:.0f}) and, {away:.0f} px '
             f'away, one at ({nearest.x:.0f}, {nearest.y:.0f}): a reflection? Cover it, or set '
             'mask_url'
         )

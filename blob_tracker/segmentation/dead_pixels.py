@@ -15,7 +15,7 @@ DIP_FRACTION = 0.5  # of what both of any two opposite neighbours rose by, or a 
 @kernel
 def mark_dead(lit: Pixels, unlit: Pixels, saturation: int, noise: float) -> int:
     """
-    Set to full scale what cannot be light, so that the location leaves it out as it does the clipped.
+    Set to full scale what cannot be light: the location leaves it out as it does the clipped.
 
     A pulse has no dip: wherever a pixel lies on it, it rises at least as far as the lower one of
     two opposite neighbours. A pixel that rises by less than half of that, through all four pairs,

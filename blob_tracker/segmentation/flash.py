@@ -30,11 +30,14 @@ class Flash(Protocol):
     """
 
     reason: str
-    warning: str
 
     @property
     def locked(self) -> bool:
         """Whether the target is followed."""
+
+    @property
+    def warning(self) -> str:
+        """What is wrong though the target may be there; empty where nothing is."""
 
     @property
     def surveys(self) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from blob_tracker.types import Frame
 import numpy as np
 
-SAMPLES = 16  # pixels along either axis that are looked at first
+SAMPLES = 4  # rows that are looked at first: whole ones are read faster than scattered pixels
 # Of the samples, that change from a frame to the next where a sensor's noise is seen.
 LEAST_CHANGE = 1 / 16
 
@@ -42,11 +42,12 @@ class RepeatedFrames:
         ):
             self._noisy = False
             return False
-        samples = tuple(slice(None, None, size // SAMPLES or 1) for size in frame.image.shape)
+        height = frame.image.shape[0]
+        samples = slice(height // (2 * SAMPLES), None, height // SAMPLES or 1)
         sample = frame.image[samples]
         changed = np.count_nonzero(sample != last.image[samples])
         if changed > 0:
-            self._noisy = changed >= LEAST_CHANGE * sample.size
+            self._noisy = bool(changed >= LEAST_CHANGE * sample.size)
             return False
         if not (self._noisy and np.array_equal(frame.image, last.image)):
             return False

@@ -22,8 +22,8 @@ SMALLEST_REGION_PX = 5  # px: less holds no blob with background about it
 LARGEST_SIGMA_PX = 64.0  # px: what is wider is no blob
 # Auto-exposure or a lamp: such a part of the scene's brightness came or went with the flash.
 EXPOSURE_JUMP = 0.25
-# DN that the level rises by where a flood is worth a look; where what was there is laid in new light
-# as well, the scene has become twice as bright at least, which no lamp or cloud does.
+# DN that the level rises by where a flood is worth a look; where what was there is laid in new
+# light as well, the scene has become twice as bright at least, which no lamp or cloud does.
 LEAST_FLOOD_DN = 2.0
 JUMP_NOISE_SIGMA = 4.0  # standard deviations of a pixel that the level may move by itself
 JUMP_GLARE = 0.15  # of the strongest rise, which a wide blob may add to the level about it

@@ -1,4 +1,4 @@
-"""Lights far beyond full scale, and pixels that do not see them: found, and placed as they should."""
+"""Lights far beyond full scale, and pixels that do not see them: found and placed all the same."""
 
 from __future__ import annotations
 

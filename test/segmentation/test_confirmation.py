@@ -330,7 +330,8 @@ def two_lights(index: int, *, hidden: bool, ratio: float = 0.5, distance: float 
         return []
     target = light(0)
     other = candidate_at(
-        round(200 + distance), 100, height=100.0 * ratio, snr=100.0 * ratio, amplitude=100.0 * ratio
+        round(200 + distance), 100,
+        height=100.0 * ratio, snr=100.0 * ratio, amplitude=100.0 * ratio,
     )
     return [other] if hidden else [target, other]
 
@@ -364,7 +365,8 @@ def test_a_target_that_was_hidden_is_returned_to(
     turn = 60 + 2 * hidden
     for index in range(4 * turn):
         away = index % turn >= 60
-        chosen = camera.look(index, *two_lights(index, hidden=away, ratio=ratio, distance=distance))
+        lights = two_lights(index, hidden=away, ratio=ratio, distance=distance)
+        chosen = camera.look(index, *lights)
         if chosen is not None:
             assert chosen.peak == (200, 100)
         if away and index % 2 == 0 and index % turn >= 70:
