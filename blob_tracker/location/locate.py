@@ -244,7 +244,7 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     """
     Compile what Numba compiles of these methods, or load it from its cache.
 
-    A node calls it as it starts: the first compilation takes some ten seconds, which the first
+    A node calls it as it starts: the first compilation takes some twenty seconds, which the first
     target would otherwise wait for.
 
     Parameters

@@ -66,33 +66,38 @@ def fill_background(theta: Array, means: Array, slopes: Array) -> None:
 
 
 @kernel
-def fill_dark_ghost(theta: Array, means: Array, slopes: Array) -> None:
-    """Fill the means and slopes of a pulse, and one in the unlit window alone."""
-    fill_one_pulse(theta, means, slopes)
-    _add_ghost(theta, 1.0, means[1], slopes[:, 1])
+def fill_two_pulses(theta: Array, in_lit: float, means: Array, slopes: Array) -> None:
+    """
+    Fill the means and slopes of a pulse, and one in the unlit window.
 
-
-@kernel
-def fill_static_ghost(theta: Array, means: Array, slopes: Array) -> None:
-    """Fill the means and slopes of a pulse, and one in both windows."""
+    `in_lit` is the share of the second one that is in the lit window, too: 0 of a light that is
+    left, 1 of a lamp behind the target. Where it is itself a parameter its slope is left out.
+    """
     fill_one_pulse(theta, means, slopes)
     for k in range(2):
-        _add_ghost(theta, 1.0, means[k], slopes[:, k])
+        share = 1.0 if k == 1 else in_lit
+        if share > 0.0:
+            _add_ghost(theta, share, means[k], slopes[:, k])
 
 
-@kernel
-def fill_smeared_ghost(theta: Array, means: Array, slopes: Array) -> None:
+def fill_dark_ghost(theta: Floats, means: Floats, slopes: Floats) -> None:
+    """Fill the means and slopes of a pulse, and one in the unlit window alone."""
+    fill_two_pulses(theta, 0.0, means, slopes)
+
+
+def fill_static_ghost(theta: Floats, means: Floats, slopes: Floats) -> None:
+    """Fill the means and slopes of a pulse, and one in both windows."""
+    fill_two_pulses(theta, 1.0, means, slopes)
+
+
+def fill_smeared_ghost(theta: Floats, means: Floats, slopes: Floats) -> None:
     """
     Fill the means and slopes of a pulse after a recursive filter in time.
 
     The share of the last frame that is in each one is the share of the last pulse that is in
     the unlit frame, so that in the lit one it is there once more.
     """
-    fill_one_pulse(theta, means, slopes)
-    kept = theta[GHOST] / max(theta[AMPLITUDE], 1e-6)
-    # The slope of the share itself is left out: it changes the lit window by its square.
-    for k, share in ((0, kept), (1, 1.0)):
-        _add_ghost(theta, share, means[k], slopes[:, k])
+    fill_two_pulses(theta, theta[GHOST] / max(theta[AMPLITUDE], 1e-6), means, slopes)
 
 
 @kernel

@@ -322,7 +322,7 @@ def _line_jitter(url: str) -> LineJitter | None:
 
 def compile_default() -> None:
     """Compile the fits, before the first target could wait for them."""
-    say('loading the fits; the first start compiles them for 10 s or so')
+    say('loading the fits; the first start compiles them for 20 s or so')
     compile_ahead([DEFAULT_METHOD])
 
 
