@@ -215,7 +215,10 @@ def doubted(
         grown = max(left.odd, 1.0) * to_fit(pair, wide).covariance
     if left.lopsided > LOPSIDED:
         grown = grown + (1.0 - 2.0 / left.lopsided) * np.outer(left.shift, left.shift)
-    return replace(fit, covariance=grown), left
+    if left.significant and not pair.usable[0].all():
+        # Charge that runs, or glare: whatever the shape seems to be.
+        fit = replace(fit, warning=_in_words(pair, left))
+    return replace(fit, covariance=grown, misfit=left.significant), left
 
 
 def misfitting(pair: Pair, optimum: Optimum) -> Fit | None:
@@ -230,7 +233,7 @@ def _in_words(pair: Pair, left: Remainder) -> str:
     """Say what kind of misfit it is."""
     much = f'chi2 {left.chi2:.1f}'
     clipped = int(np.count_nonzero(~pair.usable[0]))
-    if not left.structured:
+    if not left.structured and not clipped:
         if left.chi2 < WARNED:
             return ''
         return (
