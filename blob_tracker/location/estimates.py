@@ -62,6 +62,9 @@ class Estimates:
         A `Failure` each; where it is not NONE the other values mean nothing.
     odd : (N,) uint8 array
         Bits of `Suspicion`: what the fit leaves unexplained. Empty where nobody looked.
+    lopsided : (N, 4) array
+        How far each pulse leans to one side: scores along x and y and their variances' inverse,
+        see `suspicion.lopsidedness`. Empty where nobody looked.
     warnings : dict
         Of few windows, by their index: what the user should know and do.
 
@@ -78,6 +81,7 @@ class Estimates:
     saturated: NDArray[np.int64]
     failure: NDArray[np.uint8]
     odd: NDArray[np.uint8] = field(default_factory=lambda: np.empty(0, dtype=np.uint8))
+    lopsided: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
     warnings: dict[int, str] = field(default_factory=dict)
 
     @classmethod
@@ -88,6 +92,7 @@ class Estimates:
         saturated: NDArray[np.int64],
         failure: NDArray[np.uint8],
         odd: NDArray[np.uint8] | None = None,
+        lopsided: NDArray[np.float64] | None = None,
     ) -> Estimates:
         """
         Return the estimates that a kernel has filled in.
@@ -96,7 +101,7 @@ class Estimates:
         ----------
         table : (7, N) array
             Rows x, y, amplitude, background, sigma, SNR, chi2.
-        covariance, saturated, failure, odd
+        covariance, saturated, failure, odd, lopsided
             See the class.
 
         """
@@ -113,6 +118,7 @@ class Estimates:
             saturated=saturated,
             failure=failure,
             odd=np.empty(0, dtype=np.uint8) if odd is None else odd,
+            lopsided=np.empty((0, 4)) if lopsided is None else lopsided,
         )
 
     @property

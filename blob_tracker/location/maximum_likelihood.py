@@ -6,6 +6,7 @@ import math
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.estimates import Estimates, Failure
+from blob_tracker.location.doubt import LOPSIDED_LIGHT
 from blob_tracker.location.explain import explain
 from blob_tracker.location.hypotheses import Fit, Motion, Pair
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
@@ -13,7 +14,8 @@ from blob_tracker.location.normal_equations import column_of_inverse, empty_equa
 from blob_tracker.location.scoring import advance, climb, CONVERGED, NARROWEST_PX, WIDEST
 from blob_tracker.location.start_value import start_value
 from blob_tracker.location.suspicion import (
-    suspect_failure, suspect_fit, suspect_pixels, suspect_unlit, suspicions,
+    HEAD, LEANING, lopsidedness, suspect_failure, suspect_fit, suspect_lopsided, suspect_pixels,
+    suspect_unlit, Suspicion, suspicions,
 )
 from blob_tracker.location.unlit_texture import (
     blend, residual_variance, split_unlit, texture_share, Unlit,
@@ -77,7 +79,8 @@ def maximum_likelihood(
     sigma 0.6 to 2.5 px and S from 8 to 40.
 
     Where chi2 says that the pulse is no Gaussian, or the noise not the one given, the
-    covariance grows by chi2.
+    covariance grows by chi2, unless `explain` knows better; where the pulse leans to one side, by
+    the square of the distance from its head.
 
     Parameters
     ----------
@@ -106,6 +109,7 @@ def maximum_likelihood(
     clipped = np.zeros(lit.shape[0], dtype=np.int64)
     failure = np.zeros(lit.shape[0], dtype=np.uint8)
     odd = np.zeros(lit.shape[0], dtype=np.uint8)
+    lopsided = np.zeros((lit.shape[0], 4))
     _fit_all(
         lit,
         lit[:0] if unlit is None else unlit,
@@ -118,14 +122,17 @@ def maximum_likelihood(
         clipped,
         failure,
         odd,
+        lopsided,
     )
-    estimates = Estimates.from_table(table, covariance, clipped, failure, odd)
+    estimates = Estimates.from_table(table, covariance, clipped, failure, odd, lopsided)
     limit = math.inf if saturation is None else float(saturation)
     for n, suspicion in suspicions(odd):
         pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, motion)
         fit = explain(pair, None if failure[n] else table[:5, n], suspicion)
         if fit is not None:
             _take(estimates, n, fit)
+        elif suspicion & Suspicion.LOPSIDED:
+            estimates.warnings[n] = LOPSIDED_LIGHT
     return estimates
 
 
@@ -151,6 +158,7 @@ def _fit_all(
     clipped: NDArray[np.int64],
     failure: NDArray[np.uint8],
     odd: NDArray[np.uint8],
+    lopsided: Array,
 ) -> None:
     """Fit each window; `shot` is 1 / gain, `floor` the variance of a dark pixel, DN^2."""
     count, height, width = lit.shape
@@ -223,6 +231,8 @@ def _fit_all(
             continue
         odd[n] = suspect_unlit(evidence, pulse)
         odd[n] |= suspect_fit(equations, rows, height, elliptical)
+        leaning = lopsidedness(seen, theta, profiles, equations, lopsided[n])
+        odd[n] |= suspect_lopsided(leaning)
         chi2 /= usable - size
         scale, left = 1.0, 0.0
         if paired:
@@ -239,6 +249,14 @@ def _fit_all(
         covariance[n, 1, 0] = scale * column[1]
         column_of_inverse(equations, size, 1)
         covariance[n, 1, 1] = scale * column[1]
+        if leaning > LEANING:
+            # The head's place may be the light's: its variance less that of noise.
+            for p in range(2):
+                for q in range(2):
+                    covariance[n, p, q] += (
+                        HEAD * HEAD * (1.0 - 2.0 / leaning) * lopsided[n, p] / lopsided[n, 2 + p]
+                        * lopsided[n, q] / lopsided[n, 2 + q]
+                    )
         peak = max(theta[2] + theta[3], 0.0) * shot + floor
         peak += left * (max(mean, 0.0) * shot + floor)
         table[0, n] = theta[0]
