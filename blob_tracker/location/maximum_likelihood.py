@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from blob_tracker.kernel import Array, kernel
-from blob_tracker.location.estimates import Estimates, Failure
 from blob_tracker.location.doubt import LOPSIDED_LIGHT
+from blob_tracker.location.estimates import Estimates, Failure
 from blob_tracker.location.explain import explain
 from blob_tracker.location.hypotheses import Fit, Motion, Pair
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
@@ -32,7 +32,8 @@ MISFIT_SIGMA = 5.0  # standard deviations of chi2: beyond it the model is wrong,
 FISHER_STEPS = 12  # a good start takes 4 or 5
 TEXTURE_STEP = 2  # by which the pulse is known well enough to ask what the texture does to it
 
-_ROWS = 7  # of the table: x, y, amplitude, background, sigma, snr, chi2
+_ROWS = 11  # of the table: x, y, amplitude, background, sigma, snr, chi2, and from here on
+_LOPSIDED = 7  # how lopsided it is
 _NONE, _NO_SIGNAL, _OUTSIDE = int(Failure.NONE), int(Failure.NO_SIGNAL), int(Failure.OUTSIDE)
 _FEW, _DIVERGED = int(Failure.TOO_FEW_PIXELS), int(Failure.NOT_CONVERGED)
 _NARROW, _WIDE = int(Failure.TOO_NARROW), int(Failure.TOO_WIDE)
@@ -109,7 +110,6 @@ def maximum_likelihood(
     clipped = np.zeros(lit.shape[0], dtype=np.int64)
     failure = np.zeros(lit.shape[0], dtype=np.uint8)
     odd = np.zeros(lit.shape[0], dtype=np.uint8)
-    lopsided = np.zeros((lit.shape[0], 4))
     _fit_all(
         lit,
         lit[:0] if unlit is None else unlit,
@@ -122,9 +122,10 @@ def maximum_likelihood(
         clipped,
         failure,
         odd,
-        lopsided,
     )
-    estimates = Estimates.from_table(table, covariance, clipped, failure, odd, lopsided)
+    estimates = Estimates.from_table(
+        table[:_LOPSIDED], covariance, clipped, failure, odd, table[_LOPSIDED:].T
+    )
     limit = math.inf if saturation is None else float(saturation)
     for n, suspicion in suspicions(odd):
         pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, motion)
@@ -158,7 +159,6 @@ def _fit_all(
     clipped: NDArray[np.int64],
     failure: NDArray[np.uint8],
     odd: NDArray[np.uint8],
-    lopsided: Array,
 ) -> None:
     """Fit each window; `shot` is 1 / gain, `floor` the variance of a dark pixel, DN^2."""
     count, height, width = lit.shape
@@ -172,6 +172,7 @@ def _fit_all(
     profiles = empty_profiles(height, width)
     theta = np.empty(6)
     start = np.empty(6)
+    lopsided = np.empty(4)
     equations = empty_equations()
     fisher, column = equations.matrix, equations.solution
     for n in range(count):
@@ -231,7 +232,9 @@ def _fit_all(
             continue
         odd[n] = suspect_unlit(evidence, pulse)
         odd[n] |= suspect_fit(equations, rows, height, elliptical)
-        leaning = lopsidedness(seen, theta, profiles, equations, lopsided[n])
+        leaning = lopsidedness(seen, theta, profiles, equations, lopsided)
+        for p in range(4):
+            table[_LOPSIDED + p, n] = lopsided[p]
         odd[n] |= suspect_lopsided(leaning)
         chi2 /= usable - size
         scale, left = 1.0, 0.0
@@ -254,8 +257,8 @@ def _fit_all(
             for p in range(2):
                 for q in range(2):
                     covariance[n, p, q] += (
-                        HEAD * HEAD * (1.0 - 2.0 / leaning) * lopsided[n, p] / lopsided[n, 2 + p]
-                        * lopsided[n, q] / lopsided[n, 2 + q]
+                        HEAD * HEAD * (1.0 - 2.0 / leaning) * lopsided[p] / lopsided[2 + p]
+                        * lopsided[q] / lopsided[2 + q]
                     )
         peak = max(theta[2] + theta[3], 0.0) * shot + floor
         peak += left * (max(mean, 0.0) * shot + floor)

@@ -311,6 +311,8 @@ def climb(
         covariance[np.ix_(inner, inner)] = np.linalg.inv(fisher[np.ix_(inner, inner)])
     except np.linalg.LinAlgError:
         return None
+    if not (np.diag(covariance)[inner] > 0.0).all():
+        return None  # rounding is all that tells two parameters apart
     model(theta, means, slopes)
     freedom = int(usable.sum()) - int(inner.sum())
     return Optimum(

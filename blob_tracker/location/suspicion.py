@@ -161,4 +161,6 @@ def suspect_failure(white: float, usable: int) -> int:
 
 def suspicions(code: NDArray[np.uint8]) -> list[tuple[int, Suspicion]]:
     """Return the windows about which anything is odd, and what it is."""
+    if not code.any():
+        return []
     return [(int(n), Suspicion(int(code[n]))) for n in np.flatnonzero(code)]
