@@ -8,13 +8,20 @@ import math
 from blob_tracker.kernel import Array
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.pair_likelihood import fill_equations, Floats, Model, Optimum
-from blob_tracker.location.pair_model import fill_one_pulse, to_fit, X, Y
+from blob_tracker.location.pair_model import (
+    AMPLITUDE, BACKGROUND, COVARIANCE_INFLATION, fill_one_pulse, to_fit, X, Y,
+)
 import numpy as np
 
 ODD_PIXELS = 5.0  # standard deviations of chi2, as in `suspicion`
 ALIKE = 4.0  # standard deviations of the correlation of neighbours: beyond it they are alike
 LOPSIDED = 13.8  # chi-square of two degrees of freedom that noise exceeds once in 1000
 WARNED = 1.5  # chi2 of white residuals, from which on they are spoken of
+LOPSIDED_LIGHT = (
+    'misfit: the light is lopsided: a tail, or a second light beside it, moves its place: learn its '
+    'pulse (calibrate pulse)'
+)
+_LEVELS = (AMPLITUDE, BACKGROUND)
 STEP = 0.05  # standard deviations of a parameter, over which the slope of the score is taken
 FEWEST = 6  # pixels that have a mirror image in the window
 
@@ -206,16 +213,30 @@ def doubted(
     slopes = np.zeros((optimum.theta.size, *pair.pixels.shape))
     model(optimum.theta, np.zeros(pair.pixels.shape), slopes)
     left = remainder(pair, optimum, slopes)
-    fit = replace(to_fit(pair, optimum, warning), chi2=left.chi2)
+    fit = replace(
+        to_fit(pair, optimum, warning), chi2=left.chi2,
+        covariance=_inflation(optimum) * optimum.covariance[:2, :2],
+    )
     if not left.significant and left.lopsided < LOPSIDED:
         return fit, left
     grown = fit.covariance
     if left.significant:
-        wide = replace(optimum, covariance=sandwich(pair, optimum, model))
-        grown = max(left.odd, 1.0) * to_fit(pair, wide).covariance
+        grown = max(left.odd, 1.0) * _inflation(optimum) * sandwich(pair, optimum, model)[:2, :2]
     if left.lopsided > LOPSIDED:
         grown = grown + (1.0 - 2.0 / left.lopsided) * np.outer(left.shift, left.shift)
-    return replace(fit, covariance=grown), left
+    if left.significant and not pair.usable[0].all():
+        # Charge that runs, or glare: whatever the shape seems to be.
+        fit = replace(fit, warning=_in_words(pair, left))
+    return replace(fit, covariance=grown, misfit=left.significant), left
+
+
+def _inflation(optimum: Optimum) -> float:
+    """Return by how much the covariance of a faint light is too small, as `maximum_likelihood`."""
+    told = np.linalg.pinv(optimum.covariance)[np.ix_(_LEVELS, _LEVELS)]
+    # Of the amplitude in its shape: what else changes with it says nothing of how faint it is.
+    known = told[0, 0] - told[0, 1] ** 2 / max(told[1, 1], 1e-300)
+    detection = optimum.theta[AMPLITUDE] ** 2 * max(float(known), 1e-12)
+    return float(1.0 + COVARIANCE_INFLATION / max(detection, COVARIANCE_INFLATION))
 
 
 def misfitting(pair: Pair, optimum: Optimum) -> Fit | None:
@@ -230,7 +251,7 @@ def _in_words(pair: Pair, left: Remainder) -> str:
     """Say what kind of misfit it is."""
     much = f'chi2 {left.chi2:.1f}'
     clipped = int(np.count_nonzero(~pair.usable[0]))
-    if not left.structured:
+    if not left.structured and not clipped:
         if left.chi2 < WARNED:
             return ''
         return (

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from blob_tracker.location.alternatives import ALTERNATIVES
 from blob_tracker.location.doubt import misfitting
+from blob_tracker.location.estimates import Failure
 from blob_tracker.location.hypotheses import choose, Fit, Pair
 from blob_tracker.location.pair_likelihood import Floats
 from blob_tracker.location.pair_model import no_pulse, one_pulse, to_fit
 from blob_tracker.location.suspicion import Suspicion
 from blob_tracker.location.unlit_pulse import shows_pulse
+import numpy as np
 
 IN_UNLIT = Suspicion.UNLIT | Suspicion.FAILED
 
@@ -41,7 +45,14 @@ def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | Non
     fits = [alternative(pair, base) for alternative in asked]
     chosen = choose(base, [fit for fit in fits if fit is not None], pair.pixels.size)
     if chosen is not base:
-        return chosen
+        if theta is None or chosen.failure != Failure.NONE or not chosen.misfit:
+            return chosen
+        if not pair.usable[0].all():
+            # What runs from clipped pixels has many shapes; the round one's place is the surest.
+            return None if optimum is None else misfitting(pair, optimum)
+        # Not even the best model is true: the place may be the other one's.
+        apart = np.array([chosen.x - base.x, chosen.y - base.y])
+        return replace(chosen, covariance=chosen.covariance + np.outer(apart, apart))
     if optimum is None or not suspicion & Suspicion.PIXELS:
         return None
     return misfitting(pair, optimum)

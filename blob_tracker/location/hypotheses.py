@@ -110,6 +110,8 @@ class Fit:
         What the user should know and do; '' where there is nothing.
     failure : Failure
         Why the window has no location although its model is known; NONE where it has one.
+    misfit : bool
+        Whether the pixels show that the model is not the true one.
 
     """
 
@@ -125,6 +127,7 @@ class Fit:
     parameters: int
     warning: str = ''
     failure: Failure = Failure.NONE
+    misfit: bool = False
 
 
 def choose(base: Fit, alternatives: Iterable[Fit], pixels: int) -> Fit:

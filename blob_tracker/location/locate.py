@@ -208,12 +208,20 @@ def locate(
         Where the blob cannot be placed; the message gives the reason.
 
     """
+    found = estimate(window, method=method, noise=noise, **options)
+    return to_location(window, found)
+
+
+def estimate(
+    window: Window, *, method: str, noise: SensorNoise, **options: Any
+) -> Estimates:
+    """Return the estimates of one window, in its own coordinates; see `locate`."""
     lit = _numbers(window.lit, 'lit')[None]
     unlit = None if window.unlit is None else _numbers(window.unlit, 'unlit')[None]
     if window.added_noise > 0.0:
         read_noise = math.hypot(noise.read_noise, window.added_noise)
         noise = replace(noise, read_noise=read_noise)
-    found = locate_batch(
+    return locate_batch(
         lit,
         unlit,
         method=method,
@@ -222,6 +230,10 @@ def locate(
         sites=window.sites,
         **options,
     )
+
+
+def to_location(window: Window, found: Estimates) -> Location:
+    """Return the location of a window from its estimates, or raise LocationError."""
     if not found.ok[0]:
         raise LocationError(REASONS[Failure(found.failure[0])])
     scale = np.array(window.binning, dtype=float)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from blob_tracker.kernel import Array, kernel, written_into_kernels
+from blob_tracker.location.doubt import LOPSIDED_LIGHT
 from blob_tracker.location.estimates import Estimates, Failure
 from blob_tracker.location.explain import explain
 from blob_tracker.location.hypotheses import Fit, Motion, Pair
@@ -14,7 +15,8 @@ from blob_tracker.location.scoring import advance, climb, CONVERGED, NARROWEST_P
 from blob_tracker.location.sites import ABSENT_DN, fill_absent
 from blob_tracker.location.start_value import start_value
 from blob_tracker.location.suspicion import (
-    suspect_failure, suspect_fit, suspect_pixels, suspect_unlit, suspicions,
+    HEAD, LEANING, lopsidedness, suspect_failure, suspect_fit, suspect_lopsided, suspect_pixels,
+    suspect_unlit, Suspicion, suspicions,
 )
 from blob_tracker.location.unlit_texture import (
     blend, residual_variance, split_unlit, texture_share, Unlit,
@@ -31,7 +33,8 @@ MISFIT_SIGMA = 5.0  # standard deviations of chi2: beyond it the model is wrong,
 FISHER_STEPS = 12  # a good start takes 4 or 5
 TEXTURE_STEP = 2  # by which the pulse is known well enough to ask what the texture does to it
 
-_ROWS = 7  # of the table: x, y, amplitude, background, sigma, snr, chi2
+_ROWS = 11  # of the table: x, y, amplitude, background, sigma, snr, chi2, and from here on
+_LOPSIDED = 7  # how lopsided it is
 _NONE, _NO_SIGNAL, _OUTSIDE = int(Failure.NONE), int(Failure.NO_SIGNAL), int(Failure.OUTSIDE)
 _FEW, _DIVERGED = int(Failure.TOO_FEW_PIXELS), int(Failure.NOT_CONVERGED)
 _NARROW, _WIDE = int(Failure.TOO_NARROW), int(Failure.TOO_WIDE)
@@ -78,7 +81,8 @@ def maximum_likelihood(
     sigma 0.6 to 2.5 px and S from 8 to 40.
 
     Where chi2 says that the pulse is no Gaussian, or the noise not the one given, the
-    covariance grows by chi2.
+    covariance grows by chi2, unless `explain` knows better; where the pulse leans to one side, by
+    the square of the distance from its head.
 
     Parameters
     ----------
@@ -120,13 +124,17 @@ def maximum_likelihood(
         failure,
         odd,
     )
-    estimates = Estimates.from_table(table, covariance, clipped, failure)
+    estimates = Estimates.from_table(
+        table[:_LOPSIDED], covariance, clipped, failure, table[_LOPSIDED:].T
+    )
     limit = math.inf if saturation is None else float(saturation)
     for n, suspicion in suspicions(odd):
         pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, motion)
         fit = explain(pair, None if failure[n] else table[:5, n], suspicion)
         if fit is not None:
             _adopt(estimates, n, fit)
+        elif suspicion & Suspicion.LOPSIDED:
+            estimates.warnings[n] = LOPSIDED_LIGHT
     return estimates
 
 
@@ -191,6 +199,7 @@ def _fit_all(
     profiles = empty_profiles(height, width)
     theta = np.empty(6)
     start = np.empty(6)
+    lopsided = np.empty(4)
     equations = empty_equations()
     fisher, column = equations.matrix, equations.solution
     for n in range(count):
@@ -237,6 +246,10 @@ def _fit_all(
             continue
         odd[n] = suspect_unlit(evidence, pulse)
         odd[n] |= suspect_fit(equations, rows, height, elliptical)
+        leaning = lopsidedness(seen, theta, profiles, equations, lopsided)
+        for p in range(4):
+            table[_LOPSIDED + p, n] = lopsided[p]
+        odd[n] |= suspect_lopsided(leaning)
         chi2 /= usable - size
         scale, left = 1.0, 0.0
         if paired:
@@ -253,6 +266,14 @@ def _fit_all(
         covariance[n, 1, 0] = scale * column[1]
         column_of_inverse(equations, size, 1)
         covariance[n, 1, 1] = scale * column[1]
+        if leaning > LEANING:
+            # The head's place may be the light's: its variance less that of noise.
+            for p in range(2):
+                for q in range(2):
+                    covariance[n, p, q] += (
+                        HEAD * HEAD * (1.0 - 2.0 / leaning) * lopsided[p] / lopsided[2 + p]
+                        * lopsided[q] / lopsided[2 + q]
+                    )
         peak = max(theta[2] + theta[3], 0.0) * shot + floor
         peak += left * (max(mean, 0.0) * shot + floor)
         table[0, n] = theta[0]

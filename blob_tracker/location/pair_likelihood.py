@@ -265,6 +265,7 @@ def climb(
     lower: Floats,
     upper: Floats,
     prior: tuple[Floats, Floats] | None = None,
+    steps: int = STEPS,
 ) -> Optimum | None:
     """
     Climb the likelihood of a model with damped Fisher scoring; None where there is no top.
@@ -279,6 +280,8 @@ def climb(
         First guess, and what the parameters are held between.
     prior : two (p,) arrays, optional
         What is known of them beforehand, and the inverse of its variance.
+    steps : int
+        After which there is no top.
 
     """
     noise, pixels, usable = pair.noise, pair.pixels, pair.usable
@@ -293,13 +296,13 @@ def climb(
             np.empty((count, count)), np.empty(count), np.empty((count, count)), np.empty(count)
         ),
     )
-    for step in range(STEPS):
+    for step in range(steps):
         model(state.ahead, means, slopes)
         if not _step(state, pixels, means, slopes, usable, shot, floor, TEXTURES, step == 0):
             break
     theta, fisher = state.theta, state.fisher
     value, squares, damping, texture, _ = state.numbers
-    if step == STEPS - 1 or damping >= STIFFEST or not math.isfinite(value):
+    if step == steps - 1 or damping >= STIFFEST or not math.isfinite(value):
         return None
     # What is at a bound is known to be there.
     inner = (theta > lower) & (theta < upper) & (np.diag(fisher) > 0.0)
@@ -311,6 +314,8 @@ def climb(
     except np.linalg.LinAlgError:
         return None
     covariance[np.ix_(inner, inner)] = root.T @ root / np.outer(scale, scale)
+    if not (np.diag(covariance)[inner] > 0.0).all():
+        return None  # rounding is all that tells two parameters apart
     model(theta, means, slopes)
     freedom = int(usable.sum()) - int(inner.sum())
     return Optimum(

@@ -5,7 +5,8 @@ from __future__ import annotations
 from enum import IntFlag
 import math
 
-from blob_tracker.kernel import kernel
+from blob_tracker.kernel import Array, kernel
+from blob_tracker.location.likelihood import Observation, Profiles
 from blob_tracker.location.normal_equations import NormalEquations
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,8 @@ from numpy.typing import NDArray
 QUANTILE = 4.26  # standard deviations of a normal variate
 ODD_PIXELS = 5.0  # standard deviations of chi2: its upper tail is longer than the normal one
 ODD_SHIFT = 11.5  # half a chi-square of two degrees of freedom
+LEANING = 13.8  # a chi-square of two degrees of freedom that noise exceeds once in 1000
+HEAD = 4.0  # times the coefficient of the lopsidedness: where the light's head is, measured
 
 
 class Suspicion(IntFlag):
@@ -30,10 +33,13 @@ class Suspicion(IntFlag):
     """The unlit window holds light where the pulse is, or shifts it."""
     FAILED = 16
     """There is no fit, and there is light in the unlit window."""
+    LOPSIDED = 32
+    """The pulse's core and its wings do not have one middle."""
 
 
 _AXES, _ROWS, _PIXELS = int(Suspicion.AXES), int(Suspicion.ROWS), int(Suspicion.PIXELS)
 _UNLIT, _FAILED = int(Suspicion.UNLIT), int(Suspicion.FAILED)
+_LOPSIDED = int(Suspicion.LOPSIDED)
 
 
 @kernel
@@ -83,6 +89,60 @@ def suspect_pixels(chi2: float, freedom: int) -> int:
 
 
 @kernel
+def lopsidedness(
+    seen: Observation, theta: Array, profiles: Profiles, equations: NormalEquations, out: Array
+) -> float:
+    """
+    Fill out with how lopsided the residuals of a fit are, and return its chi-square.
+
+    The score test of a shift that grows with the distance r from the centre,
+
+        d mu = c . grad_(x, y) mu (r / sigma)^2,
+
+    which a tail, coma and a second light beside the pulse have and nothing even has. `out` gets
+    the scores of c along x and y and their variances' inverse, so that several windows' can be
+    summed; c is their ratio, px.
+    """
+    pixels, extra, _, shot, floor = seen
+    across, down = profiles
+    height, width = pixels.shape
+    a, b, scale = theta[2], theta[3], 1.0 / (theta[4] * theta[5])
+    score_x, score_y, xx, yy, by_x, by_y = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for j in range(height):
+        g, h = a * down[0, j], a * down[1, j]
+        dy2 = (j - theta[1]) * (j - theta[1])
+        for i in range(width):
+            gi, hi = across[0, i], across[1, i]
+            mean = g * gi + b
+            weight = 1.0 / max(mean * shot + extra[j, i], floor)
+            residual = weight * (pixels[j, i] - mean)
+            far = scale * ((i - theta[0]) * (i - theta[0]) + dy2)
+            sx, sy = g * hi, h * gi
+            mx, my = far * sx, far * sy
+            score_x += residual * mx
+            score_y += residual * my
+            xx += weight * mx * mx
+            yy += weight * my * my
+            by_x += weight * mx * sx
+            by_y += weight * my * sy
+    fisher, score = equations.matrix, equations.right
+    out[0] = score_x - by_x / fisher[0, 0] * score[0]
+    out[1] = score_y - by_y / fisher[1, 1] * score[1]
+    out[2] = xx - by_x * by_x / fisher[0, 0]
+    out[3] = yy - by_y * by_y / fisher[1, 1]
+    if not (out[2] > 0.0 and out[3] > 0.0):
+        out[:] = 0.0
+        return 0.0
+    return float(out[0] * out[0] / out[2] + out[1] * out[1] / out[3])
+
+
+@kernel
+def suspect_lopsided(leaning: float) -> int:
+    """Return whether the chi-square of the lopsidedness is more than noise makes of it."""
+    return _LOPSIDED if leaning > 2.0 * ODD_SHIFT else 0
+
+
+@kernel
 def suspect_unlit(evidence: float, pulse: float) -> int:
     """
     Return whether the unlit window holds a light that matters.
@@ -101,4 +161,6 @@ def suspect_failure(white: float, usable: int) -> int:
 
 def suspicions(code: NDArray[np.uint8]) -> list[tuple[int, Suspicion]]:
     """Return the windows about which anything is odd, and what it is."""
+    if not code.any():
+        return []
     return [(int(n), Suspicion(int(code[n]))) for n in np.flatnonzero(code)]

@@ -9,9 +9,10 @@ from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
 
-FIELDS = 21  # of a candidate
+FIELDS = 22  # of a candidate
 WINDOW_SIGMA = 3.0  # sigma to either side: what is compared with a Gaussian
 SIGMA_PER_MEAN_DEVIATION = np.sqrt(0.5 * np.pi)  # sigma over the mean |d| of a Gaussian deviate
+SHARPEST_RING_PX, ROUNDEST_RING = 2.5, 1.3  # px of sigma, and times as long as wide
 SAMPLES = 12  # to either side of a blob on which it is compared; of wider ones pixels are left out
 
 
@@ -35,13 +36,14 @@ def describe(
     row: int,
     noise: float,
     height: float,
+    streak: bool,
 ) -> None:
     """
     Write one row of the table: the fields of `Candidate` in their order.
 
     Parameters
     ----------
-    out : (21,) array
+    out : (22,) array
         The row.
     lit, unlit : (h, w) arrays
         DN, C-contiguous, of one type.
@@ -57,9 +59,11 @@ def describe(
         Pixel of the peak.
     noise, height : float
         Standard deviation of lit less unlit and height of that pixel, DN.
+    streak : bool
+        Whether it is an even line with two ends.
 
     """
-    x, y, sigma_x, sigma_y, _, _, correlation, _, level = blob
+    x, y, sigma_x, sigma_y, major, minor, correlation, _, level = blob
     half_x, half_y = max(WINDOW_SIGMA * sigma_x, 3.0), max(WINDOW_SIGMA * sigma_y, 3.0)
     left, right = max(int(x - half_x), region[0]), min(int(x + half_x) + 2, region[2])
     top, bottom = max(int(y - half_y), region[1]), min(int(y + half_y) + 2, region[3])
@@ -120,6 +124,10 @@ def describe(
     out[9], out[10], out[11] = column, row, height
     out[12] = amplitude
     out[13] = misfit
+    if minor > SHARPEST_RING_PX and major < ROUNDEST_RING * minor and explained > 0.0:
+        # A light out of focus is a disc or a ring: round, but no Gaussian.
+        left_over = _round_misfit(lit, unlit, region, saturation, x, y, half_x, level)
+        out[13] = min(out[13], left_over)
     out[14] = _neighbour_rise(lit, unlit, region, column, row, level) / max(height, noise)
     # In one frame by itself nothing fell: what is darker beside it is the scene.
     out[15] = 0.0
@@ -131,6 +139,50 @@ def describe(
     out[18] = clipped
     out[19] = noise
     out[20] = _surround_noise(lit, unlit, region, x, y, half_x, half_y, level)
+    out[21] = streak
+
+
+@kernel
+def _round_misfit(
+    lit: Pixels,
+    unlit: Pixels,
+    region: tuple[int, int, int, int],
+    saturation: int,
+    x: float,
+    y: float,
+    reach: float,
+    level: float,
+) -> float:
+    """Return what the mean of each distance from a place leaves, rms over the rms of the light."""
+    left, right = max(int(x - reach), region[0]), min(int(x + reach) + 2, region[2])
+    top, bottom = max(int(y - reach), region[1]), min(int(y + reach) + 2, region[3])
+    # Rings of a pixel, between which the level runs straight.
+    size = int(reach) + 2
+    sums, counts = np.zeros(size + 1), np.zeros(size + 1)
+    step = 1 + int(reach / (2 * SAMPLES))
+    squares, lost = 0.0, 0.0
+    for turn in range(2):
+        for j in range(top, bottom, step):
+            for i in range(left, right, step):
+                distance = np.sqrt((i - x) * (i - x) + (j - y) * (j - y))
+                inner = int(distance)
+                if inner >= size or lit[j, i] >= saturation:
+                    continue
+                outer_part = distance - inner
+                value = float(lit[j, i]) - float(unlit[j, i]) - level
+                if turn == 0:
+                    sums[inner] += (1.0 - outer_part) * value
+                    counts[inner] += 1.0 - outer_part
+                    sums[inner + 1] += outer_part * value
+                    counts[inner + 1] += outer_part
+                else:
+                    mean = (1.0 - outer_part) * sums[inner] + outer_part * sums[inner + 1]
+                    squares += value * value
+                    lost += (value - mean) * (value - mean)
+        if turn == 0:
+            for k in range(size + 1):
+                sums[k] /= max(counts[k], 1e-9)
+    return np.sqrt(lost / max(squares, 1e-9))
 
 
 @kernel

@@ -8,6 +8,7 @@ from blob_tracker.segmentation.description import describe, distance2, FIELDS, W
 from blob_tracker.segmentation.illumination import row_gains
 from blob_tracker.segmentation.local_maxima import brightest_square, level_at, local_maxima
 from blob_tracker.segmentation.rejection import GLOW_WIDTH_RATIO
+from blob_tracker.segmentation.streak import measure_streak
 from blob_tracker.segmentation.tile_noise import tile_noise, TILE_PX
 from blob_tracker.types import Pixels
 import numpy as np
@@ -73,7 +74,7 @@ def measure_peaks(
 
     Returns
     -------
-    table : (n, 21) array
+    table : (n, 22) array
         A row for each peak of at least that SNR: the fields of `Candidate` in their order.
     gains : (n, 2) array
         How the light on the scene changed, see `row_gains`.
@@ -113,6 +114,7 @@ def measure_peaks(
         ):
             continue
         blob = measure(lit, unlit, region, column, row, local_level, noise, min_snr, max_sigma)
+        streak, blob = measure_streak(lit, unlit, region, saturation, blob)
         # A faint peak in the reach of a brighter light ends in it, or half-way to it.
         # On a glow only what is far narrower is another light.
         if (
@@ -122,7 +124,7 @@ def measure_peaks(
         ):
             describe(
                 table[found], lit, unlit, region, saturation, single_frame, blob, column, row,
-                noise, peaks[index, 2],
+                noise, peaks[index, 2], streak,
             )
             found += 1
             if found == MOST_CANDIDATES:
@@ -139,7 +141,7 @@ def measure_peaks(
         if blob[7] >= min_snr:
             describe(
                 table[0], lit, unlit, region, saturation, single_frame, blob, column, row,
-                noise, height - local_level,
+                noise, height - local_level, False,
             )
             found = 1
     return table[:found], gains, change, level, np.median(noises), np.median(bright), strongest

@@ -11,7 +11,7 @@ from blob_tracker.segmentation.candidate import Candidate
 # where it is wider; those of a hot pixel have none but noise.
 LEAST_NEIGHBOUR_RATIO = 0.1
 # Times as long as wide: a moving edge, a glint's streak or a band is longer, as far as adaptive
-# moments follow (2.6).
+# moments follow (2.6); but for a streak that has a level and two ends.
 MAX_ELONGATION = 2.5
 NARROWEST_PX = 0.7  # px: below it the width is that of the pixel, and noise decides
 MAX_MISFIT = 0.5  # a clipped or a square blob leaves 0.3; half a blob, an edge or a ring more
@@ -58,7 +58,8 @@ def reject(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
     height = candidate.height
     if candidate.neighbour_ratio < LEAST_NEIGHBOUR_RATIO:
         return f'a lone pixel rose by {height:.0f} DN: it is hot, or was hit by a particle'
-    if candidate.sigma_major > MAX_ELONGATION * max(candidate.sigma_minor, NARROWEST_PX):
+    long = candidate.sigma_major > MAX_ELONGATION * max(candidate.sigma_minor, NARROWEST_PX)
+    if long and not candidate.streak:
         return (
             f'what lit up is {candidate.sigma_major:.1f} px long and '
             f'{candidate.sigma_minor:.1f} px wide (sigma): an edge that moved, or a band'
@@ -68,9 +69,8 @@ def reject(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
             f'a rise of {height:.0f} DN beside a fall of {candidate.fall:.0f} DN: '
             'something moved, or the light was on in both frames'
         )
-    if candidate.misfit > (
-        MAX_MISFIT if candidate.sigma_minor > SAMPLED_SIGMA_PX else MAX_UNSAMPLED_MISFIT
-    ):
+    shaped = candidate.sigma_minor > SAMPLED_SIGMA_PX and not candidate.streak
+    if candidate.misfit > (MAX_MISFIT if shaped else MAX_UNSAMPLED_MISFIT):
         return (
             f'a rise of {height:.0f} DN that is no blob: a Gaussian leaves '
             f'{100 * candidate.misfit:.0f} % of it'

@@ -26,8 +26,8 @@ ALTERNATIVES: dict[Alternative, Suspicion] = {
     smeared: Suspicion.UNLIT | Suspicion.FAILED,
     switched: Suspicion.UNLIT | Suspicion.FAILED,
     streak: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS,
-    tailed: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS,
-    two_lights: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS,
+    tailed: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS | Suspicion.LOPSIDED,
+    two_lights: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS | Suspicion.LOPSIDED,
     defocused: Suspicion.PIXELS,
 }
 

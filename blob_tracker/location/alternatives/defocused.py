@@ -8,14 +8,16 @@ import math
 from blob_tracker.location.doubt import doubted
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.light_moments import light_moments
-from blob_tracker.location.pair_likelihood import climb, Optimum
-from blob_tracker.location.pair_model import bounds, SIGMA
+from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
+from blob_tracker.location.pair_model import AMPLITUDE, bounds, SIGMA
 from blob_tracker.location.shape_model import fill_disc, fill_ring, HOLE, RADIUS
 import numpy as np
 
+SLOWEST = 200  # steps: a thin ring's level, softness and width change for one another
 ROUNDEST = 1.3  # times as long as wide: what is longer is no disc
 FIRST_SOFTNESS = 0.8  # px
-FIRST_HOLES = (0.35, 0.75)  # of the radius
+FIRST_HOLES = (0.35, 0.8)  # of the radius
+HIGHER, SOFTER = 1.6, 1.2  # than a disc seems: a thin ring, which is below its level everywhere
 
 
 def defocused(pair: Pair, base: Fit) -> Fit | None:
@@ -38,11 +40,10 @@ def defocused(pair: Pair, base: Fit) -> Fit | None:
         pair, fill_disc, start, np.append(lower, 0.5), np.append(upper, farthest)
     )
     best, model = disc, fill_disc
-    for hole in FIRST_HOLES:
-        first = start if disc is None else disc.theta
+    for first in _first_rings(start, disc):
         ring = climb(
-            pair, fill_ring, np.append(first, hole * first[RADIUS]),
-            np.append(lower, [0.5, 0.0]), np.append(upper, [farthest, farthest]),
+            pair, fill_ring, first,
+            np.append(lower, [0.5, 0.0]), np.append(upper, [farthest, farthest]), steps=SLOWEST,
         )
         if ring is None or ring.theta[HOLE] <= 0.0:
             continue
@@ -64,6 +65,17 @@ def defocused(pair: Pair, base: Fit) -> Fit | None:
     )
     width = math.sqrt(theta[SIGMA] ** 2 + 0.25 * (theta[RADIUS] ** 2 + inner**2))
     return replace(fit, sigma=width)
+
+
+def _first_rings(start: Floats, disc: Optimum | None) -> list[Floats]:
+    """Return where the fits of a ring begin: one with a small hole, and a thin one."""
+    wide = start if disc is None else disc.theta
+    thin = start.copy()
+    thin[[AMPLITUDE, SIGMA]] *= HIGHER, SOFTER
+    thin[RADIUS] -= 0.7
+    return [
+        np.append(first, hole * first[RADIUS]) for first, hole in zip((wide, thin), FIRST_HOLES)
+    ]
 
 
 def _evidence(pair: Pair, fit: Optimum) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 MOST = 0.7  # of the light, in the tail: what has more is a streak
 SHORTEST = 1.0  # sigmas: a shorter tail is a shift
 FIRST_PART, FIRST_LENGTH = 0.15, 2.5  # of the light, and sigmas: where the fit begins
-RARER = 4.0  # of the log-likelihood: a tail is rarer beforehand than a streak
+RARER = 4.0  # of the log-likelihood, times its chi2 squared: a tail is rarer beforehand than a streak
 
 
 def tailed(pair: Pair, base: Fit) -> Fit | None:
@@ -45,13 +45,13 @@ def tailed(pair: Pair, base: Fit) -> Fit | None:
     way = math.hypot(theta[WAY_X], theta[WAY_Y])
     if not 0.0 < theta[PART] < MOST or way < SHORTEST * theta[SIGMA]:
         return None
-    fit, _ = doubted(
+    fit, left = doubted(
         pair, best, fill_tailed,
         f'the light has a tail of {way:.0f} px with {100.0 * theta[PART]:.0f} % of it (a shutter '
         'that leaks, smear, blooming, or coma): its head is taken; lower the exposure, or learn '
         'its pulse (calibrate pulse)',
     )
-    return replace(fit, log_likelihood=fit.log_likelihood - RARER)
+    return replace(fit, log_likelihood=fit.log_likelihood - RARER * max(left.chi2, 1.0) ** 2)
 
 
 def _lopsided(pair: Pair, base: Fit) -> Floats:

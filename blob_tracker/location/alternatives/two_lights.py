@@ -18,7 +18,7 @@ import numpy as np
 NEAREST = 1.0  # sigma: nearer ones are one
 FAINTEST = 0.05  # of the brighter one: less is no light of its own
 EQUAL = 0.8  # of the brighter one: above it either may be the target
-RARER = 4.0  # of the log-likelihood: two lights are rarer beforehand than one that moves
+RARER = 6.0  # of the log-likelihood, times its chi2 squared: two lights are rarer beforehand than one that moves
 EIGHTHS = (
     'right of', 'below and right of', 'below', 'below and left of', 'left of',
     'above and left of', 'above', 'above and right of',
@@ -51,12 +51,12 @@ def two_lights(pair: Pair, base: Fit) -> Fit | None:
         theta = best.theta
         part = theta[GHOST] / theta[AMPLITUDE]
     eighth = round(math.degrees(math.atan2(theta[SHIFT_Y], theta[SHIFT_X])) / 45.0) % 8
-    fit, _ = doubted(
+    fit, left = doubted(
         pair, best, fill_two_lights,
         f'a second light, {part:.1f} as bright, {distance:.1f} px {EIGHTHS[eighth]} the target, '
         'flashes with it: a reflection?',
     )
-    return replace(fit, log_likelihood=fit.log_likelihood - RARER)
+    return replace(fit, log_likelihood=fit.log_likelihood - RARER * max(left.chi2, 1.0) ** 2)
 
 
 def _first_guesses(pair: Pair, base: Fit) -> list[Floats]:
