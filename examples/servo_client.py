@@ -7,6 +7,8 @@ Angles are rad, pan to the right and tilt up. The first command is near 0, 0: dr
 there before.
 """
 
+from contextlib import suppress
+
 from geometry_msgs.msg import Vector3Stamped
 import numpy as np
 from numpy.typing import NDArray
@@ -96,7 +98,8 @@ def main() -> None:
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:
-        rclpy.try_shutdown()
+        with suppress(RuntimeError):  # a signal's handler may be faster
+            rclpy.try_shutdown()
 
 
 if __name__ == '__main__':

@@ -16,6 +16,7 @@ from ament_index_python.packages import get_package_prefix, PackageNotFoundError
 from blob_tracker.commands.child import child
 from blob_tracker.commands.monitor import Monitor, RECENT
 from blob_tracker.resources import config_path
+from blob_tracker.ros.process import shut_down
 from blob_tracker.studies.track_report import draw_track
 from blob_tracker.units import MRAD_PER_RAD
 import numpy as np
@@ -108,7 +109,7 @@ def main(arguments: argparse.Namespace) -> int:
         return _conclude(console, monitor, out, fault, simulated=arguments.device is None)
     finally:
         monitor.destroy_node()
-        rclpy.try_shutdown()
+        shut_down()
 
 
 def _camera_parameters(arguments: argparse.Namespace, console: Console) -> dict[str, str]:

@@ -12,6 +12,7 @@ from typing import Any, TYPE_CHECKING
 from blob_tracker.ros.endpoints.qos import RESULT
 from blob_tracker.ros.endpoints.recording import opened, RecordingError
 from blob_tracker.ros.messages.stamp import from_ns
+from blob_tracker.ros.process import shut_down
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
@@ -103,7 +104,7 @@ def main(arguments: argparse.Namespace) -> int:
                 return 130
             finally:
                 node.destroy_node()
-                rclpy.try_shutdown()
+                shut_down()
     except KeyboardInterrupt:
         return 130
     except RecordingError as error:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 import gc
 import inspect
 import sys
 
 from blob_tracker.ros.errors import ParameterError
 import rclpy
+from rclpy.context import Context
 from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
@@ -93,8 +95,14 @@ def run(
             executor.shutdown()  # or the middleware would call into what is destroyed next
         for node in reversed(nodes):
             node.destroy_node()
-        rclpy.try_shutdown()
+        shut_down()
     return 0
+
+
+def shut_down(context: Context | None = None) -> None:
+    """Leave ROS, unless a signal does: it may come between rclpy's look and its step."""
+    with suppress(RuntimeError):
+        rclpy.try_shutdown(context=context)
 
 
 def _executor(nodes: Iterable[Node]) -> Executor:
@@ -128,5 +136,5 @@ def _initialise() -> None:
         if 'log directory' not in str(error):
             raise
         say(f'there are no log files, set ROS_LOG_DIR to a folder that can be written to: {error}')
-        rclpy.try_shutdown()  # a context can be tried once
+        shut_down()  # a context can be tried once
         rclpy.init(args=[*sys.argv, '--ros-args', '--disable-external-lib-logs'])

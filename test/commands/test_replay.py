@@ -29,7 +29,10 @@ def replayed(bag: str, rate: float, domain: int) -> tuple[list, list, list, list
         with start('segmenter', domain, *parameters), start('locator', domain, *parameters):
             node.spin_until(lambda: node.count_publishers('target/bearing'))
             node.spin_until(lambda: node.count_subscribers('target/window/image_raw'))
-            with start_replay(BAGS / bag, domain, '--rate', str(rate), '--wait', '20') as replay:
+            with start_replay(
+                BAGS / bag, domain, '--rate', str(rate), '--wait', '20',
+                '--nodes', 'probe', 'segmenter', 'locator',
+            ) as replay:
                 node.spin_until(lambda: not replay.running)
                 assert replay.wait() == 0, replay.output
             node.spin_until(lambda: len(bearings) == len(centroids) >= LOCATED)

@@ -19,6 +19,7 @@ from blob_tracker.commands.doctor.compiled import COMPILE
 from blob_tracker.commands.doctor.discovery import PORT_BASE, PORTS
 from blob_tracker.commands.doctor.finding import error, Finding, ok, warn
 from blob_tracker.commands.monitor import Monitor
+from blob_tracker.ros.process import shut_down
 import numpy as np
 import rclpy
 from rclpy.context import Context
@@ -199,7 +200,7 @@ def _measure(domain: int, own: Mapping[str, str], folder: Path | None, logs: Pat
         return _compare(domain, monitor)
     finally:
         monitor.destroy_node()
-        rclpy.try_shutdown(context=context)
+        shut_down(context)
 
 
 def _command(node: str, folder: Path | None) -> Sequence[str | Path]:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import time
 
 from blob_tracker.ros.endpoints.qos import RESULT
+from blob_tracker.ros.process import shut_down
 from geometry_msgs.msg import PointStamped
 import numpy as np
 from numpy.typing import NDArray
@@ -73,7 +74,7 @@ class LiveCentroids:
     def close(self) -> None:
         """Leave ROS."""
         self._node.destroy_node()
-        rclpy.try_shutdown()
+        shut_down()
 
     def mean(
         self, count: int

@@ -8,6 +8,7 @@ import time
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.image import to_pixels
 from blob_tracker.ros.messages.stamp import to_ns
+from blob_tracker.ros.process import shut_down
 from blob_tracker.types import Pixels
 import rclpy
 from rclpy.exceptions import InvalidTopicNameException
@@ -83,4 +84,4 @@ def live_images(topic: str) -> Iterator[tuple[float, Pixels]]:
             waited_since = time.monotonic()
     finally:
         node.destroy_node()
-        rclpy.try_shutdown()
+        shut_down()

@@ -351,6 +351,8 @@ def test_stamps_and_clocks_that_jump_back_reset_it(domain: int) -> None:
 class SetClock:
     """The system's clock, for it cannot be set by a test."""
 
+    ros_time_is_active = False
+
     def __init__(self, now_ns: int) -> None:
         self.now_ns = now_ns
 
