@@ -13,6 +13,7 @@ from blob_tracker import location, segmentation, tracking
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import Locator, method_options, METHODS
+from blob_tracker.location.noise_check import NoiseCheck
 from blob_tracker.segmentation import Expectation, FrameError, Segmenter
 from blob_tracker.tracking import Track, Tracker, TrackingError, update_or_restart
 from blob_tracker.types import Bearing, Frame, Location, LocationError, SensorNoise, Window
@@ -138,6 +139,8 @@ class Pipeline:
     ----------
     warning : str
         What is not as it should be about the last bearing, and what to do; '' where all is well.
+        Where the unlit pixels show another noise than `noise`, that is used instead; see
+        `blob_tracker.location.noise_check`.
 
     Raises
     ------
@@ -162,13 +165,22 @@ class Pipeline:
         if line_jitter is not None:
             line_jitter.check_height(camera_model.height)
         self.camera_model = camera_model
-        self.noise = noise
         self.method = method
         self.segmenter = segmenter or Segmenter()
         self.line_jitter = line_jitter
         self.tracker = tracker
         self.warning = ''
         self._locator = Locator(method, **method_options(method, elliptical=elliptical))
+        self._noise_check = NoiseCheck(noise)
+
+    @property
+    def noise(self) -> SensorNoise:
+        """Gain and read noise of the pixels, as configured; it may be set at any time."""
+        return self._noise_check.configured
+
+    @noise.setter
+    def noise(self, noise: SensorNoise) -> None:
+        self._noise_check.configure(noise)
 
     def run(self, frames: Iterable[Frame]) -> Iterator[Bearing]:
         """
@@ -199,10 +211,11 @@ class Pipeline:
                         window,
                         self.camera_model,
                         locator=self._locator,
-                        noise=self.noise,
+                        noise=self._noise_check.noise,
                         line_jitter=self.line_jitter,
                     )
-                    self.warning = location.warning
+                    self._noise_check.add(window, location)
+                    self.warning = location.warning or self._noise_check.warning
                     self._track(bearing)
                     yield bearing
             except (FrameError, LocationError, LensError) as error:

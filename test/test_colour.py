@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from blob_tracker.colour import channels, in_channel
 from blob_tracker.types import BAYER, Frame
 import cv2
@@ -13,7 +15,7 @@ MOSAIC = RANDOM.integers(0, 200, (6, 8), np.uint8)
 COLOURS = RANDOM.integers(0, 200, (6, 8, 4), np.uint8)
 
 
-def frame(image: np.ndarray, layout: str, **others: object) -> Frame:
+def frame(image: np.ndarray, layout: str, **others: Any) -> Frame:
     """Return a frame of 8 bits."""
     return Frame(image, 1, 255, layout=layout, **others)
 

@@ -11,7 +11,7 @@ from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import locate, Locator
 from blob_tracker.pipeline import expectation, window_to_bearing
 from blob_tracker.resources import config_path
-from blob_tracker.simulation import flashing_light, in_step, Light, Scene
+from blob_tracker.simulation import flashing_light, in_step, Light, Scene, Sensor
 from blob_tracker.tracking import PlatformRates, Track, Tracker
 from blob_tracker.types import Bearing, Location, Window
 import numpy as np
@@ -52,6 +52,33 @@ def test_late_frames_are_left_out_and_wrong_use_is_named() -> None:
     small = CameraModel.from_field_of_view(100, 100, 50.0)
     with pytest.raises(CalibrationError, match=r'reaches to \(160, 120\) px'):
         list(Pipeline(small, noise=scene.sensor.noise).run(frames))
+
+
+@pytest.mark.parametrize(('black_level', 'gain'), [(100.0, 1.0), (0.0, 0.5), (0.0, 2.0)])
+def test_a_noise_that_is_not_as_configured(black_level: float, gain: float) -> None:
+    """On an even wall: the NEES is right, and what to set is said; as configured nothing is."""
+    configured = SensorNoise(10.0, 1.0)
+    model = CameraModel.from_field_of_view(128, 96, 50.0)
+    light = Light(64.0, 48.0, 1.5, 100.0, in_step(60.0), reach_x=10.0, reach_y=8.0)
+    for noise in (configured, replace(configured, gain=10.0 * gain, black_level=black_level)):
+        scene = Scene(
+            width=128, height=96, background=30.0 + noise.black_level, target=light, texture=0.0,
+            sensor=Sensor(noise),
+        )
+        pipeline = Pipeline(model, noise=configured)
+        frames = (Frame(scene.frame(k), scene.stamp_ns(k), 255) for k in range(600))
+        nees = []
+        for bearing in pipeline.run(frames):
+            index = round((bearing.stamp_ns - scene.stamp_ns(0)) * 60 / 1e9)
+            truth = scene.truth(index)
+            azimuth, elevation, _ = model.angles(truth.x, truth.y)
+            error = np.array([bearing.azimuth - azimuth, bearing.elevation - elevation])
+            if index >= 100:
+                nees.append(error @ np.linalg.solve(bearing.covariance, error))
+        assert len(nees) > 200 and 1.4 < np.mean(nees) < 2.8
+        assert bool(pipeline.warning) == (noise != configured)
+        assert pipeline.noise == configured
+    assert 'noise.black_level' in pipeline.warning
 
 
 def test_no_flash_is_silence() -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import hypot, inf, isfinite, log, sqrt
+from math import hypot, inf, log, sqrt
+from typing import NamedTuple
 
 from blob_tracker.location.noise import noise_in_words, pixel_variance
 from blob_tracker.location.pulse import integrated_profile
@@ -26,7 +27,30 @@ HIDDEN_DN2 = 0.24  # variance below which rounding hides the noise (EMVA 1288, s
 CORRELATED = 0.1  # between neighbours: pixels that were warped, compressed or cleared of noise
 FLATTEST = 0.05  # of the configured slope of the variance: what is measured as less is chance
 
+LONGEST_NS = 10**9  # ns between two windows: the scene is another one after that
+
 Array = NDArray[np.float64]
+
+
+class _Seen(NamedTuple):
+    """The unlit pixels of a window, DN: where it begins and where the light was, px; its sigma."""
+
+    unlit: Array
+    left: int
+    top: int
+    x: float
+    y: float
+    sigma: float
+    stamp_ns: int
+    looks: int
+    binning: tuple[int, int]
+
+    def follows(self, before: _Seen) -> bool:
+        """Tell whether this window and the one before it may be compared."""
+        return (
+            0 < self.stamp_ns - before.stamp_ns <= LONGEST_NS
+            and self.looks == before.looks and self.binning == before.binning
+        )
 
 
 class NoiseCheck:
@@ -64,11 +88,16 @@ class NoiseCheck:
         self.configured = configured
         self.noise = configured
         self.warning = ''
-        self._last: tuple[Array, int, int, float, float, float] | None = None
+        self._last: _Seen | None = None
         # dof, and dof times level and variance; products of neighbours and their count; of the
-        # light's pixels 1 - h, and that times level and times the residual over the variance.
+        # light's pixels 1 - h, and that times level and variance.
         self._sums = np.zeros(8)
         self._windows = 0
+
+    def configure(self, noise: SensorNoise) -> None:
+        """Hold another noise against what was seen so far."""
+        self.configured = noise
+        self._judge()
 
     def add(self, window: Window, location: Location) -> None:
         """
@@ -90,11 +119,16 @@ class NoiseCheck:
         y = (location.y - window.y0 + 0.5) / down - 0.5
         left, top = window.x0 // across, window.y0 // down
         before = self._last
-        self._last = unlit, left, top, x + left, y + top, location.sigma
+        self._last = _Seen(
+            unlit, left, top, x + left, y + top, location.sigma, window.stamp_ns, window.looks,
+            window.binning,
+        )
         self._windows += 1
-        if before is None or (self._sums[0] > ENOUGH_DOF and self._windows % 8):
+        if before is None or not self._last.follows(before) or (
+            self._sums[0] > ENOUGH_DOF and self._windows % 8
+        ):
             return
-        limit = inf if window.saturation is None else window.saturation * window.looks
+        limit = inf if window.saturation is None else window.saturation
         found = _unlit_variance(before, self._last, limit)
         if found is None:
             return
@@ -127,10 +161,11 @@ class NoiseCheck:
             f'({noise_in_words(self.configured)}) at {level:.0f} DN; '
             f'{noise_in_words(self.noise)} is used instead. Set noise.gain, noise.read_noise and '
             'noise.black_level; python3 -m blob_tracker calibrate noise measures them'
+            + ('' if ratio > 1.0 else '. Or the camera takes out noise: switch that off')
         )
 
     def _measured(self, level: float, variance: float) -> SensorNoise:
-        """Return the noise with this variance at this level, as near to the configured as may be."""
+        """Return the noise of this variance at this level that is near the configured one."""
         given = self.configured
         constant = given.read_noise**2 + 1.0 / 12.0
         by_black = 1.0 / given.gain
@@ -138,15 +173,14 @@ class NoiseCheck:
         if level > given.black_level:
             by_gain = max((variance - constant) / (level - given.black_level), 0.0)
         slope = max(by_black, by_gain)
-        count, levels, ratios = map(float, self._sums[5:])
+        count, levels, variances = map(float, self._sums[5:])
         if count > LEAST_BRIGHT and levels / count > level + 1.0:
             bright = levels / count
-            there = ratios / count * float(pixel_variance(np.array(bright), given))
-            told = (there - variance) / (bright - level)
+            told = (variances / count - variance) / (bright - level)
             slope = min(max(told, min(by_black, by_gain)), slope)
         slope = max(slope, FLATTEST * by_black)
-        if not isfinite(1.0 / slope if slope > 0.0 else inf):
-            return replace(given, read_noise=sqrt(max(variance - 1.0 / 12.0, 0.0)))
+        if slope == 0.0:  # no shot noise, as configured
+            return replace(given, read_noise=sqrt(variance - 1.0 / 12.0))
         black_level = level - (variance - constant) / slope
         read_noise = given.read_noise
         if black_level > level:
@@ -157,30 +191,28 @@ class NoiseCheck:
 
 
 def _unlit_variance(
-    before: tuple[Array, int, int, float, float, float],
-    now: tuple[Array, int, int, float, float, float],
-    limit: float,
+    before: _Seen, now: _Seen, limit: float
 ) -> tuple[float, float, float, float, float] | None:
     """Return dof, level, variance, and the products of neighbours with their count; or None."""
-    (a, left_a, top_a, *_), (b, left_b, top_b, *_) = before, now
-    left, top = max(left_a, left_b), max(top_a, top_b)
-    right = min(left_a + a.shape[1], left_b + b.shape[1], left + LARGEST)
-    bottom = min(top_a + a.shape[0], top_b + b.shape[0], top + LARGEST)
+    both = before, now
+    left, top = max(each.left for each in both), max(each.top for each in both)
+    right = min(left + LARGEST, *(each.left + each.unlit.shape[1] for each in both))
+    bottom = min(top + LARGEST, *(each.top + each.unlit.shape[0] for each in both))
     if right - left < 4 or bottom - top < 4:
         return None
     first, second = (
-        each[top - y0:bottom - y0, left - x0:right - x0]
-        for each, x0, y0 in ((a, left_a, top_a), (b, left_b, top_b))
+        each.unlit[top - each.top:bottom - each.top, left - each.left:right - each.left]
+        for each in both
     )
     rows, columns = np.mgrid[top:bottom, left:right]
     used = (first > 0.0) & (second > 0.0) & (first < limit) & (second < limit)
-    for _, _, _, x, y, sigma in (before, now):
-        used &= np.hypot(columns - x, rows - y) > REACH * sigma
+    for each in both:
+        used &= np.hypot(columns - each.x, rows - each.y) > REACH * each.sigma
     count = int(used.sum())
     if count < FEWEST or np.array_equal(first, second):
         return None
     mean = 0.5 * (first + second)
-    along_y, along_x = np.gradient(mean)
+    along_y, along_x = np.asarray(np.gradient(mean))
     design = np.stack([np.ones(count), mean[used], along_x[used], along_y[used]], axis=1)
     difference = (second - first)[used]
     found = np.linalg.lstsq(design, difference, rcond=1e-9)[0]
@@ -203,7 +235,7 @@ def _unlit_variance(
 def _bright(
     window: Window, location: Location, x: float, y: float, noise: SensorNoise
 ) -> tuple[float, float, float]:
-    """Return 1 - h of the light's pixels, that times their level, and their residuals' ratio."""
+    """Return 1 - h of the light's pixels, that times their level, and the residuals' squares."""
     assert window.unlit is not None
     height, width = window.unlit.shape
     if max(height, width) > LARGEST or location.saturated or location.sigma <= 0.0:
@@ -226,10 +258,9 @@ def _bright(
     rest = scaled - design @ (back @ scaled)
     shares = 1.0 - np.einsum('ij,ji->i', design, back)
     bright = pulse.ravel() > 0.5
-    # Taking one frame of several looks changes nothing but the scale of the variance.
-    looks = window.looks
-    share = float(shares[bright].sum())
+    squares = np.square(rest * deviation.ravel())
+    # The mean of several looks has so much less variance.
     return (
-        share, float(shares[bright] @ mean.ravel()[bright]),
-        looks * float(rest[bright] @ rest[bright]),
+        float(shares[bright].sum()), float(shares[bright] @ mean.ravel()[bright]),
+        window.looks * float(squares[bright].sum()),
     )

@@ -13,6 +13,7 @@ from blob_tracker.camera import CalibrationError, LensError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import compile_ahead, Locator, method_options
 from blob_tracker.location.noise import noise_in_words, variance_ratio
+from blob_tracker.location.noise_check import NoiseCheck
 from blob_tracker.location.picture import draw
 from blob_tracker.location.scatter import RecentPlaces
 from blob_tracker.nodes.interface.locator import DEFAULT_METHOD, PARAMETERS
@@ -80,6 +81,8 @@ class LocatorNode(Node):
         self._connections = Connections(self, self._health)
         self._lights: Collection[str] = ()
         self._places: dict[str, RecentPlaces] = {}
+        self._noise_checks: dict[str, NoiseCheck] = {}
+        self._by_windows = False  # whether the noise is that of the last window's check
         self._bearing: Bearing | None = None
         self._debug_image = DebugImage(self)
         self._camera = KnownCamera()
@@ -112,6 +115,7 @@ class LocatorNode(Node):
                 self._locator = Locator(method, **options)
                 self._saturation, self._looks = values['saturation'], values['looks']
                 self._configured = self._noise = noise
+                self._noise_checks.clear()
                 self._line_jitter = line_jitter
                 self._places.clear()  # the next ones are placed in another way
                 if self._listen:
@@ -201,11 +205,15 @@ class LocatorNode(Node):
         try:
             camera_model = self._camera.model(info)
             window = clipping_window(window, self._saturation, self._looks)
+            if light not in self._noise_checks:
+                self._noise_checks[light] = NoiseCheck(self._configured)
+            check = self._noise_checks[light]
+            noise = check.noise if self._noise is self._configured else self._noise
             location, bearing = window_to_bearing(
                 window,
                 camera_model,
                 locator=self._locator,
-                noise=self._noise,
+                noise=noise,
                 line_jitter=self._line_jitter,
                 light=light,
             )
@@ -221,7 +229,7 @@ class LocatorNode(Node):
             self._health.show('last refusal', error)
             why = str(error)
             self._debug_image.offer(
-                lambda: draw(window, self._noise, reason=why, name=light),
+                lambda: draw(window, noise, reason=why, name=light),
                 window.stamp_ns,
                 frame_id,
             )
@@ -238,9 +246,10 @@ class LocatorNode(Node):
         if light not in self._places:
             self._places[light] = RecentPlaces(PLACES)
         self._places[light].add(location)
-        self._compare_noise(location)
+        check.add(window, location)
+        self._compare_noise(location, check)
         self._debug_image.offer(
-            lambda: draw(window, self._noise, location, bearing, name=light),
+            lambda: draw(window, noise, location, bearing, name=light),
             window.stamp_ns,
             frame_id,
         )
@@ -297,17 +306,25 @@ class LocatorNode(Node):
             f'their sigmas (chi-square is {places.chi2:.1f}), {cause}',
         )
 
-    def _compare_noise(self, location: Location) -> None:
+    def _compare_noise(self, location: Location, check: NoiseCheck) -> None:
         """Warn where the configured noise is not the measured one at the target's levels."""
         if self._noise is self._configured:
+            if check.warning:
+                self._health.fault(WARN, check.warning)
+                self._health.show(
+                    'noise', f'as its windows show it: {noise_in_words(check.noise)}'
+                )
+            elif self._by_windows:
+                self._set_online(self._online)  # which shows what holds again
+            self._by_windows = bool(check.warning)
             return
         levels = np.array([location.background, location.background + location.amplitude])
         ratio = variance_ratio(levels / self._looks, self._configured, self._noise)
         if not 1.0 / DIFFERENT <= ratio <= DIFFERENT:
             self._health.fault(
                 WARN,
-                f'the configured noise ({noise_in_words(self._configured)}) has {ratio:.2g} times the '
-                f'variance of the measured one, which is used; set noise.gain, '
+                f'the configured noise ({noise_in_words(self._configured)}) has {ratio:.2g} times '
+                f'the variance of the measured one, which is used; set noise.gain, '
                 f'noise.read_noise and noise.black_level to {noise_in_words(self._noise)}',
             )
 

@@ -7,11 +7,13 @@ from dataclasses import replace
 
 from blob_tracker import CameraModel, Frame, Pipeline
 from blob_tracker.calibration.noise_level_function import NoiseLevelFunction
+from blob_tracker.location import Locator
 from blob_tracker.location.noise import pixel_variance
+from blob_tracker.pipeline import window_to_bearing
 from blob_tracker.simulation import (
     AmbientLight, Drifting, expose, in_step, Light, PassingObject, Scene, Sensor, sinusoid,
 )
-from blob_tracker.types import SensorNoise
+from blob_tracker.types import Bearing, SensorNoise
 import cv2
 import numpy as np
 import pytest
@@ -217,9 +219,15 @@ def test_bad_pairs_are_named() -> None:
 
 
 def tracked_nees(
-    method: str, noise: SensorNoise, *, online: bool, black_level: float = 0.0
+    method: str, noise: SensorNoise, *, online: bool, checked: bool = True,
+    black_level: float = 0.0,
 ) -> tuple[float, int]:
-    """Return the mean NEES of the bearings from 4 s on, and how many there are."""
+    """
+    Return the mean NEES of the bearings from 4 s on, and how many there are.
+
+    With `online` the noise is that of the frames, else the pipeline's own check is left to see to
+    it; without `checked` that is left out too.
+    """
     light = Light(120.3, 90.2, 2.0, 80.0, in_step(60.0), reach_x=30.0, reach_y=20.0)
     scene = replace(
         SCENE, target=light, width=240, height=180, background=60.0 + black_level,
@@ -241,8 +249,16 @@ def tracked_nees(
                 line = measured.line()
                 pipeline.noise = noise if line is None else line.noise
 
+    locator = Locator(method)
+
+    def unchecked() -> Iterator[Bearing]:
+        for frame in frames():
+            window = pipeline.segmenter.update(frame)
+            if window is not None:
+                yield window_to_bearing(window, model, locator=locator, noise=noise)[1]
+
     nees = []
-    for bearing in pipeline.run(frames()):
+    for bearing in pipeline.run(frames()) if checked else unchecked():
         index = round((bearing.stamp_ns - scene.stamp_ns(0)) * 60 / SECOND)
         truth = scene.truth(index)
         azimuth, elevation, _ = model.angles(truth.x, truth.y)
@@ -259,8 +275,10 @@ def tracked_nees(
 def test_the_covariance_is_true_whatever_gain_is_configured(method: str, factor: float) -> None:
     """Four times off, the NEES is far from 2; with the noise measured on the way it is 2."""
     wrong = SensorNoise(factor * NOISE.gain, NOISE.read_noise)
-    blind, _ = tracked_nees(method, wrong, online=False)
+    blind, _ = tracked_nees(method, wrong, online=False, checked=False)
     assert blind > 4.0 or blind < 1.0
+    seen, _ = tracked_nees(method, wrong, online=False)
+    assert 1.4 < seen < 2.8
     told, count = tracked_nees(method, wrong, online=True)
     assert count >= 300
     assert abs(told - 2.0) < 1.96 * 2.0 / np.sqrt(count)  # 95 % of means
@@ -268,8 +286,12 @@ def test_the_covariance_is_true_whatever_gain_is_configured(method: str, factor:
 
 def test_the_covariance_is_true_with_a_pedestal() -> None:
     """Of 64 DN, which are most of the level: unaware of it the covariance is far too large."""
-    blind, _ = tracked_nees('multi_gaussian_lm', NOISE, online=False, black_level=64.0)
+    blind, _ = tracked_nees(
+        'multi_gaussian_lm', NOISE, online=False, checked=False, black_level=64.0
+    )
     assert blind < 1.6
+    seen, _ = tracked_nees('multi_gaussian_lm', NOISE, online=False, black_level=64.0)
+    assert 1.4 < seen < 2.8
     told, count = tracked_nees('multi_gaussian_lm', NOISE, online=True, black_level=64.0)
     assert count >= 300
     assert abs(told - 2.0) < 1.96 * 2.0 / np.sqrt(count)  # 95 % of means

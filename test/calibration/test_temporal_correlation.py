@@ -1,4 +1,4 @@
-"""Frames that hang together in time: found with the right number, and nothing where they do not."""
+"""Frames that hang together in time are found with the right number, others are let pass."""
 
 from __future__ import annotations
 

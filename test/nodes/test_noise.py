@@ -50,6 +50,24 @@ def test_measured_noise_reaches_the_locator(domain: int) -> None:
     assert segmenter['measured black level'] == 'at least 0 DN'
 
 
+def test_the_locator_names_a_noise_that_is_not_as_configured(domain: int) -> None:
+    """By default and on an even wall: 40 e-/DN are configured, the camera has 8."""
+    with probe(domain) as node:
+        node.record(DiagnosticArray, '/diagnostics')
+        with (
+            start('segmenter', domain),
+            start('locator', domain),
+            start(
+                'simulator', domain, width=160, height=120, background=60.0, texture=0.0,
+                noise__gain=GAIN, noise__read_noise=READ_NOISE,
+            ),
+        ):
+            node.spin_until(
+                lambda: 'is used instead. Set noise.gain' in values(node, 'locator').get('', '')
+            )
+        assert values(node, 'locator')['noise'].startswith('as its windows show it: ')
+
+
 def test_an_even_wall_is_said_to_be_one(domain: int) -> None:
     """Nothing is published, the diagnostics say why, and the locator keeps its own values."""
     with probe(domain) as node:

@@ -177,7 +177,7 @@ def test_the_unlit_samples_are_laid_over_the_lit_ones() -> None:
     )
     left = []
     for index in range(12):
-        shift = np.float64([[1, 0, 2.6 * index], [0, 1, 1.4 * index]])
+        shift = np.array([[1, 0, 2.6 * index], [0, 1, 1.4 * index]], dtype=np.float64)
         seen = cv2.warpAffine(texture, shift, (260, 200), flags=cv2.INTER_LANCZOS4)[60:132, 60:156]
         light = 90.0 * gaussian(40.0, 30.0, 1.5) * (index % 2)
         pixels = digitised(view * (seen + light), random)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from blob_tracker.capture.pixel_formats.jpeg import luma_quantisation
 from blob_tracker.segmentation import Segmenter
 from blob_tracker.segmentation.candidate import Candidate
@@ -27,16 +29,16 @@ def test_the_covariance_is_true(quality: int, sigma: float, peak: float) -> None
     def develop(light: Floats, random: np.random.Generator) -> Frame:
         file = encoded(digitised(BACKGROUND + light, random), quality)
         pixels = cv2.imdecode(np.frombuffer(file, np.uint8), cv2.IMREAD_GRAYSCALE)
-        return Frame(pixels, 0, 255, quantisation=luma_quantisation(file))
+        return Frame(pixels.astype(np.uint8), 0, 255, quantisation=luma_quantisation(file))
 
     found, nees, _ = judge(Segmenter(), flashes(420, sigma, peak, develop, seed=3))
     assert found >= 0.95
     assert 1.4 < nees < 2.8
 
 
-def candidate(**changes: float) -> Candidate:
+def candidate(**changes: Any) -> Candidate:
     """Return a blob of sigma 1.5 px and 100 DN."""
-    shape = dict.fromkeys(('sigma_x', 'sigma_y', 'sigma_major', 'sigma_minor'), 1.5)
+    shape: dict[str, Any] = dict.fromkeys(('sigma_x', 'sigma_y', 'sigma_major', 'sigma_minor'), 1.5)
     rest = dict.fromkeys(Candidate._fields[:20], 0.0)
     return Candidate(**rest | shape | {'x': 40.0, 'y': 30.0, 'amplitude': 100.0} | changes)
 

@@ -80,7 +80,7 @@ def test_a_folder_with_an_index(tmp_path: Path, capsys: pytest.CaptureFixture[st
 def test_frames_that_hang_together_in_time(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A camera's noise reduction is refused, flat and in a scene; with two frames it is not told."""
+    """A camera's noise reduction is refused, flat and in a scene; two frames tell nothing."""
     random = np.random.default_rng(14)
     scene = Scene(width=320, height=240, background=90.0, sensor=Sensor(SensorNoise(8.0, 1.2)))
     held: dict[str, np.ndarray] = {}

@@ -35,7 +35,7 @@ def test_of_two_equal_ones_the_expected_one_is_the_target(expected: int) -> None
     """Where the last flashes say where it should be."""
     random = np.random.default_rng(3)
     places = np.array([[7.2, 8.1], [9.6, 9.9]])
-    lit = sum(pulse((18, 18), x, y) for x, y in places) + BACKGROUND
+    lit = np.sum([pulse((18, 18), x, y) for x, y in places], axis=0) + BACKGROUND
     motion = Motion(np.zeros(2), 0.15, places[expected] + 0.2)
     pair = Pair(
         expose(lit, NOISE, random).astype(float),
