@@ -26,8 +26,8 @@ def tailed(pair: Pair, base: Fit) -> Fit | None:
 
     The place is the head's.
     """
-    if base.amplitude <= 0.0:
-        return None
+    if pair.unlit is None or base.amplitude <= 0.0:
+        return None  # what stands behind the target may be the tail
     direction = _lopsided(pair, base)
     start = np.array([
         base.x, base.y, base.amplitude, base.background, base.sigma,
