@@ -48,6 +48,6 @@ def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | Non
         # Not even the best model is true: the place may be the other one's.
         apart = np.array([chosen.x - base.x, chosen.y - base.y])
         return replace(chosen, covariance=chosen.covariance + np.outer(apart, apart))
-    if optimum is None or not suspicion & Suspicion.PIXELS:
+    if optimum is None or pair.unlit is None or not suspicion & Suspicion.PIXELS:
         return None
     return misfitting(pair, optimum)

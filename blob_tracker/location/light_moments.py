@@ -51,9 +51,9 @@ def light_moments(pair: Pair) -> LightMoments:
     background = float(np.median(edge if pair.unlit is None else pair.unlit))
     signal = pair.lit - background
     padded = np.pad(signal, 1, mode='edge')
-    smooth = sum(
+    smooth = np.mean([
         padded[j:j + height, i:i + width] for j in range(3) for i in range(3)
-    ) / 9.0
+    ], axis=0)
     peak = float(smooth.max())
     rows, columns = np.nonzero(smooth > PART_OF_PEAK * peak)
     weight = np.maximum(smooth[rows, columns], 0.0)
