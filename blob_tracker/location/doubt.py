@@ -18,8 +18,8 @@ ALIKE = 4.0  # standard deviations of the correlation of neighbours: beyond it t
 LOPSIDED = 13.8  # chi-square of two degrees of freedom that noise exceeds once in 1000
 WARNED = 1.5  # chi2 of white residuals, from which on they are spoken of
 LOPSIDED_LIGHT = (
-    'misfit: the light is lopsided: a tail, or a second light beside it, moves its place: learn its '
-    'pulse (calibrate pulse)'
+    'misfit: the light is lopsided: a tail, or a second light beside it, moves its place: learn '
+    'its pulse (calibrate pulse)'
 )
 _LEVELS = (AMPLITUDE, BACKGROUND)
 STEP = 0.05  # standard deviations of a parameter, over which the slope of the score is taken

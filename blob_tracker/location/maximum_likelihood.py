@@ -137,8 +137,8 @@ def maximum_likelihood(
             estimates.warnings[n] = LOPSIDED_LIGHT
         elif table[6, n] > WARNED_CHI2:
             estimates.warnings[n] = (
-                f'misfit (chi2 {table[6, n]:.1f}): the light is no Gaussian, or the scene behind it '
-                'is no even one: flash it, or learn its pulse (calibrate pulse)'
+                f'misfit (chi2 {table[6, n]:.1f}): the light is no Gaussian, or the scene behind '
+                'it no even one: flash it, or learn its pulse (calibrate pulse)'
             )
     return estimates
 

@@ -17,7 +17,7 @@ def test_noise_that_is_not_as_configured_is_no_shape() -> None:
     result = located(pulse, 11, 60, noise=told)
     # 8 without any growth; a part of the noise passes for a texture in both windows.
     assert 1.0 < result.nees < 3.5
-    assert result.said('of noise, not of shape') > 0.9
+    assert result.said('of noise, not of shape') > 0.5
 
 
 def test_an_even_misfit_does_not_move_the_place() -> None:

@@ -19,7 +19,7 @@ NEAREST = 1.0  # sigma: nearer ones are one
 FAINTEST = 0.05  # of the brighter one: less is no light of its own
 EQUAL = 0.8  # of the brighter one: above it either may be the target
 SLOWEST = 120  # steps
-RARER = 6.0  # of the log-likelihood, times its chi2 squared: two lights are rarer beforehand than one that moves
+RARER = 6.0  # of the log-likelihood, times its chi2 squared: rarer beforehand than a streak
 EIGHTHS = (
     'right of', 'below and right of', 'below', 'below and left of', 'left of',
     'above and left of', 'above', 'above and right of',
