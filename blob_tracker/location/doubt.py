@@ -18,8 +18,8 @@ ALIKE = 4.0  # standard deviations of the correlation of neighbours: beyond it t
 LOPSIDED = 13.8  # chi-square of two degrees of freedom that noise exceeds once in 1000
 WARNED = 1.5  # chi2 of white residuals, from which on they are spoken of
 LOPSIDED_LIGHT = (
-    'misfit: the light is lopsided: a tail, or a second light beside it, moves its place: learn its '
-    'pulse (calibrate pulse)'
+    'misfit: the light is lopsided: a tail, or a second light beside it, moves its place: learn '
+    'its pulse (calibrate pulse)'
 )
 _LEVELS = (AMPLITUDE, BACKGROUND)
 STEP = 0.05  # standard deviations of a parameter, over which the slope of the score is taken
@@ -207,7 +207,8 @@ def doubted(
     Return the fit of a model, with what its misfit does to the place in its covariance.
 
     The covariance of a true model is that of the likelihood. Where chi2 says that the model is
-    not true it is that of `sandwich`, times the odd part's chi2 where that is above 1. Where the
+    not true it is that of `sandwich`, times chi2 where the residuals are white, and times their
+    odd part's where they are not. Where the
     core is off the whole its shift is added: the light's place is in the one or in the other.
     """
     slopes = np.zeros((optimum.theta.size, *pair.pixels.shape))
@@ -221,7 +222,9 @@ def doubted(
         return fit, left
     grown = fit.covariance
     if left.significant:
-        grown = max(left.odd, 1.0) * _inflation(optimum) * sandwich(pair, optimum, model)[:2, :2]
+        # What is white scatters the place as it does the pixels.
+        scale = max(left.odd, 1.0) if left.structured else left.chi2
+        grown = scale * _inflation(optimum) * sandwich(pair, optimum, model)[:2, :2]
     if left.lopsided > LOPSIDED:
         grown = grown + (1.0 - 2.0 / left.lopsided) * np.outer(left.shift, left.shift)
     if left.significant and not pair.usable[0].all():

@@ -52,7 +52,10 @@ def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | Non
             return None if optimum is None else misfitting(pair, optimum)
         # Not even the best model is true: the place may be the other one's.
         apart = np.array([chosen.x - base.x, chosen.y - base.y])
-        return replace(chosen, covariance=chosen.covariance + np.outer(apart, apart))
-    if optimum is None or not suspicion & Suspicion.PIXELS:
+        return replace(
+            chosen, covariance=chosen.covariance + np.outer(apart, apart),
+            warning=f'{chosen.warning}; misfit (chi2 {chosen.chi2:.1f}): that is not all of it',
+        )
+    if optimum is None or pair.unlit is None or not suspicion & Suspicion.PIXELS:
         return None
     return misfitting(pair, optimum)

@@ -60,7 +60,7 @@ class _Memory:
         return Motion(flash / scale, deviation, place / scale - 0.5)
 
     def leaning(self, found: Estimates) -> NDArray[np.float64] | None:
-        """Return how far the light's head is off the fit, window px; None where it leans nowhere."""
+        """Return how far the light's head is off the fit, window px; None where it is not."""
         self.lopsided.append(found.lopsided[0])
         score_x, score_y, x, y = np.sum(self.lopsided, axis=0)
         if not (x > 0.0 and y > 0.0):

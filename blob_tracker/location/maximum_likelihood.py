@@ -30,6 +30,7 @@ FAINTEST_SIGMA = 5.0
 # Over the matched filter's squared SNR: how far the covariance is too small
 COVARIANCE_INFLATION = 12.0
 MISFIT_SIGMA = 5.0  # standard deviations of chi2: beyond it the model is wrong, not the noise
+WARNED_CHI2 = 3.0  # beyond which a misfit is spoken of, whatever its kind
 FISHER_STEPS = 12  # a good start takes 4 or 5
 TEXTURE_STEP = 2  # by which the pulse is known well enough to ask what the texture does to it
 
@@ -135,6 +136,11 @@ def maximum_likelihood(
             _adopt(estimates, n, fit)
         elif suspicion & Suspicion.LOPSIDED:
             estimates.warnings[n] = LOPSIDED_LIGHT
+        elif table[6, n] > WARNED_CHI2:
+            estimates.warnings[n] = (
+                f'misfit (chi2 {table[6, n]:.1f}): the light is no Gaussian, or the scene behind '
+                'it no even one: flash it, or learn its pulse (calibrate pulse)'
+            )
     return estimates
 
 

@@ -94,7 +94,7 @@ def _add_part(
 
 @kernel
 def fill_two_lights(theta: Array, means: Array, slopes: Array) -> None:
-    """Fill the means and slopes of two lit pulses of one width, the second so far from the first."""
+    """Fill the means and slopes of two lit pulses of one width, so far from each other."""
     fill_one_pulse(theta, means, slopes)
     before_x = slopes[X].copy()
     before_y = slopes[Y].copy()

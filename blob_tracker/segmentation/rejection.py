@@ -69,7 +69,7 @@ def reject(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
             f'a rise of {height:.0f} DN beside a fall of {candidate.fall:.0f} DN: '
             'something moved, or the light was on in both frames'
         )
-    shaped = candidate.sigma_minor > SAMPLED_SIGMA_PX and not candidate.streak
+    shaped = candidate.sigma_minor > SAMPLED_SIGMA_PX
     if candidate.misfit > (MAX_MISFIT if shaped else MAX_UNSAMPLED_MISFIT):
         return (
             f'a rise of {height:.0f} DN that is no blob: a Gaussian leaves '

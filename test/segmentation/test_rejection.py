@@ -148,10 +148,10 @@ def ring_of(radius: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def arc_of(radius: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return a rise on three quarters of a ring."""
+    """Return a rise on half a ring."""
     unlit, lit = ring_of(radius)
     y, x = np.mgrid[:SHAPE[0], :SHAPE[1]]
-    missing = (x > 80 + 0.5 * radius) & (y > 60 + 0.5 * radius)
+    missing = x + y > 140.5
     return unlit, np.where((radius > 0.0) & missing, unlit, lit)
 
 

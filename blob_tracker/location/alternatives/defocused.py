@@ -28,6 +28,8 @@ def defocused(pair: Pair, base: Fit) -> Fit | None:
 
     The sigma that is returned has the second moments of the disc, s^2 + (R^2 + R'^2) / 4.
     """
+    if pair.unlit is None:
+        return None  # what stands behind the target is no part of a disc
     light = light_moments(pair)
     if light.along > ROUNDEST * light.across:
         return None

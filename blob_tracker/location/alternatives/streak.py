@@ -13,6 +13,7 @@ from blob_tracker.location.pair_model import AMPLITUDE, bounds, SIGMA
 from blob_tracker.location.shape_model import fill_streak, WAY_X, WAY_Y
 import numpy as np
 
+LONGER = 1.08  # times as long as wide: what is rounder is no streak
 PLAIN = 2.0  # sigmas of length, up to which a pulse is as good as round
 SHORTEST = 0.3  # px: from a length of 0 there is no way up
 
@@ -27,7 +28,11 @@ def streak(pair: Pair, base: Fit) -> Fit | None:
     moves evenly. A pulse of two widths, at any angle, is one to within the noise unless it is
     long and bright.
     """
+    if pair.unlit is None:
+        return None  # what stands behind the target may be what makes it long
     light = light_moments(pair)
+    if light.along < LONGER * light.across:
+        return None
     half = math.sqrt(3.0 * max(light.along**2 - light.across**2, SHORTEST**2))
     start = np.array([
         light.x, light.y, max(light.peak, 1.0) * (1.0 + 0.4 * half / light.across),

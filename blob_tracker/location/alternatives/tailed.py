@@ -15,7 +15,7 @@ import numpy as np
 MOST = 0.7  # of the light, in the tail: what has more is a streak
 SHORTEST = 1.0  # sigmas: a shorter tail is a shift
 FIRST_PART, FIRST_LENGTH = 0.15, 2.5  # of the light, and sigmas: where the fit begins
-RARER = 4.0  # of the log-likelihood, times its chi2 squared: a tail is rarer beforehand than a streak
+RARER = 4.0  # of the log-likelihood, times its chi2 squared: rarer beforehand than a streak
 
 
 def tailed(pair: Pair, base: Fit) -> Fit | None:
@@ -26,8 +26,8 @@ def tailed(pair: Pair, base: Fit) -> Fit | None:
 
     The place is the head's.
     """
-    if base.amplitude <= 0.0:
-        return None
+    if pair.unlit is None or base.amplitude <= 0.0:
+        return None  # what stands behind the target may be the tail
     direction = _lopsided(pair, base)
     start = np.array([
         base.x, base.y, base.amplitude, base.background, base.sigma,

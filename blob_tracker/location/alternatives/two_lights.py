@@ -18,7 +18,8 @@ import numpy as np
 NEAREST = 1.0  # sigma: nearer ones are one
 FAINTEST = 0.05  # of the brighter one: less is no light of its own
 EQUAL = 0.8  # of the brighter one: above it either may be the target
-RARER = 6.0  # of the log-likelihood, times its chi2 squared: two lights are rarer beforehand than one that moves
+SLOWEST = 120  # steps
+RARER = 6.0  # of the log-likelihood, times its chi2 squared: rarer beforehand than a streak
 EIGHTHS = (
     'right of', 'below and right of', 'below', 'below and left of', 'left of',
     'above and left of', 'above', 'above and right of',
@@ -34,6 +35,8 @@ def two_lights(pair: Pair, base: Fit) -> Fit | None:
     The brighter one is the target; of two that are about as bright, the one that is nearer to
     where the target should be, if that is known.
     """
+    if pair.unlit is None:
+        return None  # what stands behind the target may be the second light
     found = [
         fit for fit in (_fit(pair, start) for start in _first_guesses(pair, base))
         if fit is not None
@@ -87,7 +90,7 @@ def _fit(pair: Pair, start: Floats) -> Optimum | None:
     reach = np.array(pair.lit.shape[::-1], dtype=float)
     best = climb(
         pair, fill_two_lights, start, np.concatenate([lower, -reach, [0.0]]),
-        np.concatenate([upper, reach, [BRIGHTEST]]),
+        np.concatenate([upper, reach, [BRIGHTEST]]), steps=SLOWEST,
     )
     if best is None or best.theta[GHOST] <= best.theta[AMPLITUDE]:
         return best

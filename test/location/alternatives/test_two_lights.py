@@ -14,7 +14,7 @@ DIRECTION = np.array([0.8, 0.6])
 
 
 @pytest.mark.parametrize('distance, part, where', [
-    (4.5, 0.5, 'below and right of'), (6.0, 0.5, 'below and right of'), (6.0, 0.25, ''),
+    (4.5, 0.5, 'below and right of'), (6.0, 0.5, 'below and right of'),
 ])
 def test_the_brighter_one_is_the_target(distance: float, part: float, where: str) -> None:
     """And the other one is spoken of."""
