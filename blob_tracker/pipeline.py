@@ -8,12 +8,11 @@ pipeline` starts is another thing, the nodes in one process: `blob_tracker.nodes
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import Any
 
 from blob_tracker import location, segmentation, tracking
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
-from blob_tracker.location import locate, method_options, METHODS
+from blob_tracker.location import Locator, method_options, METHODS
 from blob_tracker.location.noise_check import NoiseCheck
 from blob_tracker.segmentation import Expectation, FrameError, Segmenter
 from blob_tracker.tracking import Track, Tracker, TrackingError, update_or_restart
@@ -64,10 +63,10 @@ def window_to_bearing(
     window: Window,
     camera_model: CameraModel,
     *,
-    method: str,
+    locator: Locator,
     noise: SensorNoise,
     line_jitter: LineJitter | None = None,
-    **options: Any,
+    light: str = '',
 ) -> tuple[Location, Bearing]:
     """
     Locate the blob of a window, take the jitter of its line off, and turn it into an angle.
@@ -78,14 +77,14 @@ def window_to_bearing(
         Lit and unlit pixels, DN.
     camera_model : CameraModel
         The calibrated camera.
-    method : str
-        Location method, a key of `blob_tracker.location.METHODS`.
+    locator : Locator
+        Has the method, and remembers the last flashes of the light.
     noise : SensorNoise
         Gain and read noise of the camera's pixels.
     line_jitter : LineJitter, optional
         Offsets of the lines of an analogue grabber.
-    **options
-        Of the method, see `blob_tracker.location.method_options`.
+    light : str
+        Name of the light.
 
     Returns
     -------
@@ -104,7 +103,7 @@ def window_to_bearing(
         Where no ray leads to that place in the picture.
 
     """
-    location = locate(window, method=method, noise=noise, **options)
+    location = locator.locate(window, noise=noise, light=light)
     if line_jitter is not None:
         line_jitter.check_height(camera_model.height)
         location = line_jitter.corrected(location, gain=noise.gain, looks=window.looks)
@@ -163,7 +162,6 @@ class Pipeline:
         line_jitter: LineJitter | None = None,
         tracker: Tracker | None = None,
     ) -> None:
-        self._options = method_options(method, elliptical=elliptical)
         if line_jitter is not None:
             line_jitter.check_height(camera_model.height)
         self.camera_model = camera_model
@@ -172,6 +170,7 @@ class Pipeline:
         self.line_jitter = line_jitter
         self.tracker = tracker
         self.warning = ''
+        self._locator = Locator(method, **method_options(method, elliptical=elliptical))
         self._noise_check = NoiseCheck(noise)
 
     @property
@@ -211,13 +210,12 @@ class Pipeline:
                     location, bearing = window_to_bearing(
                         window,
                         self.camera_model,
-                        method=self.method,
+                        locator=self._locator,
                         noise=self._noise_check.noise,
                         line_jitter=self.line_jitter,
-                        **self._options,
                     )
                     self._noise_check.add(window, location)
-                    self.warning = self._noise_check.warning
+                    self.warning = location.warning or self._noise_check.warning
                     self._track(bearing)
                     yield bearing
             except (FrameError, LocationError, LensError) as error:
@@ -240,7 +238,7 @@ class Pipeline:
 
     def _check_size(self, frame: Frame) -> None:
         """Refuse a frame that the calibration does not cover."""
-        height, width = frame.image.shape
+        height, width = frame.image.shape[:2]
         right, bottom = frame.x0 + width * frame.binning[0], frame.y0 + height * frame.binning[1]
         if right > self.camera_model.width or bottom > self.camera_model.height:
             raise CalibrationError(

@@ -63,6 +63,33 @@ class SensorNoise:
             raise ValueError(f'black_level is {self.black_level} DN; it must be finite')
 
 
+# What the values of a frame's image are: (h, w) grey, or a Bayer mosaic by the colours of its
+# first cell, row by row; (h, w, n) colours by their order, Y Cb Cr among them.
+BAYER = ('rggb', 'grbg', 'gbrg', 'bggr')
+PLANES = {'rgb': 3, 'bgr': 3, 'rgba': 4, 'bgra': 4, 'yuv': 3}
+
+
+@dataclass(frozen=True)
+class Mosaic:
+    """
+    The samples behind a colour sensor's filters, of which those of one colour count.
+
+    Parameters
+    ----------
+    pixels : (h, w) uint8 or uint16 array
+        DN of all samples, of even height and width.
+    sites : (2, 2) bool array
+        Which samples of each cell of 2 x 2 have the colour.
+    saturation : int
+        The DN at which a sample is clipped.
+
+    """
+
+    pixels: Pixels
+    sites: NDArray[np.bool_]
+    saturation: int
+
+
 @dataclass(frozen=True)
 class Frame:
     """
@@ -70,7 +97,7 @@ class Frame:
 
     Parameters
     ----------
-    image : (h, w) uint8 or uint16 array
+    image : (h, w) or (h, w, n) uint8 or uint16 array
         Raw DN. It is looked at again when the next frame comes: do not refill it.
     stamp_ns : int
         Time of the exposure, ns of ROS time.
@@ -80,6 +107,15 @@ class Frame:
         Place of the image's first pixel on the full, unbinned sensor (hardware crop), px.
     binning : (int, int)
         Sensor pixels per image pixel along x and y.
+    layout : str
+        'grey', one of `BAYER` or one of `PLANES`.
+    channel : str
+        The colour of a grey image that was made of colours; '' of a grey camera.
+    mosaic : Mosaic or None
+        The samples of which a grey image is the sum, cell by cell.
+    quantisation : (8, 8) array or None
+        Steps in which a JPEG keeps the luma's cosine coefficients, DN, by row and column; None
+        of a picture that was not compressed.
 
     """
 
@@ -89,12 +125,33 @@ class Frame:
     x0: int = 0
     y0: int = 0
     binning: tuple[int, int] = (1, 1)
+    layout: str = 'grey'
+    channel: str = ''
+    mosaic: Mosaic | None = None
+    quantisation: NDArray[np.generic] | None = None
 
     def __post_init__(self) -> None:
-        if self.image.ndim != 2 or self.image.size == 0:
-            raise ValueError(f'a frame is a non-empty (h, w) array, not {self.image.shape}')
+        planes = PLANES.get(self.layout)
+        if planes is None and self.layout not in ('grey', *BAYER):
+            raise ValueError(f'the layout of a frame is {self.layout!r}')
+        wanted = '(h, w)' if planes is None else f'(h, w, {planes})'
+        shape = self.image.shape
+        if len(shape) != (2 if planes is None else 3) or shape[2:] != (
+            () if planes is None else (planes,)
+        ) or self.image.size == 0:
+            raise ValueError(f'a frame is a non-empty {wanted} array, not {shape}')
         if self.image.dtype not in (np.uint8, np.uint16):
             raise ValueError(f'a frame holds uint8 or uint16 DN, not {self.image.dtype}')
+
+    @property
+    def samples(self) -> Pixels:
+        """Return the pixels that the sensor gave: those of the mosaic where there is one."""
+        return self.image if self.mosaic is None else self.mosaic.pixels
+
+    @property
+    def sample_saturation(self) -> int:
+        """Return the DN at which one of `samples` is clipped."""
+        return self.saturation if self.mosaic is None else self.mosaic.saturation
 
 
 @dataclass(frozen=True)
@@ -121,6 +178,10 @@ class Window:
     looks : int
         Frames that are summed in `lit`, and as many in `unlit`; 1 or more. The pixels are their
         sum, not their mean, and their read noise that of so many frames.
+    sites : (h, w) bool array or None
+        Which pixels see the light, behind the colour filters of a mosaic; None where all do.
+    added_noise : float
+        Standard deviation that compression adds to a pixel of one frame, DN.
 
     """
 
@@ -132,6 +193,8 @@ class Window:
     saturation: float | None = None
     binning: tuple[int, int] = (1, 1)
     looks: int = 1
+    sites: NDArray[np.bool_] | None = None
+    added_noise: float = 0.0
 
     def __post_init__(self) -> None:
         if self.looks < 1:
@@ -161,6 +224,8 @@ class Location:
         Count of clipped pixels in the window.
     stamp_ns : int
         The window's stamp, ns of ROS time.
+    warning : str
+        What is not as it should be, and what to do about it; '' where all is well.
 
     """
 
@@ -174,6 +239,7 @@ class Location:
     chi2: float
     saturated: int
     stamp_ns: int = 0
+    warning: str = ''
 
 
 @dataclass(frozen=True)

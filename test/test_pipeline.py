@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 
 from blob_tracker import CameraModel, Frame, Pipeline, SensorNoise
 from blob_tracker.camera import CalibrationError
 from blob_tracker.camera.line_jitter import LineJitter
-from blob_tracker.location import locate
+from blob_tracker.location import locate, Locator
 from blob_tracker.pipeline import expectation, window_to_bearing
 from blob_tracker.resources import config_path
 from blob_tracker.simulation import flashing_light, in_step, Light, Scene, Sensor
 from blob_tracker.tracking import PlatformRates, Track, Tracker
-from blob_tracker.types import Window
+from blob_tracker.types import Bearing, Location, Window
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -150,19 +149,22 @@ def test_a_window_becomes_a_bearing() -> None:
     model = CameraModel.from_field_of_view(160, 120, 50.0)
     lit, unlit = (frame.image[40:72, 50:90] for frame in (frames[2], frames[1]))
     window = Window(lit, unlit, 50, 40, 1, 255)
-    place = partial(
-        window_to_bearing, method='maximum_likelihood', noise=scene.sensor.noise
-    )
-    location, bearing = place(window, model)
+
+    def place(line_jitter: LineJitter | None = None) -> tuple[Location, Bearing]:
+        return window_to_bearing(
+            window, model, locator=Locator(), noise=scene.sensor.noise, line_jitter=line_jitter
+        )
+
+    location, bearing = place()
     plain = locate(window, noise=scene.sensor.noise)
     assert (location.x, location.y) == (plain.x, plain.y)
     assert bearing.azimuth == model.bearing(plain).azimuth
     jitter = LineJitter(np.full(120, 0.25), np.zeros(120), 0.0)
-    moved, _ = place(window, model, line_jitter=jitter)
+    moved, _ = place(jitter)
     assert moved.x == pytest.approx(plain.x - 0.25, abs=1e-9)
     low = LineJitter(np.zeros(100), np.zeros(100), 0.0)
     with pytest.raises(CalibrationError, match='is for 100 lines and the picture has 120'):
-        place(window, model, line_jitter=low)
+        place(low)
 
 
 def rocked(

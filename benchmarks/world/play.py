@@ -9,7 +9,7 @@ import re
 
 from benchmarks.world.bound import bound
 from benchmarks.world.situation import Floats, FULL_SCALE, RATE, Shot, Situation
-from blob_tracker.location import locate
+from blob_tracker.location.locator import Locator
 from blob_tracker.location.noise_check import NoiseCheck
 from blob_tracker.segmentation import FrameError, Segmenter
 from blob_tracker.types import Frame, Location, LocationError
@@ -78,14 +78,17 @@ def play(situation: Situation, count: int, seed: int) -> Played:
 
     """
     random = np.random.default_rng([seed, situation.number, *situation.name.encode()])
-    segmenter, noise = Segmenter(), NoiseCheck(situation.noise)
+    segmenter, locator = Segmenter(), Locator(METHOD)
+    noise = NoiseCheck(situation.noise)
     played = Played()
     every = max(1, count // BOUNDS)
     for index, shot in enumerate(situation.frames(FIRST + 2 * count, random)):
         stamp_ns = round(index * 1e9 / RATE)
-        # A frame has no room for what colours its pixels see: `channel` waits until it has.
-        frame = Frame(shot.image, stamp_ns, FULL_SCALE)
-        location, reason, warnings = _look(segmenter, frame, noise)
+        frame = Frame(
+            shot.image, stamp_ns, FULL_SCALE, layout=situation.layout,
+            quantisation=shot.quantisation,
+        )
+        location, reason, warnings = _look(segmenter, locator, frame, noise)
         if index < FIRST or not shot.judged:
             continue
         played.frames += 1
@@ -105,7 +108,7 @@ def play(situation: Situation, count: int, seed: int) -> Played:
 
 
 def _look(
-    segmenter: Segmenter, frame: Frame, noise: NoiseCheck
+    segmenter: Segmenter, locator: Locator, frame: Frame, noise: NoiseCheck
 ) -> tuple[Location | None, str, list[str]]:
     """Return the location, or the reason why there is none, and what was warned of."""
     location, reason = None, ''
@@ -113,11 +116,14 @@ def _look(
         window = segmenter.update(frame)
         reason = segmenter.reason
         if window is not None:
-            location = locate(window, method=METHOD, noise=noise.noise)
+            location = locator.locate(window, noise=noise.noise)
             noise.add(window, location)
     except (FrameError, LocationError) as error:
         reason = str(error)
-    return location, reason, [noise.warning] if noise.warning else []
+    warnings = [*segmenter.warnings]
+    if location is not None:
+        warnings += [location.warning, noise.warning]
+    return location, reason, [warning for warning in warnings if warning]
 
 
 def _error(location: Location, shot: Shot) -> Floats:

@@ -67,6 +67,8 @@ class Shot:
         False where no answer is right or wrong.
     model : Model or None
         Of the pixels that tell of the place; None where it cannot be written down.
+    quantisation : (8, 8) array or None
+        Steps of JPEG's coefficients, which a driver hands over with the picture.
 
     """
 
@@ -77,6 +79,7 @@ class Shot:
     also: tuple[float, float] | None = None
     judged: bool = True
     model: Model | None = None
+    quantisation: NDArray[np.uint16] | None = None
 
     @property
     def lit(self) -> bool:
@@ -107,9 +110,8 @@ class Situation:
         Regular expression of a reason that names the cause.
     noise : SensorNoise
         What the locator is told of the sensor.
-    channel : str
-        The colour filters before the pixels and the colour of the light, where there are any: a
-        frame knows of none, so that its pixels are given as grey ones.
+    layout : str
+        Of the pixels, see `Frame`.
     centred : bool
         True where the pulse has no middle by itself: its mean error is no error.
 
@@ -121,7 +123,7 @@ class Situation:
     frames: Frames
     reason: str
     noise: SensorNoise = NOISE
-    channel: str = ''
+    layout: str = 'grey'
     centred: bool = False
 
     @property

@@ -18,6 +18,7 @@ from blob_tracker.capture import auto_modes, videodev2
 from blob_tracker.capture.controls import Control, ControlError
 from blob_tracker.capture.errors import CaptureError
 from blob_tracker.capture.exposure_search import Outcome, Scale, search, Setting, TARGET, TOLERANCE
+from blob_tracker.colour import AUTO, channels, in_channel
 from blob_tracker.types import Frame, Pixels
 import cv2
 import numpy as np
@@ -79,9 +80,39 @@ def put_back(camera: Adjustable, before: Mapping[str, int | str]) -> None:
         pending = refused
 
 
+def peak_of_channel(frame: Frame, channel: str) -> float:
+    """
+    Return the lit peak of a frame in a channel, of full scale.
+
+    Parameters
+    ----------
+    frame : Frame
+        Grey, or with colours.
+    channel : str
+        One of `blob_tracker.colour.CHANNELS`; 'auto' is the colour in which it is highest: none
+        is clipped then. A grey frame has one channel, whatever this is.
+
+    """
+    names = channels(frame)
+    if not names:
+        return lit_peak(frame.image) / frame.saturation
+    if channel != AUTO:
+        names = (channel,)
+    peaks = []
+    for name in names:
+        one = in_channel(frame, name)
+        if one.mosaic is not None:
+            for row, column in np.argwhere(one.mosaic.sites):
+                plane = np.ascontiguousarray(one.samples[row::2, column::2])
+                peaks.append(lit_peak(plane) / one.sample_saturation)
+        else:
+            peaks.append(lit_peak(one.image) / one.saturation)
+    return max(peaks)
+
+
 def lit_peak(image: Pixels) -> float:
     """
-    Return the brightest of a frame's pixels, DN, but no hot ones.
+    Return the brightest of a picture's pixels, DN, but no hot ones.
 
     A pixel counts for at most `ABOVE_NEIGHBOUR` times the brightest of its eight neighbours.
     """
@@ -102,14 +133,15 @@ def adjust_exposure(
     tolerance: float = TOLERANCE,
     frames: int = 12,
     settling: int = 3,
+    channel: str = AUTO,
 ) -> Outcome:
     """
     Search on a streaming camera, and leave its controls at the outcome.
 
     Automatic exposure and gain are switched off first, but for those that are inactive. Where the
     search cannot be finished the controls get the values again that they had. The target has to
-    be in view and the brightest thing there: the lit peak is the greatest `lit_peak` of a row of
-    frames.
+    be in view and the brightest thing there: the lit peak is the greatest `peak_of_channel` of a
+    row of frames.
 
     Parameters
     ----------
@@ -131,6 +163,8 @@ def adjust_exposure(
     settling : int
         Frames left out after a change, beside those taken before it: sensors have the next one
         or two in work already.
+    channel : str
+        The colour of the light, see `peak_of_channel`.
 
     Returns
     -------
@@ -164,8 +198,8 @@ def adjust_exposure(
                 camera.set_control(name, value)
                 changed[name] = value
         outcome = _searched(
-            camera, read, exposures, gains, longest, not exposure, target, tolerance, frames,
-            settling)
+            camera, exposures, gains, longest, not exposure, target, tolerance,
+            lambda: _measured(read, frames, settling, channel))
     except BaseException:
         with suppress(CaptureError):  # it is gone, which the first error says
             put_back(camera, before)
@@ -178,15 +212,13 @@ def adjust_exposure(
 
 def _searched(
     camera: Adjustable,
-    read: Callable[[], Frame],
     exposures: Control | None,
     gains: Control | None,
     longest: float | None,
     standard: bool,
     target: float,
     tolerance: float,
-    frames: int,
-    settling: int,
+    measure: Callable[[], float],
 ) -> Outcome:
     """Search with these controls, the automatic modes being off; leave them at the outcome."""
     if longest is None and camera.frame_rate > 0.0:
@@ -204,7 +236,7 @@ def _searched(
         setting = next(course)
         while True:
             _apply(camera, exposures, gains, setting)
-            setting = course.send(_measured(read, frames, settling))
+            setting = course.send(measure())
     except StopIteration as end:
         outcome: Outcome = end.value
     _apply(camera, exposures, gains, (outcome.exposure, outcome.gain))
@@ -234,7 +266,9 @@ def _apply(
             camera.set_control(control.name, value)
 
 
-def _measured(read: Callable[[], Frame], frames: int, settling: int) -> float:
+def _measured(
+    read: Callable[[], Frame], frames: int, settling: int, channel: str
+) -> float:
     """Return the lit peak of the frames that come after now, of full scale."""
     changed_ns = time.time_ns()
     frame = read()
@@ -244,6 +278,6 @@ def _measured(read: Callable[[], Frame], frames: int, settling: int) -> float:
         frame = read()
     peak = 0.0
     for _ in range(frames):
-        peak = max(peak, lit_peak(frame.image) / frame.saturation)
+        peak = max(peak, peak_of_channel(frame, channel))
         frame = read()
     return peak

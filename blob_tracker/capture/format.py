@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 import errno
 
@@ -11,6 +12,8 @@ from blob_tracker.capture.errors import CaptureError
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 from blob_tracker.capture.pixel_formats.pixel_format import Decoder, PixelData, PixelFormat
 from blob_tracker.types import Pixels
+import numpy as np
+from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,12 @@ class StreamFormat:
         The DN at which a pixel of the picture is clipped.
     decoder : function
         That of the pixel format and the range of its levels.
+    layout : str
+        What it returns, see `blob_tracker.types.Frame`.
+    binning : int
+        Sensor pixels per pixel of the picture, along both axes.
+    quantisation : function or None
+        From the data of a compressed picture to the steps of its luma.
 
     """
 
@@ -42,8 +51,11 @@ class StreamFormat:
     stride: int
     saturation: int
     decoder: Decoder
+    layout: str = 'grey'
+    binning: int = 1
+    quantisation: Callable[[PixelData], NDArray[np.uint16]] | None = None
 
-    def luma(self, data: PixelData) -> Pixels:
+    def picture(self, data: PixelData) -> Pixels:
         """
         Return the picture in the first plane of a buffer.
 
@@ -57,7 +69,8 @@ class StreamFormat:
 
 
 def set_format(
-    call: Ioctl, device: str, buffer_type: int, width: int, height: int, pixel_format: str
+    call: Ioctl, device: str, buffer_type: int, width: int, height: int, pixel_format: str,
+    channel: str = 'luma',
 ) -> StreamFormat:
     """
     Set a device to a size and a pixel format.
@@ -76,11 +89,14 @@ def set_format(
         Four-character code; '' leaves it as the driver has it where that is one of
         `PIXEL_FORMATS` and not compressed. Otherwise it takes the first of these that the device
         offers, a compressed one only where there is no other.
+    channel : str
+        'luma', or else all colours are read: 'auto' where the format has any, a colour's name
+        where they must be there.
 
     Raises
     ------
     CaptureError
-        The device does not offer it, or what it gives instead cannot be read.
+        The device does not offer it, or what it gives instead cannot be read or has no colours.
     OSError
         Of the driver.
 
@@ -122,12 +138,21 @@ def set_format(
     read_as = PIXEL_FORMATS[name]
     if pix.quantization == videodev2.QUANTIZATION_LIM_RANGE and read_as.limited_range is not None:
         read_as = read_as.limited_range
+    if channel not in ('auto', 'luma') and read_as.colours is None:
+        raise CaptureError(
+            f'{device}: channel is {channel} and {name} has no colour for each pixel; set channel '
+            'to auto, or pixel_format to RGB or Bayer where the camera offers it')
+    saturation = _saturation(read_as, pix.quantization, pix.colorspace)
+    decoder, layout, binning = read_as.luma, 'grey', read_as.binning
+    if channel != 'luma' and read_as.colours is not None:
+        decoder, layout, binning = read_as.colours, read_as.layout, 1
+        saturation = read_as.colour_saturation
     found = StreamFormat(
-        buffer_type, name, width, height, plane.bytesperline,
-        _saturation(read_as, pix.quantization, pix.colorspace), read_as.luma)
+        buffer_type, name, width, height, plane.bytesperline, saturation, decoder, layout,
+        binning, read_as.quantisation)
     if not read_as.compressed:
         try:  # now, with a sentence, what would spoil every frame
-            found.luma(bytes(plane.sizeimage))
+            found.picture(bytes(plane.sizeimage))
         except ValueError as error:
             raise CaptureError(
                 f'{device}: its {name} at {width}x{height} cannot be read: {error}; choose '

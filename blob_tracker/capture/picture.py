@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
+from blob_tracker.colour import in_channel
 from blob_tracker.drawing import (
     blank, CLIPPED, Colour, GAP_PX, in_grey, PAPER, paragraphs, Picture, stack, TEXT,
 )
-from blob_tracker.types import Frame
+from blob_tracker.types import BAYER, Frame
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +32,7 @@ def draw(frame: Frame, words: Sequence[str] = ()) -> Picture:
     Parameters
     ----------
     frame : Frame
-        Of any size and depth.
+        Of any size and depth; the samples of a mosaic as they are, other colours as luma.
     words : sequence of str
         Lines of text to put below, such as rate and exposure.
 
@@ -40,6 +42,9 @@ def draw(frame: Frame, words: Sequence[str] = ()) -> Picture:
         Blue, green and red; 496 to 976 px wide.
 
     """
+    if frame.layout in BAYER:  # every sample as it is: a clipped one must be seen
+        frame = replace(frame, layout='grey')
+    frame = in_channel(frame, 'luma')
     height, width = frame.image.shape
     image = np.minimum(frame.image, frame.saturation)
     scale = min(WIDEST_PX / width, HIGHEST_PX / height)

@@ -22,7 +22,6 @@ from blob_tracker.capture.device import buffer_type, busy, driver, open_capture_
 from blob_tracker.capture.errors import CaptureError, NoFrameError
 from blob_tracker.capture.format import set_format
 from blob_tracker.capture.frame_rate import set_frame_rate
-from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 from blob_tracker.capture.selection import sensor_region
 from blob_tracker.capture.signal import Signal
 from blob_tracker.capture.stamps import Exposure, ExposureControls, MidExposure, source_of
@@ -65,11 +64,14 @@ class V4l2Camera:
     prepare : function
         Called with the camera when its format is set and no frame has come yet: drivers lock some
         controls while they stream.
+    channel : str
+        'luma' gives grey frames; 'auto' those with all the colours that the pixel format has for
+        each pixel; 'red', 'green' and 'blue' the same where it has any.
 
     Attributes
     ----------
     width, height : int
-        Size that the driver gives, px; frames of a Bayer format are half as wide and high.
+        Size that the driver gives, px; the luma of a Bayer format is half as wide and high.
     sensor_size : (int, int)
         Width and height of the full, unbinned sensor, px, as far as the driver tells; otherwise
         those of its pictures. `Frame.x0`, `y0` and `binning` are the place in it.
@@ -111,6 +113,7 @@ class V4l2Camera:
         exposure_time: float | None = None,
         readout_time: float | None = None,
         prepare: Callable[[V4l2Camera], None] = lambda camera: None,
+        channel: str = 'luma',
     ) -> None:
         if not 2 <= buffers <= 32:
             raise CaptureError(f'buffers is {buffers}; it must be 2 to 32')
@@ -130,14 +133,15 @@ class V4l2Camera:
             self._signal = Signal(self._call)
             self._signal.lock(device)
             self._format = set_format(
-                self._call, device, buffer_type(self._fd), width, height, pixel_format)
+                self._call, device, buffer_type(self._fd), width, height, pixel_format,
+                channel)
             self.pixel_format = self._format.pixel_format
             self.saturation = self._format.saturation
             self.width, self.height = self._format.width, self._format.height
             self._region = sensor_region(self._call, device, self.width, self.height)
             self.sensor_size = self._region.sensor_size
-            decoder = PIXEL_FORMATS[self.pixel_format].binning
-            self._binning = self._region.binning[0] * decoder, self._region.binning[1] * decoder
+            across, down = self._region.binning
+            self._binning = across * self._format.binning, down * self._format.binning
             self.frame_rate = set_frame_rate(
                 self._call, self._format.buffer_type, frame_rate, self._signal.frame_rate)
             prepare(self)
@@ -396,7 +400,9 @@ class V4l2Camera:
             begin, end = buffer.m.planes[0].data_offset, buffer.m.planes[0].bytesused
         filled = memoryview(self._memory[buffer.index])[begin:end]
         try:
-            image = self._format.luma(filled)
+            image = self._format.picture(filled)
+            quantisation = self._format.quantisation
+            steps = None if quantisation is None else quantisation(filled)
         except ValueError:
             self.error_frames += 1
             return None  # cut short
@@ -408,7 +414,8 @@ class V4l2Camera:
         middle_ns = self._middle.middle(stamp_ns, time.monotonic_ns())
         return Frame(
             image, self._clock.from_monotonic(middle_ns), self.saturation,
-            self._region.x0, self._region.y0, self._binning)
+            self._region.x0, self._region.y0, self._binning, self._format.layout,
+            quantisation=steps)
 
     def _follow_controls(self) -> None:
         """Take note of the controls that others changed, those of the exposure above all."""

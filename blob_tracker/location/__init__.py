@@ -4,6 +4,7 @@ from blob_tracker.location.estimates import Estimates
 from blob_tracker.location.locate import (
     compile_ahead, locate, locate_batch, method_options, METHODS,
 )
+from blob_tracker.location.locator import Locator
 from blob_tracker.location.phase_correction import (
     correct_phase,
     learn_phase_correction,
@@ -11,6 +12,6 @@ from blob_tracker.location.phase_correction import (
 )
 
 __all__ = [
-    'Estimates', 'METHODS', 'PhaseCorrection', 'compile_ahead', 'correct_phase',
+    'Estimates', 'Locator', 'METHODS', 'PhaseCorrection', 'compile_ahead', 'correct_phase',
     'learn_phase_correction', 'locate', 'locate_batch', 'method_options',
 ]

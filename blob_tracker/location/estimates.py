@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 
 import numpy as np
@@ -57,6 +57,11 @@ class Estimates:
         Count of clipped pixels.
     failure : (N,) uint8 array
         A `Failure` each; where it is not NONE the other values mean nothing.
+    lopsided : (N, 4) array
+        How far each pulse leans to one side: scores along x and y and their variances' inverse,
+        see `suspicion.lopsidedness`. Empty where nobody looked.
+    warnings : dict
+        Of few windows, by their index: what the user should know and do.
 
     """
 
@@ -70,6 +75,8 @@ class Estimates:
     chi2: NDArray[np.float64]
     saturated: NDArray[np.int64]
     failure: NDArray[np.uint8]
+    lopsided: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
+    warnings: dict[int, str] = field(default_factory=dict)
 
     @classmethod
     def from_table(
@@ -78,6 +85,7 @@ class Estimates:
         covariance: NDArray[np.float64],
         saturated: NDArray[np.int64],
         failure: NDArray[np.uint8],
+        lopsided: NDArray[np.float64] | None = None,
     ) -> Estimates:
         """
         Return the estimates that a kernel has filled in.
@@ -86,7 +94,7 @@ class Estimates:
         ----------
         table : (7, N) array
             Rows x, y, amplitude, background, sigma, SNR, chi2.
-        covariance, saturated, failure
+        covariance, saturated, failure, lopsided
             See the class.
 
         """
@@ -102,6 +110,7 @@ class Estimates:
             chi2=chi2,
             saturated=saturated,
             failure=failure,
+            lopsided=np.empty((0, 4)) if lopsided is None else lopsided,
         )
 
     @property

@@ -156,11 +156,12 @@ def join_widths(equations: NormalEquations) -> None:
 def score_and_information(
     seen: Observation, theta: Array, profiles: Profiles, elliptical: bool,
     equations: NormalEquations,
-) -> float:
+) -> tuple[float, float]:
     """
-    Fill the equations with the Fisher information and the score at theta; return chi2.
+    Fill the equations with the Fisher information and the score at theta; return chi2 and rows.
 
-    The erf and exp are taken once a row and column.
+    The erf and exp are taken once a row and column. `rows` is the sum over the rows of the
+    square of the amplitude that a row's residuals lack, over its variance.
     """
     pixels, extra, prior, shot, floor = seen
     across, down = profiles
@@ -171,7 +172,7 @@ def score_and_information(
     a, b = theta[2], theta[3]
     fisher[:] = 0.0
     score[:] = 0.0
-    chi2 = 0.0
+    chi2, rows = 0.0, 0.0
     for j in range(height):
         g, h, q = down[0, j], down[1, j], down[2, j]
         peak = a * g
@@ -206,11 +207,13 @@ def score_and_information(
             s1, sg, sh, sq, sgg, sgh, sgq, shh, shq, sqq, r1, rg, rh, rq
         )
         add_row(equations, a, g, h, q, sums)
+        if sgg > 0.0:
+            rows += rg * rg / sgg
     fisher[3, 3] += prior[1]
     score[3] += prior[1] * (prior[0] - b)
     if not elliptical:
         join_widths(equations)
-    return chi2
+    return chi2, rows
 
 
 @kernel

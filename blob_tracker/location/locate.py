@@ -12,11 +12,13 @@ from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.centroid import centroid
 from blob_tracker.location.estimates import Estimates, Failure, NOTHING, REASONS
 from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_linear_elliptical
+from blob_tracker.location.hypotheses import Motion
 from blob_tracker.location.locale_table import locale_table
 from blob_tracker.location.maximum_likelihood import maximum_likelihood
 from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm
 from blob_tracker.location.multi_gaussian_simplex import multi_gaussian_simplex
 from blob_tracker.location.noise import noise_of_sum
+from blob_tracker.location.sites import ABSENT_DN, blanked, BY_SITES
 from blob_tracker.location.skew import centroid_skew_corrected
 from blob_tracker.types import Location, LocationError, SensorNoise, Window
 import numpy as np
@@ -75,6 +77,7 @@ def locate_batch(
     method: str = 'maximum_likelihood',
     noise: SensorNoise,
     saturation: float | None = None,
+    sites: NDArray[np.bool_] | None = None,
     **options: Any,
 ) -> Estimates:
     """
@@ -91,6 +94,8 @@ def locate_batch(
         taken off here, and added to the background that is found.
     saturation : float or None
         The DN at which a pixel is clipped.
+    sites : (h, w) bool array or None
+        Which pixels see the light, the same in all windows; None where all do.
     **options
         Passed on to the method (`elliptical=True`, say).
 
@@ -102,7 +107,8 @@ def locate_batch(
     Raises
     ------
     LocationError
-        Where no window of the stack can be located: wrong shape, too small, unknown method.
+        Where no window of the stack can be located: wrong shape, too small, unknown method, or
+        one that needs every pixel.
 
     """
     if method not in METHODS:
@@ -119,14 +125,25 @@ def locate_batch(
         )
     if lit.shape[0] == 0:
         return NOTHING
+    if sites is not None:
+        if method not in BY_SITES:
+            raise LocationError(
+                f'{method} needs every pixel and this window has those of one colour; take '
+                f"{' or '.join(BY_SITES)}, or set channel of the camera to luma"
+            )
+        if sites.shape != lit.shape[1:] or not sites.any():
+            raise LocationError(f'the sites are {sites.shape}, or none of them sees the light')
     black_level = noise.black_level
     if black_level != 0.0:
         lit = lit - black_level
         unlit = None if unlit is None else unlit - black_level
         saturation = None if saturation is None else saturation - black_level
         noise = replace(noise, black_level=0.0)
+    limit = math.inf if saturation is None else float(saturation)
+    if sites is not None:
+        lit, limit = blanked(lit, sites), min(limit, LARGEST_DN)
     invalid = np.empty(lit.shape[0], dtype=np.uint8)
-    _flag_invalid(lit, math.inf if saturation is None else float(saturation), invalid)
+    _flag_invalid(lit, limit, invalid)
     if unlit is not None:
         unlit_invalid = np.empty(lit.shape[0], dtype=np.uint8)
         _flag_invalid(unlit, math.inf, unlit_invalid)
@@ -137,7 +154,9 @@ def locate_batch(
         lit = np.where((invalid == Failure.NONE)[:, None, None], lit, 0.0)
         if unlit is not None:
             unlit = np.where((invalid == Failure.NONE)[:, None, None], unlit, 0.0)
-    estimates = METHODS[method](lit, unlit, noise, saturation, **options)
+    estimates = METHODS[method](
+        lit, unlit, noise, None if math.isinf(limit) else limit, **options
+    )
     _validate(
         estimates.x,
         estimates.y,
@@ -189,16 +208,32 @@ def locate(
         Where the blob cannot be placed; the message gives the reason.
 
     """
+    found = estimate(window, method=method, noise=noise, **options)
+    return to_location(window, found)
+
+
+def estimate(
+    window: Window, *, method: str, noise: SensorNoise, **options: Any
+) -> Estimates:
+    """Return the estimates of one window, in its own coordinates; see `locate`."""
     lit = _numbers(window.lit, 'lit')[None]
     unlit = None if window.unlit is None else _numbers(window.unlit, 'unlit')[None]
-    found = locate_batch(
+    if window.added_noise > 0.0:
+        read_noise = math.hypot(noise.read_noise, window.added_noise)
+        noise = replace(noise, read_noise=read_noise)
+    return locate_batch(
         lit,
         unlit,
         method=method,
         noise=noise_of_sum(noise, window.looks),
         saturation=window.saturation,
+        sites=window.sites,
         **options,
     )
+
+
+def to_location(window: Window, found: Estimates) -> Location:
+    """Return the location of a window from its estimates, or raise LocationError."""
     if not found.ok[0]:
         raise LocationError(REASONS[Failure(found.failure[0])])
     scale = np.array(window.binning, dtype=float)
@@ -213,6 +248,7 @@ def locate(
         chi2=float(found.chi2[0]),
         saturated=int(found.saturated[0]),
         stamp_ns=window.stamp_ns,
+        warning=found.warnings.get(0, ''),
     )
 
 
@@ -220,7 +256,7 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     """
     Compile what Numba compiles of these methods, or load it from its cache.
 
-    A node calls it as it starts: the first compilation takes some ten seconds, which the first
+    A node calls it as it starts: the first compilation takes some twenty seconds, which the first
     target would otherwise wait for.
 
     Parameters
@@ -232,8 +268,16 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     bell = np.exp(-((np.arange(7) - 3.0) ** 2) / 4.0)
     lit = np.round(100.0 * bell[:, None] * bell[None, :] + 10.0)[None]
     noise = SensorNoise(gain=1.0, read_noise=1.0)
+    dark = np.full_like(lit, 10.0)
     for method in methods:
-        locate_batch(lit, np.full_like(lit, 10.0), method=method, noise=noise)
+        locate_batch(lit, dark, method=method, noise=noise)
+        if 'motion' in signature(METHODS[method]).parameters:
+            # A light in the unlit window, beside one in the lit window and by itself, has every
+            # alternative tried.
+            ghost = np.roll(lit, 1, axis=2)
+            motion = Motion(np.array([2.0, 0.0]), 0.2)
+            locate_batch(lit, 0.3 * ghost + 7.0, method=method, noise=noise, motion=motion)
+            locate_batch(0.01 * lit + 10.0, lit, method=method, noise=noise, motion=motion)
 
 
 def _numbers(pixels: ArrayLike, name: str) -> NDArray[Any]:
@@ -266,6 +310,8 @@ def _flag_invalid(stack: Array, saturation: float, invalid: NDArray[np.uint8]) -
         for j in range(stack.shape[1]):
             for i in range(stack.shape[2]):
                 value = stack[n, j, i]
+                if value == ABSENT_DN:
+                    continue
                 finite = finite and abs(value) <= LARGEST_DN
                 low = min(low, value)
                 high = max(high, value)

@@ -5,11 +5,19 @@ from __future__ import annotations
 import math
 
 from blob_tracker.kernel import Array, kernel, written_into_kernels
+from blob_tracker.location.doubt import LOPSIDED_LIGHT
 from blob_tracker.location.estimates import Estimates, Failure
+from blob_tracker.location.explain import explain
+from blob_tracker.location.hypotheses import Fit, Motion, Pair
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
 from blob_tracker.location.normal_equations import column_of_inverse, empty_equations, solve
 from blob_tracker.location.scoring import advance, climb, CONVERGED, NARROWEST_PX, WIDEST
+from blob_tracker.location.sites import ABSENT_DN, fill_absent
 from blob_tracker.location.start_value import start_value
+from blob_tracker.location.suspicion import (
+    HEAD, LEANING, lopsidedness, suspect_failure, suspect_fit, suspect_lopsided, suspect_pixels,
+    suspect_unlit, Suspicion, suspicions,
+)
 from blob_tracker.location.unlit_texture import (
     blend, residual_variance, split_unlit, texture_share, Unlit,
 )
@@ -22,10 +30,12 @@ FAINTEST_SIGMA = 5.0
 # Over the matched filter's squared SNR: how far the covariance is too small
 COVARIANCE_INFLATION = 12.0
 MISFIT_SIGMA = 5.0  # standard deviations of chi2: beyond it the model is wrong, not the noise
+WARNED_CHI2 = 3.0  # beyond which a misfit is spoken of, whatever its kind
 FISHER_STEPS = 12  # a good start takes 4 or 5
 TEXTURE_STEP = 2  # by which the pulse is known well enough to ask what the texture does to it
 
-_ROWS = 7  # of the table: x, y, amplitude, background, sigma, snr, chi2
+_ROWS = 11  # of the table: x, y, amplitude, background, sigma, snr, chi2, and from here on
+_LOPSIDED = 7  # how lopsided it is
 _NONE, _NO_SIGNAL, _OUTSIDE = int(Failure.NONE), int(Failure.NO_SIGNAL), int(Failure.OUTSIDE)
 _FEW, _DIVERGED = int(Failure.TOO_FEW_PIXELS), int(Failure.NOT_CONVERGED)
 _NARROW, _WIDE = int(Failure.TOO_NARROW), int(Failure.TOO_WIDE)
@@ -38,6 +48,7 @@ def maximum_likelihood(
     saturation: float | None,
     *,
     elliptical: bool = False,
+    motion: Motion | None = None,
 ) -> Estimates:
     r"""
     Locate N blobs by Fisher scoring on the likelihood of their pixels.
@@ -71,7 +82,8 @@ def maximum_likelihood(
     sigma 0.6 to 2.5 px and S from 8 to 40.
 
     Where chi2 says that the pulse is no Gaussian, or the noise not the one given, the
-    covariance grows by chi2.
+    covariance grows by chi2, unless `explain` knows better; where the pulse leans to one side, by
+    the square of the distance from its head.
 
     Parameters
     ----------
@@ -83,6 +95,8 @@ def maximum_likelihood(
         DN of a clipped pixel.
     elliptical : bool
         Fit a width along x and one along y in place of one for both.
+    motion : Motion or None
+        Of the light from one flash to the next; what a ghost in the unlit window is told by.
 
     Returns
     -------
@@ -97,6 +111,7 @@ def maximum_likelihood(
     covariance = np.zeros((lit.shape[0], 2, 2))
     clipped = np.zeros(lit.shape[0], dtype=np.int64)
     failure = np.zeros(lit.shape[0], dtype=np.uint8)
+    odd = np.zeros(lit.shape[0], dtype=np.uint8)
     _fit_all(
         lit,
         lit[:0] if unlit is None else unlit,
@@ -108,8 +123,34 @@ def maximum_likelihood(
         covariance,
         clipped,
         failure,
+        odd,
     )
-    return Estimates.from_table(table, covariance, clipped, failure)
+    estimates = Estimates.from_table(
+        table[:_LOPSIDED], covariance, clipped, failure, table[_LOPSIDED:].T
+    )
+    limit = math.inf if saturation is None else float(saturation)
+    for n, suspicion in suspicions(odd):
+        pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, motion)
+        fit = explain(pair, None if failure[n] else table[:5, n], suspicion)
+        if fit is not None:
+            _adopt(estimates, n, fit)
+        elif suspicion & Suspicion.LOPSIDED:
+            estimates.warnings[n] = LOPSIDED_LIGHT
+        elif table[6, n] > WARNED_CHI2:
+            estimates.warnings[n] = (
+                f'misfit (chi2 {table[6, n]:.1f}): the light is no Gaussian, or the scene behind '
+                'it no even one: flash it, or learn its pulse (calibrate pulse)'
+            )
+    return estimates
+
+
+def _adopt(estimates: Estimates, n: int, fit: Fit) -> None:
+    """Put a fit in the place of a window's estimates."""
+    for name in ('x', 'y', 'covariance', 'amplitude', 'background', 'sigma', 'snr', 'chi2'):
+        getattr(estimates, name)[n] = getattr(fit, name)
+    estimates.failure[n] = fit.failure
+    if fit.warning:
+        estimates.warnings[n] = fit.warning
 
 
 @written_into_kernels
@@ -126,7 +167,7 @@ def _take(
             seen.pixels[j, i] = lit[j, i]
             seen.extra[j, i] = seen.floor
             lost = lit[j, i] >= saturation
-            if lost:
+            if lost and lit[j, i] < ABSENT_DN:
                 clipped[n] += 1
             if paired:
                 texture[j, i] = unlit[j, i]
@@ -151,6 +192,7 @@ def _fit_all(
     covariance: Array,
     clipped: NDArray[np.int64],
     failure: NDArray[np.uint8],
+    odd: NDArray[np.uint8],
 ) -> None:
     """Fit each window; `shot` is 1 / gain, `floor` the variance of a dark pixel, DN^2."""
     count, height, width = lit.shape
@@ -163,6 +205,7 @@ def _fit_all(
     profiles = empty_profiles(height, width)
     theta = np.empty(6)
     start = np.empty(6)
+    lopsided = np.empty(4)
     equations = empty_equations()
     fisher, column = equations.matrix, equations.solution
     for n in range(count):
@@ -173,22 +216,25 @@ def _fit_all(
             failure[n] = _FEW
             continue
         white = 0.0
-        share = 0.0
+        share, evidence, pulse = 0.0, 0.0, 0.0
         if paired:
             mean /= usable
             white = split_unlit(texture, seen.extra, mean, shot, floor, usable)
             # Lit minus unlit to start from: bright texture must not be taken for the target.
             share = 1.0
             blend(lit[n], Unlit(texture, mean, white), share, seen)
+        fill_absent(seen.pixels, lit[n])
         start_value(seen.pixels, lit[n], saturation, paired, mean, start)
         theta[:] = start
         done = False
         for iteration in range(FISHER_STEPS):
             if paired and iteration == TEXTURE_STEP:
                 behind_it = Unlit(texture, mean, white)
-                share = texture_share(behind_it, seen, theta, profiles, equations)
+                share, evidence, pulse = texture_share(
+                    behind_it, seen, theta, profiles, equations
+                )
                 blend(lit[n], behind_it, share, seen)
-            chi2 = score_and_information(seen, theta, profiles, elliptical, equations)
+            chi2, rows = score_and_information(seen, theta, profiles, elliptical, equations)
             if not solve(equations, size, 0.0):
                 break
             gain = advance(theta, equations, size, max(height, width))
@@ -198,11 +244,18 @@ def _fit_all(
         if not done:
             theta[:] = start
             done = climb(seen, theta, profiles, elliptical, equations, size)
-            chi2 = score_and_information(seen, theta, profiles, elliptical, equations)
+            chi2, rows = score_and_information(seen, theta, profiles, elliptical, equations)
             done = done and solve(equations, size, 0.0)
         failure[n] = _judge(theta, done, fisher, height, width)
         if failure[n] != _NONE:
+            odd[n] = suspect_failure(white, usable) if paired else 0
             continue
+        odd[n] = suspect_unlit(evidence, pulse)
+        odd[n] |= suspect_fit(equations, rows, height, elliptical)
+        leaning = lopsidedness(seen, theta, profiles, equations, lopsided)
+        for p in range(4):
+            table[_LOPSIDED + p, n] = lopsided[p]
+        odd[n] |= suspect_lopsided(leaning)
         chi2 /= usable - size
         scale, left = 1.0, 0.0
         if paired:
@@ -211,6 +264,7 @@ def _fit_all(
             chi2 *= (1.0 + left) / (1.0 + max(left, share**2 + (1.0 - share) ** 2 * white))
         if chi2 > 1.0 + MISFIT_SIGMA * math.sqrt(2.0 / (usable - size)):
             scale = chi2
+        odd[n] |= suspect_pixels(chi2, usable - size)
         scale *= 1.0 + COVARIANCE_INFLATION / _detection(theta, fisher)
         column_of_inverse(equations, size, 0)
         covariance[n, 0, 0] = scale * column[0]
@@ -218,6 +272,14 @@ def _fit_all(
         covariance[n, 1, 0] = scale * column[1]
         column_of_inverse(equations, size, 1)
         covariance[n, 1, 1] = scale * column[1]
+        if leaning > LEANING:
+            # The head's place may be the light's: its variance less that of noise.
+            for p in range(2):
+                for q in range(2):
+                    covariance[n, p, q] += (
+                        HEAD * HEAD * (1.0 - 2.0 / leaning) * lopsided[p] / lopsided[2 + p]
+                        * lopsided[q] / lopsided[2 + q]
+                    )
         peak = max(theta[2] + theta[3], 0.0) * shot + floor
         peak += left * (max(mean, 0.0) * shot + floor)
         table[0, n] = theta[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 import functools
 import math
 from typing import Any
@@ -66,6 +67,7 @@ def draw(
         Blue, green and red; 600 to 1192 px wide.
 
     """
+    window = _seen(window)
     lit = _numbers(window.lit)
     unlit = None if window.unlit is None else _numbers(window.unlit)
     height, width = lit.shape
@@ -96,6 +98,18 @@ def draw(
     return np.pad(
         stack([row, words]), [(GAP_PX, 0), (GAP_PX, GAP_PX), (0, 0)], constant_values=PAPER[0]
     )
+
+
+def _seen(window: Window) -> Window:
+    """Return a window that is dark where its pixels do not see the light."""
+    if window.sites is None:
+        return window
+    lit, unlit = (
+        None if pixels is None else np.where(window.sites, pixels, pixels[window.sites].min())
+        for pixels in (window.lit, window.unlit)
+    )
+    assert lit is not None
+    return replace(window, lit=lit, unlit=unlit)
 
 
 def _numbers(pixels: NDArray[Any]) -> NDArray[np.float64]:
@@ -143,6 +157,7 @@ def _found(
         cv2.drawMarker(shown, place, colour, cv2.MARKER_CROSS, 2 * CROSS_PX, thickness)
     name = 'lit' if window.unlit is None else 'lit less unlit'
     fitted = titled(shown, f'{name}, {low:.0f} to {high:.0f} DN', PANEL_PX)
+    noise = replace(noise, read_noise=math.hypot(noise.read_noise, window.added_noise))
     total = noise_of_sum(noise, window.looks)
     variance = pixel_variance(_numbers(window.lit), total)
     if window.unlit is not None:
@@ -152,10 +167,11 @@ def _found(
         integrated_profile(count, centre, location.sigma)[0]
         for count, centre in ((width, x), (height, y))
     )
-    left = np.where(clipped, 0.0, difference - location.amplitude * np.outer(along_y, along_x))
-    weight = np.where(clipped, 0.0, 1.0 / variance)
+    out = clipped if window.sites is None else clipped | ~window.sites
+    left = np.where(out, 0.0, difference - location.amplitude * np.outer(along_y, along_x))
+    weight = np.where(out, 0.0, 1.0 / variance)
     left -= (weight * left).sum() / max(float(weight.sum()), 1e-12)
-    left = np.where(clipped, 0.0, left / np.sqrt(variance))
+    left = np.where(out, 0.0, left / np.sqrt(variance))
     remainder = _red(in_grey(left, -STRETCH_SIGMA, STRETCH_SIGMA, scale), clipped)
     legend = blank(LINE_PX, PANEL_PX)
     left_edge = 0

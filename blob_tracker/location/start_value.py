@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from blob_tracker.kernel import Array, kernel
+from blob_tracker.location.sites import ABSENT_DN
 
 
 @kernel
@@ -70,7 +71,7 @@ def start_value(
                 total += excess
                 x += excess * i
                 y += excess * j
-                if lit[j, i] >= saturation:
+                if saturation <= lit[j, i] < ABSENT_DN:
                     clipped += 1
     if total > 0.0:
         x /= total

@@ -98,13 +98,14 @@ def blend(lit: Array, unlit: Unlit, share: float, seen: Observation) -> None:
 @kernel
 def texture_share(
     unlit: Unlit, seen: Observation, theta: Array, profiles: Profiles, equations: NormalEquations
-) -> float:
+) -> tuple[float, float, float]:
     """
-    Return the share of the unlit texture to take off: 0 none, 1 all of it.
+    Return the share of the unlit texture to take off, 0 none, 1 all of it; E; and a chi2.
 
     The shift d that the texture lends to the position is a linear fit of the pulse's own
     derivatives to it; under noise alone E = d^T C^-1 d / 2 has the mean 1, and with texture of
-    r times the noise 1 + r. The share r / (1 + r) is estimated by 1 - SHRINKAGE / E.
+    r times the noise 1 + r. The share r / (1 + r) is estimated by 1 - SHRINKAGE / E. The
+    chi2 is what the same fit takes off the texture's squares where it finds a bright pulse.
     """
     texture, mean, white = unlit.texture, unlit.mean, unlit.white
     extra, shot, floor = seen.extra, seen.shot, seen.floor
@@ -146,8 +147,12 @@ def texture_share(
         add_row(equations, amplitude, down[0, j], down[1, j], down[2, j], sums)
     join_widths(equations)
     if not solve(equations, size, 0.0):
-        return 1.0
+        return 1.0, 0.0, 0.0
     shift_x, shift_y = step[0], step[1]
+    pulse = 0.0
+    if step[2] > 0.0:
+        for p in range(size):
+            pulse += score[p] * step[p] / variance
     column_of_inverse(equations, size, 0)
     xx, xy = step[0], step[1]
     column_of_inverse(equations, size, 1)
@@ -156,4 +161,5 @@ def texture_share(
     evidence = 0.5 * square / ((xx * yy - xy * xy) * variance)
     # The fit is linear in a texture that is weak beside the pulse; the rest is taken off.
     strong = white * variance / (white * variance + (STRONG_TEXTURE * amplitude) ** 2)
-    return max(strong, 1.0 - SHRINKAGE / max(evidence, SHRINKAGE))
+    share = max(strong, 1.0 - SHRINKAGE / max(evidence, SHRINKAGE))
+    return share, evidence, pulse

@@ -40,7 +40,7 @@ from std_srvs.srv import Trigger
 # What the device is opened with: another value opens it again.
 DEVICE = (
     'device', 'width', 'height', 'pixel_format', 'frame_rate', 'buffers', 'exposure_time',
-    'readout_time',
+    'readout_time', 'channel',
 )
 FRAME_TIMEOUT_S = 0.1  # s: how soon the end of the node is noticed while no frame comes
 QUIET_S, LONGEST_SILENCE_S = 1.0, 10.0  # s without a frame: is told; opens the device again
@@ -187,7 +187,8 @@ class CameraNode(Node):
                 continue
             try:
                 outcome = self._controls.adjust_exposure(
-                    camera, lambda: self._publish_next(camera, grabber)
+                    camera, lambda: self._publish_next(camera, grabber),
+                    self._in_use[0]['channel'],
                 )
                 self._answer(outcome.found, outcome.words)
             except ControlError as error:
@@ -244,7 +245,7 @@ class CameraNode(Node):
         assert self._sensor_size is not None
         if model is None and field_of_view > 0.0:
             model = CameraModel.from_field_of_view(*self._sensor_size, field_of_view)
-        height, width = frame.image.shape
+        height, width = frame.image.shape[:2]
         return from_camera_model(
             model, width, height, x0=frame.x0, y0=frame.y0, binning=frame.binning,
             sensor_size=self._sensor_size,

@@ -11,7 +11,7 @@ from typing import Any
 
 from blob_tracker.camera import CalibrationError, LensError
 from blob_tracker.camera.line_jitter import LineJitter
-from blob_tracker.location import compile_ahead, method_options
+from blob_tracker.location import compile_ahead, Locator, method_options
 from blob_tracker.location.noise import noise_in_words, variance_ratio
 from blob_tracker.location.noise_check import NoiseCheck
 from blob_tracker.location.picture import draw
@@ -112,7 +112,7 @@ class LocatorNode(Node):
 
         def use() -> None:
             with self._lock:
-                self._method, self._options = method, options
+                self._locator = Locator(method, **options)
                 self._saturation, self._looks = values['saturation'], values['looks']
                 self._configured = self._noise = noise
                 self._noise_checks.clear()
@@ -189,6 +189,8 @@ class LocatorNode(Node):
         """Forget the windows that wait for their camera_info and have a later stamp, ns."""
         for windows in self._windows.values():
             windows.forget(after_ns)
+        with self._lock:
+            self._locator.forget()
 
     def locate(self, delivery: Delivery[tuple[Window, CameraInfo]]) -> None:
         """Place the blob of a window and publish its direction, or nothing at all."""
@@ -210,10 +212,10 @@ class LocatorNode(Node):
             location, bearing = window_to_bearing(
                 window,
                 camera_model,
-                method=self._method,
+                locator=self._locator,
                 noise=noise,
                 line_jitter=self._line_jitter,
-                **self._options,
+                light=light,
             )
         except MessageError as error:
             self._health.fault(ERROR, f'{target_topic(light)}/window: {error}')
@@ -238,6 +240,8 @@ class LocatorNode(Node):
         self._health.left(window.stamp_ns)
         self._health.count('bearings')
         self._health.ok('target located')
+        if location.warning:
+            self._health.fault(WARN, f'{target_topic(light)}: {location.warning}')
         self._bearing = bearing
         if light not in self._places:
             self._places[light] = RecentPlaces(PLACES)
@@ -335,7 +339,7 @@ def _line_jitter(url: str) -> LineJitter | None:
 
 def compile_default() -> None:
     """Compile the fits, before the first target could wait for them."""
-    say('loading the fits; the first start compiles them for 10 s or so')
+    say('loading the fits; the first start compiles them for 20 s or so')
     compile_ahead([DEFAULT_METHOD])
 
 

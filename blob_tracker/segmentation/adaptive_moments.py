@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.kernel import kernel
+from blob_tracker.segmentation.tile_noise import median
 from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,16 @@ CONVERGED_SIGMA = 0.02  # change of sigma and of place, in sigma, at which they 
 # long as wide, or longer: no blob, and a weight that grew with it would only gather what is near.
 LINE_ALONG, LINE_ACROSS = 0.8, 0.2
 LINE_SIGMA_PX = 1.9  # px of the weight: below it pixels and noise have a part in what is long
+# Of a blob's response against its own surroundings: where a filter of twice the scale has no more
+# than so many times it, the blob is the narrow one (that of a Gaussian 1.6 times as wide grows by
+# this much), and what is wider is a glow that it stands on.
+SHARP_GROWTH = 1.15
+SHARP_LIMIT = 1.9  # times the scale of that blob, which its sigma is not beyond
+# Pixels on a circle of 4 s: enough for a median and quartiles.
+CIRCLE = 24
+COSINES = np.cos(2.0 * np.pi * np.arange(CIRCLE) / CIRCLE)
+SINES = np.sin(2.0 * np.pi * np.arange(CIRCLE) / CIRCLE)
+SIGMA_PER_QUARTILES = 0.741  # sigma over the distance of the quartiles of Gaussian deviates
 RING_UPDATE_SIGMA = 0.15  # change of sigma, in sigma, after which the background is taken anew
 
 # What `measure` returns: the SNR is 0 where there is no blob.
@@ -45,7 +56,9 @@ def measure(
 
         SNR(s) = sum(w I) / (noise sqrt(sum w^2)),   w = exp(-r^2 / 2 s^2),
 
-    grows; for a Gaussian blob its maximum is at s = sigma. Then the weighted moments are iterated
+    grows; for a Gaussian blob its maximum is at s = sigma. A narrow blob on a wide glow (haze, a
+    wall) has a maximum of its own, against the median of the pixels at 4 s and in units of their
+    scatter: there the search ends as well. Then the weighted moments are iterated
     to where the weight is the blob itself (Bernstein and Jarvis, AJ 123 (2002), section 3.1):
     with <d> and <dd> the first and second moments under w,
 
@@ -179,9 +192,21 @@ def _iterate(
     """
     best = -1.0
     scale = sigma
+    limit = np.inf
+    sharpest = sharp_scale = sharp_x = sharp_y = 0.0
     while scale <= coarsest:
+        at_x, at_y = x, y
         flux, norm, dx, dy, mxx, myy, mxy = _moments(pixels, x, y, scale, level)
         snr = flux / (noise * np.sqrt(norm))
+        if snr >= min_snr:
+            around, spread = surroundings(pixels, x, y, scale)
+            # The sum of w is twice that of its square.
+            own = (flux - 2.0 * norm * (around - level)) / (max(noise, spread) * np.sqrt(norm))
+            if sharpest >= min_snr and own < SHARP_GROWTH * sharpest:
+                sigma, limit, x, y = sharp_scale, SHARP_LIMIT * sharp_scale, sharp_x, sharp_y
+                break
+            if own > sharpest:
+                sharpest, sharp_scale, sharp_x, sharp_y = own, scale, at_x, at_y
         if snr <= best:
             break
         best, sigma = snr, scale
@@ -221,6 +246,7 @@ def _iterate(
         dy = min(max(gain * dy, -sigma), sigma)
         x += dx
         y += dy
+        new = min(new, limit)
         change = max(abs(new - sigma), abs(dx), abs(dy))
         sigma = new
         if sigma >= coarsest or change < CONVERGED_SIGMA * sigma:
@@ -240,6 +266,58 @@ def _iterate(
     return (
         x, y, np.sqrt(xx), np.sqrt(yy), np.sqrt(major), np.sqrt(minor), correlation, best, level
     )
+
+
+@kernel
+def stands_out(
+    lit: Pixels,
+    unlit: Pixels,
+    region: tuple[int, int, int, int],
+    column: int,
+    row: int,
+    noise: float,
+    min_snr: float,
+) -> bool:
+    """
+    Tell whether a narrow blob is at a peak that lies on something wide.
+
+    It is where a matched filter of the finest scales has the SNR that is asked for, in units of
+    the scatter about the peak: on a bright blob noise is more than in the tile.
+    """
+    half = HALF_WIDTHS_PX[0]
+    x0, y0 = max(column - half, region[0]), max(row - half, region[1])
+    x1, y1 = min(column + half + 1, region[2]), min(row + half + 1, region[3])
+    # Most peaks on a wide blob are noise: four pixels tell them.
+    rise = float(lit[row, column]) - float(unlit[row, column])
+    about = 0.0
+    for u, v in ((x0, row), (x1 - 1, row), (column, y0), (column, y1 - 1)):
+        about += 0.25 * (float(lit[v, u]) - float(unlit[v, u]))
+    if rise - about < 0.5 * min_snr * noise:
+        return False
+    pixels = _patch(lit, unlit, x0, y0, x1 - x0, y1 - y0, 1)
+    x, y = float(column - x0), float(row - y0)
+    for scale in (FINEST_SCALE_PX, 2.0 * FINEST_SCALE_PX):
+        around, spread = surroundings(pixels, x, y, scale)
+        flux, norm, _, _, _, _, _ = _moments(pixels, x, y, scale, around)
+        if flux >= min_snr * max(noise, spread) * np.sqrt(norm):
+            return True
+    return False
+
+
+@kernel
+def surroundings(
+    pixels: NDArray[np.float32], x: float, y: float, scale: float
+) -> tuple[float, float]:
+    """Return median and scatter (as a sigma) of the pixels on a circle of 4 s about (x, y)."""
+    radius = max(REACH_SIGMA * scale, 3.0)
+    values = np.empty(CIRCLE)
+    for k in range(CIRCLE):
+        i = int(min(max(x + radius * COSINES[k] + 0.5, 0.0), pixels.shape[1] - 1.0))
+        j = int(min(max(y + radius * SINES[k] + 0.5, 0.0), pixels.shape[0] - 1.0))
+        values[k] = pixels[j, i]
+    middle = median(values, CIRCLE)  # which sorts them
+    quartiles = values[3 * CIRCLE // 4] - values[CIRCLE // 4]
+    return middle, SIGMA_PER_QUARTILES * quartiles
 
 
 @kernel

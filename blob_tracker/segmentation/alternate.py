@@ -66,6 +66,20 @@ class Alternate:
         """Whether the target is followed."""
         return self._confirmation.locked
 
+    @property
+    def warning(self) -> str:
+        """What other lights flash in step with the target."""
+        return self._confirmation.warning
+
+    @property
+    def surveys(self) -> bool:
+        """Whether the whole frame is to be searched for them."""
+        return self._confirmation.surveys and self._motion is None
+
+    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Take note of other lights that flash in step."""
+        self._confirmation.survey(candidates, self._region)
+
     def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
         """
         Return the next frame and the one before it; where to look is where it is expected.
@@ -108,11 +122,14 @@ class Alternate:
 
     def _compared(self, frame: Frame) -> Contrast:
         """Return the contrast of the two frames in the region where the target can be."""
-        unlit, lit = (each.image for each in self._history.frames)
+        before, after = self._history.frames
+        unlit, lit = before.image, after.image
+        samples = before.samples
         self._region = self._confirmation.region((lit.shape[0], lit.shape[1]))
         if self._motion is not None:
             unlit = self._warped(lit, unlit, self._motion)
-        return Contrast(lit, unlit, frame.saturation, frame, (lit,), (unlit,))
+            samples = self._warped_samples(after, before, unlit, self._motion)
+        return Contrast(lit, unlit, frame.saturation, frame, (after.samples,), (samples,))
 
     def _warped(self, lit: Pixels, unlit: Pixels, motion: NDArray[np.float64]) -> Pixels:
         """Return the unlit frame laid over the lit one in the region, cut to what both see."""
@@ -122,6 +139,29 @@ class Alternate:
             return warped(lit, unlit, motion)
         out = lit.copy()
         out[self._region.slices] = warped(lit, unlit, motion, self._region)
+        return out
+
+    def skip(self, frame: Frame) -> None:
+        """Let the light be in either phase of the stamps from this frame on."""
+        self._confirmation.skip(frame.stamp_ns)
+
+    def _warped_samples(
+        self, lit: Frame, unlit: Frame, image: Pixels, motion: NDArray[np.float64]
+    ) -> Pixels:
+        """Return the unlit samples laid over the lit ones; `image` is the unlit image so laid."""
+        if lit.mosaic is None or unlit.mosaic is None:
+            return image
+        out = lit.samples.copy()
+        for row, column in np.argwhere(lit.mosaic.sites):
+            plane = slice(row, None, 2), slice(column, None, 2)
+            # The motion is that of the image, whose pixels lie between these where it is a sum.
+            alone = lit.mosaic.sites.sum() == 1
+            place = np.zeros(2) if alone else np.array([column, row]) / 2.0 - 0.25
+            own = motion.copy()
+            own[:, 2] += motion[:, :2] @ place - place
+            out[plane][self._region.slices] = warped(
+                lit.samples[plane], unlit.samples[plane], own, self._region
+            )
         return out
 
     def region(self, contrast: Contrast) -> Box:
@@ -141,6 +181,9 @@ class Alternate:
         target = self._confirmation.choose(candidates, contrast.shape)
         if target is not None:
             return [('', target)]
+        if self._confirmation.reason:
+            self.reason = self._confirmation.reason
+            return []
         allowed = sum(not each.rejected for each in candidates)
         if allowed and not self.reason:
             self.reason = f'{allowed} lit up; none of them flashes in step with the frames yet'

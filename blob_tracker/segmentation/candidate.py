@@ -30,7 +30,8 @@ class Candidate(NamedTuple):
     amplitude : float
         Height of the Gaussian that fits best, DN.
     misfit : float
-        What of it the Gaussian does not explain, nor the noise: rms over rms of the Gaussian.
+        What of it the Gaussian does not explain, nor the noise, nor that it is round where it is
+        wide: rms over rms of the Gaussian.
     neighbour_ratio : float
         Mean rise of the four neighbours of the peak, as a part of the peak's.
     fall : float
@@ -45,6 +46,8 @@ class Candidate(NamedTuple):
         Standard deviation of lit less unlit in that part of the frame, DN.
     surround_noise : float
         Standard deviation of lit less unlit within 9 sigma about it, DN.
+    streak : float
+        Whether it is an even line with two ends, as of a light that moves; 0 or 1.
     rejected : str
         Why it is no target; empty where it may be one.
 
@@ -71,6 +74,7 @@ class Candidate(NamedTuple):
     clipped: float
     noise: float
     surround_noise: float = 0.0
+    streak: float = 0.0
     rejected: str = ''
 
     @property

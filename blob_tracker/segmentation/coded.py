@@ -57,6 +57,9 @@ class Coded:
 
     """
 
+    surveys = False
+    warning = ''
+
     def __init__(
         self,
         *,
@@ -104,14 +107,18 @@ class Coded:
             self._spots.clear()
             self.reason = 'waiting for a second frame'
             return None
-        unlit, lit = (each.image for each in self._history.frames)
+        before, after = self._history.frames
+        unlit, lit = before.image, after.image
         for spot in self._spots:
             spot.levels.append(_level(lit, spot))
             del spot.levels[:-self._length]
         return Contrast(
-            lit, unlit, frame.saturation, frame, (lit,), (unlit,),
+            lit, unlit, frame.saturation, frame, (after.samples,), (before.samples,),
             duration=self._length * interval,
         )
+
+    def skip(self, frame: Frame) -> None:
+        """Do nothing: it is as if the frame had not come."""
 
     def region(self, contrast: Contrast) -> Box:
         """Return the whole frame: the lights may be anywhere in it."""
@@ -119,6 +126,9 @@ class Coded:
 
     def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
         """Return None: the whole frame is searched in any case."""
+
+    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Do nothing: `choose` had the whole frame."""
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]

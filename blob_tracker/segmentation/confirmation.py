@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
+from heapq import nlargest
 import math
 from statistics import median
+from typing import NamedTuple
 
 from blob_tracker.segmentation.box import Box, box_about, whole
 from blob_tracker.segmentation.candidate import Candidate
@@ -19,17 +21,30 @@ FOLLOWED_GATE_FRACTION = 0.3  # of the gate: what is left to chance once the mot
 FLANK_SIGMA = 4.0  # sigma: a wide blob's peak wanders so far
 MAX_BRIGHTNESS_RATIO = 2.5  # times brighter or fainter than before, and still the same light
 MAX_AGE_FRAMES = 8  # frames without a flash after which a track ends
-MOST_TRACKS = 32
+# What is kept of a crowd, the strongest of it, so that its frames take a bounded time. Each of the
+# glints of a frame is on a track for 8 frames.
+MOST_LIGHTS, MOST_TRACKS = 128, 512
 FIRST_PAIRS = 3  # pairs of frames in which a single light is taken for the target at once
 REGION_MARGIN_PX = 16  # px about the prediction, and as many sigma as FLANK_SIGMA says
 # False alarms: at most so many by chance in a frame, at the rate at which new things light up.
 FALSE_ALARMS_PER_FRAME = 3e-6
 CLUSTERING = 20.0  # times denser than if they were spread evenly: glints, leaves, a street's lamps
+MOST_FLASHES = 6  # are always enough for what is clustered so: it leaves the rest of the frame
+MOST_EVEN_FLASHES = 20  # for what is spread evenly: 100 glints in each frame of 320 x 240 px
+KNOWN_RUN = 4  # flashes without a miss, from which on a light is not one of those that pass
 LEAST_MEMORY_FRAMES, MOST_MEMORY_FRAMES = 16, 128  # frames over which that rate is the mean
 INITIAL_RATE = 0.05  # before anything was seen
-MOST_FLASHES = 6  # are always enough
 # Flashes of the target after which one that comes a frame late is still it
 ESTABLISHED_FLASHES = 3
+# Other lights in step are looked for in the whole frame: in the first of so many frames of a lock,
+# and from then on in a few frames of as many.
+SURVEY_FRAMES, SURVEY_PART = 128, 8
+BESIDE_RUN = 3  # flashes that another light has together with the target, before it is known
+BRIGHTER_RATIO = 1.25  # times brighter: what a light of the first frames was a reflection of
+LIKE_RATIO = 1.6  # times brighter or fainter than when it was seen beside the target
+# Frames without the target (1 s at 60 a second) after which another light in step is taken for it,
+# and for which it is remembered from then on.
+PATIENCE_FRAMES, MEMORY_FRAMES = 60, 7200
 OUT_OF_STEP_FLASHES = 2  # more flashes are asked of a light that was once seen out of step
 
 
@@ -43,6 +58,7 @@ class _Track:
     height: float
     stamp_ns: int
     flashes: int = 1
+    run: int = 1  # of them since one was missed
     velocity_x: float = 0.0  # px a frame
     velocity_y: float = 0.0
     out_of_step: bool = False
@@ -56,6 +72,23 @@ class _Track:
         """Return how far from there it may be, px."""
         moved = gate_px if self.flashes == 1 else FOLLOWED_GATE_FRACTION * gate_px
         return FLANK_SIGMA * self.sigma + moved * max(age, 1.0) / PERIOD_FRAMES
+
+
+class _Beside(NamedTuple):
+    """A light that flashes in step beside the target: where from it, px, and how high, DN."""
+
+    dx: float
+    dy: float
+    height: float
+
+
+class _Reach(NamedTuple):
+    """Where a track is expected in a frame, and how far from there it may be, px."""
+
+    track: _Track
+    x: float
+    y: float
+    radius: float
 
 
 class Confirmation:
@@ -73,6 +106,11 @@ class Confirmation:
     lights up there is the target, however it moved. Where nothing does when a flash is due, the
     expectation is as if it had not been, in the same frame.
 
+    Other lights that flash in step, as the target's reflections do, are known by where they are
+    from it. In the first two seconds the target is the brightest of them. Where it is hidden none
+    of them is taken for it, for a second; and the one that is taken then is left for the target
+    once that flashes again.
+
     A single light in the first frames, with nothing else, is trusted from its first flash on:
     nothing is known that speaks against it.
 
@@ -81,17 +119,33 @@ class Confirmation:
     gate_px : float
         Greatest way of the target in the picture from one flash to the next, px.
 
+    Attributes
+    ----------
+    warning : str
+        What other lights flash in step with the target; empty where there is none.
+    reason : str
+        Why a light that flashes in step was not taken in the last frame; empty where none was.
+
     """
 
     def __init__(self, gate_px: float) -> None:
         self.gate_px = gate_px
-        self._tracks: list[_Track] = []
+        self.warning = ''
+        self.reason = ''
+        self._target: _Track | None = None  # as it was last seen, also when it is lost
+        self._beside: list[_Beside] = []  # that flash in step with it
+        self._locked_frames = 0
+        self._stands_in = False  # whether another light is followed in place of the target
+        self._tracks: dict[int, _Track] = {}  # by their identity
         self._locked: _Track | None = None
         self._expected: Expectation | None = None
         self._intervals: deque[int] = deque(maxlen=INTERVALS)
+        self._interval_ns = 0.0  # their median
         self._stamp_ns: int | None = None
+        self._skipped_ns: int | None = None  # stamp of the last frame that came twice
         self._frames = 0
         self._rate = INITIAL_RATE  # of new things that light up, a frame
+        self._crowd = INITIAL_RATE  # of all but what flashed several times, a frame
         self._rate_frames = LEAST_MEMORY_FRAMES
 
     @property
@@ -121,16 +175,31 @@ class Confirmation:
         """
         if self._stamp_ns is not None:
             self._intervals.append(stamp_ns - self._stamp_ns)
+            self._interval_ns = median(self._intervals)
         self._stamp_ns = stamp_ns
         self._frames += 1
-        self._tracks = [each for each in self._tracks if self._age(each) <= MAX_AGE_FRAMES]
+        self._tracks = {
+            key: each for key, each in self._tracks.items() if self._age(each) <= MAX_AGE_FRAMES
+        }
         if self._locked is not None and self._age(self._locked) > MAX_AGE_FRAMES:
             self._locked = None
+        self._locked_frames = self._locked_frames + 1 if self._locked is not None else 0
+        if self._target is not None and self._age(self._target) > MEMORY_FRAMES:
+            self._target, self._stands_in = None, False
         self._expected = None
         if expected is not None and self._followed and expected.inside(shape):
             self._expected = expected
             if 2.0 * self._half() > min(shape):
                 self._expected = None
+
+    def skip(self, stamp_ns: int) -> None:
+        """
+        Take note of a frame that showed the one before it once more, by its stamp, ns.
+
+        It may stand for a frame that was lost, or be one too many, as where 24 frames a second are
+        made 30: the stamps no longer tell in which phase a light is that was seen before it.
+        """
+        self._skipped_ns = stamp_ns
 
     @property
     def _followed(self) -> bool:
@@ -172,10 +241,9 @@ class Confirmation:
         track = self._locked
         if self._expected is None or track is None:
             return False
-        age = self._age(track)
-        if age < PERIOD_FRAMES - STAMP_TOLERANCE_FRAMES or any(
-            not each.rejected and self._matches(track, each, self._distance(track, each))
-            for each in everything
+        reach = self._reach(track)
+        if not self._is_due(track) or any(
+            not each.rejected and _offset_px(reach, each) < math.inf for each in everything
         ):
             return False
         self._expected = None
@@ -196,53 +264,212 @@ class Confirmation:
 
         """
         searched = self._locked is None
+        reaches = {
+            key: self._reach(each) for key, each in self._tracks.items() if self._age(each) > 0.0
+        }
         candidates = []
         for each in everything:
-            if each.rejected:
-                self._mark_out_of_step(each)
-            else:
+            if not each.rejected:
                 candidates.append(each)
-        seen = [(self._associated(each), each) for each in candidates]
+            elif len(reaches) > 0:
+                self._mark_out_of_step(each, reaches)
+        seen = self._seen(candidates, reaches)
+        self.reason = ''
         if searched:
             new = sum(track.flashes == 1 and not track.out_of_step for track, _ in seen)
             self._rate_frames = min(self._rate_frames + 1, MOST_MEMORY_FRAMES)
             self._rate += (new - self._rate) / self._rate_frames
-        needed = self._flashes_needed(shape)
+            passing = sum(track.run < KNOWN_RUN for track, _ in seen)
+            self._crowd += (passing - self._crowd) / self._rate_frames
+        needed, needed_run = 0, 0
+        if seen:
+            needed, needed_run = self._flashes_needed(
+                shape, max(track.sigma for track, _ in seen)
+            )
         best: tuple[_Track, Candidate] | None = None
         alone = self._frames <= FIRST_PAIRS and len(everything) == 1
+        due = not self._followed or self._is_due(self._locked)
         for track, candidate in seen:
             track.trusted = not track.out_of_step and (track.trusted or alone)
             more = OUT_OF_STEP_FLASHES if track.out_of_step else 0
-            if not track.trusted and track.flashes < needed + more:
+            if not track.trusted and (track.flashes < needed + more or track.run < needed_run):
                 continue
             if track is self._locked:
                 best = track, candidate
                 break
+            if not due or self._is_waited_for(candidate):
+                continue
             if best is None or candidate.snr > best[1].snr:
                 best = track, candidate
-        self._tracks = [
-            each for each in self._tracks if all(each is not track for track, _ in seen)
-        ] + [track for track, _ in seen]
-        del self._tracks[:-MOST_TRACKS]
-        if best is None:
-            return None
-        self._locked = best[0]
-        return best[1]
+        self._tracks |= {id(track): track for track, _ in seen}
+        if best is not None:
+            self._follow(best[0])
+        if len(self._tracks) > MOST_TRACKS:
+            kept = nlargest(
+                MOST_TRACKS,
+                self._tracks.values(),
+                key=lambda each: (each is self._locked, each.flashes, each.height),
+            )
+            self._tracks = {id(each): each for each in kept}
+        return None if best is None else best[1]
 
-    def _associated(self, candidate: Candidate) -> _Track:
-        """Return the track that a candidate belongs to, brought up to date; else a new one."""
+    def _seen(
+        self, candidates: list[Candidate], reaches: Mapping[int, _Reach]
+    ) -> list[tuple[_Track, Candidate]]:
+        """Return each of the strongest candidates with its track, brought up to date or new."""
+        candidates = self._strongest(candidates)
+        partners = _partners(
+            candidates, reaches, {
+                index for index, each in enumerate(candidates) if self._beside_target(each)
+            } if self._beside else set(), id(self._locked),
+        )
+        return [
+            (self._continued(each, partners.get(index)), each)
+            for index, each in enumerate(candidates)
+        ]
+
+    def _follow(self, track: _Track) -> None:
+        """Follow a track from this frame on; it is the target, or stands in for it."""
+        if self._locked is None and self._target is not None:
+            gone = self._age(self._target) > MAX_AGE_FRAMES
+            beside = self._beside_target(track)
+            if gone and beside is not None:
+                self._stands_in = True
+            elif not self._stands_in and math.hypot(
+                track.x - self._target.x, track.y - self._target.y
+            ) > 2.0 * self.gate_px:
+                self._beside, self.warning = [], ''
+        self._locked = track
+        if not self._stands_in:
+            self._target = track
+
+    def _beside_target(self, light: Candidate | _Track) -> _Beside | None:
+        """Return which of the lights that flash beside the target this is; None for none."""
+        if self._target is None or self._stands_in:
+            return None
+        if self._target is self._locked:
+            x, y = self._predicted_position(self._target)
+        else:
+            x, y = self._target.x, self._target.y
+        dx, dy = light.x - x, light.y - y
+        for each in self._beside:
+            offset = math.hypot(dx - each.dx, dy - each.dy)
+            if (
+                offset < min(self.gate_px, math.hypot(dx, dy))
+                and each.height < LIKE_RATIO * light.height
+                and light.height < LIKE_RATIO * each.height
+            ):
+                return each
+        return None
+
+    def _is_waited_for(self, candidate: Candidate) -> bool:
+        """Tell whether the target, beside which this light flashes, may still come back."""
+        if self._target is None or self._age(self._target) > PATIENCE_FRAMES:
+            return False
+        beside = self._beside_target(candidate)
+        if beside is None:
+            return False
+        self.reason = (
+            f'another light flashes in step, {math.hypot(beside.dx, beside.dy):.0f} px from the '
+            f'target, which was last seen {self._age(self._target):.0f} frames ago; a reflection? '
+            f'It is taken after {PATIENCE_FRAMES} frames'
+        )
+        return True
+
+    @property
+    def surveys(self) -> bool:
+        """Whether the whole of this frame is to be searched for other lights in step."""
+        if not self._followed:
+            return False
+        return (
+            self._stands_in
+            or self._locked_frames < SURVEY_FRAMES // 2
+            or self._locked_frames % SURVEY_FRAMES < SURVEY_PART
+        )
+
+    def survey(self, everything: Sequence[Candidate], region: Box) -> None:
+        """
+        Look for other lights that flash in step with the one that is followed.
+
+        Parameters
+        ----------
+        everything : sequence of Candidate
+            What lit up in the whole frame.
+        region : Box
+            The part of it whose lights `choose` had.
+
+        """
+        assert self._locked is not None
+        reaches = {
+            key: self._reach(each) for key, each in self._tracks.items()
+            if self._age(each) > 0.0 and each is not self._locked
+        }
+        candidates = []
+        for each in everything:
+            inside = region.x0 <= each.x < region.x1 and region.y0 <= each.y < region.y1
+            if inside and not each.rejected:
+                continue
+            if not each.rejected:
+                candidates.append(each)
+            elif reaches:
+                self._mark_out_of_step(each, reaches)
+        self._tracks |= {id(track): track for track, _ in self._seen(candidates, reaches)}
+        locked = self._locked
+        if locked.stamp_ns != self._stamp_ns:
+            return
+        others = [
+            each for each in self._tracks.values()
+            if each is not locked
+            and each.stamp_ns == self._stamp_ns
+            and each.run >= BESIDE_RUN
+            and not each.out_of_step
+        ]
+        if not others:
+            if self._locked_frames % SURVEY_FRAMES == SURVEY_PART - 1:
+                self._beside, self.warning = [], ''
+            return
+        brightest = max(others, key=lambda each: each.height)
+        young = self._stands_in or self._locked_frames < SURVEY_FRAMES
+        if young and brightest.height > BRIGHTER_RATIO * locked.height:
+            others = [locked if each is brightest else each for each in others]
+            self._locked = self._target = locked = brightest
+            self._stands_in = False
+        if self._stands_in:
+            return
+        self._beside = [
+            _Beside(each.x - locked.x, each.y - locked.y, each.height) for each in others
+        ]
+        away, nearest = min(
+            ((math.hypot(each.x - locked.x, each.y - locked.y), each) for each in others),
+            key=lambda pair: pair[0],
+        )
+        self.warning = (
+            f'{len(others) + 1} lights flash in step: the target at ({locked.x:.0f}, '
+            f'{locked.y:.0f}) and, {away:.0f} px '
+            f'away, one at ({nearest.x:.0f}, {nearest.y:.0f}): a reflection? Cover it, or set '
+            'mask_url'
+        )
+
+    def _strongest(self, candidates: list[Candidate]) -> list[Candidate]:
+        """Return the highest of a crowd, and what may be the target that is followed."""
+        if len(candidates) <= MOST_LIGHTS:
+            return candidates
+        reach = None if self._locked is None else self._reach(self._locked)
+        ordered = sorted(candidates, key=lambda each: -each.height)
+        return ordered[:MOST_LIGHTS] + [
+            each for each in ordered[MOST_LIGHTS:]
+            if reach is not None and _offset_px(reach, each) < math.inf
+        ]
+
+    def _continued(self, candidate: Candidate, nearest: _Track | None) -> _Track:
+        """Return a track brought up to date by the candidate that belongs to it; or a new one."""
         assert self._stamp_ns is not None
         sigma = math.hypot(candidate.sigma_x, candidate.sigma_y) / math.sqrt(2.0)
         new = _Track(candidate.x, candidate.y, sigma, candidate.height, self._stamp_ns)
-        nearest, least_px = None, math.inf
-        for track in self._tracks:
-            offset_px = self._distance(track, candidate)
-            if offset_px < least_px and self._matches(track, candidate, offset_px):
-                nearest, least_px = track, offset_px
         if nearest is None:
             return new
         age = self._age(nearest)
-        if not self._in_step(age):
+        if not self._in_step(nearest):
             if nearest.flashes >= MOST_FLASHES and age < PERIOD_FRAMES:
                 return new  # right after a flash that was expected: something else
             established = nearest.flashes >= ESTABLISHED_FLASHES
@@ -257,6 +484,8 @@ class Confirmation:
         new.velocity_x = (candidate.x - nearest.x) / age
         new.velocity_y = (candidate.y - nearest.y) / age
         new.flashes = nearest.flashes + 1
+        missed = round(age) > PERIOD_FRAMES + self._is_phase_unknown(nearest)
+        new.run = 1 if missed else nearest.run + 1
         new.out_of_step = nearest.out_of_step
         new.trusted = nearest.trusted
         self._replace_track(nearest, new)
@@ -274,60 +503,134 @@ class Confirmation:
             return FLANK_SIGMA * track.sigma + self._expected.gate_radius_px
         return track.gate_radius_px(self.gate_px, self._age(track))
 
-    def _distance(self, track: _Track, candidate: Candidate) -> float:
-        """Return how far a candidate is from where a track is expected, px."""
-        x, y = self._predicted_position(track)
-        return math.hypot(candidate.x - x, candidate.y - y)
-
-    def _matches(self, track: _Track, candidate: Candidate, offset_px: float) -> bool:
-        """Tell whether a candidate that is so far from a track may be the same light."""
-        return (
-            self._age(track) > 0.0
-            and offset_px < self._gate_radius_px(track)
-            and track.height < MAX_BRIGHTNESS_RATIO * candidate.height
-            and candidate.height < MAX_BRIGHTNESS_RATIO * track.height
-        )
+    def _reach(self, track: _Track) -> _Reach:
+        """Return where a track may go on in this frame."""
+        return _Reach(track, *self._predicted_position(track), self._gate_radius_px(track))
 
     def _replace_track(self, track: _Track, by: _Track | None) -> None:
         """End a track; where it was the one that is followed, another is from now on, or none."""
         if track is self._locked:
             self._locked = by
-        self._tracks = [each for each in self._tracks if each is not track]
+        del self._tracks[id(track)]
 
-    def _mark_out_of_step(self, candidate: Candidate) -> None:
+    def _mark_out_of_step(self, candidate: Candidate, reaches: dict[int, _Reach]) -> None:
         """Mark the young track that is followed, and end all others, where it is out of step."""
-        for track in list(self._tracks):
-            near = FLANK_SIGMA * (track.sigma + 1.0)
+        for track, x, y, _ in list(reaches.values()):
             if (
-                track.flashes < MOST_FLASHES
-                and not self._in_step(self._age(track))
-                and self._distance(track, candidate) < near
+                math.hypot(candidate.x - x, candidate.y - y) < FLANK_SIGMA * (track.sigma + 1.0)
+                and track.flashes < MOST_FLASHES
+                and not self._in_step(track)
                 and track.height < MAX_BRIGHTNESS_RATIO * candidate.height
             ):
                 track.out_of_step = True
                 if track is not self._locked:
                     self._replace_track(track, None)
+                    del reaches[id(track)]
 
     def _age(self, track: _Track) -> float:
         """Return the time since a track was seen, in frames."""
-        if self._stamp_ns is None or not self._intervals:
+        if self._stamp_ns is None or self._interval_ns <= 0.0:
             return 0.0
-        return (self._stamp_ns - track.stamp_ns) / median(self._intervals)
+        return (self._stamp_ns - track.stamp_ns) / self._interval_ns
 
-    def _in_step(self, age: float) -> bool:
-        """Tell whether a light that flashes in step can be on after so many frames."""
+    def _is_due(self, track: _Track | None) -> bool:
+        """Tell whether a track may have flashed again."""
+        return track is None or self._age(track) >= PERIOD_FRAMES - STAMP_TOLERANCE_FRAMES
+
+    def _is_phase_unknown(self, track: _Track) -> bool:
+        """Tell whether a frame came twice since a track was seen."""
+        return self._skipped_ns is not None and track.stamp_ns < self._skipped_ns
+
+    def _in_step(self, track: _Track) -> bool:
+        """Tell whether a light that flashes in step can be on again in this frame."""
+        age = self._age(track)
         frames = round(age)
+        if self._is_phase_unknown(track):
+            return frames >= PERIOD_FRAMES
         return abs(age - frames) > STAMP_TOLERANCE_FRAMES or frames % PERIOD_FRAMES == 0
 
-    def _flashes_needed(self, shape: tuple[int, int]) -> int:
-        """Return after how many flashes chance cannot have made a track."""
-        # Half of what lights up within reach is as bright as what lit up there before.
-        near = 0.5 * CLUSTERING * math.pi / (shape[0] * shape[1])
+    def _flashes_needed(self, shape: tuple[int, int], sigma: float) -> tuple[int, int]:
+        """
+        Return after how many flashes chance cannot have made a track of such a sigma, px.
+
+        The second number is how many of them must follow each other without a miss: it is above 1
+        where so much lights up all over the frame that something is near wherever one looks.
+        """
         rate = max(self._rate - 1.0 / self._rate_frames, 0.0)  # the target was new once as well
-        first = rate * min(near * self.gate_px**2, 1.0)
-        later = rate * min(near * (FOLLOWED_GATE_FRACTION * self.gate_px) ** 2, 1.0)
-        chance, flashes = rate * first, 2
-        while chance > FALSE_ALARMS_PER_FRAME and flashes < MOST_FLASHES:
-            chance *= later
-            flashes += 1
-        return flashes
+        per_px2 = math.pi / (shape[0] * shape[1])
+        first, later = self.gate_px**2, (FOLLOWED_GATE_FRACTION * self.gate_px) ** 2
+        # Half of what lights up within reach is as bright as what lit up there before.
+        clustered = _flashes_beyond_chance(
+            rate,
+            0.5 * CLUSTERING * per_px2 * rate * first,
+            0.5 * CLUSTERING * per_px2 * rate * later,
+            MOST_FLASHES,
+        )
+        crowd = max(self._crowd - (KNOWN_RUN - 1.0) / self._rate_frames, 0.0)
+        crowded = (FOLLOWED_GATE_FRACTION * self.gate_px + FLANK_SIGMA * sigma) ** 2
+        even = _flashes_beyond_chance(
+            crowd, per_px2 * crowd * first, per_px2 * crowd * crowded, MOST_EVEN_FLASHES
+        )
+        return clustered, even if even > clustered else 1
+
+
+def _flashes_beyond_chance(rate: float, first: float, later: float, most: int) -> int:
+    """
+    Return after how many flashes chance makes a track as seldom as it may.
+
+    Parameters
+    ----------
+    rate : float
+        New things that light up in a frame.
+    first, later : float
+        How many of them are within the gate of another one, and of a track whose motion is known.
+    most : int
+        Flashes that are always enough.
+
+    """
+    chance, flashes = rate * min(first, rate), 2
+    while chance > FALSE_ALARMS_PER_FRAME and flashes < most:
+        chance *= min(later, rate)
+        flashes += 1
+    return flashes
+
+
+def _partners(
+    candidates: Sequence[Candidate],
+    reaches: Mapping[int, _Reach],
+    beside: Set[int],
+    target: int,
+) -> dict[int, _Track]:
+    """
+    Return the tracks that candidates belong to, by their index; the nearest pairs first.
+
+    The candidates `beside` the target do not belong to its track, whose key is `target`.
+    """
+    pairs = []
+    for index, candidate in enumerate(candidates):
+        x, y = candidate.x, candidate.y
+        for key, reach in reaches.items():
+            # Most of a crowd is far away: told by the first of these.
+            if -reach[3] < x - reach[1] < reach[3] and -reach[3] < y - reach[2] < reach[3]:
+                offset_px = _offset_px(reach, candidate)
+                if offset_px < math.inf and not (key == target and index in beside):
+                    pairs.append((offset_px, index, key))
+    pairs.sort()
+    partners: dict[int, _Track] = {}
+    taken: set[int] = set()
+    for _, index, key in pairs:
+        if index not in partners and key not in taken:
+            partners[index] = reaches[key].track
+            taken.add(key)
+    return partners
+
+
+def _offset_px(reach: _Reach, candidate: Candidate) -> float:
+    """Return how far a candidate is from where a track is expected; infinity for another light."""
+    track, x, y, radius = reach
+    offset_px = math.hypot(candidate.x - x, candidate.y - y)
+    alike = (
+        track.height < MAX_BRIGHTNESS_RATIO * candidate.height
+        and candidate.height < MAX_BRIGHTNESS_RATIO * track.height
+    )
+    return offset_px if offset_px < radius and alike else math.inf

@@ -24,7 +24,8 @@ class Contrast(NamedTuple):
     saturation : int
         Value at which a pixel of them is clipped.
     frame : Frame
-        Gives stamp, crop, binning, and the raw frames' saturation.
+        Gives stamp, crop, binning, and the raw frames' saturation; its `mosaic` says that these
+        are twice as wide and high, and which of their pixels count.
     lit_frames, unlit_frames : tuple of (h, w) arrays
         The raw frames from which the window is cut; as many of each, or no unlit ones.
     floor : float

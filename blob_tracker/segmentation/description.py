@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel
+from blob_tracker.segmentation.flanks import flank_misfit
 from blob_tracker.segmentation.tile_noise import median
 from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
 
-FIELDS = 21  # of a candidate
+FIELDS = 22  # of a candidate
 WINDOW_SIGMA = 3.0  # sigma to either side: what is compared with a Gaussian
 SIGMA_PER_MEAN_DEVIATION = np.sqrt(0.5 * np.pi)  # sigma over the mean |d| of a Gaussian deviate
+SHARPEST_RING_PX, ROUNDEST_RING = 2.5, 1.3  # px of sigma, and times as long as wide
 SAMPLES = 12  # to either side of a blob on which it is compared; of wider ones pixels are left out
 
 
@@ -34,13 +36,14 @@ def describe(
     row: int,
     noise: float,
     height: float,
+    streak: bool,
 ) -> None:
     """
     Write one row of the table: the fields of `Candidate` in their order.
 
     Parameters
     ----------
-    out : (21,) array
+    out : (22,) array
         The row.
     lit, unlit : (h, w) arrays
         DN, C-contiguous, of one type.
@@ -56,15 +59,17 @@ def describe(
         Pixel of the peak.
     noise, height : float
         Standard deviation of lit less unlit and height of that pixel, DN.
+    streak : bool
+        Whether it is an even line with two ends.
 
     """
-    x, y, sigma_x, sigma_y, _, _, correlation, _, level = blob
+    x, y, sigma_x, sigma_y, major, minor, correlation, _, level = blob
     half_x, half_y = max(WINDOW_SIGMA * sigma_x, 3.0), max(WINDOW_SIGMA * sigma_y, 3.0)
     left, right = max(int(x - half_x), region[0]), min(int(x + half_x) + 2, region[2])
     top, bottom = max(int(y - half_y), region[1]), min(int(y + half_y) + 2, region[3])
     norm = flux = unlit_amplitude = surround_level = squares = 0.0
     outside = 0
-    clipped = False
+    clipped, overexposed = False, False
     weights = np.empty((bottom - top, right - left))
     step = 1 + int(max(half_x, half_y) / (SAMPLES + 1))
     for j in range(top, bottom, step):
@@ -73,7 +78,11 @@ def describe(
             w = np.exp(-0.5 * q)
             weights[j - top, i - left] = w
             unlit_pixel = float(unlit[j, i])
-            clipped = clipped or unlit[j, i] >= saturation
+            if unlit[j, i] >= saturation:
+                # One by itself is stuck, and tells nothing of the scene.
+                clipped = clipped or not _is_single(unlit, region, i, j, saturation)
+                continue
+            overexposed = overexposed or lit[j, i] >= saturation
             if q > WINDOW_SIGMA * WINDOW_SIGMA:
                 surround_level += unlit_pixel
                 squares += unlit_pixel * unlit_pixel
@@ -85,24 +94,40 @@ def describe(
     surround_level = surround_level / outside if outside > 0 else 0.0
     variance = squares / outside - surround_level * surround_level if outside > 0 else 0.0
     texture = np.sqrt(max(variance, 0.0))
-    misfit, count = 0.0, 0
+    misfit, count, deepest = 0.0, 0, 0.0
     total = 0.0
     for j in range(top, bottom, step):
         for i in range(left, right, step):
             w = weights[j - top, i - left]
+            if unlit[j, i] >= saturation:
+                continue
             unlit_amplitude += w * (float(unlit[j, i]) - surround_level)
             total += w * w
             if lit[j, i] < saturation:
                 residual = float(lit[j, i]) - float(unlit[j, i]) - level - amplitude * w
                 misfit += residual * residual
+                deepest = min(deepest, residual)
                 count += 1
+    misfit -= deepest * deepest  # a dead pixel does not see the light
     # Less what the noise explains, and five of its standard deviations: it is known to 10 % only.
     misfit -= (count + 5.0 * np.sqrt(2.0 * count)) * noise * noise
     explained = amplitude * amplitude * norm
+    misfit = np.sqrt(max(misfit, 0.0) / explained) if explained > 0.0 else 0.0
+    if overexposed and misfit > 0.0:
+        # The Gaussian of the flat top is too wide for the flanks, which tell the true one.
+        steeper, peak = flank_misfit(
+            lit, unlit, (left, top, right, bottom), step, x, y, level, noise, saturation
+        )
+        if steeper < misfit:
+            misfit, amplitude = steeper, peak
     out[0:9] = blob
     out[9], out[10], out[11] = column, row, height
     out[12] = amplitude
-    out[13] = np.sqrt(max(misfit, 0.0) / explained) if explained > 0.0 else 0.0
+    out[13] = misfit
+    if minor > SHARPEST_RING_PX and major < ROUNDEST_RING * minor and explained > 0.0:
+        # A light out of focus is a disc or a ring: round, but no Gaussian.
+        left_over = _round_misfit(lit, unlit, region, saturation, x, y, half_x, level)
+        out[13] = min(out[13], left_over)
     out[14] = _neighbour_rise(lit, unlit, region, column, row, level) / max(height, noise)
     # In one frame by itself nothing fell: what is darker beside it is the scene.
     out[15] = 0.0
@@ -114,6 +139,62 @@ def describe(
     out[18] = clipped
     out[19] = noise
     out[20] = _surround_noise(lit, unlit, region, x, y, half_x, half_y, level)
+    out[21] = streak
+
+
+@kernel
+def _round_misfit(
+    lit: Pixels,
+    unlit: Pixels,
+    region: tuple[int, int, int, int],
+    saturation: int,
+    x: float,
+    y: float,
+    reach: float,
+    level: float,
+) -> float:
+    """Return what the mean of each distance from a place leaves, rms over the rms of the light."""
+    left, right = max(int(x - reach), region[0]), min(int(x + reach) + 2, region[2])
+    top, bottom = max(int(y - reach), region[1]), min(int(y + reach) + 2, region[3])
+    # Rings of a pixel, between which the level runs straight.
+    size = int(reach) + 2
+    sums, counts = np.zeros(size + 1), np.zeros(size + 1)
+    step = 1 + int(reach / (2 * SAMPLES))
+    squares, lost = 0.0, 0.0
+    for turn in range(2):
+        for j in range(top, bottom, step):
+            for i in range(left, right, step):
+                distance = np.sqrt((i - x) * (i - x) + (j - y) * (j - y))
+                inner = int(distance)
+                if inner >= size or lit[j, i] >= saturation:
+                    continue
+                outer_part = distance - inner
+                value = float(lit[j, i]) - float(unlit[j, i]) - level
+                if turn == 0:
+                    sums[inner] += (1.0 - outer_part) * value
+                    counts[inner] += 1.0 - outer_part
+                    sums[inner + 1] += outer_part * value
+                    counts[inner + 1] += outer_part
+                else:
+                    mean = (1.0 - outer_part) * sums[inner] + outer_part * sums[inner + 1]
+                    squares += value * value
+                    lost += (value - mean) * (value - mean)
+        if turn == 0:
+            for k in range(size + 1):
+                sums[k] /= max(counts[k], 1e-9)
+    return np.sqrt(lost / max(squares, 1e-9))
+
+
+@kernel
+def _is_single(
+    image: Pixels, region: tuple[int, int, int, int], column: int, row: int, saturation: int
+) -> bool:
+    """Tell whether none of a clipped pixel's neighbours is clipped."""
+    for v in range(max(row - 1, region[1]), min(row + 2, region[3])):
+        for u in range(max(column - 1, region[0]), min(column + 2, region[2])):
+            if (u != column or v != row) and image[v, u] >= saturation:
+                return False
+    return True
 
 
 @kernel

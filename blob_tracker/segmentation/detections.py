@@ -32,6 +32,8 @@ class Detections(NamedTuple):
         'locked' where the target is followed, 'lost' where the whole frame is searched.
     reason : str
         Why there is no window; empty where there is one.
+    warnings : tuple of str
+        What is wrong though there may be one.
 
     """
 
@@ -44,3 +46,4 @@ class Detections(NamedTuple):
     windows: Mapping[str, Box]
     state: str
     reason: str
+    warnings: tuple[str, ...] = ()

@@ -22,6 +22,10 @@ class Flash(Protocol):
         Why the last frame gave no light.
     locked : bool
         Whether the target is followed.
+    warning : str
+        What is wrong though the target may be there; empty where nothing is.
+    surveys : bool
+        Whether `survey` asks for all that lit up in the whole frame, after `choose`.
 
     """
 
@@ -30,6 +34,14 @@ class Flash(Protocol):
     @property
     def locked(self) -> bool:
         """Whether the target is followed."""
+
+    @property
+    def warning(self) -> str:
+        """What is wrong though the target may be there; empty where nothing is."""
+
+    @property
+    def surveys(self) -> bool:
+        """Whether `survey` asks for all that lit up in the whole frame, after `choose`."""
 
     def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
         """
@@ -44,6 +56,9 @@ class Flash(Protocol):
 
         """
 
+    def skip(self, frame: Frame) -> None:
+        """Take note of a frame that is left out: it shows the one before it once more."""
+
     def region(self, contrast: Contrast) -> Box:
         """Return the part of the frame in which the target can be."""
 
@@ -54,6 +69,9 @@ class Flash(Protocol):
         It is needed where the target was expected in a region and is not among what lit up there:
         the expectation was wrong. `region` is the wider one from then on.
         """
+
+    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Take note of all that lit up in the whole frame."""
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]

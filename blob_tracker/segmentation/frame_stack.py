@@ -8,7 +8,9 @@ from typing import NamedTuple
 
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.compression import compression_noise
 from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.dead_pixels import mark_dead
 from blob_tracker.segmentation.history import FrameError
 from blob_tracker.types import Frame, Pixels, Window
 import numpy as np
@@ -27,6 +29,7 @@ class _Pair(NamedTuple):
     frame: Frame
     lit: tuple[Pixels, ...]
     unlit: tuple[Pixels, ...]
+    noise: float
 
 
 class FrameStack:
@@ -84,7 +87,8 @@ class FrameStack:
             Where the sum does not fit into 16 bits.
 
         """
-        frames, saturation = self.count * len(contrast.lit_frames), contrast.frame.saturation
+        frames = self.count * len(contrast.lit_frames)
+        saturation = contrast.frame.sample_saturation
         if frames > most_frames(saturation):
             raise FrameError(
                 f'{frames} frames of up to {saturation} DN do not fit into the 16 bits of a '
@@ -92,7 +96,8 @@ class FrameStack:
                 'true full scale (saturation)'
             )
         look = _Pair(
-            candidate.x, candidate.y, contrast.frame, contrast.lit_frames, contrast.unlit_frames
+            candidate.x, candidate.y, contrast.frame, contrast.lit_frames, contrast.unlit_frames,
+            candidate.noise,
         )
         pairs = self._pairs.setdefault(name, [])
         reach = STILL_SIGMA * (1.0 + candidate.sigma_minor)
@@ -109,26 +114,39 @@ class FrameStack:
             self.reason = f'look {len(pairs)} of the {self.count} that are summed'
             return None
         self._pairs[name] = []
-        return _cut(pairs, box)
+        return _cut(pairs, box, candidate)
 
 
-def _cut(pairs: Sequence[_Pair], box: Box) -> Window:
+def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
     """Return the raw pixels of a box, summed over all frames of the looks."""
     frame = pairs[-1].frame
+    binning, sites = frame.binning, None
+    x0, y0 = frame.x0 + binning[0] * box.x0, frame.y0 + binning[1] * box.y0
+    added_noise = compression_noise(frame.quantisation, candidate)
+    saturation = frame.sample_saturation
+    if frame.mosaic is not None:
+        binning = binning[0] // 2, binning[1] // 2
+        sites = np.tile(frame.mosaic.sites, (box.y1 - box.y0, box.x1 - box.x0))
+        box = Box(*(2 * edge for edge in box))
     lit, unlit = (
-        [image[box.slices] for images in all_looks for image in images]
+        [image[box.slices].copy() for images in all_looks for image in images]
         for all_looks in ([pair.lit for pair in pairs], [pair.unlit for pair in pairs])
     )
+    noises = [pair.noise for pair in pairs for _ in pair.unlit]
+    for bright, dark, noise in zip(lit, unlit, noises):
+        mark_dead(bright, dark, frame.saturation, noise)
     first = pairs[0].frame.stamp_ns
     return Window(
-        lit=sum_frames(lit, frame.saturation),
-        unlit=sum_frames(unlit, frame.saturation) if unlit else None,
-        x0=frame.x0 + frame.binning[0] * box.x0,
-        y0=frame.y0 + frame.binning[1] * box.y0,
+        lit=sum_frames(lit, saturation),
+        unlit=sum_frames(unlit, saturation) if unlit else None,
+        x0=x0,
+        y0=y0,
         stamp_ns=first + sum(pair.frame.stamp_ns - first for pair in pairs) // len(pairs),
-        saturation=FULL_SCALE_DN if len(lit) > 1 else frame.saturation,
-        binning=frame.binning,
+        saturation=FULL_SCALE_DN if len(lit) > 1 else saturation,
+        binning=binning,
         looks=len(lit),
+        sites=sites,
+        added_noise=added_noise,
     )
 
 

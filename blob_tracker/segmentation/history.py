@@ -49,7 +49,7 @@ class FrameHistory:
         ------
         FrameError
             Where the stamp is not later than the last one (that frame is left out), or the stamps
-            jumped back or the size, crop or depth changed (this frame starts afresh).
+            jumped back or the channel, size, crop or depth changed (this frame starts afresh).
 
         """
         frame = _plain(frame)
@@ -57,6 +57,11 @@ class FrameHistory:
             self.frames.append(frame)
             return None
         previous = self.frames[-1]
+        if frame.channel != previous.channel:  # an earlier frame may come again, in another one
+            self._restart(frame)
+            raise FrameError(
+                f'the channel changed from {previous.channel} to {frame.channel}; starting afresh'
+            )
         if frame.stamp_ns <= previous.stamp_ns:
             late = (previous.stamp_ns - frame.stamp_ns) / 1e9
             if late > self.max_interval:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel
-from blob_tracker.segmentation.adaptive_moments import measure
+from blob_tracker.segmentation.adaptive_moments import measure, stands_out
 from blob_tracker.segmentation.description import describe, distance2, FIELDS, WINDOW_SIGMA
 from blob_tracker.segmentation.illumination import row_gains
 from blob_tracker.segmentation.local_maxima import brightest_square, level_at, local_maxima
+from blob_tracker.segmentation.rejection import GLOW_WIDTH_RATIO
+from blob_tracker.segmentation.streak import measure_streak
 from blob_tracker.segmentation.tile_noise import tile_noise, TILE_PX
 from blob_tracker.types import Pixels
 import numpy as np
@@ -21,6 +23,7 @@ FLANK_SIGMA = 4.0  # sigma of a blob within which further peaks are its own
 # And as many px further out those that have such a part of its height: the wings of the lens, the
 # ringing of a codec. What is brighter is another light beside it.
 WING_FRACTION = 0.1
+LEAST_GLOW_PX = 3.0  # px of sigma, from which on a blob may be a glow that a light stands on
 SMALL_REGION_PX = 65536  # px: a larger region is not near the prediction
 
 
@@ -71,7 +74,7 @@ def measure_peaks(
 
     Returns
     -------
-    table : (n, 21) array
+    table : (n, 22) array
         A row for each peak of at least that SNR: the fields of `Candidate` in their order.
     gains : (n, 2) array
         How the light on the scene changed, see `row_gains`.
@@ -103,15 +106,25 @@ def measure_peaks(
     found = 0
     for index in np.argsort(-peaks[:count, 2]):
         column, row = int(peaks[index, 0]), int(peaks[index, 1])
-        if _on_flank(table[:found], column, row, peaks[index, 2]):
-            continue
         noise, local_level = _surroundings(levels, noises, column - x0, row - y0)
+        narrowest = _on_flank(table[:found], column, row, peaks[index, 2])
+        if narrowest > 0.0 and (
+            narrowest < LEAST_GLOW_PX
+            or not stands_out(lit, unlit, region, column, row, noise, min_snr)
+        ):
+            continue
         blob = measure(lit, unlit, region, column, row, local_level, noise, min_snr, max_sigma)
+        streak, blob = measure_streak(lit, unlit, region, saturation, blob)
         # A faint peak in the reach of a brighter light ends in it, or half-way to it.
-        if blob[7] >= min_snr and not _is_misplaced(table[:found], blob, column, row):
+        # On a glow only what is far narrower is another light.
+        if (
+            blob[7] >= min_snr
+            and not (narrowest > 0.0 and GLOW_WIDTH_RATIO * blob[4] > narrowest)
+            and not _is_misplaced(table[:found], blob, column, row)
+        ):
             describe(
                 table[found], lit, unlit, region, saturation, single_frame, blob, column, row,
-                noise, peaks[index, 2],
+                noise, peaks[index, 2], streak,
             )
             found += 1
             if found == MOST_CANDIDATES:
@@ -128,7 +141,7 @@ def measure_peaks(
         if blob[7] >= min_snr:
             describe(
                 table[0], lit, unlit, region, saturation, single_frame, blob, column, row,
-                noise, height - local_level,
+                noise, height - local_level, False,
             )
             found = 1
     return table[:found], gains, change, level, np.median(noises), np.median(bright), strongest
@@ -143,17 +156,21 @@ def _surroundings(levels: Array, noises: Array, x: int, y: int) -> tuple[float, 
 
 
 @kernel
-def _on_flank(table: Array, column: int, row: int, height: float) -> bool:
-    """Tell whether a peak lies on a blob that was measured, or in its wings."""
+def _on_flank(table: Array, column: int, row: int, height: float) -> float:
+    """
+    Return how wide a blob is that was measured, and on which or in whose wings a peak lies.
+
+    It is the narrowest one of them, and its sigma along the shortest axis, px; 0 where none is.
+    """
+    narrowest = 0.0
     for k in range(table.shape[0]):
         dx, dy = column - table[k, 0], row - table[k, 1]
         q = np.sqrt(distance2(dx, dy, table[k, 2], table[k, 3], table[k, 6]))
-        if q < FLANK_SIGMA:
-            return True
         outside = np.sqrt(dx * dx + dy * dy) * (1.0 - FLANK_SIGMA / q)
-        if outside < FLANK_SIGMA and height < WING_FRACTION * table[k, 11]:
-            return True
-    return False
+        in_wings = outside < FLANK_SIGMA and height < WING_FRACTION * table[k, 11]
+        if q < FLANK_SIGMA or in_wings:
+            narrowest = table[k, 5] if narrowest == 0.0 else min(narrowest, table[k, 5])
+    return narrowest
 
 
 @kernel
@@ -170,6 +187,8 @@ def _is_misplaced(
     if away > WINDOW_SIGMA + margin:
         return True
     for k in range(table.shape[0]):
+        if table[k, 5] > GLOW_WIDTH_RATIO * blob[4]:
+            continue  # a glow, which has its middle anywhere
         dx, dy = x - table[k, 0], y - table[k, 1]
         if distance2(dx, dy, table[k, 2], table[k, 3], table[k, 6]) < 1.0:
             return True

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
@@ -54,6 +55,8 @@ class Periodic:
     """
 
     locked = False
+    surveys = False
+    warning = ''
 
     def __init__(
         self,
@@ -97,12 +100,18 @@ class Periodic:
         self._new_frames = 0
         return self._demodulate(list(block))
 
+    def skip(self, frame: Frame) -> None:
+        """Do nothing: it is as if the frame had not come."""
+
     def region(self, contrast: Contrast) -> Box:
         """Return the whole frame."""
         return whole(contrast.shape)
 
     def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
         """Return None: the whole frame is searched in any case."""
+
+    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Do nothing: `choose` had the whole frame."""
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]
@@ -137,7 +146,7 @@ class Periodic:
         # The fewer of lit and unlit frames, but for those that an edge may run through.
         part = min(self.duty, 1.0 - self.duty)
         last = block[-1]
-        count = max(min(int(part * len(block) - 0.5), most_frames(last.saturation)), 1)
+        count = max(min(int(part * len(block) - 0.5), most_frames(last.sample_saturation)), 1)
         # In the middle of the frames that are lit, as the sum of their exposures is.
         lit = [block[index] for index in sorted(order[-count:])]
         unlit = [block[index] for index in sorted(order[:count])]
@@ -149,9 +158,9 @@ class Periodic:
             np.asarray(picture),
             np.full(own.shape, ZERO_LEVEL, np.uint16),
             2 * ZERO_LEVEL,
-            Frame(last.image, middle, last.saturation, last.x0, last.y0, last.binning),
-            tuple(each.image for each in lit),
-            tuple(each.image for each in unlit),
+            replace(last, stamp_ns=middle),
+            tuple(each.samples for each in lit),
+            tuple(each.samples for each in unlit),
             LEAST_NOISE_DN * float(np.sqrt((weights[0] ** 2).sum())) / unit,
             unit,
             float(times[-1]),

@@ -110,7 +110,8 @@ def draw(detections: Detections) -> Picture:
     in_words = paragraphs(_in_words(detections.candidates, words, room), words)
     below = side_by_side(insets, in_words)
     colour = FOUND if detections.windows else REJECTED
-    parts = [panels, paragraphs([(state, colour)], panels.shape[1]), below]
+    said = [(state, colour), *((each, REJECTED) for each in detections.warnings)]
+    parts = [panels, paragraphs(said, panels.shape[1]), below]
     return np.pad(stack(parts), [(0, 0), (GAP_PX, GAP_PX), (0, 0)], constant_values=PAPER[0])
 
 

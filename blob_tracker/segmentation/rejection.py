@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+import math
+
 from blob_tracker.segmentation.candidate import Candidate
 
 # The four neighbours of the peak pixel have a third of its height where sigma is 0.6 px, and more
 # where it is wider; those of a hot pixel have none but noise.
 LEAST_NEIGHBOUR_RATIO = 0.1
 # Times as long as wide: a moving edge, a glint's streak or a band is longer, as far as adaptive
-# moments follow (2.6).
+# moments follow (2.6); but for a streak that has a level and two ends.
 MAX_ELONGATION = 2.5
 NARROWEST_PX = 0.7  # px: below it the width is that of the pixel, and noise decides
 MAX_MISFIT = 0.5  # a clipped or a square blob leaves 0.3; half a blob, an edge or a ring more
@@ -27,6 +30,10 @@ FOLLOWED_ALLOWANCE = 3.0
 MAX_FALL_RATIO = 0.5
 # Standard deviations: the mean of 2 x 2 pixels falls by 2.5 at most by noise
 NOISE_FALL_SIGMA = 4.0
+
+# Haze and walls are lit up far about a light: what holds a blob that is so many times narrower
+GLOW_WIDTH_RATIO = 3.0
+GLOW_REACH_SIGMA = 3.0  # within so many sigma of its middle is the glow of that one
 
 
 def reject(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
@@ -51,7 +58,8 @@ def reject(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
     height = candidate.height
     if candidate.neighbour_ratio < LEAST_NEIGHBOUR_RATIO:
         return f'a lone pixel rose by {height:.0f} DN: it is hot, or was hit by a particle'
-    if candidate.sigma_major > MAX_ELONGATION * max(candidate.sigma_minor, NARROWEST_PX):
+    long = candidate.sigma_major > MAX_ELONGATION * max(candidate.sigma_minor, NARROWEST_PX)
+    if long and not candidate.streak:
         return (
             f'what lit up is {candidate.sigma_major:.1f} px long and '
             f'{candidate.sigma_minor:.1f} px wide (sigma): an edge that moved, or a band'
@@ -61,9 +69,8 @@ def reject(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
             f'a rise of {height:.0f} DN beside a fall of {candidate.fall:.0f} DN: '
             'something moved, or the light was on in both frames'
         )
-    if candidate.misfit > (
-        MAX_MISFIT if candidate.sigma_minor > SAMPLED_SIGMA_PX else MAX_UNSAMPLED_MISFIT
-    ):
+    shaped = candidate.sigma_minor > SAMPLED_SIGMA_PX
+    if candidate.misfit > (MAX_MISFIT if shaped else MAX_UNSAMPLED_MISFIT):
         return (
             f'a rise of {height:.0f} DN that is no blob: a Gaussian leaves '
             f'{100 * candidate.misfit:.0f} % of it'
@@ -90,3 +97,35 @@ def reject(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
             'the sun or of a lamp'
         )
     return ''
+
+
+def without_glows(candidates: Sequence[Candidate]) -> tuple[Candidate, ...]:
+    """
+    Return the candidates with those rejected that are the glow of another one.
+
+    Parameters
+    ----------
+    candidates : sequence of Candidate
+        What lit up in one frame, rejected or not.
+
+    """
+    lights = [each for each in candidates if not each.rejected]
+    if len(lights) < 2:
+        return tuple(candidates)
+    narrowest = min(each.sigma_major for each in lights)
+    out = []
+    for each in candidates:
+        if not each.rejected and each.sigma_minor > GLOW_WIDTH_RATIO * narrowest:
+            for light in lights:
+                distance = math.hypot(light.x - each.x, light.y - each.y)
+                if (
+                    each.sigma_minor > GLOW_WIDTH_RATIO * light.sigma_major
+                    and distance < GLOW_REACH_SIGMA * each.sigma_major
+                ):
+                    each = each._replace(rejected=(
+                        f'a glow {each.sigma_major:.0f} px wide (sigma) about the light at '
+                        f'({light.x:.0f}, {light.y:.0f}): haze or a wall that it lights up'
+                    ))
+                    break
+        out.append(each)
+    return tuple(out)

@@ -9,9 +9,10 @@ from blob_tracker.kernel import Array
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.flood import flood_rise, whole_scene, without_flooded
 from blob_tracker.segmentation.illumination import relit
 from blob_tracker.segmentation.peaks import measure_peaks
-from blob_tracker.segmentation.rejection import reject
+from blob_tracker.segmentation.rejection import reject, without_glows
 from blob_tracker.types import Frame, Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,9 @@ SMALLEST_REGION_PX = 5  # px: less holds no blob with background about it
 LARGEST_SIGMA_PX = 64.0  # px: what is wider is no blob
 # Auto-exposure or a lamp: such a part of the scene's brightness came or went with the flash.
 EXPOSURE_JUMP = 0.25
+# DN that the level rises by where a flood is worth a look; where what was there is laid in new
+# light as well, the scene has become twice as bright at least, which no lamp or cloud does.
+LEAST_FLOOD_DN = 2.0
 JUMP_NOISE_SIGMA = 4.0  # standard deviations of a pixel that the level may move by itself
 JUMP_GLARE = 0.15  # of the strongest rise, which a wide blob may add to the level about it
 # rms over the rows, standard deviations of a pixel: of less the scene is not laid in new light.
@@ -107,9 +111,8 @@ def search(
         )
 
     table, gains, change, level, noise, brightness, strongest = measured(contrast.unlit)
-    reason = ''
+    reason, step = '', level
     if contrast.unlit_frames:
-        step = level
         if change > RELIGHTING_SIGMA * noise:
             table, _, _, level, noise, _, strongest = measured(
                 relit(contrast.unlit, gains, contrast.saturation)
@@ -120,6 +123,7 @@ def search(
             reason = (
                 f'the whole scene changed by {step:+.0f} DN from {brightness:.0f} DN between the '
                 'two frames: switch auto-exposure off'
+                + (', or the flood light that flashes in step' if step > 0.0 else '')
             )
     unit = contrast.unit
     if unit != 1.0:
@@ -130,7 +134,17 @@ def search(
         candidate = Candidate(*row)
         rejected = reject(candidate, followed, min_snr)
         candidates.append(candidate._replace(rejected=rejected) if rejected else candidate)
-    return SearchResult(tuple(candidates), level, noise, strongest, reason)
+    judged = without_glows(candidates)
+    # Near a target that is followed its own glow may be all over.
+    if contrast.unlit_frames and not followed and (
+        level > LEAST_FLOOD_DN or unit * step > max(LEAST_FLOOD_DN, brightness)
+    ):
+        rise = unit * flood_rise(contrast, region)
+        if rise > 0.0:
+            judged = without_flooded(judged, rise)
+            if all(each.rejected for each in judged):
+                reason = reason or whole_scene(rise)
+    return SearchResult(judged, level, noise, strongest, reason)
 
 
 def _threshold(region: Box) -> float:

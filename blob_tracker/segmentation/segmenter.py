@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from functools import partial
 from typing import NamedTuple
 
 from blob_tracker.segmentation.alternate import Alternate
-from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.black_core import without_black_cores
+from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.channel import ChannelChoice
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.detections import Detections
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.frame_stack import FrameStack
 from blob_tracker.segmentation.history import FrameError
+from blob_tracker.segmentation.repeated_frames import RepeatedFrames
 from blob_tracker.segmentation.search import NO_MASK, search, SearchResult
 from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
 from blob_tracker.types import Frame, Pixels, Window
@@ -58,6 +63,9 @@ class Segmenter:
         Windows of a still target that are summed into one, see `FrameStack`.
     mask : (h, w) array, optional
         0 where the target cannot be; of the frames' size.
+    channel : ChannelChoice, optional
+        Which colour of a colour camera's frames is searched; the one that flashes strongest where
+        it is left out.
 
     Attributes
     ----------
@@ -65,6 +73,10 @@ class Segmenter:
         Why the last frame gave no window; empty where it gave one.
     detections : Detections or None
         What was seen in the last frame that was compared with others.
+    repeated_frames : int
+        How many frames were left out because they showed the one before once more.
+    warnings : tuple of str
+        What is wrong though there may be a window: other lights that flash in step.
     unlit_pair : (array, array) or None
         Raw pixels of the last two frames without a light, where the last frame is one of them or
         ended a block that holds them. What differs in them is noise, or moved.
@@ -80,8 +92,10 @@ class Segmenter:
         max_blob: int = 128,
         looks: int = 1,
         mask: NDArray[np.generic] | None = None,
+        channel: ChannelChoice | None = None,
     ) -> None:
         self.flash = flash or Alternate()
+        self.channel = channel or ChannelChoice()
         self.threshold = threshold or threshold_by_name('sigma_window', sigmas=3.0, extension=2)
         self.min_snr = min_snr
         self.max_blob = max_blob
@@ -89,8 +103,20 @@ class Segmenter:
         self.detections: Detections | None = None
         self.unlit_pair: tuple[Pixels, Pixels] | None = None
         self._unlit: Frame | None = None
+        self._repeated = RepeatedFrames()
+        self._region: Box | None = None
         self._stack = FrameStack(looks)
         self._mask = NO_MASK if mask is None else np.ascontiguousarray(mask != 0, dtype=np.uint8)
+
+    @property
+    def repeated_frames(self) -> int:
+        """How many frames were left out because they showed the one before once more."""
+        return self._repeated.count
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is wrong though there may be a window: other lights that flash in step."""
+        return (self.flash.warning,) if self.flash.warning else ()
 
     def update(self, frame: Frame, expected: Expectation | None = None) -> Window | None:
         """
@@ -108,7 +134,7 @@ class Segmenter:
         Parameters
         ----------
         frame : Frame
-            The next frame of the same camera.
+            The next frame of the same camera, grey or with colours.
         expected : Expectation, optional
             Where a tracker expects the light that is followed: it is looked for there first, and
             as without where it is not there. The mode alternate heeds it; the others search the
@@ -124,24 +150,32 @@ class Segmenter:
         FrameError
             Where the stamp is not later than the last one (that frame is left out), the stamps
             jumped back or the size, crop or depth changed (this frame starts afresh), the mask is
-            of another size, or the sum of the looks does not fit into 16 bits.
+            of another size, the sum of the looks does not fit into 16 bits, or there is no such
+            channel.
 
         """
-        if self._mask.size > 0 and self._mask.shape != frame.image.shape:
+        if self._mask.size > 0 and self._mask.shape != frame.image.shape[:2]:
             raise FrameError(
                 f'the mask is {self._mask.shape[1]} x {self._mask.shape[0]} px and the frame '
                 f'{frame.image.shape[1]} x {frame.image.shape[0]}; they must be of one size'
             )
+        if self._repeated.push(frame):
+            self.flash.skip(frame)
+            self.reason = (
+                f'the frame is identical to the one before it, {self._repeated.count} so far: a '
+                'camera slower than its stamps, or a driver that repeats what it had'
+            )
+            return []
+        frame = self._in_channel(frame)
         before, self._unlit, self.unlit_pair = self._unlit, None, None
         contrast = self.flash.contrast(frame, expected)
         if contrast is None:
             self.reason = self.flash.reason
             return []
-        found = self._search(contrast)
+        contrast, found = self._search(contrast)
         wider = self.flash.widened(contrast, () if found.reason else found.candidates)
         if wider is not None:
-            contrast = wider
-            found = self._search(contrast)
+            contrast, found = self._search(wider)
         sightings: list[Sighting] = []
         windows: dict[str, Box] = {}
         if found.reason:
@@ -149,6 +183,8 @@ class Segmenter:
         else:
             chosen = self.flash.choose(contrast, found.candidates)
             self.reason = '' if chosen else self._reason_for_none(found)
+            if self.flash.surveys:
+                self._survey(contrast)
             for name, candidate in chosen:
                 box = self._window(contrast, candidate)
                 if box is None:
@@ -172,34 +208,59 @@ class Segmenter:
             windows,
             'locked' if self.flash.locked else 'lost',
             self.reason,
+            self.warnings,
         )
         return sightings
 
-    def _search(self, contrast: Contrast) -> SearchResult:
-        """Return what lit up in the region in which the target can be."""
-        region = self.flash.region(contrast)
+    def _in_channel(self, frame: Frame) -> Frame:
+        """Return the colour of a frame that is searched; begin afresh where it is another one."""
+        region = self._region if self.flash.locked else None
+        frame, before = self.channel.take(frame, region)
+        if before is not None:
+            self._unlit = None
+            with suppress(FrameError):  # which says that it begins afresh with this one
+                self.flash.contrast(before)
+        return frame
+
+    def _search(self, contrast: Contrast) -> tuple[Contrast, SearchResult]:
+        """Return what lit up in the region in which the target can be, and what it is seen in."""
+        self._region = region = self.flash.region(contrast)
         # Within the gate there is little room for chance.
         followed = self.flash.locked and 2 * region.size < contrast.lit.size
-        return search(
-            contrast,
-            region,
+        look = partial(
+            search,
+            region=region,
             min_snr=self.min_snr * (GATED_SNR_FRACTION if followed else 1.0),
             followed=followed,
-            mask=self._mask,
+            mask=self._mask if contrast.frame.mosaic is None else _of_cells(self._mask),
         )
+        found = look(contrast)
+        mended = without_black_cores(contrast, found.candidates)
+        return (contrast, found) if mended is None else (mended, look(mended))
+
+    def _survey(self, contrast: Contrast) -> None:
+        """Show the flash mode what lit up outside of the region as well."""
+        everything = search(
+            contrast, whole(contrast.shape), min_snr=self.min_snr, mask=self._mask
+        )
+        if not everything.reason:
+            self.flash.survey(contrast, everything.candidates)
 
     def _keep_unlit(
         self, frame: Frame, contrast: Contrast, before: Frame | None, *, lit: bool
     ) -> None:
         """Pair this frame with the unlit one before it, or take the unlit ones of a block."""
         if len(contrast.unlit_frames) > 1:
-            self.unlit_pair = contrast.unlit_frames[-2], contrast.unlit_frames[-1]
+            first, second = contrast.unlit_frames[-2:]
+            self.unlit_pair = _one_sample(first, frame), _one_sample(second, frame)
         elif lit:
             self._unlit = before
         else:
             self._unlit = frame
             if before is not None and frame.stamp_ns - before.stamp_ns <= MAX_UNLIT_INTERVAL_NS:
-                self.unlit_pair = before.image, frame.image
+                self.unlit_pair = (
+                    _one_sample(before.samples, before), _one_sample(frame.samples, frame)
+                )
 
     def _window(self, contrast: Contrast, candidate: Candidate) -> Box | None:
         """Return the window of the target, or None with the reason why there is none."""
@@ -225,3 +286,20 @@ class Segmenter:
             f'{found.strongest / found.noise:.1f} times the noise; the SNR asked for in the '
             f'matched filter is {self.min_snr:g} (min_snr)'
         )
+
+
+def _one_sample(pixels: Pixels, frame: Frame) -> Pixels:
+    """Return raw pixels of one kind: of each cell of a mosaic the first of its colour."""
+    if frame.mosaic is None:
+        return pixels
+    row, column = np.argwhere(frame.mosaic.sites)[0]
+    return np.ascontiguousarray(pixels[row::2, column::2])
+
+
+def _of_cells(mask: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return the mask of cells of 2 x 2 pixels: 0 where it is 0 in any of the four."""
+    rows, columns = (size // 2 * 2 for size in mask.shape)
+    whole = mask[:rows, :columns]
+    return np.ascontiguousarray(
+        whole[::2, ::2] & whole[::2, 1::2] & whole[1::2, ::2] & whole[1::2, 1::2]
+    )

@@ -33,6 +33,8 @@ class Steady:
     """
 
     locked = False
+    surveys = False
+    warning = ''
 
     def __init__(self, *, max_pair_interval: float = 0.1) -> None:
         self.reason = 'no frame yet'
@@ -50,10 +52,16 @@ class Steady:
 
         """
         self._history.push(frame)
-        image = self._history.frames[-1].image
+        kept = self._history.frames[-1]
+        image = kept.image
         if self._nothing.shape != image.shape or self._nothing.dtype != image.dtype:
             self._nothing = np.zeros_like(image)
-        return Contrast(image, self._nothing, frame.saturation, frame, (image,), (), ROUNDING_DN)
+        return Contrast(
+            image, self._nothing, frame.saturation, frame, (kept.samples,), (), ROUNDING_DN
+        )
+
+    def skip(self, frame: Frame) -> None:
+        """Do nothing: it is as if the frame had not come."""
 
     def region(self, contrast: Contrast) -> Box:
         """Return the whole frame."""
@@ -61,6 +69,9 @@ class Steady:
 
     def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
         """Return None: the whole frame is searched in any case."""
+
+    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Do nothing: `choose` had the whole frame."""
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from blob_tracker import CameraModel, Frame, Pipeline
 from blob_tracker.calibration.noise_level_function import NoiseLevelFunction
+from blob_tracker.location import Locator
 from blob_tracker.location.noise import pixel_variance
 from blob_tracker.pipeline import window_to_bearing
 from blob_tracker.simulation import (
@@ -248,11 +249,13 @@ def tracked_nees(
                 line = measured.line()
                 pipeline.noise = noise if line is None else line.noise
 
+    locator = Locator(method)
+
     def unchecked() -> Iterator[Bearing]:
         for frame in frames():
             window = pipeline.segmenter.update(frame)
             if window is not None:
-                yield window_to_bearing(window, model, method=method, noise=noise)[1]
+                yield window_to_bearing(window, model, locator=locator, noise=noise)[1]
 
     nees = []
     for bearing in pipeline.run(frames()) if checked else unchecked():

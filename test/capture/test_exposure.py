@@ -4,7 +4,7 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from blob_tracker.capture import CaptureError, Control, ControlError, videodev2
-from blob_tracker.capture.exposure import adjust_exposure, lit_peak
+from blob_tracker.capture.exposure import adjust_exposure, lit_peak, peak_of_channel
 from blob_tracker.capture.exposure_search import Scale, search, TARGET, TOLERANCE
 from blob_tracker.simulation.light import pixel_integrated_gaussian
 from blob_tracker.types import Frame
@@ -264,3 +264,28 @@ def test_a_mode_that_is_inactive_is_left_alone(clock):
     sensor = Inactive(np.random.default_rng(0), clock, 0.5)
     assert 'exposure_auto' not in adjust_exposure(sensor, sensor.read).controls
     assert sensor.values['exposure_auto'] == 3
+
+
+@pytest.mark.parametrize('layout', ['rggb', 'bgr'])
+@pytest.mark.parametrize('channel', ['auto', 'red'])
+def test_a_red_light_is_not_clipped_in_red(layout, channel, clock):
+    # Green and blue see a twelfth of it: by their light, or luma, red would be far beyond full.
+    class Red(Sensor):
+        saturation = 255
+
+        def read(self):
+            frame = super().read()
+            weak = (frame.image // 12).astype(frame.image.dtype)
+            if layout == 'bgr':
+                image = np.dstack([weak, weak, frame.image])
+            else:
+                image = weak.repeat(2, axis=0).repeat(2, axis=1)
+                image[::2, ::2] = frame.image
+            return replace(frame, image=image, layout=layout)
+
+    sensor = Red(np.random.default_rng(1), clock, 2.0)
+    outcome = adjust_exposure(sensor, sensor.read, channel=channel)
+    assert outcome.found, outcome.words
+    assert sensor.peak(sensor.values) == pytest.approx(TARGET, abs=2 * TOLERANCE)
+    frame = sensor.read()
+    assert peak_of_channel(frame, 'green') < 0.1

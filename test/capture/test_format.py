@@ -102,4 +102,26 @@ def test_the_range_of_the_levels_tells_where_they_are_clipped(name, quantization
     assert found.saturation == saturation
     grey = np.full(found.stride * 2, 100, np.uint8)
     grey[0] = saturation  # red, or the luma, of the first pixel
-    assert (found.luma(grey.tobytes()) >= saturation).sum() == 1
+    assert (found.picture(grey.tobytes()) >= saturation).sum() == 1
+
+
+@pytest.mark.parametrize(('channel', 'layout', 'binning'), [
+    ('luma', 'grey', 1), ('auto', 'rgb', 1), ('red', 'rgb', 1),
+])
+def test_colours_are_read_where_they_are_asked_for(channel, layout, binning):
+    camera = Webcam({'RGB3': [(4, 2)]}, ('RGB3', 4, 2))
+    found = set_format(
+        camera, '/dev/video0', videodev2.BUF_TYPE_VIDEO_CAPTURE, 0, 0, '', channel)
+    assert (found.layout, found.binning) == (layout, binning)
+    picture = found.picture(bytes(range(24)))
+    assert picture.shape == ((2, 4) if layout == 'grey' else (2, 4, 3))
+
+
+def test_a_colour_of_a_format_without_is_refused():
+    # Not luma in its place: the light might be dark in it.
+    camera = Webcam({'YUYV': [(4, 2)]}, ('YUYV', 4, 2))
+    with pytest.raises(CaptureError, match='channel is red and YUYV has no colour for each pixel'):
+        set_format(camera, '/dev/video0', videodev2.BUF_TYPE_VIDEO_CAPTURE, 0, 0, '', 'red')
+    found = set_format(
+        camera, '/dev/video0', videodev2.BUF_TYPE_VIDEO_CAPTURE, 0, 0, '', 'auto')
+    assert found.layout == 'grey'

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from blob_tracker.location import Estimates, locate_batch
 from blob_tracker.location.pulse import integrated_profile
@@ -26,7 +27,7 @@ class Scene:
     noise: SensorNoise
     saturation: int
 
-    def locate(self, method: str, **options: bool) -> Estimates:
+    def locate(self, method: str, **options: Any) -> Estimates:
         """Locate every window by a method."""
         return locate_batch(
             self.lit, self.unlit, method=method, noise=self.noise,

@@ -267,3 +267,145 @@ def test_of_two_flashes_the_greater_snr_is_taken() -> None:
     camera.see(start + 11)
     chosen = camera.see(start + 12, light(0)._replace(snr=400.0), other)
     assert chosen is not None and chosen.peak == (500, 300)
+
+
+@pytest.mark.parametrize('count', [31, 40, 100, 300, 900])
+def test_the_brightest_of_a_crowd_in_step_is_found(count: int) -> None:
+    """Dots of a projector: more than are kept, seen in any order."""
+    random = np.random.default_rng(count)
+    places = random.permutation([(x, y) for x in range(8, 640, 16) for y in range(150, 480, 12)])
+    heights = random.uniform(50.0, 100.0, count)
+    dots = [
+        candidate_at(int(x), int(y), height=height, snr=height)
+        for (x, y), height in zip(places, heights)
+    ]
+    target = light(0)._replace(height=150.0, snr=150.0)
+    camera = Camera()
+    found = []
+    for index in range(40):
+        shown = random.permutation(np.array([*dots, target], dtype=object)).tolist()
+        chosen = camera.see(index, *(Candidate(*each) for each in shown if index % 2 == 0))
+        if chosen is not None:
+            assert chosen.peak == target.peak
+            found.append(index)
+    # Seven flashes confirm it at most: at the first one all of the crowd is new.
+    assert found == list(range(found[0], 40, 2)) and found[0] <= 12
+
+
+@pytest.mark.parametrize('count', [20, 40])
+def test_a_light_among_glints_in_every_frame_is_found(count: int) -> None:
+    """As bright as they are, and none of them is taken for it."""
+    random = np.random.default_rng(count)
+    camera = Camera()
+    found = []
+    for index in range(200):
+        places = random.integers((0, 130), (640, 480), (count, 2))
+        glints = [
+            candidate_at(int(x), int(y), height=height, sigma_x=1.2, sigma_y=1.2)
+            for (x, y), height in zip(places, random.uniform(50.0, 150.0, count))
+        ]
+        chosen = camera.see(index, *glints, *([light(0)] if index % 2 == 0 else []))
+        if chosen is not None:
+            assert chosen.peak == (200, 100)
+            found.append(index)
+    assert found == list(range(found[0], 200, 2)) and found[0] <= 40
+
+
+def test_chance_confirms_nothing_among_glints_in_every_frame() -> None:
+    """20 of them a frame, anywhere in a small one; in 1500 frames one chosen at most."""
+    random = np.random.default_rng(11)
+    camera = Camera((240, 320))
+    chosen = 0
+    for index in range(1500):
+        places = random.integers(0, (320, 240), (20, 2))
+        chosen += camera.see(
+            index, *(candidate_at(int(x), int(y), sigma_x=1.2, sigma_y=1.2) for x, y in places)
+        ) is not None
+    assert chosen <= 1
+
+
+def two_lights(index: int, *, hidden: bool, ratio: float = 0.5, distance: float = 40.0):
+    """Return the lights of a frame: the target unless it is hidden, and its reflection."""
+    if index % 2:
+        return []
+    target = light(0)
+    other = candidate_at(
+        round(200 + distance), 100,
+        height=100.0 * ratio, snr=100.0 * ratio, amplitude=100.0 * ratio,
+    )
+    return [other] if hidden else [target, other]
+
+
+class Surveyor(Camera):
+    """Frames of which the region is searched first, and the rest where it is asked for."""
+
+    def look(self, index: int, *candidates: Candidate) -> Candidate | None:
+        """Take the frame of this index; return what is chosen in it."""
+        self.confirmation.push(10**9 + round(index * STEP_NS))
+        region = self.confirmation.region(self.shape)
+        inside = [
+            each for each in candidates
+            if region.x0 <= each.x < region.x1 and region.y0 <= each.y < region.y1
+        ]
+        chosen = self.confirmation.choose(inside, self.shape)
+        if self.confirmation.surveys:
+            self.confirmation.survey(candidates, region)
+        return chosen
+
+
+@pytest.mark.parametrize('hidden', [1, 2, 5, 10, 15])
+@pytest.mark.parametrize('ratio, distance', [
+    (0.5, 40.0), (0.5, 20.0), (0.5, 150.0), (0.75, 60.0), (1.0, 60.0)
+])
+def test_a_target_that_was_hidden_is_returned_to(
+    hidden: int, ratio: float, distance: float
+) -> None:
+    """And until then nothing is taken for it."""
+    camera = Surveyor()
+    turn = 60 + 2 * hidden
+    for index in range(4 * turn):
+        away = index % turn >= 60
+        lights = two_lights(index, hidden=away, ratio=ratio, distance=distance)
+        chosen = camera.look(index, *lights)
+        if chosen is not None:
+            assert chosen.peak == (200, 100)
+        if away and index % 2 == 0 and index % turn >= 70:
+            assert 'another light flashes in step' in camera.confirmation.reason
+        if index > turn and 12 <= index % turn < 60 and index % 2 == 0:
+            assert chosen is not None
+    assert '2 lights flash in step' in camera.confirmation.warning
+
+
+def test_a_reflection_that_is_seen_first_is_left_for_the_brighter_light() -> None:
+    """It is a light by itself for the first half second."""
+    camera = Surveyor()
+    for index in range(100):
+        chosen = camera.look(index, *two_lights(index, hidden=index < 30))
+        if index % 2 == 0 and index >= 40:
+            assert chosen is not None and chosen.peak == (200, 100)
+
+
+def test_a_light_that_stays_the_only_one_is_taken_after_a_second() -> None:
+    """And left for the target once that is back, ten seconds later."""
+    camera = Surveyor()
+    chosen_at = {}
+    for index in range(1000):
+        chosen = camera.look(index, *two_lights(index, hidden=100 <= index < 700))
+        if chosen is not None:
+            chosen_at[index] = chosen.peak[0]
+    assert {peak for index, peak in chosen_at.items() if index < 100} == {200}
+    assert not {index for index in chosen_at if 100 <= index < 158}
+    assert {peak for index, peak in chosen_at.items() if 100 <= index < 700} == {240}
+    assert min(index for index, peak in chosen_at.items() if peak == 240) <= 170
+    assert {chosen_at.get(index) for index in range(710, 1000, 2)} == {200}
+
+
+def test_a_light_that_jumps_alone_is_not_waited_for() -> None:
+    """Nothing flashed beside it: what flashes elsewhere in step from then on is the light."""
+    camera = Surveyor()
+    found = []
+    for index in range(100):
+        x = 200 if index < 60 else 330
+        if camera.look(index, *([candidate_at(x, 100)] if index % 2 == 0 else [])) is not None:
+            found.append(index)
+    assert [index for index in found if index >= 60][0] <= 68

@@ -147,6 +147,22 @@ def ring_of(radius: float) -> tuple[np.ndarray, np.ndarray]:
     return even(), even() + 100 * np.exp(-((np.hypot(x - 80.3, y - 60.2) - radius) / 3.0) ** 2)
 
 
+def arc_of(radius: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a rise on half a ring."""
+    unlit, lit = ring_of(radius)
+    y, x = np.mgrid[:SHAPE[0], :SHAPE[1]]
+    missing = x + y > 140.5
+    return unlit, np.where((radius > 0.0) & missing, unlit, lit)
+
+
+def streak_of(length: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a light that was dragged along a slanted line."""
+    way = np.linspace(-0.5, 0.5, 101)[:, None] * length / np.sqrt(2)
+    return even(), even() + 100 * np.mean([
+        blob(80.3 + along, 60.2 + along, 1.5) for along in way[:, 0]
+    ], axis=0) * max(length / 4.0, 1.0)
+
+
 def lamp_of(standing: float) -> tuple[np.ndarray, np.ndarray]:
     """Return a rise of 60 DN on a light that was there before."""
     light = blob(80.3, 60.2, 2.5)
@@ -165,16 +181,28 @@ def beside_the_clipped(level: float) -> tuple[np.ndarray, np.ndarray]:
     (pixel_of, 0.3, 0.0, r'a lone pixel rose by 1\d\d DN'),
     (bar_of, 4.0, 9.0, r'\d.\d px long and \d.\d px wide'),
     (light_that_moved, 0.3, 0.8, 'something moved, or the light was on in both frames'),
-    (ring_of, 0.0, 10.0, 'that is no blob: a Gaussian leaves'),
+    (arc_of, 0.0, 10.0, 'that is no blob: a Gaussian leaves'),
     (lamp_of, 40.0, 100.0, r'on \d+ DN that were there before: a lamp that flickers'),
     (beside_the_clipped, 120.0, 300.0, 'clipped before: the rim of the sun'),
-], ids=['hot pixel', 'edge', 'moving light', 'ring', 'lamp', 'rim'])
+], ids=['hot pixel', 'edge', 'moving light', 'arc', 'lamp', 'rim'])
 def test_each_rule_has_its_pixels(make, target: float, clutter: float, words: str) -> None:
     """The same pixels, but for what the rule asks for, may be a target."""
     assert one(*make(target)).rejected == ''
     found = one(*make(clutter))
     assert found.rejected
     assert re.search(words, found.rejected), found.rejected
+
+
+@pytest.mark.parametrize('make, size', [
+    (ring_of, 6.0), (ring_of, 10.0), (streak_of, 8.0), (streak_of, 14.0), (streak_of, 20.0),
+])
+def test_a_light_out_of_focus_or_on_the_move_is_a_target(make, size: float) -> None:
+    """It is even about its middle, or has a level and two ends."""
+    found = one(*make(size))
+    assert found.rejected == ''
+    # A window of 3 sigma about it holds all of it.
+    assert abs(found.x - 80.3) < 0.5
+    assert abs(found.y - 60.2) < 0.5
 
 
 @pytest.mark.parametrize('changes, words', [

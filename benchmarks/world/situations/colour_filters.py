@@ -44,7 +44,7 @@ SITUATIONS = [
         16, 'red light, ' + ('demosaiced luma' if luma else 'raw RGGB mosaic'),
         f'sigma {sigma:g} px, {peak:g} DN',
         partial(frames, sigma=sigma, peak=peak, luma=luma),
-        r'bayer|mosaic|colou?r|channel', channel='grey of rggb, red' if luma else 'rggb, red',
+        r'bayer|mosaic|colou?r|channel', layout='grey' if luma else 'rggb',
     )
     for luma in (False, True)
     for sigma, peak in ((0.7, PEAK), (1.2, PEAK), (2.0, PEAK), (1.5, 40.0))

@@ -7,7 +7,8 @@ from dataclasses import replace
 from functools import partial
 
 from benchmarks.world.light import digitised, flashing, plain
-from benchmarks.world.situation import Floats, PEAK, Shot, Situation
+from benchmarks.world.situation import Floats, PEAK, SHAPE, Shot, Situation
+from blob_tracker.capture.pixel_formats.jpeg import luma_quantisation
 from blob_tracker.types import Pixels
 import cv2
 import numpy as np
@@ -26,8 +27,10 @@ def frames(
         )
         return np.asarray(cv2.imdecode(data, cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
 
+    _, data = cv2.imencode('.jpg', np.zeros(SHAPE, np.uint8), [cv2.IMWRITE_JPEG_QUALITY, quality])
+    steps = luma_quantisation(data.tobytes())
     for shot in flashing(count, random, partial(plain, peak=peak), develop=develop):
-        yield replace(shot, model=None)
+        yield replace(shot, model=None, quantisation=steps)
 
 
 SITUATIONS = [

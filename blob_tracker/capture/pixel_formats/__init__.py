@@ -8,7 +8,7 @@ from collections.abc import Callable
 from functools import partial
 
 from blob_tracker.capture.pixel_formats import bayer, grey, jpeg, packed, rgb, yuv
-from blob_tracker.capture.pixel_formats.pixel_format import PixelData, PixelFormat
+from blob_tracker.capture.pixel_formats.pixel_format import Decoder, PixelData, PixelFormat
 from blob_tracker.types import Pixels
 
 __all__ = ['PIXEL_FORMATS', 'PixelData', 'PixelFormat']
@@ -27,9 +27,15 @@ _BAYER = (
 )
 
 
-def _rgb(luma: Callable[..., Pixels]) -> PixelFormat:
+def _rgb(luma: Callable[..., Pixels], colours: Decoder, layout: str) -> PixelFormat:
     return PixelFormat(
-        luma, 255, limited_range=PixelFormat(partial(luma, saturation=235), 235))
+        luma, 255, colours=colours, layout=layout, colour_saturation=255,
+        limited_range=PixelFormat(
+            partial(luma, saturation=235), 235, colours=colours, layout=layout,
+            colour_saturation=235))
+
+
+_JPEG = PixelFormat(jpeg.jpeg, 255, compressed=True, quantisation=jpeg.luma_quantisation)
 
 
 # The four-character code, as `v4l2-ctl --list-formats` prints it -> the format.
@@ -57,18 +63,19 @@ PIXEL_FORMATS = {
             'NM12', 'NM21', 'NM16', 'NM61', 'YM12', 'YM21', 'YM16', 'YM61', 'YM24', 'YM42',
         )
     },
-    'RGB3': _rgb(rgb.rgb24),
-    'BGR3': _rgb(rgb.bgr24),
-    **{name: _rgb(rgb.rgbx32) for name in ('AB24', 'XB24')},
-    **{name: _rgb(rgb.bgrx32) for name in ('BGR4', 'AR24', 'XR24')},
-    **{name: _rgb(rgb.xrgb32) for name in ('RGB4', 'BA24', 'BX24')},
-    **{name: _rgb(rgb.xbgr32) for name in ('RA24', 'RX24')},
+    'RGB3': _rgb(rgb.rgb24, rgb.three, 'rgb'),
+    'BGR3': _rgb(rgb.bgr24, rgb.three, 'bgr'),
+    **{name: _rgb(rgb.rgbx32, rgb.first_three, 'rgb') for name in ('AB24', 'XB24')},
+    **{name: _rgb(rgb.bgrx32, rgb.first_three, 'bgr') for name in ('BGR4', 'AR24', 'XR24')},
+    **{name: _rgb(rgb.xrgb32, rgb.last_three, 'rgb') for name in ('RGB4', 'BA24', 'BX24')},
+    **{name: _rgb(rgb.xbgr32, rgb.last_three, 'bgr') for name in ('RA24', 'RX24')},
     **{
         name: PixelFormat(
-            bayer.green(samples, first, bits), bayer.saturation(bits), binning=2)
+            bayer.green(samples, first, bits), bayer.saturation(bits), binning=2,
+            colours=samples, layout=layout, colour_saturation=(1 << bits) - 1)
         for bits, samples, names in _BAYER
-        for first, name in zip((0, 0, 1, 1), names)
+        for first, layout, name in zip((0, 0, 1, 1), ('grbg', 'gbrg', 'rggb', 'bggr'), names)
     },
-    'MJPG': PixelFormat(jpeg.jpeg, 255, compressed=True),
-    'JPEG': PixelFormat(jpeg.jpeg, 255, compressed=True),
+    'MJPG': _JPEG,
+    'JPEG': _JPEG,
 }

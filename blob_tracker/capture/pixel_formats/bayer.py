@@ -21,7 +21,8 @@ the size of the full sensor with binning_x = binning_y = 2: pixel x of the pictu
 at x0 + 2 (x + 0.5) - 0.5, between the two samples. An odd last row or column is left out.
 
 Green passes near infrared as the other two do, and white light; of a deep red light it sees
-a tenth or less: for that a camera without colour is the right one.
+a tenth or less: for that the red samples are there, which this picture leaves out and
+`PixelFormat.colours` does not.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from __future__ import annotations
 from functools import partial
 
 from blob_tracker.capture.pixel_formats.pixel_format import Decoder, PixelData
+from blob_tracker.colour import summed
 from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -59,14 +61,7 @@ def _green(
         raise ValueError(f'{width}x{height} pixels have no cell of 2 x 2')
     every: Pixels = samples(data, width, height, stride)
     every = every[:height // 2 * 2, :width // 2 * 2]
-    upper = every[::2, first::2].astype(np.uint16)
-    lower = every[1::2, 1 - first::2].astype(np.uint16)
-    clipped = np.maximum(upper, lower) >= (1 << bits) - 1
-    if bits == 16:
-        total = (upper & lower) + ((upper ^ lower) >> 1)
-    else:
-        total = upper + lower
-    total[clipped] = saturation(bits)
+    total, _ = summed(every[::2, first::2], every[1::2, 1 - first::2], (1 << bits) - 1)
     return total
 
 

@@ -10,7 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 _START, _SCAN, _END = b'\xff\xd8', b'\xff\xda', b'\xff\xd9'
+_TABLES = b'\xff\xdb'
 _FRAMES = (b'\xff\xc0', b'\xff\xc1', b'\xff\xc2')  # baseline, extended, progressive
+_SIDE = 8  # px of a block
+# The coefficients in the order of the file: along the diagonals, to and fro (T.81, figure 5).
+_ZIGZAG = sorted(range(_SIDE**2), key=lambda at: (
+    at // _SIDE + at % _SIDE,
+    at // _SIDE if (at // _SIDE + at % _SIDE) % 2 else at % _SIDE,
+))
 # Among the pixels 0xff stands before 0x00, before the number of a restart, or before another.
 _MARKER = re.compile(rb'\xff[^\x00\xd0-\xd7\xff]')
 
@@ -20,7 +27,8 @@ def jpeg(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.ui
     Return the Y of a JPEG; `stride` means nothing here.
 
     Its levels are of full range (JFIF): clipped at 255. Blocks of 8 x 8 pixels are rounded
-    together, so the noise is not that of independent pixels: prefer an uncompressed format.
+    together, see `luma_quantisation`, so the noise is not that of independent pixels: prefer an
+    uncompressed format.
 
     Raises
     ------
@@ -38,6 +46,62 @@ def jpeg(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.ui
     if luma is None or luma.shape != (height, width):
         raise ValueError('the JPEG cannot be decoded')
     return np.asarray(luma, np.uint8)
+
+
+def luma_quantisation(data: PixelData) -> NDArray[np.uint16]:
+    """
+    Return the steps in which a JPEG keeps the coefficients of its luma.
+
+    Parameters
+    ----------
+    data : bytes
+        The file or buffer; nothing past its first scan is looked at.
+
+    Returns
+    -------
+    (8, 8) array
+        Steps by row (vertical frequency) and column (horizontal frequency), DN of an orthonormal
+        cosine transform (ITU-T T.81, A.3.3 and A.3.4).
+
+    Raises
+    ------
+    ValueError
+        There is no such table before the first scan.
+
+    """
+    picture = bytes(data)
+    tables: dict[int, NDArray[np.uint16]] = {}
+    luma: int | None = None
+    place = len(_START)
+    while (marker := picture[place:place + 2]) != _SCAN:
+        length = int.from_bytes(picture[place + 2:place + 4], 'big')
+        if len(marker) < 2 or marker[0] != 0xff or length < 2:
+            raise ValueError('the JPEG is cut short or damaged: it has no scan')
+        content = picture[place + 4:place + 2 + length]
+        if marker == _TABLES:
+            tables |= _quantisation(content)
+        elif marker in _FRAMES and len(content) >= 9:
+            luma = content[8]  # of its first component, which is Y
+        place += 2 + length
+    if luma not in tables:
+        raise ValueError('the JPEG has no table of its luma')
+    return tables[luma]
+
+
+def _quantisation(content: bytes) -> dict[int, NDArray[np.uint16]]:
+    """Return the tables of a segment by their number."""
+    tables = {}
+    place = 0
+    while place < len(content):
+        kind = np.dtype('>u2' if content[place] >> 4 else 'u1')
+        first, last = place + 1, place + 1 + kind.itemsize * _SIDE**2
+        if last > len(content):
+            raise ValueError('the JPEG is damaged: a table is cut short')
+        table = np.empty(_SIDE**2, np.uint16)
+        table[_ZIGZAG] = np.frombuffer(content[first:last], kind)
+        tables[content[place] & 15] = table.reshape(_SIDE, _SIDE)
+        place = last
+    return tables
 
 
 def _end(picture: bytes, width: int, height: int) -> int:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import mmap
 
 from blob_tracker.types import Pixels
+import numpy as np
+from numpy.typing import NDArray
 
 PixelData = bytes | bytearray | memoryview | mmap.mmap
 # (data, width, height, stride) -> (height, width) array of DN
@@ -34,7 +36,16 @@ class PixelFormat:
         The format where the driver says that its levels use the limited range; None where that
         makes no difference.
     binning : int
-        Sensor pixels per pixel of the picture, along both axes.
+        Sensor pixels per pixel of the luma, along both axes.
+    colours : function or None
+        As `luma`, of the full size: the samples of a mosaic, or (height, width, n) colours. None
+        where the format has no colours, or not one for each pixel.
+    layout : str
+        What `colours` returns, see `blob_tracker.types.Frame`.
+    colour_saturation : int
+        The DN at which one of the colours is clipped.
+    quantisation : function or None
+        From the data of a compressed picture to the (8, 8) steps of its luma, DN.
     compressed : bool
         Whether the size of a picture in bytes is not known beforehand.
 
@@ -46,3 +57,7 @@ class PixelFormat:
     limited_range: PixelFormat | None = None
     binning: int = 1
     compressed: bool = False
+    colours: Decoder | None = None
+    layout: str = 'grey'
+    colour_saturation: int = 0
+    quantisation: Callable[[PixelData], NDArray[np.uint16]] | None = None

@@ -56,6 +56,23 @@ def xbgr32(
     return _luma(_pixels(data, width, height, stride, 8), cv2.COLOR_BGRA2GRAY, saturation)
 
 
+def three(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.uint8]:
+    """Return the (height, width, 3) colours of three bytes a pixel, in their order."""
+    return lines(data, 3 * width, height, stride).reshape(height, width, 3).copy()
+
+
+def first_three(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.uint8]:
+    """Return the (height, width, 3) colours of four bytes a pixel, the last of them left out."""
+    pixels = lines(data, 4 * width, height, stride).reshape(height, width, 4)
+    return np.asarray(cv2.cvtColor(pixels, cv2.COLOR_RGBA2RGB), np.uint8)
+
+
+def last_three(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.uint8]:
+    """Return the (height, width, 3) colours of four bytes a pixel, the first of them left out."""
+    pixels = lines(data, 4 * width, height, stride).reshape(height, width, 4)
+    return np.ascontiguousarray(pixels[..., 1:])
+
+
 def _pixels(
     data: PixelData, width: int, height: int, stride: int, leading: int = 0
 ) -> NDArray[np.uint32]:

@@ -1,6 +1,7 @@
 """What the camera node shows of itself."""
 
 from blob_tracker.capture import PIXEL_FORMATS
+from blob_tracker.nodes.interface.channel import CAMERA_CHANNEL
 from blob_tracker.nodes.interface.topics import (
     CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, FRAME_PICTURE,
 )
@@ -25,6 +26,7 @@ PARAMETERS = (
         'FourCC of the pixels; empty leaves the camera its own if it can be read uncompressed.',
         choices=('', *PIXEL_FORMATS),
     ),
+    CAMERA_CHANNEL,
     Parameter(
         'frame_rate',
         0.0,
@@ -95,7 +97,8 @@ INTERFACE = Interface(
         Service(
             'camera/find_exposure',
             'std_srvs/Trigger',
-            'search once for the exposure and gain that put the lit peak at 70 % of full scale',
+            'search once for the exposure and gain that put the lit peak, in the colour of the '
+            'light, at 70 % of full scale',
         ),
     ),
     examples=(

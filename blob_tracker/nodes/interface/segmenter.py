@@ -1,5 +1,6 @@
 """What the segmenter node shows of itself."""
 
+from blob_tracker.nodes.interface.channel import SEGMENTER_CHANNEL
 from blob_tracker.nodes.interface.saturation import SATURATION
 from blob_tracker.nodes.interface.topics import (
     CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, NOISE, SEGMENTER_PICTURE, TRACK, VISIBLE,
@@ -59,6 +60,15 @@ PARAMETERS = (
         'Bits of a code that may be wrong. Any two codes must differ by more than twice as many.',
         least=0,
         most=8,
+    ),
+    SEGMENTER_CHANNEL,
+    Parameter(
+        'jpeg_quality',
+        0,
+        'Quality (libjpeg) at which the frames were compressed as JPEG on their way here; its '
+        'rounding is then in the covariance. 0: not at all, or the camera in this process tells.',
+        least=0,
+        most=100,
     ),
     Parameter(
         'min_snr',

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from functools import partial
 import sys
 from threading import Lock
@@ -42,10 +43,14 @@ from blob_tracker.segmentation import (
     Segmenter,
     threshold_by_name,
 )
+from blob_tracker.segmentation.channel import ChannelChoice
+from blob_tracker.segmentation.compression import standard_quantisation
 from blob_tracker.segmentation.periodic import HIGHEST_FREQUENCY
 from blob_tracker.segmentation.picture import draw
 from blob_tracker.tracking import Track
 from blob_tracker.types import Frame, Window
+import numpy as np
+from numpy.typing import NDArray
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
@@ -105,6 +110,8 @@ class SegmenterNode(Node):
         self._gaps, self._losses = StampGaps(), Losses()
         self._last_detections = LastDetections()
         self._flash: tuple[dict[str, Any], Flash] | None = None
+        self._channel: tuple[str, ChannelChoice] | None = None
+        self._quantisation: NDArray[np.uint16] | None = None
         self._new_segmenter: Callable[[], Segmenter]
         self._newest_ns = -1  # of the stamps
         self._topics: dict[str, WindowTopics] = {}  # of all lights that there ever were
@@ -152,7 +159,14 @@ class SegmenterNode(Node):
             looks=values['looks'],
             mask=mask,
         )
-        segmenter = new_segmenter(flash=flash)
+        same = self._channel is not None and self._channel[0] == values['channel']
+        channel = (
+            self._channel[1] if self._channel is not None and same
+            else ChannelChoice(values['channel'])
+        )
+        segmenter = new_segmenter(flash=flash, channel=channel)
+        quality = values['jpeg_quality']
+        quantisation = standard_quantisation(quality) if quality else None
         lights = tuple(codes) if values['flash.mode'] == 'coded' else ('',)
         for name in lights:
             if name not in self._topics:
@@ -165,8 +179,12 @@ class SegmenterNode(Node):
         def use() -> None:
             with self._lock:
                 self._flash = asked, flash
+                self._channel = values['channel'], channel
+                self._quantisation = quantisation
                 self._segmenter = segmenter
-                self._new_segmenter = lambda: new_segmenter(flash=new_flash())
+                self._new_segmenter = lambda: new_segmenter(
+                    flash=new_flash(), channel=ChannelChoice(values['channel'])
+                )
                 self._late_ns = int(1e9 * values['max_pair_interval'])
                 self._saturation = values['saturation']
                 self._follow = follow
@@ -199,6 +217,7 @@ class SegmenterNode(Node):
         assert self._flash is not None
         self._segmenter = self._new_segmenter()
         self._flash = self._flash[0], self._segmenter.flash
+        self._channel = self._segmenter.channel.name, self._segmenter.channel
         self._newest_ns = -1
         self._last_detections.reset()
         for target in self._targets.values():
@@ -225,6 +244,8 @@ class SegmenterNode(Node):
                     f'the camera clips at {frame.saturation} DN; set saturation to that in '
                     'segmenter and locator',
                 )
+            if clipped.quantisation is None and self._quantisation is not None:
+                clipped = replace(clipped, quantisation=self._quantisation)
             self._segment(clipped, info, delivery.frame_id)
         self._health.arrived(frame.stamp_ns, came_ns)
         self._losses.add(self._gaps.missing(frame.stamp_ns))
@@ -260,6 +281,10 @@ class SegmenterNode(Node):
             for name, target in self._targets.items()
         ]
         self._health.count('frames')
+        for warning in self._segmenter.warnings:
+            self._health.fault(WARN, warning)
+        if frame.layout != 'grey':
+            self._health.show('channel', self._segmenter.channel.channel)
         if seen:
             self._health.ok('target in view')
         elif not any(visible):
@@ -299,6 +324,8 @@ class SegmenterNode(Node):
     def _describe(self) -> None:
         """Show in the diagnostics what the segmenter saw last."""
         self._health.show('missing frames', self._losses.total)
+        if self._segmenter.repeated_frames:
+            self._health.show('repeated frames', self._segmenter.repeated_frames)
         if self._losses.grave:
             self._health.fault(
                 WARN,

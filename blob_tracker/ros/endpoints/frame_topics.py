@@ -8,7 +8,7 @@ from blob_tracker.ros.diagnostics.health import ERROR, Health
 from blob_tracker.ros.endpoints.delivery import Deliver, Delivery
 from blob_tracker.ros.endpoints.qos import IMAGE_OUT, publisher
 from blob_tracker.ros.messages.camera_info import stamped
-from blob_tracker.ros.messages.image import from_pixels
+from blob_tracker.ros.messages.image import from_frame
 from blob_tracker.types import Frame
 import rclpy
 from rclpy.node import Node
@@ -69,4 +69,4 @@ class FrameTopics:
         if self._infos.get_subscription_count():
             self._infos.publish(info)
         if self._images.get_subscription_count():
-            self._images.publish(from_pixels(frame.image, frame.stamp_ns, frame_id, self._image))
+            self._images.publish(from_frame(frame, frame_id, self._image))

@@ -6,10 +6,10 @@ from array import array
 from collections.abc import Mapping
 from typing import Any
 
+from blob_tracker.colour import in_channel
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.stamp import from_ns, SECOND_NS, to_ns
-from blob_tracker.types import Frame, Pixels, Window
-import cv2
+from blob_tracker.types import BAYER, Frame, Pixels, PLANES, Window
 import numpy as np
 from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo, Image
@@ -21,18 +21,23 @@ _FRAMES = {
     'mono16': (np.uint16, 1),
     '16UC1': (np.uint16, 1),
 }
-_COLOURS = {  # and how OpenCV turns it into luma
-    'rgb8': (np.uint8, 3, cv2.COLOR_RGB2GRAY),
-    'bgr8': (np.uint8, 3, cv2.COLOR_BGR2GRAY),
-    'rgba8': (np.uint8, 4, cv2.COLOR_RGBA2GRAY),
-    'bgra8': (np.uint8, 4, cv2.COLOR_BGRA2GRAY),
+_COLOURS = {  # and the layout of a frame
+    **{f'{layout}8': (np.uint8, planes, layout)
+       for layout, planes in PLANES.items() if layout != 'yuv'},
+    **{f'bayer_{layout}{bits}': (kind, 1, layout)
+       for layout in BAYER for bits, kind in ((8, np.uint8), (16, np.uint16))},
 }
+# Two bytes a pixel, a luma and a chroma: which of the two the luma is, and the order of chromas.
+_PACKED = {
+    'yuv422': (1, 'uv'), 'uyvy': (1, 'uv'), 'yuv422_yuy2': (0, 'uv'), 'yuyv': (0, 'uv'),
+}
+# A plane of luma, and below it one of both chromas of half the height.
+_SEMIPLANAR = {'nv12': 'uv', 'nv21': 'vu'}
 _WINDOWS = {
-    '8UC1': (np.uint8, 1),
-    '8UC2': (np.uint8, 2),
-    '16UC1': (np.uint16, 1),
-    '16UC2': (np.uint16, 2),
+    f'{bits}UC{channels}': (kind, channels)
+    for bits, kind in ((8, np.uint8), (16, np.uint16)) for channels in (1, 2, 3)
 }
+STEPS = 16  # of a DN, in which a window's third channel tells the noise that was added
 
 
 def to_frame(image: Image, info: CameraInfo) -> Frame:
@@ -42,7 +47,8 @@ def to_frame(image: Image, info: CameraInfo) -> Frame:
     Parameters
     ----------
     image : Image
-        mono8, mono16, 8UC1 or 16UC1.
+        mono8, mono16, 8UC1, 16UC1; rgb8, bgr8, rgba8, bgra8; bayer_rggb8 and the other orders, of
+        8 or 16 bits; yuv422 (uyvy), yuv422_yuy2 (yuyv), nv12 or nv21.
     info : CameraInfo
         Gives hardware crop and binning.
 
@@ -58,10 +64,11 @@ def to_frame(image: Image, info: CameraInfo) -> Frame:
         says which and what would be right.
 
     """
-    pixels = _pixels(image, _FRAMES)
+    pixels, layout = _coloured(image)
     _check_region(image, info)
     return Frame(
         image=pixels,
+        layout=layout,
         stamp_ns=_stamp_ns(image),
         saturation=int(np.iinfo(pixels.dtype).max),
         x0=int(info.roi.x_offset),
@@ -77,7 +84,8 @@ def to_window(image: Image, info: CameraInfo) -> Window:
     Parameters
     ----------
     image : Image
-        8UC2 or 16UC2, lit and unlit; 8UC1 or 16UC1, lit alone.
+        8UC2 or 16UC2, lit and unlit; 8UC1 or 16UC1, lit alone; 8UC3 or 16UC3 as `from_window`
+        makes them.
     info : CameraInfo
         Its roi is the window's place on the sensor.
 
@@ -95,14 +103,27 @@ def to_window(image: Image, info: CameraInfo) -> Window:
     """
     pixels = _pixels(image, _WINDOWS)
     _check_region(image, info)
-    two = pixels.ndim == 3
+    full = np.iinfo(pixels.dtype).max
+    several = pixels.ndim == 3
+    unlit = pixels[..., 1] if several else None
+    sites, added_noise = None, 0.0
+    if several and pixels.shape[2] == 3:
+        assert unlit is not None
+        unlit = None if (unlit == full).all() else unlit
+        seen = pixels[..., 2] < full
+        if not seen.any():
+            raise MessageError('no pixel of the window sees the light: its third channel is full')
+        sites = None if seen.all() else seen
+        added_noise = float(pixels[..., 2][seen].max()) / STEPS
     return Window(
-        lit=pixels[..., 0] if two else pixels,
-        unlit=pixels[..., 1] if two else None,
+        lit=pixels[..., 0] if several else pixels,
+        unlit=unlit,
+        sites=sites,
+        added_noise=added_noise,
         x0=int(info.roi.x_offset),
         y0=int(info.roi.y_offset),
         stamp_ns=_stamp_ns(image),
-        saturation=int(np.iinfo(pixels.dtype).max),
+        saturation=int(full),
         binning=_binning(info),
     )
 
@@ -114,12 +135,12 @@ def to_pixels(image: Image) -> Pixels:
     Parameters
     ----------
     image : Image
-        mono8, mono16, 8UC1, 16UC1, rgb8, bgr8, rgba8 or bgra8; of rclpy or of rosbags.
+        As of `to_frame`; of rclpy or of rosbags.
 
     Returns
     -------
     (h, w) array of uint8 or uint16
-        Raw DN; luma where the image has colours.
+        Raw DN; luma where the image has colours, which of a Bayer mosaic is half as large.
 
     Raises
     ------
@@ -127,11 +148,23 @@ def to_pixels(image: Image) -> Pixels:
         Where encoding, size, step or data are wrong; says which and what would be right.
 
     """
-    encodings = _FRAMES | {name: (kind, n) for name, (kind, n, _) in _COLOURS.items()}
-    pixels = _pixels(image, encodings)
-    if pixels.ndim == 2:
-        return pixels
-    return np.asarray(cv2.cvtColor(pixels, _COLOURS[image.encoding][2]), dtype=pixels.dtype)
+    pixels, layout = _coloured(image)
+    frame = Frame(pixels, 0, int(np.iinfo(pixels.dtype).max), layout=layout)
+    try:
+        return in_channel(frame, 'luma').image
+    except ValueError as error:
+        raise MessageError(str(error)) from None
+
+
+def from_frame(frame: Frame, frame_id: str, message: Image | None = None) -> Image:
+    """Return the message of a frame, by its layout; arguments as those of `from_pixels`."""
+    message = from_pixels(frame.image, frame.stamp_ns, frame_id, message)
+    bits = 8 * frame.image.dtype.itemsize
+    if frame.layout in BAYER:
+        message.encoding = f'bayer_{frame.layout}{bits}'
+    elif frame.layout != 'grey':
+        message.encoding = f'{frame.layout}{bits}'
+    return message
 
 
 def from_pixels(
@@ -174,7 +207,21 @@ def from_pixels(
 
 
 def from_window(window: Window, frame_id: str) -> Image:
-    """Return the message of a window: channel 0 lit, channel 1 unlit, raw DN."""
+    """
+    Return the message of a window: channel 0 lit, channel 1 unlit, raw DN.
+
+    Where not all pixels see the light, or compression added noise, there is a channel 2: that
+    noise in 1/16 DN, full scale in a pixel that does not see the light. Channel 1 is then at full
+    scale where there is no unlit frame.
+    """
+    if window.sites is not None or window.added_noise > 0.0:
+        full = 2 ** (8 * window.lit.dtype.itemsize) - 1
+        noise = min(round(STEPS * window.added_noise), full - 1)
+        unlit = np.full_like(window.lit, full) if window.unlit is None else window.unlit
+        seen = True if window.sites is None else window.sites
+        third = np.where(np.broadcast_to(seen, window.lit.shape), noise, full)
+        planes = [window.lit, unlit, third.astype(window.lit.dtype)]
+        return from_pixels(np.dstack(planes), window.stamp_ns, frame_id)
     if window.unlit is None:
         image = from_pixels(window.lit, window.stamp_ns, frame_id)
         image.encoding = f'{8 * window.lit.dtype.itemsize}UC1'
@@ -222,8 +269,42 @@ def _check_region(image: Image, info: CameraInfo) -> None:
         )
 
 
-def _pixels(image: Image, encodings: Mapping[str, tuple[Any, int]]) -> Pixels:
-    """Return the (h, w) or (h, w, 2) pixels of an image, in the machine's byte order."""
+def _coloured(image: Image) -> tuple[Pixels, str]:
+    """Return the pixels of a frame's image and their layout."""
+    encoding = image.encoding.lower()
+    if encoding in _PACKED:
+        luma, order = _PACKED[encoding]
+        pairs = _pixels(image, {image.encoding: (np.uint8, 2)})
+        if image.width % 2:
+            raise MessageError(f'{image.encoding} is {image.width} px wide; it must be even')
+        chromas = pairs[..., 1 - luma].reshape(image.height, -1, 2)
+        return _yuv(pairs[..., luma], chromas, order), 'yuv'
+    if encoding in _SEMIPLANAR:
+        if image.width % 2 or image.height % 2:
+            raise MessageError(
+                f'{image.encoding} of {image.width} x {image.height} px; both must be even'
+            )
+        rows = _pixels(image, {image.encoding: (np.uint8, 1)}, image.height * 3 // 2)
+        chromas = rows[image.height:].reshape(image.height // 2, -1, 2)
+        return _yuv(rows[:image.height], chromas, _SEMIPLANAR[encoding]), 'yuv'
+    encodings = {name: (kind, n) for name, (kind, n, _) in _COLOURS.items()}
+    yuv = dict.fromkeys((*_PACKED, *_SEMIPLANAR), (np.uint8, 1))  # to be named among the others
+    pixels = _pixels(image, _FRAMES | encodings | yuv)
+    return pixels, _COLOURS[image.encoding][2] if image.encoding in _COLOURS else 'grey'
+
+
+def _yuv(luma: Pixels, chromas: Pixels, order: str) -> Pixels:
+    """Return (h, w, 3) Y, Cb, Cr: each chroma stands for the pixels that share it."""
+    height, width = luma.shape
+    shared = chromas[..., ::-1] if order == 'vu' else chromas
+    wide = np.repeat(np.repeat(shared, height // shared.shape[0], axis=0), 2, axis=1)
+    return np.dstack([luma, wide[:, :width]])
+
+
+def _pixels(
+    image: Image, encodings: Mapping[str, tuple[Any, int]], height: int = 0
+) -> Pixels:
+    """Return the (h, w) or (h, w, n) pixels of an image, in the machine's byte order."""
     if image.encoding not in encodings:
         raise MessageError(
             f"the encoding is {image.encoding!r:.40}; it must be {' or '.join(encodings)}"
@@ -237,15 +318,16 @@ def _pixels(image: Image, encodings: Mapping[str, tuple[Any, int]]) -> Pixels:
         raise MessageError(
             f'step is {image.step} bytes; {image.width} px of {image.encoding} need {row}'
         )
-    if len(image.data) != image.step * image.height:
+    height = height or image.height  # of all planes
+    if len(image.data) != image.step * height:
         raise MessageError(
             f'data has {len(image.data)} bytes; step * height is '
-            f'{image.step} * {image.height} = {image.step * image.height}'
+            f'{image.step} * {height} = {image.step * height}'
         )
-    rows = np.frombuffer(image.data, dtype=np.uint8).reshape(image.height, image.step)
+    rows = np.frombuffer(image.data, dtype=np.uint8).reshape(height, image.step)
     # A copy where needed: rows of 16 bits that begin at odd bytes cannot be looked at in place.
     pixels = np.require(rows[:, :row], requirements='C' if image.step % dtype.itemsize else None)
     pixels = pixels.view(dtype)
     if channels > 1:
-        pixels = pixels.reshape(image.height, image.width, channels)
+        pixels = pixels.reshape(height, image.width, channels)
     return pixels if dtype.isnative else pixels.astype(kind)

@@ -252,7 +252,9 @@ class ControlParameters:
         self._camera = None
         self.warnings = ()
 
-    def adjust_exposure(self, camera: V4l2Camera, read: Callable[[], Frame]) -> Outcome:
+    def adjust_exposure(
+        self, camera: V4l2Camera, read: Callable[[], Frame], channel: str
+    ) -> Outcome:
         """
         Search for the exposure and gain of a lit target; keep what was found as if it were set.
 
@@ -262,6 +264,8 @@ class ControlParameters:
             Open and streaming.
         read : function
             Returns its next frame.
+        channel : str
+            The colour of the light, see `blob_tracker.capture.exposure`.
 
         Raises
         ------
@@ -270,7 +274,7 @@ class ControlParameters:
 
         """
         try:
-            outcome = adjust_exposure(camera, read)
+            outcome = adjust_exposure(camera, read, channel=channel)
         finally:
             self._changed.trigger()  # also where it was broken off, and put back
         with self._lock:

@@ -6,6 +6,8 @@ import mmap
 
 from blob_tracker.capture import videodev2
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
+from blob_tracker.colour import in_channel
+from blob_tracker.types import Frame
 from hypothesis import given, settings, strategies as st
 import numpy as np
 import pytest
@@ -75,3 +77,20 @@ def test_nothing_behind_the_last_pixel_is_read(name, width, height, padding, see
             decode(data[:size - cut], width, height, stride)
     with pytest.raises(ValueError, match=f'{line - 1} bytes apart; a line alone takes {line}'):
         decode(data, width, height, line - 1)
+
+
+@pytest.mark.parametrize('name', [each for each in PLAIN if PIXEL_FORMATS[each].colours])
+@settings(max_examples=10, deadline=None, derandomize=True)
+@given(padding=st.sampled_from([0, 2, 32]), seed=st.integers(0, 99))
+def test_the_luma_of_the_colours_is_the_luma(name, padding, seed):
+    # Read as colours and made grey afterwards, as the segmenter does, or grey at once.
+    found = PIXEL_FORMATS[name]
+    stride = least(name, WIDTH, 2, 0) // 2 + padding
+    data = np.random.default_rng(seed).bytes(stride * HEIGHT)
+    colours = found.colours(data, WIDTH, HEIGHT, stride)
+    assert colours.shape[:2] == (HEIGHT, WIDTH) and colours.flags.c_contiguous
+    frame = Frame(colours, 0, found.colour_saturation, layout=found.layout)
+    luma = in_channel(frame, 'luma')
+    np.testing.assert_array_equal(luma.image, found.luma(data, WIDTH, HEIGHT, stride))
+    assert luma.saturation == found.saturation
+    assert luma.binning == (found.binning, found.binning)

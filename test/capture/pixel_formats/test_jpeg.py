@@ -1,6 +1,7 @@
 """Motion JPEG: the grey of whole pictures, and a sentence for all others."""
 
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
+from blob_tracker.capture.pixel_formats.jpeg import luma_quantisation
 import cv2
 from hypothesis import given, settings, strategies as st
 import numpy as np
@@ -72,3 +73,25 @@ def test_a_damaged_picture_is_a_picture_or_refused(data):
         return
     assert luma.shape == (HEIGHT, WIDTH)
     assert luma.dtype == np.uint8
+
+
+def test_steps_of_the_luma_are_in_the_header():
+    # Table K.1 of ITU-T T.81 is quality 50; in colour there is one of the chroma beside it.
+    for picture in (np.zeros((48, 64), np.uint8), np.zeros((48, 64, 3), np.uint8)):
+        steps = luma_quantisation(
+            cv2.imencode('.jpg', picture, [cv2.IMWRITE_JPEG_QUALITY, 50])[1].tobytes())
+        assert steps.shape == (8, 8)
+        assert steps[0].tolist() == [16, 11, 10, 16, 24, 40, 51, 61]
+        assert steps[:, 0].tolist() == [16, 12, 14, 14, 18, 24, 49, 72]
+
+
+def test_a_header_without_steps_is_refused():
+    _, whole = encoded()
+    for wrong, sentence in (
+        (b'', 'it has no scan'),
+        (whole[:20], 'it has no scan'),
+        (whole[:60], 'a table is cut short'),
+        (whole.replace(b'\xff\xdb', b'\xff\xee'), 'no table of its luma'),
+    ):
+        with pytest.raises(ValueError, match=sentence):
+            luma_quantisation(wrong)

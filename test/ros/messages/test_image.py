@@ -6,13 +6,15 @@ from typing import Any
 
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.image import (
+    from_frame,
     from_picture,
     from_pixels,
     from_window,
     to_frame,
+    to_pixels,
     to_window,
 )
-from blob_tracker.types import Window
+from blob_tracker.types import Frame, Window
 import numpy as np
 import pytest
 from sensor_msgs.msg import CameraInfo, Image
@@ -103,7 +105,7 @@ def test_padded_rows_and_big_endian_are_read() -> None:
 @pytest.mark.parametrize(
     'changes, sentence',
     [
-        ({'encoding': 'rgb8'}, "encoding is 'rgb8'; it must be mono8 or"),
+        ({'encoding': 'rgb16'}, "encoding is 'rgb16'; it must be mono8 or"),
         ({'encoding': ''}, "encoding is ''"),
         ({'width': 0}, 'neither may be 0'),
         ({'height': 0}, 'neither may be 0'),
@@ -119,10 +121,10 @@ def test_wrong_fields_are_named(changes: dict, sentence: str) -> None:
         to_frame(image(**changes), INFO)
 
 
-def test_a_window_of_three_channels_is_refused() -> None:
-    """Only lit, or lit and unlit."""
-    with pytest.raises(MessageError, match="encoding is '8UC3'; it must be 8UC1 or 8UC2"):
-        to_window(image(encoding='8UC3'), INFO)
+def test_a_window_of_four_channels_is_refused() -> None:
+    """Only lit, lit and unlit, or both and what their pixels are worth."""
+    with pytest.raises(MessageError, match="encoding is '8UC4'; it must be 8UC1 or 8UC2"):
+        to_window(image(encoding='8UC4'), INFO)
 
 
 @pytest.mark.parametrize(
@@ -145,3 +147,108 @@ def test_a_region_outside_the_sensor_is_refused() -> None:
     info.roi.x_offset, info.roi.width, info.roi.height = 97, 4, 3
     with pytest.raises(MessageError, match='does not lie within the sensor of 100 x 100 px'):
         to_frame(image(), info)
+
+
+RGB = np.random.default_rng(3).integers(0, 255, (4, 6, 3), np.uint8)
+SMALL = CameraInfo(width=6, height=4)
+
+
+def colour_message(encoding: str, pixels: np.ndarray, height: int = 4, step: int = 0) -> Image:
+    """Return a 6 px wide message of raw bytes."""
+    message = Image(height=height, width=6, encoding=encoding)
+    message.step = step or pixels.nbytes // pixels.shape[0]
+    message.data = np.ascontiguousarray(pixels).tobytes()
+    return message
+
+
+@pytest.mark.parametrize('encoding', ['rgb8', 'bgr8', 'rgba8', 'bgra8'])
+def test_colours_go_there_and_back(encoding: str) -> None:
+    """By their order."""
+    layout = encoding[:-1]
+    pixels = np.dstack([RGB, RGB[..., :1]])[..., :len(layout)]
+    frame = to_frame(colour_message(encoding, pixels), SMALL)
+    assert frame.layout == layout
+    np.testing.assert_array_equal(frame.image, pixels)
+    assert from_frame(frame, 'optical').encoding == encoding
+    assert to_pixels(colour_message(encoding, pixels)).shape == (4, 6)
+
+
+@pytest.mark.parametrize('order', ['rggb', 'grbg', 'gbrg', 'bggr'])
+@pytest.mark.parametrize(('bits', 'kind'), [(8, np.uint8), (16, np.uint16)])
+def test_a_mosaic_goes_there_and_back(order: str, bits: int, kind: type) -> None:
+    """As it is; its luma is half as large."""
+    frame = Frame(RGB[..., 0].astype(kind), 7, 2**bits - 1, layout=order)
+    message = from_frame(frame, 'optical')
+    assert message.encoding == f'bayer_{order}{bits}'
+    back = to_frame(message, SMALL)
+    assert back.layout == order
+    np.testing.assert_array_equal(back.image, frame.image)
+    assert to_pixels(message).shape == (2, 3)
+
+
+@pytest.mark.parametrize(('encoding', 'luma_first'), [
+    ('yuv422', False), ('uyvy', False), ('yuv422_yuy2', True), ('yuyv', True),
+])
+def test_packed_yuv(encoding: str, luma_first: bool) -> None:
+    """Two pixels share their chromas."""
+    y, cb, cr = RGB[..., 0], RGB[:, ::2, 1], RGB[:, ::2, 2]
+    chromas = np.stack([cb, cr], axis=-1).reshape(4, 6)
+    pairs = np.stack([y, chromas] if luma_first else [chromas, y], axis=-1).reshape(4, 12)
+    frame = to_frame(colour_message(encoding, pairs), SMALL)
+    assert frame.layout == 'yuv'
+    np.testing.assert_array_equal(frame.image[..., 0], y)
+    np.testing.assert_array_equal(frame.image[..., 1], np.repeat(cb, 2, axis=1))
+    np.testing.assert_array_equal(frame.image[..., 2], np.repeat(cr, 2, axis=1))
+
+
+@pytest.mark.parametrize('encoding', ['nv12', 'nv21'])
+def test_semiplanar_yuv(encoding: str) -> None:
+    """Four pixels share their chromas, which follow the luma."""
+    y, first, second = RGB[..., 0], RGB[::2, ::2, 1], RGB[::2, ::2, 2]
+    rows = np.vstack([y, np.stack([first, second], axis=-1).reshape(2, 6)])
+    frame = to_frame(colour_message(encoding, rows), SMALL)
+    cb, cr = (first, second) if encoding == 'nv12' else (second, first)
+    np.testing.assert_array_equal(frame.image[..., 0], y)
+    np.testing.assert_array_equal(frame.image[..., 1], cb.repeat(2, axis=0).repeat(2, axis=1))
+    np.testing.assert_array_equal(frame.image[..., 2], cr.repeat(2, axis=0).repeat(2, axis=1))
+    with pytest.raises(MessageError, match=r'data has 24 bytes; step \* height is 6 \* 6 = 36'):
+        to_frame(colour_message(encoding, y), SMALL)
+
+
+def test_chromas_of_half_a_pixel_are_refused() -> None:
+    """An odd size has no place for them."""
+    with pytest.raises(MessageError, match='must be even'):
+        to_frame(image(encoding='nv12'), INFO)
+
+
+@pytest.mark.parametrize('kind', [np.uint8, np.uint16])
+@pytest.mark.parametrize('unlit', [PIXELS[::-1], None])
+@pytest.mark.parametrize(('sites', 'added_noise'), [
+    (PIXELS % 2 == 0, 0.0), (None, 1.25), (PIXELS % 3 == 0, 3.5),
+])
+def test_what_the_pixels_of_a_window_are_worth(
+    kind: type, unlit: np.ndarray | None, sites: np.ndarray | None, added_noise: float
+) -> None:
+    """Which of them see the light, and the noise that compression added."""
+    window = Window(
+        PIXELS.astype(kind), None if unlit is None else unlit.astype(kind), sites=sites,
+        added_noise=added_noise,
+    )
+    message = from_window(window, 'optical')
+    assert message.encoding == ('8UC3' if kind is np.uint8 else '16UC3')
+    back = to_window(message, INFO)
+    np.testing.assert_array_equal(back.lit, window.lit)
+    assert (back.unlit is None) == (unlit is None)
+    if unlit is not None:
+        np.testing.assert_array_equal(back.unlit, window.unlit)
+    assert (back.sites is None) == (sites is None)
+    if sites is not None:
+        np.testing.assert_array_equal(back.sites, sites)
+    assert back.added_noise == added_noise
+
+
+def test_a_window_that_sees_nothing_is_refused() -> None:
+    """A message may hold anything."""
+    window = Window(PIXELS, PIXELS, sites=np.zeros(PIXELS.shape, bool))
+    with pytest.raises(MessageError, match='no pixel of the window sees the light'):
+        to_window(from_window(window, 'optical'), INFO)

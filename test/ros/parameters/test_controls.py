@@ -370,19 +370,19 @@ def test_only_what_the_search_set_is_wanted(node: Node, monkeypatch: pytest.Monk
     camera: Any = FakeCamera(GAIN, BLANKING)
     parameters, woken = attached(node, camera)
 
-    def found(camera: FakeCamera, read: object) -> Outcome:
+    def found(camera: FakeCamera, read: object, channel: str) -> Outcome:
         camera.values.update(gain=20, vertical_blanking=77)
         return Outcome(None, 20, 0.7, True, 'found', {'gain': 20})
 
     monkeypatch.setattr('blob_tracker.ros.parameters.controls.adjust_exposure', found)
-    parameters.adjust_exposure(camera, None)
+    parameters.adjust_exposure(camera, None, 'auto')
     assert parameters._wanted == {'gain': 20}
     assert woken.count == 1
 
-    def broken(camera: FakeCamera, read: object) -> Outcome:
+    def broken(camera: FakeCamera, read: object, channel: str) -> Outcome:
         raise CaptureError('gone')
 
     monkeypatch.setattr('blob_tracker.ros.parameters.controls.adjust_exposure', broken)
     with pytest.raises(CaptureError):
-        parameters.adjust_exposure(camera, None)
+        parameters.adjust_exposure(camera, None, 'auto')
     assert woken.count == 2  # what it moved is shown

@@ -1,0 +1,114 @@
+"""A second light that flashes with the first and is merged with it: a mirror image."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+import math
+
+from blob_tracker.location.doubt import doubted
+from blob_tracker.location.hypotheses import Fit, Pair
+from blob_tracker.location.light_moments import light_moments
+from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
+from blob_tracker.location.pair_model import (
+    AMPLITUDE, bounds, BRIGHTEST, brightest, GHOST, SHIFT_X, SHIFT_Y, SIGMA, X, Y,
+)
+from blob_tracker.location.shape_model import fill_two_lights
+import numpy as np
+
+NEAREST = 1.0  # sigma: nearer ones are one
+FAINTEST = 0.05  # of the brighter one: less is no light of its own
+EQUAL = 0.8  # of the brighter one: above it either may be the target
+SLOWEST = 120  # steps
+RARER = 6.0  # of the log-likelihood, times its chi2 squared: rarer beforehand than a streak
+EIGHTHS = (
+    'right of', 'below and right of', 'below', 'below and left of', 'left of',
+    'above and left of', 'above', 'above and right of',
+)
+
+
+def two_lights(pair: Pair, base: Fit) -> Fit | None:
+    """
+    Fit two pulses of one width.
+
+        lit = b + A P(x) + A' P(x')
+
+    The brighter one is the target; of two that are about as bright, the one that is nearer to
+    where the target should be, if that is known.
+    """
+    if pair.unlit is None:
+        return None  # what stands behind the target may be the second light
+    found = [
+        fit for fit in (_fit(pair, start) for start in _first_guesses(pair, base))
+        if fit is not None
+    ]
+    if not found:
+        return None
+    best = max(found, key=lambda fit: fit.log_likelihood)
+    theta = best.theta
+    part = theta[GHOST] / max(theta[AMPLITUDE], 1e-6)
+    distance = math.hypot(theta[SHIFT_X], theta[SHIFT_Y])
+    if part < FAINTEST or distance < NEAREST * theta[SIGMA]:
+        return None
+    if part > EQUAL and _other_is_expected(pair, theta):
+        best = _exchanged(best)
+        theta = best.theta
+        part = theta[GHOST] / theta[AMPLITUDE]
+    eighth = round(math.degrees(math.atan2(theta[SHIFT_Y], theta[SHIFT_X])) / 45.0) % 8
+    fit, left = doubted(
+        pair, best, fill_two_lights,
+        f'a second light, {part:.1f} as bright, {distance:.1f} px {EIGHTHS[eighth]} the target, '
+        'flashes with it: a reflection?',
+    )
+    return replace(fit, log_likelihood=fit.log_likelihood - RARER * max(left.chi2, 1.0) ** 2)
+
+
+def _first_guesses(pair: Pair, base: Fit) -> list[Floats]:
+    """Return where the fit begins: two alike along the light, and one that is left over."""
+    light = light_moments(pair)
+    half = math.sqrt(max(light.along**2 - light.across**2, 0.25)) * light.direction
+    sigma = max(0.9 * light.across, 0.5)
+    alike = np.array([
+        light.x - half[0], light.y - half[1], 0.8 * light.peak, light.background, sigma,
+        2.0 * half[0], 2.0 * half[1], 0.8 * light.peak,
+    ])
+    rows, columns = np.indices(pair.lit.shape)
+    x, y = brightest(pair.lit)
+    squares = (columns - x) ** 2 + (rows - y) ** 2
+    pulse = light.peak * np.exp(-0.5 * squares / sigma**2)
+    left = np.where(squares > sigma**2, pair.lit - light.background - pulse, 0.0)
+    other_x, other_y = brightest(left)
+    over = np.array([
+        x, y, light.peak, light.background, sigma, other_x - x, other_y - y,
+        max(float(left[int(other_y), int(other_x)]), 0.1 * light.peak),
+    ])
+    return [alike, over]
+
+
+def _fit(pair: Pair, start: Floats) -> Optimum | None:
+    """Fit from a first guess; the brighter light is the first."""
+    lower, upper = bounds(pair)
+    reach = np.array(pair.lit.shape[::-1], dtype=float)
+    best = climb(
+        pair, fill_two_lights, start, np.concatenate([lower, -reach, [0.0]]),
+        np.concatenate([upper, reach, [BRIGHTEST]]), steps=SLOWEST,
+    )
+    if best is None or best.theta[GHOST] <= best.theta[AMPLITUDE]:
+        return best
+    return _exchanged(best)
+
+
+def _other_is_expected(pair: Pair, theta: Floats) -> bool:
+    """Return whether the target should be where the second light is."""
+    if pair.motion is None or pair.motion.place is None:
+        return False
+    away = theta[[X, Y]] - pair.motion.place
+    return bool(np.hypot(*(away + theta[[SHIFT_X, SHIFT_Y]])) < np.hypot(*away))
+
+
+def _exchanged(fit: Optimum) -> Optimum:
+    """Return the fit with the second light as the first."""
+    turn = np.eye(fit.theta.size)
+    turn[X, SHIFT_X] = turn[Y, SHIFT_Y] = 1.0
+    turn[SHIFT_X, SHIFT_X] = turn[SHIFT_Y, SHIFT_Y] = -1.0
+    turn[[AMPLITUDE, GHOST]] = turn[[GHOST, AMPLITUDE]]
+    return replace(fit, theta=turn @ fit.theta, covariance=turn @ fit.covariance @ turn.T)

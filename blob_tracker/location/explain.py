@@ -1,0 +1,61 @@
+"""A window about which something is odd: the model that explains it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from blob_tracker.location.alternatives import ALTERNATIVES
+from blob_tracker.location.doubt import misfitting
+from blob_tracker.location.estimates import Failure
+from blob_tracker.location.hypotheses import choose, Fit, Pair
+from blob_tracker.location.pair_likelihood import Floats
+from blob_tracker.location.pair_model import no_pulse, one_pulse, to_fit
+from blob_tracker.location.suspicion import Suspicion
+from blob_tracker.location.unlit_pulse import shows_pulse
+import numpy as np
+
+IN_UNLIT = Suspicion.UNLIT | Suspicion.FAILED
+
+
+def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
+    """
+    Return the fit of the alternative that the window speaks for; None where none is better.
+
+    Parameters
+    ----------
+    pair : Pair
+        The window.
+    theta : (5,) array or None
+        x, y, amplitude, background and sigma of its fit; None where it has none.
+    suspicion : Suspicion
+        What is odd about it.
+
+    """
+    if suspicion & IN_UNLIT and (pair.unlit is None or not shows_pulse(pair)):
+        suspicion &= ~IN_UNLIT  # a texture, of which the base fit takes care
+    asked = [one for one, answers in ALTERNATIVES.items() if suspicion & answers]
+    if not asked:
+        return None
+    base = None
+    optimum = None if theta is None else one_pulse(pair, theta)
+    if optimum is not None:
+        base = to_fit(pair, optimum)
+    if base is None:
+        base = no_pulse(pair)
+    fits = [alternative(pair, base) for alternative in asked]
+    chosen = choose(base, [fit for fit in fits if fit is not None], pair.pixels.size)
+    if chosen is not base:
+        if theta is None or chosen.failure != Failure.NONE or not chosen.misfit:
+            return chosen
+        if not pair.usable[0].all():
+            # What runs from clipped pixels has many shapes; the round one's place is the surest.
+            return None if optimum is None else misfitting(pair, optimum)
+        # Not even the best model is true: the place may be the other one's.
+        apart = np.array([chosen.x - base.x, chosen.y - base.y])
+        return replace(
+            chosen, covariance=chosen.covariance + np.outer(apart, apart),
+            warning=f'{chosen.warning}; misfit (chi2 {chosen.chi2:.1f}): that is not all of it',
+        )
+    if optimum is None or pair.unlit is None or not suspicion & Suspicion.PIXELS:
+        return None
+    return misfitting(pair, optimum)

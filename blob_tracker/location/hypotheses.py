@@ -1,0 +1,175 @@
+"""One window, what may be true of it, and the choice between the models that were fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+import functools
+import math
+
+from blob_tracker.location.estimates import Failure
+from blob_tracker.location.noise import pixel_variance
+from blob_tracker.location.texture_field import log_likelihood_of_texture
+from blob_tracker.types import SensorNoise
+import numpy as np
+from numpy.typing import NDArray
+
+# Twice the gain in log-likelihood that as many more parameters make of noise once in 1e4:
+# chi-square, and a straight line to within 0.4 of it up to eight.
+FALSE_ALARM = (12.8, 2.7)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """
+    What the last places of a light say of its motion.
+
+    Parameters
+    ----------
+    flash : (2,) array
+        Displacement from the last lit frame to this one, window px.
+    deviation : float
+        Its standard deviation along either axis, px.
+    place : (2,) array or None
+        Where it should be now, window px.
+
+    """
+
+    flash: NDArray[np.float64]
+    deviation: float
+    place: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True)
+class Pair:
+    """
+    The pixels of one window.
+
+    Parameters
+    ----------
+    lit : (h, w) array
+        DN.
+    unlit : (h, w) array or None
+        DN; None where there is no unlit window.
+    noise : SensorNoise
+        Of a pixel, its black level taken off already.
+    saturation : float
+        The DN at which a pixel is clipped; infinite where none can be.
+    motion : Motion or None
+        None where nothing is known of it.
+
+    """
+
+    lit: NDArray[np.float64]
+    unlit: NDArray[np.float64] | None
+    noise: SensorNoise
+    saturation: float
+    motion: Motion | None = None
+
+    @functools.cached_property
+    def usable(self) -> NDArray[np.bool_]:
+        """(k, h, w) bool, k 1 or 2: the lit and the unlit pixels that are not clipped."""
+        return self.pixels < self.saturation
+
+    @functools.cached_property
+    def pixels(self) -> NDArray[np.float64]:
+        """(k, h, w) array, k 1 or 2: the lit pixels and, where there are, the unlit ones."""
+        return self.lit[None] if self.unlit is None else np.stack([self.lit, self.unlit])
+
+    @functools.cached_property
+    def unlit_variance(self) -> float:
+        """Return the variance of an unlit pixel at the window's mean, DN^2."""
+        assert self.unlit is not None
+        return float(pixel_variance(self.unlit.mean(), self.noise))
+
+    @functools.cached_property
+    def log_likelihood_of_texture(self) -> float:
+        """Return that of the unlit window if it holds a random texture."""
+        assert self.unlit is not None
+        return log_likelihood_of_texture(self.unlit, self.unlit_variance)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """
+    A model that was fitted to a pair.
+
+    Parameters
+    ----------
+    x, y : float
+        px, from the centre of the window's first pixel.
+    covariance : (2, 2) array
+        px^2, order x, y.
+    amplitude, background, sigma, snr, chi2 : float
+        As in `Location`.
+    log_likelihood : float
+        Of all pixels of the pair, as `pair_likelihood` has it.
+    parameters : int
+        How many were fitted.
+    warning : str
+        What the user should know and do; '' where there is nothing.
+    failure : Failure
+        Why the window has no location although its model is known; NONE where it has one.
+    misfit : bool
+        Whether the pixels show that the model is not the true one.
+
+    """
+
+    x: float
+    y: float
+    covariance: NDArray[np.float64]
+    amplitude: float
+    background: float
+    sigma: float
+    snr: float
+    chi2: float
+    log_likelihood: float
+    parameters: int
+    warning: str = ''
+    failure: Failure = Failure.NONE
+    misfit: bool = False
+
+
+def choose(base: Fit, alternatives: Iterable[Fit], pixels: int) -> Fit:
+    """
+    Return the model that the pixels speak for.
+
+    An alternative is heard where its likelihood ratio over the base is one that noise makes
+    less than once in 1e4. Those that are heard have the weights exp(-BIC / 2) with the Bayesian
+    information criterion BIC = k ln n - 2 ln L (Schwarz, 1978). The best of them is returned,
+    at the mean of their places; its covariance holds how far apart they are (Hoeting et al.,
+    Bayesian model averaging, Statistical Science 14 (1999), eq. 3 and 4).
+
+    Parameters
+    ----------
+    base : Fit
+        The model that holds until another is shown to.
+    alternatives : iterable of Fit
+        The others.
+    pixels : int
+        n, of the pair.
+
+    """
+    fixed, each = FALSE_ALARM
+    heard = [
+        fit for fit in alternatives
+        if 2.0 * (fit.log_likelihood - base.log_likelihood)
+        > fixed + each * max(fit.parameters - base.parameters, 0)
+    ]
+    if not heard:
+        return base
+    values = np.array([
+        fit.log_likelihood - 0.5 * fit.parameters * math.log(pixels) for fit in heard
+    ])
+    best = heard[int(values.argmax())]
+    placed = np.array([fit.failure == Failure.NONE for fit in heard])
+    if best.failure != Failure.NONE or placed.sum() < 2:
+        return best
+    weights = np.where(placed, np.exp(values - values.max()), 0.0)
+    weights /= weights.sum()
+    places = np.array([(fit.x, fit.y) for fit in heard])
+    mean = weights @ places
+    apart = places - mean
+    covariance = np.einsum('n,ni,nj->ij', weights, apart, apart)
+    covariance += sum(weight * fit.covariance for weight, fit in zip(weights, heard))
+    return replace(best, x=float(mean[0]), y=float(mean[1]), covariance=covariance)

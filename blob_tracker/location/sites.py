@@ -1,0 +1,49 @@
+"""Windows of which some pixels do not see the light: those behind filters of other colours."""
+
+from __future__ import annotations
+
+from blob_tracker.kernel import Array, kernel
+import numpy as np
+from numpy.typing import NDArray
+
+# DN: of a pixel that is no sample. It is above all levels, so that it is left out wherever a
+# clipped pixel is, and no clipped pixel is as high.
+ABSENT_DN = 2e9
+BY_SITES = ('maximum_likelihood',)  # the methods that can do without a pixel
+
+
+def blanked(lit: NDArray[np.float64], sites: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """
+    Return windows in which the pixels that are no samples are marked.
+
+    Parameters
+    ----------
+    lit : (N, h, w) array
+        DN.
+    sites : (h, w) bool array
+        Which pixels are samples.
+
+    """
+    return np.where(sites, lit, ABSENT_DN)
+
+
+@kernel
+def fill_absent(pixels: Array, lit: Array) -> None:
+    """
+    Make each pixel that is no sample the mean of the samples among its eight neighbours.
+
+    The picture is then one that has a brightest pixel and a half height: good enough to start
+    from. What is filled in weighs nothing in the fit.
+    """
+    height, width = pixels.shape
+    for j in range(height):
+        for i in range(width):
+            if lit[j, i] < ABSENT_DN:
+                continue
+            total, count = 0.0, 0
+            for jj in range(max(j - 1, 0), min(j + 2, height)):
+                for ii in range(max(i - 1, 0), min(i + 2, width)):
+                    if lit[jj, ii] < ABSENT_DN:
+                        total += pixels[jj, ii]
+                        count += 1
+            pixels[j, i] = total / count if count > 0 else 0.0

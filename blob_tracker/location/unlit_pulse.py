@@ -1,0 +1,48 @@
+"""Whether the unlit window holds a pulse, or the texture of what is behind the target."""
+
+from __future__ import annotations
+
+import math
+
+from blob_tracker.location.hypotheses import Pair
+from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
+from blob_tracker.location.pair_model import bounds, brightest, fill_elliptical, SIGMA
+import numpy as np
+
+WIDEST = 1.0 / 3.0  # of the window, a sigma
+CLEARLY = 10.0  # likelier, of twice the log-likelihood: 150 to 1
+
+
+def shows_pulse(pair: Pair) -> bool:
+    """
+    Return whether one pulse explains the unlit window better than a random texture.
+
+    It may be of any height and of two widths, up to a third of the window: wider ones are slopes.
+    """
+    assert pair.unlit is not None
+    alone = Pair(pair.unlit, None, pair.noise, pair.saturation)
+    lower, upper = bounds(alone)
+    upper[SIGMA] = WIDEST * max(pair.unlit.shape)
+    upper = np.append(upper, upper[SIGMA])
+    level = float(np.median(alone.lit))
+    x, y = brightest(alone.lit)
+    peak = max(float(alone.lit[int(y), int(x)]) - level, 1.0)
+    fit = climb(
+        alone, fill_elliptical, np.array([x, y, peak, level, 1.5, 1.5]),
+        np.append(lower, lower[SIGMA]), upper,
+    )
+    return fit is not None and _gain(pair, fit.means[0]) > 0.0
+
+
+def outdoes_texture(pair: Pair, fit: Optimum) -> bool:
+    """Return whether the unlit window is likelier to be the model's than a random texture."""
+    return _gain(pair, fit.means[1]) > CLEARLY
+
+
+def _gain(pair: Pair, means: Floats) -> float:
+    """Return twice the log-likelihood of the unlit window's means over that of a texture."""
+    assert pair.unlit is not None
+    variance = pair.unlit_variance
+    squares = float(((pair.unlit - means) ** 2).sum()) / variance
+    model = -0.5 * (squares + pair.unlit.size * math.log(variance))
+    return 2.0 * (model - pair.log_likelihood_of_texture)

@@ -1,0 +1,57 @@
+"""Frames that come twice, under a stamp of their own."""
+
+from __future__ import annotations
+
+from blob_tracker.types import Frame
+import numpy as np
+
+SAMPLES = 4  # rows that are looked at first: whole ones are read faster than scattered pixels
+# Of the samples, that change from a frame to the next where a sensor's noise is seen.
+LEAST_CHANGE = 1 / 16
+
+
+class RepeatedFrames:
+    """
+    Tell which frames show the pixels of the frame before.
+
+    A camera that is slower than it says, a converter of frame rates or a driver that lost a frame
+    gives the last one again. No sensor sees the same noise twice; but where there is none, in
+    pixels that are all black or drawn by a program, two frames may well be equal. So a frame is a
+    repeated one only where those before it did change from one to the next, in 6 % of the pixels
+    or more: a flash that lights up less than that is no noise.
+
+    Attributes
+    ----------
+    count : int
+        How many there were.
+
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._last: Frame | None = None
+        self._noisy = False
+
+    def push(self, frame: Frame) -> bool:
+        """Take the next frame; tell whether it is the one before once more."""
+        last, self._last = self._last, frame
+        if (
+            last is None
+            or last.image.shape != frame.image.shape
+            or last.stamp_ns >= frame.stamp_ns  # a frame that is refused, or another sequence
+        ):
+            self._noisy = False
+            return False
+        height = frame.image.shape[0]
+        samples = slice(height // (2 * SAMPLES), None, height // SAMPLES or 1)
+        sample = frame.image[samples]
+        changed = np.count_nonzero(sample != last.image[samples])
+        if changed > 0:
+            self._noisy = bool(changed >= LEAST_CHANGE * sample.size)
+            return False
+        if not (self._noisy and np.array_equal(frame.image, last.image)):
+            return False
+        if frame.image.min() == frame.image.max():
+            return False
+        self.count += 1
+        return True

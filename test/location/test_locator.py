@@ -1,0 +1,102 @@
+"""What the last flashes tell of the next: motion and flicker."""
+
+from blob_tracker.location import locate, Locator
+from blob_tracker.types import LocationError, Window
+import numpy as np
+import pytest
+from support.flashes import BACKGROUND, circle, evenly, fly, NOISE, pairs, SATURATION
+
+
+def pulsed(exposure, random):
+    """Return the light of rows 30 us apart that see pulses of 0.3 ms in each 1 ms."""
+    def total(periods):
+        return 0.3 * np.floor(periods) + np.minimum(periods % 1.0, 0.3)
+
+    def share(k, rows):
+        if k % 2:
+            return np.zeros(rows.shape)
+        start = random.uniform() + 0.03 * rows
+        most = 0.3 * np.floor(exposure) + min(exposure % 1.0, 0.3)
+        return (total(start + exposure) - total(start)) / most
+
+    return share
+
+
+def test_a_clean_light_is_placed_as_by_locate():
+    """Change not a bit, and say nothing."""
+    seen = pairs(40, evenly(1.0), evenly(0.0))
+    locator = Locator()
+    for n in range(40):
+        window = Window(seen.lit[n], seen.unlit[n], saturation=SATURATION, stamp_ns=n * 33_000_000)
+        placed, alone = locator.locate(window, noise=NOISE), locate(window, noise=NOISE)
+        assert (placed.x, placed.y, placed.warning) == (alone.x, alone.y, '')
+        np.testing.assert_array_equal(placed.covariance, alone.covariance)
+
+
+@pytest.mark.parametrize('share', [0.05, 0.2, 0.4])
+def test_motion_tells_what_is_left_of_a_light(share):
+    """Place a light that is left in the unlit frame and moves 0.8 px a frame, all ways."""
+    flight = fly(
+        circle(240, 0.8), lambda k, rows: np.full(rows.shape, 1.0 if k % 2 == 0 else share)
+    )
+    # 100 places: three standard errors are 0.6.
+    assert 1.4 < flight.nees < 2.6
+    assert flight.said('still on in the unlit frame') > (0.7 if share == 0.05 else 0.95)
+    # All directions come by, and in none is it another thing.
+    assert np.abs(flight.errors.mean(axis=0)).max() < 0.008
+
+
+@pytest.mark.parametrize('exposure', [0.8, 1.7])
+def test_bands_of_a_dimmed_light_are_doubted(exposure):
+    """Name the flicker, and hold in the covariance how far bands may move a pulse along y."""
+    random = np.random.default_rng(3)
+    rest = np.repeat(45.0 + random.uniform(-1.0, 1.0, (120, 2)), 2, axis=0)
+    flight = fly(rest, pulsed(exposure, random))
+    # By chance three quarters of 32 flashes may be alike for once.
+    assert flight.said('PWM') > 0.95
+    assert flight.nees < 2.8  # 20 to 50 without
+    errors = flight.errors / np.sqrt([each.covariance.diagonal() for each in flight.locations])
+    assert np.abs(errors).max() < 5.0
+    # x is not in doubt.
+    assert np.sqrt(np.mean(flight.errors[:, 0] ** 2)) < 0.04
+
+
+def test_whole_periods_are_no_bands():
+    """Say nothing of a light that is exposed for two whole periods."""
+    random = np.random.default_rng(3)
+    flight = fly(circle(120, 0.5), pulsed(2.0, random))
+    assert flight.said('PWM') == 0.0
+
+
+def test_lights_are_remembered_by_name_until_forgotten():
+    """Keep the flicker of one light from another, and from what comes after a new start."""
+    random = np.random.default_rng(4)
+    locator = Locator()
+
+    def warning(light, peak, k):
+        y, x = np.mgrid[0:11, 0:11] - 5.0
+        lit = BACKGROUND + peak * np.exp(-(x**2 + y**2) / 4.5)
+        lit = np.rint(lit + random.normal(size=x.shape))
+        window = Window(lit, saturation=SATURATION, stamp_ns=k * 33_000_000)
+        return locator.locate(window, noise=NOISE, light=light).warning
+
+    for k in range(20):
+        flickers = warning('flickers', 60.0 + 80.0 * (k % 3 == 0), k)
+        assert warning('steady', 100.0, k) == ''
+    assert 'flickers' in flickers
+    locator.forget()
+    assert warning('flickers', 100.0, 21) == ''
+
+
+def test_a_refusal_is_that_of_locate():
+    """Raise what `locate` raises, and go on."""
+    locator = Locator()
+    with pytest.raises(LocationError, match='flat'):
+        locator.locate(Window(np.full((9, 9), 30.0)), noise=NOISE)
+
+
+def test_other_methods_have_no_use_for_memory():
+    """Take any method."""
+    seen = pairs(1, evenly(1.0), evenly(0.0))
+    window = Window(seen.lit[0], seen.unlit[0])
+    assert Locator('centroid').locate(window, noise=NOISE).warning == ''
