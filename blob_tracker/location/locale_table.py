@@ -9,7 +9,7 @@ from typing import NamedTuple
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.estimates import Estimates, Failure
 from blob_tracker.location.likelihood import fill_profile
-from blob_tracker.location.maximum_likelihood import (
+from blob_tracker.location.scoring import (
     COVARIANCE_INFLATION, FAINTEST_SIGMA, MISFIT_SIGMA,
 )
 from blob_tracker.types import SensorNoise

@@ -10,7 +10,10 @@ from blob_tracker.location.explain import explain
 from blob_tracker.location.hypotheses import Fit, Motion, Pair
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
 from blob_tracker.location.normal_equations import column_of_inverse, empty_equations, solve
-from blob_tracker.location.scoring import advance, climb, CONVERGED, NARROWEST_PX, WIDEST
+from blob_tracker.location.scoring import (
+    advance, climb, CONVERGED, COVARIANCE_INFLATION, FAINTEST_SIGMA, FISHER_STEPS, MISFIT_SIGMA,
+    NARROWEST_PX, TEXTURE_STEP, WIDEST,
+)
 from blob_tracker.location.start_value import start_value
 from blob_tracker.location.suspicion import (
     suspect_failure, suspect_fit, suspect_pixels, suspect_unlit, suspicions,
@@ -21,14 +24,6 @@ from blob_tracker.location.unlit_texture import (
 from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
-
-# Of a matched filter's standard deviations: below it noise is found, not light
-FAINTEST_SIGMA = 5.0
-# Over the matched filter's squared SNR: how far the covariance is too small
-COVARIANCE_INFLATION = 12.0
-MISFIT_SIGMA = 5.0  # standard deviations of chi2: beyond it the model is wrong, not the noise
-FISHER_STEPS = 12  # a good start takes 4 or 5
-TEXTURE_STEP = 2  # by which the pulse is known well enough to ask what the texture does to it
 
 _ROWS = 7  # of the table: x, y, amplitude, background, sigma, snr, chi2
 _NONE, _NO_SIGNAL, _OUTSIDE = int(Failure.NONE), int(Failure.NO_SIGNAL), int(Failure.OUTSIDE)
