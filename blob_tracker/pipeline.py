@@ -13,7 +13,7 @@ from typing import Any
 from blob_tracker import location, segmentation, tracking
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
-from blob_tracker.location import locate, method_options, METHODS
+from blob_tracker.location import EffectivePsf, locate, method_options, METHODS
 from blob_tracker.segmentation import Expectation, FrameError, Segmenter
 from blob_tracker.tracking import Track, Tracker, TrackingError, update_or_restart
 from blob_tracker.types import Bearing, Frame, Location, LocationError, SensorNoise, Window
@@ -131,6 +131,8 @@ class Pipeline:
         the last frame gave no bearing.
     line_jitter : LineJitter, optional
         Offsets of the lines of an analogue grabber, to be taken off each location.
+    pulse : EffectivePsf, optional
+        Learned pulse to fit in place of the Gaussian, see `learn_pulse`.
     tracker : Tracker, optional
         Takes each bearing, and tells the segmenter where to look for the next one. What it
         refuses is a bearing all the same.
@@ -138,7 +140,7 @@ class Pipeline:
     Raises
     ------
     ValueError
-        Where there is no such method, or it has no elliptical form.
+        Where there is no such method, or it has no elliptical form or takes no pulse.
     CalibrationError
         Where the line jitter is for a picture of another height.
 
@@ -153,9 +155,10 @@ class Pipeline:
         elliptical: bool = False,
         segmenter: Segmenter | None = None,
         line_jitter: LineJitter | None = None,
+        pulse: EffectivePsf | None = None,
         tracker: Tracker | None = None,
     ) -> None:
-        self._options = method_options(method, elliptical=elliptical)
+        self._options = method_options(method, elliptical=elliptical, pulse=pulse)
         if line_jitter is not None:
             line_jitter.check_height(camera_model.height)
         self.camera_model = camera_model

@@ -16,7 +16,7 @@ FINEST_PX = 0.1  # between two nodes: finer than any lens draws
 COARSEST_PX = 4.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class EffectivePsf:
     r"""
     A pulse that is integrated over the pixel already: a cubic B-spline surface.

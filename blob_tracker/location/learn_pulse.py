@@ -27,16 +27,13 @@ STEP = 0.5  # px between two nodes
 SHARP = 0.75  # px: of pulses narrower than that the nodes lie closer
 SHARP_STEP = 0.4
 MOST_NODES = 81  # along an axis: a wider pulse gets a coarser grid
-ROUNDS = 10  # of places and pulse in turn
+ROUNDS = 8  # of places and pulse in turn
 SMOOTHEST = 1e-2  # of the information on a node: the penalty of a first look
 PINNED = 1e3  # of the information on a node: the outermost ones are 0
 EMPTY = 1e-9  # of it: a node that no pixel saw is what its neighbours make it
 UNEVEN = 0.02  # of the peak: what pixels and lenses differ by, so that no one window rules
 OUTLIER = 4.0  # times the median chi2: another light is in the window
 FITTED = 0.8  # of the windows, that a Gaussian must fit to be started from
-REPHASED = 3  # rounds, after which the bias that follows the phase is looked for
-PHASE_STEP = 0.01  # px, of that bias: a small part of any that matters
-MOST_BIAS = 0.04  # px, that is taken off at a time
 HOPELESS = 1e3  # chi2 of a Gaussian where there is none that fits
 STEADY = 3.0  # standard deviations by which the scales scatter at least, if they vary
 
@@ -107,7 +104,8 @@ def learn_pulse(
 
     with d the pixels above the background (lit - unlit where there is an unlit window), D the
     third differences of the coefficients along either axis and 1 / lambda their mean square, so
-    that they are smoothed as far as the noise of the windows asks for and no further. The centre
+    that they are smoothed as far as the noise of the windows asks for and no further. The phases
+    of an undersampled pulse are held even, as `learn_phase_correction` does. The centre
     is the one that a Gaussian fit would have on average: a round pulse has it in its middle, and
     a lopsided one where it was before it was learned, whatever its scale. The error that is left
     is had from two halves of the windows: of the places by the one and by the other.
@@ -228,7 +226,7 @@ def _alternate(
     """Return the pulse and the places after ROUNDS of both in turn."""
     places = list(start)
     roughness = 0.0
-    for turn in range(ROUNDS):
+    for _ in range(ROUNDS):
         pulse, places, roughness = task.surface(places, roughness)
         fits = task.fit(pulse, varies)
         chi2 = np.concatenate([fit.chi2[fit.ok] for fit in fits])
@@ -246,8 +244,8 @@ def _alternate(
         scales = np.concatenate([each.scale[each.used] for each in places])
         usual = float(np.exp(np.median(np.log(scales))))
         places = [replace(each, scale=each.scale / usual) for each in places]
-        if turn % REPHASED == REPHASED - 1:
-            places = _unbiased(task, places, roughness)
+        if task.step < STEP:
+            places = _evenly(places)
     pulse, places, _ = task.surface(places, roughness)
     return replace(pulse, varies=varies), places
 
@@ -302,61 +300,36 @@ class _Task:
         moved = [replace(at, x=at.x + u * at.scale, y=at.y + v * at.scale) for at in places]
         return pulse, moved, roughness
 
-    def surprise(self, places: Sequence[_Places], roughness: float) -> float:
-        """Return minus the log-likelihood of the best surface, its penalty included."""
-        bands, right = self.equations(places)
-        solved = _solve(bands, right, self.nodes, 1.0 / roughness)
-        return -0.5 * float(right @ solved.ravel())
-
     def fit(self, pulse: EffectivePsf, varies: bool) -> list[Estimates]:
         """Return the places by a pulse."""
         told = pulse_of(pulse, varies)
         return [learned_pulse(*stack, self.noise, self.saturation, told) for stack in self.stacks]
 
 
-def _rephased(places: Sequence[_Places], harmonics: Floats) -> list[_Places]:
-    """Return the places moved by a + b of sin and cos of the phase: (2, 2), x and y."""
-    moved = []
-    for at in places:
-        x, y = (
-            axis + a * np.sin(2.0 * np.pi * axis) + b * np.cos(2.0 * np.pi * axis)
-            for axis, (a, b) in zip((at.x, at.y), harmonics)
-        )
-        moved.append(replace(at, x=x, y=y))
-    return moved
-
-
-def _unbiased(task: _Task, places: Sequence[_Places], roughness: float) -> list[_Places]:
+def _evenly(places: Sequence[_Places]) -> list[_Places]:
     """
-    Take off the places what follows the sub-pixel phase.
+    Take off the places what follows the sub-pixel phase, by its first harmonic.
 
-    Places that all err by one function of their phase make a pulse of which the windows are as
-    likely: they cannot tell. Two things do: the pulse gets rougher, and the phases uneven,
-    which are even where the target moves far enough. The first harmonic of the error along
-    either axis is the one that has the least surprise of both; for phases f
-
-        -sum log(1 + 2 pi (a cos 2 pi f - b sin 2 pi f))
-
-    is the logarithm of what is left of the interval in which a place is likely.
+    Places that all err by one function of their phase make a pulse under which the windows are
+    as likely: an undersampled pulse cannot tell. The phases can, which are even where the target
+    moves far enough: `learn_phase_correction`. A harmonic that even phases have by chance, of the
+    variance 2 / N each, is not taken off (James and Stein, 1961).
     """
-    steps = np.eye(4).reshape(4, 2, 2) * PHASE_STEP
-    here = task.surprise(places, roughness)
-    harmonics = np.zeros((2, 2))
-    for index, step in enumerate(steps):
-        up, down = (
-            task.surprise(_rephased(places, sign * step), roughness) for sign in (1.0, -1.0)
+    moves = []
+    for axis in 'xy':
+        turn = 2.0 * np.pi * np.concatenate([getattr(at, axis)[at.used] for at in places])
+        a, b = 2.0 * np.cos(turn).mean(), 2.0 * np.sin(turn).mean()
+        share = max(0.0, 1.0 - 4.0 / (turn.size * max(a * a + b * b, 1e-12)))
+        moves.append((share * a / (2.0 * np.pi), share * b / (2.0 * np.pi)))
+    (ax, bx), (ay, by) = moves
+    return [
+        replace(
+            at,
+            x=at.x + ax * np.sin(2.0 * np.pi * at.x) - bx * np.cos(2.0 * np.pi * at.x),
+            y=at.y + ay * np.sin(2.0 * np.pi * at.y) - by * np.cos(2.0 * np.pi * at.y),
         )
-        slope = (up - down) / (2.0 * PHASE_STEP)
-        curvature = max((up + down - 2.0 * here) / PHASE_STEP**2, 0.0)
-        axis, cosine = divmod(index, 2)
-        turn = 2.0 * np.pi * np.concatenate([
-            (at.x if axis == 0 else at.y)[at.used] for at in places
-        ])
-        part = -np.sin(turn) if cosine else np.cos(turn)
-        slope -= 2.0 * np.pi * float(part.sum())
-        curvature += (2.0 * np.pi) ** 2 * float((part**2).sum())
-        harmonics[axis, cosine] = np.clip(-slope / curvature, -MOST_BIAS, MOST_BIAS)
-    return _rephased(places, harmonics)
+        for at in places
+    ]
 
 
 def _information(bands: Floats) -> float:

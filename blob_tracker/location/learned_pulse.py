@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 import math
 from typing import NamedTuple
 
@@ -64,6 +65,7 @@ class Pulse(NamedTuple):
     size: int
 
 
+@lru_cache(maxsize=8)
 def pulse_of(pulse: EffectivePsf, varies: bool | None = None) -> Pulse:
     """Return what the kernel takes; `varies` overrides what the pulse says of its scale."""
     along = np.linspace(-pulse.reach, pulse.reach, GRID)

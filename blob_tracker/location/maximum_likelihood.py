@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 
 from blob_tracker.kernel import Array, kernel
+from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates, Failure
 from blob_tracker.location.explain import explain
 from blob_tracker.location.hypotheses import Fit, Motion, Pair
+from blob_tracker.location.learned_pulse import learned_pulse, pulse_of
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
 from blob_tracker.location.normal_equations import column_of_inverse, empty_equations, solve
 from blob_tracker.location.scoring import (
@@ -39,6 +41,7 @@ def maximum_likelihood(
     *,
     elliptical: bool = False,
     motion: Motion | None = None,
+    pulse: EffectivePsf | None = None,
 ) -> Estimates:
     r"""
     Locate N blobs by Fisher scoring on the likelihood of their pixels.
@@ -86,6 +89,9 @@ def maximum_likelihood(
         Fit a width along x and one along y in place of one for both.
     motion : Motion or None
         Of the light from one flash to the next; what a ghost in the unlit window is told by.
+    pulse : EffectivePsf or None
+        Fit this one, and the Gaussian only where it does not fit the window or the Gaussian
+        explains the window better. `elliptical` is for the Gaussian.
 
     Returns
     -------
@@ -96,6 +102,8 @@ def maximum_likelihood(
         width does not tell its place, NOT_CONVERGED where the likelihood has no peak to climb.
 
     """
+    if pulse is not None:
+        return _with_pulse(lit, unlit, noise, saturation, pulse, elliptical, motion)
     table = np.zeros((_ROWS, lit.shape[0]))
     covariance = np.zeros((lit.shape[0], 2, 2))
     clipped = np.zeros(lit.shape[0], dtype=np.int64)
@@ -122,6 +130,37 @@ def maximum_likelihood(
         if fit is not None:
             _take(estimates, n, fit)
     return estimates
+
+
+def _with_pulse(
+    lit: NDArray[np.float64],
+    unlit: NDArray[np.float64] | None,
+    noise: SensorNoise,
+    saturation: float | None,
+    pulse: EffectivePsf,
+    elliptical: bool,
+    motion: Motion | None,
+) -> Estimates:
+    """Fit the pulse, and in the windows that it does not explain the Gaussian."""
+    found = learned_pulse(lit, unlit, noise, saturation, pulse_of(pulse))
+    failed = ~found.ok & (found.failure != Failure.NO_SIGNAL)
+    doubtful = np.flatnonzero(failed | (found.ok & (found.odd != 0)))
+    if not doubtful.size:
+        return found
+    other = maximum_likelihood(
+        lit[doubtful], None if unlit is None else unlit[doubtful], noise, saturation,
+        elliptical=elliptical, motion=motion,
+    )
+    for k, n in enumerate(doubtful):
+        if failed[n] or (other.ok[k] and other.chi2[k] < found.chi2[n]):
+            for name in (
+                'x', 'y', 'covariance', 'amplitude', 'background', 'sigma', 'snr', 'chi2',
+                'failure', 'odd',
+            ):
+                getattr(found, name)[n] = getattr(other, name)[k]
+            if k in other.warnings:
+                found.warnings[int(n)] = other.warnings[k]
+    return found
 
 
 def _take(estimates: Estimates, n: int, fit: Fit) -> None:

@@ -9,9 +9,10 @@ from threading import Lock
 import time
 from typing import Any
 
-from blob_tracker.camera import CalibrationError, LensError
+from blob_tracker.calibration.pulse_file import PulseFile
+from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
-from blob_tracker.location import compile_ahead, method_options
+from blob_tracker.location import compile_ahead, EffectivePsf, method_options
 from blob_tracker.location.noise import variance_ratio
 from blob_tracker.location.picture import draw
 from blob_tracker.location.scatter import RecentPlaces
@@ -103,6 +104,7 @@ class LocatorNode(Node):
             values['noise.gain'], values['noise.read_noise'], values['noise.black_level']
         )
         line_jitter = _line_jitter(values['line_jitter_url'])
+        pulse, no_pulse = _pulse(values['pulse_url'], method)
         lights = lights_from_text(values['lights'])
         if self._listen:
             self._make_topics(lights)
@@ -113,6 +115,7 @@ class LocatorNode(Node):
                 self._saturation, self._looks = values['saturation'], values['looks']
                 self._configured = self._noise = noise
                 self._line_jitter = line_jitter
+                self._pulse, self._no_pulse = pulse, no_pulse
                 self._places.clear()  # the next ones are placed in another way
                 if self._listen:
                     self._follow(lights)
@@ -206,6 +209,7 @@ class LocatorNode(Node):
                 noise=self._noise,
                 line_jitter=self._line_jitter,
                 **self._options,
+                **self._learned(camera_model),
             )
         except MessageError as error:
             self._health.fault(ERROR, f'{target_topic(light)}/window: {error}')
@@ -235,11 +239,25 @@ class LocatorNode(Node):
             self._places[light] = RecentPlaces(PLACES)
         self._places[light].add(location)
         self._compare_noise(location)
+        if self._no_pulse:
+            self._health.fault(WARN, f'pulse_url: {self._no_pulse}; the Gaussian is fitted')
         self._debug_image.offer(
             lambda: draw(window, self._noise, location, bearing, name=light),
             window.stamp_ns,
             frame_id,
         )
+
+    def _learned(self, camera_model: CameraModel) -> dict[str, EffectivePsf]:
+        """Return the option of the learned pulse, where there is one for this camera."""
+        if self._pulse is None:
+            return {}
+        try:
+            self._pulse.check_size(camera_model.width, camera_model.height)
+        except CalibrationError as error:
+            self._no_pulse = str(error)
+            return {}
+        self._no_pulse = ''
+        return {'pulse': self._pulse.learned.pulse}
 
     def _describe(self) -> None:
         """Show in the diagnostics how the targets were placed."""
@@ -314,6 +332,18 @@ def _line_jitter(url: str) -> LineJitter | None:
         return None
     with about('line_jitter_url'):
         return LineJitter.from_yaml(to_path(url))
+
+
+def _pulse(url: str, method: str) -> tuple[PulseFile | None, str]:
+    """Return the pulse of the parameter, or None and why it is not used."""
+    if not url:
+        return None, ''
+    try:
+        file = PulseFile.from_yaml(to_path(url))
+        method_options(method, pulse=file.learned.pulse)
+    except ValueError as error:  # CalibrationError and ParameterError are two of them
+        return None, str(error)
+    return file, ''
 
 
 def _in_words(noise: SensorNoise) -> str:
