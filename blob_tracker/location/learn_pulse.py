@@ -12,6 +12,7 @@ from blob_tracker.location.estimates import Estimates
 from blob_tracker.location.learned_pulse import learned_pulse, pulse_of
 from blob_tracker.location.maximum_likelihood import maximum_likelihood
 from blob_tracker.location.moments import moments
+from blob_tracker.location.pulse import integrated_profile
 from blob_tracker.types import LocationError, SensorNoise
 import numpy as np
 from numpy.typing import NDArray
@@ -103,8 +104,8 @@ def learn_pulse(
         sum_nk (d_nk - A_n P((k - x_n) / s_n))^2 / V_nk + lambda |D c|^2 -> min
 
     with d the pixels above the background (lit - unlit where there is an unlit window), D the
-    third differences of the coefficients along either axis and 1 / lambda their mean square, so
-    that they are smoothed as far as the noise of the windows asks for and no further. The phases
+    third differences along either axis of what the coefficients depart from those of the nearest
+    Gaussian by, and 1 / lambda their mean square, so that they are smoothed as far as the noise of the windows asks for and no further. The phases
     of an undersampled pulse are held even, as `learn_phase_correction` does. The centre
     is the one that a Gaussian fit would have on average: a round pulse has it in its middle, and
     a lopsided one where it was before it was learned, whatever its scale. The error that is left
@@ -192,16 +193,18 @@ def _first_places(
     bright = [each.ok & (each.snr > LEAST_SNR) for each in found]
     count = sum(each.ok.size for each in found)
     if sum(each.sum() for each in bright) >= FITTED * count > 0:
+        sigma = float(np.median(np.concatenate([
+            each.sigma[used] for each, used in zip(found, bright)
+        ])))
+        unit = float(integrated_profile(1, 0.0, sigma)[0][0]) ** 2
         places = [
             _Places(
-                each.x, each.y, each.amplitude, each.background, np.ones(each.x.size), used,
-                each.chi2,
+                each.x, each.y, each.amplitude * unit, each.background, np.ones(each.x.size),
+                used, each.chi2,
             )
             for each, used in zip(found, bright)
         ]
-        return places, float(np.median(np.concatenate([
-            each.sigma[used] for each, used in zip(found, bright)
-        ])))
+        return places, sigma
     places, widths = [], []
     for lit, unlit in stacks:
         seen = moments(lit, unlit, noise)
@@ -227,7 +230,7 @@ def _alternate(
     places = list(start)
     roughness = 0.0
     for _ in range(ROUNDS):
-        pulse, places, roughness = task.surface(places, roughness)
+        pulse, roughness = task.surface(places, roughness)
         fits = task.fit(pulse, varies)
         chi2 = np.concatenate([fit.chi2[fit.ok] for fit in fits])
         if chi2.size < LEAST_WINDOWS // 2:
@@ -243,11 +246,22 @@ def _alternate(
         ]
         scales = np.concatenate([each.scale[each.used] for each in places])
         usual = float(np.exp(np.median(np.log(scales))))
-        places = [replace(each, scale=each.scale / usual) for each in places]
+        places = _centred(
+            [replace(each, scale=each.scale / usual) for each in places], _centre(pulse)
+        )
         if task.step < STEP:
             places = _evenly(places)
-    pulse, places, _ = task.surface(places, roughness)
-    return replace(pulse, varies=varies), places
+    pulse, _ = task.surface(places, roughness)
+    places = _centred(places, _centre(pulse))
+    return replace(task.surface(places, roughness)[0], varies=varies), places
+
+
+def _centred(places: Sequence[_Places], centre: tuple[float, float]) -> list[_Places]:
+    """Return the places from the centre of the pulse that they were had with."""
+    return [
+        replace(at, x=at.x + centre[0] * at.scale, y=at.y + centre[1] * at.scale)
+        for at in places
+    ]
 
 
 def _grid(stacks: Sequence[Stack], sigma: float) -> tuple[int, float]:
@@ -288,17 +302,28 @@ class _Task:
 
     def surface(
         self, places: Sequence[_Places], roughness: float
-    ) -> tuple[EffectivePsf, list[_Places], float]:
-        """Return the pulse of these places, the places from its centre, and its roughness."""
+    ) -> tuple[EffectivePsf, float]:
+        """Return the pulse of these places, and its roughness."""
         bands, right = self.equations(places)
+        bell = self.gaussian()
         if roughness == 0.0:
-            information = _information(bands)
-            roughness = _roughness(_solve(bands, right, self.nodes, SMOOTHEST * information))
-        pulse = _normalised(_solve(bands, right, self.nodes, 1.0 / roughness), self.step,
-                            self.sigma)
-        u, v = _centre(pulse)
-        moved = [replace(at, x=at.x + u * at.scale, y=at.y + v * at.scale) for at in places]
-        return pulse, moved, roughness
+            first = _solve(bands, right, bell, SMOOTHEST * _information(bands))
+            roughness = _roughness(first - bell)
+        pulse = _normalised(
+            _solve(bands, right, bell, 1.0 / roughness), self.step, self.sigma
+        )
+        return pulse, roughness
+
+    def gaussian(self) -> Floats:
+        """Return the coefficients of the pixel-integrated Gaussian of the peak 1."""
+        middle = self.nodes // 2
+        along = np.array([
+            integrated_profile(1, (middle - k) * self.step, self.sigma)[0][0]
+            for k in range(self.nodes)
+        ])
+        along /= along[middle]
+        spline_of: Floats = scipy.ndimage.spline_filter(np.outer(along, along), order=3)
+        return spline_of
 
     def fit(self, pulse: EffectivePsf, varies: bool) -> list[Estimates]:
         """Return the places by a pulse."""
@@ -338,7 +363,7 @@ def _information(bands: Floats) -> float:
 
 
 def _roughness(coefficients: Floats) -> float:
-    """Return the mean square of the third differences where the pulse is, of both axes."""
+    """Return the mean square of the third differences where there is anything, of both axes."""
     across, down = np.diff(coefficients, 3, axis=1), np.diff(coefficients, 3, axis=0)
     bright = np.abs(coefficients) > 0.05 * np.abs(coefficients).max()
     rows, columns = np.flatnonzero(bright.any(axis=1)), np.flatnonzero(bright.any(axis=0))
@@ -347,10 +372,9 @@ def _roughness(coefficients: Floats) -> float:
     return float(np.mean(both**2))
 
 
-def _solve(
-    bands: Floats, right: Floats, nodes: int, smoothing: float
-) -> Floats:
-    """Return the (n, n) coefficients of the penalised fit."""
+def _solve(bands: Floats, right: Floats, bell: Floats, smoothing: float) -> Floats:
+    """Return the (n, n) coefficients of the fit, penalised where they depart from `bell`."""
+    nodes = len(bell)
     information = _information(bands)
     smoothing = max(smoothing, EMPTY * information)
     matrix = bands.copy()
@@ -362,12 +386,23 @@ def _solve(
                 np.add.at(
                     matrix[(p - q) * apart], first + q * apart, smoothing * stencil[p] * stencil[q]
                 )
+    right = right + smoothing * _penalty(bell).ravel()
     matrix[0] += EMPTY * information
     edge = np.ones((nodes, nodes), dtype=bool)
     edge[2:-2, 2:-2] = False
     matrix[0][edge.ravel()] += PINNED * information
     solved: Floats = scipy.linalg.solveh_banded(matrix, right, lower=True, check_finite=False)
     return solved.reshape(nodes, nodes)
+
+
+def _penalty(coefficients: Floats) -> Floats:
+    """Return D^T D c of the third differences along both axes."""
+    total = np.zeros_like(coefficients)
+    for turned, out in ((coefficients, total), (coefficients.T, total.T)):
+        third = np.diff(turned, 3, axis=0)
+        for p, weight in enumerate((-1.0, 3.0, -3.0, 1.0)):
+            out[p:len(out) - 3 + p] += weight * third
+    return total
 
 
 def _normalised(coefficients: Floats, step: float, sigma: float) -> EffectivePsf:
