@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import math
 
 from blob_tracker.kernel import Array, kernel
-from blob_tracker.location.effective_psf import EffectivePsf, spline
+from blob_tracker.location.effective_psf import EffectivePsf, evaluate, spline, surface_of
 from blob_tracker.location.estimates import Estimates
 from blob_tracker.location.learned_pulse import learned_pulse, pulse_of
 from blob_tracker.location.maximum_likelihood import maximum_likelihood
@@ -36,7 +36,11 @@ UNEVEN = 0.02  # of the peak: what pixels and lenses differ by, so that no one w
 OUTLIER = 4.0  # times the median chi2: another light is in the window
 FITTED = 0.8  # of the windows, that a Gaussian must fit to be started from
 HOPELESS = 1e3  # chi2 of a Gaussian where there is none that fits
-STEADY = 3.0  # standard deviations by which the scales scatter at least, if they vary
+FAINT = 0.1  # of the peak: below it noise draws the centroid away
+CENTRING = 20  # steps
+CENTRED = 1e-6  # px
+SURE = 12.0  # over N: the square of a harmonic that even phases have once in 400 times
+STEADY = 3.0  # chi-square a window that scales of their own take off where the sizes do vary
 
 
 @dataclass(frozen=True)
@@ -105,11 +109,11 @@ def learn_pulse(
 
     with d the pixels above the background (lit - unlit where there is an unlit window), D the
     third differences along either axis of what the coefficients depart from those of the nearest
-    Gaussian by, and 1 / lambda their mean square, so that they are smoothed as far as the noise of the windows asks for and no further. The phases
-    of an undersampled pulse are held even, as `learn_phase_correction` does. The centre
-    is the one that a Gaussian fit would have on average: a round pulse has it in its middle, and
-    a lopsided one where it was before it was learned, whatever its scale. The error that is left
-    is had from two halves of the windows: of the places by the one and by the other.
+    Gaussian by, and 1 / lambda their mean square, so that they are smoothed as far as the noise
+    of the windows asks for and no further. The phases of an undersampled pulse are held even, as
+    `learn_phase_correction` does. The centre is the point about
+    which the pulse is most symmetric, so that it stays where it is as the pulse grows. The error that is left is had from two halves of the windows: of
+    the places by the one and by the other.
 
     Parameters
     ----------
@@ -337,14 +341,14 @@ def _evenly(places: Sequence[_Places]) -> list[_Places]:
 
     Places that all err by one function of their phase make a pulse under which the windows are
     as likely: an undersampled pulse cannot tell. The phases can, which are even where the target
-    moves far enough: `learn_phase_correction`. A harmonic that even phases have by chance, of the
-    variance 2 / N each, is not taken off (James and Stein, 1961).
+    moves far enough: `learn_phase_correction`. What even phases have of a harmonic by chance, a
+    mean square of 4 / N, is not taken off (James and Stein, 1961).
     """
     moves = []
     for axis in 'xy':
         turn = 2.0 * np.pi * np.concatenate([getattr(at, axis)[at.used] for at in places])
         a, b = 2.0 * np.cos(turn).mean(), 2.0 * np.sin(turn).mean()
-        share = max(0.0, 1.0 - 4.0 / (turn.size * max(a * a + b * b, 1e-12)))
+        share = max(0.0, 1.0 - SURE / (turn.size * max(a * a + b * b, 1e-12)))
         moves.append((share * a / (2.0 * np.pi), share * b / (2.0 * np.pi)))
     (ax, bx), (ay, by) = moves
     return [
@@ -421,26 +425,27 @@ def _normalised(coefficients: Floats, step: float, sigma: float) -> EffectivePsf
 
 def _centre(pulse: EffectivePsf) -> tuple[float, float]:
     """
-    Return where a Gaussian that fits the pulse has its centre, px.
+    Return the point about which the pulse is most symmetric, px.
 
-    sum (u - u_0) P exp(-|u - u_0|^2 / 2 w^2) = 0, as the score of an amplitude-weighted fit is;
-    w is what the second moment of P says, which is wide for a ring.
+    The c with the least sum (P(c + u) - P(c - u))^2, by Gauss-Newton from the centroid: of a
+    round pulse the middle, also where it is dark, to the accuracy of a fit.
     """
     middle = pulse.coefficients.shape[0] // 2
     along = np.arange(-2 * middle, 2 * middle + 1) * (0.5 * pulse.step)
-    u, v = np.meshgrid(along, along)
-    light = np.maximum(pulse.value(u, v), 0.0)
-    light[light < 0.1 * light.max()] = 0.0
-    x, y = float((light * u).sum() / light.sum()), float((light * v).sum() / light.sum())
-    second = float((light * ((u - x) ** 2 + (v - y) ** 2)).sum() / (2.0 * light.sum()))
-    for _ in range(100):
-        weighted = light * np.exp(-((u - x) ** 2 + (v - y) ** 2) / (2.0 * second))
-        total = weighted.sum()
-        moved = float((weighted * u).sum() / total) - x, float((weighted * v).sum() / total) - y
-        x, y = x + 2.0 * moved[0], y + 2.0 * moved[1]
-        if math.hypot(*moved) < 1e-6:
+    u, v = (axis.ravel().copy() for axis in np.meshgrid(along, along))
+    surface, ahead, behind = surface_of(pulse), np.empty((3, u.size)), np.empty((3, u.size))
+    evaluate(surface, u, v, ahead)
+    light = np.where(ahead[0] > FAINT * ahead[0].max(), ahead[0], 0.0)
+    centre = np.array([light @ u, light @ v]) / light.sum()
+    for _ in range(CENTRING):
+        evaluate(surface, centre[0] + u, centre[1] + v, ahead)
+        evaluate(surface, centre[0] - u, centre[1] - v, behind)
+        slopes = ahead[1:] + behind[1:]
+        step = np.linalg.solve(slopes @ slopes.T, slopes @ (behind[0] - ahead[0]))
+        centre += step
+        if np.hypot(*step) < CENTRED:
             break
-    return x, y
+    return float(centre[0]), float(centre[1])
 
 
 def _scales_vary(task: _Task, places: Sequence[_Places], pulse: EffectivePsf) -> bool:
@@ -452,7 +457,7 @@ def _scales_vary(task: _Task, places: Sequence[_Places], pulse: EffectivePsf) ->
         gain.append(one.chi2[kept] * (pixels - 4) - own.squares[kept] * (pixels - 5))
         count += int(kept.sum())
     # One more parameter a window takes a chi-square of one degree of freedom off.
-    return float(np.concatenate(gain).sum()) > count + STEADY * math.sqrt(2.0 * count)
+    return float(np.concatenate(gain).sum()) > STEADY * count
 
 
 def _gap(places: Sequence[_Places], axis: str) -> float:

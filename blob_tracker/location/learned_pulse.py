@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.effective_psf import (
-    EffectivePsf, empty_images, fill_images, Images, PADDING, Surface, surface_of,
+    EffectivePsf, empty_images, fill_images, Images, Surface, surface_of,
 )
 from blob_tracker.location.estimates import Estimates, Failure
 from blob_tracker.location.likelihood import Observation
@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 # Of the scale: beyond it the lens draws another pulse, not a larger one.
 SMALLEST, LARGEST = 0.4, 2.5
-STEP_PX = 1.0  # of a position at a time, and never more than half a sigma if that is more
+STEP_PX = 0.5  # of a position at a time, or half a sigma where that is more
 GRID = 64  # points along an axis, of which the pulse's half-height shape is had
 
 _ROWS = 7  # of the table: x, y, amplitude, background, sigma, snr, chi2
@@ -434,7 +434,7 @@ def _fit_all(
     equations = work.equations
     fisher, column = equations.matrix, equations.solution
     theta, start, other = np.empty(6), np.empty(6), np.empty(6)
-    reach = max(0.5 * pulse.sigma, 0.5 * STEP_PX)
+    reach = max(0.5 * pulse.sigma, STEP_PX)
     for n in range(count):
         usable = 0
         mean = 0.0

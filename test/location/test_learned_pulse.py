@@ -10,11 +10,11 @@ from blob_tracker.location.noise import pixel_variance
 from blob_tracker.types import LocationError, SensorNoise
 import numpy as np
 import pytest
-from scipy.ndimage import gaussian_filter
+from scipy.ndimage import gaussian_filter, map_coordinates
 
 NOISE = SensorNoise(gain=10.0, read_noise=1.0)
 PEAK, BACKGROUND = 120.0, 30.0
-FINE = 10  # points a pixel
+FINE = 11  # points a pixel, odd: a box of them has a middle
 COUNT = 250
 
 Pulse = Callable[[float, float], np.ndarray]
@@ -30,10 +30,8 @@ def drawn(side: int, intensity: Callable[[np.ndarray, np.ndarray], np.ndarray]) 
     middle = (side - 1) / 2
 
     def pulse(x: float, y: float) -> np.ndarray:
-        from scipy.ndimage import map_coordinates
-        # A box of an even number of points is half a point off its middle.
-        rows = (np.arange(side) - y) * FINE + side * FINE - 0.5
-        columns = (np.arange(side) - x) * FINE + side * FINE - 0.5
+        rows = (np.arange(side) - y) * FINE + side * FINE
+        columns = (np.arange(side) - x) * FINE + side * FINE
         return map_coordinates(surface, np.meshgrid(rows, columns, indexing='ij'), order=3)
 
     assert pulse(middle, middle).max() > 0.3
