@@ -111,9 +111,9 @@ def learn_pulse(
     third differences along either axis of what the coefficients depart from those of the nearest
     Gaussian by, and 1 / lambda their mean square, so that they are smoothed as far as the noise
     of the windows asks for and no further. The phases of an undersampled pulse are held even, as
-    `learn_phase_correction` does. The centre is the point about
-    which the pulse is most symmetric, so that it stays where it is as the pulse grows. The error that is left is had from two halves of the windows: of
-    the places by the one and by the other.
+    `learn_phase_correction` does. The centre is the point about which the pulse is most
+    symmetric, so that it stays where it is as the pulse grows. The error that is left is had from
+    two halves of the windows: of the places by the one and by the other.
 
     Parameters
     ----------
