@@ -490,7 +490,8 @@ def _by_halves(
         gaussian = maximum_likelihood(lit, unlit, task.noise, task.saturation)
         other = np.where(np.arange(ok.size) % 2 == 0, second.chi2, first.chi2)
         squares = np.where(gaussian.ok, gaussian.chi2, HOPELESS) * (pixels - 5)
-        gains.append(0.5 * (squares - other * (pixels - free))[ok])
+        # The Gaussian fits its width: the parameter more takes off what it takes of noise.
+        gains.append(0.5 * (squares - other * (pixels - free) + 5 - free)[ok])
     apart = np.concatenate(moved)
     # Of half the windows each: their difference has four times the variance of the whole's.
     return apart.T @ apart / (4.0 * len(apart)), float(np.median(np.concatenate(gains)))
