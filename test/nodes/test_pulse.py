@@ -1,4 +1,4 @@
-"""What the locator makes of pulse_url: a pulse, or the sentence with which the Gaussian goes on."""
+"""What the locator makes of pulse_url: a pulse, or why the Gaussian goes on."""
 
 from __future__ import annotations
 
