@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 VARIABLE = 'BLOB_TRACKER_DATA'
 BINS = 10
-MANY = 600  # windows of a field that a pulse is learned from
+MANY = 150  # windows of a field that a pulse is learned from
 FEW = 300  # many times the unknowns of the maps
 BRIGHT = (20.0, 40.0)  # peak SNR above which it is less and less the noise that limits
 CORRECTED = f'{CHAMPION} + phase correction'

@@ -87,7 +87,7 @@ class EffectivePsf:
 
     @property
     def reach(self) -> float:
-        """The offset beyond which the pulse is 0, px."""
+        """Return the offset beyond which the pulse is 0, px."""
         return (self.coefficients.shape[0] // 2 + 2) * self.step
 
     def value(self, u: ArrayLike, v: ArrayLike) -> NDArray[np.float64]:
