@@ -66,7 +66,9 @@ def main(arguments: list[str] | None = None) -> int:
             asked.seed,
         )
 
-    names = [each.name for each in own + ours.texture_references()] + [real_pixels.CORRECTED]
+    names = [each.name for each in own + ours.texture_references()] + [
+        real_pixels.CORRECTED, real_pixels.LEARNED,
+    ]
     judged = targets.judge(report, names)
     for table in tables.figures(report, names):
         console.print(table)

@@ -110,9 +110,10 @@ def real(rows: Sequence[RealRow]) -> Table:
         'residual, px',
         'first harmonic of the phase, px',
         'rms bias over the phase, px',
+        'NEES',
         'kept',
         title='Real pixels: residual to catalogue (3rd order) and grid (7th order)',
-        caption='phase correction: learned from the positions in the other frames, no catalogue',
+        caption='phase correction and pulse: learned from the other frames, or half, no catalogue',
     )
     for row in rows:
         table.add_row(
@@ -121,6 +122,7 @@ def real(rows: Sequence[RealRow]) -> Table:
             f'{row.rms:.4f}',
             f'{row.harmonic:.4f}',
             f'{row.phase_rms:.4f}',
+            '' if np.isnan(row.nees) else f'{row.nees:.2f}',
             f'{row.found} of {row.total}',
         )
     return table

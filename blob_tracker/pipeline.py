@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from blob_tracker import location, segmentation, tracking
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
-from blob_tracker.location import Locator, method_options, METHODS
+from blob_tracker.location import EffectivePsf, Locator, method_options, METHODS
 from blob_tracker.location.noise_check import NoiseCheck
 from blob_tracker.segmentation import Expectation, FrameError, Segmenter
 from blob_tracker.tracking import Track, Tracker, TrackingError, update_or_restart
@@ -131,6 +131,8 @@ class Pipeline:
         the last frame gave no bearing.
     line_jitter : LineJitter, optional
         Offsets of the lines of an analogue grabber, to be taken off each location.
+    pulse : EffectivePsf, optional
+        Learned pulse to fit in place of the Gaussian, see `learn_pulse`.
     tracker : Tracker, optional
         Takes each bearing, and tells the segmenter where to look for the next one. What it
         refuses is a bearing all the same.
@@ -145,7 +147,7 @@ class Pipeline:
     Raises
     ------
     ValueError
-        Where there is no such method, or it has no elliptical form.
+        Where there is no such method, or it has no elliptical form or takes no pulse.
     CalibrationError
         Where the line jitter is for a picture of another height.
 
@@ -160,6 +162,7 @@ class Pipeline:
         elliptical: bool = False,
         segmenter: Segmenter | None = None,
         line_jitter: LineJitter | None = None,
+        pulse: EffectivePsf | None = None,
         tracker: Tracker | None = None,
     ) -> None:
         if line_jitter is not None:
@@ -170,7 +173,9 @@ class Pipeline:
         self.line_jitter = line_jitter
         self.tracker = tracker
         self.warning = ''
-        self._locator = Locator(method, **method_options(method, elliptical=elliptical))
+        self._locator = Locator(
+            method, **method_options(method, elliptical=elliptical, pulse=pulse)
+        )
         self._noise_check = NoiseCheck(noise)
 
     @property

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from blob_tracker.kernel import Array, kernel, written_into_kernels
 from blob_tracker.location.estimates import Estimates, Failure
-from blob_tracker.location.maximum_likelihood import (
+from blob_tracker.location.scoring import (
     COVARIANCE_INFLATION, FAINTEST_SIGMA, MISFIT_SIGMA,
 )
 from blob_tracker.location.ratio_tables import (

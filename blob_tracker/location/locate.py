@@ -10,6 +10,7 @@ from typing import Any
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.centroid import centroid
+from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates, Failure, NOTHING, REASONS
 from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_linear_elliptical
 from blob_tracker.location.hypotheses import Motion
@@ -42,7 +43,9 @@ _SATURATED, _FLAT = int(Failure.SATURATED), int(Failure.FLAT)
 _OUTSIDE, _NOT_CONVERGED = int(Failure.OUTSIDE), int(Failure.NOT_CONVERGED)
 
 
-def method_options(method: str, *, elliptical: bool = False) -> dict[str, Any]:
+def method_options(
+    method: str, *, elliptical: bool = False, pulse: EffectivePsf | None = None
+) -> dict[str, Any]:
     """
     Return the options of a method, as `locate` and `locate_batch` pass them on.
 
@@ -52,6 +55,8 @@ def method_options(method: str, *, elliptical: bool = False) -> dict[str, Any]:
         A key of `METHODS`.
     elliptical : bool
         Fit a width along x and one along y.
+    pulse : EffectivePsf or None
+        Learned pulse to fit in place of the Gaussian.
 
     Raises
     ------
@@ -61,13 +66,15 @@ def method_options(method: str, *, elliptical: bool = False) -> dict[str, Any]:
     """
     if method not in METHODS:
         raise ValueError(f"no method '{method}'; there is {', '.join(METHODS)}")
-    if not elliptical:
-        return {}
-    if 'elliptical' not in signature(METHODS[method]).parameters:
-        raise ValueError(
-            f"parameter 'elliptical' is True; the method '{method}' has no such form"
-        )
-    return {'elliptical': True}
+    asked = {'elliptical': elliptical or None, 'pulse': pulse}
+    options = {name: value for name, value in asked.items() if value is not None}
+    for name in options:
+        if name not in signature(METHODS[method]).parameters:
+            raise ValueError(
+                f"parameter 'elliptical' is True; the method '{method}' has no such form"
+                if name == 'elliptical' else f"the method '{method}' takes no learned pulse"
+            )
+    return options
 
 
 def locate_batch(

@@ -9,6 +9,7 @@ import math
 from typing import Any
 
 from blob_tracker.location.doubt import LOPSIDED_LIGHT
+from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates
 from blob_tracker.location.hypotheses import Motion, Pair
 from blob_tracker.location.locate import estimate, METHODS, to_location
@@ -96,13 +97,24 @@ class Locator:
     ----------
     method : str
         A key of `METHODS`.
+    pulse : EffectivePsf, optional
+        Learned pulse to fit in place of the Gaussian, for the method that takes one.
     **options
         Passed on to the method.
 
+    Attributes
+    ----------
+    pulse : EffectivePsf or None
+        As given; it may be set at any time.
+
     """
 
-    def __init__(self, method: str = 'maximum_likelihood', **options: Any) -> None:
+    def __init__(
+        self, method: str = 'maximum_likelihood', *, pulse: EffectivePsf | None = None,
+        **options: Any,
+    ) -> None:
         self._method, self._options = method, options
+        self.pulse = pulse
         self._remembers = 'motion' in signature(METHODS[method]).parameters
         self._memories: dict[str, _Memory] = {}
 
@@ -131,6 +143,8 @@ class Locator:
 
         """
         options = dict(self._options)
+        if self.pulse is not None:
+            options['pulse'] = self.pulse
         memory = self._memories.setdefault(light, _Memory())
         if self._remembers:
             options['motion'] = memory.motion(window)

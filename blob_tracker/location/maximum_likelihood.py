@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import math
 
-from blob_tracker.kernel import Array, kernel, written_into_kernels
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.doubt import LOPSIDED_LIGHT
+from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates, Failure
 from blob_tracker.location.explain import explain
 from blob_tracker.location.hypotheses import Fit, Motion, Pair
+from blob_tracker.location.learned_pulse import learned_pulse, pulse_of
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
 from blob_tracker.location.normal_equations import column_of_inverse, empty_equations, solve
-from blob_tracker.location.scoring import advance, climb, CONVERGED, NARROWEST_PX, WIDEST
-from blob_tracker.location.sites import ABSENT_DN, fill_absent
+from blob_tracker.location.scoring import (
+    advance, climb, CONVERGED, COVARIANCE_INFLATION, FAINTEST_SIGMA, FISHER_STEPS, MISFIT_SIGMA,
+    NARROWEST_PX, TEXTURE_STEP, WIDEST,
+)
+from blob_tracker.location.sites import fill_absent, observe
 from blob_tracker.location.start_value import start_value
 from blob_tracker.location.suspicion import (
     HEAD, LEANING, lopsidedness, suspect_failure, suspect_fit, suspect_lopsided, suspect_pixels,
@@ -25,14 +30,7 @@ from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
 
-# Of a matched filter's standard deviations: below it noise is found, not light
-FAINTEST_SIGMA = 5.0
-# Over the matched filter's squared SNR: how far the covariance is too small
-COVARIANCE_INFLATION = 12.0
-MISFIT_SIGMA = 5.0  # standard deviations of chi2: beyond it the model is wrong, not the noise
 WARNED_CHI2 = 3.0  # beyond which a misfit is spoken of, whatever its kind
-FISHER_STEPS = 12  # a good start takes 4 or 5
-TEXTURE_STEP = 2  # by which the pulse is known well enough to ask what the texture does to it
 
 _ROWS = 11  # of the table: x, y, amplitude, background, sigma, snr, chi2, and from here on
 _LOPSIDED = 7  # how lopsided it is
@@ -49,6 +47,7 @@ def maximum_likelihood(
     *,
     elliptical: bool = False,
     motion: Motion | None = None,
+    pulse: EffectivePsf | None = None,
 ) -> Estimates:
     r"""
     Locate N blobs by Fisher scoring on the likelihood of their pixels.
@@ -97,6 +96,9 @@ def maximum_likelihood(
         Fit a width along x and one along y in place of one for both.
     motion : Motion or None
         Of the light from one flash to the next; what a ghost in the unlit window is told by.
+    pulse : EffectivePsf or None
+        Fit this one, and the Gaussian only where it does not fit the window or the Gaussian
+        explains the window better. `elliptical` is for the Gaussian.
 
     Returns
     -------
@@ -107,6 +109,8 @@ def maximum_likelihood(
         width does not tell its place, NOT_CONVERGED where the likelihood has no peak to climb.
 
     """
+    if pulse is not None:
+        return _with_pulse(lit, unlit, noise, saturation, pulse, elliptical, motion)
     table = np.zeros((_ROWS, lit.shape[0]))
     covariance = np.zeros((lit.shape[0], 2, 2))
     clipped = np.zeros(lit.shape[0], dtype=np.int64)
@@ -144,6 +148,37 @@ def maximum_likelihood(
     return estimates
 
 
+def _with_pulse(
+    lit: NDArray[np.float64],
+    unlit: NDArray[np.float64] | None,
+    noise: SensorNoise,
+    saturation: float | None,
+    pulse: EffectivePsf,
+    elliptical: bool,
+    motion: Motion | None,
+) -> Estimates:
+    """Fit the pulse, and in the windows that it does not explain the Gaussian."""
+    found, odd = learned_pulse(lit, unlit, noise, saturation, pulse_of(pulse))
+    failed = ~found.ok & (found.failure != Failure.NO_SIGNAL)
+    doubtful = np.flatnonzero(failed | (found.ok & (odd != 0)))
+    if not doubtful.size:
+        return found
+    other = maximum_likelihood(
+        lit[doubtful], None if unlit is None else unlit[doubtful], noise, saturation,
+        elliptical=elliptical, motion=motion,
+    )
+    for k, n in enumerate(doubtful):
+        if failed[n] or (other.ok[k] and other.chi2[k] < found.chi2[n]):
+            for name in (
+                'x', 'y', 'covariance', 'amplitude', 'background', 'sigma', 'snr', 'chi2',
+                'failure',
+            ):
+                getattr(found, name)[n] = getattr(other, name)[k]
+            if k in other.warnings:
+                found.warnings[int(n)] = other.warnings[k]
+    return found
+
+
 def _adopt(estimates: Estimates, n: int, fit: Fit) -> None:
     """Put a fit in the place of a window's estimates."""
     for name in ('x', 'y', 'covariance', 'amplitude', 'background', 'sigma', 'snr', 'chi2'):
@@ -151,33 +186,6 @@ def _adopt(estimates: Estimates, n: int, fit: Fit) -> None:
     estimates.failure[n] = fit.failure
     if fit.warning:
         estimates.warnings[n] = fit.warning
-
-
-@written_into_kernels
-def _take(
-    n: int, lit: Array, unlit: Array, paired: bool, saturation: float, seen: Observation,
-    texture: Array, clipped: NDArray[np.int64],
-) -> tuple[int, float]:
-    """Fill the observation and the texture; return the usable pixels and the texture's sum."""
-    height, width = texture.shape
-    usable = 0
-    mean = 0.0
-    for j in range(height):
-        for i in range(width):
-            seen.pixels[j, i] = lit[j, i]
-            seen.extra[j, i] = seen.floor
-            lost = lit[j, i] >= saturation
-            if lost and lit[j, i] < ABSENT_DN:
-                clipped[n] += 1
-            if paired:
-                texture[j, i] = unlit[j, i]
-                lost = lost or unlit[j, i] >= saturation
-            if lost:
-                seen.extra[j, i] = math.inf
-            else:
-                usable += 1
-                mean += texture[j, i]
-    return usable, mean
 
 
 @kernel
@@ -209,7 +217,7 @@ def _fit_all(
     equations = empty_equations()
     fisher, column = equations.matrix, equations.solution
     for n in range(count):
-        usable, mean = _take(
+        usable, mean = observe(
             n, lit[n], unlit[n] if paired else lit[n], paired, saturation, seen, texture, clipped
         )
         if usable < size + 1:

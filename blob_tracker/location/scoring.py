@@ -11,6 +11,13 @@ from blob_tracker.location.likelihood import (
 )
 from blob_tracker.location.normal_equations import NormalEquations, solve
 
+# Of a matched filter's standard deviations: below it noise is found, not light
+FAINTEST_SIGMA = 5.0
+# Over the matched filter's squared SNR: how far the covariance is too small
+COVARIANCE_INFLATION = 12.0
+MISFIT_SIGMA = 5.0  # standard deviations of chi2: beyond it the model is wrong, not the noise
+FISHER_STEPS = 12  # a good start takes 4 or 5
+TEXTURE_STEP = 2  # by which the pulse is known well enough to ask what the texture does to it
 NARROWEST_PX = 0.2  # px: below it one pixel holds 99 % of the light and its place there is lost
 WIDEST = 2.0  # times the window: a wider pulse is a slope, its amplitude and level are one
 DAMPED_STEPS = 80

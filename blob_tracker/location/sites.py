@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from blob_tracker.kernel import Array, kernel
+import math
+
+from blob_tracker.kernel import Array, kernel, written_into_kernels
+from blob_tracker.location.likelihood import Observation
 import numpy as np
 from numpy.typing import NDArray
 
@@ -47,3 +50,35 @@ def fill_absent(pixels: Array, lit: Array) -> None:
                         total += pixels[jj, ii]
                         count += 1
             pixels[j, i] = total / count if count > 0 else 0.0
+
+
+@written_into_kernels
+def observe(
+    n: int, lit: Array, unlit: Array, paired: bool, saturation: float, seen: Observation,
+    texture: Array, clipped: NDArray[np.int64],
+) -> tuple[int, float]:
+    """
+    Fill the observation and the texture of window n with its pixels.
+
+    Clipped pixels and those that are no samples get an infinite variance; `clipped[n]` counts
+    the former. Returns how many are left, and the sum of the texture over them.
+    """
+    height, width = texture.shape
+    usable = 0
+    mean = 0.0
+    for j in range(height):
+        for i in range(width):
+            seen.pixels[j, i] = lit[j, i]
+            seen.extra[j, i] = seen.floor
+            lost = lit[j, i] >= saturation
+            if lost and lit[j, i] < ABSENT_DN:
+                clipped[n] += 1
+            if paired:
+                texture[j, i] = unlit[j, i]
+                lost = lost or unlit[j, i] >= saturation
+            if lost:
+                seen.extra[j, i] = math.inf
+            else:
+                usable += 1
+                mean += texture[j, i]
+    return usable, mean

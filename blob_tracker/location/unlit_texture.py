@@ -110,9 +110,8 @@ def texture_share(
     texture, mean, white = unlit.texture, unlit.mean, unlit.white
     extra, shot, floor = seen.extra, seen.shot, seen.floor
     across, down = profiles
-    fisher, score, step = equations.matrix, equations.right, equations.solution
+    fisher, score = equations.matrix, equations.right
     height, width = texture.shape
-    size = 5
     fill_profile(theta[0], theta[4], across)
     fill_profile(theta[1], theta[5], down)
     amplitude = theta[2]
@@ -146,6 +145,20 @@ def texture_share(
         )
         add_row(equations, amplitude, down[0, j], down[1, j], down[2, j], sums)
     join_widths(equations)
+    return share_of(equations, white, variance, amplitude)
+
+
+@kernel
+def share_of(
+    equations: NormalEquations, white: float, variance: float, amplitude: float
+) -> tuple[float, float, float]:
+    """
+    Return share, E and chi2 of `texture_share` from the equations of the linear fit.
+
+    Their first three parameters are x, y and amplitude, and there are five; `white` is the
+    variance of the texture over that of the noise, which is `variance`, DN^2.
+    """
+    score, step, size = equations.right, equations.solution, 5
     if not solve(equations, size, 0.0):
         return 1.0, 0.0, 0.0
     shift_x, shift_y = step[0], step[1]

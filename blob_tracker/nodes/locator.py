@@ -9,7 +9,8 @@ from threading import Lock
 import time
 from typing import Any
 
-from blob_tracker.camera import CalibrationError, LensError
+from blob_tracker.calibration.pulse_file import PulseFile
+from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import compile_ahead, Locator, method_options
 from blob_tracker.location.noise import noise_in_words, variance_ratio
@@ -106,6 +107,7 @@ class LocatorNode(Node):
             values['noise.gain'], values['noise.read_noise'], values['noise.black_level']
         )
         line_jitter = _line_jitter(values['line_jitter_url'])
+        pulse, no_pulse = _pulse(values['pulse_url'], method)
         lights = lights_from_text(values['lights'])
         if self._listen:
             self._make_topics(lights)
@@ -117,6 +119,7 @@ class LocatorNode(Node):
                 self._configured = self._noise = noise
                 self._noise_checks.clear()
                 self._line_jitter = line_jitter
+                self._pulse, self._no_pulse = pulse, no_pulse
                 self._places.clear()  # the next ones are placed in another way
                 if self._listen:
                     self._follow(lights)
@@ -204,6 +207,7 @@ class LocatorNode(Node):
     def _locate(self, light: str, window: Window, info: CameraInfo, frame_id: str) -> None:
         try:
             camera_model = self._camera.model(info)
+            self._fit_pulse(camera_model)
             window = clipping_window(window, self._saturation, self._looks)
             if light not in self._noise_checks:
                 self._noise_checks[light] = NoiseCheck(self._configured)
@@ -246,12 +250,25 @@ class LocatorNode(Node):
         if light not in self._places:
             self._places[light] = RecentPlaces(PLACES)
         self._places[light].add(location)
+        if self._no_pulse:
+            self._health.fault(WARN, f'pulse_url: {self._no_pulse}; the Gaussian is fitted')
         self._compare_noise(window, location, check)
         self._debug_image.offer(
             lambda: draw(window, noise, location, bearing, name=light),
             window.stamp_ns,
             frame_id,
         )
+
+    def _fit_pulse(self, camera_model: CameraModel) -> None:
+        """Have the locator fit the learned pulse if it was learned with this camera."""
+        if self._pulse is None:
+            return
+        self._no_pulse = ''
+        try:
+            self._pulse.check_size(camera_model.width, camera_model.height)
+        except CalibrationError as error:
+            self._no_pulse = str(error)
+        self._locator.pulse = None if self._no_pulse else self._pulse.learned.pulse
 
     def _describe(self) -> None:
         """Show in the diagnostics how the targets were placed."""
@@ -335,6 +352,18 @@ def _line_jitter(url: str) -> LineJitter | None:
         return None
     with about('line_jitter_url'):
         return LineJitter.from_yaml(to_path(url))
+
+
+def _pulse(url: str, method: str) -> tuple[PulseFile | None, str]:
+    """Return the pulse of the parameter, or None and why it is not used."""
+    if not url:
+        return None, ''
+    try:
+        file = PulseFile.from_yaml(to_path(url))
+        method_options(method, pulse=file.learned.pulse)
+    except ValueError as error:  # CalibrationError and ParameterError are two of them
+        return None, str(error)
+    return file, ''
 
 
 def compile_default() -> None:

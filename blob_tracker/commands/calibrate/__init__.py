@@ -10,6 +10,7 @@ CALIBRATIONS: dict[str, str] = {
     'board': 'lens, from images of a chessboard, a ChArUco board or a grid of dots',
     'jitter': 'line offsets of an analogue grabber, from frames of a vertical edge',
     'noise': 'gain, read noise and saturation: photon transfer',
+    'pulse': "the blob's shape: lens, focus and light, from its own flashes",
     'slide': 'pixels per millimetre, from a camera on a slide',
     'turn': "focal length and principal point, from the servo's own steps",
 }

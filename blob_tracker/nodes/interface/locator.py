@@ -70,6 +70,13 @@ PARAMETERS = (
         'each location: path, file:// or package://. Empty for a digital camera.',
     ),
     Parameter(
+        'pulse_url',
+        '',
+        'Shape of the blob, as `calibrate pulse` writes it, to be fitted in place of the Gaussian '
+        'by maximum_likelihood: path, file:// or package://. Where it does not fit, or is of '
+        'another camera, the Gaussian goes on.',
+    ),
+    Parameter(
         'lights',
         '',
         'Names of the coded lights that are to be placed, as flash.codes has them: '

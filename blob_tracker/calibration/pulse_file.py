@@ -1,0 +1,138 @@
+"""The file of a learned pulse: what `calibrate pulse` writes and the locator reads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from blob_tracker.camera.yaml_file import CalibrationError, content_of, write_content
+from blob_tracker.location.effective_psf import EffectivePsf
+from blob_tracker.location.learn_pulse import Learned, LEAST_WINDOWS, WIDEST_GAP
+from blob_tracker.types import SensorNoise
+import numpy as np
+
+
+@dataclass(frozen=True)
+class PulseFile:
+    """
+    A learned pulse and the camera that it was learned with.
+
+    Parameters
+    ----------
+    learned : Learned
+        The pulse, and what it was learned from.
+    width, height : int
+        Of the camera's picture, px.
+    light : str
+        What the light and the camera's channel were, in the user's words: '850 nm, mono'.
+
+    Raises
+    ------
+    CalibrationError
+        Where the pulse was learned from too little, or a value cannot be.
+
+    """
+
+    learned: Learned
+    width: int
+    height: int
+    light: str = ''
+
+    def __post_init__(self) -> None:
+        if self.learned.windows < LEAST_WINDOWS:
+            raise CalibrationError(
+                f'the pulse was learned from {self.learned.windows} windows; it takes '
+                f'{LEAST_WINDOWS}: record more flashes'
+            )
+        if not self.learned.gap <= WIDEST_GAP:
+            raise CalibrationError(
+                f'the windows of the pulse leave {self.learned.gap:.2f} px of the pixel empty, '
+                f'{WIDEST_GAP:g} px at most will do: let the target move over many pixels'
+            )
+        if self.width < 1 or self.height < 1:
+            raise CalibrationError(f'a picture of {self.width} x {self.height} px has no pulse')
+
+    @classmethod
+    def from_yaml(cls, path: str | Path) -> PulseFile:
+        """
+        Read what `calibrate pulse` has written.
+
+        Parameters
+        ----------
+        path : str or Path
+            The YAML file.
+
+        Raises
+        ------
+        CalibrationError
+            Where the file is missing, is not such YAML, or holds impossible values.
+
+        """
+        with content_of(path, 'learned pulse') as content:
+            try:
+                pulse = EffectivePsf(
+                    np.array(content['coefficients'], dtype=float),
+                    float(content['step']),
+                    float(content['sigma']),
+                    np.array(content['covariance'], dtype=float),
+                    bool(content['varies']),
+                )
+                noise = SensorNoise(*(float(content[name]) for name in _NOISE))
+            except ValueError as error:
+                raise CalibrationError(str(error)) from None
+            learned = Learned(
+                pulse, int(content['windows']), float(content['gap']), float(content['gain']),
+                float(content['chi2']), noise,
+            )
+            return cls(
+                learned, int(content['image_width']), int(content['image_height']),
+                str(content['light']),
+            )
+
+    def to_yaml(self, path: str | Path, comments: Sequence[str] = ()) -> None:
+        """
+        Write the file that `from_yaml` reads.
+
+        Parameters
+        ----------
+        path : str or Path
+            The YAML file.
+        comments : sequence of str
+            Lines on top of it.
+
+        Raises
+        ------
+        CalibrationError
+            Where it cannot be written there.
+
+        """
+        learned, pulse = self.learned, self.learned.pulse
+        content = {
+            'image_width': self.width,
+            'image_height': self.height,
+            'light': self.light,
+            'windows': learned.windows,
+            'gap': round(learned.gap, 4),
+            'gain': round(learned.gain, 4),
+            'chi2': round(learned.chi2, 4),
+            **{name: float(getattr(learned.noise, name.partition('.')[2])) for name in _NOISE},
+            'sigma': round(pulse.sigma, 6),
+            'varies': pulse.varies,
+            'covariance': pulse.covariance.tolist(),
+            'step': pulse.step,
+            'coefficients': np.round(pulse.coefficients, 6).tolist(),
+        }
+        write_content(path, 'learned pulse', content, comments)
+
+    def check_size(self, width: int, height: int) -> None:
+        """Raise CalibrationError unless the picture is of the size that was learned with."""
+        if (width, height) != (self.width, self.height):
+            raise CalibrationError(
+                f'the pulse is of a camera with {self.width} x {self.height} px and the picture '
+                f'has {width} x {height}; learn it with this camera: '
+                'python3 -m blob_tracker calibrate pulse'
+            )
+
+
+_NOISE = ('noise.gain', 'noise.read_noise', 'noise.black_level')

@@ -1,0 +1,193 @@
+"""The learned pulse against pulses that no Gaussian fits, and against its bound."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from blob_tracker.location import EffectivePsf, learn_pulse, locate_batch, method_options
+from blob_tracker.location.noise import pixel_variance
+from blob_tracker.types import LocationError, SensorNoise
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter, map_coordinates
+
+NOISE = SensorNoise(gain=10.0, read_noise=1.0)
+PEAK, BACKGROUND = 120.0, 30.0
+FINE = 11  # points a pixel, odd: a box of them has a middle
+COUNT = 250
+
+Pulse = Callable[[float, float], np.ndarray]
+
+
+def drawn(side: int, intensity: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Pulse:
+    """Return the pulse of an intensity by offset, px, blurred by 0.7 px and by the pixel."""
+    span = np.arange(-side * FINE, side * FINE + 1) / FINE
+    surface = gaussian_filter(intensity(span[None, :], span[:, None]).astype(float), 0.7 * FINE)
+    box = np.full(FINE, 1.0 / FINE)
+    for axis in range(2):
+        surface = np.apply_along_axis(np.convolve, axis, surface, box, 'same')
+    middle = (side - 1) / 2
+
+    def pulse(x: float, y: float) -> np.ndarray:
+        rows = (np.arange(side) - y) * FINE + side * FINE
+        columns = (np.arange(side) - x) * FINE + side * FINE
+        return map_coordinates(surface, np.meshgrid(rows, columns, indexing='ij'), order=3)
+
+    assert pulse(middle, middle).max() > 0.3
+    return pulse
+
+
+PULSES = {
+    'disc': (15, lambda u, v: np.hypot(u, v) < 4.0),
+    'ring': (15, lambda u, v: (np.hypot(u, v) < 4.5) & (np.hypot(u, v) > 3.0)),
+    'Moffat': (11, lambda u, v: (1.0 + (u**2 + v**2) / 1.2**2) ** -2.5),
+}
+
+
+def shots(random: np.random.Generator, mean: np.ndarray) -> np.ndarray:
+    """Return whole DN with the noise of NOISE."""
+    electrons = random.poisson(mean * NOISE.gain)
+    return np.round(electrons / NOISE.gain + random.normal(0.0, NOISE.read_noise, mean.shape))
+
+
+def windows(pulse: Pulse, side: int, seed: int, count: int = COUNT):
+    """Return lit and unlit windows and the places, in all phases."""
+    random = np.random.default_rng(seed)
+    places = (side - 1) / 2 + random.uniform(-1.0, 1.0, (count, 2))
+    mean = np.stack([BACKGROUND + PEAK * pulse(*place) for place in places])
+    return shots(random, mean), shots(random, np.full(mean.shape, BACKGROUND)), places
+
+
+def bound(pulse: Pulse, side: int) -> float:
+    """Return the rms that x and y can have at best, px: amplitude and background unknown."""
+    middle, step = (side - 1) / 2 + 0.2, 0.02
+    light = pulse(middle, middle)
+    slopes = [
+        PEAK * (pulse(middle + step, middle) - pulse(middle - step, middle)) / (2 * step),
+        PEAK * (pulse(middle, middle + step) - pulse(middle, middle - step)) / (2 * step),
+        light, np.ones_like(light),
+    ]
+    weight = 1.0 / pixel_variance(BACKGROUND + PEAK * light, NOISE)
+    fisher = np.array([[(a * b * weight).sum() for b in slopes] for a in slopes])
+    # The unlit window has the background as well.
+    fisher[3, 3] += side**2 / float(pixel_variance(np.array(BACKGROUND), NOISE))
+    return float(np.sqrt(np.trace(np.linalg.inv(fisher)[:2, :2]) / 2))
+
+
+@pytest.mark.parametrize('name', PULSES)
+def test_a_pulse_that_is_no_gaussian_is_placed_at_its_bound(name: str) -> None:
+    """Learned from 250 windows: 1.1 times the bound and a true covariance on 250 others."""
+    side, intensity = PULSES[name]
+    pulse = drawn(side, intensity)
+    lit, unlit, _ = windows(pulse, side, 1)
+    learned = learn_pulse([(lit, unlit)], noise=NOISE)
+    lit, unlit, places = windows(pulse, side, 2)
+    found = locate_batch(lit, unlit, noise=NOISE, pulse=learned.pulse)
+    assert found.ok.all()
+    errors = np.stack([found.x, found.y], axis=1) - places
+    rms = float(np.sqrt(np.mean(errors**2)))
+    # An rms of 500 errors is known to 3 %.
+    assert rms < 1.1 * bound(pulse, side) * 1.06
+    nees = np.einsum('ni,nij,nj->n', errors, np.linalg.inv(found.covariance), errors)
+    assert 1.4 < nees.mean() < 2.8
+    assert learned.gain > 0.0
+    assert learned.windows > 0.95 * COUNT
+    # The centre is the middle of a round pulse, to what 250 windows tell.
+    assert np.abs(errors.mean(axis=0)).max() < 4.0 * bound(pulse, side) / np.sqrt(COUNT) * 2.0
+
+
+def test_the_same_windows_have_the_same_pulse() -> None:
+    """Nothing is drawn at random."""
+    side, intensity = PULSES['Moffat']
+    lit, unlit, _ = windows(drawn(side, intensity), side, 3, 150)
+    first, second = (learn_pulse([(lit, unlit)], noise=NOISE) for _ in range(2))
+    assert (first.pulse.coefficients == second.pulse.coefficients).all()
+
+
+def gaussian(count: int = 61, step: float = 0.5, sigma: float = 1.5) -> EffectivePsf:
+    """Return the coefficients that make a Gaussian, nearly: a spline of its values."""
+    along = (np.arange(count) - count // 2) * step
+    bell = np.exp(-0.5 * (along / sigma) ** 2)
+    surface = np.outer(bell, bell)
+    pulse = EffectivePsf(surface, step, sigma)
+    return replace(pulse, coefficients=surface / pulse.value(0.0, 0.0))
+
+
+def test_it_grows_and_shrinks_with_the_blob() -> None:
+    """A blob a fifth larger, or smaller, is placed and its sigma told."""
+    pulse = gaussian()
+    random = np.random.default_rng(4)
+    for scale in (0.8, 1.2):
+        mean = np.stack([
+            BACKGROUND + PEAK * pulse.image((15, 15), 7.3, 6.9, scale) for _ in range(50)
+        ])
+        found = locate_batch(shots(random, mean), noise=NOISE, pulse=pulse)
+        assert found.ok.all()
+        assert np.median(found.sigma) == pytest.approx(1.5 * scale, rel=0.01)
+        assert found.x.mean() == pytest.approx(7.3, abs=0.02)
+        assert found.y.mean() == pytest.approx(6.9, abs=0.02)
+
+
+def test_slopes_are_those_of_the_pulse() -> None:
+    """What the fit takes for derivatives are differences of its images."""
+    pulse = gaussian()
+    along = np.linspace(-4.0, 4.0, 17)
+    middle = pulse.value(along, 0.3)
+    apart = pulse.value(along + 1e-5, 0.3) - pulse.value(along - 1e-5, 0.3)
+    assert middle == pytest.approx(pulse.value(-along, 0.3), abs=1e-12)
+    width2 = 1.5**2 + 0.5**2 / 3.0  # that of a cubic spline is a third of the square of its step
+    assert apart / 2e-5 == pytest.approx(-along / width2 * middle, abs=0.02)
+
+
+def test_the_gaussian_goes_on_where_the_pulse_does_not_fit() -> None:
+    """A pulse of a much larger light is not forced upon a small one."""
+    pulse = gaussian(sigma=5.0)
+    random = np.random.default_rng(5)
+    span = np.arange(11) - 5.0
+    bell = np.exp(-0.5 * (span / 1.0) ** 2)
+    lit = shots(random, np.repeat(BACKGROUND + PEAK * np.outer(bell, bell)[None], 20, axis=0))
+    with_pulse = locate_batch(lit, noise=NOISE, pulse=pulse)
+    alone = locate_batch(lit, noise=NOISE)
+    assert with_pulse.ok.all()
+    assert with_pulse.x == pytest.approx(alone.x)
+
+
+def test_too_little_is_refused() -> None:
+    """Too few windows, faint ones, and windows in one phase."""
+    side, intensity = PULSES['Moffat']
+    pulse = drawn(side, intensity)
+    lit, unlit, _ = windows(pulse, side, 6, 60)
+    with pytest.raises(LocationError, match='60 windows .* too few .* takes 100'):
+        learn_pulse([(lit, unlit)], noise=NOISE)
+    with pytest.raises(LocationError, match='0 windows .* too few'):
+        learn_pulse([(unlit, unlit)], noise=NOISE)
+    random = np.random.default_rng(7)
+    still = np.stack([BACKGROUND + PEAK * pulse(5.1, 5.0 + k / 120.0) for k in range(120)])
+    with pytest.raises(LocationError, match='of the pixel without a centre along x'):
+        learn_pulse([(shots(random, still), None)], noise=NOISE)
+
+
+@pytest.mark.parametrize(
+    ('changes', 'sentence'),
+    [
+        ({'coefficients': np.ones((6, 6))}, 'n odd'),
+        ({'coefficients': np.zeros((9, 9))}, 'peak'),
+        ({'coefficients': np.full((9, 9), np.nan)}, 'within 1000'),
+        ({'step': 0.0}, 'step'),
+        ({'sigma': -1.0}, 'sigma'),
+        ({'covariance': -np.eye(2)}, 'negative variance'),
+    ],
+)
+def test_an_impossible_pulse_is_refused(changes: dict[str, object], sentence: str) -> None:
+    """With what is wrong about it."""
+    with pytest.raises(ValueError, match=sentence):
+        replace(gaussian(), **changes)
+
+
+def test_only_maximum_likelihood_takes_a_pulse() -> None:
+    """The others say so."""
+    pulse = gaussian()
+    assert method_options('maximum_likelihood', pulse=pulse) == {'pulse': pulse}
+    with pytest.raises(ValueError, match="'centroid' takes no learned pulse"):
+        method_options('centroid', pulse=pulse)
