@@ -7,13 +7,11 @@ from typing import NamedTuple
 
 from blob_tracker.kernel import Array, kernel, written_into_kernels
 from blob_tracker.location.estimates import Estimates, Failure
-from blob_tracker.location.scoring import (
-    COVARIANCE_INFLATION, FAINTEST_SIGMA, MISFIT_SIGMA,
-)
 from blob_tracker.location.ratio_tables import (
     D, E, EVERY_PX, NARROWEST_PX, profile_by_table, read, Reading, table_for, Tables,
     tables_up_to, U, V,
 )
+from blob_tracker.location.scoring import COVARIANCE_INFLATION, FAINTEST_SIGMA, MISFIT_SIGMA
 from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray

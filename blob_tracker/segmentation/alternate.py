@@ -68,7 +68,7 @@ class Alternate:
 
     @property
     def warning(self) -> str:
-        """What other lights flash in step with the target."""
+        """Name the other lights that flash in step with the target."""
         return self._confirmation.warning
 
     @property

@@ -37,7 +37,7 @@ class Flash(Protocol):
 
     @property
     def warning(self) -> str:
-        """What is wrong though the target may be there; empty where nothing is."""
+        """Say what is wrong though the target may be there; empty where nothing is."""
 
     @property
     def surveys(self) -> bool:

@@ -115,7 +115,7 @@ class Segmenter:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is wrong though there may be a window: other lights that flash in step."""
+        """Say what is wrong though there may be a window: other lights flash in step."""
         return (self.flash.warning,) if self.flash.warning else ()
 
     def update(self, frame: Frame, expected: Expectation | None = None) -> Window | None:

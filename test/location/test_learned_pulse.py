@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 from blob_tracker.location import EffectivePsf, learn_pulse, locate_batch, method_options
 from blob_tracker.location.noise import pixel_variance
@@ -179,7 +180,7 @@ def test_too_little_is_refused() -> None:
         ({'covariance': -np.eye(2)}, 'negative variance'),
     ],
 )
-def test_an_impossible_pulse_is_refused(changes: dict[str, object], sentence: str) -> None:
+def test_an_impossible_pulse_is_refused(changes: dict[str, Any], sentence: str) -> None:
     """With what is wrong about it."""
     with pytest.raises(ValueError, match=sentence):
         replace(gaussian(), **changes)

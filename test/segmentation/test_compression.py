@@ -38,7 +38,8 @@ def test_the_covariance_is_true(quality: int, sigma: float, peak: float) -> None
 
 def candidate(**changes: Any) -> Candidate:
     """Return a blob of sigma 1.5 px and 100 DN."""
-    shape: dict[str, Any] = dict.fromkeys(('sigma_x', 'sigma_y', 'sigma_major', 'sigma_minor'), 1.5)
+    widths = ('sigma_x', 'sigma_y', 'sigma_major', 'sigma_minor')
+    shape: dict[str, Any] = dict.fromkeys(widths, 1.5)
     rest = dict.fromkeys(Candidate._fields[:20], 0.0)
     return Candidate(**rest | shape | {'x': 40.0, 'y': 30.0, 'amplitude': 100.0} | changes)
 
