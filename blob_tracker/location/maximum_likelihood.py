@@ -12,7 +12,9 @@ from blob_tracker.location.explain import explain
 from blob_tracker.location.hypotheses import Fit, Motion, Pair
 from blob_tracker.location.learned_pulse import learned_pulse, pulse_of
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
-from blob_tracker.location.normal_equations import column_of_inverse, empty_equations, solve
+from blob_tracker.location.normal_equations import (
+    column_of_inverse, empty_equations, NormalEquations, solve,
+)
 from blob_tracker.location.scoring import (
     advance, climb, CONVERGED, COVARIANCE_INFLATION, FAINTEST_SIGMA, FISHER_STEPS, MISFIT_SIGMA,
     NARROWEST_PX, TEXTURE_STEP, WIDEST,
@@ -215,7 +217,7 @@ def _fit_all(
     start = np.empty(6)
     lopsided = np.empty(4)
     equations = empty_equations()
-    fisher, column = equations.matrix, equations.solution
+    fisher = equations.matrix
     for n in range(count):
         usable, mean = observe(
             n, lit[n], unlit[n] if paired else lit[n], paired, saturation, seen, texture, clipped
@@ -274,20 +276,7 @@ def _fit_all(
             scale = chi2
         odd[n] |= suspect_pixels(chi2, usable - size)
         scale *= 1.0 + COVARIANCE_INFLATION / _detection(theta, fisher)
-        column_of_inverse(equations, size, 0)
-        covariance[n, 0, 0] = scale * column[0]
-        covariance[n, 0, 1] = scale * column[1]
-        covariance[n, 1, 0] = scale * column[1]
-        column_of_inverse(equations, size, 1)
-        covariance[n, 1, 1] = scale * column[1]
-        if leaning > LEANING:
-            # The head's place may be the light's: its variance less that of noise.
-            for p in range(2):
-                for q in range(2):
-                    covariance[n, p, q] += (
-                        HEAD * HEAD * (1.0 - 2.0 / leaning) * lopsided[p] / lopsided[2 + p]
-                        * lopsided[q] / lopsided[2 + q]
-                    )
+        _fill_covariance(equations, size, scale, leaning, lopsided, covariance[n])
         peak = max(theta[2] + theta[3], 0.0) * shot + floor
         peak += left * (max(mean, 0.0) * shot + floor)
         table[0, n] = theta[0]
@@ -297,6 +286,29 @@ def _fit_all(
         table[4, n] = math.sqrt(theta[4] * theta[5])
         table[5, n] = theta[2] / math.sqrt(peak)
         table[6, n] = chi2
+
+
+@kernel
+def _fill_covariance(
+    equations: NormalEquations, size: int, scale: float, leaning: float, lopsided: Array,
+    covariance: Array,
+) -> None:
+    """Fill in the (2, 2) covariance of the place, `scale` times that of the likelihood."""
+    column = equations.solution
+    column_of_inverse(equations, size, 0)
+    covariance[0, 0] = scale * column[0]
+    covariance[0, 1] = scale * column[1]
+    covariance[1, 0] = scale * column[1]
+    column_of_inverse(equations, size, 1)
+    covariance[1, 1] = scale * column[1]
+    if leaning > LEANING:
+        # The head's place may be the light's: its variance less that of noise.
+        for p in range(2):
+            for q in range(2):
+                covariance[p, q] += (
+                    HEAD * HEAD * (1.0 - 2.0 / leaning) * lopsided[p] / lopsided[2 + p]
+                    * lopsided[q] / lopsided[2 + q]
+                )
 
 
 @kernel

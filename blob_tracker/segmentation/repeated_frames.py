@@ -43,11 +43,14 @@ class RepeatedFrames:
             self._noisy = False
             return False
         height = frame.image.shape[0]
-        samples = slice(height // (2 * SAMPLES), None, height // SAMPLES or 1)
-        sample = frame.image[samples]
-        changed = np.count_nonzero(sample != last.image[samples])
+        enough = LEAST_CHANGE * SAMPLES * (frame.image.size // height)
+        changed = 0
+        for row in range(height // (2 * SAMPLES), height, height // SAMPLES or 1):
+            changed += np.count_nonzero(frame.image[row] != last.image[row])
+            if changed >= enough:
+                break  # most often in the first row
         if changed > 0:
-            self._noisy = bool(changed >= LEAST_CHANGE * sample.size)
+            self._noisy = changed >= enough
             return False
         if not (self._noisy and np.array_equal(frame.image, last.image)):
             return False

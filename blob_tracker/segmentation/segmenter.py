@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from functools import partial
 from typing import NamedTuple
 
 from blob_tracker.segmentation.alternate import Alternate
@@ -179,7 +178,7 @@ class Segmenter:
         sightings: list[Sighting] = []
         windows: dict[str, Box] = {}
         if found.reason:
-            self.reason = found.reason
+            self.reason = self.flash.reason or found.reason
         else:
             chosen = self.flash.choose(contrast, found.candidates)
             self.reason = '' if chosen else self._reason_for_none(found)
@@ -227,16 +226,13 @@ class Segmenter:
         self._region = region = self.flash.region(contrast)
         # Within the gate there is little room for chance.
         followed = self.flash.locked and 2 * region.size < contrast.lit.size
-        look = partial(
-            search,
-            region=region,
-            min_snr=self.min_snr * (GATED_SNR_FRACTION if followed else 1.0),
-            followed=followed,
-            mask=self._mask if contrast.frame.mosaic is None else _of_cells(self._mask),
-        )
-        found = look(contrast)
+        min_snr = self.min_snr * (GATED_SNR_FRACTION if followed else 1.0)
+        mask = self._mask if contrast.frame.mosaic is None else _of_cells(self._mask)
+        found = search(contrast, region, min_snr=min_snr, followed=followed, mask=mask)
         mended = without_black_cores(contrast, found.candidates)
-        return (contrast, found) if mended is None else (mended, look(mended))
+        if mended is None:
+            return contrast, found
+        return mended, search(mended, region, min_snr=min_snr, followed=followed, mask=mask)
 
     def _survey(self, contrast: Contrast) -> None:
         """Show the flash mode what lit up outside of the region as well."""

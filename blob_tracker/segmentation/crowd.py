@@ -1,0 +1,85 @@
+"""How much lights up by chance, and after how many flashes chance is ruled out."""
+
+from __future__ import annotations
+
+import math
+
+from blob_tracker.segmentation.flash_track import FLANK_SIGMA, FOLLOWED_GATE_FRACTION
+
+# False alarms: at most so many by chance in a frame, at the rate at which new things light up.
+FALSE_ALARMS_PER_FRAME = 3e-6
+CLUSTERING = 20.0  # times denser than if they were spread evenly: glints, leaves, a street's lamps
+MOST_FLASHES = 6  # are always enough for what is clustered so: it leaves the rest of the frame
+MOST_EVEN_FLASHES = 20  # for what is spread evenly: 100 glints in each frame of 320 x 240 px
+KNOWN_RUN = 4  # flashes without a miss, from which on a light is not one of those that pass
+LEAST_MEMORY_FRAMES, MOST_MEMORY_FRAMES = 16, 128  # frames over which that rate is the mean
+INITIAL_RATE = 0.05  # before anything was seen
+
+
+class Crowd:
+    """
+    What lights up in a frame besides the target, as the mean over the last frames.
+
+    Parameters
+    ----------
+    gate_px : float
+        Greatest way of the target in the picture from one flash to the next, px.
+
+    """
+
+    def __init__(self, gate_px: float) -> None:
+        self._gate_px = gate_px
+        self._rate = INITIAL_RATE  # of new things that light up, a frame
+        self._passing = INITIAL_RATE  # of all but what flashed several times, a frame
+        self._frames = LEAST_MEMORY_FRAMES
+
+    def add(self, new: int, passing: int) -> None:
+        """Take what lit up in a whole frame: new things, and all but those with KNOWN_RUN."""
+        self._frames = min(self._frames + 1, MOST_MEMORY_FRAMES)
+        self._rate += (new - self._rate) / self._frames
+        self._passing += (passing - self._passing) / self._frames
+
+    def flashes_needed(self, shape: tuple[int, int], sigma: float) -> tuple[int, int]:
+        """
+        Return after how many flashes chance cannot have made a track of such a sigma, px.
+
+        The second number is how many of them must follow each other without a miss: it is above 1
+        where so much lights up all over the frame that something is near wherever one looks.
+        """
+        rate = max(self._rate - 1.0 / self._frames, 0.0)  # the target was new once as well
+        per_px2 = math.pi / (shape[0] * shape[1])
+        first, later = self._gate_px**2, (FOLLOWED_GATE_FRACTION * self._gate_px) ** 2
+        # Half of what lights up within reach is as bright as what lit up there before.
+        clustered = _flashes_beyond_chance(
+            rate,
+            0.5 * CLUSTERING * per_px2 * rate * first,
+            0.5 * CLUSTERING * per_px2 * rate * later,
+            MOST_FLASHES,
+        )
+        passing = max(self._passing - (KNOWN_RUN - 1.0) / self._frames, 0.0)
+        crowded = (FOLLOWED_GATE_FRACTION * self._gate_px + FLANK_SIGMA * sigma) ** 2
+        even = _flashes_beyond_chance(
+            passing, per_px2 * passing * first, per_px2 * passing * crowded, MOST_EVEN_FLASHES
+        )
+        return clustered, even if even > clustered else 1
+
+
+def _flashes_beyond_chance(rate: float, first: float, later: float, most: int) -> int:
+    """
+    Return after how many flashes chance makes a track as seldom as it may.
+
+    Parameters
+    ----------
+    rate : float
+        New things that light up in a frame.
+    first, later : float
+        How many of them are within the gate of another one, and of a track whose motion is known.
+    most : int
+        Flashes that are always enough.
+
+    """
+    chance, flashes = rate * min(first, rate), 2
+    while chance > FALSE_ALARMS_PER_FRAME and flashes < most:
+        chance *= min(later, rate)
+        flashes += 1
+    return flashes
