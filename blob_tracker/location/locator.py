@@ -31,56 +31,71 @@ TOGETHER = 5  # flashes over which a light's lopsidedness is summed
 
 
 class _Memory:
-    """The last flashes of one light."""
+    """The last flashes of one light. In Python's own numbers: arrays of three cost more time."""
 
     def __init__(self) -> None:
-        self.places: deque[tuple[int, float, float]] = deque(maxlen=3)
-        self.light: deque[tuple[float, float]] = deque(maxlen=REMEMBERED)
-        self.lopsided: deque[NDArray[np.float64]] = deque(maxlen=TOGETHER)
+        self._places: deque[tuple[int, float, float]] = deque(maxlen=3)
+        self._light: deque[float] = deque(maxlen=REMEMBERED)
+        self._unlike: deque[float] = deque(maxlen=REMEMBERED - 1)  # from one flash to the next
+        self._noise: deque[float] = deque(maxlen=REMEMBERED)  # of the light, over it
+        self._lopsided: deque[list[float]] = deque(maxlen=TOGETHER)
 
     def add(self, location: Location) -> None:
         """Take the next flash: where it was, how much light, and the noise of that over it."""
-        self.places.append((location.stamp_ns, location.x, location.y))
-        noise = 1.0 / (location.snr * max(location.sigma, 0.5))
-        self.light.append((location.amplitude * location.sigma**2, noise))
+        self._places.append((location.stamp_ns, location.x, location.y))
+        light = location.amplitude * location.sigma**2
+        if self._light:
+            self._unlike.append(abs(light - self._light[-1]))
+        self._light.append(light)
+        self._noise.append(1.0 / (location.snr * max(location.sigma, 0.5)))
 
     def motion(self, window: Window) -> Motion | None:
         """Return how the light should have moved since its last flash; None if unknown."""
-        if len(self.places) < 3:
+        if len(self._places) < 3:
             return None
-        stamps, x, y = np.array(self.places, dtype=float).T
-        intervals = np.diff([*stamps, window.stamp_ns])
-        if intervals.min() <= 0.0 or intervals.max() > LONGEST * intervals.min():
+        (t0, x0, y0), (t1, x1, y1), (t2, x2, y2) = self._places
+        first, second, last = t1 - t0, t2 - t1, window.stamp_ns - t2
+        least = min(first, second, last)
+        if least <= 0 or max(first, second, last) > LONGEST * least:
             return None
-        velocity = np.diff(np.stack([x, y]), axis=1) / intervals[:2]
-        flash = velocity[:, 1] * intervals[2]
-        changed = (velocity[:, 1] - velocity[:, 0]) * intervals[2]
-        scale = np.array(window.binning, dtype=float)
-        deviation = max(STEADIEST, ACCELERATING * float(np.hypot(*(changed / scale))))
-        place = np.array([x[-1] - window.x0, y[-1] - window.y0]) + flash + 0.5
-        return Motion(flash / scale, deviation, place / scale - 0.5)
+        across, down = window.binning
+        flash_x, flash_y = (x2 - x1) * last / second, (y2 - y1) * last / second
+        changed = math.hypot(
+            (flash_x - (x1 - x0) * last / first) / across,
+            (flash_y - (y1 - y0) * last / first) / down,
+        )
+        return Motion(
+            np.array([flash_x / across, flash_y / down]),
+            max(STEADIEST, ACCELERATING * changed),
+            np.array([
+                (x2 - window.x0 + flash_x + 0.5) / across - 0.5,
+                (y2 - window.y0 + flash_y + 0.5) / down - 0.5,
+            ]),
+        )
 
     def leaning(self, found: Estimates) -> NDArray[np.float64] | None:
         """Return how far the light's head is off the fit, window px; None where it is not."""
-        self.lopsided.append(found.lopsided[0])
-        score_x, score_y, x, y = np.sum(self.lopsided, axis=0)
+        self._lopsided.append(found.lopsided[0].tolist())
+        score_x, score_y, x, y = map(sum, zip(*self._lopsided))
         if not (x > 0.0 and y > 0.0):
             return None
         leaning = score_x**2 / x + score_y**2 / y
         if leaning < LEANING:
             return None
-        return np.sqrt(1.0 - 2.0 / leaning) * HEAD * np.array([score_x / x, score_y / y])
+        return math.sqrt(1.0 - 2.0 / leaning) * HEAD * np.array([score_x / x, score_y / y])
 
     @property
     def flicker(self) -> float:
         """How much the light differs from flash to flash over its mean; 0 if noise may do so."""
-        if len(self.light) < FEWEST:
+        count = len(self._light)
+        if count < FEWEST:
             return 0.0
-        light, noise = np.array(self.light).T
         # Of the differences: a light that comes nearer does not flicker.
         # Three quarters of them: bands leave some flashes alike, and something may pass once.
-        unlike = float(np.quantile(np.abs(np.diff(light)), 0.75) / light.mean())
-        return unlike if unlike > max(UNLIKE, SIGMAS * float(np.median(noise))) else 0.0
+        unlike = sorted(self._unlike)[3 * len(self._unlike) // 4] * count / sum(self._light)
+        if unlike <= UNLIKE:
+            return 0.0
+        return unlike if unlike > SIGMAS * sorted(self._noise)[count // 2] else 0.0
 
 
 class Locator:
@@ -145,7 +160,9 @@ class Locator:
         options = dict(self._options)
         if self.pulse is not None:
             options['pulse'] = self.pulse
-        memory = self._memories.setdefault(light, _Memory())
+        memory = self._memories.get(light)
+        if memory is None:
+            memory = self._memories[light] = _Memory()
         if self._remembers:
             options['motion'] = memory.motion(window)
         found = estimate(window, method=self._method, noise=noise, **options)

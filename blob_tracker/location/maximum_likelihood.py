@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from blob_tracker.kernel import Array, kernel
+from blob_tracker.kernel import Array, kernel, written_into_kernels
 from blob_tracker.location.doubt import LOPSIDED_LIGHT
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates, Failure
@@ -233,7 +233,8 @@ def _fit_all(
             # Lit minus unlit to start from: bright texture must not be taken for the target.
             share = 1.0
             blend(lit[n], Unlit(texture, mean, white), share, seen)
-        fill_absent(seen.pixels, lit[n])
+        if usable < height * width:
+            fill_absent(seen.pixels, lit[n])
         start_value(seen.pixels, lit[n], saturation, paired, mean, start)
         theta[:] = start
         done = False
@@ -288,7 +289,7 @@ def _fit_all(
         table[6, n] = chi2
 
 
-@kernel
+@written_into_kernels
 def _fill_covariance(
     equations: NormalEquations, size: int, scale: float, leaning: float, lopsided: Array,
     covariance: Array,

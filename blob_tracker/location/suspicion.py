@@ -16,6 +16,7 @@ QUANTILE = 4.26  # standard deviations of a normal variate
 ODD_PIXELS = 5.0  # standard deviations of chi2: its upper tail is longer than the normal one
 ODD_SHIFT = 11.5  # half a chi-square of two degrees of freedom
 LEANING = 13.8  # a chi-square of two degrees of freedom that noise exceeds once in 1000
+REACH_SIGMA = 3.5  # beyond it the slope of the pulse, even times r^2, is next to nothing
 HEAD = 4.0  # times the coefficient of the lopsidedness: where the light's head is, measured
 
 
@@ -107,11 +108,15 @@ def lopsidedness(
     across, down = profiles
     height, width = pixels.shape
     a, b, scale = theta[2], theta[3], 1.0 / (theta[4] * theta[5])
+    left = max(int(math.ceil(theta[0] - REACH_SIGMA * theta[4])), 0)
+    right = min(int(theta[0] + REACH_SIGMA * theta[4]) + 1, width)
+    top = max(int(math.ceil(theta[1] - REACH_SIGMA * theta[5])), 0)
+    bottom = min(int(theta[1] + REACH_SIGMA * theta[5]) + 1, height)
     score_x, score_y, xx, yy, by_x, by_y = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for j in range(height):
+    for j in range(top, bottom):
         g, h = a * down[0, j], a * down[1, j]
         dy2 = (j - theta[1]) * (j - theta[1])
-        for i in range(width):
+        for i in range(left, right):
             gi, hi = across[0, i], across[1, i]
             mean = g * gi + b
             weight = 1.0 / max(mean * shot + extra[j, i], floor)

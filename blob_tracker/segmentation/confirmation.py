@@ -11,7 +11,7 @@ from statistics import median
 from blob_tracker.segmentation.box import Box, box_about, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.companions import Companion, Companions
-from blob_tracker.segmentation.crowd import Crowd, KNOWN_RUN, MOST_FLASHES
+from blob_tracker.segmentation.crowd import Crowd, KNOWN_RUN, MOST_EVEN_FLASHES, MOST_FLASHES
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash_track import (
     FLANK_SIGMA, FlashTrack, MAX_BRIGHTNESS_RATIO, offset_px_of, partners_of, PERIOD_FRAMES, Reach,
@@ -36,6 +36,8 @@ BRIGHTER_RATIO = 1.25  # times brighter: what a light of the first frames was a 
 # and for which it is remembered from then on.
 PATIENCE_FRAMES, MEMORY_FRAMES = 60, 7200
 OUT_OF_STEP_FLASHES = 2  # more flashes are asked of a light that was once seen out of step
+# Flashes without a miss, after which a light is confirmed in any crowd
+CERTAIN_FLASHES = MOST_EVEN_FLASHES + OUT_OF_STEP_FLASHES
 
 
 class Confirmation:
@@ -224,9 +226,11 @@ class Confirmation:
             )
         if not seen:
             return None
-        needed, needed_run = self._crowd.flashes_needed(
-            shape, max(track.sigma for track, _ in seen)
-        )
+        needed = needed_run = 0
+        if seen[0][0].run < CERTAIN_FLASHES or len(seen) > 1:
+            needed, needed_run = self._crowd.flashes_needed(
+                shape, max(track.sigma for track, _ in seen)
+            )
         best: tuple[FlashTrack, Candidate] | None = None
         alone = self._frames <= FIRST_PAIRS and len(everything) == 1
         due = not self._followed or self._is_due(self._locked)
@@ -320,8 +324,9 @@ class Confirmation:
     @property
     def surveys(self) -> bool:
         """Whether the whole of this frame is to be searched for other lights in step."""
-        if not self._followed:
-            return False
+        locked = self._locked
+        if locked is None or not self._followed or locked.stamp_ns != self._stamp_ns:
+            return False  # what flashes in step is on when the target is
         return (
             self._stands_in
             or self._locked_frames < SURVEY_FRAMES // 2
@@ -349,8 +354,6 @@ class Confirmation:
         ]
         self._tracks |= {id(track): track for track, _ in self._seen(new, reaches)}
         locked = self._locked
-        if locked.stamp_ns != self._stamp_ns:
-            return
         others = [
             each for each in self._tracks.values()
             if each is not locked

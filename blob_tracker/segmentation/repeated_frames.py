@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 from blob_tracker.types import Frame
 import numpy as np
 
-SAMPLES = 4  # rows that are looked at first: whole ones are read faster than scattered pixels
+# Rows that are looked at first, and pixels in the middle of each: these lie beside each other in
+# memory, and the first of them most often tell.
+ROWS, ROW_PX = 4, 256
 # Of the samples, that change from a frame to the next where a sensor's noise is seen.
 LEAST_CHANGE = 1 / 16
 
@@ -43,12 +47,15 @@ class RepeatedFrames:
             self._noisy = False
             return False
         height = frame.image.shape[0]
-        enough = LEAST_CHANGE * SAMPLES * (frame.image.size // height)
-        changed = 0
-        for row in range(height // (2 * SAMPLES), height, height // SAMPLES or 1):
-            changed += np.count_nonzero(frame.image[row] != last.image[row])
+        left = max((frame.image.shape[1] - ROW_PX) // 2, 0)
+        middle = slice(left, left + ROW_PX)
+        enough = changed = 0
+        for row in range(height // (2 * ROWS), height, height // ROWS or 1):
+            unlike = frame.image[row, middle] != last.image[row, middle]
+            enough = enough or math.ceil(LEAST_CHANGE * ROWS * unlike.size)
+            changed += np.count_nonzero(unlike)
             if changed >= enough:
-                break  # most often in the first row
+                break
         if changed > 0:
             self._noisy = changed >= enough
             return False
