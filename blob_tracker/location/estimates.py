@@ -62,6 +62,8 @@ class Estimates:
         see `suspicion.lopsidedness`. Empty where nobody looked.
     warnings : dict
         Of few windows, by their index: what the user should know and do.
+    models : dict
+        Likewise: the alternative to one round pulse that they follow.
 
     """
 
@@ -77,6 +79,7 @@ class Estimates:
     failure: NDArray[np.uint8]
     lopsided: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
     warnings: dict[int, str] = field(default_factory=dict)
+    models: dict[int, str] = field(default_factory=dict)
 
     @classmethod
     def from_table(

@@ -44,8 +44,11 @@ def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | Non
         base = to_fit(pair, optimum)
     if base is None:
         base = no_pulse(pair)
-    fits = [alternative(pair, base) for alternative in asked]
-    chosen = choose(base, [fit for fit in fits if fit is not None], pair.pixels.size)
+    fits = [
+        replace(fit, model=alternative.__name__)
+        for alternative in asked if (fit := alternative(pair, base)) is not None
+    ]
+    chosen = choose(base, fits, pair.pixels.size, pair.history.models)
     if chosen is not base:
         if theta is None or chosen.failure != Failure.NONE or not chosen.misfit:
             return chosen

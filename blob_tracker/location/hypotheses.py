@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 import functools
 import math
 
@@ -41,6 +41,27 @@ class Motion:
 
 
 @dataclass(frozen=True)
+class History:
+    """
+    What the last flashes of a light say of the next.
+
+    Parameters
+    ----------
+    motion : Motion or None
+        None where nothing is known of it.
+    models : mapping of str to int
+        How many of them followed which alternative.
+
+    """
+
+    motion: Motion | None = None
+    models: Mapping[str, int] = field(default_factory=dict)
+
+
+UNKNOWN = History()
+
+
+@dataclass(frozen=True)
 class Pair:
     """
     The pixels of one window.
@@ -55,8 +76,8 @@ class Pair:
         Of a pixel, its black level taken off already.
     saturation : float
         The DN at which a pixel is clipped; infinite where none can be.
-    motion : Motion or None
-        None where nothing is known of it.
+    history : History
+        Of the light.
 
     """
 
@@ -64,7 +85,12 @@ class Pair:
     unlit: NDArray[np.float64] | None
     noise: SensorNoise
     saturation: float
-    motion: Motion | None = None
+    history: History = UNKNOWN
+
+    @property
+    def motion(self) -> Motion | None:
+        """Return what is known of the light's motion."""
+        return self.history.motion
 
     @functools.cached_property
     def usable(self) -> NDArray[np.bool_]:
@@ -112,6 +138,8 @@ class Fit:
         Why the window has no location although its model is known; NONE where it has one.
     misfit : bool
         Whether the pixels show that the model is not the true one.
+    model : str
+        Name of the alternative; '' of one round pulse.
 
     """
 
@@ -128,15 +156,19 @@ class Fit:
     warning: str = ''
     failure: Failure = Failure.NONE
     misfit: bool = False
+    model: str = ''
 
 
-def choose(base: Fit, alternatives: Iterable[Fit], pixels: int) -> Fit:
+def choose(
+    base: Fit, alternatives: Iterable[Fit], pixels: int, models: Mapping[str, int] = {}
+) -> Fit:
     """
     Return the model that the pixels speak for.
 
     An alternative is heard where its likelihood ratio over the base is one that noise makes
-    less than once in 1e4. Those that are heard have the weights exp(-BIC / 2) with the Bayesian
-    information criterion BIC = k ln n - 2 ln L (Schwarz, 1978). The best of them is returned,
+    less than once in 1e4. Those that are heard have the weights (1 + m) exp(-BIC / 2) with the
+    Bayesian information criterion BIC = k ln n - 2 ln L (Schwarz, 1978) and the count m of the last
+    flashes that followed the same one (Laplace's rule of succession). The best of them is returned,
     at the mean of their places; its covariance holds how far apart they are (Hoeting et al.,
     Bayesian model averaging, Statistical Science 14 (1999), eq. 3 and 4).
 
@@ -148,6 +180,8 @@ def choose(base: Fit, alternatives: Iterable[Fit], pixels: int) -> Fit:
         The others.
     pixels : int
         n, of the pair.
+    models : mapping of str to int
+        m, by the alternatives' names.
 
     """
     fixed, each = FALSE_ALARM
@@ -159,7 +193,9 @@ def choose(base: Fit, alternatives: Iterable[Fit], pixels: int) -> Fit:
     if not heard:
         return base
     values = np.array([
-        fit.log_likelihood - 0.5 * fit.parameters * math.log(pixels) for fit in heard
+        fit.log_likelihood - 0.5 * fit.parameters * math.log(pixels)
+        + math.log(1 + models.get(fit.model, 0))
+        for fit in heard
     ])
     best = heard[int(values.argmax())]
     placed = np.array([fit.failure == Failure.NONE for fit in heard])

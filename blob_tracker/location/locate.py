@@ -13,7 +13,7 @@ from blob_tracker.location.centroid import centroid
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates, Failure, NOTHING, REASONS
 from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_linear_elliptical
-from blob_tracker.location.hypotheses import Motion
+from blob_tracker.location.hypotheses import History, Motion
 from blob_tracker.location.locale_table import locale_table
 from blob_tracker.location.maximum_likelihood import maximum_likelihood
 from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm
@@ -278,13 +278,13 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     dark = np.full_like(lit, 10.0)
     for method in methods:
         locate_batch(lit, dark, method=method, noise=noise)
-        if 'motion' in signature(METHODS[method]).parameters:
+        if 'history' in signature(METHODS[method]).parameters:
             # A light in the unlit window, beside one in the lit window and by itself, has every
             # alternative tried.
             ghost = np.roll(lit, 1, axis=2)
-            motion = Motion(np.array([2.0, 0.0]), 0.2)
-            locate_batch(lit, 0.3 * ghost + 7.0, method=method, noise=noise, motion=motion)
-            locate_batch(0.01 * lit + 10.0, lit, method=method, noise=noise, motion=motion)
+            history = History(Motion(np.array([2.0, 0.0]), 0.2))
+            locate_batch(lit, 0.3 * ghost + 7.0, method=method, noise=noise, history=history)
+            locate_batch(0.01 * lit + 10.0, lit, method=method, noise=noise, history=history)
 
 
 def _numbers(pixels: ArrayLike, name: str) -> NDArray[Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import replace
 from inspect import signature
 import math
@@ -11,10 +12,10 @@ from typing import Any
 from blob_tracker.location.doubt import LOPSIDED_LIGHT
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates
-from blob_tracker.location.hypotheses import Motion, Pair
+from blob_tracker.location.hypotheses import History, Motion, Pair
 from blob_tracker.location.locate import estimate, METHODS, to_location
 from blob_tracker.location.noise import noise_of_sum
-from blob_tracker.location.suspicion import HEAD, LEANING
+from blob_tracker.location.suspicion import HEAD
 from blob_tracker.location.uneven_rows import variance_of_uneven_rows
 from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
@@ -27,7 +28,35 @@ REMEMBERED = 32  # flashes, of which is told whether the light is the same in al
 FEWEST = 8  # of them, before it can be
 UNLIKE = 0.06  # of the light's mean, by which it differs from flash to flash where it flickers
 SIGMAS = 5.0  # of what noise makes of that
-TOGETHER = 5  # flashes over which a light's lopsidedness is summed
+# A chi-square of two degrees of freedom that noise exceeds once in 1e4: of a light's lopsidedness,
+# summed over the flashes that are remembered
+LOPSIDED_FLASHES = 18.4
+LEAST_WAY_PX = 1.0  # px from flash to flash, beyond which it is known where the light goes
+
+
+class _Sums:
+    """Sums over the last flashes of lopsidedness: two scores and their variances' inverse."""
+
+    def __init__(self) -> None:
+        self.sums = [0.0, 0.0, 0.0, 0.0]
+        self._terms: deque[tuple[float, ...]] = deque()
+
+    def add(self, *terms: float) -> None:
+        """Take the next flash."""
+        self._terms.append(terms)
+        self.sums = [total + term for total, term in zip(self.sums, terms)]
+        if len(self._terms) > REMEMBERED:
+            self.sums = [
+                total - term for total, term in zip(self.sums, self._terms.popleft())
+            ]
+
+
+def _leaning(sums: Sequence[float]) -> float:
+    """Return the chi-square of summed lopsidedness; 0 where there is none yet."""
+    score_x, score_y, x, y = sums
+    if not (x > 0.0 and y > 0.0):
+        return 0.0
+    return score_x**2 / x + score_y**2 / y
 
 
 class _Memory:
@@ -38,18 +67,34 @@ class _Memory:
         self._light: deque[float] = deque(maxlen=REMEMBERED)
         self._unlike: deque[float] = deque(maxlen=REMEMBERED - 1)  # from one flash to the next
         self._noise: deque[float] = deque(maxlen=REMEMBERED)  # of the light, over it
-        self._lopsided: deque[list[float]] = deque(maxlen=TOGETHER)
+        self._models: deque[str] = deque()
+        self._counts: dict[str, int] = {}  # of the alternatives among them
+        self._lopsided = _Sums()  # along x and y
+        self._trailing = _Sums()  # along the light's way, and across it
 
-    def add(self, location: Location) -> None:
-        """Take the next flash: where it was, how much light, and the noise of that over it."""
+    def add(self, location: Location, model: str) -> None:
+        """Take the next flash: where and how bright it was, and the alternative that it was."""
         self._places.append((location.stamp_ns, location.x, location.y))
         light = location.amplitude * location.sigma**2
         if self._light:
             self._unlike.append(abs(light - self._light[-1]))
         self._light.append(light)
+        if len(self._models) == REMEMBERED:
+            self._count(self._models.popleft(), -1)
+        self._models.append(model)
+        self._count(model, 1)
         self._noise.append(1.0 / (location.snr * max(location.sigma, 0.5)))
 
-    def motion(self, window: Window) -> Motion | None:
+    def _count(self, model: str, by: int) -> None:
+        """Count a model in or out."""
+        if model:
+            self._counts[model] = self._counts.get(model, 0) + by
+
+    def history(self, window: Window) -> History:
+        """Return what the last flashes say of the next one."""
+        return History(self._motion(window), self._counts)
+
+    def _motion(self, window: Window) -> Motion | None:
         """Return how the light should have moved since its last flash; None if unknown."""
         if len(self._places) < 3:
             return None
@@ -73,16 +118,48 @@ class _Memory:
             ]),
         )
 
-    def leaning(self, found: Estimates) -> NDArray[np.float64] | None:
-        """Return how far the light's head is off the fit, window px; None where it is not."""
-        self._lopsided.append(found.lopsided[0].tolist())
-        score_x, score_y, x, y = map(sum, zip(*self._lopsided))
-        if not (x > 0.0 and y > 0.0):
+    def leaning(
+        self, found: Estimates, location: Location
+    ) -> NDArray[np.float64] | None:
+        """
+        Return the covariance that a lopsided light has beside its fit's, window px^2.
+
+        Coma and a lamp beside the light stay where they are in the picture; the tail of a shutter
+        that leaks, or of a light that fades, turns with the light's way.
+        """
+        score_x, score_y, x, y = found.lopsided[0].tolist()
+        self._lopsided.add(score_x, score_y, x, y)
+        axes, sums = np.eye(2), self._lopsided.sums
+        way = self._way(location)
+        if way is not None:
+            u, v = way
+            self._trailing.add(
+                u * score_x + v * score_y, v * score_x - u * score_y,
+                u * u * x + v * v * y, v * v * x + u * u * y,
+            )
+            if _leaning(self._trailing.sums) > _leaning(sums):
+                axes, sums = np.array([[u, v], [v, -u]]), self._trailing.sums
+        leaning = _leaning(sums)
+        if leaning < LOPSIDED_FLASHES:
             return None
-        leaning = score_x**2 / x + score_y**2 / y
-        if leaning < LEANING:
+        head = HEAD * np.array([sums[0] / sums[2], sums[1] / sums[3]]) @ axes
+        return (1.0 - 2.0 / leaning) * np.outer(head, head)
+
+    def _way(self, location: Location) -> tuple[float, float] | None:
+        """Return the unit vector of where the light goes in this flash; None if it stands."""
+        if len(self._places) < 2:
             return None
-        return math.sqrt(1.0 - 2.0 / leaning) * HEAD * np.array([score_x / x, score_y / y])
+        (t0, x0, y0), (t1, x1, y1) = list(self._places)[-2:]
+        t2, x2, y2 = location.stamp_ns, location.x, location.y
+        if not 0 < t2 - t1 <= LONGEST * (t1 - t0) or t1 - t0 > LONGEST * (t2 - t1):
+            return None
+        # Of the parabola through the three.
+        u, v = (
+            1.5 * (c - b) - 0.5 * (b - a) * (t2 - t1) / (t1 - t0)
+            for a, b, c in ((x0, x1, x2), (y0, y1, y2))
+        )
+        speed = math.hypot(u, v)
+        return (u / speed, v / speed) if speed > LEAST_WAY_PX else None
 
     @property
     def flicker(self) -> float:
@@ -130,7 +207,7 @@ class Locator:
     ) -> None:
         self._method, self._options = method, options
         self.pulse = pulse
-        self._remembers = 'motion' in signature(METHODS[method]).parameters
+        self._remembers = 'history' in signature(METHODS[method]).parameters
         self._memories: dict[str, _Memory] = {}
 
     def locate(self, window: Window, *, noise: SensorNoise, light: str = '') -> Location:
@@ -164,19 +241,17 @@ class Locator:
         if memory is None:
             memory = self._memories[light] = _Memory()
         if self._remembers:
-            options['motion'] = memory.motion(window)
+            options['history'] = memory.history(window)
         found = estimate(window, method=self._method, noise=noise, **options)
         location = to_location(window, found)
         if found.lopsided.size:
-            head = memory.leaning(found)
-            if head is not None and not found.warnings:
-                apart = head * np.array(window.binning)
-                # A tail turns with the light's way: half of it to all sides.
-                doubt = 0.5 * (np.outer(apart, apart) + apart @ apart * np.eye(2))
+            doubt = memory.leaning(found, location)
+            if doubt is not None and not found.warnings:
+                doubt *= np.outer(window.binning, window.binning)
                 location = replace(
                     location, covariance=location.covariance + doubt, warning=LOPSIDED_LIGHT
                 )
-        memory.add(location)
+        memory.add(location, found.models.get(0, ''))
         flicker = memory.flicker
         if self._remembers and flicker > 0.0 and not location.warning:
             location = _with_uneven_rows(location, window, noise, flicker)

@@ -9,7 +9,7 @@ from blob_tracker.location.doubt import LOPSIDED_LIGHT
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates, Failure
 from blob_tracker.location.explain import explain
-from blob_tracker.location.hypotheses import Fit, Motion, Pair
+from blob_tracker.location.hypotheses import Fit, History, Pair, UNKNOWN
 from blob_tracker.location.learned_pulse import learned_pulse, pulse_of
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
 from blob_tracker.location.normal_equations import (
@@ -48,7 +48,7 @@ def maximum_likelihood(
     saturation: float | None,
     *,
     elliptical: bool = False,
-    motion: Motion | None = None,
+    history: History = UNKNOWN,
     pulse: EffectivePsf | None = None,
 ) -> Estimates:
     r"""
@@ -96,8 +96,9 @@ def maximum_likelihood(
         DN of a clipped pixel.
     elliptical : bool
         Fit a width along x and one along y in place of one for both.
-    motion : Motion or None
-        Of the light from one flash to the next; what a ghost in the unlit window is told by.
+    history : History
+        What the light's last flashes say of this one: what a ghost in the unlit window is told by,
+        and which of two models that fit as well.
     pulse : EffectivePsf or None
         Fit this one, and the Gaussian only where it does not fit the window or the Gaussian
         explains the window better. `elliptical` is for the Gaussian.
@@ -112,7 +113,7 @@ def maximum_likelihood(
 
     """
     if pulse is not None:
-        return _with_pulse(lit, unlit, noise, saturation, pulse, elliptical, motion)
+        return _with_pulse(lit, unlit, noise, saturation, pulse, elliptical, history)
     table = np.zeros((_ROWS, lit.shape[0]))
     covariance = np.zeros((lit.shape[0], 2, 2))
     clipped = np.zeros(lit.shape[0], dtype=np.int64)
@@ -136,7 +137,7 @@ def maximum_likelihood(
     )
     limit = math.inf if saturation is None else float(saturation)
     for n, suspicion in suspicions(odd):
-        pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, motion)
+        pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, history)
         fit = explain(pair, None if failure[n] else table[:5, n], suspicion)
         if fit is not None:
             _adopt(estimates, n, fit)
@@ -157,7 +158,7 @@ def _with_pulse(
     saturation: float | None,
     pulse: EffectivePsf,
     elliptical: bool,
-    motion: Motion | None,
+    history: History,
 ) -> Estimates:
     """Fit the pulse, and in the windows that it does not explain the Gaussian."""
     found, odd = learned_pulse(lit, unlit, noise, saturation, pulse_of(pulse))
@@ -167,7 +168,7 @@ def _with_pulse(
         return found
     other = maximum_likelihood(
         lit[doubtful], None if unlit is None else unlit[doubtful], noise, saturation,
-        elliptical=elliptical, motion=motion,
+        elliptical=elliptical, history=history,
     )
     for k, n in enumerate(doubtful):
         if failed[n] or (other.ok[k] and other.chi2[k] < found.chi2[n]):
@@ -176,8 +177,11 @@ def _with_pulse(
                 'failure',
             ):
                 getattr(found, name)[n] = getattr(other, name)[k]
-            if k in other.warnings:
-                found.warnings[int(n)] = other.warnings[k]
+            for own, others in (
+                (found.warnings, other.warnings), (found.models, other.models),
+            ):
+                if k in others:
+                    own[int(n)] = others[k]
     return found
 
 
@@ -186,6 +190,7 @@ def _adopt(estimates: Estimates, n: int, fit: Fit) -> None:
     for name in ('x', 'y', 'covariance', 'amplitude', 'background', 'sigma', 'snr', 'chi2'):
         getattr(estimates, name)[n] = getattr(fit, name)
     estimates.failure[n] = fit.failure
+    estimates.models[n] = fit.model
     if fit.warning:
         estimates.warnings[n] = fit.warning
 

@@ -1,5 +1,7 @@
 """Means and slopes of the models of a pair, and their likelihood."""
 
+from dataclasses import replace
+
 from blob_tracker.location import pair_model
 from blob_tracker.location.hypotheses import choose, Fit, Pair
 from blob_tracker.location.pair_likelihood import climb, fill_equations, log_likelihood
@@ -122,3 +124,13 @@ def test_alternatives_that_are_as_likely_share_the_place():
     assert chosen.x == pytest.approx(2.0)
     assert chosen.covariance[0, 0] == pytest.approx(2.0)
     assert choose(fit(0.0, 5), [fit(50.0, 8, 1.0), fit(70.0, 8, 3.0)], 300).x == pytest.approx(3.0)
+
+
+def test_what_the_last_flashes_were_tips_the_balance():
+    """Weigh two that are level by how many of the last flashes followed each."""
+    one, other = (
+        replace(fit(50.0, 8, x), model=name) for x, name in ((1.0, 'one'), (3.0, 'other'))
+    )
+    chosen = choose(fit(0.0, 5), [one, other], 300, {'other': 2})
+    assert chosen.x == pytest.approx(0.25 * 1.0 + 0.75 * 3.0)
+    assert chosen.model == 'other'
