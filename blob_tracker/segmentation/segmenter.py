@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import NamedTuple
 
+from blob_tracker.colour import one_site
 from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.segmentation.black_core import without_black_cores
 from blob_tracker.segmentation.box import Box, whole
@@ -248,14 +249,14 @@ class Segmenter:
         """Pair this frame with the unlit one before it, or take the unlit ones of a block."""
         if len(contrast.unlit_frames) > 1:
             first, second = contrast.unlit_frames[-2:]
-            self.unlit_pair = _one_sample(first, frame), _one_sample(second, frame)
+            self.unlit_pair = one_site(first, frame), one_site(second, frame)
         elif lit:
             self._unlit = before
         else:
             self._unlit = frame
             if before is not None and frame.stamp_ns - before.stamp_ns <= MAX_UNLIT_INTERVAL_NS:
                 self.unlit_pair = (
-                    _one_sample(before.samples, before), _one_sample(frame.samples, frame)
+                    one_site(before.samples, before), one_site(frame.samples, frame)
                 )
 
     def _window(self, contrast: Contrast, candidate: Candidate) -> Box | None:
@@ -282,14 +283,6 @@ class Segmenter:
             f'{found.strongest / found.noise:.1f} times the noise; the SNR asked for in the '
             f'matched filter is {self.min_snr:g} (min_snr)'
         )
-
-
-def _one_sample(pixels: Pixels, frame: Frame) -> Pixels:
-    """Return raw pixels of one kind: of each cell of a mosaic the first of its colour."""
-    if frame.mosaic is None:
-        return pixels
-    row, column = np.argwhere(frame.mosaic.sites)[0]
-    return np.ascontiguousarray(pixels[row::2, column::2])
 
 
 def _of_cells(mask: NDArray[np.uint8]) -> NDArray[np.uint8]:
