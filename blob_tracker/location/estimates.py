@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 
@@ -62,8 +63,8 @@ class Estimates:
         see `suspicion.lopsidedness`. Empty where nobody looked.
     warnings : dict
         Of few windows, by their index: what the user should know and do.
-    models : dict
-        Likewise: the alternative to one round pulse that they follow.
+    evidence : dict
+        Likewise: log weights of the models that were heard, by their names, see `choose`.
 
     """
 
@@ -79,7 +80,7 @@ class Estimates:
     failure: NDArray[np.uint8]
     lopsided: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
     warnings: dict[int, str] = field(default_factory=dict)
-    models: dict[int, str] = field(default_factory=dict)
+    evidence: dict[int, Mapping[str, float]] = field(default_factory=dict)
 
     @classmethod
     def from_table(

@@ -48,7 +48,10 @@ def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | Non
         replace(fit, model=alternative.__name__)
         for alternative in asked if (fit := alternative(pair, base)) is not None
     ]
-    chosen = choose(base, fits, pair.pixels.size, pair.history.models)
+    if pair.history.even:
+        # What leans now to one side and now to the other is even about its place.
+        fits = [fit for fit in fits if not fit.lopsided]
+    chosen = choose(base, fits, pair.pixels.size, pair.history)
     if chosen is not base:
         if theta is None or chosen.failure != Failure.NONE or not chosen.misfit:
             return chosen

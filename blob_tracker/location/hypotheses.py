@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 import functools
 import math
@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 # Twice the gain in log-likelihood that as many more parameters make of noise once in 1e4:
 # chi-square, and a straight line to within 0.4 of it up to eight.
 FALSE_ALARM = (12.8, 2.7)
+UNHEARD = -5.0  # log weight of a model in a flash that did not speak for it, but for another one
+LEAST_BELIEF = -10.0
 
 
 @dataclass(frozen=True)
@@ -49,13 +51,34 @@ class History:
     ----------
     motion : Motion or None
         None where nothing is known of it.
-    models : mapping of str to int
-        How many of them followed which alternative.
+    even : bool
+        Whether the light leant to no side in the sum of them.
+    evidence : sequence of mappings
+        Of each flash in which alternatives were heard: their log weights less that of the best, by
+        their names.
 
     """
 
     motion: Motion | None = None
-    models: Mapping[str, int] = field(default_factory=dict)
+    even: bool = False
+    evidence: Sequence[Mapping[str, float]] = ()
+
+    def belief(self, model: str) -> float:
+        """
+        Return the log weight of a model beforehand, 0 at most.
+
+        It is the sum of those of the last flashes, less that of the model that was the likeliest
+        over all of them. A light may become another one: what its pixels themselves say by more than
+        LEAST_BELIEF outdoes it.
+        """
+        names = {name for each in self.evidence for name in each}
+        if not names:
+            return 0.0
+        totals = {
+            name: sum(each.get(name, UNHEARD) for each in self.evidence)
+            for name in names | {model}
+        }
+        return max(totals[model] - max(totals.values()), LEAST_BELIEF)
 
 
 UNKNOWN = History()
@@ -140,6 +163,12 @@ class Fit:
         Whether the pixels show that the model is not the true one.
     model : str
         Name of the alternative; '' of one round pulse.
+    rarity : float
+        By how much of the log-likelihood it is rarer beforehand than others.
+    lopsided : bool
+        Whether the light is to one side of the place.
+    evidence : mapping of str to float
+        Of the models that were heard: their log weights by these pixels, less that of the best.
 
     """
 
@@ -157,18 +186,21 @@ class Fit:
     failure: Failure = Failure.NONE
     misfit: bool = False
     model: str = ''
+    rarity: float = 0.0
+    lopsided: bool = False
+    evidence: Mapping[str, float] = field(default_factory=dict)
 
 
 def choose(
-    base: Fit, alternatives: Iterable[Fit], pixels: int, models: Mapping[str, int] = {}
+    base: Fit, alternatives: Iterable[Fit], pixels: int, history: History = UNKNOWN
 ) -> Fit:
     """
     Return the model that the pixels speak for.
 
     An alternative is heard where its likelihood ratio over the base is one that noise makes
-    less than once in 1e4. Those that are heard have the weights (1 + m) exp(-BIC / 2) with the
-    Bayesian information criterion BIC = k ln n - 2 ln L (Schwarz, 1978) and the count m of the last
-    flashes that followed the same one (Laplace's rule of succession). The best of them is returned,
+    less than once in 1e4. Those that are heard have the weights exp(-BIC / 2) with the
+    Bayesian information criterion BIC = k ln n - 2 ln L (Schwarz, 1978), times those that they had
+    in the last flashes, over how rare they are. The best of them is returned,
     at the mean of their places; its covariance holds how far apart they are (Hoeting et al.,
     Bayesian model averaging, Statistical Science 14 (1999), eq. 3 and 4).
 
@@ -180,24 +212,24 @@ def choose(
         The others.
     pixels : int
         n, of the pair.
-    models : mapping of str to int
-        m, by the alternatives' names.
+    history : History
+        What the last flashes were.
 
     """
     fixed, each = FALSE_ALARM
     heard = [
         fit for fit in alternatives
-        if 2.0 * (fit.log_likelihood - base.log_likelihood)
+        if 2.0 * (fit.log_likelihood - fit.rarity - base.log_likelihood)
         > fixed + each * max(fit.parameters - base.parameters, 0)
     ]
     if not heard:
         return base
-    values = np.array([
-        fit.log_likelihood - 0.5 * fit.parameters * math.log(pixels)
-        + math.log(1 + models.get(fit.model, 0))
-        for fit in heard
+    told = np.array([
+        fit.log_likelihood - 0.5 * fit.parameters * math.log(pixels) for fit in heard
     ])
-    best = heard[int(values.argmax())]
+    values = told + [history.belief(fit.model) - fit.rarity for fit in heard]
+    evidence = {fit.model: float(value) for fit, value in zip(heard, told - told.max())}
+    best = replace(heard[int(values.argmax())], evidence=evidence)
     placed = np.array([fit.failure == Failure.NONE for fit in heard])
     if best.failure != Failure.NONE or placed.sum() < 2:
         return best

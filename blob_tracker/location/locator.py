@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from inspect import signature
 import math
@@ -15,7 +15,7 @@ from blob_tracker.location.estimates import Estimates
 from blob_tracker.location.hypotheses import History, Motion, Pair
 from blob_tracker.location.locate import estimate, METHODS, to_location
 from blob_tracker.location.noise import noise_of_sum
-from blob_tracker.location.suspicion import HEAD
+from blob_tracker.location.suspicion import HEAD, LEANING
 from blob_tracker.location.uneven_rows import variance_of_uneven_rows
 from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
@@ -31,6 +31,7 @@ SIGMAS = 5.0  # of what noise makes of that
 # A chi-square of two degrees of freedom that noise exceeds once in 1e4: of a light's lopsidedness,
 # summed over the flashes that are remembered
 LOPSIDED_FLASHES = 18.4
+NO_EVIDENCE: Mapping[str, float] = {}  # that the light is anything but one round pulse
 LEAST_WAY_PX = 1.0  # px from flash to flash, beyond which it is known where the light goes
 
 
@@ -40,6 +41,11 @@ class _Sums:
     def __init__(self) -> None:
         self.sums = [0.0, 0.0, 0.0, 0.0]
         self._terms: deque[tuple[float, ...]] = deque()
+
+    @property
+    def flashes(self) -> int:
+        """How many there are."""
+        return len(self._terms)
 
     def add(self, *terms: float) -> None:
         """Take the next flash."""
@@ -67,32 +73,31 @@ class _Memory:
         self._light: deque[float] = deque(maxlen=REMEMBERED)
         self._unlike: deque[float] = deque(maxlen=REMEMBERED - 1)  # from one flash to the next
         self._noise: deque[float] = deque(maxlen=REMEMBERED)  # of the light, over it
-        self._models: deque[str] = deque()
-        self._counts: dict[str, int] = {}  # of the alternatives among them
+        self._evidence: deque[Mapping[str, float]] = deque(maxlen=REMEMBERED)
         self._lopsided = _Sums()  # along x and y
         self._trailing = _Sums()  # along the light's way, and across it
 
-    def add(self, location: Location, model: str) -> None:
-        """Take the next flash: where and how bright it was, and the alternative that it was."""
+    def add(self, location: Location, evidence: Mapping[str, float]) -> None:
+        """Take the next flash: where and how bright it was, and which models spoke for it."""
         self._places.append((location.stamp_ns, location.x, location.y))
         light = location.amplitude * location.sigma**2
         if self._light:
             self._unlike.append(abs(light - self._light[-1]))
         self._light.append(light)
-        if len(self._models) == REMEMBERED:
-            self._count(self._models.popleft(), -1)
-        self._models.append(model)
-        self._count(model, 1)
+        self._evidence.append(evidence)
         self._noise.append(1.0 / (location.snr * max(location.sigma, 0.5)))
-
-    def _count(self, model: str, by: int) -> None:
-        """Count a model in or out."""
-        if model:
-            self._counts[model] = self._counts.get(model, 0) + by
 
     def history(self, window: Window) -> History:
         """Return what the last flashes say of the next one."""
-        return History(self._motion(window), self._counts)
+        evidence = [each for each in self._evidence if each]
+        return History(self._motion(window), self._even, evidence)
+
+    @property
+    def _even(self) -> bool:
+        """Whether enough flashes are remembered, and lean to no side in their sum."""
+        return self._lopsided.flashes >= FEWEST and max(
+            _leaning(self._lopsided.sums), _leaning(self._trailing.sums)
+        ) < LEANING
 
     def _motion(self, window: Window) -> Motion | None:
         """Return how the light should have moved since its last flash; None if unknown."""
@@ -251,7 +256,7 @@ class Locator:
                 location = replace(
                     location, covariance=location.covariance + doubt, warning=LOPSIDED_LIGHT
                 )
-        memory.add(location, found.models.get(0, ''))
+        memory.add(location, found.evidence.get(0, NO_EVIDENCE))
         flicker = memory.flicker
         if self._remembers and flicker > 0.0 and not location.warning:
             location = _with_uneven_rows(location, window, noise, flicker)

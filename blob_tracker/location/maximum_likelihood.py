@@ -177,11 +177,10 @@ def _with_pulse(
                 'failure',
             ):
                 getattr(found, name)[n] = getattr(other, name)[k]
-            for own, others in (
-                (found.warnings, other.warnings), (found.models, other.models),
-            ):
-                if k in others:
-                    own[int(n)] = others[k]
+            if k in other.warnings:
+                found.warnings[int(n)] = other.warnings[k]
+            if k in other.evidence:
+                found.evidence[int(n)] = other.evidence[k]
     return found
 
 
@@ -190,7 +189,7 @@ def _adopt(estimates: Estimates, n: int, fit: Fit) -> None:
     for name in ('x', 'y', 'covariance', 'amplitude', 'background', 'sigma', 'snr', 'chi2'):
         getattr(estimates, name)[n] = getattr(fit, name)
     estimates.failure[n] = fit.failure
-    estimates.models[n] = fit.model
+    estimates.evidence[n] = fit.evidence
     if fit.warning:
         estimates.warnings[n] = fit.warning
 
