@@ -224,10 +224,14 @@ def choose(
     ]
     if not heard:
         return base
-    told = np.array([
-        fit.log_likelihood - 0.5 * fit.parameters * math.log(pixels) for fit in heard
+    values = np.array([
+        fit.log_likelihood - 0.5 * fit.parameters * math.log(pixels)
+        + history.belief(fit.model) - fit.rarity
+        for fit in heard
     ])
-    values = told + [history.belief(fit.model) - fit.rarity for fit in heard]
+    # What one flash adds to many is its likelihood, less what a parameter gains from noise (Akaike,
+    # IEEE Trans. Automatic Control 19 (1974), eq. 16): what is rare is so once, not in each of them.
+    told = np.array([fit.log_likelihood - fit.parameters for fit in heard])
     evidence = {fit.model: float(value) for fit, value in zip(heard, told - told.max())}
     best = replace(heard[int(values.argmax())], evidence=evidence)
     placed = np.array([fit.failure == Failure.NONE for fit in heard])
