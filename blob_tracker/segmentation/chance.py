@@ -7,11 +7,13 @@ import numpy as np
 
 # Columns of a track: place and speed (px, px a flash), their variances along either axis, logarithm
 # of the brightness, log-likelihood ratios over chance and over something that flickers at one
-# place, frame of the last flash and which light of that frame it was, flashes, kind of motion.
+# place, frame of the last flash and which light of that frame it was, flashes, kind of motion, and
+# what the last flash added to the first ratio.
 (
     X, Y, VX, VY, VAR_X, COV_XV, VAR_V, BRIGHTNESS, SCORE, STEADY, FRAME, LIGHT, FLASHES, KIND,
-) = range(14)
-FIELDS = 14
+    GAIN,
+) = range(15)
+FIELDS = 15
 # Columns of a light: place, px; variance of the place along an axis, px^2; logarithm of the
 # brightness; logarithm of how many glints are like it, 1/px^2 and e-fold; 0 where it is rejected.
 LIGHT_X, LIGHT_Y, LIGHT_VARIANCE, LIGHT_BRIGHTNESS, LIGHT_CHANCE, LIGHT_ALLOWED = range(6)
@@ -31,10 +33,10 @@ RIVALS = 2  # tracks of each kind that a light may continue: its own, and what c
 
 @kernel
 def advance(
-    tracks: Array, earlier: Array, lights: Array, frame: float, gate_px: float, out: Array
-) -> int:
+    tracks: Array, earlier: Array, lights: Array, frame: float, gate_px: float
+) -> Array:
     """
-    Carry the tracks on to the next frame; return how many there are, also beyond the room for them.
+    Carry the tracks on to the next frame.
 
     Each track is a target's as against chance, and has the logarithm of the likelihood ratio
 
@@ -51,7 +53,7 @@ def advance(
 
     Parameters
     ----------
-    tracks : (n, 14) array
+    tracks : (n, 15) array
         Columns as above.
     earlier : (k, 7) array
         Lights of earlier frames, and their frame in the last column.
@@ -61,13 +63,17 @@ def advance(
         Its number, counted by the stamps.
     gate_px : float
         Greatest way from one flash to the next, px.
-    out : (most, 14) array
-        Gets the tracks.
+
+    Returns
+    -------
+    (n, 15) array
+        The tracks.
 
     """
     slots = RIVALS * KINDS.shape[0]
     born = np.empty((slots * lights.shape[0], FIELDS))
     born[:, SCORE] = -np.inf
+    out = np.empty((tracks.shape[0] + born.shape[0], FIELDS))
     count = 0
     row = np.empty(FIELDS)
     for n in range(tracks.shape[0]):
@@ -109,30 +115,30 @@ def advance(
                 row[BRIGHTNESS] += (light[LIGHT_BRIGHTNESS] - track[BRIGHTNESS]) / min(
                     row[FLASHES], LAST_FRAMES
                 )
-                row[SCORE] += np.log(SEEN) + gain
+                row[GAIN] = np.log(SEEN) + gain
+                row[SCORE] += row[GAIN]
                 row[STEADY] += np.log(SEEN / OFTEN)
                 row[FRAME], row[LIGHT] = frame, i
                 _offer(born, row, slots * i)
-        if count < out.shape[0]:
-            out[count] = track
-            if due:
-                out[count, SCORE] += np.log(1.0 - SEEN)
-                out[count, STEADY] += np.log((1.0 - SEEN) / (1.0 - OFTEN))
-            elif worst < 0.0:
-                out[count, STEADY] += worst
-            else:
-                out[count, STEADY] -= np.log(1.0 - OFTEN)
-            count += out[count, SCORE] > FAINTEST
+        out[count] = track
+        if due:
+            out[count, SCORE] += np.log(1.0 - SEEN)
+            out[count, STEADY] += np.log((1.0 - SEEN) / (1.0 - OFTEN))
+        elif worst < 0.0:
+            out[count, STEADY] += worst
+        else:
+            out[count, STEADY] -= np.log(1.0 - OFTEN)
+        if out[count, SCORE] > FAINTEST:
+            count += 1
     for n in range(earlier.shape[0]):
         passed = frame - earlier[n, 6]
         if int(passed) % 2 == 0 and passed <= 4:
             _begin(earlier[n], lights, frame, passed, gate_px, born, slots)
     for n in range(born.shape[0]):
         if born[n, SCORE] > FAINTEST:
-            if count < out.shape[0]:
-                out[count] = born[n]
+            out[count] = born[n]
             count += 1
-    return count
+    return out[:count].copy()
 
 
 @kernel
@@ -158,6 +164,7 @@ def _begin(
         row[SCORE] += (flashes - 1.0) * np.log(1.0 - SEEN)
         if row[SCORE] <= FAINTEST:
             continue
+        row[GAIN] = row[SCORE]
         row[STEADY] = 2.0 * np.log(SEEN / OFTEN) - np.log(1.0 - OFTEN)
         row[X], row[Y] = light[LIGHT_X], light[LIGHT_Y]
         row[VX], row[VY] = dx / flashes, dy / flashes

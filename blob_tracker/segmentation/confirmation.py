@@ -289,7 +289,7 @@ class Confirmation:
         else:
             self._crowd.add_part(0.0)
         before = self._crowded
-        self._crowded = self._crowd.is_dense(shape, self._locked.sigma)
+        self._crowded = self._crowd.is_beside(shape, self._locked.sigma)
         if before and not self._crowded:
             self._glitter.forget()
 
@@ -307,7 +307,10 @@ class Confirmation:
                     self._frame, self._expected.x, self._expected.y, (radius / GATE_SIGMA) ** 2
                 )
         followed = locked is not None
-        glitter.look(everything, self._frame, shape, followed=followed)
+        glitter.look(
+            everything, self._frame, shape, followed=followed,
+            density=self._crowd.passing / (shape[0] * shape[1]),
+        )
         found = glitter.best(self._frame, least, followed=followed)
         if found is None:
             if everything:

@@ -11,6 +11,7 @@ FALSE_ALARMS_PER_FRAME = 3e-6
 CLUSTERING = 20.0  # times denser than if they were spread evenly: glints, leaves, a street's lamps
 MOST_FLASHES = 6  # are always enough for what is clustered so: it leaves the rest of the frame
 LEAST_CROWD = 2.0  # things a frame: fewer are none
+BESIDE = 0.003  # of the frames: so often chance would pass for a target that is hidden
 KNOWN_RUN = 4  # flashes without a miss, from which on a light is not one of those that pass
 LEAST_MEMORY_FRAMES, MOST_MEMORY_FRAMES = 16, 128  # frames over which that rate is the mean
 INITIAL_RATE = 0.05  # before anything was seen
@@ -31,18 +32,21 @@ class Crowd:
         self._gate_px = gate_px
         self._rate = INITIAL_RATE  # of new things that light up, a frame
         self._passing = INITIAL_RATE  # of all but what flashed several times, a frame
-        self._frames = LEAST_MEMORY_FRAMES
+        self._frames = self._passing_frames = LEAST_MEMORY_FRAMES
 
     def add(self, new: int, passing: int) -> None:
         """Take what lit up in a whole frame: new things, and all but those with KNOWN_RUN."""
         self._frames = min(self._frames + 1, MOST_MEMORY_FRAMES)
         self._rate += (new - self._rate) / self._frames
-        self._passing += (passing - self._passing) / self._frames
+        self._add_passing(passing)
 
     def add_part(self, passing: float) -> None:
         """Take how much lit up beside the target, as many as a whole frame would have."""
-        self._frames = min(self._frames + 1, MOST_MEMORY_FRAMES)
-        self._passing += (passing - self._passing) / self._frames
+        self._add_passing(passing)
+
+    def _add_passing(self, passing: float) -> None:
+        self._passing_frames = min(self._passing_frames + 1, MOST_MEMORY_FRAMES)
+        self._passing += (passing - self._passing) / self._passing_frames
 
     @property
     def passing(self) -> float:
@@ -69,7 +73,7 @@ class Crowd:
         A light of such a sigma, px, would need more flashes than are always enough for what is
         clustered.
         """
-        passing = self._passing - (KNOWN_RUN - 1.0) / self._frames
+        passing = self._passing - (KNOWN_RUN - 1.0) / self._passing_frames
         if passing < LEAST_CROWD:
             return False
         per_px2 = math.pi / (shape[0] * shape[1])
@@ -78,6 +82,11 @@ class Crowd:
             passing, per_px2 * passing * self._gate_px**2, per_px2 * passing * reach**2,
             MOST_FLASHES + 1,
         ) > MOST_FLASHES
+
+    def is_beside(self, shape: tuple[int, int], sigma: float) -> bool:
+        """Tell whether something else is now and then where a target of such a sigma should be."""
+        reach = FOLLOWED_GATE_FRACTION * self._gate_px + FLANK_SIGMA * sigma
+        return self._passing * math.pi * reach**2 > BESIDE * shape[0] * shape[1]
 
 
 def _flashes_beyond_chance(rate: float, first: float, later: float, most: int) -> int:

@@ -7,7 +7,7 @@ import math
 
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.chance import (
-    advance, BRIGHTNESS, FIELDS, FLASHES, FRAME, KIND, KINDS, LAST_FRAMES, LIGHT, SCORE, STEADY,
+    advance, BRIGHTNESS, FIELDS, FLASHES, FRAME, GAIN, KIND, KINDS, LIGHT, SCORE, SEEN, STEADY,
     VAR_V, VAR_X, VX, VY, X, Y,
 )
 from blob_tracker.segmentation.flash_track import FlashTrack, PERIOD_FRAMES
@@ -22,13 +22,17 @@ STEADIER = math.log(3000.0)
 # Above the bound of a target that is followed: one flash that is missed costs nothing, of several
 # that are missed as many must come before it is believed again.
 RESERVE = 2.0
+# Of the flashes that are taken for a target's, those that are glints while it is hidden, at most. Of
+# glints one in exp(g) adds g or more at most; as they are spread, one in ten of these.
+ASTRAY, GLINTS_WITHIN = 1e-3, 0.1
+SEEN_MEMORY = 20  # flashes over which it is counted how often the target is seen
 CELL_PX, CELLS = 16, 3  # px; the density of glints is the mean over 48 px
 LEAST_MEMORY_FRAMES, MOST_MEMORY_FRAMES = 8, 128  # over which it is the mean
-LEAST_PART = 0.3  # of the mean over the frame: so many glints are expected anywhere
+LEAST_PART = 0.5  # of the mean over the frame: so many glints are expected anywhere
 WIDTHS = 0.3  # e-folds to either side, over which the density in brightness is the mean
 EVEN = 0.2 / 3.0  # 1 / e-fold: a part of the glints are of any brightness over a range of 20
 MOST_BRIGHTNESSES = 512  # of the last glints that are remembered
-MOST_TRACKS = 4096
+MOST_TRACKS = 2048  # the likeliest ones
 
 
 class Glitter:
@@ -50,7 +54,10 @@ class Glitter:
         self._mean = 0.0  # 1/px^2
         self._frames = 0
         self._brightnesses = np.empty(0)
-        self._room = np.empty((MOST_TRACKS, FIELDS))
+        # Log-likelihood ratio of the target that is followed when it was last believed or missed
+        self._before = 0.0
+        self._hidden = False  # whether it was missed since it was last believed
+        self._seen = SEEN  # part of the flashes in which the target that is followed is seen
         self.forget()
 
     def forget(self) -> None:
@@ -79,6 +86,7 @@ class Glitter:
         self._tracks[:, [FRAME, LIGHT]] = frame, -1.0
         self._tracks[:, FLASHES] = track.flashes
         self._tracks[:, KIND] = np.arange(len(KINDS))
+        self._seen, self._before, self._hidden = SEEN, bound + RESERVE, False
 
     def expect(self, frame: float, x: float, y: float, variance: float) -> None:
         """Take the word of a tracker for where the target is in a frame, px and px^2."""
@@ -94,6 +102,7 @@ class Glitter:
         shape: tuple[int, int],
         *,
         followed: bool,
+        density: float,
     ) -> None:
         """
         Take what lit up in the next frame.
@@ -108,6 +117,8 @@ class Glitter:
             Its height and width, px.
         followed : bool
             Whether the target is followed: nothing else can be it.
+        density : float
+            Of what lights up beside it, 1/px^2.
 
         """
         lights = np.array([
@@ -119,16 +130,13 @@ class Glitter:
         ]).reshape(-1, 6)
         if not followed:
             self._learn(lights, shape)
+        else:
+            self._mean = density
         lights[:, 4] = self._chance(lights)
-        count = advance(
-            self._tracks, self._earlier, lights, frame, self._gate_px, self._room
-        )
-        tracks = self._room[:min(count, MOST_TRACKS)]
-        if count > MOST_TRACKS // 2:
-            # Room for what the next frame brings.
-            least = np.partition(tracks[:, SCORE], -(MOST_TRACKS // 2))[-(MOST_TRACKS // 2)]
-            tracks = tracks[tracks[:, SCORE] >= least]
-        self._tracks = tracks.copy()
+        tracks = advance(self._tracks, self._earlier, lights, frame, self._gate_px)
+        if len(tracks) > MOST_TRACKS:
+            tracks = tracks[np.argpartition(-tracks[:, SCORE], MOST_TRACKS)[:MOST_TRACKS]]
+        self._tracks = tracks
         if not followed:
             new = np.column_stack([lights, np.full(len(lights), frame)])[lights[:, 5] > 0.0]
             recent = self._earlier[self._earlier[:, 6] > frame - 2 * PERIOD_FRAMES]
@@ -150,10 +158,23 @@ class Glitter:
         """
         if self.empty:
             return None
-        best = self._tracks[self._tracks[:, SCORE].argmax()]
-        if best[FRAME] != frame or best[SCORE] < bound or not (
-            followed or best[STEADY] > STEADIER
-        ):
+        tracks = self._tracks
+        if not followed:
+            tracks = tracks[(tracks[:, STEADY] > STEADIER) & (tracks[:, FRAME] == frame)]
+            if len(tracks) == 0:
+                return None
+        best = tracks[tracks[:, SCORE].argmax()]
+        gain, here = best[GAIN], best[FRAME] == frame
+        hidden = max(1.0 - self._seen, 1e-3) / max(self._seen, 1e-3)
+        if followed:
+            # What hides it hides the next flash as well.
+            hidden = max(hidden, 1.0) if self._hidden else hidden
+            gain = best[SCORE] - self._before
+            if int(frame - best[FRAME]) % PERIOD_FRAMES == 0:
+                self._seen += (here - self._seen) / SEEN_MEMORY
+                if not here:
+                    self._before, self._hidden = float(best[SCORE]), True
+        if not here or best[SCORE] < bound or gain < math.log(GLINTS_WITHIN * hidden / ASTRAY):
             return None
         index = int(best[LIGHT])
         track = FlashTrack(
@@ -165,10 +186,13 @@ class Glitter:
 
     def follow(self, frame: float, index: int, bound: float) -> None:
         """Follow this light of a frame alone from now on."""
+        if len(self._earlier):
+            self._seen = SEEN
         own = (self._tracks[:, FRAME] == frame) & (self._tracks[:, LIGHT] == index)
         self._tracks = self._tracks[own]
         self._tracks[:, SCORE] = np.minimum(self._tracks[:, SCORE], bound + RESERVE)
         self._earlier = self._earlier[:0]
+        self._before, self._hidden = float(self._tracks[:, SCORE].max()), False
 
     def _learn(self, lights: NDArray[np.float64], shape: tuple[int, int]) -> None:
         """Take the lights of a whole frame into the density of glints."""
@@ -193,8 +217,8 @@ class Glitter:
 
     def _chance(self, lights: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the logarithm of the density of glints like each light, 1/px^2 and e-fold."""
-        if self._map.size == 0 or len(lights) == 0:
-            return np.full(len(lights), math.log(1e-6))
+        if self._map.size == 0 or len(self._brightnesses) == 0:
+            return np.full(len(lights), math.log(self._mean + 1e-7))
         local = cv2.blur(self._map, (CELLS, CELLS)) / CELL_PX**2
         at = (np.maximum(lights[:, :2], 0.0) / CELL_PX).astype(int)
         where = local[
@@ -204,7 +228,7 @@ class Glitter:
         within = np.searchsorted(known, lights[:, 3] + WIDTHS) - np.searchsorted(
             known, lights[:, 3] - WIDTHS
         )
-        alike = EVEN + 0.8 * within / (2.0 * WIDTHS * max(len(known), 1))
+        alike = EVEN + 0.8 * within / (2.0 * WIDTHS * len(known))
         return np.asarray(np.log(np.maximum(where, LEAST_PART * self._mean + 1e-7) * alike))
 
 
