@@ -11,11 +11,12 @@ from statistics import median
 from blob_tracker.segmentation.box import Box, box_about, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.companions import Companion, Companions
-from blob_tracker.segmentation.crowd import Crowd, KNOWN_RUN, MOST_EVEN_FLASHES, MOST_FLASHES
-from blob_tracker.segmentation.expectation import Expectation
+from blob_tracker.segmentation.crowd import Crowd, KNOWN_RUN, MOST_FLASHES
+from blob_tracker.segmentation.expectation import Expectation, GATE_SIGMA
 from blob_tracker.segmentation.flash_track import (
     FLANK_SIGMA, FlashTrack, MAX_BRIGHTNESS_RATIO, offset_px_of, partners_of, PERIOD_FRAMES, Reach,
 )
+from blob_tracker.segmentation.glitter import bound, Glitter
 
 INTERVALS = 9  # of the last frames, whose median is the time between frames
 STAMP_TOLERANCE_FRAMES = 0.25  # frames by which a stamp may be off and still tell even from odd
@@ -36,8 +37,7 @@ BRIGHTER_RATIO = 1.25  # times brighter: what a light of the first frames was a 
 # and for which it is remembered from then on.
 PATIENCE_FRAMES, MEMORY_FRAMES = 60, 7200
 OUT_OF_STEP_FLASHES = 2  # more flashes are asked of a light that was once seen out of step
-# Flashes without a miss, after which a light is confirmed in any crowd
-CERTAIN_FLASHES = MOST_EVEN_FLASHES + OUT_OF_STEP_FLASHES
+FEW_LIGHTS = 8  # in a frame, beyond which it may become a crowd
 
 
 class Confirmation:
@@ -47,8 +47,8 @@ class Confirmation:
     Everything that lights up begins a track. A track goes on where something of like brightness
     lights up two frames later, by the stamps, within the gate; what lights up one or three frames
     later is out of step: a lamp on the mains. A track is confirmed after two flashes, and after
-    more in a scene in which other things light up so often that chance would confirm them. The
-    confirmed track is followed in a region about its predicted place, which grows with every
+    more in a scene in which other things light up so often that chance would confirm them. Where
+    they do so all over the frame `Glitter` tells what cannot be chance. The confirmed track is followed in a region about its predicted place, which grows with every
     flash that is missed, until the whole frame is searched again.
 
     Where a tracker tells where it expects the target, the region lies about that place, and what
@@ -90,7 +90,10 @@ class Confirmation:
         self._stamp_ns: int | None = None
         self._skipped_ns: int | None = None  # stamp of the last frame that came twice
         self._frames = 0
+        self._frame = 0.0  # number of the last frame by the stamps
         self._crowd = Crowd(gate_px)
+        self._crowded = False  # whether things light up all over the frame
+        self._glitter = Glitter(gate_px)
 
     @property
     def locked(self) -> bool:
@@ -125,6 +128,7 @@ class Confirmation:
         if self._stamp_ns is not None:
             self._intervals.append(stamp_ns - self._stamp_ns)
             self._interval_ns = median(self._intervals)
+            self._frame += max(round((stamp_ns - self._stamp_ns) / self._interval_ns), 1)
         self._stamp_ns = stamp_ns
         self._frames += 1
         ended = [key for key, each in self._tracks.items() if self._age(each) > MAX_AGE_FRAMES]
@@ -149,6 +153,7 @@ class Confirmation:
         made 30: the stamps no longer tell in which phase a light is that was seen before it.
         """
         self._skipped_ns = stamp_ns
+        self._glitter.forget()
 
     @property
     def _followed(self) -> bool:
@@ -188,7 +193,7 @@ class Confirmation:
 
         """
         track = self._locked
-        if self._expected is None or track is None:
+        if self._expected is None or track is None or self._crowded:
             return False
         reach = self._reach(track)
         if not self._is_due(track) or any(
@@ -213,31 +218,35 @@ class Confirmation:
 
         """
         self.reason = ''
-        searched = self._locked is None
+        if self._locked is not None:
+            if not self._is_due(self._locked):
+                self._count_beside(everything, shape)
+            if self._crowded:
+                return self._picked_out(everything, shape)
+        elif not everything:
+            self._crowd.add(0, 0)
+            if self._crowded:
+                return self._picked_out(everything, shape)
         if not everything:
-            if searched:
-                self._crowd.add(0, 0)
             return None
         seen = self._seen(everything, self._reaches())
-        if searched:
-            self._crowd.add(
-                sum(track.flashes == 1 and not track.out_of_step for track, _ in seen),
-                sum(track.run < KNOWN_RUN for track, _ in seen),
-            )
+        if self._locked is None:
+            self._count(seen, shape)
+            if self._crowded or len(everything) > FEW_LIGHTS:
+                self._tracks |= {id(track): track for track, _ in seen}
+                found = self._picked_out(everything, shape)
+                if self._crowded or found is not None:
+                    return found
         if not seen:
             return None
-        needed = needed_run = 0
-        if seen[0][0].run < CERTAIN_FLASHES or len(seen) > 1:
-            needed, needed_run = self._crowd.flashes_needed(
-                shape, max(track.sigma for track, _ in seen)
-            )
+        needed = self._crowd.flashes_needed(shape)
         best: tuple[FlashTrack, Candidate] | None = None
         alone = self._frames <= FIRST_PAIRS and len(everything) == 1
         due = not self._followed or self._is_due(self._locked)
         for track, candidate in seen:
             track.trusted = not track.out_of_step and (track.trusted or alone)
             more = OUT_OF_STEP_FLASHES if track.out_of_step else 0
-            if not track.trusted and (track.flashes < needed + more or track.run < needed_run):
+            if not track.trusted and track.flashes < needed + more:
                 continue
             if track is self._locked:
                 best = track, candidate
@@ -249,6 +258,11 @@ class Confirmation:
         self._tracks |= {id(track): track for track, _ in seen}
         if best is not None:
             self._follow(best[0])
+        self._keep_the_best()
+        return None if best is None else best[1]
+
+    def _keep_the_best(self) -> None:
+        """Forget the tracks that are beyond the number that is kept."""
         if len(self._tracks) > MOST_TRACKS:
             kept = nlargest(
                 MOST_TRACKS,
@@ -256,7 +270,69 @@ class Confirmation:
                 key=lambda each: (each is self._locked, each.flashes, each.height),
             )
             self._tracks = {id(each): each for each in kept}
-        return None if best is None else best[1]
+
+    def _count(self, seen: Sequence[tuple[FlashTrack, Candidate]], shape: tuple[int, int]) -> None:
+        """Count what lit up in a whole frame, and tell whether it is a crowd."""
+        self._crowd.add(
+            sum(track.flashes == 1 and not track.out_of_step for track, _ in seen),
+            sum(track.run < KNOWN_RUN for track, _ in seen),
+        )
+        sigma = max((track.sigma for track, _ in seen), default=0.0)
+        self._crowded = self._crowd.is_dense(shape, sigma)
+
+    def _count_beside(self, everything: Sequence[Candidate], shape: tuple[int, int]) -> None:
+        """Count what lights up about the target between two of its flashes."""
+        assert self._locked is not None
+        count = sum(not each.rejected for each in everything)
+        if count > 0:
+            self._crowd.add_part(count * shape[0] * shape[1] / max(self.region(shape).size, 1))
+        else:
+            self._crowd.add_part(0.0)
+        before = self._crowded
+        self._crowded = self._crowd.is_beside(shape, self._locked.sigma)
+        if before and not self._crowded:
+            self._glitter.forget()
+
+    def _picked_out(
+        self, everything: Sequence[Candidate], shape: tuple[int, int]
+    ) -> Candidate | None:
+        """Return the one of a crowd that flashes in step, where chance cannot have made it."""
+        locked, glitter, least = self._locked, self._glitter, bound(self._crowd.passing)
+        if locked is not None:
+            if glitter.empty:
+                glitter.begin_with(locked, self._frame - round(self._age(locked)), least)
+            if self._expected is not None:
+                radius = self._expected.gate_radius_px
+                glitter.expect(
+                    self._frame, self._expected.x, self._expected.y, (radius / GATE_SIGMA) ** 2
+                )
+        followed = locked is not None
+        glitter.look(
+            everything, self._frame, shape, followed=followed,
+            density=self._crowd.passing / (shape[0] * shape[1]),
+        )
+        found = glitter.best(self._frame, least, followed=followed)
+        if found is None:
+            if everything:
+                self.reason = (
+                    f'{self._crowd.passing:.0f} things light up at random in each frame, glints '
+                    'or lamps, and none that must be the light in step yet: it takes about ten '
+                    'flashes; shade or cover what glitters, lower the exposure, or set mask_url'
+                )
+            return None
+        index, track = found
+        candidate = everything[index]
+        if not followed and self._is_waited_for(candidate):
+            return None
+        glitter.follow(self._frame, index, least)
+        track.sigma = math.hypot(candidate.sigma_x, candidate.sigma_y) / math.sqrt(2.0)
+        assert self._stamp_ns is not None
+        track.stamp_ns = self._stamp_ns
+        if locked is not None:
+            self._locked = track
+        self._tracks = {id(track): track}
+        self._follow(track)
+        return candidate
 
     def _seen(
         self, everything: Sequence[Candidate], reaches: dict[int, Reach]
@@ -325,7 +401,10 @@ class Confirmation:
     def surveys(self) -> bool:
         """Whether the whole of this frame is to be searched for other lights in step."""
         locked = self._locked
-        if locked is None or not self._followed or locked.stamp_ns != self._stamp_ns:
+        if (
+            self._crowded or locked is None or not self._followed
+            or locked.stamp_ns != self._stamp_ns
+        ):
             return False  # what flashes in step is on when the target is
         return (
             self._stands_in

@@ -10,7 +10,8 @@ from blob_tracker.segmentation.flash_track import FLANK_SIGMA, FOLLOWED_GATE_FRA
 FALSE_ALARMS_PER_FRAME = 3e-6
 CLUSTERING = 20.0  # times denser than if they were spread evenly: glints, leaves, a street's lamps
 MOST_FLASHES = 6  # are always enough for what is clustered so: it leaves the rest of the frame
-MOST_EVEN_FLASHES = 20  # for what is spread evenly: 100 glints in each frame of 320 x 240 px
+LEAST_CROWD = 2.0  # things a frame: fewer are none
+BESIDE = 0.003  # of the frames: so often chance would pass for a target that is hidden
 KNOWN_RUN = 4  # flashes without a miss, from which on a light is not one of those that pass
 LEAST_MEMORY_FRAMES, MOST_MEMORY_FRAMES = 16, 128  # frames over which that rate is the mean
 INITIAL_RATE = 0.05  # before anything was seen
@@ -31,37 +32,61 @@ class Crowd:
         self._gate_px = gate_px
         self._rate = INITIAL_RATE  # of new things that light up, a frame
         self._passing = INITIAL_RATE  # of all but what flashed several times, a frame
-        self._frames = LEAST_MEMORY_FRAMES
+        self._frames = self._passing_frames = LEAST_MEMORY_FRAMES
 
     def add(self, new: int, passing: int) -> None:
         """Take what lit up in a whole frame: new things, and all but those with KNOWN_RUN."""
         self._frames = min(self._frames + 1, MOST_MEMORY_FRAMES)
         self._rate += (new - self._rate) / self._frames
-        self._passing += (passing - self._passing) / self._frames
+        self._add_passing(passing)
 
-    def flashes_needed(self, shape: tuple[int, int], sigma: float) -> tuple[int, int]:
-        """
-        Return after how many flashes chance cannot have made a track of such a sigma, px.
+    def add_part(self, passing: float) -> None:
+        """Take how much lit up beside the target, as many as a whole frame would have."""
+        self._add_passing(passing)
 
-        The second number is how many of them must follow each other without a miss: it is above 1
-        where so much lights up all over the frame that something is near wherever one looks.
-        """
+    def _add_passing(self, passing: float) -> None:
+        self._passing_frames = min(self._passing_frames + 1, MOST_MEMORY_FRAMES)
+        self._passing += (passing - self._passing) / self._passing_frames
+
+    @property
+    def passing(self) -> float:
+        """How many things light up in a frame and do not flash."""
+        return self._passing
+
+    def flashes_needed(self, shape: tuple[int, int]) -> int:
+        """Return after how many flashes chance cannot have made a track in a frame of (h, w)."""
         rate = max(self._rate - 1.0 / self._frames, 0.0)  # the target was new once as well
         per_px2 = math.pi / (shape[0] * shape[1])
         first, later = self._gate_px**2, (FOLLOWED_GATE_FRACTION * self._gate_px) ** 2
         # Half of what lights up within reach is as bright as what lit up there before.
-        clustered = _flashes_beyond_chance(
+        return _flashes_beyond_chance(
             rate,
             0.5 * CLUSTERING * per_px2 * rate * first,
             0.5 * CLUSTERING * per_px2 * rate * later,
             MOST_FLASHES,
         )
-        passing = max(self._passing - (KNOWN_RUN - 1.0) / self._frames, 0.0)
-        crowded = (FOLLOWED_GATE_FRACTION * self._gate_px + FLANK_SIGMA * sigma) ** 2
-        even = _flashes_beyond_chance(
-            passing, per_px2 * passing * first, per_px2 * passing * crowded, MOST_EVEN_FLASHES
-        )
-        return clustered, even if even > clustered else 1
+
+    def is_dense(self, shape: tuple[int, int], sigma: float) -> bool:
+        """
+        Tell whether so much lights up all over the frame that something is near wherever one looks.
+
+        A light of such a sigma, px, would need more flashes than are always enough for what is
+        clustered.
+        """
+        passing = self._passing - (KNOWN_RUN - 1.0) / self._passing_frames
+        if passing < LEAST_CROWD:
+            return False
+        per_px2 = math.pi / (shape[0] * shape[1])
+        reach = FOLLOWED_GATE_FRACTION * self._gate_px + FLANK_SIGMA * sigma
+        return _flashes_beyond_chance(
+            passing, per_px2 * passing * self._gate_px**2, per_px2 * passing * reach**2,
+            MOST_FLASHES + 1,
+        ) > MOST_FLASHES
+
+    def is_beside(self, shape: tuple[int, int], sigma: float) -> bool:
+        """Tell whether something else is now and then where a target of such a sigma should be."""
+        reach = FOLLOWED_GATE_FRACTION * self._gate_px + FLANK_SIGMA * sigma
+        return self._passing * math.pi * reach**2 > BESIDE * shape[0] * shape[1]
 
 
 def _flashes_beyond_chance(rate: float, first: float, later: float, most: int) -> int:
