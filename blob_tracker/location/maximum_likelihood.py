@@ -267,7 +267,10 @@ def _fit_all(
             continue
         odd[n] = suspect_unlit(evidence, pulse)
         odd[n] |= suspect_fit(equations, rows, height, elliptical)
-        leaning = lopsidedness(seen, theta, profiles, equations, lopsided)
+        unlit_variance = max(mean, 0.0) * shot + floor if paired else 0.0
+        leaning = lopsidedness(
+            seen, theta, profiles, texture, 1.0 - share, unlit_variance, lopsided
+        )
         for p in range(4):
             table[_LOPSIDED + p, n] = lopsided[p]
         odd[n] |= suspect_lopsided(leaning)

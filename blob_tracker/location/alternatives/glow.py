@@ -50,7 +50,7 @@ def glow(pair: Pair, base: Fit) -> Fit | None:
         f'the flash lights up haze or a wall about the light, by {level:.0f} DN and {slope:.1f} '
         'DN/px: it is taken off; shade the wall from the light, or move it away from there',
     )
-    return replace(fit, log_likelihood=fit.log_likelihood - RARER * max(left.chi2, 1.0) ** 2)
+    return replace(fit, rarity=RARER * max(left.chi2, 1.0) ** 2)
 
 
 def _fit(pair: Pair, start: Floats) -> Optimum | None:
