@@ -10,7 +10,7 @@ from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.effective_psf import EffectivePsf, evaluate, spline, surface_of
 from blob_tracker.location.estimates import Estimates
 from blob_tracker.location.learned_pulse import learned_pulse, pulse_of
-from blob_tracker.location.maximum_likelihood import maximum_likelihood
+from blob_tracker.location.maximum_likelihood import fit_gaussians
 from blob_tracker.location.moments import moments
 from blob_tracker.location.pulse import integrated_profile
 from blob_tracker.types import LocationError, SensorNoise
@@ -193,7 +193,7 @@ def _first_places(
     stacks: Sequence[Stack], noise: SensorNoise, saturation: float | None
 ) -> tuple[list[_Places], float]:
     """Return where a Gaussian, or the centroid where that does not fit, has them; its sigma."""
-    found = [maximum_likelihood(*stack, noise, saturation) for stack in stacks]
+    found = [fit_gaussians(*stack, noise, saturation)[0] for stack in stacks]
     bright = [each.ok & (each.snr > LEAST_SNR) for each in found]
     count = sum(each.ok.size for each in found)
     if sum(each.sum() for each in bright) >= FITTED * count > 0:
@@ -489,7 +489,7 @@ def _by_halves(
         pixels = lit.shape[1] * lit.shape[2]
         ok = first.ok & second.ok
         moved.append(np.stack([first.x - second.x, first.y - second.y], axis=1)[ok])
-        gaussian = maximum_likelihood(lit, unlit, task.noise, task.saturation)
+        gaussian, _ = fit_gaussians(lit, unlit, task.noise, task.saturation)
         other = np.where(np.arange(ok.size) % 2 == 0, second.chi2, first.chi2)
         squares = np.where(gaussian.ok, gaussian.chi2, HOPELESS) * (pixels - 5)
         # The Gaussian fits its width: the parameter more takes off what it takes of noise.

@@ -111,6 +111,45 @@ def maximum_likelihood(
     """
     if pulse is not None:
         return _with_pulse(lit, unlit, noise, saturation, pulse, elliptical, motion)
+    estimates, odd = fit_gaussians(lit, unlit, noise, saturation, elliptical=elliptical)
+    limit = math.inf if saturation is None else float(saturation)
+    for n, suspicion in suspicions(odd):
+        pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, motion)
+        theta = np.array([
+            getattr(estimates, name)[n] for name in ('x', 'y', 'amplitude', 'background', 'sigma')
+        ])
+        fit = explain(pair, theta if estimates.ok[n] else None, suspicion)
+        if fit is not None:
+            _adopt(estimates, n, fit)
+        elif suspicion & Suspicion.LOPSIDED:
+            estimates.warnings[n] = LOPSIDED_LIGHT
+        elif estimates.chi2[n] > WARNED_CHI2:
+            estimates.warnings[n] = (
+                f'misfit (chi2 {estimates.chi2[n]:.1f}): the light is no Gaussian, or the scene '
+                'behind it no even one: flash it, or learn its pulse (calibrate pulse)'
+            )
+    return estimates
+
+
+def fit_gaussians(
+    lit: NDArray[np.float64],
+    unlit: NDArray[np.float64] | None,
+    noise: SensorNoise,
+    saturation: float | None,
+    *,
+    elliptical: bool = False,
+) -> tuple[Estimates, NDArray[np.uint8]]:
+    """
+    Fit the Gaussian alone, as `maximum_likelihood` does before it asks what else may be true.
+
+    Returns
+    -------
+    estimates : Estimates
+        Of N windows.
+    odd : (N,) uint8 array
+        The `Suspicion` about each.
+
+    """
     table = np.zeros((_ROWS, lit.shape[0]))
     covariance = np.zeros((lit.shape[0], 2, 2))
     clipped = np.zeros(lit.shape[0], dtype=np.int64)
@@ -132,20 +171,7 @@ def maximum_likelihood(
     estimates = Estimates.from_table(
         table[:_LOPSIDED], covariance, clipped, failure, table[_LOPSIDED:].T
     )
-    limit = math.inf if saturation is None else float(saturation)
-    for n, suspicion in suspicions(odd):
-        pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, motion)
-        fit = explain(pair, None if failure[n] else table[:5, n], suspicion)
-        if fit is not None:
-            _adopt(estimates, n, fit)
-        elif suspicion & Suspicion.LOPSIDED:
-            estimates.warnings[n] = LOPSIDED_LIGHT
-        elif table[6, n] > WARNED_CHI2:
-            estimates.warnings[n] = (
-                f'misfit (chi2 {table[6, n]:.1f}): the light is no Gaussian, or the scene behind '
-                'it no even one: flash it, or learn its pulse (calibrate pulse)'
-            )
-    return estimates
+    return estimates, odd
 
 
 def _with_pulse(
