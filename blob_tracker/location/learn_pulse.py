@@ -33,7 +33,7 @@ SETTLED = 3e-4  # px that places move from round to round at the end: no pulse i
 OUTLIER = 4.0  # times the median chi2: another light is in the window
 FITTED = 0.8  # of the windows, that a Gaussian must fit to be started from
 HOPELESS = 1e3  # chi2 of a Gaussian where there is none that fits
-SURE = 12.0  # over N: the square of a harmonic that even phases have once in 400 times
+SURE = 9.0  # variances: the square of what even phases have once in 400 times
 STEADY = 3.0  # chi-square a window that scales of their own take off where the sizes do vary
 
 
@@ -386,24 +386,34 @@ def _evenly(places: Sequence[_Places]) -> list[_Places]:
 
     Places that all err by one function of their phase make a pulse under which the windows are
     as likely: an undersampled pulse cannot tell. The phases can, which are even where the target
-    moves far enough: `learn_phase_correction`. What even phases have of a harmonic by chance, a
-    mean square of 4 / N, is not taken off (James and Stein, 1961).
+    moves far enough: `learn_phase_correction`. A round pulse errs by one a sin along x and y;
+    what the axes differ by, and the cosines of a lopsided one, are taken off only as far as even
+    phases do not have them by chance.
     """
-    moves = []
-    for axis in 'xy':
-        turn = 2.0 * np.pi * np.concatenate([getattr(at, axis)[at.used] for at in places])
-        a, b = 2.0 * np.cos(turn).mean(), 2.0 * np.sin(turn).mean()
-        share = max(0.0, 1.0 - SURE / (turn.size * max(a * a + b * b, 1e-12)))
-        moves.append((share * a / (2.0 * np.pi), share * b / (2.0 * np.pi)))
-    (ax, bx), (ay, by) = moves
-    return [
-        replace(
-            at,
-            x=at.x + ax * np.sin(2.0 * np.pi * at.x) - bx * np.cos(2.0 * np.pi * at.x),
-            y=at.y + ay * np.sin(2.0 * np.pi * at.y) - by * np.cos(2.0 * np.pi * at.y),
-        )
-        for at in places
+    turns = [
+        2.0 * np.pi * np.concatenate([getattr(at, axis)[at.used] for at in places])
+        for axis in 'xy'
     ]
+    count = turns[0].size
+    across, down = (2.0 * float(np.cos(turn).mean()) for turn in turns)
+    common = _beyond(0.5 * (across + down), 1.0 / count)
+    apart = _beyond(0.5 * (across - down), SURE / count)
+    moved = []
+    for axis, turn, a in zip('xy', turns, (common + apart, common - apart)):
+        b = _beyond(2.0 * float(np.sin(turn).mean()), 2.0 * SURE / count)
+        moved.append([
+            getattr(at, axis) + (
+                a * np.sin(2.0 * np.pi * getattr(at, axis))
+                - b * np.cos(2.0 * np.pi * getattr(at, axis))
+            ) / (2.0 * np.pi)
+            for at in places
+        ])
+    return [replace(at, x=x, y=y) for at, x, y in zip(places, *moved)]
+
+
+def _beyond(value: float, square: float) -> float:
+    """Return what a value has beyond a square that is noise (James and Stein, 1961)."""
+    return value * max(0.0, 1.0 - square / max(value * value, 1e-12))
 
 
 def _scales_vary(task: _Task, places: Sequence[_Places], pulse: EffectivePsf) -> Slices[bool]:
