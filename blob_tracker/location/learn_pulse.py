@@ -184,7 +184,10 @@ def learning(
     if varies is None and (yield from _scales_vary(task, places, pulse)):
         scales = True
         pulse, places = yield from _alternate(task, places, scales)
-    gap, axis = max((_gap(places, axis), axis) for axis in 'xy')
+    gap, axis = max(
+        (gap_of(np.concatenate([getattr(at, axis)[at.used] for at in places])), axis)
+        for axis in 'xy'
+    )
     if gap > WIDEST_GAP:
         raise LocationError(
             f'the windows leave {gap:.2f} px of the pixel without a centre along {axis}, '
@@ -429,9 +432,9 @@ def _scales_vary(task: _Task, places: Sequence[_Places], pulse: EffectivePsf) ->
     return float(np.concatenate(gain).sum()) > STEADY * count
 
 
-def _gap(places: Sequence[_Places], axis: str) -> float:
-    """Return the widest part of the pixel without a centre along an axis, px."""
-    phases = np.sort(np.mod(np.concatenate([getattr(at, axis)[at.used] for at in places]), 1.0))
+def gap_of(places: Floats) -> float:
+    """Return the widest part of the pixel without one of (N,) places along an axis, px."""
+    phases = np.sort(np.mod(places, 1.0))
     return float(np.diff(phases, append=phases[0] + 1.0).max())
 
 

@@ -13,6 +13,7 @@ from blob_tracker.commands.calibrate.report import refusal, results_table, row, 
 from blob_tracker.commands.calibrate.sources import add_source, expected, frames, SourceError
 from blob_tracker.location import learn_pulse, Learned, locate_batch
 from blob_tracker.location.noise import pixel_variance
+from blob_tracker.location.pulse_learner import stacked
 from blob_tracker.segmentation import FrameError, Segmenter
 from blob_tracker.segmentation.flash_modes import flash_by_name, FLASH_MODES
 from blob_tracker.types import Frame, LocationError, SensorNoise, Window
@@ -64,7 +65,7 @@ def main(arguments: argparse.Namespace) -> int:
         windows, width, height, reason = _windows(arguments, console)
         if not windows:
             raise SourceError(f'no flash was found in {arguments.source}: {reason}')
-        stacks = _stacks(windows)
+        stacks = stacked(windows)
         learned = learn_pulse(stacks, noise=noise, saturation=windows[0].saturation)
         _report(console, learned)
         tell_of(console, arguments.out)
@@ -112,23 +113,6 @@ def _windows(
         if len(windows) == MOST_WINDOWS:
             break
     return windows, width, height, reason
-
-
-def _stacks(
-    windows: list[Window]
-) -> list[tuple[NDArray[np.float64], NDArray[np.float64] | None]]:
-    """Return the windows in stacks of one size each."""
-    sizes: dict[tuple[int, ...], list[Window]] = {}
-    for window in windows:
-        sizes.setdefault((*window.lit.shape, window.unlit is None), []).append(window)
-    stacks = []
-    for alike in sizes.values():
-        unlit = [each.unlit for each in alike if each.unlit is not None]
-        stacks.append((
-            np.stack([each.lit for each in alike]).astype(float),
-            np.stack(unlit).astype(float) if unlit else None,
-        ))
-    return stacks
 
 
 def _by_phase(
