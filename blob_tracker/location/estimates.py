@@ -62,6 +62,10 @@ class Estimates:
         see `suspicion.lopsidedness`. Empty where nobody looked.
     warnings : dict
         Of few windows, by their index: what the user should know and do.
+    other_models : dict
+        Of the windows that another model than the method's own explains: its log-likelihood, of
+        lit and unlit pixels together, and how many parameters it has. What `chi2` says is of
+        both then.
 
     """
 
@@ -77,6 +81,7 @@ class Estimates:
     failure: NDArray[np.uint8]
     lopsided: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
     warnings: dict[int, str] = field(default_factory=dict)
+    other_models: dict[int, tuple[float, int]] = field(default_factory=dict)
 
     @classmethod
     def from_table(

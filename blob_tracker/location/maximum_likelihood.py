@@ -200,8 +200,9 @@ def _with_pulse(
                 'failure',
             ):
                 getattr(found, name)[n] = getattr(other, name)[k]
-            if k in other.warnings:
-                found.warnings[int(n)] = other.warnings[k]
+            for name in ('warnings', 'other_models'):
+                if k in getattr(other, name):
+                    getattr(found, name)[int(n)] = getattr(other, name)[k]
     return found
 
 
@@ -210,6 +211,7 @@ def _adopt(estimates: Estimates, n: int, fit: Fit) -> None:
     for name in ('x', 'y', 'covariance', 'amplitude', 'background', 'sigma', 'snr', 'chi2'):
         getattr(estimates, name)[n] = getattr(fit, name)
     estimates.failure[n] = fit.failure
+    estimates.other_models[n] = fit.log_likelihood, fit.parameters
     if fit.warning:
         estimates.warnings[n] = fit.warning
 

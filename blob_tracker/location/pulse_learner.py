@@ -7,13 +7,15 @@ from collections.abc import Callable
 from dataclasses import replace
 import math
 
-from blob_tracker.location.effective_psf import EffectivePsf
+from blob_tracker.location.effective_psf import EffectivePsf, shifted
 from blob_tracker.location.estimates import Estimates
+from blob_tracker.location.hypotheses import Pair
 from blob_tracker.location.learn_pulse import (
     gap_of, learn_pulse, Learned, learning, LEAST_SNR, Slices, Stack, WIDEST_GAP,
 )
 from blob_tracker.location.learned_pulse import learned_pulse, pulse_of
 from blob_tracker.location.noise import noise_of_sum
+from blob_tracker.location.pair_likelihood import log_likelihood_of
 from blob_tracker.types import LocationError, SensorNoise, Window
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +30,7 @@ JUDGED = 100  # flashes that the pulse has no part in, by which it is judged
 # Of a window's log-likelihood: one in which something else is seen must not decide.
 MOST_GAIN = 10.0
 SURE_SIGMA = 4.0  # of the mean gain, before a pulse is used
+LOPSIDED_SIGMA = 3.0  # beyond which the pulse has another centre than the places had
 WATCHED = 8  # flashes from one to the next that is held against the other fits while it is used
 LAST = 25  # of them: they took less by it on the mean, it is not used any longer
 PATIENCE = 6  # times that the wait for the next attempt doubles: 300 to 19,200 flashes
@@ -40,11 +43,9 @@ class PulseLearner:
     A pulse is learned from 300 windows with their phases spread over the pixel. The next 100
     windows, which it has not seen, are placed both as they would be without it (the Gaussian and
     all alternatives to it, or the pulse of a file) and with it: it is used from there on if their
-    mean gain in log-likelihood,
-
-        (chi2_base - dof_base) / 2 - (chi2_pulse - dof_pulse) / 2
-
-    is 4 of its standard errors above 0. While it is used, every eighth window is placed both ways
+    mean gain in log-likelihood, each less half its parameters (Akaike, 1974), is 4 of its
+    standard errors above 0. The centre of a lopsided light, which nobody can say, stays where the
+    places had it on the median. While it is used, every eighth window is placed both ways
     too; where 25 of them gain nothing on the mean (the focus, the filter, the light has changed),
     it is used no longer, and another one is learned.
 
@@ -71,6 +72,7 @@ class PulseLearner:
         self._slices: Slices[Learned] | None = None
         self._candidate: Learned | None = None
         self._gains: deque[float] = deque(maxlen=JUDGED)
+        self._apart: list[tuple[float, float]] = []
         self._kind: tuple[object, ...] = ()
         self._attempts, self._wait, self._flashes = 0, 0, 0
         self._window: tuple[Window, SensorNoise, Estimates, Base] | None = None
@@ -135,6 +137,7 @@ class PulseLearner:
         self.state = state
         self._kept.clear()
         self._gains.clear()
+        self._apart.clear()
         self._slices = self._candidate = None
 
     def _give_up(self, reason: str) -> None:
@@ -180,15 +183,18 @@ class PulseLearner:
         self, candidate: Learned, window: Window, noise: SensorNoise, found: Estimates
     ) -> None:
         """Hold a pulse against what places the light now."""
-        self._gains.append(_gain(candidate.pulse, window, noise, found))
+        gain, x, y = _compared(candidate.pulse, window, noise, found)
+        self._gains.append(gain)
+        self._apart.append((x, y))
         self.state = f'judging the pulse: {len(self._gains)} of {JUDGED} windows'
         if len(self._gains) < JUDGED:
             return
         gains = np.array(self._gains)
         mean, error = float(gains.mean()), float(gains.std()) / math.sqrt(JUDGED)
         if mean > SURE_SIGMA * error:
+            pulse = _aligned(candidate.pulse, np.array(self._apart))
             self._begin(f'learned from {candidate.windows} windows, which gain {mean:.2f} each')
-            self.learned, self.pulse = replace(candidate, gain=mean), candidate.pulse
+            self.learned, self.pulse = replace(candidate, pulse=pulse, gain=mean), pulse
             self._attempts = 0
         else:
             self._give_up(
@@ -202,7 +208,7 @@ class PulseLearner:
         """Hold the pulse that is used against what would be without it."""
         if not base.ok[0]:
             return
-        self._gains.append(_gain(learned.pulse, window, noise, base))
+        self._gains.append(_compared(learned.pulse, window, noise, base)[0])
         last = list(self._gains)[-LAST:]
         if len(last) == LAST and float(np.mean(last)) < 0.0:
             self.pulse = self.learned = None
@@ -241,23 +247,57 @@ def _noise(window: Window, noise: SensorNoise) -> SensorNoise:
     return noise_of_sum(replace(noise, read_noise=read_noise), window.looks)
 
 
-def _gain(
+def _compared(
     pulse: EffectivePsf, window: Window, noise: SensorNoise, base: Estimates
-) -> float:
-    """Return how much likelier a pulse makes a window."""
+) -> tuple[float, float, float]:
+    """Return how much likelier a pulse makes a window, and where it has it beside the base, px."""
     noise = _noise(window, noise)
     level = noise.black_level
+    noise = replace(noise, black_level=0.0)
     lit = _pixels(window.lit, level)
     unlit = None if window.unlit is None else _pixels(window.unlit, level)
-    limit = None if window.saturation is None else window.saturation - level
+    limit = math.inf if window.saturation is None else window.saturation - level
     told = pulse_of(pulse)
-    found, _ = learned_pulse(lit, unlit, replace(noise, black_level=0.0), limit, told)
+    found, _ = learned_pulse(lit, unlit, noise, limit, told)
     if not found.ok[0]:
-        return -MOST_GAIN
-    usable = lit.size - int(base.saturated[0])
-    before = (float(base.chi2[0]) - 1.0) * (usable - 5)
-    now = (float(found.chi2[0]) - 1.0) * (usable - told.size)
-    return min(max(0.5 * (before - now), -MOST_GAIN), MOST_GAIN)
+        return -MOST_GAIN, math.nan, math.nan
+    x, y = float(found.x[0]), float(found.y[0])
+    if 0 in base.other_models:
+        before, parameters = base.other_models[0]
+        before -= 0.5 * parameters
+        pair = Pair(lit[0], None if unlit is None else unlit[0], noise, limit)
+        image = pulse.image(lit[0].shape, x, y, float(found.sigma[0]) / pulse.sigma)
+        means = np.full(pair.pixels.shape, float(found.background[0]))
+        means[0] += found.amplitude[0] * image
+        now = log_likelihood_of(pair, means) - 0.5 * told.size
+    else:
+        usable = lit.size - int(base.saturated[0])
+        before = -0.5 * (float(base.chi2[0]) - 1.0) * (usable - 5)
+        now = -0.5 * (float(found.chi2[0]) - 1.0) * (usable - told.size)
+    gain = min(max(now - before, -MOST_GAIN), MOST_GAIN)
+    return gain, float(base.x[0]) - x, float(base.y[0]) - y
+
+
+def _aligned(pulse: EffectivePsf, apart: NDArray[np.float64]) -> EffectivePsf:
+    """
+    Return the pulse about the centre that the places had so far, where that is another one.
+
+    Parameters
+    ----------
+    pulse : EffectivePsf
+        As learned.
+    apart : (N, 2) array
+        Of the places so far from those with the pulse, px; NaN where there are none.
+
+    """
+    apart = apart[np.isfinite(apart).all(axis=1)]
+    centre = np.median(apart, axis=0)
+    # Of a median; 1.48 of the median deviation is a standard deviation.
+    error = 1.2533 * 1.4826 * np.median(np.abs(apart - centre), axis=0) / math.sqrt(len(apart))
+    if not (np.abs(centre) > LOPSIDED_SIGMA * error).any():
+        return pulse
+    moved = shifted(pulse, *centre)
+    return replace(moved, covariance=pulse.covariance + np.diag(error**2))
 
 
 def _pixels(pixels: NDArray[np.generic], level: float) -> NDArray[np.float64]:

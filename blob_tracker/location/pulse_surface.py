@@ -23,7 +23,7 @@ SMOOTHEST = 1e-2  # of the information on a node: the penalty of a first look
 PINNED = 1e3  # of the information on a node: the outermost ones are 0
 EMPTY = 1e-9  # of it: a node that no pixel saw is what its neighbours make it
 UNEVEN = 0.02  # of the peak: what pixels and lenses differ by, so that no one window rules
-FAINT = 0.1  # of the peak: below it noise draws the centroid away
+FAINT = 0.1  # of the peak: what is below it is mostly noise, or a tail
 CENTRING = 20  # steps
 CENTRED = 1e-6  # px
 
@@ -218,19 +218,23 @@ def centre_of(pulse: EffectivePsf) -> tuple[float, float]:
     """
     Return the point about which the pulse is most symmetric, px.
 
-    The c with the least sum (P(c + u) - P(c - u))^2, by Gauss-Newton from the centroid: of a
-    round pulse the middle, also where it is dark, to the accuracy of a fit.
+    The c with the least sum (Q(c + u) - Q(c - u))^2, Q what is above a tenth of the peak, by
+    Gauss-Newton from the centroid: of a round pulse the middle, also where it is dark, to the
+    accuracy of a fit.
     """
     middle = pulse.coefficients.shape[0] // 2
     along = np.arange(-2 * middle, 2 * middle + 1) * (0.5 * pulse.step)
     u, v = (axis.ravel().copy() for axis in np.meshgrid(along, along))
     surface, ahead, behind = surface_of(pulse), np.empty((3, u.size)), np.empty((3, u.size))
     evaluate(surface, u, v, ahead)
-    light = np.where(ahead[0] > FAINT * ahead[0].max(), ahead[0], 0.0)
+    floor = FAINT * ahead[0].max()
+    light = np.maximum(ahead[0] - floor, 0.0)
     centre = np.array([light @ u, light @ v]) / light.sum()
     for _ in range(CENTRING):
-        evaluate(surface, centre[0] + u, centre[1] + v, ahead)
-        evaluate(surface, centre[0] - u, centre[1] - v, behind)
+        for sign, out in ((1.0, ahead), (-1.0, behind)):
+            evaluate(surface, centre[0] + sign * u, centre[1] + sign * v, out)
+            out *= out[0] > floor
+            out[0] = np.maximum(out[0] - floor, 0.0)
         slopes = ahead[1:] + behind[1:]
         step = np.linalg.solve(slopes @ slopes.T, slopes @ (behind[0] - ahead[0]))
         centre += step
