@@ -106,6 +106,11 @@ class Locator:
     **options
         Passed on to the method.
 
+    Raises
+    ------
+    ValueError
+        Where a pulse is to be learned for a method that takes none.
+
     Attributes
     ----------
     pulse : EffectivePsf or None
@@ -123,9 +128,12 @@ class Locator:
         self.pulse = pulse
         self._learns = learn
         self.learners: dict[str, PulseLearner] = {}
+        parameters = signature(METHODS[method]).parameters
         if learn:
+            if 'pulse' not in parameters:
+                raise ValueError(f"the method '{method}' takes no learned pulse")
             compile_ahead()
-        self._remembers = 'motion' in signature(METHODS[method]).parameters
+        self._remembers = 'motion' in parameters
         self._memories: dict[str, _Memory] = {}
 
     def locate(self, window: Window, *, noise: SensorNoise, light: str = '') -> Location:

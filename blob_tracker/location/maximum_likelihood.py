@@ -31,6 +31,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 WARNED_CHI2 = 3.0  # beyond which a misfit is spoken of, whatever its kind
+ANOTHER_PULSE = (
+    'the learned pulse does not fit, and the Gaussian is fitted: it was learned at another size, '
+    'focus or wavelength; learn it again (calibrate pulse), or leave pulse_url empty'
+)
 
 _ROWS = 11  # of the table: x, y, amplitude, background, sigma, snr, chi2, and from here on
 _LOPSIDED = 7  # how lopsided it is
@@ -203,6 +207,8 @@ def _with_pulse(
             for name in ('warnings', 'other_models'):
                 if k in getattr(other, name):
                     getattr(found, name)[int(n)] = getattr(other, name)[k]
+            if other.ok[k] and k not in other.other_models:
+                found.warnings.setdefault(int(n), ANOTHER_PULSE)
     return found
 
 

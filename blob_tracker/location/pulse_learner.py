@@ -1,4 +1,4 @@
-"""Learn the pulse of a light while it is tracked, and use it once it has been shown to fit better."""
+"""Learn the pulse of a light while it is tracked, and use it once it is shown to fit better."""
 
 from __future__ import annotations
 
