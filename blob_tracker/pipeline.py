@@ -185,7 +185,7 @@ class Pipeline:
 
     @property
     def learned(self) -> Learned | None:
-        """The pulse that was learned and is fitted; None where there is none."""
+        """Return the pulse that was learned and is fitted; None where there is none."""
         return next((each.learned for each in self._locator.learners.values()), None)
 
     @property

@@ -68,8 +68,8 @@ def fly(
         corner = np.rint(place).astype(int) - side // 2
         mean = BACKGROUND + PEAK * light(k)(*(place - corner))
         window = Window(
-            shots(random, mean), shots(random, np.full(mean.shape, BACKGROUND)), *corner,
-            k * 33_000_000, 1023,
+            shots(random, mean), shots(random, np.full(mean.shape, BACKGROUND)),
+            int(corner[0]), int(corner[1]), k * 33_000_000, 1023,
         )
         location = locator.locate(window, noise=NOISE)
         locator.learn()

@@ -1,4 +1,4 @@
-"""What the locator makes of pulse_url and pulse.learn, and that it places the light in any case."""
+"""What the locator makes of pulse_url and pulse.learn; it places the light in any case."""
 
 from __future__ import annotations
 
