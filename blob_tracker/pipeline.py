@@ -189,6 +189,11 @@ class Pipeline:
         return next((each.learned for each in self._locator.learners.values()), None)
 
     @property
+    def learning(self) -> str:
+        """Return how far learning the pulse is, in words; '' where none is to be learned."""
+        return next((each.state for each in self._locator.learners.values()), '')
+
+    @property
     def noise(self) -> SensorNoise:
         """Gain and read noise of the pixels, as configured; it may be set at any time."""
         return self._noise_check.configured
