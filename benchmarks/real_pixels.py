@@ -171,8 +171,9 @@ def _pulse(windows: Sequence[Windows]) -> EffectivePsf:
         for each in windows
     ]
     first = windows[0]
+    # Stars differ in size with their colour, dots with the lens.
     return learn_pulse(
-        stacks, noise=first.noise, saturation=first.saturation, varies=False
+        stacks, noise=first.noise, saturation=first.saturation, varies=True
     ).pulse
 
 

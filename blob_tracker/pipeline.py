@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from blob_tracker import location, segmentation, tracking
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
-from blob_tracker.location import EffectivePsf, Locator, method_options, METHODS
+from blob_tracker.location import EffectivePsf, Learned, Locator, method_options, METHODS
 from blob_tracker.location.noise_check import NoiseCheck
 from blob_tracker.segmentation import Expectation, FrameError, Segmenter
 from blob_tracker.tracking import Track, Tracker, TrackingError, update_or_restart
@@ -133,6 +133,10 @@ class Pipeline:
         Offsets of the lines of an analogue grabber, to be taken off each location.
     pulse : EffectivePsf, optional
         Learned pulse to fit in place of the Gaussian, see `learn_pulse`.
+    learn : bool
+        Learn the pulse while tracking, and fit it once it has been shown to be better. It takes
+        a millisecond of each flash, when the bearing has been yielded; see
+        `blob_tracker.location.pulse_learner`.
     tracker : Tracker, optional
         Takes each bearing, and tells the segmenter where to look for the next one. What it
         refuses is a bearing all the same.
@@ -163,6 +167,7 @@ class Pipeline:
         segmenter: Segmenter | None = None,
         line_jitter: LineJitter | None = None,
         pulse: EffectivePsf | None = None,
+        learn: bool = False,
         tracker: Tracker | None = None,
     ) -> None:
         if line_jitter is not None:
@@ -174,9 +179,19 @@ class Pipeline:
         self.tracker = tracker
         self.warning = ''
         self._locator = Locator(
-            method, **method_options(method, elliptical=elliptical, pulse=pulse)
+            method, learn=learn, **method_options(method, elliptical=elliptical, pulse=pulse)
         )
         self._noise_check = NoiseCheck(noise)
+
+    @property
+    def learned(self) -> Learned | None:
+        """Return the pulse that was learned and is fitted; None where there is none."""
+        return next((each.learned for each in self._locator.learners.values()), None)
+
+    @property
+    def learning(self) -> str:
+        """Return how far learning the pulse is, in words; '' where none is to be learned."""
+        return next((each.state for each in self._locator.learners.values()), '')
 
     @property
     def noise(self) -> SensorNoise:
@@ -223,6 +238,7 @@ class Pipeline:
                     self.warning = location.warning or self._noise_check.warning
                     self._track(bearing)
                     yield bearing
+                    self._locator.learn()
             except (FrameError, LocationError, LensError) as error:
                 self.segmenter.reason = str(error)  # silence, never a wrong angle
 

@@ -17,6 +17,7 @@ from blob_tracker.types import Bearing, Location, Window
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from support.pulses import BACKGROUND, drawn, NOISE, PEAK, shots
 
 FRAMES = 240
 BUDGET = 0.05  # px rms, what the thesis wanted
@@ -253,3 +254,30 @@ def test_the_expectation_is_the_angle_and_its_covariance_in_pixels() -> None:
     assert np.sqrt(expected.covariance[0, 0]) == pytest.approx(2e-3 * model.matrix[0, 0], rel=0.05)
     behind = Track(5, np.array([3000.0, 0.0, 0.0, 0.0]), track.covariance)
     assert expectation(behind, model) is None
+
+
+def test_it_learns_the_pulse_while_it_tracks() -> None:
+    """A light that is drawn into few pixels: a pulse of its own is fitted in the end."""
+    light = drawn(9, lambda u, v: (1.0 + (u**2 + v**2) / 1.04**2) ** -2.5, 0.0)
+    random = np.random.default_rng(11)
+
+    def frames() -> Iterator[Frame]:
+        for k in range(1300):
+            mean = np.full((48, 48), BACKGROUND)
+            if k % 2:
+                x, y = 24.0 + 9.0 * np.sin(0.031 * k), 24.0 + 8.0 * np.cos(0.023 * k)
+                left, top = round(x) - 4, round(y) - 4
+                mean[top:top + 9, left:left + 9] += PEAK * light(x - left, y - top)
+            yield Frame(shots(random, mean).astype(np.uint8), k * 10**7, 255)
+
+    model = CameraModel.from_field_of_view(48, 48, 20.0)
+    pipeline = Pipeline(model, noise=NOISE, learn=True)
+    assert pipeline.learning == '' and pipeline.learned is None
+    bearings = []
+    for bearing in pipeline.run(frames()):
+        bearings.append(bearing)
+        if pipeline.learned is not None:
+            break
+    assert 400 < len(bearings) < 640
+    assert pipeline.learned is not None and pipeline.learned.gain > 1.0
+    assert pipeline.learning.startswith('learned from 300 windows')

@@ -12,7 +12,9 @@ POINTS = 121
 REACH = 5.0  # sigma
 
 
-def draw_pulse(path: Path, learned: Learned, phase: np.ndarray, residual: np.ndarray) -> None:
+def draw_pulse(
+    path: Path, learned: Learned, phase: np.ndarray, residual: np.ndarray, error: np.ndarray
+) -> None:
     """
     Write the picture.
 
@@ -22,9 +24,9 @@ def draw_pulse(path: Path, learned: Learned, phase: np.ndarray, residual: np.nda
         The PNG to write.
     learned : Learned
         The pulse.
-    phase, residual : (m,) arrays
-        Sub-pixel phase along x, px, and the mean residual of the pixels at a window's peak there,
-        in standard deviations.
+    phase, residual, error : (m,) arrays
+        Sub-pixel phase along x, px, the mean residual of the pixels at a window's peak there,
+        and its standard error, in standard deviations of a pixel.
 
     """
     pulse = learned.pulse
@@ -45,7 +47,7 @@ def draw_pulse(path: Path, learned: Learned, phase: np.ndarray, residual: np.nda
     section.set(title='Sections through the centre', xlabel='offset (px)')
     section.legend()
     phases.axhline(0.0, color='grey', linewidth=0.8)
-    phases.plot(phase, residual, 'o-')
+    phases.errorbar(phase, residual, error, fmt='o-', capsize=3)
     phases.set(
         title='What the pulse leaves at the peak', xlabel='sub-pixel phase along x (px)',
         ylabel='mean residual (standard deviations)',

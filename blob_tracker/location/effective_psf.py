@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 import math
 from typing import NamedTuple
 
 from blob_tracker.kernel import Array, kernel
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+import scipy
 
 PADDING = 4  # nodes of 0 about the surface: what lies outside reads those
 LEAST_NODES = 7  # along an axis
@@ -104,6 +105,14 @@ class EffectivePsf:
         images = empty_images(*shape, self.coefficients.shape[0] + 2 * PADDING)
         fill_images(surface_of(self), x, y, scale, images)
         return images.values[0].copy()
+
+
+def shifted(pulse: EffectivePsf, x: float, y: float) -> EffectivePsf:
+    """Return the pulse that has the same light x and y px further on: another centre."""
+    middle = pulse.coefficients.shape[0] // 2
+    along = np.arange(-middle, middle + 1) * pulse.step
+    surface = pulse.value(along[None, :] + x, along[:, None] + y)
+    return replace(pulse, coefficients=scipy.ndimage.spline_filter(surface, order=3))
 
 
 class Surface(NamedTuple):

@@ -65,6 +65,10 @@ class Estimates:
         Of few windows, by their index: what the user should know and do.
     evidence : dict
         Likewise: log weights of the models that were heard, by their names, see `choose`.
+    other_models : dict
+        Of the windows that another model than the method's own explains: its log-likelihood, of
+        lit and unlit pixels together, and how many parameters it has. What `chi2` says is of
+        both then.
 
     """
 
@@ -81,6 +85,7 @@ class Estimates:
     lopsided: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
     warnings: dict[int, str] = field(default_factory=dict)
     evidence: dict[int, Mapping[str, float]] = field(default_factory=dict)
+    other_models: dict[int, tuple[float, int]] = field(default_factory=dict)
 
     @classmethod
     def from_table(

@@ -15,6 +15,7 @@ from blob_tracker.location.estimates import Estimates
 from blob_tracker.location.hypotheses import History, Motion, Pair
 from blob_tracker.location.locate import estimate, METHODS, to_location
 from blob_tracker.location.noise import noise_of_sum
+from blob_tracker.location.pulse_learner import compile_ahead, PulseLearner
 from blob_tracker.location.suspicion import HEAD, LEANING
 from blob_tracker.location.uneven_rows import variance_of_uneven_rows
 from blob_tracker.types import Location, SensorNoise, Window
@@ -196,23 +197,40 @@ class Locator:
         A key of `METHODS`.
     pulse : EffectivePsf, optional
         Learned pulse to fit in place of the Gaussian, for the method that takes one.
+    learn : bool
+        Learn the pulse of each light, for the method that takes one: see `PulseLearner`. It is
+        done in `learn`, which is to be called after each flash.
     **options
         Passed on to the method.
+
+    Raises
+    ------
+    ValueError
+        Where a pulse is to be learned for a method that takes none.
 
     Attributes
     ----------
     pulse : EffectivePsf or None
         As given; it may be set at any time.
+    learners : dict
+        By the light's name, the `PulseLearner` of each; empty where nothing is learned.
 
     """
 
     def __init__(
         self, method: str = 'maximum_likelihood', *, pulse: EffectivePsf | None = None,
-        **options: Any,
+        learn: bool = False, **options: Any,
     ) -> None:
         self._method, self._options = method, options
         self.pulse = pulse
-        self._remembers = 'history' in signature(METHODS[method]).parameters
+        self._learns = learn
+        self.learners: dict[str, PulseLearner] = {}
+        parameters = signature(METHODS[method]).parameters
+        if learn:
+            if 'pulse' not in parameters:
+                raise ValueError(f"the method '{method}' takes no learned pulse")
+            compile_ahead()
+        self._remembers = 'history' in parameters
         self._memories: dict[str, _Memory] = {}
 
     def locate(self, window: Window, *, noise: SensorNoise, light: str = '') -> Location:
@@ -240,14 +258,22 @@ class Locator:
 
         """
         options = dict(self._options)
-        if self.pulse is not None:
-            options['pulse'] = self.pulse
         memory = self._memories.get(light)
         if memory is None:
             memory = self._memories[light] = _Memory()
         if self._remembers:
             options['history'] = memory.history(window)
-        found = estimate(window, method=self._method, noise=noise, **options)
+
+        def placed(pulse: EffectivePsf | None) -> Estimates:
+            given = {} if pulse is None else {'pulse': pulse}
+            return estimate(window, method=self._method, noise=noise, **options, **given)
+
+        if self._learns:
+            learner = self.learners.setdefault(light, PulseLearner())
+            found = placed(learner.pulse or self.pulse)
+            learner.take(window, noise, found, lambda: placed(self.pulse))
+        else:
+            found = placed(self.pulse)
         location = to_location(window, found)
         if found.lopsided.size:
             doubt = memory.leaning(found, location)
@@ -261,6 +287,11 @@ class Locator:
         if self._remembers and flicker > 0.0 and not location.warning:
             location = _with_uneven_rows(location, window, noise, flicker)
         return location
+
+    def learn(self, light: str = '') -> None:
+        """Learn from the last window of a light, for a millisecond; its bearing is out by now."""
+        if light in self.learners:
+            self.learners[light].work()
 
     def forget(self, light: str | None = None) -> None:
         """Begin anew with a light, or with all of them."""

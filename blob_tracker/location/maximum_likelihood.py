@@ -33,6 +33,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 WARNED_CHI2 = 3.0  # beyond which a misfit is spoken of, whatever its kind
+ANOTHER_PULSE = (
+    'the learned pulse does not fit, and the Gaussian is fitted: it was learned at another size, '
+    'focus or wavelength; learn it again (calibrate pulse), or leave pulse_url empty'
+)
 
 _ROWS = 11  # of the table: x, y, amplitude, background, sigma, snr, chi2, and from here on
 _LOPSIDED = 7  # how lopsided it is
@@ -114,6 +118,45 @@ def maximum_likelihood(
     """
     if pulse is not None:
         return _with_pulse(lit, unlit, noise, saturation, pulse, elliptical, history)
+    estimates, odd = fit_gaussians(lit, unlit, noise, saturation, elliptical=elliptical)
+    limit = math.inf if saturation is None else float(saturation)
+    for n, suspicion in suspicions(odd):
+        pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, history)
+        theta = np.array([
+            getattr(estimates, name)[n] for name in ('x', 'y', 'amplitude', 'background', 'sigma')
+        ])
+        fit = explain(pair, theta if estimates.ok[n] else None, suspicion)
+        if fit is not None:
+            _adopt(estimates, n, fit)
+        elif suspicion & Suspicion.LOPSIDED:
+            estimates.warnings[n] = LOPSIDED_LIGHT
+        elif estimates.chi2[n] > WARNED_CHI2:
+            estimates.warnings[n] = (
+                f'misfit (chi2 {estimates.chi2[n]:.1f}): the light is no Gaussian, or the scene '
+                'behind it no even one: flash it, or learn its pulse (calibrate pulse)'
+            )
+    return estimates
+
+
+def fit_gaussians(
+    lit: NDArray[np.float64],
+    unlit: NDArray[np.float64] | None,
+    noise: SensorNoise,
+    saturation: float | None,
+    *,
+    elliptical: bool = False,
+) -> tuple[Estimates, NDArray[np.uint8]]:
+    """
+    Fit the Gaussian alone, as `maximum_likelihood` does before it asks what else may be true.
+
+    Returns
+    -------
+    estimates : Estimates
+        Of N windows.
+    odd : (N,) uint8 array
+        The `Suspicion` about each.
+
+    """
     table = np.zeros((_ROWS, lit.shape[0]))
     covariance = np.zeros((lit.shape[0], 2, 2))
     clipped = np.zeros(lit.shape[0], dtype=np.int64)
@@ -135,20 +178,7 @@ def maximum_likelihood(
     estimates = Estimates.from_table(
         table[:_LOPSIDED], covariance, clipped, failure, table[_LOPSIDED:].T
     )
-    limit = math.inf if saturation is None else float(saturation)
-    for n, suspicion in suspicions(odd):
-        pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, history)
-        fit = explain(pair, None if failure[n] else table[:5, n], suspicion)
-        if fit is not None:
-            _adopt(estimates, n, fit)
-        elif suspicion & Suspicion.LOPSIDED:
-            estimates.warnings[n] = LOPSIDED_LIGHT
-        elif table[6, n] > WARNED_CHI2:
-            estimates.warnings[n] = (
-                f'misfit (chi2 {table[6, n]:.1f}): the light is no Gaussian, or the scene behind '
-                'it no even one: flash it, or learn its pulse (calibrate pulse)'
-            )
-    return estimates
+    return estimates, odd
 
 
 def _with_pulse(
@@ -177,10 +207,11 @@ def _with_pulse(
                 'failure',
             ):
                 getattr(found, name)[n] = getattr(other, name)[k]
-            if k in other.warnings:
-                found.warnings[int(n)] = other.warnings[k]
-            if k in other.evidence:
-                found.evidence[int(n)] = other.evidence[k]
+            for name in ('warnings', 'evidence', 'other_models'):
+                if k in getattr(other, name):
+                    getattr(found, name)[int(n)] = getattr(other, name)[k]
+            if other.ok[k] and k not in other.other_models:
+                found.warnings.setdefault(int(n), ANOTHER_PULSE)
     return found
 
 
@@ -190,6 +221,7 @@ def _adopt(estimates: Estimates, n: int, fit: Fit) -> None:
         getattr(estimates, name)[n] = getattr(fit, name)
     estimates.failure[n] = fit.failure
     estimates.evidence[n] = fit.evidence
+    estimates.other_models[n] = fit.log_likelihood, fit.parameters
     if fit.warning:
         estimates.warnings[n] = fit.warning
 

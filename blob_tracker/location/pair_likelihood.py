@@ -114,6 +114,13 @@ def likeliest_texture(
     return found
 
 
+def log_likelihood_of(pair: Pair, means: Floats) -> float:
+    """Return ln L of a pair with these (k, h, w) means, DN, under its likeliest texture."""
+    noise = pair.noise
+    told = pair.pixels, means, pair.usable, 1.0 / noise.gain, noise.read_noise**2 + 1.0 / 12.0
+    return float(log_likelihood(*told, likeliest_texture(*told, TEXTURES))[0])
+
+
 @kernel
 def fill_equations(
     pixels: Array, means: Array, slopes: Array, usable: NDArray[np.bool_], shot: float,

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from functools import partial
+from pathlib import Path
 import sys
-from threading import Lock
+from threading import Lock, Thread
 import time
 from typing import Any
 
 from blob_tracker.calibration.pulse_file import PulseFile
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
-from blob_tracker.location import compile_ahead, Locator, method_options
+from blob_tracker.location import compile_ahead, Learned, Locator, method_options
 from blob_tracker.location.noise import noise_in_words, variance_ratio
 from blob_tracker.location.noise_check import NoiseCheck
 from blob_tracker.location.picture import draw
@@ -89,6 +90,8 @@ class LocatorNode(Node):
         self._camera = KnownCamera()
         self._targets: dict[str, BearingTopics] = {}
         self._windows: dict[str, FramePairs] = {}
+        self._keep_at: Path | None = None  # of the pulse that is learned first
+        self._not_kept = ''
         self._measurements: Subscription | None = None
         self._measurement: SensorNoise | None = None
         self._change(values)()
@@ -100,6 +103,7 @@ class LocatorNode(Node):
         method = values['method']
         try:
             options = method_options(method, elliptical=values['elliptical'])
+            locator = Locator(method, learn=values['pulse.learn'], **options)
         except ValueError as error:
             raise ParameterError(str(error)) from None
         compile_ahead([method])
@@ -108,13 +112,16 @@ class LocatorNode(Node):
         )
         line_jitter = _line_jitter(values['line_jitter_url'])
         pulse, no_pulse = _pulse(values['pulse_url'], method)
+        keep_at = _new_file(values['pulse_url']) if values['pulse.learn'] else None
+        if keep_at is not None:
+            no_pulse = ''  # it is still to be learned
         lights = lights_from_text(values['lights'])
         if self._listen:
             self._make_topics(lights)
 
         def use() -> None:
             with self._lock:
-                self._locator = Locator(method, **options)
+                self._locator, self._keep_at = locator, keep_at
                 self._saturation, self._looks = values['saturation'], values['looks']
                 self._configured = self._noise = noise
                 self._noise_checks.clear()
@@ -252,7 +259,10 @@ class LocatorNode(Node):
         self._places[light].add(location)
         if self._no_pulse:
             self._health.fault(WARN, f'pulse_url: {self._no_pulse}; the Gaussian is fitted')
+        elif self._not_kept:
+            self._health.fault(WARN, f'pulse_url: {self._not_kept}; the pulse is used')
         self._compare_noise(window, location, check)
+        self._learn(light, camera_model)
         self._debug_image.offer(
             lambda: draw(window, noise, location, bearing, name=light),
             window.stamp_ns,
@@ -269,6 +279,31 @@ class LocatorNode(Node):
         except CalibrationError as error:
             self._no_pulse = str(error)
         self._locator.pulse = None if self._no_pulse else self._pulse.learned.pulse
+
+    def _learn(self, light: str, camera_model: CameraModel) -> None:
+        """Learn the light's pulse, a millisecond of it, and keep the first one that is used."""
+        self._locator.learn(light)
+        learner = self._locator.learners.get(light)
+        if learner is None:
+            return
+        self._health.show(f'{light}: pulse' if light else 'pulse', learner.state)
+        if learner.learned is None or self._keep_at is None:
+            return
+        # Neither the disk nor YAML should keep a bearing waiting.
+        Thread(
+            target=self._keep,
+            args=(self._keep_at, learner.learned, camera_model.width, camera_model.height),
+        ).start()
+        self._keep_at = None
+
+    def _keep(self, path: Path, learned: Learned, width: int, height: int) -> None:
+        """Write a pulse that was learned while tracking."""
+        try:
+            PulseFile(learned, width, height).to_yaml(
+                path, [f'learned by the locator while tracking, from {learned.windows} windows']
+            )
+        except CalibrationError as error:
+            self._not_kept = str(error)
 
     def _describe(self) -> None:
         """Show in the diagnostics how the targets were placed."""
@@ -352,6 +387,15 @@ def _line_jitter(url: str) -> LineJitter | None:
         return None
     with about('line_jitter_url'):
         return LineJitter.from_yaml(to_path(url))
+
+
+def _new_file(url: str) -> Path | None:
+    """Return where a pulse is to be written; None where there is a file, or no place for one."""
+    try:
+        path = to_path(url) if url else None
+    except ParameterError:
+        return None
+    return None if path is None or path.exists() else path
 
 
 def _pulse(url: str, method: str) -> tuple[PulseFile | None, str]:

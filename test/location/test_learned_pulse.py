@@ -2,43 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 from blob_tracker.location import EffectivePsf, learn_pulse, locate_batch, method_options
-from blob_tracker.location.noise import pixel_variance
-from blob_tracker.types import LocationError, SensorNoise
+from blob_tracker.types import LocationError
 import numpy as np
 import pytest
-from scipy.ndimage import gaussian_filter, map_coordinates
+from support.pulses import BACKGROUND, bound, drawn, NOISE, PEAK, shots, windows
 
-NOISE = SensorNoise(gain=10.0, read_noise=1.0)
-PEAK, BACKGROUND = 120.0, 30.0
-FINE = 11  # points a pixel, odd: a box of them has a middle
 COUNT = 250
-
-Pulse = Callable[[float, float], np.ndarray]
-
-
-def drawn(side: int, intensity: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Pulse:
-    """Return the pulse of an intensity by offset, px, blurred by 0.7 px and by the pixel."""
-    span = np.arange(-side * FINE, side * FINE + 1) / FINE
-    surface = gaussian_filter(intensity(span[None, :], span[:, None]).astype(float), 0.7 * FINE)
-    box = np.full(FINE, 1.0 / FINE)
-    for axis in range(2):
-        surface = np.apply_along_axis(np.convolve, axis, surface, box, 'same')
-    middle = (side - 1) / 2
-
-    def pulse(x: float, y: float) -> np.ndarray:
-        rows = (np.arange(side) - y) * FINE + side * FINE
-        columns = (np.arange(side) - x) * FINE + side * FINE
-        return map_coordinates(surface, np.meshgrid(rows, columns, indexing='ij'), order=3)
-
-    assert pulse(middle, middle).max() > 0.3
-    return pulse
-
-
 PULSES = {
     'disc': (15, lambda u, v: np.hypot(u, v) < 4.0),
     'ring': (15, lambda u, v: (np.hypot(u, v) < 4.5) & (np.hypot(u, v) > 3.0)),
@@ -46,44 +19,14 @@ PULSES = {
 }
 
 
-def shots(random: np.random.Generator, mean: np.ndarray) -> np.ndarray:
-    """Return whole DN with the noise of NOISE."""
-    electrons = random.poisson(mean * NOISE.gain)
-    return np.round(electrons / NOISE.gain + random.normal(0.0, NOISE.read_noise, mean.shape))
-
-
-def windows(pulse: Pulse, side: int, seed: int, count: int = COUNT):
-    """Return lit and unlit windows and the places, in all phases."""
-    random = np.random.default_rng(seed)
-    places = (side - 1) / 2 + random.uniform(-1.0, 1.0, (count, 2))
-    mean = np.stack([BACKGROUND + PEAK * pulse(*place) for place in places])
-    return shots(random, mean), shots(random, np.full(mean.shape, BACKGROUND)), places
-
-
-def bound(pulse: Pulse, side: int) -> float:
-    """Return the rms that x and y can have at best, px: amplitude and background unknown."""
-    middle, step = (side - 1) / 2 + 0.2, 0.02
-    light = pulse(middle, middle)
-    slopes = [
-        PEAK * (pulse(middle + step, middle) - pulse(middle - step, middle)) / (2 * step),
-        PEAK * (pulse(middle, middle + step) - pulse(middle, middle - step)) / (2 * step),
-        light, np.ones_like(light),
-    ]
-    weight = 1.0 / pixel_variance(BACKGROUND + PEAK * light, NOISE)
-    fisher = np.array([[(a * b * weight).sum() for b in slopes] for a in slopes])
-    # The unlit window has the background as well.
-    fisher[3, 3] += side**2 / float(pixel_variance(np.array(BACKGROUND), NOISE))
-    return float(np.sqrt(np.trace(np.linalg.inv(fisher)[:2, :2]) / 2))
-
-
 @pytest.mark.parametrize('name', PULSES)
 def test_a_pulse_that_is_no_gaussian_is_placed_at_its_bound(name: str) -> None:
     """Learned from 250 windows: 1.1 times the bound and a true covariance on 250 others."""
     side, intensity = PULSES[name]
     pulse = drawn(side, intensity)
-    lit, unlit, _ = windows(pulse, side, 1)
+    lit, unlit, _ = windows(pulse, side, 1, COUNT)
     learned = learn_pulse([(lit, unlit)], noise=NOISE)
-    lit, unlit, places = windows(pulse, side, 2)
+    lit, unlit, places = windows(pulse, side, 2, COUNT)
     found = locate_batch(lit, unlit, noise=NOISE, pulse=learned.pulse)
     assert found.ok.all()
     errors = np.stack([found.x, found.y], axis=1) - places

@@ -13,6 +13,7 @@ from blob_tracker.commands.calibrate.report import refusal, results_table, row, 
 from blob_tracker.commands.calibrate.sources import add_source, expected, frames, SourceError
 from blob_tracker.location import learn_pulse, Learned, locate_batch
 from blob_tracker.location.noise import pixel_variance
+from blob_tracker.location.pulse_learner import stacked
 from blob_tracker.segmentation import FrameError, Segmenter
 from blob_tracker.segmentation.flash_modes import flash_by_name, FLASH_MODES
 from blob_tracker.types import Frame, LocationError, SensorNoise, Window
@@ -64,8 +65,9 @@ def main(arguments: argparse.Namespace) -> int:
         windows, width, height, reason = _windows(arguments, console)
         if not windows:
             raise SourceError(f'no flash was found in {arguments.source}: {reason}')
-        stacks = _stacks(windows)
-        learned = learn_pulse(stacks, noise=noise, saturation=windows[0].saturation)
+        stacks = stacked(windows)
+        with console.status(f'learning the pulse of {len(windows)} windows'):
+            learned = learn_pulse(stacks, noise=noise, saturation=windows[0].saturation)
         _report(console, learned)
         tell_of(console, arguments.out)
         PulseFile(learned, width, height, arguments.light).to_yaml(
@@ -78,6 +80,10 @@ def main(arguments: argparse.Namespace) -> int:
         picture = arguments.out.with_suffix('.png')
         tell_of(console, picture)
         draw_pulse(picture, learned, *_by_phase(stacks, learned, windows[0].saturation))
+        if learned.gain >= CLEAR:
+            console.print(
+                f'-p pulse_url:={arguments.out.resolve().as_uri()}', markup=False, soft_wrap=True
+            )
     except (CalibrationError, LocationError, SourceError, OSError, ValueError) as error:
         print(error, file=sys.stderr)
         return 1
@@ -114,28 +120,11 @@ def _windows(
     return windows, width, height, reason
 
 
-def _stacks(
-    windows: list[Window]
-) -> list[tuple[NDArray[np.float64], NDArray[np.float64] | None]]:
-    """Return the windows in stacks of one size each."""
-    sizes: dict[tuple[int, ...], list[Window]] = {}
-    for window in windows:
-        sizes.setdefault((*window.lit.shape, window.unlit is None), []).append(window)
-    stacks = []
-    for alike in sizes.values():
-        unlit = [each.unlit for each in alike if each.unlit is not None]
-        stacks.append((
-            np.stack([each.lit for each in alike]).astype(float),
-            np.stack(unlit).astype(float) if unlit else None,
-        ))
-    return stacks
-
-
 def _by_phase(
     stacks: list[tuple[NDArray[np.float64], NDArray[np.float64] | None]], learned: Learned,
     saturation: float | None,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the middles of the phases and what is left at the peaks, standard deviations."""
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return the middles of the phases, what is left at the peaks, and the error of that."""
     phases, residuals = [], []
     for lit, unlit in stacks:
         found = locate_batch(
@@ -156,7 +145,11 @@ def _by_phase(
     place = np.clip(((np.array(phases) + 0.5) * BINS).astype(int), 0, BINS - 1)
     filled = [k for k in range(BINS) if (place == k).any()]
     middles = (np.array(filled) + 0.5) / BINS - 0.5
-    return middles, np.array([np.array(residuals)[place == k].mean() for k in filled])
+    left_there = [np.array(residuals)[place == k] for k in filled]
+    return (
+        middles, np.array([each.mean() for each in left_there]),
+        np.array([1.0 / len(each) ** 0.5 for each in left_there]),
+    )
 
 
 def _report(console: Console, learned: Learned) -> None:

@@ -77,6 +77,13 @@ PARAMETERS = (
         'another camera, the Gaussian goes on.',
     ),
     Parameter(
+        'pulse.learn',
+        False,
+        'Learn the shape of each light while it is tracked, and fit it once it has been shown to '
+        'fit better. It is written to pulse_url if there is no such file yet. Off, a bag gives '
+        'the same numbers wherever it is begun.',
+    ),
+    Parameter(
         'lights',
         '',
         'Names of the coded lights that are to be placed, as flash.codes has them: '

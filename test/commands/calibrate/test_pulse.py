@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 
 from blob_tracker import CameraModel, Frame, Pipeline, SensorNoise
@@ -12,6 +14,7 @@ from blob_tracker.simulation import pixel_integrated_gaussian
 import cv2
 import numpy as np
 import pytest
+from rosbags.rosbag2 import Writer
 import yaml
 
 NOISE = SensorNoise(10.0, 1.0)
@@ -51,10 +54,12 @@ def run(*words: object) -> int:
 
 @pytest.fixture(scope='module')
 def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the file of a pulse that was learned."""
+    """Return the file of a pulse that was learned, what was printed beside it as .txt."""
     place = tmp_path_factory.mktemp('pulse')
     source = folder(place / 'frames', 360)
-    assert run(source, '--out', place / 'pulse.yaml', '--light', '850 nm, mono') == 0
+    with redirect_stdout(StringIO()) as printed:
+        assert run(source, '--out', place / 'pulse.yaml', '--light', '850 nm, mono') == 0
+    (place / 'pulse.txt').write_text(printed.getvalue())
     return place / 'pulse.yaml'
 
 
@@ -62,6 +67,8 @@ def test_a_pulse_is_learned_written_drawn_and_read(written: Path) -> None:
     """The halo is in it, which a Gaussian has not; the numbers survive the file."""
     picture = cv2.imread(str(written.with_suffix('.png')))
     assert picture is not None and picture.std() > 10.0
+    printed = written.with_suffix('.txt').read_text()
+    assert f'-p pulse_url:=file://{written}' in printed.replace('\n', '')
     file = PulseFile.from_yaml(written)
     assert (file.width, file.height, file.light) == (WIDTH, HEIGHT, '850 nm, mono')
     learned, pulse = file.learned, file.learned.pulse
@@ -124,12 +131,24 @@ def test_an_empty_file_and_another_camera_are_refused(written: Path, tmp_path: P
 def test_a_source_without_enough_says_so(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """No flash, too few of them, a light that stands still, a wrong name for the file."""
+    """No flash, one frame, no images, too few flashes, a light at rest, a wrong name."""
     (tmp_path / 'dark').mkdir()
     for index in range(6):
         cv2.imwrite(str(tmp_path / 'dark' / f'{index}.png'), np.full((80, 96), 30, np.uint8))
     assert run(tmp_path / 'dark', '--out', tmp_path / 'a.yaml') == 1
     assert 'no flash was found' in capsys.readouterr().err
+    assert run(folder(tmp_path / 'one', 1), '--out', tmp_path / 'a.yaml') == 1
+    assert 'waiting for a second frame' in capsys.readouterr().err
+    (tmp_path / 'notes').mkdir()
+    assert run(tmp_path / 'notes', '--out', tmp_path / 'a.yaml') == 1
+    assert 'holds no images' in capsys.readouterr().err
+    (tmp_path / 'notes' / 'a.png').write_text('none')
+    assert run(tmp_path / 'notes', '--out', tmp_path / 'a.yaml') == 1
+    assert 'a.png is not an image that can be read' in capsys.readouterr().err
+    with Writer(tmp_path / 'bag', version=9):
+        pass
+    assert run(tmp_path / 'bag', '--out', tmp_path / 'a.yaml') == 1
+    assert 'has no images' in capsys.readouterr().err
     assert run(folder(tmp_path / 'few', 60), '--out', tmp_path / 'a.yaml') == 1
     assert 'are too few to learn a pulse from; it takes 100' in ' '.join(
         capsys.readouterr().err.split()
