@@ -29,8 +29,9 @@ REMEMBERED = 32  # flashes, of which is told whether the light is the same in al
 FEWEST = 8  # of them, before it can be
 UNLIKE = 0.06  # of the light's mean, by which it differs from flash to flash where it flickers
 SIGMAS = 5.0  # of what noise makes of that
+SUMMED = 64  # flashes, over which a light's lopsidedness is summed
 # A chi-square of two degrees of freedom that noise exceeds once in 1e4: of a light's lopsidedness,
-# summed over the flashes that are remembered
+# summed over these flashes
 LOPSIDED_FLASHES = 18.4
 NO_EVIDENCE: Mapping[str, float] = {}  # that the light is anything but one round pulse
 LEAST_WAY_PX = 1.0  # px from flash to flash, beyond which it is known where the light goes
@@ -52,7 +53,7 @@ class _Sums:
         """Take the next flash."""
         self._terms.append(terms)
         self.sums = [total + term for total, term in zip(self.sums, terms)]
-        if len(self._terms) > REMEMBERED:
+        if len(self._terms) > SUMMED:
             self.sums = [
                 total - term for total, term in zip(self.sums, self._terms.popleft())
             ]

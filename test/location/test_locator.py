@@ -80,7 +80,7 @@ def test_a_faint_tail_shows_in_many_flashes(turning):
     """
     random = np.random.default_rng(8)
     locator, errors, covariances = Locator(), [], []
-    for k in range(200):
+    for k in range(240):
         angle = 8.0 * k / 25.0  # 8 px from flash to flash, round a circle of 25 px
         x, y = 60.3 + 25.0 * np.cos(angle), 60.4 + 25.0 * np.sin(angle)
         way = np.array([-np.sin(angle), np.cos(angle)]) if turning else np.array([1.0, 0.0])
@@ -94,7 +94,7 @@ def test_a_faint_tail_shows_in_many_flashes(turning):
         )
         window = Window(lit, unlit, x0, y0, k * 33_333_333, SATURATION)
         found = locator.locate(window, noise=NOISE)
-        if k >= 40:  # once it is known
+        if k >= 80:  # once it is known
             errors.append((found.x - x, found.y - y))
             covariances.append(found.covariance)
             assert 'lopsided' in found.warning or 'tail' in found.warning
