@@ -68,8 +68,8 @@ class History:
         Return the log weight of a model beforehand, 0 at most.
 
         It is the sum of those of the last flashes, less that of the model that was the likeliest
-        over all of them. A light may become another one: what its pixels themselves say by more than
-        LEAST_BELIEF outdoes it.
+        over all of them. A light may become another one: what its pixels themselves say by more
+        than LEAST_BELIEF outdoes it.
         """
         names = {name for each in self.evidence for name in each}
         if not names:
@@ -229,8 +229,9 @@ def choose(
         + history.belief(fit.model) - fit.rarity
         for fit in heard
     ])
-    # What one flash adds to many is its likelihood, less what a parameter gains from noise (Akaike,
-    # IEEE Trans. Automatic Control 19 (1974), eq. 16): what is rare is so once, not in each of them.
+    # What one flash adds to many is its likelihood, less what a parameter gains from noise
+    # (Akaike, IEEE Trans. Automatic Control 19 (1974), eq. 16): what is rare is so once, not in
+    # each of them.
     told = np.array([fit.log_likelihood - fit.parameters for fit in heard])
     evidence = {fit.model: float(value) for fit, value in zip(heard, told - told.max())}
     best = replace(heard[int(values.argmax())], evidence=evidence)

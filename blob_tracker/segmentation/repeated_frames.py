@@ -28,17 +28,21 @@ class RepeatedFrames:
     ----------
     count : int
         How many there were.
+    warning : str
+        What the last frame shows of it; empty where it was a new one.
 
     """
 
     def __init__(self) -> None:
         self.count = 0
+        self.warning = ''
         self._last: Frame | None = None
         self._noisy = False
 
     def push(self, frame: Frame) -> bool:
         """Take the next frame; tell whether it is the one before once more."""
         last, self._last = self._last, frame
+        self.warning = ''
         if (
             last is None
             or last.image.shape != frame.image.shape
@@ -64,4 +68,8 @@ class RepeatedFrames:
         if frame.image.min() == frame.image.max():
             return False
         self.count += 1
+        self.warning = (
+            f'the frame is identical to the one before it, {self.count} so far: a camera slower '
+            'than its stamps, or a driver that repeats what it had'
+        )
         return True

@@ -76,7 +76,8 @@ class Segmenter:
     repeated_frames : int
         How many frames were left out because they showed the one before once more.
     warnings : tuple of str
-        What is wrong though there may be a window: other lights that flash in step.
+        What is wrong though there may be a window: frames that come twice, other lights that
+        flash in step.
     unlit_pair : (array, array) or None
         Raw pixels of the last two frames without a light, where the last frame is one of them or
         ended a block that holds them. What differs in them is noise, or moved.
@@ -115,8 +116,9 @@ class Segmenter:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Say what is wrong though there may be a window: other lights flash in step."""
-        return (self.flash.warning,) if self.flash.warning else ()
+        """Say what is wrong though there may be a window, of the frames and of other lights."""
+        both = self._repeated.warning, self.flash.warning
+        return tuple(warning for warning in both if warning)
 
     def update(self, frame: Frame, expected: Expectation | None = None) -> Window | None:
         """
@@ -161,10 +163,7 @@ class Segmenter:
             )
         if self._repeated.push(frame):
             self.flash.skip(frame)
-            self.reason = (
-                f'the frame is identical to the one before it, {self._repeated.count} so far: a '
-                'camera slower than its stamps, or a driver that repeats what it had'
-            )
+            self.reason = self._repeated.warning
             return []
         frame = self._in_channel(frame)
         before, self._unlit, self.unlit_pair = self._unlit, None, None
