@@ -401,15 +401,29 @@ class Confirmation:
         if self._target is None or self._age(self._target) > PATIENCE_FRAMES:
             return False
         companion = self._companion(candidate)
-        if companion is None:
+        if companion is not None:
+            away = math.hypot(companion.dx, companion.dy)
+        elif self._companions and not self._stands_in and not self._is_in_reach(candidate):
+            away = math.hypot(candidate.x - self._target.x, candidate.y - self._target.y)
+        else:
             return False
         self.reason = (
-            'another light flashes in step, '
-            f'{math.hypot(companion.dx, companion.dy):.0f} px from the '
+            f'another light flashes in step, {away:.0f} px from the '
             f'target, which was last seen {self._age(self._target):.0f} frames ago; a reflection? '
             f'It is taken after {PATIENCE_FRAMES} frames'
         )
         return True
+
+    def _is_in_reach(self, candidate: Candidate) -> bool:
+        """Tell whether the target can be this light, by where it was and how bright."""
+        assert self._target is not None
+        if self._target is self._locked:
+            reach = self._reach(self._target)
+        else:
+            radius = FLANK_SIGMA * self._target.sigma
+            radius += self.gate_px * max(self._age(self._target) / PERIOD_FRAMES, 1.0)
+            reach = Reach(self._target, self._target.x, self._target.y, radius)
+        return offset_px_of(reach, candidate) < math.inf
 
     @property
     def surveys(self) -> bool:
