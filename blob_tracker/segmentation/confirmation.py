@@ -224,7 +224,7 @@ class Confirmation:
             if self._crowded:
                 return self._picked_out(everything, shape)
         elif not everything:
-            self._crowd.add(0, 0)
+            self._crowd.add(self._frame, 0, 0)
             if self._crowded:
                 return self._picked_out(everything, shape)
         if not everything:
@@ -233,9 +233,11 @@ class Confirmation:
         if self._locked is None:
             self._count(seen, shape)
             if self._crowded or len(everything) > FEW_LIGHTS:
-                self._tracks |= {id(track): track for track, _ in seen}
                 found = self._picked_out(everything, shape)
-                if self._crowded or found is not None:
+                if self._crowded:
+                    if self._locked is None:
+                        self._tracks |= {id(track): track for track, _ in seen}
+                        self._keep_the_best()
                     return found
         if not seen:
             return None
@@ -258,6 +260,8 @@ class Confirmation:
         self._tracks |= {id(track): track for track, _ in seen}
         if best is not None:
             self._follow(best[0])
+            if not self._glitter.empty:
+                self._glitter.forget()
         self._keep_the_best()
         return None if best is None else best[1]
 
@@ -274,6 +278,7 @@ class Confirmation:
     def _count(self, seen: Sequence[tuple[FlashTrack, Candidate]], shape: tuple[int, int]) -> None:
         """Count what lit up in a whole frame, and tell whether it is a crowd."""
         self._crowd.add(
+            self._frame,
             sum(track.flashes == 1 and not track.out_of_step for track, _ in seen),
             sum(track.run < KNOWN_RUN for track, _ in seen),
         )
@@ -289,7 +294,9 @@ class Confirmation:
         else:
             self._crowd.add_part(0.0)
         before = self._crowded
-        self._crowded = self._crowd.is_beside(shape, self._locked.sigma)
+        # Until then what lights up between its flashes may be the light itself, out of step.
+        known = self._locked.flashes >= MOST_FLASHES
+        self._crowded = known and self._crowd.is_beside(shape, self._locked.sigma)
         if before and not self._crowded:
             self._glitter.forget()
 
@@ -311,9 +318,16 @@ class Confirmation:
             everything, self._frame, shape, followed=followed,
             density=self._crowd.passing / (shape[0] * shape[1]),
         )
+        if not self._crowded:
+            return None  # it may become a crowd, and is watched
         found = glitter.best(self._frame, least, followed=followed)
         if found is None:
-            if everything:
+            if everything and followed:
+                self.reason = (
+                    f'{len(everything)} lit up about the target among glints, and none of them '
+                    'that must be it rather than one of these'
+                )
+            elif everything:
                 self.reason = (
                     f'{self._crowd.passing:.0f} things light up at random in each frame, glints '
                     'or lamps, and none that must be the light in step yet: it takes about ten '
@@ -387,15 +401,29 @@ class Confirmation:
         if self._target is None or self._age(self._target) > PATIENCE_FRAMES:
             return False
         companion = self._companion(candidate)
-        if companion is None:
+        if companion is not None:
+            away = math.hypot(companion.dx, companion.dy)
+        elif self._companions and not self._stands_in and not self._is_in_reach(candidate):
+            away = math.hypot(candidate.x - self._target.x, candidate.y - self._target.y)
+        else:
             return False
         self.reason = (
-            'another light flashes in step, '
-            f'{math.hypot(companion.dx, companion.dy):.0f} px from the '
+            f'another light flashes in step, {away:.0f} px from the '
             f'target, which was last seen {self._age(self._target):.0f} frames ago; a reflection? '
             f'It is taken after {PATIENCE_FRAMES} frames'
         )
         return True
+
+    def _is_in_reach(self, candidate: Candidate) -> bool:
+        """Tell whether the target can be this light, by where it was and how bright."""
+        assert self._target is not None
+        if self._target is self._locked:
+            reach = self._reach(self._target)
+        else:
+            radius = FLANK_SIGMA * self._target.sigma
+            radius += self.gate_px * max(self._age(self._target) / PERIOD_FRAMES, 1.0)
+            reach = Reach(self._target, self._target.x, self._target.y, radius)
+        return offset_px_of(reach, candidate) < math.inf
 
     @property
     def surveys(self) -> bool:

@@ -31,27 +31,42 @@ class Crowd:
     def __init__(self, gate_px: float) -> None:
         self._gate_px = gate_px
         self._rate = INITIAL_RATE  # of new things that light up, a frame
-        self._passing = INITIAL_RATE  # of all but what flashed several times, a frame
-        self._frames = self._passing_frames = LEAST_MEMORY_FRAMES
+        # Of all but what flashed several times, in even and in odd frames: what flashes in step is
+        # in one kind of them alone, and no chance.
+        self._passing = [INITIAL_RATE, INITIAL_RATE]
+        self._passing_frames = [LEAST_MEMORY_FRAMES // 2, LEAST_MEMORY_FRAMES // 2]
+        self._frames = LEAST_MEMORY_FRAMES
 
-    def add(self, new: int, passing: int) -> None:
-        """Take what lit up in a whole frame: new things, and all but those with KNOWN_RUN."""
+    def add(self, frame: float, new: int, passing: int) -> None:
+        """
+        Take what lit up in a whole frame.
+
+        Parameters
+        ----------
+        frame : float
+            Its number, counted by the stamps.
+        new, passing : int
+            New things, and all but those with KNOWN_RUN.
+
+        """
         self._frames = min(self._frames + 1, MOST_MEMORY_FRAMES)
         self._rate += (new - self._rate) / self._frames
-        self._add_passing(passing)
+        self._add_passing(int(frame) % 2, passing)
 
     def add_part(self, passing: float) -> None:
-        """Take how much lit up beside the target, as many as a whole frame would have."""
-        self._add_passing(passing)
+        """Take what lit up between two flashes of the target, as many as a whole frame would have."""
+        self._add_passing(0, passing)
+        self._add_passing(1, passing)
 
-    def _add_passing(self, passing: float) -> None:
-        self._passing_frames = min(self._passing_frames + 1, MOST_MEMORY_FRAMES)
-        self._passing += (passing - self._passing) / self._passing_frames
+    def _add_passing(self, phase: int, passing: float) -> None:
+        frames = min(self._passing_frames[phase] + 1, MOST_MEMORY_FRAMES // 2)
+        self._passing_frames[phase] = frames
+        self._passing[phase] += (passing - self._passing[phase]) / frames
 
     @property
     def passing(self) -> float:
         """How many things light up in a frame and do not flash."""
-        return self._passing
+        return min(self._passing)
 
     def flashes_needed(self, shape: tuple[int, int]) -> int:
         """Return after how many flashes chance cannot have made a track in a frame of (h, w)."""
@@ -73,7 +88,7 @@ class Crowd:
         A light of such a sigma, px, would need more flashes than are always enough for what is
         clustered.
         """
-        passing = self._passing - (KNOWN_RUN - 1.0) / self._passing_frames
+        passing = self.passing
         if passing < LEAST_CROWD:
             return False
         per_px2 = math.pi / (shape[0] * shape[1])
@@ -86,7 +101,7 @@ class Crowd:
     def is_beside(self, shape: tuple[int, int], sigma: float) -> bool:
         """Tell whether something else is now and then where a target of such a sigma should be."""
         reach = FOLLOWED_GATE_FRACTION * self._gate_px + FLANK_SIGMA * sigma
-        return self._passing * math.pi * reach**2 > BESIDE * shape[0] * shape[1]
+        return self.passing * math.pi * reach**2 > BESIDE * shape[0] * shape[1]
 
 
 def _flashes_beyond_chance(rate: float, first: float, later: float, most: int) -> int:

@@ -174,7 +174,10 @@ class Glitter:
                 self._seen += (here - self._seen) / SEEN_MEMORY
                 if not here:
                     self._before, self._hidden = float(best[SCORE]), True
-        if not here or best[SCORE] < bound or gain < math.log(GLINTS_WITHIN * hidden / ASTRAY):
+        # What lights up between its flashes as well, time and again, is no target.
+        steady = best[STEADY] > (0.0 if followed else STEADIER)
+        likely = best[SCORE] >= bound and steady
+        if not here or not likely or gain < math.log(GLINTS_WITHIN * hidden / ASTRAY):
             return None
         index = int(best[LIGHT])
         track = FlashTrack(
@@ -191,6 +194,7 @@ class Glitter:
         own = (self._tracks[:, FRAME] == frame) & (self._tracks[:, LIGHT] == index)
         self._tracks = self._tracks[own]
         self._tracks[:, SCORE] = np.minimum(self._tracks[:, SCORE], bound + RESERVE)
+        self._tracks[:, STEADY] = np.minimum(self._tracks[:, STEADY], STEADIER)
         self._earlier = self._earlier[:0]
         self._before, self._hidden = float(self._tracks[:, SCORE].max()), False
 
