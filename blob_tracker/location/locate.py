@@ -168,8 +168,11 @@ def locate_batch(
         estimates.x,
         estimates.y,
         np.ascontiguousarray(estimates.covariance),
-        np.stack([estimates.amplitude, estimates.background, estimates.sigma, estimates.snr,
-                  estimates.chi2]),
+        estimates.amplitude,
+        estimates.background,
+        estimates.sigma,
+        estimates.snr,
+        estimates.chi2,
         (lit.shape[1], lit.shape[2]),
         invalid,
         estimates.failure,
@@ -241,13 +244,17 @@ def estimate(
 
 def to_location(window: Window, found: Estimates) -> Location:
     """Return the location of a window from its estimates, or raise LocationError."""
-    if not found.ok[0]:
-        raise LocationError(REASONS[Failure(found.failure[0])])
-    scale = np.array(window.binning, dtype=float)
+    failure = int(found.failure[0])
+    if failure != _NONE:
+        raise LocationError(REASONS[Failure(failure)])
+    across, down = window.binning
+    covariance = found.covariance[0]
+    if window.binning != (1, 1):
+        covariance = covariance * np.outer(window.binning, window.binning)
     return Location(
-        x=float(window.x0 + scale[0] * (found.x[0] + 0.5) - 0.5),
-        y=float(window.y0 + scale[1] * (found.y[0] + 0.5) - 0.5),
-        covariance=found.covariance[0] * np.outer(scale, scale),
+        x=window.x0 + across * (float(found.x[0]) + 0.5) - 0.5,
+        y=window.y0 + down * (float(found.y[0]) + 0.5) - 0.5,
+        covariance=covariance,
         amplitude=float(found.amplitude[0]),
         background=float(found.background[0]),
         sigma=float(found.sigma[0]),
@@ -336,7 +343,11 @@ def _validate(
     x: Array,
     y: Array,
     covariance: Array,
-    others: Array,
+    amplitude: Array,
+    background: Array,
+    sigma: Array,
+    snr: Array,
+    chi2: Array,
     shape: tuple[int, int],
     invalid: NDArray[np.uint8],
     failure: NDArray[np.uint8],
@@ -352,7 +363,7 @@ def _validate(
             failure[n] = _OUTSIDE
         xx, xy, yy = covariance[n, 0, 0], covariance[n, 0, 1], covariance[n, 1, 1]
         valid = 0.0 < xx < math.inf and 0.0 < yy < math.inf and xy * xy < LEAST_ROUND * xx * yy
-        for row in others:
-            valid = valid and abs(row[n]) < math.inf
+        for value in (amplitude[n], background[n], sigma[n], snr[n], chi2[n]):
+            valid = valid and abs(value) < math.inf
         if not valid:
             failure[n] = _NOT_CONVERGED
