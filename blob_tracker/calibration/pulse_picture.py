@@ -50,6 +50,6 @@ def draw_pulse(
     phases.errorbar(phase, residual, error, fmt='o-', capsize=3)
     phases.set(
         title='What the pulse leaves at the peak', xlabel='sub-pixel phase along x (px)',
-        ylabel='mean residual and its error (standard deviations)',
+        ylabel='mean residual (standard deviations)',
     )
     figure.savefig(path, dpi=110)
