@@ -48,6 +48,7 @@ PLACES = 240  # of which the scatter is told to 5 %: the last 8 s at 30 Hz
 # Ratio of the scatter of the places to their sigmas, or of the pixels' variance to their noise's:
 # half more is more than calibrations differ by.
 SUSPICIOUS = 1.5
+LONGEST = 400  # characters of a reason
 DIFFERENT = 1.5  # ratio of two variances; what is measured has sigmas far below that
 
 
@@ -393,9 +394,9 @@ def _new_file(url: str) -> Path | None:
     """Return where a pulse is to be written; None where there is a file, or no place for one."""
     try:
         path = to_path(url) if url else None
-    except ParameterError:
+        return None if path is None or path.exists() else path
+    except (ParameterError, OSError):  # no such scheme; a name that is too long for the disk
         return None
-    return None if path is None or path.exists() else path
 
 
 def _pulse(url: str, method: str) -> tuple[PulseFile | None, str]:
@@ -406,7 +407,9 @@ def _pulse(url: str, method: str) -> tuple[PulseFile | None, str]:
         file = PulseFile.from_yaml(to_path(url))
         method_options(method, pulse=file.learned.pulse)
     except ValueError as error:  # CalibrationError and ParameterError are two of them
-        return None, str(error)
+        reason = str(error)
+        # It is said with every bearing: a name of any length must not be.
+        return None, reason if len(reason) < LONGEST else f'{reason[:LONGEST // 2]} ...'
     return file, ''
 
 
