@@ -390,11 +390,15 @@ class Confirmation:
         """Return which of the lights that flash beside the target this is; None for none."""
         if self._target is None or self._stands_in:
             return None
+        # Where it was, and where its last speed would have it: that is not known to a pixel.
+        places = [(self._target.x, self._target.y)]
         if self._target is self._locked:
-            x, y = self._predicted_position(self._target)
-        else:
-            x, y = self._target.x, self._target.y
-        return self._companions.like(light.x - x, light.y - y, light.height, self.gate_px)
+            places.append(self._predicted_position(self._target))
+        for x, y in places:
+            found = self._companions.like(light.x - x, light.y - y, light.height, self.gate_px)
+            if found is not None:
+                return found
+        return None
 
     def _is_waited_for(self, candidate: Candidate) -> bool:
         """Tell whether the target, beside which this light flashes, may still come back."""
