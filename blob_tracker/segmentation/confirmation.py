@@ -227,6 +227,13 @@ class Confirmation:
             self._crowd.add(self._frame, 0, 0)
             if self._crowded:
                 return self._picked_out(everything, shape)
+        elif self._crowded:
+            # Each on a track of its own would cost a thousand times as much as it tells.
+            count = sum(not each.rejected for each in everything)
+            self._crowd.add(self._frame, count, count)
+            self._crowded = self._crowd.is_dense(shape, _widest(everything))
+            self._tracks = {}
+            return self._picked_out(everything, shape)
         if not everything:
             return None
         seen = self._seen(everything, self._reaches())
@@ -235,9 +242,6 @@ class Confirmation:
             if self._crowded or len(everything) > FEW_LIGHTS:
                 found = self._picked_out(everything, shape)
                 if self._crowded:
-                    if self._locked is None:
-                        self._tracks |= {id(track): track for track, _ in seen}
-                        self._keep_the_best()
                     return found
         if not seen:
             return None
@@ -282,8 +286,7 @@ class Confirmation:
             sum(track.flashes == 1 and not track.out_of_step for track, _ in seen),
             sum(track.run < KNOWN_RUN for track, _ in seen),
         )
-        sigma = max((track.sigma for track, _ in seen), default=0.0)
-        self._crowded = self._crowd.is_dense(shape, sigma)
+        self._crowded = self._crowd.is_dense(shape, _widest([each for _, each in seen]))
 
     def _count_beside(self, everything: Sequence[Candidate], shape: tuple[int, int]) -> None:
         """Count what lights up about the target between two of its flashes."""
@@ -390,11 +393,15 @@ class Confirmation:
         """Return which of the lights that flash beside the target this is; None for none."""
         if self._target is None or self._stands_in:
             return None
+        # Where it was, and where its last speed would have it: that is not known to a pixel.
+        places = [(self._target.x, self._target.y)]
         if self._target is self._locked:
-            x, y = self._predicted_position(self._target)
-        else:
-            x, y = self._target.x, self._target.y
-        return self._companions.like(light.x - x, light.y - y, light.height, self.gate_px)
+            places.append(self._predicted_position(self._target))
+        for x, y in places:
+            found = self._companions.like(light.x - x, light.y - y, light.height, self.gate_px)
+            if found is not None:
+                return found
+        return None
 
     def _is_waited_for(self, candidate: Candidate) -> bool:
         """Tell whether the target, beside which this light flashes, may still come back."""
@@ -584,3 +591,11 @@ class Confirmation:
         if self._is_phase_unknown(track):
             return frames >= PERIOD_FRAMES
         return abs(age - frames) > STAMP_TOLERANCE_FRAMES or frames % PERIOD_FRAMES == 0
+
+
+def _widest(lights: Sequence[Candidate]) -> float:
+    """Return the greatest sigma of those that are not rejected, px."""
+    return max(
+        (math.hypot(each.sigma_x, each.sigma_y) for each in lights if not each.rejected),
+        default=0.0,
+    ) / math.sqrt(2.0)

@@ -17,14 +17,15 @@ from numpy.typing import NDArray
 
 FALSE_ALARMS_PER_FRAME = 3e-6  # confirmed by chance, at most
 # Times as likely to flash in step as to flicker at one place in half of the frames, which is asked
-# for: six flashes, with nothing between them.
-STEADIER = math.log(3000.0)
+# for: ten flashes, with nothing between them.
+STEADIER = math.log(1e5)
 # Above the bound of a target that is followed: one flash that is missed costs nothing, of several
 # that are missed as many must come before it is believed again.
 RESERVE = 2.0
 # Of the flashes that are taken for a target's, those that are glints while it is hidden, at most. Of
 # glints one in exp(g) adds g or more at most; as they are spread, one in ten of these.
 ASTRAY, GLINTS_WITHIN = 1e-3, 0.1
+LEAST_HIDDEN = 0.02  # of its flashes, at least: whatever was so far
 SEEN_MEMORY = 20  # flashes over which it is counted how often the target is seen
 CELL_PX, CELLS = 16, 3  # px; the density of glints is the mean over 48 px
 LEAST_MEMORY_FRAMES, MOST_MEMORY_FRAMES = 8, 128  # over which it is the mean
@@ -165,7 +166,7 @@ class Glitter:
                 return None
         best = tracks[tracks[:, SCORE].argmax()]
         gain, here = best[GAIN], best[FRAME] == frame
-        hidden = max(1.0 - self._seen, 1e-3) / max(self._seen, 1e-3)
+        hidden = max(1.0 - self._seen, LEAST_HIDDEN) / max(self._seen, LEAST_HIDDEN)
         if followed:
             # What hides it hides the next flash as well.
             hidden = max(hidden, 1.0) if self._hidden else hidden

@@ -11,6 +11,7 @@ from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.flood import flood_rise, whole_scene, without_flooded
 from blob_tracker.segmentation.illumination import relit
+from blob_tracker.segmentation.overexposure import with_clipping
 from blob_tracker.segmentation.peaks import measure_peaks
 from blob_tracker.segmentation.rejection import reject, without_glows
 from blob_tracker.types import Frame, Pixels
@@ -134,7 +135,7 @@ def search(
         candidate = Candidate(*row)
         rejected = reject(candidate, followed, min_snr)
         candidates.append(candidate._replace(rejected=rejected) if rejected else candidate)
-    judged = without_glows(candidates)
+    judged = with_clipping(contrast, without_glows(candidates))
     # Near a target that is followed its own glow may be all over.
     if contrast.unlit_frames and not followed and (
         level > LEAST_FLOOD_DN or unit * step > max(LEAST_FLOOD_DN, brightness)

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from blob_tracker.location import pair_model
+from blob_tracker.location import pair_model, shape_model
 from blob_tracker.location.hypotheses import choose, Fit, History, Pair
 from blob_tracker.location.pair_likelihood import climb, fill_equations, log_likelihood
 from blob_tracker.location.texture_field import log_likelihood_of_texture
@@ -18,6 +18,8 @@ MODELS = [
     (pair_model.fill_static_ghost, [*PULSE, -0.8, 0.4, 20.0]),
     (pair_model.fill_switched, [*PULSE, 0.3, -0.2, 0.62, 0.083]),
     (pair_model.fill_elliptical, [*PULSE, 1.7]),
+    (shape_model.fill_glow, [*PULSE, 20.0, 3.0, -2.0]),
+    (shape_model.fill_glow, [*PULSE, 20.0, 3.0, -2.0, -4.0, 1.0, -3.0]),
 ]
 
 
