@@ -31,6 +31,13 @@ _TO_LUMA = {
     'bgra': cv2.COLOR_BGRA2GRAY,
 }
 
+_MOSAIC_TO_LUMA = {
+    'rggb': cv2.COLOR_BayerRGGB2GRAY,
+    'grbg': cv2.COLOR_BayerGRBG2GRAY,
+    'gbrg': cv2.COLOR_BayerGBRG2GRAY,
+    'bggr': cv2.COLOR_BayerBGGR2GRAY,
+}
+
 
 def channels(frame: Frame) -> tuple[str, ...]:
     """Return the channels of a frame: none of a grey one, and of a mosaic its colours alone."""
@@ -88,6 +95,46 @@ def in_channel(frame: Frame, channel: str) -> Frame:
     else:
         image = np.ascontiguousarray(frame.image[..., frame.layout.index(channel[0])])
     return replace(frame, image=image, layout='grey', channel=channel)
+
+
+def grey_pixels(frame: Frame, *, interpolate: bool) -> Pixels:
+    """
+    Return a frame's pixels without its colours, for calibrations.
+
+    Parameters
+    ----------
+    frame : Frame
+        Grey, or with colours.
+    interpolate : bool
+        Of a mosaic: its luma with all pixels, interpolated, where places count; else the first of
+        the green samples of each cell, as the sensor gave it, where noise does.
+
+    Returns
+    -------
+    (h, w) uint8 or uint16 array
+        DN; luma of other colours in either case.
+
+    Raises
+    ------
+    ValueError
+        Where the frame has no cell of 2 x 2.
+
+    """
+    if frame.layout not in BAYER:
+        return in_channel(frame, 'luma').image
+    if interpolate:
+        return np.asarray(
+            cv2.cvtColor(frame.image, _MOSAIC_TO_LUMA[frame.layout]), frame.image.dtype
+        )
+    return one_site(frame.image, in_channel(frame, 'green'))
+
+
+def one_site(pixels: Pixels, frame: Frame) -> Pixels:
+    """Return raw pixels of one kind: of each cell of a frame's mosaic the first of its colour."""
+    if frame.mosaic is None:
+        return pixels
+    row, column = np.argwhere(frame.mosaic.sites)[0]
+    return np.ascontiguousarray(pixels[row::2, column::2])
 
 
 def summed(first: Pixels, second: Pixels, saturation: int) -> tuple[NDArray[np.uint16], int]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from blob_tracker.colour import channels, in_channel
+from blob_tracker.colour import channels, grey_pixels, in_channel
 from blob_tracker.types import BAYER, Frame
 import cv2
 import numpy as np
@@ -101,3 +101,17 @@ def test_an_image_of_another_layout_is_refused(
     """With what would be right."""
     with pytest.raises(ValueError, match=sentence):
         frame(image, layout)
+
+
+@pytest.mark.parametrize('order', ['rggb', 'grbg', 'gbrg', 'bggr'])
+def test_an_interpolated_mosaic_has_things_where_they_are(order: str) -> None:
+    """A grey Gaussian through any mosaic is where it was, to what the interpolation does to it."""
+    y, x = np.mgrid[0:40, 0:40]
+    spot = 200.0 * np.exp(-((x - 19.3) ** 2 + (y - 20.6) ** 2) / 18.0)
+    frame = Frame(np.rint(spot).astype(np.uint8), 0, 255, layout=order)
+    grey = grey_pixels(frame, interpolate=True).astype(float)
+    assert grey.shape == (40, 40)
+    inner = grey[2:-2, 2:-2]  # at the border there are too few neighbours
+    total = inner.sum()
+    assert (inner * x[2:-2, 2:-2]).sum() / total == pytest.approx(19.3, abs=0.02)
+    assert (inner * y[2:-2, 2:-2]).sum() / total == pytest.approx(20.6, abs=0.02)

@@ -135,10 +135,14 @@ def plain(x: float, y: float, peak: float = PEAK, sigma: float = SIGMA) -> Model
 def resting(
     count: int, random: np.random.Generator, shape: tuple[int, int] = SHAPE
 ) -> Floats:
-    """Return (count, 2) px: a place anew for each flash of two frames, in all sub-pixel phases."""
+    """
+    Return (count, 2) px: a place anew for each lit frame and the unlit one before it.
+
+    In all sub-pixel phases. The even frames are lit.
+    """
     middle = np.array([shape[1] / 2, shape[0] / 2])
-    flashes = middle + random.uniform(-JITTER, JITTER, ((count + 1) // 2, 2))
-    return np.asarray(np.repeat(flashes, 2, axis=0)[:count])
+    pairs = middle + random.uniform(-JITTER, JITTER, (count // 2 + 1, 2))
+    return np.asarray(np.repeat(pairs, 2, axis=0)[1:count + 1])
 
 
 def circling(count: int, random: np.random.Generator, speed: float) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 
@@ -62,6 +63,8 @@ class Estimates:
         see `suspicion.lopsidedness`. Empty where nobody looked.
     warnings : dict
         Of few windows, by their index: what the user should know and do.
+    evidence : dict
+        Likewise: log weights of the models that were heard, by their names, see `choose`.
     other_models : dict
         Of the windows that another model than the method's own explains: its log-likelihood, of
         lit and unlit pixels together, and how many parameters it has. What `chi2` says is of
@@ -81,6 +84,7 @@ class Estimates:
     failure: NDArray[np.uint8]
     lopsided: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
     warnings: dict[int, str] = field(default_factory=dict)
+    evidence: dict[int, Mapping[str, float]] = field(default_factory=dict)
     other_models: dict[int, tuple[float, int]] = field(default_factory=dict)
 
     @classmethod

@@ -14,6 +14,8 @@ from blob_tracker.location.suspicion import Suspicion
 from blob_tracker.location.unlit_pulse import shows_pulse
 import numpy as np
 
+# Of the misfit of a round pulse: a model that leaves more is no more true than that one.
+UNEXPLAINED = 0.5
 IN_UNLIT = Suspicion.UNLIT | Suspicion.FAILED
 
 
@@ -42,14 +44,22 @@ def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | Non
         base = to_fit(pair, optimum)
     if base is None:
         base = no_pulse(pair)
-    fits = [alternative(pair, base) for alternative in asked]
-    chosen = choose(base, [fit for fit in fits if fit is not None], pair.pixels.size)
+    fits = [
+        replace(fit, model=alternative.__name__)
+        for alternative in asked if (fit := alternative(pair, base)) is not None
+    ]
+    if pair.history.even:
+        # What leans now to one side and now to the other is even about its place.
+        fits = [fit for fit in fits if not fit.lopsided]
+    chosen = choose(base, fits, pair.pixels.size, pair.history)
     if chosen is not base:
         if theta is None or chosen.failure != Failure.NONE or not chosen.misfit:
             return chosen
         if not pair.usable[0].all():
             # What runs from clipped pixels has many shapes; the round one's place is the surest.
             return None if optimum is None else misfitting(pair, optimum)
+        if optimum is not None and chosen.chi2 - 1.0 > UNEXPLAINED * (base.chi2 - 1.0):
+            return misfitting(pair, optimum)  # neither is true, and the round one is the surest
         # Not even the best model is true: the place may be the other one's.
         apart = np.array([chosen.x - base.x, chosen.y - base.y])
         return replace(

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 import functools
 import math
 
@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 # Twice the gain in log-likelihood that as many more parameters make of noise once in 1e4:
 # chi-square, and a straight line to within 0.4 of it up to eight.
 FALSE_ALARM = (12.8, 2.7)
+UNHEARD = -5.0  # log weight of a model in a flash that did not speak for it, but for another one
+LEAST_BELIEF = -10.0
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,48 @@ class Motion:
 
 
 @dataclass(frozen=True)
+class History:
+    """
+    What the last flashes of a light say of the next.
+
+    Parameters
+    ----------
+    motion : Motion or None
+        None where nothing is known of it.
+    even : bool
+        Whether the light leant to no side in the sum of them.
+    evidence : sequence of mappings
+        Of each flash in which alternatives were heard: their log weights less that of the best, by
+        their names.
+
+    """
+
+    motion: Motion | None = None
+    even: bool = False
+    evidence: Sequence[Mapping[str, float]] = ()
+
+    def belief(self, model: str) -> float:
+        """
+        Return the log weight of a model beforehand, 0 at most.
+
+        It is the sum of those of the last flashes, less that of the model that was the likeliest
+        over all of them. A light may become another one: what its pixels themselves say by more
+        than LEAST_BELIEF outdoes it.
+        """
+        names = {name for each in self.evidence for name in each}
+        if not names:
+            return 0.0
+        totals = {
+            name: sum(each.get(name, UNHEARD) for each in self.evidence)
+            for name in names | {model}
+        }
+        return max(totals[model] - max(totals.values()), LEAST_BELIEF)
+
+
+UNKNOWN = History()
+
+
+@dataclass(frozen=True)
 class Pair:
     """
     The pixels of one window.
@@ -55,8 +99,8 @@ class Pair:
         Of a pixel, its black level taken off already.
     saturation : float
         The DN at which a pixel is clipped; infinite where none can be.
-    motion : Motion or None
-        None where nothing is known of it.
+    history : History
+        Of the light.
 
     """
 
@@ -64,7 +108,12 @@ class Pair:
     unlit: NDArray[np.float64] | None
     noise: SensorNoise
     saturation: float
-    motion: Motion | None = None
+    history: History = UNKNOWN
+
+    @property
+    def motion(self) -> Motion | None:
+        """Return what is known of the light's motion."""
+        return self.history.motion
 
     @functools.cached_property
     def usable(self) -> NDArray[np.bool_]:
@@ -112,6 +161,14 @@ class Fit:
         Why the window has no location although its model is known; NONE where it has one.
     misfit : bool
         Whether the pixels show that the model is not the true one.
+    model : str
+        Name of the alternative; '' of one round pulse.
+    rarity : float
+        By how much of the log-likelihood it is rarer beforehand than others.
+    lopsided : bool
+        Whether the light is to one side of the place.
+    evidence : mapping of str to float
+        Of the models that were heard: their log weights by these pixels, less that of the best.
 
     """
 
@@ -128,15 +185,22 @@ class Fit:
     warning: str = ''
     failure: Failure = Failure.NONE
     misfit: bool = False
+    model: str = ''
+    rarity: float = 0.0
+    lopsided: bool = False
+    evidence: Mapping[str, float] = field(default_factory=dict)
 
 
-def choose(base: Fit, alternatives: Iterable[Fit], pixels: int) -> Fit:
+def choose(
+    base: Fit, alternatives: Iterable[Fit], pixels: int, history: History = UNKNOWN
+) -> Fit:
     """
     Return the model that the pixels speak for.
 
     An alternative is heard where its likelihood ratio over the base is one that noise makes
-    less than once in 1e4. Those that are heard have the weights exp(-BIC / 2) with the Bayesian
-    information criterion BIC = k ln n - 2 ln L (Schwarz, 1978). The best of them is returned,
+    less than once in 1e4. Those that are heard have the weights exp(-BIC / 2) with the
+    Bayesian information criterion BIC = k ln n - 2 ln L (Schwarz, 1978), times those that they had
+    in the last flashes, over how rare they are. The best of them is returned,
     at the mean of their places; its covariance holds how far apart they are (Hoeting et al.,
     Bayesian model averaging, Statistical Science 14 (1999), eq. 3 and 4).
 
@@ -148,20 +212,29 @@ def choose(base: Fit, alternatives: Iterable[Fit], pixels: int) -> Fit:
         The others.
     pixels : int
         n, of the pair.
+    history : History
+        What the last flashes were.
 
     """
     fixed, each = FALSE_ALARM
     heard = [
         fit for fit in alternatives
-        if 2.0 * (fit.log_likelihood - base.log_likelihood)
+        if 2.0 * (fit.log_likelihood - fit.rarity - base.log_likelihood)
         > fixed + each * max(fit.parameters - base.parameters, 0)
     ]
     if not heard:
         return base
     values = np.array([
-        fit.log_likelihood - 0.5 * fit.parameters * math.log(pixels) for fit in heard
+        fit.log_likelihood - 0.5 * fit.parameters * math.log(pixels)
+        + history.belief(fit.model) - fit.rarity
+        for fit in heard
     ])
-    best = heard[int(values.argmax())]
+    # What one flash adds to many is its likelihood, less what a parameter gains from noise
+    # (Akaike, IEEE Trans. Automatic Control 19 (1974), eq. 16): what is rare is so once, not in
+    # each of them.
+    told = np.array([fit.log_likelihood - fit.parameters for fit in heard])
+    evidence = {fit.model: float(value) for fit, value in zip(heard, told - told.max())}
+    best = replace(heard[int(values.argmax())], evidence=evidence)
     placed = np.array([fit.failure == Failure.NONE for fit in heard])
     if best.failure != Failure.NONE or placed.sum() < 2:
         return best

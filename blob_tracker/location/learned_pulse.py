@@ -224,7 +224,8 @@ def _fit_all(
             white = split_unlit(texture, seen.extra, mean, shot, floor, usable)
             share = 1.0
             blend(lit[n], Unlit(texture, mean, white), share, seen)
-        fill_absent(seen.pixels, lit[n])
+        if usable < height * width:
+            fill_absent(seen.pixels, lit[n])
         _start(seen, lit[n], saturation, paired, mean, pulse, work, start, other)
         theta[:] = start
         done = False

@@ -13,7 +13,7 @@ from blob_tracker.location.centroid import centroid
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates, Failure, NOTHING, REASONS
 from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_linear_elliptical
-from blob_tracker.location.hypotheses import Motion
+from blob_tracker.location.hypotheses import History, Motion
 from blob_tracker.location.locale_table import locale_table
 from blob_tracker.location.maximum_likelihood import maximum_likelihood
 from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm
@@ -168,8 +168,11 @@ def locate_batch(
         estimates.x,
         estimates.y,
         np.ascontiguousarray(estimates.covariance),
-        np.stack([estimates.amplitude, estimates.background, estimates.sigma, estimates.snr,
-                  estimates.chi2]),
+        estimates.amplitude,
+        estimates.background,
+        estimates.sigma,
+        estimates.snr,
+        estimates.chi2,
         (lit.shape[1], lit.shape[2]),
         invalid,
         estimates.failure,
@@ -241,13 +244,17 @@ def estimate(
 
 def to_location(window: Window, found: Estimates) -> Location:
     """Return the location of a window from its estimates, or raise LocationError."""
-    if not found.ok[0]:
-        raise LocationError(REASONS[Failure(found.failure[0])])
-    scale = np.array(window.binning, dtype=float)
+    failure = int(found.failure[0])
+    if failure != _NONE:
+        raise LocationError(REASONS[Failure(failure)])
+    across, down = window.binning
+    covariance = found.covariance[0]
+    if window.binning != (1, 1):
+        covariance = covariance * np.outer(window.binning, window.binning)
     return Location(
-        x=float(window.x0 + scale[0] * (found.x[0] + 0.5) - 0.5),
-        y=float(window.y0 + scale[1] * (found.y[0] + 0.5) - 0.5),
-        covariance=found.covariance[0] * np.outer(scale, scale),
+        x=window.x0 + across * (float(found.x[0]) + 0.5) - 0.5,
+        y=window.y0 + down * (float(found.y[0]) + 0.5) - 0.5,
+        covariance=covariance,
         amplitude=float(found.amplitude[0]),
         background=float(found.background[0]),
         sigma=float(found.sigma[0]),
@@ -278,13 +285,13 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     dark = np.full_like(lit, 10.0)
     for method in methods:
         locate_batch(lit, dark, method=method, noise=noise)
-        if 'motion' in signature(METHODS[method]).parameters:
+        if 'history' in signature(METHODS[method]).parameters:
             # A light in the unlit window, beside one in the lit window and by itself, has every
             # alternative tried.
             ghost = np.roll(lit, 1, axis=2)
-            motion = Motion(np.array([2.0, 0.0]), 0.2)
-            locate_batch(lit, 0.3 * ghost + 7.0, method=method, noise=noise, motion=motion)
-            locate_batch(0.01 * lit + 10.0, lit, method=method, noise=noise, motion=motion)
+            history = History(Motion(np.array([2.0, 0.0]), 0.2))
+            locate_batch(lit, 0.3 * ghost + 7.0, method=method, noise=noise, history=history)
+            locate_batch(0.01 * lit + 10.0, lit, method=method, noise=noise, history=history)
 
 
 def _numbers(pixels: ArrayLike, name: str) -> NDArray[Any]:
@@ -336,7 +343,11 @@ def _validate(
     x: Array,
     y: Array,
     covariance: Array,
-    others: Array,
+    amplitude: Array,
+    background: Array,
+    sigma: Array,
+    snr: Array,
+    chi2: Array,
     shape: tuple[int, int],
     invalid: NDArray[np.uint8],
     failure: NDArray[np.uint8],
@@ -352,7 +363,7 @@ def _validate(
             failure[n] = _OUTSIDE
         xx, xy, yy = covariance[n, 0, 0], covariance[n, 0, 1], covariance[n, 1, 1]
         valid = 0.0 < xx < math.inf and 0.0 < yy < math.inf and xy * xy < LEAST_ROUND * xx * yy
-        for row in others:
-            valid = valid and abs(row[n]) < math.inf
+        for value in (amplitude[n], background[n], sigma[n], snr[n], chi2[n]):
+            valid = valid and abs(value) < math.inf
         if not valid:
             failure[n] = _NOT_CONVERGED

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import replace
 from inspect import signature
 import math
@@ -11,77 +10,14 @@ from typing import Any
 from blob_tracker.location.doubt import LOPSIDED_LIGHT
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates
-from blob_tracker.location.hypotheses import Motion, Pair
+from blob_tracker.location.flash_memory import FlashMemory, NO_EVIDENCE
+from blob_tracker.location.hypotheses import Pair
 from blob_tracker.location.locate import estimate, METHODS, to_location
 from blob_tracker.location.noise import noise_of_sum
 from blob_tracker.location.pulse_learner import compile_ahead, PulseLearner
-from blob_tracker.location.suspicion import HEAD, LEANING
 from blob_tracker.location.uneven_rows import variance_of_uneven_rows
 from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
-from numpy.typing import NDArray
-
-STEADIEST = 0.15  # px: the light's motion is not known better than that
-ACCELERATING = 1.5  # of the last change of its displacement, that the next may have
-LONGEST = 1.6  # of the last interval between two flashes, that the next may take
-REMEMBERED = 32  # flashes, of which is told whether the light is the same in all
-FEWEST = 8  # of them, before it can be
-UNLIKE = 0.06  # of the light's mean, by which it differs from flash to flash where it flickers
-SIGMAS = 5.0  # of what noise makes of that
-TOGETHER = 5  # flashes over which a light's lopsidedness is summed
-
-
-class _Memory:
-    """The last flashes of one light."""
-
-    def __init__(self) -> None:
-        self.places: deque[tuple[int, float, float]] = deque(maxlen=3)
-        self.light: deque[tuple[float, float]] = deque(maxlen=REMEMBERED)
-        self.lopsided: deque[NDArray[np.float64]] = deque(maxlen=TOGETHER)
-
-    def add(self, location: Location) -> None:
-        """Take the next flash: where it was, how much light, and the noise of that over it."""
-        self.places.append((location.stamp_ns, location.x, location.y))
-        noise = 1.0 / (location.snr * max(location.sigma, 0.5))
-        self.light.append((location.amplitude * location.sigma**2, noise))
-
-    def motion(self, window: Window) -> Motion | None:
-        """Return how the light should have moved since its last flash; None if unknown."""
-        if len(self.places) < 3:
-            return None
-        stamps, x, y = np.array(self.places, dtype=float).T
-        intervals = np.diff([*stamps, window.stamp_ns])
-        if intervals.min() <= 0.0 or intervals.max() > LONGEST * intervals.min():
-            return None
-        velocity = np.diff(np.stack([x, y]), axis=1) / intervals[:2]
-        flash = velocity[:, 1] * intervals[2]
-        changed = (velocity[:, 1] - velocity[:, 0]) * intervals[2]
-        scale = np.array(window.binning, dtype=float)
-        deviation = max(STEADIEST, ACCELERATING * float(np.hypot(*(changed / scale))))
-        place = np.array([x[-1] - window.x0, y[-1] - window.y0]) + flash + 0.5
-        return Motion(flash / scale, deviation, place / scale - 0.5)
-
-    def leaning(self, found: Estimates) -> NDArray[np.float64] | None:
-        """Return how far the light's head is off the fit, window px; None where it is not."""
-        self.lopsided.append(found.lopsided[0])
-        score_x, score_y, x, y = np.sum(self.lopsided, axis=0)
-        if not (x > 0.0 and y > 0.0):
-            return None
-        leaning = score_x**2 / x + score_y**2 / y
-        if leaning < LEANING:
-            return None
-        return np.sqrt(1.0 - 2.0 / leaning) * HEAD * np.array([score_x / x, score_y / y])
-
-    @property
-    def flicker(self) -> float:
-        """How much the light differs from flash to flash over its mean; 0 if noise may do so."""
-        if len(self.light) < FEWEST:
-            return 0.0
-        light, noise = np.array(self.light).T
-        # Of the differences: a light that comes nearer does not flicker.
-        # Three quarters of them: bands leave some flashes alike, and something may pass once.
-        unlike = float(np.quantile(np.abs(np.diff(light)), 0.75) / light.mean())
-        return unlike if unlike > max(UNLIKE, SIGMAS * float(np.median(noise))) else 0.0
 
 
 class Locator:
@@ -133,8 +69,8 @@ class Locator:
             if 'pulse' not in parameters:
                 raise ValueError(f"the method '{method}' takes no learned pulse")
             compile_ahead()
-        self._remembers = 'motion' in parameters
-        self._memories: dict[str, _Memory] = {}
+        self._remembers = 'history' in parameters
+        self._memories: dict[str, FlashMemory] = {}
 
     def locate(self, window: Window, *, noise: SensorNoise, light: str = '') -> Location:
         """
@@ -161,9 +97,11 @@ class Locator:
 
         """
         options = dict(self._options)
-        memory = self._memories.setdefault(light, _Memory())
+        memory = self._memories.get(light)
+        if memory is None:
+            memory = self._memories[light] = FlashMemory()
         if self._remembers:
-            options['motion'] = memory.motion(window)
+            options['history'] = memory.history(window)
 
         def placed(pulse: EffectivePsf | None) -> Estimates:
             given = {} if pulse is None else {'pulse': pulse}
@@ -177,15 +115,13 @@ class Locator:
             found = placed(self.pulse)
         location = to_location(window, found)
         if found.lopsided.size:
-            head = memory.leaning(found)
-            if head is not None and not found.warnings:
-                apart = head * np.array(window.binning)
-                # A tail turns with the light's way: half of it to all sides.
-                doubt = 0.5 * (np.outer(apart, apart) + apart @ apart * np.eye(2))
+            doubt = memory.leaning(found, location)
+            if doubt is not None and not found.warnings:
+                doubt *= np.outer(window.binning, window.binning)
                 location = replace(
                     location, covariance=location.covariance + doubt, warning=LOPSIDED_LIGHT
                 )
-        memory.add(location)
+        memory.add(location, found.evidence.get(0, NO_EVIDENCE))
         flicker = memory.flicker
         if self._remembers and flicker > 0.0 and not location.warning:
             location = _with_uneven_rows(location, window, noise, flicker)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 
-from blob_tracker.kernel import Array, kernel
+from blob_tracker.kernel import Array, kernel, written_into_kernels
 from blob_tracker.location.doubt import LOPSIDED_LIGHT
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates, Failure
 from blob_tracker.location.explain import explain
-from blob_tracker.location.hypotheses import Fit, Motion, Pair
+from blob_tracker.location.hypotheses import Fit, History, Pair, UNKNOWN
 from blob_tracker.location.learned_pulse import learned_pulse, pulse_of
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
-from blob_tracker.location.normal_equations import column_of_inverse, empty_equations, solve
+from blob_tracker.location.normal_equations import (
+    column_of_inverse, empty_equations, NormalEquations, solve,
+)
 from blob_tracker.location.scoring import (
     advance, climb, CONVERGED, COVARIANCE_INFLATION, FAINTEST_SIGMA, FISHER_STEPS, MISFIT_SIGMA,
     NARROWEST_PX, TEXTURE_STEP, WIDEST,
@@ -50,7 +52,7 @@ def maximum_likelihood(
     saturation: float | None,
     *,
     elliptical: bool = False,
-    motion: Motion | None = None,
+    history: History = UNKNOWN,
     pulse: EffectivePsf | None = None,
 ) -> Estimates:
     r"""
@@ -98,8 +100,9 @@ def maximum_likelihood(
         DN of a clipped pixel.
     elliptical : bool
         Fit a width along x and one along y in place of one for both.
-    motion : Motion or None
-        Of the light from one flash to the next; what a ghost in the unlit window is told by.
+    history : History
+        What the light's last flashes say of this one: what a ghost in the unlit window is told by,
+        and which of two models that fit as well.
     pulse : EffectivePsf or None
         Fit this one, and the Gaussian only where it does not fit the window or the Gaussian
         explains the window better. `elliptical` is for the Gaussian.
@@ -114,11 +117,11 @@ def maximum_likelihood(
 
     """
     if pulse is not None:
-        return _with_pulse(lit, unlit, noise, saturation, pulse, elliptical, motion)
+        return _with_pulse(lit, unlit, noise, saturation, pulse, elliptical, history)
     estimates, odd = fit_gaussians(lit, unlit, noise, saturation, elliptical=elliptical)
     limit = math.inf if saturation is None else float(saturation)
     for n, suspicion in suspicions(odd):
-        pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, motion)
+        pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, history)
         theta = np.array([
             getattr(estimates, name)[n] for name in ('x', 'y', 'amplitude', 'background', 'sigma')
         ])
@@ -185,7 +188,7 @@ def _with_pulse(
     saturation: float | None,
     pulse: EffectivePsf,
     elliptical: bool,
-    motion: Motion | None,
+    history: History,
 ) -> Estimates:
     """Fit the pulse, and in the windows that it does not explain the Gaussian."""
     found, odd = learned_pulse(lit, unlit, noise, saturation, pulse_of(pulse))
@@ -195,7 +198,7 @@ def _with_pulse(
         return found
     other = maximum_likelihood(
         lit[doubtful], None if unlit is None else unlit[doubtful], noise, saturation,
-        elliptical=elliptical, motion=motion,
+        elliptical=elliptical, history=history,
     )
     for k, n in enumerate(doubtful):
         if failed[n] or (other.ok[k] and other.chi2[k] < found.chi2[n]):
@@ -204,7 +207,7 @@ def _with_pulse(
                 'failure',
             ):
                 getattr(found, name)[n] = getattr(other, name)[k]
-            for name in ('warnings', 'other_models'):
+            for name in ('warnings', 'evidence', 'other_models'):
                 if k in getattr(other, name):
                     getattr(found, name)[int(n)] = getattr(other, name)[k]
             if other.ok[k] and k not in other.other_models:
@@ -217,6 +220,7 @@ def _adopt(estimates: Estimates, n: int, fit: Fit) -> None:
     for name in ('x', 'y', 'covariance', 'amplitude', 'background', 'sigma', 'snr', 'chi2'):
         getattr(estimates, name)[n] = getattr(fit, name)
     estimates.failure[n] = fit.failure
+    estimates.evidence[n] = fit.evidence
     estimates.other_models[n] = fit.log_likelihood, fit.parameters
     if fit.warning:
         estimates.warnings[n] = fit.warning
@@ -249,7 +253,7 @@ def _fit_all(
     start = np.empty(6)
     lopsided = np.empty(4)
     equations = empty_equations()
-    fisher, column = equations.matrix, equations.solution
+    fisher = equations.matrix
     for n in range(count):
         usable, mean = observe(
             n, lit[n], unlit[n] if paired else lit[n], paired, saturation, seen, texture, clipped
@@ -265,7 +269,8 @@ def _fit_all(
             # Lit minus unlit to start from: bright texture must not be taken for the target.
             share = 1.0
             blend(lit[n], Unlit(texture, mean, white), share, seen)
-        fill_absent(seen.pixels, lit[n])
+        if usable < height * width:
+            fill_absent(seen.pixels, lit[n])
         start_value(seen.pixels, lit[n], saturation, paired, mean, start)
         theta[:] = start
         done = False
@@ -294,7 +299,10 @@ def _fit_all(
             continue
         odd[n] = suspect_unlit(evidence, pulse)
         odd[n] |= suspect_fit(equations, rows, height, elliptical)
-        leaning = lopsidedness(seen, theta, profiles, equations, lopsided)
+        unlit_variance = max(mean, 0.0) * shot + floor if paired else 0.0
+        leaning = lopsidedness(
+            seen, theta, profiles, texture, 1.0 - share, unlit_variance, lopsided
+        )
         for p in range(4):
             table[_LOPSIDED + p, n] = lopsided[p]
         odd[n] |= suspect_lopsided(leaning)
@@ -308,20 +316,7 @@ def _fit_all(
             scale = chi2
         odd[n] |= suspect_pixels(chi2, usable - size)
         scale *= 1.0 + COVARIANCE_INFLATION / _detection(theta, fisher)
-        column_of_inverse(equations, size, 0)
-        covariance[n, 0, 0] = scale * column[0]
-        covariance[n, 0, 1] = scale * column[1]
-        covariance[n, 1, 0] = scale * column[1]
-        column_of_inverse(equations, size, 1)
-        covariance[n, 1, 1] = scale * column[1]
-        if leaning > LEANING:
-            # The head's place may be the light's: its variance less that of noise.
-            for p in range(2):
-                for q in range(2):
-                    covariance[n, p, q] += (
-                        HEAD * HEAD * (1.0 - 2.0 / leaning) * lopsided[p] / lopsided[2 + p]
-                        * lopsided[q] / lopsided[2 + q]
-                    )
+        _fill_covariance(equations, size, scale, leaning, lopsided, covariance[n])
         peak = max(theta[2] + theta[3], 0.0) * shot + floor
         peak += left * (max(mean, 0.0) * shot + floor)
         table[0, n] = theta[0]
@@ -331,6 +326,29 @@ def _fit_all(
         table[4, n] = math.sqrt(theta[4] * theta[5])
         table[5, n] = theta[2] / math.sqrt(peak)
         table[6, n] = chi2
+
+
+@written_into_kernels
+def _fill_covariance(
+    equations: NormalEquations, size: int, scale: float, leaning: float, lopsided: Array,
+    covariance: Array,
+) -> None:
+    """Fill in the (2, 2) covariance of the place, `scale` times that of the likelihood."""
+    column = equations.solution
+    column_of_inverse(equations, size, 0)
+    covariance[0, 0] = scale * column[0]
+    covariance[0, 1] = scale * column[1]
+    covariance[1, 0] = scale * column[1]
+    column_of_inverse(equations, size, 1)
+    covariance[1, 1] = scale * column[1]
+    if leaning > LEANING:
+        # The head's place may be the light's: its variance less that of noise.
+        for p in range(2):
+            for q in range(2):
+                covariance[p, q] += (
+                    HEAD * HEAD * (1.0 - 2.0 / leaning) * lopsided[p] / lopsided[2 + p]
+                    * lopsided[q] / lopsided[2 + q]
+                )
 
 
 @kernel

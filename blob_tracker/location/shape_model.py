@@ -16,6 +16,9 @@ import numpy as np
 WAY_X, WAY_Y = SHIFT_X, SHIFT_Y
 PART = 7  # of the light, that is in a tail
 RADIUS, HOLE = 5, 6  # of a ring
+# Of a glow in the lit window, DN: its level in the middle, what it gains from there to the right
+# and lower edge, and, where it is bent, its squares and product.
+GLOW, GLOW_X, GLOW_Y, GLOW_XX, GLOW_XY, GLOW_YY = 5, 6, 7, 8, 9, 10
 # Gauss and Legendre's nodes and weights, exact for ways of 10 and of 30 sigma to 1e-3
 FEW_NODES, FEW_WEIGHTS = np.polynomial.legendre.leggauss(10)
 MANY_NODES, MANY_WEIGHTS = np.polynomial.legendre.leggauss(32)
@@ -108,6 +111,35 @@ def fill_two_lights(theta: Array, means: Array, slopes: Array) -> None:
     slopes[SHIFT_Y] = slopes[Y]
     slopes[X] += before_x
     slopes[Y] += before_y
+
+
+@kernel
+def fill_glow(theta: Array, means: Array, slopes: Array) -> None:
+    """
+    Fill the means and slopes of a lit pulse on a glow that is in the lit window alone.
+
+        lit = b + A P(x) + g + g_x u + g_y v (+ g_xx u^2 + g_xy u v + g_yy v^2)
+
+    u and v run from -1 to 1 over the window. The bent glow has 11 parameters, the even one 8.
+    """
+    fill_one_pulse(theta, means, slopes)
+    height, width = means.shape[1:]
+    bent = theta.size > GLOW_XX
+    for j in range(height):
+        v = (2.0 * j - height + 1.0) / (height - 1.0)
+        for i in range(width):
+            u = (2.0 * i - width + 1.0) / (width - 1.0)
+            slopes[GLOW, 0, j, i] = 1.0
+            slopes[GLOW_X, 0, j, i] = u
+            slopes[GLOW_Y, 0, j, i] = v
+            means[0, j, i] += theta[GLOW] + theta[GLOW_X] * u + theta[GLOW_Y] * v
+            if bent:
+                slopes[GLOW_XX, 0, j, i] = u * u
+                slopes[GLOW_XY, 0, j, i] = u * v
+                slopes[GLOW_YY, 0, j, i] = v * v
+                means[0, j, i] += (
+                    theta[GLOW_XX] * u * u + theta[GLOW_XY] * u * v + theta[GLOW_YY] * v * v
+                )
 
 
 @kernel

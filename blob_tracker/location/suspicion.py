@@ -16,6 +16,7 @@ QUANTILE = 4.26  # standard deviations of a normal variate
 ODD_PIXELS = 5.0  # standard deviations of chi2: its upper tail is longer than the normal one
 ODD_SHIFT = 11.5  # half a chi-square of two degrees of freedom
 LEANING = 13.8  # a chi-square of two degrees of freedom that noise exceeds once in 1000
+REACH_SIGMA = 3.5  # beyond it the slope of the pulse, even times r^2, is next to nothing
 HEAD = 4.0  # times the coefficient of the lopsidedness: where the light's head is, measured
 
 
@@ -90,7 +91,8 @@ def suspect_pixels(chi2: float, freedom: int) -> int:
 
 @kernel
 def lopsidedness(
-    seen: Observation, theta: Array, profiles: Profiles, equations: NormalEquations, out: Array
+    seen: Observation, theta: Array, profiles: Profiles, texture: Array, left: float,
+    behind: float, out: Array,
 ) -> float:
     """
     Fill out with how lopsided the residuals of a fit are, and return its chi-square.
@@ -99,37 +101,65 @@ def lopsidedness(
 
         d mu = c . grad_(x, y) mu (r / sigma)^2,
 
-    which a tail, coma and a second light beside the pulse have and nothing even has. `out` gets
-    the scores of c along x and y and their variances' inverse, so that several windows' can be
-    summed; c is their ratio, px.
+    which a tail, coma and a second light beside the pulse have and nothing even has. The texture
+    behind the light is taken off, at the cost of its noise: a slope of the wall is no tail.
+
+    Parameters
+    ----------
+    seen : Observation
+        Pixels of which a share of the texture is taken off.
+    theta, profiles
+        The fit, and its profiles.
+    texture : (h, w) array
+        Departure of the unlit window from its mean, DN; 0 where there is none.
+    left : float
+        Share of it that is left in the pixels.
+    behind : float
+        Variance of an unlit pixel, DN^2; 0 where there is none.
+    out : (4,) array
+        Gets the scores of c along x and y and their variances' inverse, so that several windows'
+        can be summed; c is their ratio, px.
+
     """
     pixels, extra, _, shot, floor = seen
     across, down = profiles
     height, width = pixels.shape
     a, b, scale = theta[2], theta[3], 1.0 / (theta[4] * theta[5])
-    score_x, score_y, xx, yy, by_x, by_y = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for j in range(height):
+    first = max(int(math.ceil(theta[0] - REACH_SIGMA * theta[4])), 0)
+    last = min(int(theta[0] + REACH_SIGMA * theta[4]) + 1, width)
+    top = max(int(math.ceil(theta[1] - REACH_SIGMA * theta[5])), 0)
+    bottom = min(int(theta[1] + REACH_SIGMA * theta[5]) + 1, height)
+    rmx, rmy, rsx, rsy = 0.0, 0.0, 0.0, 0.0
+    mmx, mmy, msx, msy, ssx, ssy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for j in range(top, bottom):
         g, h = a * down[0, j], a * down[1, j]
         dy2 = (j - theta[1]) * (j - theta[1])
-        for i in range(width):
+        for i in range(first, last):
             gi, hi = across[0, i], across[1, i]
             mean = g * gi + b
-            weight = 1.0 / max(mean * shot + extra[j, i], floor)
-            residual = weight * (pixels[j, i] - mean)
+            used = 1.0 if extra[j, i] < math.inf else 0.0
+            weight = used / max(mean * shot + floor + behind, floor)
+            residual = weight * (pixels[j, i] - left * texture[j, i] - mean)
             far = scale * ((i - theta[0]) * (i - theta[0]) + dy2)
             sx, sy = g * hi, h * gi
-            mx, my = far * sx, far * sy
-            score_x += residual * mx
-            score_y += residual * my
-            xx += weight * mx * mx
-            yy += weight * my * my
-            by_x += weight * mx * sx
-            by_y += weight * my * sy
-    fisher, score = equations.matrix, equations.right
-    out[0] = score_x - by_x / fisher[0, 0] * score[0]
-    out[1] = score_y - by_y / fisher[1, 1] * score[1]
-    out[2] = xx - by_x * by_x / fisher[0, 0]
-    out[3] = yy - by_y * by_y / fisher[1, 1]
+            rmx += residual * far * sx
+            rmy += residual * far * sy
+            rsx += residual * sx
+            rsy += residual * sy
+            wx, wy = weight * sx * sx, weight * sy * sy
+            ssx += wx
+            ssy += wy
+            msx += far * wx
+            msy += far * wy
+            mmx += far * far * wx
+            mmy += far * far * wy
+    if not (ssx > 0.0 and ssy > 0.0):
+        out[:] = 0.0
+        return 0.0
+    out[0] = rmx - msx / ssx * rsx
+    out[1] = rmy - msy / ssy * rsy
+    out[2] = mmx - msx * msx / ssx
+    out[3] = mmy - msy * msy / ssy
     if not (out[2] > 0.0 and out[3] > 0.0):
         out[:] = 0.0
         return 0.0

@@ -107,6 +107,7 @@ class Coded:
             self._spots.clear()
             self.reason = 'waiting for a second frame'
             return None
+        self.reason = ''
         before, after = self._history.frames
         unlit, lit = before.image, after.image
         for spot in self._spots:
@@ -144,7 +145,6 @@ class Coded:
                 found[name] = candidate
         noise = max((each.noise for each in candidates), default=contrast.floor)
         self._spots = [each for each in self._spots if self._lives(each, noise)]
-        self.reason = ''
         if not found and self._spots:
             self.reason = f'{len(self._spots)} places blink; no code of a light has begun in them'
         return list(found.items())

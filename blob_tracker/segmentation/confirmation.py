@@ -3,37 +3,29 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping, Sequence, Set
-from dataclasses import dataclass
+from collections.abc import Sequence
 from heapq import nlargest
 import math
 from statistics import median
-from typing import NamedTuple
 
 from blob_tracker.segmentation.box import Box, box_about, whole
 from blob_tracker.segmentation.candidate import Candidate
-from blob_tracker.segmentation.expectation import Expectation
+from blob_tracker.segmentation.companions import Companion, Companions
+from blob_tracker.segmentation.crowd import Crowd, KNOWN_RUN, MOST_FLASHES
+from blob_tracker.segmentation.expectation import Expectation, GATE_SIGMA
+from blob_tracker.segmentation.flash_track import (
+    FLANK_SIGMA, FlashTrack, MAX_BRIGHTNESS_RATIO, offset_px_of, partners_of, PERIOD_FRAMES, Reach,
+)
+from blob_tracker.segmentation.glitter import bound, Glitter
 
-PERIOD_FRAMES = 2  # frames from one flash to the next
 INTERVALS = 9  # of the last frames, whose median is the time between frames
 STAMP_TOLERANCE_FRAMES = 0.25  # frames by which a stamp may be off and still tell even from odd
-FOLLOWED_GATE_FRACTION = 0.3  # of the gate: what is left to chance once the motion is known
-FLANK_SIGMA = 4.0  # sigma: a wide blob's peak wanders so far
-MAX_BRIGHTNESS_RATIO = 2.5  # times brighter or fainter than before, and still the same light
 MAX_AGE_FRAMES = 8  # frames without a flash after which a track ends
 # What is kept of a crowd, the strongest of it, so that its frames take a bounded time. Each of the
 # glints of a frame is on a track for 8 frames.
 MOST_LIGHTS, MOST_TRACKS = 128, 512
 FIRST_PAIRS = 3  # pairs of frames in which a single light is taken for the target at once
 REGION_MARGIN_PX = 16  # px about the prediction, and as many sigma as FLANK_SIGMA says
-# False alarms: at most so many by chance in a frame, at the rate at which new things light up.
-FALSE_ALARMS_PER_FRAME = 3e-6
-CLUSTERING = 20.0  # times denser than if they were spread evenly: glints, leaves, a street's lamps
-MOST_FLASHES = 6  # are always enough for what is clustered so: it leaves the rest of the frame
-MOST_EVEN_FLASHES = 20  # for what is spread evenly: 100 glints in each frame of 320 x 240 px
-KNOWN_RUN = 4  # flashes without a miss, from which on a light is not one of those that pass
-LEAST_MEMORY_FRAMES, MOST_MEMORY_FRAMES = 16, 128  # frames over which that rate is the mean
-INITIAL_RATE = 0.05  # before anything was seen
 # Flashes of the target after which one that comes a frame late is still it
 ESTABLISHED_FLASHES = 3
 # Other lights in step are looked for in the whole frame: in the first of so many frames of a lock,
@@ -41,54 +33,11 @@ ESTABLISHED_FLASHES = 3
 SURVEY_FRAMES, SURVEY_PART = 128, 8
 BESIDE_RUN = 3  # flashes that another light has together with the target, before it is known
 BRIGHTER_RATIO = 1.25  # times brighter: what a light of the first frames was a reflection of
-LIKE_RATIO = 1.6  # times brighter or fainter than when it was seen beside the target
 # Frames without the target (1 s at 60 a second) after which another light in step is taken for it,
 # and for which it is remembered from then on.
 PATIENCE_FRAMES, MEMORY_FRAMES = 60, 7200
 OUT_OF_STEP_FLASHES = 2  # more flashes are asked of a light that was once seen out of step
-
-
-@dataclass
-class _Track:
-    """A light that may be the target, as it was last seen."""
-
-    x: float
-    y: float
-    sigma: float
-    height: float
-    stamp_ns: int
-    flashes: int = 1
-    run: int = 1  # of them since one was missed
-    velocity_x: float = 0.0  # px a frame
-    velocity_y: float = 0.0
-    out_of_step: bool = False
-    trusted: bool = False
-
-    def position_at(self, age: float) -> tuple[float, float]:
-        """Return where it is expected so many frames later, px."""
-        return self.x + self.velocity_x * age, self.y + self.velocity_y * age
-
-    def gate_radius_px(self, gate_px: float, age: float) -> float:
-        """Return how far from there it may be, px."""
-        moved = gate_px if self.flashes == 1 else FOLLOWED_GATE_FRACTION * gate_px
-        return FLANK_SIGMA * self.sigma + moved * max(age, 1.0) / PERIOD_FRAMES
-
-
-class _Beside(NamedTuple):
-    """A light that flashes in step beside the target: where from it, px, and how high, DN."""
-
-    dx: float
-    dy: float
-    height: float
-
-
-class _Reach(NamedTuple):
-    """Where a track is expected in a frame, and how far from there it may be, px."""
-
-    track: _Track
-    x: float
-    y: float
-    radius: float
+FEW_LIGHTS = 8  # in a frame, beyond which it may become a crowd
 
 
 class Confirmation:
@@ -98,8 +47,8 @@ class Confirmation:
     Everything that lights up begins a track. A track goes on where something of like brightness
     lights up two frames later, by the stamps, within the gate; what lights up one or three frames
     later is out of step: a lamp on the mains. A track is confirmed after two flashes, and after
-    more in a scene in which other things light up so often that chance would confirm them. The
-    confirmed track is followed in a region about its predicted place, which grows with every
+    more in a scene in which other things light up so often that chance would confirm them. Where
+    they do so all over the frame `Glitter` tells what cannot be chance. The confirmed track is followed in a region about its predicted place, which grows with every
     flash that is missed, until the whole frame is searched again.
 
     Where a tracker tells where it expects the target, the region lies about that place, and what
@@ -121,8 +70,6 @@ class Confirmation:
 
     Attributes
     ----------
-    warning : str
-        What other lights flash in step with the target; empty where there is none.
     reason : str
         Why a light that flashes in step was not taken in the last frame; empty where none was.
 
@@ -130,28 +77,33 @@ class Confirmation:
 
     def __init__(self, gate_px: float) -> None:
         self.gate_px = gate_px
-        self.warning = ''
         self.reason = ''
-        self._target: _Track | None = None  # as it was last seen, also when it is lost
-        self._beside: list[_Beside] = []  # that flash in step with it
+        self._target: FlashTrack | None = None  # as it was last seen, also when it is lost
+        self._companions = Companions()
         self._locked_frames = 0
         self._stands_in = False  # whether another light is followed in place of the target
-        self._tracks: dict[int, _Track] = {}  # by their identity
-        self._locked: _Track | None = None
+        self._tracks: dict[int, FlashTrack] = {}  # by their identity
+        self._locked: FlashTrack | None = None
         self._expected: Expectation | None = None
         self._intervals: deque[int] = deque(maxlen=INTERVALS)
         self._interval_ns = 0.0  # their median
         self._stamp_ns: int | None = None
         self._skipped_ns: int | None = None  # stamp of the last frame that came twice
         self._frames = 0
-        self._rate = INITIAL_RATE  # of new things that light up, a frame
-        self._crowd = INITIAL_RATE  # of all but what flashed several times, a frame
-        self._rate_frames = LEAST_MEMORY_FRAMES
+        self._frame = 0.0  # number of the last frame by the stamps
+        self._crowd = Crowd(gate_px)
+        self._crowded = False  # whether things light up all over the frame
+        self._glitter = Glitter(gate_px)
 
     @property
     def locked(self) -> bool:
         """Whether a confirmed light is followed."""
         return self._locked is not None
+
+    @property
+    def warning(self) -> str:
+        """Name the other lights that flash in step with the target."""
+        return self._companions.warning
 
     def push(
         self,
@@ -176,11 +128,12 @@ class Confirmation:
         if self._stamp_ns is not None:
             self._intervals.append(stamp_ns - self._stamp_ns)
             self._interval_ns = median(self._intervals)
+            self._frame += max(round((stamp_ns - self._stamp_ns) / self._interval_ns), 1)
         self._stamp_ns = stamp_ns
         self._frames += 1
-        self._tracks = {
-            key: each for key, each in self._tracks.items() if self._age(each) <= MAX_AGE_FRAMES
-        }
+        ended = [key for key, each in self._tracks.items() if self._age(each) > MAX_AGE_FRAMES]
+        for key in ended:
+            del self._tracks[key]
         if self._locked is not None and self._age(self._locked) > MAX_AGE_FRAMES:
             self._locked = None
         self._locked_frames = self._locked_frames + 1 if self._locked is not None else 0
@@ -200,6 +153,7 @@ class Confirmation:
         made 30: the stamps no longer tell in which phase a light is that was seen before it.
         """
         self._skipped_ns = stamp_ns
+        self._glitter.forget()
 
     @property
     def _followed(self) -> bool:
@@ -223,7 +177,7 @@ class Confirmation:
         """Return half the side of the region about the target that is followed, px."""
         assert self._locked is not None
         if self._expected is not None:
-            return REGION_MARGIN_PX + self._gate_radius_px(self._locked)
+            return REGION_MARGIN_PX + self._reach(self._locked).radius
         age = self._age(self._locked)
         half = REGION_MARGIN_PX + self._locked.gate_radius_px(self.gate_px, PERIOD_FRAMES)
         return half * 2.0 ** max(math.ceil(age / PERIOD_FRAMES - STAMP_TOLERANCE_FRAMES) - 1, 0)
@@ -239,11 +193,11 @@ class Confirmation:
 
         """
         track = self._locked
-        if self._expected is None or track is None:
+        if self._expected is None or track is None or self._crowded:
             return False
         reach = self._reach(track)
         if not self._is_due(track) or any(
-            not each.rejected and _offset_px(reach, each) < math.inf for each in everything
+            not each.rejected and offset_px_of(reach, each) < math.inf for each in everything
         ):
             return False
         self._expected = None
@@ -263,36 +217,38 @@ class Confirmation:
             Height and width of the frame, px.
 
         """
-        searched = self._locked is None
-        reaches = {
-            key: self._reach(each) for key, each in self._tracks.items() if self._age(each) > 0.0
-        }
-        candidates = []
-        for each in everything:
-            if not each.rejected:
-                candidates.append(each)
-            elif len(reaches) > 0:
-                self._mark_out_of_step(each, reaches)
-        seen = self._seen(candidates, reaches)
         self.reason = ''
-        if searched:
-            new = sum(track.flashes == 1 and not track.out_of_step for track, _ in seen)
-            self._rate_frames = min(self._rate_frames + 1, MOST_MEMORY_FRAMES)
-            self._rate += (new - self._rate) / self._rate_frames
-            passing = sum(track.run < KNOWN_RUN for track, _ in seen)
-            self._crowd += (passing - self._crowd) / self._rate_frames
-        needed, needed_run = 0, 0
-        if seen:
-            needed, needed_run = self._flashes_needed(
-                shape, max(track.sigma for track, _ in seen)
-            )
-        best: tuple[_Track, Candidate] | None = None
+        if self._locked is not None:
+            if not self._is_due(self._locked):
+                self._count_beside(everything, shape)
+            if self._crowded:
+                return self._picked_out(everything, shape)
+        elif not everything:
+            self._crowd.add(self._frame, 0, 0)
+            if self._crowded:
+                return self._picked_out(everything, shape)
+        if not everything:
+            return None
+        seen = self._seen(everything, self._reaches())
+        if self._locked is None:
+            self._count(seen, shape)
+            if self._crowded or len(everything) > FEW_LIGHTS:
+                found = self._picked_out(everything, shape)
+                if self._crowded:
+                    if self._locked is None:
+                        self._tracks |= {id(track): track for track, _ in seen}
+                        self._keep_the_best()
+                    return found
+        if not seen:
+            return None
+        needed = self._crowd.flashes_needed(shape)
+        best: tuple[FlashTrack, Candidate] | None = None
         alone = self._frames <= FIRST_PAIRS and len(everything) == 1
         due = not self._followed or self._is_due(self._locked)
         for track, candidate in seen:
             track.trusted = not track.out_of_step and (track.trusted or alone)
             more = OUT_OF_STEP_FLASHES if track.out_of_step else 0
-            if not track.trusted and (track.flashes < needed + more or track.run < needed_run):
+            if not track.trusted and track.flashes < needed + more:
                 continue
             if track is self._locked:
                 best = track, candidate
@@ -304,6 +260,13 @@ class Confirmation:
         self._tracks |= {id(track): track for track, _ in seen}
         if best is not None:
             self._follow(best[0])
+            if not self._glitter.empty:
+                self._glitter.forget()
+        self._keep_the_best()
+        return None if best is None else best[1]
+
+    def _keep_the_best(self) -> None:
+        """Forget the tracks that are beyond the number that is kept."""
         if len(self._tracks) > MOST_TRACKS:
             kept = nlargest(
                 MOST_TRACKS,
@@ -311,39 +274,119 @@ class Confirmation:
                 key=lambda each: (each is self._locked, each.flashes, each.height),
             )
             self._tracks = {id(each): each for each in kept}
-        return None if best is None else best[1]
+
+    def _count(self, seen: Sequence[tuple[FlashTrack, Candidate]], shape: tuple[int, int]) -> None:
+        """Count what lit up in a whole frame, and tell whether it is a crowd."""
+        self._crowd.add(
+            self._frame,
+            sum(track.flashes == 1 and not track.out_of_step for track, _ in seen),
+            sum(track.run < KNOWN_RUN for track, _ in seen),
+        )
+        sigma = max((track.sigma for track, _ in seen), default=0.0)
+        self._crowded = self._crowd.is_dense(shape, sigma)
+
+    def _count_beside(self, everything: Sequence[Candidate], shape: tuple[int, int]) -> None:
+        """Count what lights up about the target between two of its flashes."""
+        assert self._locked is not None
+        count = sum(not each.rejected for each in everything)
+        if count > 0:
+            self._crowd.add_part(count * shape[0] * shape[1] / max(self.region(shape).size, 1))
+        else:
+            self._crowd.add_part(0.0)
+        before = self._crowded
+        # Until then what lights up between its flashes may be the light itself, out of step.
+        known = self._locked.flashes >= MOST_FLASHES
+        self._crowded = known and self._crowd.is_beside(shape, self._locked.sigma)
+        if before and not self._crowded:
+            self._glitter.forget()
+
+    def _picked_out(
+        self, everything: Sequence[Candidate], shape: tuple[int, int]
+    ) -> Candidate | None:
+        """Return the one of a crowd that flashes in step, where chance cannot have made it."""
+        locked, glitter, least = self._locked, self._glitter, bound(self._crowd.passing)
+        if locked is not None:
+            if glitter.empty:
+                glitter.begin_with(locked, self._frame - round(self._age(locked)), least)
+            if self._expected is not None:
+                radius = self._expected.gate_radius_px
+                glitter.expect(
+                    self._frame, self._expected.x, self._expected.y, (radius / GATE_SIGMA) ** 2
+                )
+        followed = locked is not None
+        glitter.look(
+            everything, self._frame, shape, followed=followed,
+            density=self._crowd.passing / (shape[0] * shape[1]),
+        )
+        if not self._crowded:
+            return None  # it may become a crowd, and is watched
+        found = glitter.best(self._frame, least, followed=followed)
+        if found is None:
+            if everything and followed:
+                self.reason = (
+                    f'{len(everything)} lit up about the target among glints, and none of them '
+                    'that must be it rather than one of these'
+                )
+            elif everything:
+                self.reason = (
+                    f'{self._crowd.passing:.0f} things light up at random in each frame, glints '
+                    'or lamps, and none that must be the light in step yet: it takes about ten '
+                    'flashes; shade or cover what glitters, lower the exposure, or set mask_url'
+                )
+            return None
+        index, track = found
+        candidate = everything[index]
+        if not followed and self._is_waited_for(candidate):
+            return None
+        glitter.follow(self._frame, index, least)
+        track.sigma = math.hypot(candidate.sigma_x, candidate.sigma_y) / math.sqrt(2.0)
+        assert self._stamp_ns is not None
+        track.stamp_ns = self._stamp_ns
+        if locked is not None:
+            self._locked = track
+        self._tracks = {id(track): track}
+        self._follow(track)
+        return candidate
 
     def _seen(
-        self, candidates: list[Candidate], reaches: Mapping[int, _Reach]
-    ) -> list[tuple[_Track, Candidate]]:
-        """Return each of the strongest candidates with its track, brought up to date or new."""
+        self, everything: Sequence[Candidate], reaches: dict[int, Reach]
+    ) -> list[tuple[FlashTrack, Candidate]]:
+        """
+        Return each of the strongest candidates with its track, brought up to date or new.
+
+        A rejected one ends the tracks that it is out of step with.
+        """
+        candidates = []
+        for each in everything:
+            if not each.rejected:
+                candidates.append(each)
+            elif reaches:
+                self._mark_out_of_step(each, reaches)
         candidates = self._strongest(candidates)
-        partners = _partners(
-            candidates, reaches, {
-                index for index, each in enumerate(candidates) if self._beside_target(each)
-            } if self._beside else set(), id(self._locked),
-        )
+        companions = {
+            index for index, each in enumerate(candidates) if self._companion(each)
+        } if self._companions else set()
+        partners = partners_of(candidates, reaches, companions, id(self._locked))
         return [
             (self._continued(each, partners.get(index)), each)
             for index, each in enumerate(candidates)
         ]
 
-    def _follow(self, track: _Track) -> None:
+    def _follow(self, track: FlashTrack) -> None:
         """Follow a track from this frame on; it is the target, or stands in for it."""
         if self._locked is None and self._target is not None:
             gone = self._age(self._target) > MAX_AGE_FRAMES
-            beside = self._beside_target(track)
-            if gone and beside is not None:
+            if gone and self._companion(track) is not None:
                 self._stands_in = True
             elif not self._stands_in and math.hypot(
                 track.x - self._target.x, track.y - self._target.y
             ) > 2.0 * self.gate_px:
-                self._beside, self.warning = [], ''
+                self._companions.forget()
         self._locked = track
         if not self._stands_in:
             self._target = track
 
-    def _beside_target(self, light: Candidate | _Track) -> _Beside | None:
+    def _companion(self, light: Candidate | FlashTrack) -> Companion | None:
         """Return which of the lights that flash beside the target this is; None for none."""
         if self._target is None or self._stands_in:
             return None
@@ -351,36 +394,46 @@ class Confirmation:
             x, y = self._predicted_position(self._target)
         else:
             x, y = self._target.x, self._target.y
-        dx, dy = light.x - x, light.y - y
-        for each in self._beside:
-            offset = math.hypot(dx - each.dx, dy - each.dy)
-            if (
-                offset < min(self.gate_px, math.hypot(dx, dy))
-                and each.height < LIKE_RATIO * light.height
-                and light.height < LIKE_RATIO * each.height
-            ):
-                return each
-        return None
+        return self._companions.like(light.x - x, light.y - y, light.height, self.gate_px)
 
     def _is_waited_for(self, candidate: Candidate) -> bool:
         """Tell whether the target, beside which this light flashes, may still come back."""
         if self._target is None or self._age(self._target) > PATIENCE_FRAMES:
             return False
-        beside = self._beside_target(candidate)
-        if beside is None:
+        companion = self._companion(candidate)
+        if companion is not None:
+            away = math.hypot(companion.dx, companion.dy)
+        elif self._companions and not self._stands_in and not self._is_in_reach(candidate):
+            away = math.hypot(candidate.x - self._target.x, candidate.y - self._target.y)
+        else:
             return False
         self.reason = (
-            f'another light flashes in step, {math.hypot(beside.dx, beside.dy):.0f} px from the '
+            f'another light flashes in step, {away:.0f} px from the '
             f'target, which was last seen {self._age(self._target):.0f} frames ago; a reflection? '
             f'It is taken after {PATIENCE_FRAMES} frames'
         )
         return True
 
+    def _is_in_reach(self, candidate: Candidate) -> bool:
+        """Tell whether the target can be this light, by where it was and how bright."""
+        assert self._target is not None
+        if self._target is self._locked:
+            reach = self._reach(self._target)
+        else:
+            radius = FLANK_SIGMA * self._target.sigma
+            radius += self.gate_px * max(self._age(self._target) / PERIOD_FRAMES, 1.0)
+            reach = Reach(self._target, self._target.x, self._target.y, radius)
+        return offset_px_of(reach, candidate) < math.inf
+
     @property
     def surveys(self) -> bool:
         """Whether the whole of this frame is to be searched for other lights in step."""
-        if not self._followed:
-            return False
+        locked = self._locked
+        if (
+            self._crowded or locked is None or not self._followed
+            or locked.stamp_ns != self._stamp_ns
+        ):
+            return False  # what flashes in step is on when the target is
         return (
             self._stands_in
             or self._locked_frames < SURVEY_FRAMES // 2
@@ -400,23 +453,14 @@ class Confirmation:
 
         """
         assert self._locked is not None
-        reaches = {
-            key: self._reach(each) for key, each in self._tracks.items()
-            if self._age(each) > 0.0 and each is not self._locked
-        }
-        candidates = []
-        for each in everything:
-            inside = region.x0 <= each.x < region.x1 and region.y0 <= each.y < region.y1
-            if inside and not each.rejected:
-                continue
-            if not each.rejected:
-                candidates.append(each)
-            elif reaches:
-                self._mark_out_of_step(each, reaches)
-        self._tracks |= {id(track): track for track, _ in self._seen(candidates, reaches)}
+        reaches = self._reaches()
+        reaches.pop(id(self._locked), None)
+        new = [
+            each for each in everything if each.rejected
+            or not (region.x0 <= each.x < region.x1 and region.y0 <= each.y < region.y1)
+        ]
+        self._tracks |= {id(track): track for track, _ in self._seen(new, reaches)}
         locked = self._locked
-        if locked.stamp_ns != self._stamp_ns:
-            return
         others = [
             each for each in self._tracks.values()
             if each is not locked
@@ -426,7 +470,7 @@ class Confirmation:
         ]
         if not others:
             if self._locked_frames % SURVEY_FRAMES == SURVEY_PART - 1:
-                self._beside, self.warning = [], ''
+                self._companions.forget()
             return
         brightest = max(others, key=lambda each: each.height)
         young = self._stands_in or self._locked_frames < SURVEY_FRAMES
@@ -434,21 +478,8 @@ class Confirmation:
             others = [locked if each is brightest else each for each in others]
             self._locked = self._target = locked = brightest
             self._stands_in = False
-        if self._stands_in:
-            return
-        self._beside = [
-            _Beside(each.x - locked.x, each.y - locked.y, each.height) for each in others
-        ]
-        away, nearest = min(
-            ((math.hypot(each.x - locked.x, each.y - locked.y), each) for each in others),
-            key=lambda pair: pair[0],
-        )
-        self.warning = (
-            f'{len(others) + 1} lights flash in step: the target at ({locked.x:.0f}, '
-            f'{locked.y:.0f}) and, {away:.0f} px '
-            f'away, one at ({nearest.x:.0f}, {nearest.y:.0f}): a reflection? Cover it, or set '
-            'mask_url'
-        )
+        if not self._stands_in:
+            self._companions.learn(locked, others)
 
     def _strongest(self, candidates: list[Candidate]) -> list[Candidate]:
         """Return the highest of a crowd, and what may be the target that is followed."""
@@ -458,14 +489,14 @@ class Confirmation:
         ordered = sorted(candidates, key=lambda each: -each.height)
         return ordered[:MOST_LIGHTS] + [
             each for each in ordered[MOST_LIGHTS:]
-            if reach is not None and _offset_px(reach, each) < math.inf
+            if reach is not None and offset_px_of(reach, each) < math.inf
         ]
 
-    def _continued(self, candidate: Candidate, nearest: _Track | None) -> _Track:
+    def _continued(self, candidate: Candidate, nearest: FlashTrack | None) -> FlashTrack:
         """Return a track brought up to date by the candidate that belongs to it; or a new one."""
         assert self._stamp_ns is not None
         sigma = math.hypot(candidate.sigma_x, candidate.sigma_y) / math.sqrt(2.0)
-        new = _Track(candidate.x, candidate.y, sigma, candidate.height, self._stamp_ns)
+        new = FlashTrack(candidate.x, candidate.y, sigma, candidate.height, self._stamp_ns)
         if nearest is None:
             return new
         age = self._age(nearest)
@@ -491,29 +522,36 @@ class Confirmation:
         self._replace_track(nearest, new)
         return new
 
-    def _predicted_position(self, track: _Track) -> tuple[float, float]:
+    def _predicted_position(self, track: FlashTrack) -> tuple[float, float]:
         """Return where a track is expected in this frame, px."""
         if track is self._locked and self._expected is not None:
             return self._expected.x, self._expected.y
         return track.position_at(self._age(track))
 
-    def _gate_radius_px(self, track: _Track) -> float:
-        """Return how far from there it may be, px."""
-        if track is self._locked and self._expected is not None:
-            return FLANK_SIGMA * track.sigma + self._expected.gate_radius_px
-        return track.gate_radius_px(self.gate_px, self._age(track))
-
-    def _reach(self, track: _Track) -> _Reach:
+    def _reach(self, track: FlashTrack) -> Reach:
         """Return where a track may go on in this frame."""
-        return _Reach(track, *self._predicted_position(track), self._gate_radius_px(track))
+        if track is self._locked and self._expected is not None:
+            expected = self._expected
+            radius = FLANK_SIGMA * track.sigma + expected.gate_radius_px
+            return Reach(track, expected.x, expected.y, radius)
+        age = self._age(track)
+        x, y = track.position_at(age)
+        return Reach(track, x, y, track.gate_radius_px(self.gate_px, age))
 
-    def _replace_track(self, track: _Track, by: _Track | None) -> None:
+    def _reaches(self) -> dict[int, Reach]:
+        """Return where the tracks of earlier frames may go on."""
+        return {
+            key: self._reach(each) for key, each in self._tracks.items()
+            if each.stamp_ns != self._stamp_ns
+        }
+
+    def _replace_track(self, track: FlashTrack, by: FlashTrack | None) -> None:
         """End a track; where it was the one that is followed, another is from now on, or none."""
         if track is self._locked:
             self._locked = by
         del self._tracks[id(track)]
 
-    def _mark_out_of_step(self, candidate: Candidate, reaches: dict[int, _Reach]) -> None:
+    def _mark_out_of_step(self, candidate: Candidate, reaches: dict[int, Reach]) -> None:
         """Mark the young track that is followed, and end all others, where it is out of step."""
         for track, x, y, _ in list(reaches.values()):
             if (
@@ -527,110 +565,24 @@ class Confirmation:
                     self._replace_track(track, None)
                     del reaches[id(track)]
 
-    def _age(self, track: _Track) -> float:
+    def _age(self, track: FlashTrack) -> float:
         """Return the time since a track was seen, in frames."""
         if self._stamp_ns is None or self._interval_ns <= 0.0:
             return 0.0
         return (self._stamp_ns - track.stamp_ns) / self._interval_ns
 
-    def _is_due(self, track: _Track | None) -> bool:
+    def _is_due(self, track: FlashTrack | None) -> bool:
         """Tell whether a track may have flashed again."""
         return track is None or self._age(track) >= PERIOD_FRAMES - STAMP_TOLERANCE_FRAMES
 
-    def _is_phase_unknown(self, track: _Track) -> bool:
+    def _is_phase_unknown(self, track: FlashTrack) -> bool:
         """Tell whether a frame came twice since a track was seen."""
         return self._skipped_ns is not None and track.stamp_ns < self._skipped_ns
 
-    def _in_step(self, track: _Track) -> bool:
+    def _in_step(self, track: FlashTrack) -> bool:
         """Tell whether a light that flashes in step can be on again in this frame."""
         age = self._age(track)
         frames = round(age)
         if self._is_phase_unknown(track):
             return frames >= PERIOD_FRAMES
         return abs(age - frames) > STAMP_TOLERANCE_FRAMES or frames % PERIOD_FRAMES == 0
-
-    def _flashes_needed(self, shape: tuple[int, int], sigma: float) -> tuple[int, int]:
-        """
-        Return after how many flashes chance cannot have made a track of such a sigma, px.
-
-        The second number is how many of them must follow each other without a miss: it is above 1
-        where so much lights up all over the frame that something is near wherever one looks.
-        """
-        rate = max(self._rate - 1.0 / self._rate_frames, 0.0)  # the target was new once as well
-        per_px2 = math.pi / (shape[0] * shape[1])
-        first, later = self.gate_px**2, (FOLLOWED_GATE_FRACTION * self.gate_px) ** 2
-        # Half of what lights up within reach is as bright as what lit up there before.
-        clustered = _flashes_beyond_chance(
-            rate,
-            0.5 * CLUSTERING * per_px2 * rate * first,
-            0.5 * CLUSTERING * per_px2 * rate * later,
-            MOST_FLASHES,
-        )
-        crowd = max(self._crowd - (KNOWN_RUN - 1.0) / self._rate_frames, 0.0)
-        crowded = (FOLLOWED_GATE_FRACTION * self.gate_px + FLANK_SIGMA * sigma) ** 2
-        even = _flashes_beyond_chance(
-            crowd, per_px2 * crowd * first, per_px2 * crowd * crowded, MOST_EVEN_FLASHES
-        )
-        return clustered, even if even > clustered else 1
-
-
-def _flashes_beyond_chance(rate: float, first: float, later: float, most: int) -> int:
-    """
-    Return after how many flashes chance makes a track as seldom as it may.
-
-    Parameters
-    ----------
-    rate : float
-        New things that light up in a frame.
-    first, later : float
-        How many of them are within the gate of another one, and of a track whose motion is known.
-    most : int
-        Flashes that are always enough.
-
-    """
-    chance, flashes = rate * min(first, rate), 2
-    while chance > FALSE_ALARMS_PER_FRAME and flashes < most:
-        chance *= min(later, rate)
-        flashes += 1
-    return flashes
-
-
-def _partners(
-    candidates: Sequence[Candidate],
-    reaches: Mapping[int, _Reach],
-    beside: Set[int],
-    target: int,
-) -> dict[int, _Track]:
-    """
-    Return the tracks that candidates belong to, by their index; the nearest pairs first.
-
-    The candidates `beside` the target do not belong to its track, whose key is `target`.
-    """
-    pairs = []
-    for index, candidate in enumerate(candidates):
-        x, y = candidate.x, candidate.y
-        for key, reach in reaches.items():
-            # Most of a crowd is far away: told by the first of these.
-            if -reach[3] < x - reach[1] < reach[3] and -reach[3] < y - reach[2] < reach[3]:
-                offset_px = _offset_px(reach, candidate)
-                if offset_px < math.inf and not (key == target and index in beside):
-                    pairs.append((offset_px, index, key))
-    pairs.sort()
-    partners: dict[int, _Track] = {}
-    taken: set[int] = set()
-    for _, index, key in pairs:
-        if index not in partners and key not in taken:
-            partners[index] = reaches[key].track
-            taken.add(key)
-    return partners
-
-
-def _offset_px(reach: _Reach, candidate: Candidate) -> float:
-    """Return how far a candidate is from where a track is expected; infinity for another light."""
-    track, x, y, radius = reach
-    offset_px = math.hypot(candidate.x - x, candidate.y - y)
-    alike = (
-        track.height < MAX_BRIGHTNESS_RATIO * candidate.height
-        and candidate.height < MAX_BRIGHTNESS_RATIO * track.height
-    )
-    return offset_px if offset_px < radius and alike else math.inf

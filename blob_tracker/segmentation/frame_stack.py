@@ -128,10 +128,9 @@ def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
         binning = binning[0] // 2, binning[1] // 2
         sites = np.tile(frame.mosaic.sites, (box.y1 - box.y0, box.x1 - box.x0))
         box = Box(*(2 * edge for edge in box))
-    lit, unlit = (
-        [image[box.slices].copy() for images in all_looks for image in images]
-        for all_looks in ([pair.lit for pair in pairs], [pair.unlit for pair in pairs])
-    )
+    inside = box.slices
+    lit = [image[inside].copy() for pair in pairs for image in pair.lit]
+    unlit = [image[inside].copy() for pair in pairs for image in pair.unlit]
     noises = [pair.noise for pair in pairs for _ in pair.unlit]
     for bright, dark, noise in zip(lit, unlit, noises):
         mark_dead(bright, dark, frame.saturation, noise)

@@ -114,13 +114,13 @@ def measure_peaks(
         ):
             continue
         blob = measure(lit, unlit, region, column, row, local_level, noise, min_snr, max_sigma)
+        if blob[7] < min_snr:
+            continue
         streak, blob = measure_streak(lit, unlit, region, saturation, blob)
         # A faint peak in the reach of a brighter light ends in it, or half-way to it.
         # On a glow only what is far narrower is another light.
-        if (
-            blob[7] >= min_snr
-            and not (narrowest > 0.0 and GLOW_WIDTH_RATIO * blob[4] > narrowest)
-            and not _is_misplaced(table[:found], blob, column, row)
+        if not (narrowest > 0.0 and GLOW_WIDTH_RATIO * blob[4] > narrowest) and not _is_misplaced(
+            table[:found], blob, column, row
         ):
             describe(
                 table[found], lit, unlit, region, saturation, single_frame, blob, column, row,

@@ -98,6 +98,7 @@ class Periodic:
             )
             return None
         self._new_frames = 0
+        self.reason = ''
         return self._demodulate(list(block))
 
     def skip(self, frame: Frame) -> None:
@@ -117,7 +118,6 @@ class Periodic:
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
         """Return the candidate of the highest SNR, under the empty name."""
-        self.reason = ''
         return strongest(candidates)
 
     def _demodulate(self, block: list[Frame]) -> Contrast | None:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from functools import partial
 from typing import NamedTuple
 
+from blob_tracker.colour import one_site
 from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.segmentation.black_core import without_black_cores
 from blob_tracker.segmentation.box import Box, whole
@@ -76,7 +76,8 @@ class Segmenter:
     repeated_frames : int
         How many frames were left out because they showed the one before once more.
     warnings : tuple of str
-        What is wrong though there may be a window: other lights that flash in step.
+        What is wrong though there may be a window: frames that come twice, other lights that
+        flash in step.
     unlit_pair : (array, array) or None
         Raw pixels of the last two frames without a light, where the last frame is one of them or
         ended a block that holds them. What differs in them is noise, or moved.
@@ -115,8 +116,9 @@ class Segmenter:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Say what is wrong though there may be a window: other lights flash in step."""
-        return (self.flash.warning,) if self.flash.warning else ()
+        """Say what is wrong though there may be a window, of the frames and of other lights."""
+        both = self._repeated.warning, self.flash.warning
+        return tuple(warning for warning in both if warning)
 
     def update(self, frame: Frame, expected: Expectation | None = None) -> Window | None:
         """
@@ -161,10 +163,7 @@ class Segmenter:
             )
         if self._repeated.push(frame):
             self.flash.skip(frame)
-            self.reason = (
-                f'the frame is identical to the one before it, {self._repeated.count} so far: a '
-                'camera slower than its stamps, or a driver that repeats what it had'
-            )
+            self.reason = self._repeated.warning
             return []
         frame = self._in_channel(frame)
         before, self._unlit, self.unlit_pair = self._unlit, None, None
@@ -179,7 +178,7 @@ class Segmenter:
         sightings: list[Sighting] = []
         windows: dict[str, Box] = {}
         if found.reason:
-            self.reason = found.reason
+            self.reason = self.flash.reason or found.reason
         else:
             chosen = self.flash.choose(contrast, found.candidates)
             self.reason = '' if chosen else self._reason_for_none(found)
@@ -227,16 +226,13 @@ class Segmenter:
         self._region = region = self.flash.region(contrast)
         # Within the gate there is little room for chance.
         followed = self.flash.locked and 2 * region.size < contrast.lit.size
-        look = partial(
-            search,
-            region=region,
-            min_snr=self.min_snr * (GATED_SNR_FRACTION if followed else 1.0),
-            followed=followed,
-            mask=self._mask if contrast.frame.mosaic is None else _of_cells(self._mask),
-        )
-        found = look(contrast)
+        min_snr = self.min_snr * (GATED_SNR_FRACTION if followed else 1.0)
+        mask = self._mask if contrast.frame.mosaic is None else _of_cells(self._mask)
+        found = search(contrast, region, min_snr=min_snr, followed=followed, mask=mask)
         mended = without_black_cores(contrast, found.candidates)
-        return (contrast, found) if mended is None else (mended, look(mended))
+        if mended is None:
+            return contrast, found
+        return mended, search(mended, region, min_snr=min_snr, followed=followed, mask=mask)
 
     def _survey(self, contrast: Contrast) -> None:
         """Show the flash mode what lit up outside of the region as well."""
@@ -252,14 +248,14 @@ class Segmenter:
         """Pair this frame with the unlit one before it, or take the unlit ones of a block."""
         if len(contrast.unlit_frames) > 1:
             first, second = contrast.unlit_frames[-2:]
-            self.unlit_pair = _one_sample(first, frame), _one_sample(second, frame)
+            self.unlit_pair = one_site(first, frame), one_site(second, frame)
         elif lit:
             self._unlit = before
         else:
             self._unlit = frame
             if before is not None and frame.stamp_ns - before.stamp_ns <= MAX_UNLIT_INTERVAL_NS:
                 self.unlit_pair = (
-                    _one_sample(before.samples, before), _one_sample(frame.samples, frame)
+                    one_site(before.samples, before), one_site(frame.samples, frame)
                 )
 
     def _window(self, contrast: Contrast, candidate: Candidate) -> Box | None:
@@ -286,14 +282,6 @@ class Segmenter:
             f'{found.strongest / found.noise:.1f} times the noise; the SNR asked for in the '
             f'matched filter is {self.min_snr:g} (min_snr)'
         )
-
-
-def _one_sample(pixels: Pixels, frame: Frame) -> Pixels:
-    """Return raw pixels of one kind: of each cell of a mosaic the first of its colour."""
-    if frame.mosaic is None:
-        return pixels
-    row, column = np.argwhere(frame.mosaic.sites)[0]
-    return np.ascontiguousarray(pixels[row::2, column::2])
 
 
 def _of_cells(mask: NDArray[np.uint8]) -> NDArray[np.uint8]:

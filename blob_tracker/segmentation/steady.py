@@ -52,6 +52,7 @@ class Steady:
 
         """
         self._history.push(frame)
+        self.reason = ''
         kept = self._history.frames[-1]
         image = kept.image
         if self._nothing.shape != image.shape or self._nothing.dtype != image.dtype:
@@ -77,7 +78,6 @@ class Steady:
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
         """Return the candidate of the highest SNR that the scene does not explain."""
-        self.reason = ''
         found = strongest([
             each for each in candidates if each.amplitude >= LEAST_HEIGHT_SIGMA * each.noise
         ])

@@ -186,9 +186,9 @@ def test_of_two_places_as_right_the_nearer_counts(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr('benchmarks.world.play.Segmenter.update', lambda *_: window)
 
     class Found:
-        x, y, covariance, chi2 = 9.0, 5.0, np.eye(2), 1.0
+        x, y, covariance, chi2, warning = 9.0, 5.0, np.eye(2), 1.0, ''
 
-    monkeypatch.setattr('benchmarks.world.play.locate', lambda *_, **__: Found())
+    monkeypatch.setattr('benchmarks.world.play.Locator.locate', lambda *_, **__: Found())
     monkeypatch.setattr('benchmarks.world.play.NoiseCheck.add', lambda *_: None)
     shots = [Shot(image, True, 5.0, 5.0, also=(9.5, 5.0)), Shot(image, True, 5.0, 5.0)]
     situation = Situation(5, 'k', 's', lambda *_: iter(shots), 'x', NOISE)

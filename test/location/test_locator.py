@@ -1,10 +1,13 @@
 """What the last flashes tell of the next: motion and flicker."""
 
 from blob_tracker.location import locate, Locator
+from blob_tracker.simulation.sensor import expose
 from blob_tracker.types import LocationError, Window
 import numpy as np
 import pytest
-from support.flashes import BACKGROUND, circle, evenly, fly, NOISE, pairs, SATURATION
+from support.flashes import (
+    BACKGROUND, circle, evenly, fly, nees, NOISE, pairs, PEAK, pulses, SATURATION,
+)
 
 
 def pulsed(exposure, random):
@@ -66,6 +69,38 @@ def test_whole_periods_are_no_bands():
     random = np.random.default_rng(3)
     flight = fly(circle(120, 0.5), pulsed(2.0, random))
     assert flight.said('PWM') == 0.0
+
+
+@pytest.mark.parametrize('turning', [True, False])
+def test_a_faint_tail_shows_in_many_flashes(turning):
+    """
+    Doubt a light that has 5 % of it in a tail of 4 px, along its way or always to the right.
+
+    No flash by itself shows it, and it moves the place by four sigmas.
+    """
+    random = np.random.default_rng(8)
+    locator, errors, covariances = Locator(), [], []
+    for k in range(240):
+        angle = 8.0 * k / 25.0  # 8 px from flash to flash, round a circle of 25 px
+        x, y = 60.3 + 25.0 * np.cos(angle), 60.4 + 25.0 * np.sin(angle)
+        way = np.array([-np.sin(angle), np.cos(angle)]) if turning else np.array([1.0, 0.0])
+        x0, y0 = round(x) - 7, round(y) - 7
+        steps = 4.0 * (np.arange(8) + 0.5) / 8.0
+        lit = 0.95 * pulses(15, x - x0, y - y0) + 0.05 * pulses(
+            15, x - x0 + steps * way[0], y - y0 + steps * way[1]
+        ).mean(axis=0)
+        lit, unlit = (
+            expose(PEAK * mean + BACKGROUND, NOISE, random) for mean in (lit, np.zeros(lit.shape))
+        )
+        window = Window(lit, unlit, x0, y0, k * 33_333_333, SATURATION)
+        found = locator.locate(window, noise=NOISE)
+        if k >= 80:  # once it is known
+            errors.append((found.x - x, found.y - y))
+            covariances.append(found.covariance)
+            assert 'lopsided' in found.warning or 'tail' in found.warning
+    assert np.hypot(*np.transpose(errors)).mean() > 0.05
+    # 160 places: four standard errors are 0.6.
+    assert nees(errors, covariances) == pytest.approx(2.0, abs=0.6)
 
 
 def test_lights_are_remembered_by_name_until_forgotten():

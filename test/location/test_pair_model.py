@@ -1,7 +1,9 @@
 """Means and slopes of the models of a pair, and their likelihood."""
 
+from dataclasses import replace
+
 from blob_tracker.location import pair_model
-from blob_tracker.location.hypotheses import choose, Fit, Pair
+from blob_tracker.location.hypotheses import choose, Fit, History, Pair
 from blob_tracker.location.pair_likelihood import climb, fill_equations, log_likelihood
 from blob_tracker.location.texture_field import log_likelihood_of_texture
 import numpy as np
@@ -113,7 +115,7 @@ def test_an_alternative_is_heard_where_noise_would_seldom_make_it():
     # chi-square of 3 degrees of freedom is above 21.1 once in 1e4.
     assert choose(base, [fit(10.0, 8)], 300) is base
     likelier = fit(11.0, 8)
-    assert choose(base, [likelier], 300) is likelier
+    assert choose(base, [likelier], 300).log_likelihood == likelier.log_likelihood
 
 
 def test_alternatives_that_are_as_likely_share_the_place():
@@ -122,3 +124,19 @@ def test_alternatives_that_are_as_likely_share_the_place():
     assert chosen.x == pytest.approx(2.0)
     assert chosen.covariance[0, 0] == pytest.approx(2.0)
     assert choose(fit(0.0, 5), [fit(50.0, 8, 1.0), fit(70.0, 8, 3.0)], 300).x == pytest.approx(3.0)
+
+
+def test_what_the_last_flashes_were_tips_the_balance():
+    """Weigh two that are level by what the last flashes said for each."""
+    one, other = (
+        replace(fit(50.0, 8, x), model=name) for x, name in ((1.0, 'one'), (3.0, 'other'))
+    )
+    history = History(evidence=[{'one': -1.0, 'other': 0.0}, {'one': 0.0, 'other': -0.25}])
+    chosen = choose(fit(0.0, 5), [one, other], 300, history)
+    weight = 1.0 / (1.0 + np.exp(-0.75))
+    assert chosen.x == pytest.approx((1.0 - weight) * 1.0 + weight * 3.0)
+    assert chosen.model == 'other'
+    # More than a light's whole past outdoes it: it may have become another one.
+    past = History(evidence=[{'other': 0.0}] * 32)
+    sure = replace(one, log_likelihood=70.0)
+    assert choose(fit(0.0, 5), [sure, other], 300, past).x == pytest.approx(1.0, abs=0.01)

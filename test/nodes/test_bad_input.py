@@ -15,6 +15,7 @@ from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.simulation import flashing_light, Scene
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Vector3Stamped
+import numpy as np
 import pytest
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Bool
@@ -24,6 +25,7 @@ SCENE = flashing_light(width=160, height=120, period=3.0)
 MODEL = CameraModel.from_field_of_view(160, 120, 40.0)
 STEP_NS = 16_666_667
 _NOW = 10**18
+NOISE = np.random.default_rng(6)
 
 
 class Tracker:
@@ -263,6 +265,12 @@ def test_frames_that_show_nothing_are_named(
     assert not tracker.bearings
 
 
+def noisy(image: Image) -> None:
+    """Change the last bit of every third pixel or so: no sensor sees the same noise twice."""
+    pixels = np.frombuffer(image.data, np.uint8)
+    image.data = array('B', (pixels ^ (NOISE.random(pixels.size) < 0.3)).tobytes())
+
+
 @pytest.mark.parametrize('indices', [
     pytest.param((1, 3, 5, 7), id='never on'),
     pytest.param((2, 2, 2, 2), id='always on'),
@@ -274,8 +282,19 @@ def test_a_light_that_does_not_flash_is_said_to_be_missing(
     tracker.stamp_ns += 10**9
     for _ in range(40):
         for index in indices:
-            tracker.send(index)
+            tracker.send(index, noisy)
     tracker.expect('no target: nothing lit up', DiagnosticStatus.OK)
+    assert not tracker.bearings
+
+
+def test_frames_that_come_twice_are_named(tracker: Tracker) -> None:
+    """A driver that gives the same frame again, and again."""
+    tracker.stamp_ns += 10**9
+    for index in (1, 3):
+        tracker.send(index)
+    for _ in range(120):
+        tracker.send(3)
+    tracker.expect('the frame is identical to the one before it', DiagnosticStatus.WARN)
     assert not tracker.bearings
 
 
@@ -298,7 +317,7 @@ def test_a_lost_target_turns_visible_false(tracker: Tracker) -> None:
     tracker.node.spin_until(lambda: tracker.visible and tracker.visible[-1].data, 5.0)
     tracker.visible.clear()
     for _ in range(150):  # more than a second: a diagnostic that is all of this
-        tracker.send(1)
+        tracker.send(1, noisy)
     tracker.node.spin_until(lambda: tracker.visible, 5.0)
     assert [message.data for message in tracker.visible] == [False]
     tracker.expect('no target: nothing lit up', DiagnosticStatus.OK)

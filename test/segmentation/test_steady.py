@@ -31,7 +31,7 @@ def test_every_lit_frame_gives_a_window() -> None:
 
 
 @pytest.mark.parametrize('image, reason', [
-    (flashing_light(width=160, height=120, seed=3).frame(1), '2.9 times its noise and texture'),
+    (flashing_light(width=160, height=120, seed=3).frame(1), 'times its noise and texture; a'),
     (np.zeros((120, 160), np.uint8), 'nothing lit up'),
     (np.full((120, 160), 255, np.uint8), 'nothing lit up'),
 ], ids=['texture', 'lens cap', 'all saturated'])

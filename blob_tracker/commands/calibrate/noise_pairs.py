@@ -68,7 +68,7 @@ def watched(
 
 def shown_frames(arguments: argparse.Namespace, console: Console) -> Iterator[tuple[str, Pixels]]:
     """Yield the frames of a source, of a topic up to Ctrl-C at most, with a progress bar."""
-    stream = frames(arguments)
+    stream = frames(arguments, interpolate=False)
     if is_live(arguments):
         if arguments.seconds is None and arguments.count is None:
             arguments.seconds = LIVE_S

@@ -78,7 +78,9 @@ def expected(arguments: argparse.Namespace) -> int | None:
     return min(there, arguments.count)
 
 
-def frames(arguments: argparse.Namespace) -> Iterator[tuple[str, Pixels]]:
+def frames(
+    arguments: argparse.Namespace, *, interpolate: bool = True
+) -> Iterator[tuple[str, Pixels]]:
     """
     Yield the frames of SOURCE.
 
@@ -86,6 +88,9 @@ def frames(arguments: argparse.Namespace) -> Iterator[tuple[str, Pixels]]:
     ----------
     arguments : Namespace
         Of a parser that `add_source` filled.
+    interpolate : bool
+        Whether the frames of a Bayer mosaic are interpolated to all pixels, for their places; else
+        they are samples of one colour, for their noise.
 
     Yields
     ------
@@ -102,9 +107,9 @@ def frames(arguments: argparse.Namespace) -> Iterator[tuple[str, Pixels]]:
     """
     path = Path(arguments.source)
     if is_live(arguments):
-        stream = _of_topic(arguments.source, arguments.seconds)
+        stream = _of_topic(arguments.source, arguments.seconds, interpolate)
     elif _is_bag(path):
-        stream = _of_bag(path, arguments.topic)
+        stream = _of_bag(path, arguments.topic, interpolate)
     else:
         stream = _of_folder(path)
     for index, frame in enumerate(stream, start=1):
@@ -155,17 +160,19 @@ def _bag_count(bag: Path, topic: str) -> int:
         raise SourceError(str(error)) from None
 
 
-def _of_bag(bag: Path, topic: str) -> Iterator[tuple[str, Pixels]]:
+def _of_bag(bag: Path, topic: str, interpolate: bool) -> Iterator[tuple[str, Pixels]]:
     from blob_tracker.ros.endpoints.recording import recorded_images, RecordingError
 
     try:
-        for seconds, pixels in recorded_images(bag, topic):
+        for seconds, pixels in recorded_images(bag, topic, interpolate=interpolate):
             yield f'{seconds:.3f} s', pixels
     except RecordingError as error:
         raise SourceError(str(error)) from None
 
 
-def _of_topic(topic: str, longest: float | None) -> Iterator[tuple[str, Pixels]]:
+def _of_topic(
+    topic: str, longest: float | None, interpolate: bool
+) -> Iterator[tuple[str, Pixels]]:
     try:
         from blob_tracker.ros.endpoints.live_images import live_images, NoImagesError
     except ImportError:
@@ -175,7 +182,7 @@ def _of_topic(topic: str, longest: float | None) -> Iterator[tuple[str, Pixels]]
 
     began = time.monotonic()
     try:
-        for seconds, pixels in live_images(topic):
+        for seconds, pixels in live_images(topic, interpolate=interpolate):
             yield f'{seconds:.3f} s', pixels
             if longest is not None and time.monotonic() - began >= longest:
                 return

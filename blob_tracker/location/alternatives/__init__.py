@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 from blob_tracker.location.alternatives.defocused import defocused
 from blob_tracker.location.alternatives.ghost import ghost
+from blob_tracker.location.alternatives.glow import glow
 from blob_tracker.location.alternatives.smeared import smeared
 from blob_tracker.location.alternatives.streak import streak
 from blob_tracker.location.alternatives.switched import switched
@@ -29,6 +30,7 @@ ALTERNATIVES: dict[Alternative, Suspicion] = {
     tailed: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS | Suspicion.LOPSIDED,
     two_lights: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS | Suspicion.LOPSIDED,
     defocused: Suspicion.PIXELS,
+    glow: Suspicion.PIXELS | Suspicion.LOPSIDED,
 }
 
 __all__ = ['ALTERNATIVES', 'Alternative']

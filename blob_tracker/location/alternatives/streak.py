@@ -13,8 +13,8 @@ from blob_tracker.location.pair_model import AMPLITUDE, bounds, SIGMA
 from blob_tracker.location.shape_model import fill_streak, WAY_X, WAY_Y
 import numpy as np
 
-LONGER = 1.08  # times as long as wide: what is rounder is no streak
 PLAIN = 2.0  # sigmas of length, up to which a pulse is as good as round
+SLOWEST = 120  # steps: how long and how wide a short one is, is hard to tell apart
 SHORTEST = 0.3  # px: from a length of 0 there is no way up
 
 
@@ -31,8 +31,6 @@ def streak(pair: Pair, base: Fit) -> Fit | None:
     if pair.unlit is None:
         return None  # what stands behind the target may be what makes it long
     light = light_moments(pair)
-    if light.along < LONGER * light.across:
-        return None
     half = math.sqrt(3.0 * max(light.along**2 - light.across**2, SHORTEST**2))
     start = np.array([
         light.x, light.y, max(light.peak, 1.0) * (1.0 + 0.4 * half / light.across),
@@ -41,7 +39,7 @@ def streak(pair: Pair, base: Fit) -> Fit | None:
     lower, upper = bounds(pair)
     reach = np.full(2, float(max(pair.lit.shape)))
     best = climb(
-        pair, fill_streak, start, np.append(lower, -reach), np.append(upper, reach)
+        pair, fill_streak, start, np.append(lower, -reach), np.append(upper, reach), steps=SLOWEST,
     )
     if best is None:
         return None

@@ -51,7 +51,7 @@ def tailed(pair: Pair, base: Fit) -> Fit | None:
         'that leaks, smear, blooming, or coma): its head is taken; lower the exposure, or learn '
         'its pulse (calibrate pulse)',
     )
-    return replace(fit, log_likelihood=fit.log_likelihood - RARER * max(left.chi2, 1.0) ** 2)
+    return replace(fit, rarity=RARER * max(left.chi2, 1.0) ** 2, lopsided=True)
 
 
 def _lopsided(pair: Pair, base: Fit) -> Floats:

@@ -59,7 +59,9 @@ def two_lights(pair: Pair, base: Fit) -> Fit | None:
         f'a second light, {part:.1f} as bright, {distance:.1f} px {EIGHTHS[eighth]} the target, '
         'flashes with it: a reflection?',
     )
-    return replace(fit, log_likelihood=fit.log_likelihood - RARER * max(left.chi2, 1.0) ** 2)
+    return replace(
+        fit, rarity=RARER * max(left.chi2, 1.0) ** 2, lopsided=bool(part < EQUAL)
+    )
 
 
 def _first_guesses(pair: Pair, base: Fit) -> list[Floats]:

@@ -26,7 +26,7 @@ class NoImagesError(RuntimeError):
     """A topic on which no usable image comes; the message says what to look at."""
 
 
-def live_images(topic: str) -> Iterator[tuple[float, Pixels]]:
+def live_images(topic: str, *, interpolate: bool = True) -> Iterator[tuple[float, Pixels]]:
     """
     Yield the images of a topic, always the newest, until the caller ends.
 
@@ -34,6 +34,8 @@ def live_images(topic: str) -> Iterator[tuple[float, Pixels]]:
     ----------
     topic : str
         Name of the topic.
+    interpolate : bool
+        See `to_pixels`.
 
     Yields
     ------
@@ -77,7 +79,7 @@ def live_images(topic: str) -> Iterator[tuple[float, Pixels]]:
             stamp_ns = to_ns(message.header.stamp)
             first_ns = stamp_ns if first_ns is None else first_ns
             try:
-                pixels = to_pixels(message)
+                pixels = to_pixels(message, interpolate=interpolate)
             except MessageError as error:
                 raise NoImagesError(f'{topic}: {error}') from None
             yield (stamp_ns - first_ns) / 1e9, pixels

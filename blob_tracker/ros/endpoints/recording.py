@@ -27,7 +27,9 @@ class RecordingError(ValueError):
     """A bag that holds no such images; the message says what is wrong and what would be right."""
 
 
-def recorded_images(bag: Path, topic: str) -> Iterator[tuple[float, Pixels]]:
+def recorded_images(
+    bag: Path, topic: str, *, interpolate: bool = True
+) -> Iterator[tuple[float, Pixels]]:
     """
     Yield the images of a topic in the order in which they were recorded.
 
@@ -37,6 +39,8 @@ def recorded_images(bag: Path, topic: str) -> Iterator[tuple[float, Pixels]]:
         Folder of the bag.
     topic : str
         Name of the topic; a slash in front does not matter.
+    interpolate : bool
+        See `to_pixels`.
 
     Yields
     ------
@@ -54,7 +58,7 @@ def recorded_images(bag: Path, topic: str) -> Iterator[tuple[float, Pixels]]:
             seconds = (stamp_ns - reader.start_time) / 1e9
             try:
                 image = reader.deserialize(data, connection.msgtype)
-                yield seconds, to_pixels(image)
+                yield seconds, to_pixels(image, interpolate=interpolate)
             except MessageError as error:
                 raise RecordingError(f'{bag}, {topic} at {seconds:.3f} s: {error}') from None
 

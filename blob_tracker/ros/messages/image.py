@@ -6,7 +6,7 @@ from array import array
 from collections.abc import Mapping
 from typing import Any
 
-from blob_tracker.colour import in_channel
+from blob_tracker.colour import grey_pixels
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.stamp import from_ns, SECOND_NS, to_ns
 from blob_tracker.types import BAYER, Frame, Pixels, PLANES, Window
@@ -128,19 +128,21 @@ def to_window(image: Image, info: CameraInfo) -> Window:
     )
 
 
-def to_pixels(image: Image) -> Pixels:
+def to_pixels(image: Image, *, interpolate: bool = True) -> Pixels:
     """
-    Return the pixels of an image without its camera_info, those of a colour camera as luma.
+    Return the pixels of an image without its camera_info and its colours.
 
     Parameters
     ----------
     image : Image
         As of `to_frame`; of rclpy or of rosbags.
+    interpolate : bool
+        Of a Bayer mosaic, see `grey_pixels`.
 
     Returns
     -------
     (h, w) array of uint8 or uint16
-        Raw DN; luma where the image has colours, which of a Bayer mosaic is half as large.
+        DN.
 
     Raises
     ------
@@ -151,7 +153,7 @@ def to_pixels(image: Image) -> Pixels:
     pixels, layout = _coloured(image)
     frame = Frame(pixels, 0, int(np.iinfo(pixels.dtype).max), layout=layout)
     try:
-        return in_channel(frame, 'luma').image
+        return grey_pixels(frame, interpolate=interpolate)
     except ValueError as error:
         raise MessageError(str(error)) from None
 

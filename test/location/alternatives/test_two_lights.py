@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.location.alternatives.two_lights import two_lights
-from blob_tracker.location.hypotheses import Motion, Pair
+from blob_tracker.location.hypotheses import History, Motion, Pair
 from blob_tracker.location.pair_model import one_pulse, to_fit
 from blob_tracker.simulation import expose
 import numpy as np
@@ -39,7 +39,8 @@ def test_of_two_equal_ones_the_expected_one_is_the_target(expected: int) -> None
     motion = Motion(np.zeros(2), 0.15, places[expected] + 0.2)
     pair = Pair(
         expose(lit, NOISE, random).astype(float),
-        expose(np.full(lit.shape, BACKGROUND), NOISE, random).astype(float), NOISE, np.inf, motion,
+        expose(np.full(lit.shape, BACKGROUND), NOISE, random).astype(float), NOISE, np.inf,
+        History(motion),
     )
     base = one_pulse(pair, np.array([8.4, 9.0, 100.0, 30.0, 2.0]))
     assert base is not None

@@ -176,14 +176,18 @@ def test_colours_go_there_and_back(encoding: str) -> None:
 @pytest.mark.parametrize('order', ['rggb', 'grbg', 'gbrg', 'bggr'])
 @pytest.mark.parametrize(('bits', 'kind'), [(8, np.uint8), (16, np.uint16)])
 def test_a_mosaic_goes_there_and_back(order: str, bits: int, kind: type) -> None:
-    """As it is; its luma is half as large."""
+    """As it is; for calibrations it is interpolated, or one of its green samples a cell."""
     frame = Frame(RGB[..., 0].astype(kind), 7, 2**bits - 1, layout=order)
     message = from_frame(frame, 'optical')
     assert message.encoding == f'bayer_{order}{bits}'
     back = to_frame(message, SMALL)
     assert back.layout == order
     np.testing.assert_array_equal(back.image, frame.image)
-    assert to_pixels(message).shape == (2, 3)
+    assert to_pixels(message).shape == (4, 6)
+    first = (0, 1) if order in ('rggb', 'bggr') else (0, 0)
+    np.testing.assert_array_equal(
+        to_pixels(message, interpolate=False), frame.image[first[0]::2, first[1]::2]
+    )
 
 
 @pytest.mark.parametrize(('encoding', 'luma_first'), [

@@ -162,13 +162,22 @@ def test_a_leap_of_ten_degrees_is_caught_up() -> None:
 
 
 def test_the_crop_does_not_flatter() -> None:
-    """The whole picture gives the same bearings' error as the crop in its middle: to 10 %."""
+    """
+    The whole picture gives the same bearings' error as the crop in its middle: to 10 %.
+
+    The ratio of two loops with noise of their own scatters by 9 %, of three by 5 %.
+    """
     scenario, finder = Scenario(), FINDERS['default']
     whole, crop = (
-        Loop(scenario, finder, PREDICTED, 3.0, 1, region=region).run().errors
+        np.concatenate([
+            errors[len(errors) // 2:] for errors in (
+                Loop(scenario, finder, PREDICTED, 3.0, seed, region=region).run().errors
+                for seed in (1, 2, 3)
+            )
+        ])
         for region in ((640, 480), (160, 120))
     )
-    late = [np.sqrt(np.mean(each[len(each) // 2:] ** 2)) for each in (whole, crop)]
+    late = [np.sqrt(np.mean(each**2)) for each in (whole, crop)]
     assert late[0] == pytest.approx(late[1], rel=0.1)
 
 
