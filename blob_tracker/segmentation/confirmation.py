@@ -428,12 +428,8 @@ class Confirmation:
     @property
     def surveys(self) -> bool:
         """Whether the whole of this frame is to be searched for other lights in step."""
-        locked = self._locked
-        if (
-            self._crowded or locked is None or not self._followed
-            or locked.stamp_ns != self._stamp_ns
-        ):
-            return False  # what flashes in step is on when the target is
+        if self._crowded or not self._followed:
+            return False
         return (
             self._stands_in
             or self._locked_frames < SURVEY_FRAMES // 2
@@ -461,6 +457,8 @@ class Confirmation:
         ]
         self._tracks |= {id(track): track for track, _ in self._seen(new, reaches)}
         locked = self._locked
+        if locked.stamp_ns != self._stamp_ns:
+            return  # what lit up in this frame is out of step
         others = [
             each for each in self._tracks.values()
             if each is not locked

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from blob_tracker.segmentation import Segmenter
 from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.confirmation import Confirmation, MAX_AGE_FRAMES
+from blob_tracker.types import Frame
 import numpy as np
 import pytest
 from support.contrasts import candidate_at
@@ -409,3 +411,24 @@ def test_a_light_that_jumps_alone_is_not_waited_for() -> None:
         if camera.look(index, *([candidate_at(x, 100)] if index % 2 == 0 else [])) is not None:
             found.append(index)
     assert [index for index in found if index >= 60][0] <= 68
+
+
+def test_what_passes_by_is_no_light_in_step() -> None:
+    """Stay with a light while something brighter moves by, and so lights up in each frame."""
+    random = np.random.default_rng(11)
+    y, x = np.mgrid[0:160, 0:240]
+    segmenter = Segmenter()
+    places = []
+    for k in range(160):
+        mean = np.full(y.shape, 30.0)
+        mean += 60.0 * (k % 2 == 0) * np.exp(-((x - 70.0) ** 2 + (y - 80.0) ** 2) / 4.5)
+        passing = (20.0 + 7.0 * k) % 280.0 - 20.0
+        mean += 150.0 * np.exp(-((x - passing) ** 2 + (y - 120.0) ** 2) / 8.0)
+        image = np.clip(np.rint(random.normal(mean, 2.0)), 0, 255).astype(np.uint8)
+        window = segmenter.update(Frame(image, k * 16_666_667, 255))
+        assert not segmenter.warnings
+        if window is not None:
+            height, width = window.lit.shape
+            places.append((window.x0 + width / 2, window.y0 + height / 2))
+    assert len(places) > 70
+    assert np.abs(np.array(places) - (70.5, 80.5)).max() < 2.0

@@ -1,0 +1,180 @@
+"""What the last flashes of a light tell of the next: motion, kind, lean and flicker."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+import math
+
+from blob_tracker.location.estimates import Estimates
+from blob_tracker.location.hypotheses import History, Motion
+from blob_tracker.location.suspicion import HEAD, LEANING
+from blob_tracker.types import Location, Window
+import numpy as np
+from numpy.typing import NDArray
+
+STEADIEST = 0.15  # px: the light's motion is not known better than that
+ACCELERATING = 1.5  # of the last change of its displacement, that the next may have
+LONGEST = 1.6  # of the last interval between two flashes, that the next may take
+REMEMBERED = 32  # flashes, of which is told whether the light is the same in all
+FEWEST = 8  # of them, before it can be
+UNLIKE = 0.06  # of the light's mean, by which it differs from flash to flash where it flickers
+SIGMAS = 5.0  # of what noise makes of that
+SUMMED = 64  # flashes, over which a light's lopsidedness is summed
+# A chi-square of two degrees of freedom that noise exceeds once in 1e4: of a light's lopsidedness,
+# summed over these flashes
+LOPSIDED_FLASHES = 18.4
+NO_EVIDENCE: Mapping[str, float] = {}  # that the light is anything but one round pulse
+IMAGE_AXES = np.eye(2)
+LEAST_WAY_PX = 1.0  # px from flash to flash, beyond which it is known where the light goes
+
+
+class _Lean:
+    """Sums over the last flashes of lopsidedness: two scores and their variances' inverse."""
+
+    def __init__(self) -> None:
+        self.score_x = self.score_y = self.x = self.y = 0.0
+        self._terms: deque[tuple[float, float, float, float]] = deque()
+
+    @property
+    def flashes(self) -> int:
+        """How many there are."""
+        return len(self._terms)
+
+    def add(self, score_x: float, score_y: float, x: float, y: float) -> None:
+        """Take the next flash."""
+        self._terms.append((score_x, score_y, x, y))
+        if len(self._terms) > SUMMED:
+            old_score_x, old_score_y, old_x, old_y = self._terms.popleft()
+            score_x, score_y = score_x - old_score_x, score_y - old_score_y
+            x, y = x - old_x, y - old_y
+        self.score_x += score_x
+        self.score_y += score_y
+        self.x += x
+        self.y += y
+
+    @property
+    def chi_square(self) -> float:
+        """Of two degrees of freedom where the light is even; 0 where nothing is known yet."""
+        if not (self.x > 0.0 and self.y > 0.0):
+            return 0.0
+        return self.score_x**2 / self.x + self.score_y**2 / self.y
+
+
+class FlashMemory:
+    """The last flashes of one light. In Python's own numbers: arrays of three cost more time."""
+
+    def __init__(self) -> None:
+        self._places: deque[tuple[int, float, float]] = deque(maxlen=3)
+        self._light: deque[float] = deque(maxlen=REMEMBERED)
+        self._unlike: deque[float] = deque(maxlen=REMEMBERED - 1)  # from one flash to the next
+        self._noise: deque[float] = deque(maxlen=REMEMBERED)  # of the light, over it
+        self._evidence: deque[Mapping[str, float]] = deque(maxlen=REMEMBERED)
+        self._lopsided = _Lean()  # along x and y
+        self._trailing = _Lean()  # along the light's way, and across it
+
+    def add(self, location: Location, evidence: Mapping[str, float]) -> None:
+        """Take the next flash: where and how bright it was, and which models spoke for it."""
+        self._places.append((location.stamp_ns, location.x, location.y))
+        self._evidence.append(evidence)
+        if location.saturated:
+            return  # its flanks do not tell how bright it is
+        light = location.amplitude * location.sigma**2
+        if self._light:
+            self._unlike.append(abs(light - self._light[-1]))
+        self._light.append(light)
+        self._noise.append(1.0 / (location.snr * max(location.sigma, 0.5)))
+
+    def history(self, window: Window) -> History:
+        """Return what the last flashes say of the next one."""
+        evidence = [each for each in self._evidence if each]
+        return History(self._motion(window), self._even, evidence)
+
+    @property
+    def _even(self) -> bool:
+        """Whether enough flashes are remembered, and lean to no side in their sum."""
+        return self._lopsided.flashes >= FEWEST and max(
+            self._lopsided.chi_square, self._trailing.chi_square
+        ) < LEANING
+
+    def _motion(self, window: Window) -> Motion | None:
+        """Return how the light should have moved since its last flash; None if unknown."""
+        if len(self._places) < 3:
+            return None
+        (t0, x0, y0), (t1, x1, y1), (t2, x2, y2) = self._places
+        first, second, last = t1 - t0, t2 - t1, window.stamp_ns - t2
+        least = min(first, second, last)
+        if least <= 0 or max(first, second, last) > LONGEST * least:
+            return None
+        across, down = window.binning
+        flash_x, flash_y = (x2 - x1) * last / second, (y2 - y1) * last / second
+        changed = math.hypot(
+            (flash_x - (x1 - x0) * last / first) / across,
+            (flash_y - (y1 - y0) * last / first) / down,
+        )
+        return Motion(
+            np.array([flash_x / across, flash_y / down]),
+            max(STEADIEST, ACCELERATING * changed),
+            np.array([
+                (x2 - window.x0 + flash_x + 0.5) / across - 0.5,
+                (y2 - window.y0 + flash_y + 0.5) / down - 0.5,
+            ]),
+        )
+
+    def leaning(
+        self, found: Estimates, location: Location
+    ) -> NDArray[np.float64] | None:
+        """
+        Return the covariance that a lopsided light has beside its fit's, window px^2.
+
+        Coma and a lamp beside the light stay where they are in the picture; the tail of a shutter
+        that leaks, or of a light that fades, turns with the light's way.
+        """
+        score_x, score_y, x, y = found.lopsided[0].tolist()
+        lean = self._lopsided
+        lean.add(score_x, score_y, x, y)
+        way = self._way(location)
+        axes = IMAGE_AXES
+        if way is not None:
+            trailing = self._trailing
+            along, across = way
+            trailing.add(
+                along * score_x + across * score_y, across * score_x - along * score_y,
+                along * along * x + across * across * y, across * across * x + along * along * y,
+            )
+            if trailing.chi_square > lean.chi_square:
+                lean = trailing
+                axes = np.array([[along, across], [across, -along]])
+        leaning = lean.chi_square
+        if leaning < LOPSIDED_FLASHES:
+            return None
+        head = HEAD * np.array([lean.score_x / lean.x, lean.score_y / lean.y]) @ axes
+        return (1.0 - 2.0 / leaning) * np.outer(head, head)
+
+    def _way(self, location: Location) -> tuple[float, float] | None:
+        """Return the unit vector of where the light goes in this flash; None if it stands."""
+        if len(self._places) < 2:
+            return None
+        (t0, x0, y0), (t1, x1, y1) = self._places[-2], self._places[-1]
+        t2, x2, y2 = location.stamp_ns, location.x, location.y
+        if not 0 < t2 - t1 <= LONGEST * (t1 - t0) or t1 - t0 > LONGEST * (t2 - t1):
+            return None
+        # Of the parabola through the three.
+        before = 0.5 * (t2 - t1) / (t1 - t0)
+        u = 1.5 * (x2 - x1) - before * (x1 - x0)
+        v = 1.5 * (y2 - y1) - before * (y1 - y0)
+        speed = math.hypot(u, v)
+        return (u / speed, v / speed) if speed > LEAST_WAY_PX else None
+
+    @property
+    def flicker(self) -> float:
+        """How much the light differs from flash to flash over its mean; 0 if noise may do so."""
+        count = len(self._light)
+        if count < FEWEST:
+            return 0.0
+        # Of the differences: a light that comes nearer does not flicker.
+        # Three quarters of them: bands leave some flashes alike, and something may pass once.
+        unlike = sorted(self._unlike)[3 * len(self._unlike) // 4] * count / sum(self._light)
+        if unlike <= UNLIKE:
+            return 0.0
+        return unlike if unlike > SIGMAS * sorted(self._noise)[count // 2] else 0.0
