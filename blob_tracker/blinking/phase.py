@@ -1,0 +1,206 @@
+"""In which phase of which pattern a light is: a probability over all cells."""
+
+from __future__ import annotations
+
+import math
+
+from blob_tracker.blinking.patterns import SHARE_LEVELS, SUB_CELLS, Tables
+from blob_tracker.kernel import Array, kernel
+import numpy as np
+from numpy.typing import NDArray
+
+# Beside the patterns there are two cells more: a light that is on at random, and one that is always.
+OTHERS = 2
+PRIOR_PATTERNS, PRIOR_RANDOM, PRIOR_STEADY = 0.5, 0.4, 0.1
+SEEN = 0.97  # of the lit frames of a light in view: now and then something passes before it
+SEEN_AT_RANDOM = 0.5  # of all frames, of a light of no known pattern
+SCINTILLATION = 0.03  # of a light's flux, by which it changes from frame to frame
+STRANGE = 0.03  # of the hits have another flux: a second light beside it, a reflection
+# To either side in a frame: of 16 cells a frame interval a clock that is off by 1 % crosses 0.16
+DIFFUSION = 0.05
+DOUBT = 1e-4  # of the probability is dealt out afresh in each frame: a new start is possible
+NOTHING = 1e-12  # a probability that is none
+SOFTNESS = 0.3  # of the least flux that is seen: how soft that limit is
+
+
+@kernel
+def fill_prior(first: NDArray[np.int64], weights: Array) -> None:
+    """Fill the weights of a light of which nothing is known: all patterns alike."""
+    cells = first[-1]
+    patterns = first.size - 1
+    for p in range(patterns):
+        weights[first[p]:first[p + 1]] = PRIOR_PATTERNS / patterns / (first[p + 1] - first[p])
+    weights[cells] = PRIOR_RANDOM
+    weights[cells + 1] = PRIOR_STEADY
+
+
+@kernel
+def diffuse(first: NDArray[np.int64], prior: Array, weights: Array) -> None:
+    """Let the phases drift apart for a frame: no clock is exact."""
+    for p in range(first.size - 1):
+        begin, end = first[p], first[p + 1]
+        start, before = weights[begin], weights[end - 1]
+        for c in range(begin, end):
+            here = weights[c]
+            after = start if c == end - 1 else weights[c + 1]
+            weights[c] = here + DIFFUSION * (before + after - 2.0 * here)
+            before = here
+    for c in range(weights.size):
+        weights[c] += DOUBT * (prior[c] - weights[c])
+
+
+@kernel
+def seen(share_flux: float, least_flux: float) -> float:
+    """Return the probability that so much light is detected."""
+    away = (share_flux - least_flux) / (SOFTNESS * least_flux)
+    return SEEN / (1.0 + math.exp(-1.7 * away)) if share_flux > 0.0 else 0.0
+
+
+@kernel
+def fill_hit(flux: float, flux_sigma: float, full: Array, least: float, out: Array) -> None:
+    """
+    Fill the likelihood of a point of this flux for each level of the share.
+
+    It is a density over flux in units of the full one: that of clutter is 1.
+    """
+    mean, spread = full[0], full[1] ** 2 + SCINTILLATION**2
+    for level in range(SHARE_LEVELS + 1):
+        expected = mean * level / SHARE_LEVELS
+        variance = flux_sigma**2 + expected**2 * spread + (0.5 * mean / SHARE_LEVELS) ** 2
+        density = mean * math.exp(-0.5 * (flux - expected) ** 2 / variance) / math.sqrt(
+            2.0 * math.pi * variance
+        )
+        out[level] = seen(expected, least) * ((1.0 - STRANGE) * density + STRANGE)
+
+
+@kernel
+def fill_miss(full: Array, least: float, out: Array) -> None:
+    """Fill the probability that nothing is seen for each level of the share."""
+    for level in range(SHARE_LEVELS + 1):
+        out[level] = 1.0 - seen(full[0] * level / SHARE_LEVELS, least)
+
+
+@kernel
+def steps_on(tables: Tables, clock: float, pattern: int) -> int:
+    """Return by how many steps of the table a pattern has gone on since the clock's zero."""
+    count = SUB_CELLS * (tables.first[pattern + 1] - tables.first[pattern])
+    return int(math.floor(clock * tables.rate[pattern] * SUB_CELLS + 0.5)) % count
+
+
+@kernel
+def fill_outlook(tables: Tables, clock: float, weights: Array, outlook: Array) -> None:
+    """
+    Fill what is to be seen in the frame at this time.
+
+    `outlook` is (4, SHARE_LEVELS + 1): for each level of the share its probability, and the same
+    times tau and tau^2, frame intervals, over the patterns; then the probability of OTHERS, which
+    are seen in the middle of the exposure as far as one knows.
+    """
+    outlook[:] = 0.0
+    for p in range(tables.first.size - 1):
+        begin, end = tables.first[p], tables.first[p + 1]
+        step = steps_on(tables, clock, p)
+        count = SUB_CELLS * (end - begin)
+        for c in range(begin, end):
+            weight = weights[c] / SUB_CELLS
+            if weight < NOTHING:
+                continue
+            at = (SUB_CELLS * (c - begin) + step) % count
+            for k in range(SUB_CELLS):
+                place = SUB_CELLS * begin + (at + k if at + k < count else at + k - count)
+                level, tau = tables.level[place], tables.tau[place]
+                outlook[0, level] += weight
+                outlook[1, level] += weight * tau
+                outlook[2, level] += weight * tau * tau
+    cells = tables.first[-1]
+    outlook[3, 0], outlook[3, 1] = weights[cells], weights[cells + 1]
+
+
+@kernel
+def of_random(full: float) -> float:
+    """Return the likelihood of a hit for a light that is on at random: half keep their flux."""
+    return SEEN_AT_RANDOM * 0.5 * (full / SEEN + 1.0)
+
+
+@kernel
+def judge_hit(outlook: Array, likelihood: Array, moments: Array) -> float:
+    """
+    Return the likelihood of a hit, and what it tells.
+
+    Parameters
+    ----------
+    outlook, likelihood
+        As `fill_outlook` and `fill_hit` fill them.
+    moments : (4,) array
+        Gets mean and variance of tau, in frame intervals, and of the share.
+
+    """
+    total, t1, t2, s1, s2 = 0.0, 0.0, 0.0, 0.0, 0.0
+    for level in range(SHARE_LEVELS + 1):
+        part = outlook[0, level] * likelihood[level]
+        total += part
+        t1 += outlook[1, level] * likelihood[level]
+        t2 += outlook[2, level] * likelihood[level]
+        share = level / SHARE_LEVELS
+        s1 += part * share
+        s2 += part * share * share
+    full = likelihood[SHARE_LEVELS]
+    others = outlook[3, 0] * of_random(full) + outlook[3, 1] * full
+    whole = max(total + others, NOTHING * NOTHING)
+    moments[0] = t1 / whole
+    moments[1] = max(t2 / whole - moments[0] ** 2, 0.0)
+    moments[2] = (s1 + others) / whole
+    moments[3] = max((s2 + others) / whole - moments[2] ** 2, 0.0)
+    return whole
+
+
+@kernel
+def judge_miss(outlook: Array, likelihood: Array) -> float:
+    """Return the probability that nothing is seen; `likelihood` is that of `fill_miss`."""
+    total = outlook[3, 0] * (1.0 - SEEN_AT_RANDOM) + outlook[3, 1] * likelihood[SHARE_LEVELS]
+    for level in range(SHARE_LEVELS + 1):
+        total += outlook[0, level] * likelihood[level]
+    return max(total, NOTHING)
+
+
+@kernel
+def weigh(
+    tables: Tables, clock: float, weights: Array, likelihood: Array, random: float, steady: float
+) -> float:
+    """Multiply the cells by the likelihood of what was seen; return its sum over all of them."""
+    total = 0.0
+    for p in range(tables.first.size - 1):
+        begin, end = tables.first[p], tables.first[p + 1]
+        step = steps_on(tables, clock, p)
+        count = SUB_CELLS * (end - begin)
+        for c in range(begin, end):
+            at = (SUB_CELLS * (c - begin) + step) % count
+            part = 0.0
+            for k in range(SUB_CELLS):
+                place = SUB_CELLS * begin + (at + k if at + k < count else at + k - count)
+                part += likelihood[tables.level[place]]
+            weights[c] *= part / SUB_CELLS
+            total += weights[c]
+    cells = tables.first[-1]
+    weights[cells] *= random
+    weights[cells + 1] *= steady
+    total += weights[cells] + weights[cells + 1]
+    if total > 0.0:
+        for c in range(weights.size):
+            weights[c] /= total
+    return total
+
+
+@kernel
+def weigh_hit(tables: Tables, clock: float, weights: Array, likelihood: Array) -> float:
+    """Take note of a point; `likelihood` is that of `fill_hit`."""
+    full = likelihood[SHARE_LEVELS]
+    return weigh(tables, clock, weights, likelihood, of_random(full), full)
+
+
+@kernel
+def weigh_miss(tables: Tables, clock: float, weights: Array, likelihood: Array) -> float:
+    """Take note that nothing was seen; `likelihood` is that of `fill_miss`."""
+    return weigh(
+        tables, clock, weights, likelihood, 1.0 - SEEN_AT_RANDOM, likelihood[SHARE_LEVELS]
+    )
