@@ -25,8 +25,8 @@ TURNS = 0.03  # of the frames have a turn
 TURN_HITS = 3  # a row has before it may turn: before it has no velocity
 OWNED = 6.0  # nats that a point is the less likely a turn's where a settled light explains it
 FIRST_SCORE = -3.0  # of a point: few are the first of a light
-LOWEST_SCORE, HIGHEST_SCORE = -9.0, 40.0
-SETTLED_SCORE = 12.0  # of a row that explains its points
+LOWEST_SCORE, HIGHEST_SCORE = -9.0, 40.0  # nats; the latter of a light with a name
+SETTLED = 0.9  # probability that a light is always on: it explains its point
 FAR_BEHIND = 10.0  # nats behind the best thought on a light
 THOUGHTS = 4  # on a light that is named
 
@@ -114,7 +114,7 @@ def step(
     owner = np.full(points.shape[0], UNNAMED)
     explained = np.zeros(points.shape[0], np.bool_)
     for row in range(count):
-        if old.name[row] == UNNAMED and old.score[row] > SETTLED_SCORE:
+        if old.name[row] == UNNAMED and old.weights[row, tables.first[-1] + 1] > SETTLED:
             _explain(old, row, points, explained)
     born = 0
     for row in range(count):
@@ -137,6 +137,9 @@ def step(
         for child in begin + np.argsort(-children.score[begin:end]):
             if filled < limit and _is_worth(old, new, filled, children, child, owner, number, best,
                                             clock, settings):
+                name = old.name[children.parent[child]]
+                if name != UNNAMED:
+                    children.score[child] -= max(best[name] - HIGHEST_SCORE, 0.0)
                 _grow(old, new, filled, children, child, points, number, tables, clock, settings,
                       room)
                 filled += 1
@@ -292,12 +295,21 @@ def _is_worth(
         return False
     last = old.points[row, 0] if point < 0 else number + point
     before = old.points[row, 1] if point < 0 else old.points[row, 0]
+    further = old.points[row, 2] if point < 0 else old.points[row, 1]
     thoughts = 0
     for each in range(filled):
-        if new.name[each] == name:
-            thoughts += 1
-            if new.points[each, 0] == last and new.points[each, 1] == before:
-                return False
+        if new.name[each] != name:
+            continue
+        thoughts += 1
+        first, second, third = new.points[each]
+        if first == last and second == before:
+            return False
+        # A better thought on the same light.
+        if name == UNNAMED and score < new.score[each] - FAR_BEHIND and (
+            last in (first, second, third) or (before >= 0 and before in (first, second, third))
+            or (further >= 0 and further in (first, second, third))
+        ):
+            return False
     if name != UNNAMED:
         if thoughts == THOUGHTS:
             return False
@@ -313,7 +325,7 @@ def _grow(
     """Make a child a row."""
     row, point, gain = children.parent[child], children.point[child], children.gain[child]
     copy_row(old, row, new, to)
-    new.score[to] = min(children.score[child], HIGHEST_SCORE)
+    new.score[to] = children.score[child]
     if point < 0:
         miss_row(new, to, gain, tables, clock, settings.least, room.likelihood)
     else:

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 CONFIRMING_SCORE = 8.0  # nats over clutter
 CONFIRMING_HITS = 3
-SURE = 0.995  # probability of a pattern from which on a light has its name
+SURE = 0.97  # probability of a pattern from which on a light has its name
 DOUBTED = 0.3  # probability of it below which it loses it
 COASTING = 3.0  # nats that a light has missed: another one may have its name
-CLEAR = 4.0  # nats between the best thought on a light and the next one of another place
+CLEAR = 3.0  # nats between the best thought on a light and the next one of another place
 
 
 @kernel

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 CELLS_A_FRAME = 16  # phase cells in a frame interval: a step of 1/16 of it is 1 ms at 60 Hz
 SUB_CELLS = 2  # looks within a cell, at which share and time are tabulated
 LEAST_CELLS = 48  # of a period: a wave of few frames is followed as finely as a code
+LEAST_STEP = 1e-3  # of the share from look to look: of less the slope is not to be told
 SHARE_LEVELS = 128  # steps of the share, so that a frame needs few exponentials
 
 
@@ -91,6 +92,10 @@ class Tables(NamedTuple):
         Share of the exposure for which the light is on, in steps of 1 / SHARE_LEVELS.
     tau : (SUB_CELLS * cells,) array
         Middle of the time for which it is on, from the middle of the exposure.
+    share : (SUB_CELLS * cells,) array
+        The share itself.
+    slope : (SUB_CELLS * cells,) array
+        d tau / d share along the phase; 0 where the share does not change.
 
     """
 
@@ -98,6 +103,8 @@ class Tables(NamedTuple):
     rate: Array
     level: NDArray[np.uint8]
     tau: Array
+    share: Array
+    slope: Array
 
 
 def tables(patterns: Sequence[Pattern], interval: float, exposure: float) -> Tables:
@@ -116,17 +123,26 @@ def tables(patterns: Sequence[Pattern], interval: float, exposure: float) -> Tab
         From frame to frame, and of a frame, s.
 
     """
-    first, rates, levels, taus = [0], [], [], []
+    first, rates = [0], []
+    shares, taus, slopes = [], [], []
     for pattern in patterns:
         frames = pattern.period / interval
         count = max(math.ceil(CELLS_A_FRAME * frames), LEAST_CELLS)
         share, tau = look(pattern, count * SUB_CELLS, exposure)
         first.append(first[-1] + count)
         rates.append(count / frames)
-        levels.append(np.rint(SHARE_LEVELS * share).astype(np.uint8))
+        shares.append(share)
         taus.append(tau / interval)
+        # From the next look: between the ends of a straight piece it is exact.
+        step = np.roll(share, -1) - share
+        slopes.append(np.divide(
+            np.roll(taus[-1], -1) - taus[-1], step, out=np.zeros_like(share),
+            where=np.abs(step) > LEAST_STEP,
+        ))
+    share = np.concatenate(shares)
     return Tables(
-        np.array(first), np.array(rates), np.concatenate(levels), np.concatenate(taus)
+        np.array(first), np.array(rates), np.rint(SHARE_LEVELS * share).astype(np.uint8),
+        np.concatenate(taus), share, np.concatenate(slopes),
     )
 
 

@@ -11,14 +11,16 @@ from numpy.typing import NDArray
 
 # Beside the patterns there are two cells more: a light that is on at random, and one that is always.
 OTHERS = 2
-PRIOR_PATTERNS, PRIOR_RANDOM, PRIOR_STEADY = 0.5, 0.4, 0.1
+PRIOR_PATTERNS, PRIOR_RANDOM, PRIOR_STEADY = 0.8, 0.1, 0.1
 SEEN = 0.97  # of the lit frames of a light in view: now and then something passes before it
 SEEN_AT_RANDOM = 0.5  # of all frames, of a light of no known pattern
 SCINTILLATION = 0.03  # of a light's flux, by which it changes from frame to frame
 STRANGE = 0.03  # of the hits have another flux: a second light beside it, a reflection
 # To either side in a frame: of 16 cells a frame interval a clock that is off by 1 % crosses 0.16
 DIFFUSION = 0.05
-DOUBT = 1e-4  # of the probability is dealt out afresh in each frame: a new start is possible
+DOUBT = 1e-3  # of the probability is dealt out afresh in each frame: a new start is possible
+UNLIKELY = 1e-5  # a weight that does not count where a mean is taken
+NEAR_SHARE, FAR_SHARE = 0.03, 0.1  # of share: a look's width, and how far from it it speaks
 NOTHING = 1e-12  # a probability that is none
 SOFTNESS = 0.3  # of the least flux that is seen: how soft that limit is
 
@@ -131,8 +133,9 @@ def judge_hit(outlook: Array, likelihood: Array, moments: Array) -> float:
     ----------
     outlook, likelihood
         As `fill_outlook` and `fill_hit` fill them.
-    moments : (4,) array
-        Gets mean and variance of tau, in frame intervals, and of the share.
+    moments : (5,) array
+        Gets mean and variance of tau, in frame intervals, mean and variance of the share over the
+        patterns, and their part of the likelihood.
 
     """
     total, t1, t2, s1, s2 = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -146,11 +149,12 @@ def judge_hit(outlook: Array, likelihood: Array, moments: Array) -> float:
         s2 += part * share * share
     full = likelihood[SHARE_LEVELS]
     others = outlook[3, 0] * of_random(full) + outlook[3, 1] * full
-    whole = max(total + others, NOTHING * NOTHING)
+    whole = max(total + others, NOTHING)
     moments[0] = t1 / whole
     moments[1] = max(t2 / whole - moments[0] ** 2, 0.0)
-    moments[2] = (s1 + others) / whole
-    moments[3] = max((s2 + others) / whole - moments[2] ** 2, 0.0)
+    moments[2] = s1 / max(total, NOTHING)
+    moments[3] = max(s2 / max(total, NOTHING) - moments[2] ** 2, 0.0)
+    moments[4] = total / whole
     return whole
 
 
@@ -204,3 +208,41 @@ def weigh_miss(tables: Tables, clock: float, weights: Array, likelihood: Array) 
     return weigh(
         tables, clock, weights, likelihood, 1.0 - SEEN_AT_RANDOM, likelihood[SHARE_LEVELS]
     )
+
+
+@kernel
+def refine(
+    tables: Tables, clock: float, weights: Array, share: float, share_sigma: float,
+    moments: Array,
+) -> None:
+    """
+    Correct mean and variance of tau by the share that was measured: it is finer than a cell.
+
+    Where a light was switched within the exposure tau = +-(1 - s) E / 2, on its way from one look
+    to the next a straight line in s: tau_i + (d tau / d s)_i (s - s_i). The sign is that of the
+    phase; where it is not known both are in the variance. `weights` know of the hit already.
+    """
+    total, t1, t2, noise = 0.0, 0.0, 0.0, 0.0
+    for p in range(tables.first.size - 1):
+        begin, end = tables.first[p], tables.first[p + 1]
+        step = steps_on(tables, clock, p)
+        count = SUB_CELLS * (end - begin)
+        for c in range(begin, end):
+            if weights[c] < UNLIKELY:
+                continue
+            at = (SUB_CELLS * (c - begin) + step) % count
+            for k in range(SUB_CELLS):
+                place = SUB_CELLS * begin + (at + k if at + k < count else at + k - count)
+                away = share - tables.share[place]
+                weight = weights[c] * math.exp(
+                    -0.5 * away * away / (share_sigma**2 + NEAR_SHARE**2)
+                )
+                slope = tables.slope[place]
+                tau = tables.tau[place] + slope * min(max(away, -FAR_SHARE), FAR_SHARE)
+                total += weight
+                t1 += weight * tau
+                t2 += weight * tau * tau
+                noise += weight * slope * slope
+    if total > NOTHING:
+        moments[0] = t1 / total
+        moments[1] = max(t2 / total - moments[0] ** 2, 0.0) + noise / total * share_sigma**2

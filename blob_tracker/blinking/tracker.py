@@ -21,7 +21,6 @@ LEAST_CLUTTER = 0.3  # points a frame that are none of a light's, at least
 CLUTTER_FRAMES = 30.0  # over which they are counted
 FIRST_SPEED = 10.0  # px a frame interval, along each axis, of a light of which nothing is known
 LOST_S = 1.0  # s for which a light keeps its name unseen
-SEEN_GAIN = 2.0  # nats over clutter of a point that is published
 
 
 class Lit(NamedTuple):
@@ -90,10 +89,10 @@ class BlinkTracker:
         born = 8 * rows
         self._children = Children(
             *(np.zeros(born, np.int64) for _ in range(3)), np.zeros(born), np.zeros(born),
-            np.zeros((born, 4)),
+            np.zeros((born, 5)),
         )
         self._room = Room(
-            np.zeros((6, 6)), np.zeros((4, LEVELS)), np.zeros(LEVELS), np.zeros(4)
+            np.zeros((6, 6)), np.zeros((4, LEVELS)), np.zeros(LEVELS), np.zeros(5)
         )
         self._longest = max(each.longest_dark for each in patterns) / interval + 2.0
         self._keep = np.zeros(rows, np.bool_)
@@ -151,7 +150,6 @@ class BlinkTracker:
         return [
             self._lit(name, int(row), order) for name, row in enumerate(self._best)
             if row >= 0 and new.now[row, 0] >= 0.0 and self._lead[name] > CLEAR
-            and new.now[row, 5] > SEEN_GAIN
         ]
 
     def _lit(self, name: int, row: int, order: NDArray[np.int64]) -> Lit:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from blob_tracker.blinking.motion import begin, correct, predict, project, STATE
 from blob_tracker.blinking.patterns import SHARE_LEVELS, Tables
 from blob_tracker.blinking.phase import (
-    fill_hit, fill_miss, OTHERS, weigh_hit, weigh_miss,
+    fill_hit, fill_miss, OTHERS, refine, SCINTILLATION, weigh_hit, weigh_miss,
 )
 from blob_tracker.kernel import Array, kernel
 import numpy as np
@@ -16,8 +16,10 @@ from numpy.typing import NDArray
 KEPT = 3  # last points of a row: what shares two of them is one light
 UNNAMED = -1
 FIRST_SPREAD = 1.0  # of the flux: the first point may have been a small share of the full one
-SETTLED_HITS = 4  # from which on the full flux is a mean; before it is the most that was seen
+PHASE_KNOWN = 0.5  # probability of the patterns from which on their share tells the full flux
 FLUX_DRIFT = 0.01  # of the full flux in a hit: lights come nearer
+WHOLE = 0.97  # of the exposure: from there on a change of the flux is the light's own
+FLUX_FRAMES = 20.0  # over which that is averaged
 SURPRISE = 1.3  # of the full flux: what is brighter was taken for full while it was partly lit
 # A child's kind
 MISS, SMOOTH, TURN = 0, 1, 2
@@ -39,8 +41,9 @@ class Tracks(NamedTuple):
         See `motion`: px, frame intervals.
     weights : (n, cells + OTHERS) array
         See `phase`.
-    full : (n, 2) array
-        Flux of the light in a whole exposure, and its standard deviation over it.
+    full : (n, 3) array
+        Flux of the light in a whole exposure, its standard deviation over it, and the variance
+        over its square by which the flux changes from frame to frame.
     score : (n,) array
         Log likelihood ratio over clutter.
     deficit : (n,) array
@@ -76,7 +79,7 @@ def empty_tracks(count: int, cells: int) -> Tracks:
     """Return so many rows for patterns of so many cells."""
     return Tracks(
         np.zeros((count, STATE)), np.zeros((count, STATE, STATE)),
-        np.zeros((count, cells + OTHERS)), np.zeros((count, 2)), np.zeros(count), np.zeros(count),
+        np.zeros((count, cells + OTHERS)), np.zeros((count, 3)), np.zeros(count), np.zeros(count),
         np.full(count, UNNAMED), np.zeros(count, np.int64), np.full((count, KEPT), -1),
         np.zeros((count, 6)), np.zeros((count, 6)),
     )
@@ -109,6 +112,7 @@ def start_row(
         speed,
     )
     new.full[to, 0], new.full[to, 1] = point[FLUX], FIRST_SPREAD
+    new.full[to, 2] = SCINTILLATION**2
     new.weights[to] = prior
     fill_hit(point[FLUX], point[FLUX_SIGMA], new.full[to], least, likelihood)
     weigh_hit(tables, clock, new.weights[to], likelihood)
@@ -142,7 +146,7 @@ def hit_row(
     """
     Take note in a row of its point.
 
-    `moments` are those of `judge_hit` for it. Where it turned, its motion begins anew at the last
+    `moments` are those of `judge_hit` for it, and get the finer tau. Where it turned, its motion begins anew at the last
     point.
     """
     state, covariance = new.state[to], new.covariance[to]
@@ -156,15 +160,21 @@ def hit_row(
             new.hit[to, 4], new.hit[to, 5] + anywhere, TURN_SPEED * speed + TURN_LEAST,
         )
         predict(state, covariance, gap, work)
+    fill_hit(point[FLUX], point[FLUX_SIGMA], new.full[to], least, likelihood)
+    weigh_hit(tables, clock, new.weights[to], likelihood)
+    _weigh_flux(new.full[to], point, moments)
+    full = new.full[to]
+    share = min(point[FLUX] / full[0], 1.0)
+    share_sigma = np.sqrt(
+        (point[FLUX_SIGMA] / full[0]) ** 2 + share * share * (full[1] ** 2 + full[2])
+    )
+    refine(tables, clock, new.weights[to], share, share_sigma, moments)
     tau, spread = moments[0], moments[1]
     x, y, xx, xy, yy = project(state, covariance, tau)
     correct(
         state, covariance, tau, point[X] - x, point[Y] - y, xx + point[XX] + vx * vx * spread,
         xy + point[XY] + vx * vy * spread, yy + point[YY] + vy * vy * spread, work,
     )
-    fill_hit(point[FLUX], point[FLUX_SIGMA], new.full[to], least, likelihood)
-    weigh_hit(tables, clock, new.weights[to], likelihood)
-    _weigh_flux(new.full[to], point, moments, new.hits[to])
     new.deficit[to] = 0.0
     new.hits[to] += 1
     new.now[to, 1], new.now[to, 2] = tau, spread
@@ -185,21 +195,28 @@ def _note(new: Tracks, to: int, index: int, number: int, clock: float) -> None:
 
 
 @kernel
-def _weigh_flux(full: Array, point: Array, moments: Array, hits: int) -> None:
-    """Correct the full flux: the most that was seen at first, then a Kalman filter's mean."""
+def _weigh_flux(full: Array, point: Array, moments: Array) -> None:
+    """
+    Correct the full flux.
+
+    While the phase is not known it is the most that was seen, and uncertain; then the mean of a
+    Kalman filter that knows the share.
+    """
     flux = point[FLUX]
-    if flux > SURPRISE * full[0] or (hits < SETTLED_HITS and flux > full[0]):
-        full[0] = flux
-        full[1] = max(full[1], 0.5 * FIRST_SPREAD) if hits < SETTLED_HITS else 0.5 * FIRST_SPREAD
+    if moments[4] < PHASE_KNOWN or flux > SURPRISE * full[0]:
+        full[0] = max(flux, full[0])
+        full[1] = max(full[1], 0.5 * FIRST_SPREAD)
         return
     share, spread = moments[2], moments[3]
     variance = (full[0] * full[1]) ** 2 + (FLUX_DRIFT * full[0]) ** 2
-    noise = point[FLUX_SIGMA] ** 2 + full[0] ** 2 * spread + (0.05 * full[0]) ** 2
+    noise = point[FLUX_SIGMA] ** 2 + full[0] ** 2 * (spread + full[2])
     expected = share * share * variance + noise
     gain = share * variance / expected
     mean = full[0] + gain * (flux - share * full[0])
     full[0] = max(mean, 0.5 * flux)
     full[1] = np.sqrt(max(variance * (1.0 - gain * share), 0.0)) / full[0]
+    if share > WHOLE and spread < (1.0 - WHOLE) ** 2:
+        full[2] += ((flux / full[0] - 1.0) ** 2 - full[2]) / FLUX_FRAMES
 
 
 LEVELS = SHARE_LEVELS + 1
