@@ -109,7 +109,7 @@ def step(
     """
     for row in range(count):
         predict(old.state[row], old.covariance[row], dt, room.matrix)
-        diffuse(tables.first, prior, old.weights[row])
+        diffuse(tables.first, prior, old.weights[row], old.name[row])
     names = tables.first.size - 1
     owner = np.full(points.shape[0], UNNAMED)
     explained = np.zeros(points.shape[0], np.bool_)
@@ -186,7 +186,7 @@ def _bear(
 ) -> int:
     """Write down what may become of a row: unseen, or seen in one of the points in its reach."""
     outlook, likelihood, moments = room.outlook, room.likelihood, room.moments
-    fill_outlook(tables, clock, old.weights[row], outlook)
+    fill_outlook(tables, clock, old.weights[row], old.name[row], outlook)
     fill_miss(old.full[row], settings.least, likelihood)
     born = _add(children, born, row, -1, MISS, old, math.log(judge_miss(outlook, likelihood)),
                 moments)

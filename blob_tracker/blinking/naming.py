@@ -22,7 +22,9 @@ def probability(first: NDArray[np.int64], weights: Array, pattern: int) -> float
 
 
 @kernel
-def give_names(first: NDArray[np.int64], tracks: Tracks, count: int, keep: NDArray[np.bool_]) -> None:
+def give_names(
+    first: NDArray[np.int64], prior: Array, tracks: Tracks, count: int, keep: NDArray[np.bool_]
+) -> None:
     """
     Name the rows that are sure of their pattern, and unname those that are no longer.
 
@@ -35,6 +37,7 @@ def give_names(first: NDArray[np.int64], tracks: Tracks, count: int, keep: NDArr
         name = tracks.name[row]
         if name != UNNAMED and probability(first, tracks.weights[row], name) < DOUBTED:
             tracks.name[row] = UNNAMED
+            tracks.weights[row] = prior
     for row in np.argsort(-tracks.score[:count]):
         if (
             not keep[row] or tracks.name[row] != UNNAMED or tracks.hits[row] < CONFIRMING_HITS
@@ -43,13 +46,14 @@ def give_names(first: NDArray[np.int64], tracks: Tracks, count: int, keep: NDArr
             continue
         for name in range(names):
             if probability(first, tracks.weights[row], name) > SURE:
-                _take_name(tracks, count, row, name, keep)
+                _take_name(first, tracks, count, row, name, keep)
                 break
 
 
 @kernel
 def _take_name(
-    tracks: Tracks, count: int, row: int, name: int, keep: NDArray[np.bool_]
+    first: NDArray[np.int64], tracks: Tracks, count: int, row: int, name: int,
+    keep: NDArray[np.bool_],
 ) -> None:
     """Name a row, unless another light that was seen when it was due has that name."""
     best = -1
@@ -68,6 +72,12 @@ def _take_name(
         ):
             keep[other] = False
     tracks.name[row] = name
+    # What is left to other patterns is left to chance: see `diffuse`.
+    weights, cells = tracks.weights[row], first[-1]
+    own = weights[first[name]:first[name + 1]].copy()
+    weights[:cells] = 0.0
+    weights[first[name]:first[name + 1]] = own
+    weights[cells] = 1.0 - own.sum() - weights[cells + 1]
 
 
 @kernel

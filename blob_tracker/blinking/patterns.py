@@ -133,12 +133,7 @@ def tables(patterns: Sequence[Pattern], interval: float, exposure: float) -> Tab
         rates.append(count / frames)
         shares.append(share)
         taus.append(tau / interval)
-        # From the next look: between the ends of a straight piece it is exact.
-        step = np.roll(share, -1) - share
-        slopes.append(np.divide(
-            np.roll(taus[-1], -1) - taus[-1], step, out=np.zeros_like(share),
-            where=np.abs(step) > LEAST_STEP,
-        ))
+        slopes.append(_slopes(share, taus[-1]))
     share = np.concatenate(shares)
     return Tables(
         np.array(first), np.array(rates), np.rint(SHARE_LEVELS * share).astype(np.uint8),
@@ -165,3 +160,18 @@ def look(pattern: Pattern, steps: int, exposure: float) -> tuple[Array, Array]:
     share = np.clip(total / exposure, 0.0, 1.0)
     tau = np.divide(moment, total, out=np.zeros(steps), where=total > 1e-9 * exposure)
     return share, tau
+
+
+def _slopes(share: Array, tau: Array) -> Array:
+    """
+    Return d tau / d share at each look, from a neighbour that an edge of the light runs through.
+
+    With one edge in the exposure it is a straight line, from look to look as well as beyond.
+    """
+    slopes = np.zeros_like(share)
+    for side in (1, -1):
+        other, there = np.roll(share, side), np.roll(tau, side)
+        straight = (share > 0.0) & (other > 0.0) & (other < 1.0)
+        straight &= np.abs(other - share) > LEAST_STEP
+        slopes[straight] = (there - tau)[straight] / (other - share)[straight]
+    return slopes

@@ -14,13 +14,15 @@ OTHERS = 2
 PRIOR_PATTERNS, PRIOR_RANDOM, PRIOR_STEADY = 0.8, 0.1, 0.1
 SEEN = 0.97  # of the lit frames of a light in view: now and then something passes before it
 SEEN_AT_RANDOM = 0.5  # of all frames, of a light of no known pattern
-SCINTILLATION = 0.03  # of a light's flux, by which it changes from frame to frame
+# Of a light's flux, by which it changes from frame to frame: until it is known, and at least
+SCINTILLATION, LEAST_SCINTILLATION = 0.03, 0.005
 STRANGE = 0.03  # of the hits have another flux: a second light beside it, a reflection
 # To either side in a frame: of 16 cells a frame interval a clock that is off by 1 % crosses 0.16
 DIFFUSION = 0.05
 DOUBT = 1e-3  # of the probability is dealt out afresh in each frame: a new start is possible
 UNLIKELY = 1e-5  # a weight that does not count where a mean is taken
-NEAR_SHARE, FAR_SHARE = 0.03, 0.1  # of share: a look's width, and how far from it it speaks
+# Of share: rms of the width of a look, 1/16 of half a frame, and how far from it it speaks
+NEAR_SHARE, FAR_SHARE = 0.018, 0.04
 NOTHING = 1e-12  # a probability that is none
 SOFTNESS = 0.3  # of the least flux that is seen: how soft that limit is
 
@@ -37,17 +39,26 @@ def fill_prior(first: NDArray[np.int64], weights: Array) -> None:
 
 
 @kernel
-def diffuse(first: NDArray[np.int64], prior: Array, weights: Array) -> None:
-    """Let the phases drift apart for a frame: no clock is exact."""
+def diffuse(first: NDArray[np.int64], prior: Array, weights: Array, only: int) -> None:
+    """
+    Let the phases drift apart for a frame: no clock is exact.
+
+    `only` is the pattern of a light that has its name, and -1 of others: here and below the cells
+    of other patterns are left alone, so that the cost does not grow with their number.
+    """
     for p in range(first.size - 1):
         begin, end = first[p], first[p + 1]
+        if only >= 0 and p != only:
+            continue
+        for c in range(begin, end):
+            weights[c] += DOUBT * (prior[c] - weights[c])
         start, before = weights[begin], weights[end - 1]
         for c in range(begin, end):
             here = weights[c]
             after = start if c == end - 1 else weights[c + 1]
             weights[c] = here + DIFFUSION * (before + after - 2.0 * here)
             before = here
-    for c in range(weights.size):
+    for c in range(first[-1], weights.size):
         weights[c] += DOUBT * (prior[c] - weights[c])
 
 
@@ -65,10 +76,10 @@ def fill_hit(flux: float, flux_sigma: float, full: Array, least: float, out: Arr
 
     It is a density over flux in units of the full one: that of clutter is 1.
     """
-    mean, spread = full[0], full[1] ** 2 + SCINTILLATION**2
+    mean, spread = full[0], full[1] ** 2 + full[2]
     for level in range(SHARE_LEVELS + 1):
         expected = mean * level / SHARE_LEVELS
-        variance = flux_sigma**2 + expected**2 * spread + (0.5 * mean / SHARE_LEVELS) ** 2
+        variance = flux_sigma**2 + expected**2 * spread + (NEAR_SHARE * mean) ** 2
         density = mean * math.exp(-0.5 * (flux - expected) ** 2 / variance) / math.sqrt(
             2.0 * math.pi * variance
         )
@@ -90,7 +101,9 @@ def steps_on(tables: Tables, clock: float, pattern: int) -> int:
 
 
 @kernel
-def fill_outlook(tables: Tables, clock: float, weights: Array, outlook: Array) -> None:
+def fill_outlook(
+    tables: Tables, clock: float, weights: Array, only: int, outlook: Array
+) -> None:
     """
     Fill what is to be seen in the frame at this time.
 
@@ -100,6 +113,8 @@ def fill_outlook(tables: Tables, clock: float, weights: Array, outlook: Array) -
     """
     outlook[:] = 0.0
     for p in range(tables.first.size - 1):
+        if only >= 0 and p != only:
+            continue
         begin, end = tables.first[p], tables.first[p + 1]
         step = steps_on(tables, clock, p)
         count = SUB_CELLS * (end - begin)
@@ -169,11 +184,14 @@ def judge_miss(outlook: Array, likelihood: Array) -> float:
 
 @kernel
 def weigh(
-    tables: Tables, clock: float, weights: Array, likelihood: Array, random: float, steady: float
+    tables: Tables, clock: float, weights: Array, only: int, likelihood: Array, random: float,
+    steady: float,
 ) -> float:
     """Multiply the cells by the likelihood of what was seen; return its sum over all of them."""
     total = 0.0
     for p in range(tables.first.size - 1):
+        if only >= 0 and p != only:
+            continue
         begin, end = tables.first[p], tables.first[p + 1]
         step = steps_on(tables, clock, p)
         count = SUB_CELLS * (end - begin)
@@ -189,41 +207,49 @@ def weigh(
     weights[cells] *= random
     weights[cells + 1] *= steady
     total += weights[cells] + weights[cells + 1]
+    begin, end = (0, cells) if only < 0 else (tables.first[only], tables.first[only + 1])
     if total > 0.0:
-        for c in range(weights.size):
-            weights[c] /= total
+        weights[begin:end] /= total
+        weights[cells:] /= total
     return total
 
 
 @kernel
-def weigh_hit(tables: Tables, clock: float, weights: Array, likelihood: Array) -> float:
+def weigh_hit(
+    tables: Tables, clock: float, weights: Array, only: int, likelihood: Array
+) -> float:
     """Take note of a point; `likelihood` is that of `fill_hit`."""
     full = likelihood[SHARE_LEVELS]
-    return weigh(tables, clock, weights, likelihood, of_random(full), full)
+    return weigh(tables, clock, weights, only, likelihood, of_random(full), full)
 
 
 @kernel
-def weigh_miss(tables: Tables, clock: float, weights: Array, likelihood: Array) -> float:
+def weigh_miss(
+    tables: Tables, clock: float, weights: Array, only: int, likelihood: Array
+) -> float:
     """Take note that nothing was seen; `likelihood` is that of `fill_miss`."""
     return weigh(
-        tables, clock, weights, likelihood, 1.0 - SEEN_AT_RANDOM, likelihood[SHARE_LEVELS]
+        tables, clock, weights, only, likelihood, 1.0 - SEEN_AT_RANDOM, likelihood[SHARE_LEVELS]
     )
 
 
 @kernel
 def refine(
-    tables: Tables, clock: float, weights: Array, share: float, share_sigma: float,
+    tables: Tables, clock: float, weights: Array, only: int, share: float, share_sigma: float,
     moments: Array,
 ) -> None:
     """
-    Correct mean and variance of tau by the share that was measured: it is finer than a cell.
+    Correct the moments of tau and share by the share that was measured: it is finer than a cell.
 
     Where a light was switched within the exposure tau = +-(1 - s) E / 2, on its way from one look
     to the next a straight line in s: tau_i + (d tau / d s)_i (s - s_i). The sign is that of the
     phase; where it is not known both are in the variance. `weights` know of the hit already.
     """
-    total, t1, t2, noise = 0.0, 0.0, 0.0, 0.0
+    total, t1, t2, noise, s1, s2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    longest = 0.0
     for p in range(tables.first.size - 1):
+        if only >= 0 and p != only:
+            continue
         begin, end = tables.first[p], tables.first[p + 1]
         step = steps_on(tables, clock, p)
         count = SUB_CELLS * (end - begin)
@@ -233,16 +259,27 @@ def refine(
             at = (SUB_CELLS * (c - begin) + step) % count
             for k in range(SUB_CELLS):
                 place = SUB_CELLS * begin + (at + k if at + k < count else at + k - count)
-                away = share - tables.share[place]
-                weight = weights[c] * math.exp(
-                    -0.5 * away * away / (share_sigma**2 + NEAR_SHARE**2)
-                )
                 slope = tables.slope[place]
-                tau = tables.tau[place] + slope * min(max(away, -FAR_SHARE), FAR_SHARE)
+                away = share - tables.share[place]
+                near = share_sigma**2 + (NEAR_SHARE**2 if slope != 0.0 else 0.0)
+                weight = weights[c] * math.exp(-0.5 * away * away / near) / math.sqrt(near)
+                away = min(max(away, -FAR_SHARE), FAR_SHARE)
+                tau = tables.tau[place] + slope * away
+                longest = max(longest, abs(tables.tau[place]))
                 total += weight
                 t1 += weight * tau
                 t2 += weight * tau * tau
                 noise += weight * slope * slope
-    if total > NOTHING:
+                s1 += weight * tables.share[place]
+                s2 += weight * (
+                    tables.share[place] ** 2 + (NEAR_SHARE**2 if slope != 0.0 else 0.0)
+                )
+    if total > UNLIKELY:
         moments[0] = t1 / total
         moments[1] = max(t2 / total - moments[0] ** 2, 0.0) + noise / total * share_sigma**2
+        moments[2] = s1 / total
+        moments[3] = max(s2 / total - moments[2] ** 2, 0.0)
+    else:  # a flux that no phase explains: it was seen at any time
+        moments[0] = 0.0
+        moments[1] = longest * longest
+        moments[4] = 0.0

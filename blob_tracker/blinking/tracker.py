@@ -143,7 +143,7 @@ class BlinkTracker:
         )
         self._numbers += len(points)
         self._clutter += (unclaimed - self._clutter) / CLUTTER_FRAMES
-        give_names(self._tables.first, new, count, self._keep)
+        give_names(self._tables.first, self._prior, new, count, self._keep)
         self._count = _pack(new, count, self._keep)
         self._tracks, self._spare = new, old
         best_rows(new, self._count, self._best, self._lead)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from blob_tracker.blinking.motion import begin, correct, predict, project, STATE
 from blob_tracker.blinking.patterns import SHARE_LEVELS, Tables
 from blob_tracker.blinking.phase import (
-    fill_hit, fill_miss, OTHERS, refine, SCINTILLATION, weigh_hit, weigh_miss,
+    fill_hit, fill_miss, LEAST_SCINTILLATION, OTHERS, refine, SCINTILLATION, weigh_hit, weigh_miss,
 )
 from blob_tracker.kernel import Array, kernel
 import numpy as np
@@ -17,7 +17,7 @@ KEPT = 3  # last points of a row: what shares two of them is one light
 UNNAMED = -1
 FIRST_SPREAD = 1.0  # of the flux: the first point may have been a small share of the full one
 PHASE_KNOWN = 0.5  # probability of the patterns from which on their share tells the full flux
-FLUX_DRIFT = 0.01  # of the full flux in a hit: lights come nearer
+FLUX_DRIFT = 0.003  # of the full flux in a hit: 1 m/s nearer at 10 m, 60 Hz
 WHOLE = 0.97  # of the exposure: from there on a change of the flux is the light's own
 FLUX_FRAMES = 20.0  # over which that is averaged
 SURPRISE = 1.3  # of the full flux: what is brighter was taken for full while it was partly lit
@@ -115,7 +115,7 @@ def start_row(
     new.full[to, 2] = SCINTILLATION**2
     new.weights[to] = prior
     fill_hit(point[FLUX], point[FLUX_SIGMA], new.full[to], least, likelihood)
-    weigh_hit(tables, clock, new.weights[to], likelihood)
+    weigh_hit(tables, clock, new.weights[to], UNNAMED, likelihood)
     new.score[to] = score
     new.deficit[to] = 0.0
     new.name[to] = UNNAMED
@@ -132,7 +132,7 @@ def miss_row(
 ) -> None:
     """Take note in a row that it was not seen."""
     fill_miss(new.full[to], least, likelihood)
-    weigh_miss(tables, clock, new.weights[to], likelihood)
+    weigh_miss(tables, clock, new.weights[to], new.name[to], likelihood)
     new.deficit[to] += gain
     new.now[to] = 0.0
     new.now[to, 0] = -1.0
@@ -161,14 +161,14 @@ def hit_row(
         )
         predict(state, covariance, gap, work)
     fill_hit(point[FLUX], point[FLUX_SIGMA], new.full[to], least, likelihood)
-    weigh_hit(tables, clock, new.weights[to], likelihood)
-    _weigh_flux(new.full[to], point, moments)
+    weigh_hit(tables, clock, new.weights[to], new.name[to], likelihood)
     full = new.full[to]
     share = min(point[FLUX] / full[0], 1.0)
     share_sigma = np.sqrt(
         (point[FLUX_SIGMA] / full[0]) ** 2 + share * share * (full[1] ** 2 + full[2])
     )
-    refine(tables, clock, new.weights[to], share, share_sigma, moments)
+    refine(tables, clock, new.weights[to], new.name[to], share, share_sigma, moments)
+    _weigh_flux(full, point, moments)
     tau, spread = moments[0], moments[1]
     x, y, xx, xy, yy = project(state, covariance, tau)
     correct(
@@ -216,7 +216,8 @@ def _weigh_flux(full: Array, point: Array, moments: Array) -> None:
     full[0] = max(mean, 0.5 * flux)
     full[1] = np.sqrt(max(variance * (1.0 - gain * share), 0.0)) / full[0]
     if share > WHOLE and spread < (1.0 - WHOLE) ** 2:
-        full[2] += ((flux / full[0] - 1.0) ** 2 - full[2]) / FLUX_FRAMES
+        changed = max((flux / full[0] - 1.0) ** 2, LEAST_SCINTILLATION**2)
+        full[2] += (changed - full[2]) / FLUX_FRAMES
 
 
 LEVELS = SHARE_LEVELS + 1
