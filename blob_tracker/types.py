@@ -116,6 +116,8 @@ class Frame:
     quantisation : (8, 8) array or None
         Steps in which a JPEG keeps the luma's cosine coefficients, DN, by row and column; None
         of a picture that was not compressed.
+    exposure_ns : int
+        How long it was exposed, ns; 0 where that is not known.
 
     """
 
@@ -129,6 +131,7 @@ class Frame:
     channel: str = ''
     mosaic: Mosaic | None = None
     quantisation: NDArray[np.generic] | None = None
+    exposure_ns: int = 0
 
     def __post_init__(self) -> None:
         planes = PLANES.get(self.layout)
@@ -170,7 +173,8 @@ class Window:
     x0, y0 : int
         Place of the window's first pixel on the full, unbinned sensor, px.
     stamp_ns : int
-        Middle of the lit frame's exposure, ns of ROS time.
+        When the light was seen, ns of ROS time: the middle of the lit frame's exposure, or of the
+        part of it for which the light was on.
     saturation : int or None
         The DN at which a pixel is clipped; None where no pixel can be.
     binning : (int, int)
@@ -182,6 +186,8 @@ class Window:
         Which pixels see the light, behind the colour filters of a mosaic; None where all do.
     added_noise : float
         Standard deviation that compression adds to a pixel of one frame, DN.
+    doubt : (2, 2) array or None
+        Covariance that the doubt about the stamp adds to the place of a light in motion, px^2.
 
     """
 
@@ -195,6 +201,7 @@ class Window:
     looks: int = 1
     sites: NDArray[np.bool_] | None = None
     added_noise: float = 0.0
+    doubt: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         if self.looks < 1:

@@ -244,10 +244,13 @@ def to_location(window: Window, found: Estimates) -> Location:
     if not found.ok[0]:
         raise LocationError(REASONS[Failure(found.failure[0])])
     scale = np.array(window.binning, dtype=float)
+    covariance = found.covariance[0] * np.outer(scale, scale)
+    if window.doubt is not None:
+        covariance = covariance + window.doubt
     return Location(
         x=float(window.x0 + scale[0] * (found.x[0] + 0.5) - 0.5),
         y=float(window.y0 + scale[1] * (found.y[0] + 0.5) - 0.5),
-        covariance=found.covariance[0] * np.outer(scale, scale),
+        covariance=covariance,
         amplitude=float(found.amplitude[0]),
         background=float(found.background[0]),
         sigma=float(found.sigma[0]),

@@ -50,6 +50,10 @@ class Candidate(NamedTuple):
         Whether it is an even line with two ends, as of a light that moves; 0 or 1.
     rejected : str
         Why it is no target; empty where it may be one.
+    tau : float
+        When it was seen, s from the frame's stamp.
+    doubt : (float, float, float)
+        Variances xx, xy, yy that the doubt about tau adds to its place, px^2.
 
     """
 
@@ -76,6 +80,8 @@ class Candidate(NamedTuple):
     surround_noise: float = 0.0
     streak: float = 0.0
     rejected: str = ''
+    tau: float = 0.0
+    doubt: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
     def peak(self) -> tuple[int, int]:

@@ -30,6 +30,7 @@ class _Pair(NamedTuple):
     lit: tuple[Pixels, ...]
     unlit: tuple[Pixels, ...]
     noise: float
+    tau_ns: int
 
 
 class FrameStack:
@@ -97,7 +98,7 @@ class FrameStack:
             )
         look = _Pair(
             candidate.x, candidate.y, contrast.frame, contrast.lit_frames, contrast.unlit_frames,
-            candidate.noise,
+            candidate.noise, round(1e9 * candidate.tau),
         )
         pairs = self._pairs.setdefault(name, [])
         reach = STILL_SIGMA * (1.0 + candidate.sigma_minor)
@@ -136,17 +137,21 @@ def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
     for bright, dark, noise in zip(lit, unlit, noises):
         mark_dead(bright, dark, frame.saturation, noise)
     first = pairs[0].frame.stamp_ns
+    seen = sum(pair.frame.stamp_ns - first + pair.tau_ns for pair in pairs) // len(pairs)
+    xx, xy, yy = candidate.doubt
+    doubt = np.array([[xx, xy], [xy, yy]]) * np.outer(frame.binning, frame.binning)
     return Window(
         lit=sum_frames(lit, saturation),
         unlit=sum_frames(unlit, saturation) if unlit else None,
         x0=x0,
         y0=y0,
-        stamp_ns=first + sum(pair.frame.stamp_ns - first for pair in pairs) // len(pairs),
+        stamp_ns=first + seen,
         saturation=FULL_SCALE_DN if len(lit) > 1 else saturation,
         binning=binning,
         looks=len(lit),
         sites=sites,
         added_noise=added_noise,
+        doubt=doubt if doubt.any() else None,
     )
 
 

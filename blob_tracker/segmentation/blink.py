@@ -1,0 +1,213 @@
+"""Lights that blink codes or waves, at any phase and in motion: each followed in every frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+import math
+
+from blob_tracker.blinking import BlinkTracker, code, Lit, Pattern, wave
+from blob_tracker.kernel import Array, kernel
+from blob_tracker.segmentation.box import Box, whole
+from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.description import distance2
+from blob_tracker.segmentation.expectation import Expectation
+from blob_tracker.segmentation.history import FrameError, FrameHistory
+from blob_tracker.segmentation.patterns import check_patterns, check_rates
+from blob_tracker.types import Frame, Pixels
+import numpy as np
+
+ROUNDING_DN = float(np.sqrt(1 / 12))  # DN, of one frame
+APERTURE = 3.5  # sigma of a blob within which its light is summed
+PLACE_FRACTION = 0.05  # of its sigma, by which a blob's centre is off beside its noise
+LEAST_PLACE_PX = 0.05  # px: of the centre of any blob
+UNKNOWN_EXPOSURE = 0.5  # of the frame interval, where nobody tells
+
+
+class Blink:
+    """
+    Follow lights that blink, each in its pattern, and give each lit frame's window its instant.
+
+    What stands out of each frame by itself is a point; `BlinkTracker` tells which of them is
+    which light, and when within the exposure it was seen.
+
+    Parameters
+    ----------
+    max_pair_interval : float
+        Greatest time from one frame to the next, s; a longer gap forgets all lights.
+    codes : mapping of str to str
+        Bits of each light by its name: '1101000'.
+    frequencies : mapping of str to float
+        Hz, of each light that is on for `duty` of its period.
+    frames_per_bit : int
+        Frames in which a bit is held, where `bits_per_second` is 0.
+    bits_per_second : float
+        By the lights' own clock, which may be off by 1 %.
+    duty : float
+        Part of its period for which a light with a frequency is on.
+    exposure : float
+        Of a frame, s; 0 where the frames tell.
+
+    Raises
+    ------
+    ValueError
+        Where a pattern is not one, or two of them are too alike to be told apart.
+
+    """
+
+    surveys = False
+
+    def __init__(
+        self,
+        *,
+        codes: Mapping[str, str] | None = None,
+        frequencies: Mapping[str, float] | None = None,
+        max_pair_interval: float = 0.1,
+        frames_per_bit: int = 1,
+        bits_per_second: float = 0.0,
+        duty: float = 0.5,
+        exposure: float = 0.0,
+    ) -> None:
+        self._codes, self._frequencies = dict(codes or {}), dict(frequencies or {})
+        check_patterns(self._codes, self._frequencies, duty)
+        self._frames_per_bit, self._bits_per_second = frames_per_bit, bits_per_second
+        self._duty, self._exposure = duty, exposure
+        self._history = FrameHistory(2, max_pair_interval)
+        self._tracker: BlinkTracker | None = None
+        self._nothing: Pixels = np.empty((0, 0), np.uint8)
+        self._named = False
+        self.reason = 'no frame yet'
+        self.warning = ''
+
+    @property
+    def locked(self) -> bool:
+        """Whether any light was named in the last frame."""
+        return self._named
+
+    def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
+        """
+        Return the next frame by itself.
+
+        Raises
+        ------
+        FrameError
+            Where the frame cannot follow the one before it.
+
+        """
+        try:
+            interval = self._history.push(frame)
+        except FrameError:
+            if len(self._history.frames) == 1:
+                self._tracker = None
+            raise
+        if interval is None or len(self._history.frames) < 2:
+            self._tracker = None
+            self.reason = 'waiting for a second frame'
+            return None
+        kept = self._history.frames[-1]
+        if self._tracker is None:
+            self._tracker = self._new_tracker(kept, interval)
+        image = kept.image
+        if self._nothing.shape != image.shape or self._nothing.dtype != image.dtype:
+            self._nothing = np.zeros_like(image)
+        return Contrast(
+            image, self._nothing, frame.saturation, frame, (kept.samples,), (), ROUNDING_DN
+        )
+
+    def skip(self, frame: Frame) -> None:
+        """Do nothing: it is as if the frame had not come."""
+
+    def region(self, contrast: Contrast) -> Box:
+        """Return the whole frame: the lights may be anywhere in it."""
+        return whole(contrast.shape)
+
+    def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Return None: the whole frame is searched in any case."""
+
+    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Do nothing: `choose` had the whole frame."""
+
+    def choose(
+        self, contrast: Contrast, candidates: Sequence[Candidate]
+    ) -> list[tuple[str, Candidate]]:
+        """Return the lights that the frame shows, each by its name and with its instant."""
+        assert self._tracker is not None
+        allowed = [each for each in candidates if not each.rejected]
+        points, least = _points(contrast, allowed, max(
+            (each.noise for each in candidates), default=contrast.floor
+        ))
+        found = self._tracker.update(points, contrast.frame.stamp_ns, least)
+        self._named = bool(found)
+        self.reason = ''
+        if not found and allowed:
+            self.reason = f'{len(allowed)} lights; none is due and of a known pattern'
+        return [(each.name, _at_its_instant(allowed[each.point], each)) for each in found]
+
+    def _new_tracker(self, frame: Frame, interval: float) -> BlinkTracker:
+        exposure = self._exposure or frame.exposure_ns / 1e9
+        self.warning = '' if exposure else (
+            'nobody tells how long a frame is exposed: half of the frame interval is assumed; set '
+            'flash.exposure'
+        )
+        check_rates(self._frequencies, 1.0 / interval)
+        rate = self._bits_per_second or 1.0 / (interval * self._frames_per_bit)
+        patterns: list[Pattern] = [code(name, bits, rate) for name, bits in self._codes.items()]
+        patterns += [
+            wave(name, frequency, self._duty) for name, frequency in self._frequencies.items()
+        ]
+        height, width = frame.image.shape[:2]
+        return BlinkTracker(
+            patterns, interval=interval, exposure=exposure or UNKNOWN_EXPOSURE * interval,
+            shape=(height, width),
+        )
+
+
+def _at_its_instant(candidate: Candidate, light: Lit) -> Candidate:
+    """Return the candidate with the time at which it was seen, and what the doubt of it does."""
+    doubt = np.outer((light.vx, light.vy), (light.vx, light.vy)) * light.tau_sigma**2
+    return candidate._replace(tau=light.tau, doubt=(doubt[0, 0], doubt[0, 1], doubt[1, 1]))
+
+
+def _points(
+    contrast: Contrast, candidates: Sequence[Candidate], noise: float
+) -> tuple[Array, float]:
+    """Return the (n, 7) points of `BlinkTracker.update`, and the flux that is just seen."""
+    table = np.zeros((len(candidates), 7))
+    faintest = math.inf
+    for row, each in zip(table, candidates):
+        flux, count = aperture_sum(
+            contrast.lit, contrast.unlit, each.x, each.y, each.sigma_x, each.sigma_y,
+            each.correlation, each.background / contrast.unit,
+        )
+        part = PLACE_FRACTION**2 + 1.0 / max(each.snr, 1.0) ** 2
+        xx = each.sigma_x**2 * part + LEAST_PLACE_PX**2
+        yy = each.sigma_y**2 * part + LEAST_PLACE_PX**2
+        xy = each.correlation * each.sigma_x * each.sigma_y * part
+        row[:] = (
+            each.x, each.y, xx, xy, yy, flux * contrast.unit, each.noise * math.sqrt(count)
+        )
+        area = 2.0 * math.pi * each.sigma_minor**2
+        faintest = min(faintest, area)
+    # A peak of five standard deviations of a pixel is found.
+    area = faintest if math.isfinite(faintest) else 2.0 * math.pi
+    return table, LEAST_PEAK_SIGMA * noise * area
+
+
+LEAST_PEAK_SIGMA = 6.0  # standard deviations of a pixel: a peak of which half are found
+
+
+@kernel
+def aperture_sum(
+    lit: Pixels, unlit: Pixels, x: float, y: float, sigma_x: float, sigma_y: float,
+    correlation: float, level: float,
+) -> tuple[float, int]:
+    """Return the light of a blob above a level within APERTURE sigma, DN px^2, and its pixels."""
+    height, width = lit.shape
+    reach_x, reach_y = APERTURE * sigma_x, APERTURE * sigma_y
+    total, count = 0.0, 0
+    for j in range(max(int(y - reach_y), 0), min(int(y + reach_y) + 2, height)):
+        for i in range(max(int(x - reach_x), 0), min(int(x + reach_x) + 2, width)):
+            if distance2(i - x, j - y, sigma_x, sigma_y, correlation) < APERTURE * APERTURE:
+                total += float(lit[j, i]) - float(unlit[j, i]) - level
+                count += 1
+    return total, count
