@@ -158,6 +158,30 @@ class Frame:
 
 
 @dataclass(frozen=True)
+class Glimpse:
+    """
+    What is known beforehand of how a light that blinks and moves was seen.
+
+    Parameters
+    ----------
+    share : float
+        Part of the exposure for which it was on.
+    way : (2,) array
+        Its displacement meanwhile, px.
+    way_sigma : float
+        Standard deviation of that along either axis, px.
+    doubt : (2, 2) array
+        Covariance that the doubt about the stamp adds to its place, px^2.
+
+    """
+
+    share: float
+    way: NDArray[np.float64]
+    way_sigma: float
+    doubt: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
 class Window:
     """
     The part of a flash pair that holds the target, raw: nothing subtracted.
@@ -186,8 +210,8 @@ class Window:
         Which pixels see the light, behind the colour filters of a mosaic; None where all do.
     added_noise : float
         Standard deviation that compression adds to a pixel of one frame, DN.
-    doubt : (2, 2) array or None
-        Covariance that the doubt about the stamp adds to the place of a light in motion, px^2.
+    glimpse : Glimpse or None
+        How a light that blinks was seen, where that is known.
 
     """
 
@@ -201,7 +225,7 @@ class Window:
     looks: int = 1
     sites: NDArray[np.bool_] | None = None
     added_noise: float = 0.0
-    doubt: NDArray[np.float64] | None = None
+    glimpse: Glimpse | None = None
 
     def __post_init__(self) -> None:
         if self.looks < 1:

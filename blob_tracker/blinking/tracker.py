@@ -79,8 +79,9 @@ class BlinkTracker:
     ) -> None:
         self.patterns = tuple(patterns)
         self.interval = interval
+        self.exposure = min(exposure, interval)
         self._area = float(shape[0] * shape[1])
-        self._tables = tables(patterns, interval, min(exposure, interval))
+        self._tables = tables(patterns, interval, self.exposure)
         cells = int(self._tables.first[-1])
         self._prior = np.zeros(cells + OTHERS)
         fill_prior(self._tables.first, self._prior)

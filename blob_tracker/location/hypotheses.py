@@ -41,6 +41,24 @@ class Motion:
 
 
 @dataclass(frozen=True)
+class Way:
+    """
+    How far the light of a window moves while it is exposed, as a tracker knows it.
+
+    Parameters
+    ----------
+    length : (2,) array
+        Displacement, window px.
+    deviation : float
+        Its standard deviation along either axis, px.
+
+    """
+
+    length: NDArray[np.float64]
+    deviation: float
+
+
+@dataclass(frozen=True)
 class Pair:
     """
     The pixels of one window.
@@ -57,6 +75,8 @@ class Pair:
         The DN at which a pixel is clipped; infinite where none can be.
     motion : Motion or None
         None where nothing is known of it.
+    way : Way or None
+        None where it is not known.
 
     """
 
@@ -65,6 +85,7 @@ class Pair:
     noise: SensorNoise
     saturation: float
     motion: Motion | None = None
+    way: Way | None = None
 
     @functools.cached_property
     def usable(self) -> NDArray[np.bool_]:

@@ -13,7 +13,7 @@ from blob_tracker.location.centroid import centroid
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates, Failure, NOTHING, REASONS
 from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_linear_elliptical
-from blob_tracker.location.hypotheses import Motion
+from blob_tracker.location.hypotheses import Motion, Way
 from blob_tracker.location.locale_table import locale_table
 from blob_tracker.location.maximum_likelihood import maximum_likelihood
 from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm
@@ -228,6 +228,11 @@ def estimate(
     if window.added_noise > 0.0:
         read_noise = math.hypot(noise.read_noise, window.added_noise)
         noise = replace(noise, read_noise=read_noise)
+    if window.glimpse is not None and 'way' in signature(METHODS[method]).parameters:
+        options['way'] = Way(
+            window.glimpse.way / window.binning,
+            window.glimpse.way_sigma / min(window.binning),
+        )
     return locate_batch(
         lit,
         unlit,
@@ -245,8 +250,8 @@ def to_location(window: Window, found: Estimates) -> Location:
         raise LocationError(REASONS[Failure(found.failure[0])])
     scale = np.array(window.binning, dtype=float)
     covariance = found.covariance[0] * np.outer(scale, scale)
-    if window.doubt is not None:
-        covariance = covariance + window.doubt
+    if window.glimpse is not None:
+        covariance = covariance + window.glimpse.doubt
     return Location(
         x=float(window.x0 + scale[0] * (found.x[0] + 0.5) - 0.5),
         y=float(window.y0 + scale[1] * (found.y[0] + 0.5) - 0.5),

@@ -27,6 +27,7 @@ REMEMBERED = 32  # flashes, of which is told whether the light is the same in al
 FEWEST = 8  # of them, before it can be
 UNLIKE = 0.06  # of the light's mean, by which it differs from flash to flash where it flickers
 SIGMAS = 5.0  # of what noise makes of that
+WHOLE = 0.99  # of the exposure, for which a light is on that is as bright as ever
 TOGETHER = 5  # flashes over which a light's lopsidedness is summed
 
 
@@ -38,9 +39,15 @@ class _Memory:
         self.light: deque[tuple[float, float]] = deque(maxlen=REMEMBERED)
         self.lopsided: deque[NDArray[np.float64]] = deque(maxlen=TOGETHER)
 
-    def add(self, location: Location) -> None:
-        """Take the next flash: where it was, how much light, and the noise of that over it."""
+    def add(self, location: Location, share: float) -> None:
+        """
+        Take the next flash: where it was, how much light, and the noise of that over it.
+
+        The light of one that was on for a part of the exposure says nothing of the others'.
+        """
         self.places.append((location.stamp_ns, location.x, location.y))
+        if share < WHOLE:
+            return
         noise = 1.0 / (location.snr * max(location.sigma, 0.5))
         self.light.append((location.amplitude * location.sigma**2, noise))
 
@@ -159,8 +166,9 @@ class Locator:
                 location = replace(
                     location, covariance=location.covariance + doubt, warning=LOPSIDED_LIGHT
                 )
-        memory.add(location)
-        flicker = memory.flicker
+        share = 1.0 if window.glimpse is None else window.glimpse.share
+        memory.add(location, share)
+        flicker = memory.flicker if share >= WHOLE else 0.0
         if self._remembers and flicker > 0.0 and not location.warning:
             location = _with_uneven_rows(location, window, noise, flicker)
         return location

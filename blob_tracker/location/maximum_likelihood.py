@@ -9,7 +9,7 @@ from blob_tracker.location.doubt import LOPSIDED_LIGHT
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates, Failure
 from blob_tracker.location.explain import explain
-from blob_tracker.location.hypotheses import Fit, Motion, Pair
+from blob_tracker.location.hypotheses import Fit, Motion, Pair, Way
 from blob_tracker.location.learned_pulse import learned_pulse, pulse_of
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
 from blob_tracker.location.normal_equations import column_of_inverse, empty_equations, solve
@@ -48,6 +48,7 @@ def maximum_likelihood(
     elliptical: bool = False,
     motion: Motion | None = None,
     pulse: EffectivePsf | None = None,
+    way: Way | None = None,
 ) -> Estimates:
     r"""
     Locate N blobs by Fisher scoring on the likelihood of their pixels.
@@ -99,6 +100,9 @@ def maximum_likelihood(
     pulse : EffectivePsf or None
         Fit this one, and the Gaussian only where it does not fit the window or the Gaussian
         explains the window better. `elliptical` is for the Gaussian.
+    way : Way or None
+        Of the light while it is exposed: what a streak is fitted with where there is no unlit
+        window to tell it from the scene.
 
     Returns
     -------
@@ -110,7 +114,7 @@ def maximum_likelihood(
 
     """
     if pulse is not None:
-        return _with_pulse(lit, unlit, noise, saturation, pulse, elliptical, motion)
+        return _with_pulse(lit, unlit, noise, saturation, pulse, elliptical, motion, way)
     table = np.zeros((_ROWS, lit.shape[0]))
     covariance = np.zeros((lit.shape[0], 2, 2))
     clipped = np.zeros(lit.shape[0], dtype=np.int64)
@@ -134,7 +138,7 @@ def maximum_likelihood(
     )
     limit = math.inf if saturation is None else float(saturation)
     for n, suspicion in suspicions(odd):
-        pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, motion)
+        pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, motion, way)
         fit = explain(pair, None if failure[n] else table[:5, n], suspicion)
         if fit is not None:
             _adopt(estimates, n, fit)
@@ -156,6 +160,7 @@ def _with_pulse(
     pulse: EffectivePsf,
     elliptical: bool,
     motion: Motion | None,
+    way: Way | None,
 ) -> Estimates:
     """Fit the pulse, and in the windows that it does not explain the Gaussian."""
     found, odd = learned_pulse(lit, unlit, noise, saturation, pulse_of(pulse))
@@ -165,7 +170,7 @@ def _with_pulse(
         return found
     other = maximum_likelihood(
         lit[doubtful], None if unlit is None else unlit[doubtful], noise, saturation,
-        elliptical=elliptical, motion=motion,
+        elliptical=elliptical, motion=motion, way=way,
     )
     for k, n in enumerate(doubtful):
         if failed[n] or (other.ok[k] and other.chi2[k] < found.chi2[n]):

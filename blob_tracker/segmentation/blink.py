@@ -14,13 +14,14 @@ from blob_tracker.segmentation.description import distance2
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.history import FrameError, FrameHistory
 from blob_tracker.segmentation.patterns import check_patterns, check_rates
-from blob_tracker.types import Frame, Pixels
+from blob_tracker.types import Frame, Glimpse, Pixels
 import numpy as np
 
 ROUNDING_DN = float(np.sqrt(1 / 12))  # DN, of one frame
 APERTURE = 3.5  # sigma of a blob within which its light is summed
 PLACE_FRACTION = 0.05  # of its sigma, by which a blob's centre is off beside its noise
 LEAST_PLACE_PX = 0.05  # px: of the centre of any blob
+WAY_FRACTION = 0.03  # of a streak's length, by which it may be off: its path bends
 UNKNOWN_EXPOSURE = 0.5  # of the frame interval, where nobody tells
 
 
@@ -141,7 +142,7 @@ class Blink:
         self.reason = ''
         if not found and allowed:
             self.reason = f'{len(allowed)} lights; none is due and of a known pattern'
-        return [(each.name, _at_its_instant(allowed[each.point], each)) for each in found]
+        return [(each.name, _at_its_instant(allowed[each.point], each, self._tracker.exposure)) for each in found]
 
     def _new_tracker(self, frame: Frame, interval: float) -> BlinkTracker:
         exposure = self._exposure or frame.exposure_ns / 1e9
@@ -162,10 +163,16 @@ class Blink:
         )
 
 
-def _at_its_instant(candidate: Candidate, light: Lit) -> Candidate:
-    """Return the candidate with the time at which it was seen, and what the doubt of it does."""
-    doubt = np.outer((light.vx, light.vy), (light.vx, light.vy)) * light.tau_sigma**2
-    return candidate._replace(tau=light.tau, doubt=(doubt[0, 0], doubt[0, 1], doubt[1, 1]))
+def _at_its_instant(candidate: Candidate, light: Lit, exposure: float) -> Candidate:
+    """Return the candidate with the time at which it was seen, and what its motion does to it."""
+    velocity = np.array([light.vx, light.vy])
+    lit = light.share * exposure
+    sigma = lit * math.sqrt(0.5 * (light.covariance[2, 2] + light.covariance[3, 3]))
+    glimpse = Glimpse(
+        light.share, lit * velocity, sigma + WAY_FRACTION * lit * float(np.hypot(*velocity)),
+        np.outer(velocity, velocity) * light.tau_sigma**2,
+    )
+    return candidate._replace(tau=light.tau, glimpse=glimpse)
 
 
 def _points(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from blob_tracker.types import Glimpse
+
 
 class Candidate(NamedTuple):
     """
@@ -52,8 +54,8 @@ class Candidate(NamedTuple):
         Why it is no target; empty where it may be one.
     tau : float
         When it was seen, s from the frame's stamp.
-    doubt : (float, float, float)
-        Variances xx, xy, yy that the doubt about tau adds to its place, px^2.
+    glimpse : Glimpse or None
+        How it was seen if it blinks, px of the frame as it is.
 
     """
 
@@ -81,7 +83,7 @@ class Candidate(NamedTuple):
     streak: float = 0.0
     rejected: str = ''
     tau: float = 0.0
-    doubt: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    glimpse: Glimpse | None = None
 
     @property
     def peak(self) -> tuple[int, int]:

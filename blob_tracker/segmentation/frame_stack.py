@@ -12,7 +12,7 @@ from blob_tracker.segmentation.compression import compression_noise
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.dead_pixels import mark_dead
 from blob_tracker.segmentation.history import FrameError
-from blob_tracker.types import Frame, Pixels, Window
+from blob_tracker.types import Frame, Glimpse, Pixels, Window
 import numpy as np
 
 FULL_SCALE_DN = 65535  # DN: clipped, in a sum of looks
@@ -138,8 +138,6 @@ def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
         mark_dead(bright, dark, frame.saturation, noise)
     first = pairs[0].frame.stamp_ns
     seen = sum(pair.frame.stamp_ns - first + pair.tau_ns for pair in pairs) // len(pairs)
-    xx, xy, yy = candidate.doubt
-    doubt = np.array([[xx, xy], [xy, yy]]) * np.outer(frame.binning, frame.binning)
     return Window(
         lit=sum_frames(lit, saturation),
         unlit=sum_frames(unlit, saturation) if unlit else None,
@@ -151,7 +149,18 @@ def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
         looks=len(lit),
         sites=sites,
         added_noise=added_noise,
-        doubt=doubt if doubt.any() else None,
+        glimpse=_on_sensor(candidate.glimpse, frame) if len(pairs) == 1 else None,
+    )
+
+
+def _on_sensor(glimpse: Glimpse | None, frame: Frame) -> Glimpse | None:
+    """Return how a light was seen in px of the full, unbinned sensor."""
+    if glimpse is None:
+        return None
+    scale = np.array(frame.binning, dtype=float)
+    return Glimpse(
+        glimpse.share, glimpse.way * scale, glimpse.way_sigma * float(scale.max()),
+        glimpse.doubt * np.outer(scale, scale),
     )
 
 
