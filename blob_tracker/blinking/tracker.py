@@ -20,6 +20,7 @@ MOST_UNNAMED = 96  # rows without a name, the best
 LEAST_CLUTTER = 0.3  # points a frame that are none of a light's, at least
 CLUTTER_FRAMES = 30.0  # over which they are counted
 FIRST_SPEED = 10.0  # px a frame interval, along each axis, of a light of which nothing is known
+IN_STEP = 2e-3  # of the exposure: a light seen so near to its middle is in step with the frames
 LOST_S = 1.0  # s for which a light keeps its name unseen
 
 
@@ -89,8 +90,8 @@ class BlinkTracker:
         self._tracks, self._spare = empty_tracks(rows, cells), empty_tracks(rows, cells)
         born = 8 * rows
         self._children = Children(
-            *(np.zeros(born, np.int64) for _ in range(3)), np.zeros(born), np.zeros(born),
-            np.zeros((born, 5)),
+            np.zeros(born, np.int64), np.zeros(born, np.int64), np.zeros(born, np.int64),
+            np.zeros(born), np.zeros(born), np.zeros((born, 5)),
         )
         self._room = Room(
             np.zeros((6, 6)), np.zeros((4, LEVELS)), np.zeros(LEVELS), np.zeros(5)
@@ -156,12 +157,13 @@ class BlinkTracker:
     def _lit(self, name: int, row: int, order: NDArray[np.int64]) -> Lit:
         tracks, second = self._tracks, self.interval
         state, now = tracks.state[row], tracks.now[row]
+        tau = float(now[1]) * second
         scale = np.repeat([1.0, 1.0 / second, 1.0 / second**2], 2)
         return Lit(
             self.patterns[name].name, int(order[int(now[0])]), float(state[0]), float(state[1]),
             float(state[2]) / second, float(state[3]) / second,
             tracks.covariance[row] * np.outer(scale, scale), float(now[3]),
-            float(now[1]) * second, math.sqrt(float(now[2])) * second,
+            0.0 if abs(tau) < IN_STEP * self.exposure else tau, math.sqrt(float(now[2])) * second,
         )
 
 

@@ -13,7 +13,7 @@ from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.description import distance2
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.history import FrameError, FrameHistory
-from blob_tracker.segmentation.patterns import check_patterns, check_rates
+from blob_tracker.segmentation.patterns import check_patterns, rate_fault
 from blob_tracker.types import Frame, Glimpse, Pixels
 import numpy as np
 
@@ -22,6 +22,7 @@ APERTURE = 3.5  # sigma of a blob within which its light is summed
 PLACE_FRACTION = 0.05  # of its sigma, by which a blob's centre is off beside its noise
 LEAST_PLACE_PX = 0.05  # px: of the centre of any blob
 WAY_FRACTION = 0.03  # of a streak's length, by which it may be off: its path bends
+LEAST_PEAK_SIGMA = 6.0  # standard deviations of a pixel: a peak of which half are found
 UNKNOWN_EXPOSURE = 0.5  # of the frame interval, where nobody tells
 
 
@@ -107,6 +108,9 @@ class Blink:
             return None
         kept = self._history.frames[-1]
         if self._tracker is None:
+            self.reason = rate_fault(self._frequencies, 1.0 / interval)
+            if self.reason:
+                return None
             self._tracker = self._new_tracker(kept, interval)
         image = kept.image
         if self._nothing.shape != image.shape or self._nothing.dtype != image.dtype:
@@ -150,7 +154,6 @@ class Blink:
             'nobody tells how long a frame is exposed: half of the frame interval is assumed; set '
             'flash.exposure'
         )
-        check_rates(self._frequencies, 1.0 / interval)
         rate = self._bits_per_second or 1.0 / (interval * self._frames_per_bit)
         patterns: list[Pattern] = [code(name, bits, rate) for name, bits in self._codes.items()]
         patterns += [
@@ -200,7 +203,36 @@ def _points(
     return table, LEAST_PEAK_SIGMA * noise * area
 
 
-LEAST_PEAK_SIGMA = 6.0  # standard deviations of a pixel: a peak of which half are found
+class Coded(Blink):
+    """Lights with codes, and such with frequencies beside them: see `Blink`."""
+
+
+class Periodic(Blink):
+    """
+    A light with a frequency, which needs no name, or several that have one: see `Blink`.
+
+    Parameters
+    ----------
+    frequency : float
+        Of the light without a name, where there is no other, Hz.
+    frequencies, duty, exposure, max_pair_interval
+        Those of `Blink`.
+
+    """
+
+    def __init__(
+        self,
+        *,
+        frequencies: Mapping[str, float] | None = None,
+        frequency: float = 15.0,
+        max_pair_interval: float = 0.1,
+        duty: float = 0.5,
+        exposure: float = 0.0,
+    ) -> None:
+        super().__init__(
+            frequencies=frequencies or {'': frequency}, max_pair_interval=max_pair_interval,
+            duty=duty, exposure=exposure,
+        )
 
 
 @kernel

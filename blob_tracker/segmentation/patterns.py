@@ -70,26 +70,27 @@ def check_patterns(
             )
 
 
-def check_rates(frequencies: Mapping[str, float], rate: float) -> None:
+def rate_fault(frequencies: Mapping[str, float], rate: float) -> str:
     """
-    Raise ValueError where a camera of this frame rate, Hz, cannot tell the frequencies.
+    Say which frequency a camera of this frame rate, Hz, cannot tell; empty where there is none.
 
     A frequency f is seen as |f - k rate|: above half the frame rate it looks like another one,
     and lamps on the mains look like slow lights.
     """
     for name, frequency in frequencies.items():
         if not LOWEST_PART * rate <= frequency <= HIGHEST_PART * rate:
-            raise ValueError(
+            return (
                 f"'{name}' flashes at {frequency:g} Hz; {rate:.1f} frames a second show "
                 f'{LOWEST_PART * rate:.1f} to {HIGHEST_PART * rate:.1f} Hz'
             )
         for mains in MAINS_HZ:
             seen = abs(mains - rate * round(mains / rate))
             if abs(seen - frequency) < APART * frequency:
-                raise ValueError(
+                return (
                     f"'{name}' flashes at {frequency:g} Hz, and so does a lamp of {mains:g} Hz as "
                     f'{rate:.1f} frames a second show it ({seen:.1f} Hz): take another frequency'
                 )
+    return ''
 
 
 def _check_apart(first: str, one: str, second: str, other: str) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 from blob_tracker.location import locate
 from blob_tracker.segmentation import Segmenter
-from blob_tracker.segmentation.periodic import lock_in_weights, Periodic
+from blob_tracker.segmentation.lock_in import lock_in_weights, LockIn
 from blob_tracker.simulation import Light, periodic, Scene
 from blob_tracker.types import Frame, SensorNoise, Window
 import numpy as np
@@ -24,14 +24,14 @@ def scene(frequency: float, duty: float = 0.5, **options: Any) -> Scene:
     return Scene(light, width=160, height=120, rate=RATE, texture=0.0, **options)
 
 
-def mode(frequency: float, frames: int, duty: float = 0.5) -> Periodic:
+def mode(frequency: float, frames: int, duty: float = 0.5) -> LockIn:
     """Return the mode for it."""
-    return Periodic(
+    return LockIn(
         max_pair_interval=0.1, frequency=frequency * RATE, duty=duty, frames=frames
     )
 
 
-def windows(lights: Scene, flash: Periodic, indices: range) -> list[Window]:
+def windows(lights: Scene, flash: LockIn, indices: range) -> list[Window]:
     """Return the windows of these frames."""
     segmenter = Segmenter(flash=flash)
     found = [
@@ -134,6 +134,6 @@ def test_weights_take_no_share_of_what_is_steady() -> None:
 def test_impossible_options_are_refused(options: dict[str, Any]) -> None:
     """With a sentence."""
     with pytest.raises(ValueError, match='must'):
-        Periodic(**{
+        LockIn(**{
             'max_pair_interval': 0.1, 'frequency': 15.0, 'duty': 0.5, 'frames': 16, **options,
         })
