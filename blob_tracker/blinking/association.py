@@ -89,9 +89,11 @@ def step(
     Parameters
     ----------
     old : Tracks
-        `count` rows; they are moved on to the frame.
+        The rows; they are moved on to the frame.
+    count : int
+        How many there are.
     new : Tracks
-        Gets the rows after it, `most` without a name at most.
+        Gets the rows after it.
     points : (n, 7) array
         See `POINT`.
     number : int
@@ -100,6 +102,12 @@ def step(
         The patterns, and the weights of a light of which nothing is known.
     clock, dt : float
         Time, and time since the last frame, frame intervals.
+    settings : Settings
+        What the association is told.
+    children, room
+        Working space.
+    most : int
+        Rows without a name, at most.
 
     Returns
     -------

@@ -58,7 +58,9 @@ def predict(state: Array, covariance: Array, dt: float, work: Array) -> None:
 
 
 @kernel
-def project(state: Array, covariance: Array, tau: float) -> tuple[float, float, float, float, float]:
+def project(
+    state: Array, covariance: Array, tau: float
+) -> tuple[float, float, float, float, float]:
     """Return place and its variances xx, xy, yy at the time tau from the state's."""
     half = 0.5 * tau * tau
     x = state[0] + tau * state[2] + half * state[4]

@@ -9,7 +9,7 @@ from blob_tracker.kernel import Array, kernel
 import numpy as np
 from numpy.typing import NDArray
 
-# Beside the patterns there are two cells more: a light that is on at random, and one that is always.
+# Beside the patterns there are two cells more: a light that is on at random, and one that always is
 OTHERS = 2
 PRIOR_PATTERNS, PRIOR_RANDOM, PRIOR_STEADY = 0.8, 0.1, 0.1
 SEEN = 0.97  # of the lit frames of a light in view: now and then something passes before it

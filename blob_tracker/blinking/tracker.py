@@ -7,10 +7,10 @@ import math
 from typing import NamedTuple
 
 from blob_tracker.blinking.association import Children, Room, Settings, step
-from blob_tracker.blinking.naming import best_rows, CLEAR, give_names, probability
+from blob_tracker.blinking.naming import best_rows, CLEAR, give_names
 from blob_tracker.blinking.patterns import Pattern, tables
 from blob_tracker.blinking.phase import fill_prior, OTHERS
-from blob_tracker.blinking.tracks import copy_row, empty_tracks, LEVELS, POINT, Tracks
+from blob_tracker.blinking.tracks import copy_row, empty_tracks, LEVELS, Tracks
 from blob_tracker.kernel import Array, kernel
 import numpy as np
 from numpy.typing import NDArray

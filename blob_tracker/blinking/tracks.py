@@ -7,7 +7,8 @@ from typing import NamedTuple
 from blob_tracker.blinking.motion import begin, correct, predict, project, STATE
 from blob_tracker.blinking.patterns import SHARE_LEVELS, Tables
 from blob_tracker.blinking.phase import (
-    fill_hit, fill_miss, LEAST_SCINTILLATION, OTHERS, refine, SCINTILLATION, weigh_hit, weigh_miss,
+    fill_hit, fill_miss, LEAST_SCINTILLATION, OTHERS, refine, SCINTILLATION, weigh_hit,
+    weigh_miss,
 )
 from blob_tracker.kernel import Array, kernel
 import numpy as np
@@ -28,7 +29,6 @@ TURN_LEAST = 1.0  # px a frame interval: of a light that stood still
 TURN_PLACE = 0.25  # of speed times gap: the turn was anywhere in it
 # Columns of a point
 X, Y, XX, XY, YY, FLUX, FLUX_SIGMA = range(7)
-POINT = 7
 
 
 class Tracks(NamedTuple):
@@ -146,8 +146,8 @@ def hit_row(
     """
     Take note in a row of its point.
 
-    `moments` are those of `judge_hit` for it, and get the finer tau. Where it turned, its motion begins anew at the last
-    point.
+    `moments` are those of `judge_hit` for it, and get the finer tau. Where it turned, its motion
+    begins anew at the last point.
     """
     state, covariance = new.state[to], new.covariance[to]
     vx, vy = state[2], state[3]

@@ -146,7 +146,10 @@ class Blink:
         self.reason = ''
         if not found and allowed:
             self.reason = f'{len(allowed)} lights; none is due and of a known pattern'
-        return [(each.name, _at_its_instant(allowed[each.point], each, self._tracker.exposure)) for each in found]
+        exposure = self._tracker.exposure
+        return [
+            (each.name, _at_its_instant(allowed[each.point], each, exposure)) for each in found
+        ]
 
     def _new_tracker(self, frame: Frame, interval: float) -> BlinkTracker:
         exposure = self._exposure or frame.exposure_ns / 1e9

@@ -14,8 +14,8 @@ PARAMETERS = (
         'flash.mode',
         'alternate',
         'How the light flashes. alternate: in step with the camera, on in every other frame. '
-        'periodic: free-running at flash.frequency, or several at flash.frequencies. coded: lights '
-        'that blink flash.codes. lock_in: a faint light at flash.frequency that stands still. '
+        'periodic: free-running at flash.frequency, or several at flash.frequencies. coded: '
+        'lights that blink flash.codes. lock_in: a faint light at flash.frequency that stands still. '
         'steady: always on.',
         choices=tuple(FLASH_MODES),
     ),
