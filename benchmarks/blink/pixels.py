@@ -17,10 +17,13 @@ FULL_SCALE = 255
 
 
 def frame(
-    lights: Sequence[Light], hidden: Sequence[bool], time: float, random: np.random.Generator
+    lights: Sequence[Light], hidden: Sequence[bool], time: float, random: np.random.Generator,
+    extra: NDArray[np.float32] | None = None,
 ) -> NDArray[np.uint8]:
-    """Return the picture of an exposure about a time."""
+    """Return the picture of an exposure about a time, with extra light in it, DN."""
     image = BACKGROUND + NOISE * random.standard_normal((HEIGHT, WIDTH), dtype=np.float32)
+    if extra is not None:
+        image += extra
     offsets = ((np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5) * EXPOSURE
     for light, away in zip(lights, hidden):
         on = light.on(time + offsets)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from blob_tracker.blinking.motion import predict, project
 from blob_tracker.blinking.patterns import Tables
 from blob_tracker.blinking.phase import (
-    diffuse, fill_hit, fill_miss, fill_outlook, judge_hit, judge_miss,
+    diffuse, fill_hit, fill_miss, fill_outlook, judge_hit, judge_miss, Steps,
 )
 from blob_tracker.blinking.tracks import (
     copy_row, FLUX, FLUX_SIGMA, hit_row, MISS, miss_row, SMOOTH, start_row, Tracks, TURN,
@@ -80,7 +80,7 @@ class Room(NamedTuple):
 @kernel
 def step(
     old: Tracks, count: int, new: Tracks, points: Array, number: int, tables: Tables, prior: Array,
-    clock: float, dt: float, settings: Settings, children: Children, room: Room,
+    on: Steps, clock: float, dt: float, settings: Settings, children: Children, room: Room,
     most: int,
 ) -> tuple[int, int]:
     """
@@ -100,6 +100,8 @@ def step(
         Of the first point.
     tables, prior
         The patterns, and the weights of a light of which nothing is known.
+    on : (p,) int array
+        Looks by which each pattern has gone on since the clock's zero.
     clock, dt : float
         Time, and time since the last frame, frame intervals.
     settings : Settings
@@ -128,14 +130,16 @@ def step(
     for row in range(count):
         if old.name[row] != UNNAMED:
             born = _bear(
-                old, row, points, owner, explained, tables, clock, settings, children, born, room
+                old, row, points, owner, explained, tables, on, clock, settings, children, born,
+                room,
             )
     _claim(old, children, born, names, owner)
     named = born
     for row in range(count):
         if old.name[row] == UNNAMED:
             born = _bear(
-                old, row, points, owner, explained, tables, clock, settings, children, born, room
+                old, row, points, owner, explained, tables, on, clock, settings, children, born,
+                room,
             )
     filled, unclaimed = 0, 0
     best = np.full(names, -np.inf)
@@ -148,8 +152,8 @@ def step(
                 name = old.name[children.parent[child]]
                 if name != UNNAMED:
                     children.score[child] -= max(best[name] - HIGHEST_SCORE, 0.0)
-                _grow(old, new, filled, children, child, points, number, tables, clock, settings,
-                      room)
+                _grow(old, new, filled, children, child, points, number, tables, on, clock,
+                      settings, room)
                 filled += 1
     for each in range(points.shape[0]):
         if owner[each] != UNNAMED:
@@ -158,7 +162,7 @@ def step(
         if not explained[each] and filled < new.score.size:
             start_row(
                 new, filled, points[each], each, number + each, FIRST_SCORE, settings.speed,
-                tables, prior, clock, settings.least, room.likelihood,
+                tables, prior, on, clock, settings.least, room.likelihood,
             )
             filled += 1
     return filled, unclaimed
@@ -190,11 +194,12 @@ def _apart(dx: float, dy: float, xx: float, xy: float, yy: float) -> tuple[float
 @kernel
 def _bear(
     old: Tracks, row: int, points: Array, owner: NDArray[np.int64], explained: NDArray[np.bool_],
-    tables: Tables, clock: float, settings: Settings, children: Children, born: int, room: Room,
+    tables: Tables, on: Steps, clock: float, settings: Settings, children: Children, born: int,
+    room: Room,
 ) -> int:
     """Write down what may become of a row: unseen, or seen in one of the points in its reach."""
     outlook, likelihood, moments = room.outlook, room.likelihood, room.moments
-    fill_outlook(tables, clock, old.weights[row], old.name[row], outlook)
+    fill_outlook(tables, on, old.weights[row], old.name[row], outlook)
     fill_miss(old.full[row], settings.least, likelihood)
     born = _add(children, born, row, -1, MISS, old, math.log(judge_miss(outlook, likelihood)),
                 moments)
@@ -328,16 +333,17 @@ def _is_worth(
 @kernel
 def _grow(
     old: Tracks, new: Tracks, to: int, children: Children, child: int, points: Array, number: int,
-    tables: Tables, clock: float, settings: Settings, room: Room,
+    tables: Tables, on: Steps, clock: float, settings: Settings, room: Room,
 ) -> None:
     """Make a child a row."""
     row, point, gain = children.parent[child], children.point[child], children.gain[child]
     copy_row(old, row, new, to)
     new.score[to] = children.score[child]
     if point < 0:
-        miss_row(new, to, gain, tables, clock, settings.least, room.likelihood)
+        miss_row(new, to, gain, tables, on, settings.least, room.likelihood)
     else:
         hit_row(
             new, to, points[point], point, number + point, children.kind[child], gain,
-            children.moments[child], tables, clock, settings.least, room.likelihood, room.matrix,
+            children.moments[child], tables, on, clock, settings.least, room.likelihood,
+            room.matrix,
         )

@@ -31,12 +31,16 @@ class Pattern:
         After which it repeats, s.
     edges : tuple of (float, float)
         Begin and end of each time for which it is on, as parts of the period.
+    frames : int
+        Frame intervals of a period, of a light in step with the camera: frames are counted then,
+        whatever their stamps. 0 of one that runs free.
 
     """
 
     name: str
     period: float
     edges: tuple[tuple[float, float], ...]
+    frames: int = 0
 
     @property
     def longest_dark(self) -> float:
@@ -46,7 +50,7 @@ class Pattern:
         return self.period * max(gaps)
 
 
-def code(name: str, bits: str, bits_per_second: float) -> Pattern:
+def code(name: str, bits: str, bits_per_second: float, frames_per_bit: int = 0) -> Pattern:
     """
     Return the pattern of a light that sends bits for ever.
 
@@ -58,6 +62,8 @@ def code(name: str, bits: str, bits_per_second: float) -> Pattern:
         '1' where it is on: '1101000'.
     bits_per_second : float
         By the light's own clock.
+    frames_per_bit : int
+        Of a light that is in step with the camera; 0 of one that runs free.
 
     """
     length = len(bits)
@@ -70,7 +76,9 @@ def code(name: str, bits: str, bits_per_second: float) -> Pattern:
             edges[-1] = (edges[-1][0], (index + 1) / length)
         elif bit == '1':
             edges.append((index / length, (index + 1) / length))
-    return Pattern(name, length / bits_per_second, tuple(edges))
+    return Pattern(
+        name, length / bits_per_second, tuple(edges), length * frames_per_bit
+    )
 
 
 def wave(name: str, frequency: float, duty: float) -> Pattern:
@@ -87,7 +95,7 @@ class Tables(NamedTuple):
     first : (p + 1,) int array
         Index of each pattern's first cell; the last one is the count of cells.
     rate : (p,) array
-        Cells by which a pattern goes on in a frame interval.
+        Looks by which a pattern goes on in a frame interval.
     level : (SUB_CELLS * cells,) uint8 array
         Share of the exposure for which the light is on, in steps of 1 / SHARE_LEVELS.
     tau : (SUB_CELLS * cells,) array
@@ -126,11 +134,11 @@ def tables(patterns: Sequence[Pattern], interval: float, exposure: float) -> Tab
     first, rates = [0], []
     shares, taus, slopes = [], [], []
     for pattern in patterns:
-        frames = pattern.period / interval
+        frames = pattern.frames or pattern.period / interval
         count = max(math.ceil(CELLS_A_FRAME * frames), LEAST_CELLS)
         share, tau = look(pattern, count * SUB_CELLS, exposure)
         first.append(first[-1] + count)
-        rates.append(count / frames)
+        rates.append(SUB_CELLS * count / frames)
         shares.append(share)
         taus.append(tau / interval)
         slopes.append(_slopes(share, taus[-1]))

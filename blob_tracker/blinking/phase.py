@@ -9,7 +9,9 @@ from blob_tracker.kernel import Array, kernel
 import numpy as np
 from numpy.typing import NDArray
 
-# Beside the patterns there are two cells more: a light that is on at random, and one that always is
+Steps = NDArray[np.int64]
+
+# Beside the patterns there are two cells more: of a light on at random, and of one always on
 OTHERS = 2
 PRIOR_PATTERNS, PRIOR_RANDOM, PRIOR_STEADY = 0.8, 0.1, 0.1
 SEEN = 0.97  # of the lit frames of a light in view: now and then something passes before it
@@ -94,18 +96,11 @@ def fill_miss(full: Array, least: float, out: Array) -> None:
 
 
 @kernel
-def steps_on(tables: Tables, clock: float, pattern: int) -> int:
-    """Return by how many steps of the table a pattern has gone on since the clock's zero."""
-    count = SUB_CELLS * (tables.first[pattern + 1] - tables.first[pattern])
-    return int(math.floor(clock * tables.rate[pattern] * SUB_CELLS + 0.5)) % count
-
-
-@kernel
 def fill_outlook(
-    tables: Tables, clock: float, weights: Array, only: int, outlook: Array
+    tables: Tables, on: Steps, weights: Array, only: int, outlook: Array
 ) -> None:
     """
-    Fill what is to be seen in the frame at this time.
+    Fill what is to be seen in a frame; `on` is how many looks each pattern has gone on by then.
 
     `outlook` is (4, SHARE_LEVELS + 1): for each level of the share its probability, and the same
     times tau and tau^2, frame intervals, over the patterns; then the probability of OTHERS, which
@@ -116,7 +111,7 @@ def fill_outlook(
         if only >= 0 and p != only:
             continue
         begin, end = tables.first[p], tables.first[p + 1]
-        step = steps_on(tables, clock, p)
+        step = on[p]
         count = SUB_CELLS * (end - begin)
         for c in range(begin, end):
             weight = weights[c] / SUB_CELLS
@@ -184,7 +179,7 @@ def judge_miss(outlook: Array, likelihood: Array) -> float:
 
 @kernel
 def weigh(
-    tables: Tables, clock: float, weights: Array, only: int, likelihood: Array, random: float,
+    tables: Tables, on: Steps, weights: Array, only: int, likelihood: Array, random: float,
     steady: float,
 ) -> float:
     """Multiply the cells by the likelihood of what was seen; return its sum over all of them."""
@@ -193,7 +188,7 @@ def weigh(
         if only >= 0 and p != only:
             continue
         begin, end = tables.first[p], tables.first[p + 1]
-        step = steps_on(tables, clock, p)
+        step = on[p]
         count = SUB_CELLS * (end - begin)
         for c in range(begin, end):
             at = (SUB_CELLS * (c - begin) + step) % count
@@ -216,26 +211,26 @@ def weigh(
 
 @kernel
 def weigh_hit(
-    tables: Tables, clock: float, weights: Array, only: int, likelihood: Array
+    tables: Tables, on: Steps, weights: Array, only: int, likelihood: Array
 ) -> float:
     """Take note of a point; `likelihood` is that of `fill_hit`."""
     full = likelihood[SHARE_LEVELS]
-    return weigh(tables, clock, weights, only, likelihood, of_random(full), full)
+    return weigh(tables, on, weights, only, likelihood, of_random(full), full)
 
 
 @kernel
 def weigh_miss(
-    tables: Tables, clock: float, weights: Array, only: int, likelihood: Array
+    tables: Tables, on: Steps, weights: Array, only: int, likelihood: Array
 ) -> float:
     """Take note that nothing was seen; `likelihood` is that of `fill_miss`."""
     return weigh(
-        tables, clock, weights, only, likelihood, 1.0 - SEEN_AT_RANDOM, likelihood[SHARE_LEVELS]
+        tables, on, weights, only, likelihood, 1.0 - SEEN_AT_RANDOM, likelihood[SHARE_LEVELS]
     )
 
 
 @kernel
 def refine(
-    tables: Tables, clock: float, weights: Array, only: int, share: float, share_sigma: float,
+    tables: Tables, on: Steps, weights: Array, only: int, share: float, share_sigma: float,
     moments: Array,
 ) -> None:
     """
@@ -251,7 +246,7 @@ def refine(
         if only >= 0 and p != only:
             continue
         begin, end = tables.first[p], tables.first[p + 1]
-        step = steps_on(tables, clock, p)
+        step = on[p]
         count = SUB_CELLS * (end - begin)
         for c in range(begin, end):
             if weights[c] < UNLIKELY:

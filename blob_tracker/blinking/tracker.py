@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from blob_tracker.blinking.association import Children, Room, Settings, step
 from blob_tracker.blinking.naming import best_rows, CLEAR, give_names
-from blob_tracker.blinking.patterns import Pattern, tables
+from blob_tracker.blinking.patterns import Pattern, SUB_CELLS, tables
 from blob_tracker.blinking.phase import fill_prior, OTHERS
 from blob_tracker.blinking.tracks import copy_row, empty_tracks, LEVELS, Tracks
 from blob_tracker.kernel import Array, kernel
@@ -21,6 +21,7 @@ LEAST_CLUTTER = 0.3  # points a frame that are none of a light's, at least
 CLUTTER_FRAMES = 30.0  # over which they are counted
 FIRST_SPEED = 10.0  # px a frame interval, along each axis, of a light of which nothing is known
 IN_STEP = 2e-3  # of the exposure: a light seen so near to its middle is in step with the frames
+PACE_PART = 0.1  # of a frame's interval that is taken into their mean
 LOST_S = 1.0  # s for which a light keeps its name unseen
 
 
@@ -103,6 +104,9 @@ class BlinkTracker:
         self._count = 0
         self._clutter = 2.0
         self._numbers = 0
+        self._in_step = np.array([each.frames > 0 for each in patterns])
+        self._frames = 0
+        self._pace = 1.0  # of the frames, in `interval`
         self._begun_ns: int | None = None
         self._last_ns = 0
 
@@ -130,6 +134,14 @@ class BlinkTracker:
         clock = (stamp_ns - self._begun_ns) / (1e9 * self.interval)
         dt = (stamp_ns - self._last_ns) / (1e9 * self.interval)
         self._last_ns = stamp_ns
+        # Frames are counted: between two of them there is a whole number, and one at least.
+        if dt > 0.0:
+            passed = max(round(dt / self._pace), 1)
+            self._frames += passed
+            self._pace += PACE_PART * (dt / passed - self._pace)
+        looks = np.floor(
+            self._tables.rate * np.where(self._in_step, self._frames, clock) + 0.5
+        ).astype(np.int64) % (SUB_CELLS * np.diff(self._tables.first))
         order = np.arange(len(points))
         if len(points) > MOST_POINTS:
             order = np.argsort(-points[:, 5])[:MOST_POINTS]
@@ -140,8 +152,8 @@ class BlinkTracker:
         )
         old, new = self._tracks, self._spare
         count, unclaimed = step(
-            old, self._count, new, points, self._numbers, self._tables, self._prior, clock, dt,
-            settings, self._children, self._room, MOST_UNNAMED,
+            old, self._count, new, points, self._numbers, self._tables, self._prior, looks, clock,
+            dt, settings, self._children, self._room, MOST_UNNAMED,
         )
         self._numbers += len(points)
         self._clutter += (unclaimed - self._clutter) / CLUTTER_FRAMES

@@ -7,8 +7,8 @@ from typing import NamedTuple
 from blob_tracker.blinking.motion import begin, correct, predict, project, STATE
 from blob_tracker.blinking.patterns import SHARE_LEVELS, Tables
 from blob_tracker.blinking.phase import (
-    fill_hit, fill_miss, LEAST_SCINTILLATION, OTHERS, refine, SCINTILLATION, weigh_hit,
-    weigh_miss,
+    fill_hit, fill_miss, LEAST_SCINTILLATION, OTHERS, refine, SCINTILLATION, Steps,
+    weigh_hit, weigh_miss,
 )
 from blob_tracker.kernel import Array, kernel
 import numpy as np
@@ -104,7 +104,7 @@ def copy_row(old: Tracks, row: int, new: Tracks, to: int) -> None:
 @kernel
 def start_row(
     new: Tracks, to: int, point: Array, index: int, number: int, score: float, speed: float,
-    tables: Tables, prior: Array, clock: float, least: float, likelihood: Array,
+    tables: Tables, prior: Array, on: Steps, clock: float, least: float, likelihood: Array,
 ) -> None:
     """Begin a row with a point of which nothing else is known."""
     begin(
@@ -115,7 +115,7 @@ def start_row(
     new.full[to, 2] = SCINTILLATION**2
     new.weights[to] = prior
     fill_hit(point[FLUX], point[FLUX_SIGMA], new.full[to], least, likelihood)
-    weigh_hit(tables, clock, new.weights[to], UNNAMED, likelihood)
+    weigh_hit(tables, on, new.weights[to], UNNAMED, likelihood)
     new.score[to] = score
     new.deficit[to] = 0.0
     new.name[to] = UNNAMED
@@ -127,12 +127,12 @@ def start_row(
 
 @kernel
 def miss_row(
-    new: Tracks, to: int, gain: float, tables: Tables, clock: float, least: float,
+    new: Tracks, to: int, gain: float, tables: Tables, on: Steps, least: float,
     likelihood: Array,
 ) -> None:
     """Take note in a row that it was not seen."""
     fill_miss(new.full[to], least, likelihood)
-    weigh_miss(tables, clock, new.weights[to], new.name[to], likelihood)
+    weigh_miss(tables, on, new.weights[to], new.name[to], likelihood)
     new.deficit[to] += gain
     new.now[to] = 0.0
     new.now[to, 0] = -1.0
@@ -141,7 +141,8 @@ def miss_row(
 @kernel
 def hit_row(
     new: Tracks, to: int, point: Array, index: int, number: int, kind: int, gain: float,
-    moments: Array, tables: Tables, clock: float, least: float, likelihood: Array, work: Array,
+    moments: Array, tables: Tables, on: Steps, clock: float, least: float, likelihood: Array,
+    work: Array,
 ) -> None:
     """
     Take note in a row of its point.
@@ -161,13 +162,13 @@ def hit_row(
         )
         predict(state, covariance, gap, work)
     fill_hit(point[FLUX], point[FLUX_SIGMA], new.full[to], least, likelihood)
-    weigh_hit(tables, clock, new.weights[to], new.name[to], likelihood)
+    weigh_hit(tables, on, new.weights[to], new.name[to], likelihood)
     full = new.full[to]
     share = min(point[FLUX] / full[0], 1.0)
     share_sigma = np.sqrt(
         (point[FLUX_SIGMA] / full[0]) ** 2 + share * share * (full[1] ** 2 + full[2])
     )
-    refine(tables, clock, new.weights[to], new.name[to], share, share_sigma, moments)
+    refine(tables, on, new.weights[to], new.name[to], share, share_sigma, moments)
     _weigh_flux(full, point, moments)
     tau, spread = moments[0], moments[1]
     x, y, xx, xy, yy = project(state, covariance, tau)

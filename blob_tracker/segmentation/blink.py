@@ -158,7 +158,10 @@ class Blink:
             'flash.exposure'
         )
         rate = self._bits_per_second or 1.0 / (interval * self._frames_per_bit)
-        patterns: list[Pattern] = [code(name, bits, rate) for name, bits in self._codes.items()]
+        in_step = 0 if self._bits_per_second else self._frames_per_bit
+        patterns: list[Pattern] = [
+            code(name, bits, rate, in_step) for name, bits in self._codes.items()
+        ]
         patterns += [
             wave(name, frequency, self._duty) for name, frequency in self._frequencies.items()
         ]

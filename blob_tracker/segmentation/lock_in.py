@@ -166,7 +166,8 @@ class LockIn:
         shift_sigma = height_sigma / max(mean, 1e-9) * light.sigma_major * np.sqrt(2.0)
         if shift > HALVES_SIGMA * shift_sigma + HALVES_PX:
             return (
-                f'the light moved by {shift:.1f} px from one half of the block to the other; {ELSE}'
+                f'the light moved by {shift:.1f} px from one half of the block to the other; '
+                + ELSE
             )
         return ''
 
