@@ -171,7 +171,10 @@ class Glimpse:
     way_sigma : float
         Standard deviation of that along either axis, px.
     doubt : (2, 2) array
-        Covariance that the doubt about the stamp adds to its place, px^2.
+        Covariance that the doubt about the stamp, about its path and about lights beside it adds
+        to its place, px^2.
+    lag : (2,) array
+        By which the middle of its light lies off its place at the stamp, as its path bends, px.
 
     """
 
@@ -179,6 +182,7 @@ class Glimpse:
     way: NDArray[np.float64]
     way_sigma: float
     doubt: NDArray[np.float64]
+    lag: NDArray[np.float64]
 
 
 @dataclass(frozen=True)

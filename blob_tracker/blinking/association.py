@@ -8,7 +8,7 @@ from typing import NamedTuple
 from blob_tracker.blinking.motion import predict, project
 from blob_tracker.blinking.patterns import Tables
 from blob_tracker.blinking.phase import (
-    diffuse, fill_hit, fill_miss, fill_outlook, judge_hit, judge_miss, Steps,
+    diffuse, expected_share, fill_hit, fill_miss, fill_outlook, judge_hit, judge_miss, Steps,
 )
 from blob_tracker.blinking.tracks import (
     copy_row, FLUX, FLUX_SIGMA, hit_row, MISS, miss_row, SMOOTH, start_row, Tracks, TURN,
@@ -201,6 +201,8 @@ def _bear(
     outlook, likelihood, moments = room.outlook, room.likelihood, room.moments
     fill_outlook(tables, on, old.weights[row], old.name[row], outlook)
     fill_miss(old.full[row], settings.least, likelihood)
+    moments[:] = 0.0
+    moments[2] = expected_share(outlook)
     born = _add(children, born, row, -1, MISS, old, math.log(judge_miss(outlook, likelihood)),
                 moments)
     state, covariance, last = old.state[row], old.covariance[row], old.hit[row]
@@ -340,7 +342,9 @@ def _grow(
     copy_row(old, row, new, to)
     new.score[to] = children.score[child]
     if point < 0:
-        miss_row(new, to, gain, tables, on, settings.least, room.likelihood)
+        miss_row(
+            new, to, gain, children.moments[child, 2], tables, on, settings.least, room.likelihood,
+        )
     else:
         hit_row(
             new, to, points[point], point, number + point, children.kind[child], gain,

@@ -169,6 +169,15 @@ def judge_hit(outlook: Array, likelihood: Array, moments: Array) -> float:
 
 
 @kernel
+def expected_share(outlook: Array) -> float:
+    """Return the mean share of a frame, over the patterns and a light that is always on."""
+    mean = outlook[3, 1] + SEEN_AT_RANDOM * outlook[3, 0]
+    for level in range(SHARE_LEVELS + 1):
+        mean += outlook[0, level] * level / SHARE_LEVELS
+    return mean
+
+
+@kernel
 def judge_miss(outlook: Array, likelihood: Array) -> float:
     """Return the probability that nothing is seen; `likelihood` is that of `fill_miss`."""
     total = outlook[3, 0] * (1.0 - SEEN_AT_RANDOM) + outlook[3, 1] * likelihood[SHARE_LEVELS]

@@ -41,6 +41,8 @@ class Lit(NamedTuple):
         Velocity, px/s.
     covariance : (6, 6) array
         Of x, y, velocity and acceleration, px and s.
+    ax, ay : float
+        Acceleration, px/s^2.
     share : float
         Part of the exposure for which it was on.
     tau, tau_sigma : float
@@ -54,10 +56,36 @@ class Lit(NamedTuple):
     y: float
     vx: float
     vy: float
+    ax: float
+    ay: float
     covariance: NDArray[np.float64]
     share: float
     tau: float
     tau_sigma: float
+
+
+class Known(NamedTuple):
+    """
+    A light with a name, in the last frame, seen or not.
+
+    Parameters
+    ----------
+    name : str
+        The light.
+    x, y : float
+        Filtered or predicted place, px.
+    variance : float
+        Of it, along one axis, px^2.
+    flux : float
+        Light that it should have had in the frame, DN px^2.
+
+    """
+
+    name: str
+    x: float
+    y: float
+    variance: float
+    flux: float
 
 
 class BlinkTracker:
@@ -166,6 +194,20 @@ class BlinkTracker:
             if row >= 0 and new.now[row, 0] >= 0.0 and self._lead[name] > CLEAR
         ]
 
+    def known(self) -> list[Known]:
+        """Return the lights that have a name."""
+        found = []
+        for name, row in enumerate(self._best):
+            if row >= 0:
+                tracks = self._tracks
+                state, covariance = tracks.state[row], tracks.covariance[row]
+                found.append(Known(
+                    self.patterns[name].name, float(state[0]), float(state[1]),
+                    0.5 * float(covariance[0, 0] + covariance[1, 1]),
+                    float(tracks.full[row, 0] * tracks.now[row, 3]),
+                ))
+        return found
+
     def _lit(self, name: int, row: int, order: NDArray[np.int64]) -> Lit:
         tracks, second = self._tracks, self.interval
         state, now = tracks.state[row], tracks.now[row]
@@ -174,6 +216,7 @@ class BlinkTracker:
         return Lit(
             self.patterns[name].name, int(order[int(now[0])]), float(state[0]), float(state[1]),
             float(state[2]) / second, float(state[3]) / second,
+            float(state[4]) / second**2, float(state[5]) / second**2,
             tracks.covariance[row] * np.outer(scale, scale), float(now[3]),
             0.0 if abs(tau) < IN_STEP * self.exposure else tau, math.sqrt(float(now[2])) * second,
         )

@@ -127,15 +127,15 @@ def start_row(
 
 @kernel
 def miss_row(
-    new: Tracks, to: int, gain: float, tables: Tables, on: Steps, least: float,
+    new: Tracks, to: int, gain: float, share: float, tables: Tables, on: Steps, least: float,
     likelihood: Array,
 ) -> None:
-    """Take note in a row that it was not seen."""
+    """Take note in a row that it was not seen, where so much of the exposure was expected."""
     fill_miss(new.full[to], least, likelihood)
     weigh_miss(tables, on, new.weights[to], new.name[to], likelihood)
     new.deficit[to] += gain
     new.now[to] = 0.0
-    new.now[to, 0] = -1.0
+    new.now[to, 0], new.now[to, 3] = -1.0, share
 
 
 @kernel

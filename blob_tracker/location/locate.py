@@ -250,11 +250,13 @@ def to_location(window: Window, found: Estimates) -> Location:
         raise LocationError(REASONS[Failure(found.failure[0])])
     scale = np.array(window.binning, dtype=float)
     covariance = found.covariance[0] * np.outer(scale, scale)
+    lag = np.zeros(2)
     if window.glimpse is not None:
         covariance = covariance + window.glimpse.doubt
+        lag = window.glimpse.lag
     return Location(
-        x=float(window.x0 + scale[0] * (found.x[0] + 0.5) - 0.5),
-        y=float(window.y0 + scale[1] * (found.y[0] + 0.5) - 0.5),
+        x=float(window.x0 + scale[0] * (found.x[0] + 0.5) - 0.5 - lag[0]),
+        y=float(window.y0 + scale[1] * (found.y[0] + 0.5) - 0.5 - lag[1]),
         covariance=covariance,
         amplitude=float(found.amplitude[0]),
         background=float(found.background[0]),

@@ -28,6 +28,7 @@ FEWEST = 8  # of them, before it can be
 UNLIKE = 0.06  # of the light's mean, by which it differs from flash to flash where it flickers
 SIGMAS = 5.0  # of what noise makes of that
 WHOLE = 0.99  # of the exposure, for which a light is on that is as bright as ever
+ROUND_PX = 1.0  # px of a streak, which takes no more than 2 % off the peak of a light of 1.5 px
 TOGETHER = 5  # flashes over which a light's lopsidedness is summed
 
 
@@ -39,14 +40,14 @@ class _Memory:
         self.light: deque[tuple[float, float]] = deque(maxlen=REMEMBERED)
         self.lopsided: deque[NDArray[np.float64]] = deque(maxlen=TOGETHER)
 
-    def add(self, location: Location, share: float) -> None:
+    def add(self, location: Location, alike: bool) -> None:
         """
         Take the next flash: where it was, how much light, and the noise of that over it.
 
-        The light of one that was on for a part of the exposure says nothing of the others'.
+        How bright it was counts where it was seen as in the other flashes.
         """
         self.places.append((location.stamp_ns, location.x, location.y))
-        if share < WHOLE:
+        if not alike:
             return
         noise = 1.0 / (location.snr * max(location.sigma, 0.5))
         self.light.append((location.amplitude * location.sigma**2, noise))
@@ -166,9 +167,9 @@ class Locator:
                 location = replace(
                     location, covariance=location.covariance + doubt, warning=LOPSIDED_LIGHT
                 )
-        share = 1.0 if window.glimpse is None else window.glimpse.share
-        memory.add(location, share)
-        flicker = memory.flicker if share >= WHOLE else 0.0
+        alike = _shines_as_ever(window)
+        memory.add(location, alike)
+        flicker = memory.flicker if alike else 0.0
         if self._remembers and flicker > 0.0 and not location.warning:
             location = _with_uneven_rows(location, window, noise, flicker)
         return location
@@ -179,6 +180,14 @@ class Locator:
             self._memories.clear()
         else:
             self._memories.pop(light, None)
+
+
+def _shines_as_ever(window: Window) -> bool:
+    """Tell whether a light was on for the whole exposure, and drew no streak."""
+    glimpse = window.glimpse
+    if glimpse is None:
+        return True
+    return glimpse.share >= WHOLE and float(np.hypot(*glimpse.way)) < ROUND_PX
 
 
 def _with_uneven_rows(

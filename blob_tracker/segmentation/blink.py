@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 import math
 
-from blob_tracker.blinking import BlinkTracker, code, Lit, Pattern, wave
+from blob_tracker.blinking import BlinkTracker, code, Known, Lit, Pattern, wave
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
@@ -23,6 +23,7 @@ PLACE_FRACTION = 0.05  # of its sigma, by which a blob's centre is off beside it
 LEAST_PLACE_PX = 0.05  # px: of the centre of any blob
 WAY_FRACTION = 0.03  # of a streak's length, by which it may be off: its path bends
 LEAST_PEAK_SIGMA = 6.0  # standard deviations of a pixel: a peak of which half are found
+BESIDE = 4.0  # sigma of a light, within which another one draws its place
 UNKNOWN_EXPOSURE = 0.5  # of the frame interval, where nobody tells
 
 
@@ -146,9 +147,10 @@ class Blink:
         self.reason = ''
         if not found and allowed:
             self.reason = f'{len(allowed)} lights; none is due and of a known pattern'
-        exposure = self._tracker.exposure
+        exposure, known = self._tracker.exposure, self._tracker.known()
         return [
-            (each.name, _at_its_instant(allowed[each.point], each, exposure)) for each in found
+            (each.name, _at_its_instant(allowed[each.point], each, exposure, known))
+            for each in found
         ]
 
     def _new_tracker(self, frame: Frame, interval: float) -> BlinkTracker:
@@ -172,14 +174,33 @@ class Blink:
         )
 
 
-def _at_its_instant(candidate: Candidate, light: Lit, exposure: float) -> Candidate:
-    """Return the candidate with the time at which it was seen, and what its motion does to it."""
+def _at_its_instant(
+    candidate: Candidate, light: Lit, exposure: float, known: Sequence[Known]
+) -> Candidate:
+    """
+    Return the candidate with the time at which it was seen, and what is known of its path.
+
+    Over the time T for which it is lit the middle of its light is off its place by a T^2 / 24.
+    What another light beside it draws it to is in the doubt: d f' / (f + f').
+    """
     velocity = np.array([light.vx, light.vy])
     lit = light.share * exposure
     sigma = lit * math.sqrt(0.5 * (light.covariance[2, 2] + light.covariance[3, 3]))
+    bend = lit**2 / 24.0
+    doubt = np.outer(velocity, velocity) * light.tau_sigma**2
+    doubt += bend**2 * light.covariance[4:, 4:]
+    reach = BESIDE * candidate.sigma_major + 0.5 * lit * float(np.hypot(*velocity))
+    own = max(each.flux for each in known if each.name == light.name)
+    for other in known:
+        apart = np.array([other.x - candidate.x, other.y - candidate.y])
+        if other.name != light.name and float(np.hypot(*apart)) < reach + math.sqrt(
+            other.variance
+        ):
+            part = other.flux / max(other.flux + own, 1e-9)
+            doubt += part**2 * (np.outer(apart, apart) + other.variance * np.eye(2))
     glimpse = Glimpse(
         light.share, lit * velocity, sigma + WAY_FRACTION * lit * float(np.hypot(*velocity)),
-        np.outer(velocity, velocity) * light.tau_sigma**2,
+        doubt, bend * np.array([light.ax, light.ay]),
     )
     return candidate._replace(tau=light.tau, glimpse=glimpse)
 

@@ -160,7 +160,7 @@ def _on_sensor(glimpse: Glimpse | None, frame: Frame) -> Glimpse | None:
     scale = np.array(frame.binning, dtype=float)
     return Glimpse(
         glimpse.share, glimpse.way * scale, glimpse.way_sigma * float(scale.max()),
-        glimpse.doubt * np.outer(scale, scale),
+        glimpse.doubt * np.outer(scale, scale), glimpse.lag * scale,
     )
 
 

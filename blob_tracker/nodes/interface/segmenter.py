@@ -15,8 +15,8 @@ PARAMETERS = (
         'alternate',
         'How the light flashes. alternate: in step with the camera, on in every other frame. '
         'periodic: free-running at flash.frequency, or several at flash.frequencies. coded: '
-        'lights that blink flash.codes. lock_in: a faint light at flash.frequency that stands still. '
-        'steady: always on.',
+        'lights that blink flash.codes. lock_in: a faint light at flash.frequency that stands '
+        'still. steady: always on.',
         choices=tuple(FLASH_MODES),
     ),
     Parameter(
