@@ -13,9 +13,13 @@ REACH = 150.0  # px: a path of this reach at the speed v has accelerations of v^
 
 
 @kernel
-def manoeuvre(vx: float, vy: float) -> float:
-    """Return the variance of the acceleration along an axis at a speed."""
-    return STILL**2 + ((vx * vx + vy * vy) / REACH) ** 2
+def manoeuvre(vx: float, vy: float, ax: float, ay: float) -> float:
+    """
+    Return the variance of the acceleration along an axis, of a light that moves so.
+
+    On its way back and forth a light is fast where it is not accelerated, and slow where it is.
+    """
+    return STILL**2 + ((vx * vx + vy * vy) / REACH) ** 2 + ax * ax + ay * ay
 
 
 @kernel
@@ -25,10 +29,10 @@ def predict(state: Array, covariance: Array, dt: float, work: Array) -> None:
 
     Per axis x, v, a with a' = -a / T + w (Singer, IEEE Trans. AES 6 (1970)), to the first order
     in dt / T but for the decay of a; w of the density 2 sigma_a^2 / T, where sigma_a grows with
-    the square of the speed: what is quick turns in as much room as what is slow.
+    the square of the speed (what is quick turns in as much room as what is slow) and with a.
     """
     keep = math.exp(-dt / MANOEUVRE)
-    density = 2.0 * manoeuvre(state[2], state[3]) / MANOEUVRE
+    density = 2.0 * manoeuvre(state[2], state[3], state[4], state[5]) / MANOEUVRE
     half = 0.5 * dt * dt
     for i in range(2):
         state[i] += dt * state[2 + i] + half * state[4 + i]
@@ -110,7 +114,7 @@ def begin(
     state[0], state[1] = x, y
     covariance[:] = 0.0
     covariance[0, 0], covariance[0, 1], covariance[1, 0], covariance[1, 1] = xx, xy, xy, yy
-    acceleration = manoeuvre(speed, 0.0)
+    acceleration = manoeuvre(speed, 0.0, 0.0, 0.0)
     for i in range(2):
         covariance[2 + i, 2 + i] = speed * speed
         covariance[4 + i, 4 + i] = acceleration

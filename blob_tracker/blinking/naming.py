@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 CONFIRMING_SCORE = 8.0  # nats over clutter
 CONFIRMING_HITS = 3
 SURE = 0.97  # probability of a pattern from which on a light has its name
+STRANGE = 0.9  # probability from which on a light blinks at random
 DOUBTED = 0.3  # probability of it below which it loses it
 COASTING = 3.0  # nats that a light has missed: another one may have its name
 CLEAR = 3.0  # nats between the best thought on a light and the next one of another place
@@ -32,7 +33,15 @@ def give_names(
     thought on the same light.
     """
     keep[:count] = True
-    names = first.size - 1
+    names, cells = first.size - 1, first[-1]
+    strangers = 0
+    for row in range(count):
+        strangers += (
+            tracks.name[row] == UNNAMED and tracks.score[row] > CONFIRMING_SCORE
+            and tracks.weights[row, cells] > STRANGE
+        )
+    # Of many that blink at random one looks like a light by chance.
+    sure = 1.0 - (1.0 - SURE) / (1.0 + strangers) ** 2
     for row in range(count):
         name = tracks.name[row]
         if name != UNNAMED and probability(first, tracks.weights[row], name) < DOUBTED:
@@ -45,7 +54,7 @@ def give_names(
         ):
             continue
         for name in range(names):
-            if probability(first, tracks.weights[row], name) > SURE:
+            if probability(first, tracks.weights[row], name) > sure:
                 _take_name(first, tracks, count, row, name, keep)
                 break
 
@@ -81,8 +90,14 @@ def _take_name(
 
 
 @kernel
-def best_rows(tracks: Tracks, count: int, rows: NDArray[np.int64], lead: Array) -> None:
-    """Fill the best row of each name, -1 where there is none, and its lead over the next, nats."""
+def best_rows(
+    first: NDArray[np.int64], tracks: Tracks, count: int, rows: NDArray[np.int64], lead: Array
+) -> None:
+    """
+    Fill the best row of each name, -1 where there is none, and its lead over the next, nats.
+
+    One that is not sure of its pattern any more has none.
+    """
     rows[:] = -1
     lead[:] = np.inf
     for row in range(count):
@@ -93,3 +108,7 @@ def best_rows(tracks: Tracks, count: int, rows: NDArray[np.int64], lead: Array) 
         name = tracks.name[row]
         if name != UNNAMED and tracks.now[row, 0] != tracks.now[rows[name], 0]:
             lead[name] = min(lead[name], tracks.score[rows[name]] - tracks.score[row])
+    for name in range(rows.size):
+        row = rows[name]
+        if row >= 0 and probability(first, tracks.weights[row], name) < SURE:
+            lead[name] = 0.0

@@ -68,8 +68,8 @@ def code(name: str, bits: str, bits_per_second: float, frames_per_bit: int = 0) 
     """
     length = len(bits)
     # A run that goes on past the end of the code is one run: begin at a rise.
-    first = (bits[::-1] + bits).find('01') - length + 1 if '01' in bits[-1] + bits else 0
-    turned = bits[first % length:] + bits[:first % length]
+    first = (bits[-1] + bits).find('01') if '01' in bits[-1] + bits else 0
+    turned = bits[first:] + bits[:first]
     edges: list[tuple[float, float]] = []
     for index, bit in enumerate(turned):
         if bit == '1' and index > 0 and turned[index - 1] == '1':

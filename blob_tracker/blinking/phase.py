@@ -13,14 +13,14 @@ Steps = NDArray[np.int64]
 
 # Beside the patterns there are two cells more: of a light on at random, and of one always on
 OTHERS = 2
-PRIOR_PATTERNS, PRIOR_RANDOM, PRIOR_STEADY = 0.8, 0.1, 0.1
+PRIOR_PATTERNS, PRIOR_RANDOM, PRIOR_STEADY = 0.9, 0.05, 0.05
 SEEN = 0.97  # of the lit frames of a light in view: now and then something passes before it
 SEEN_AT_RANDOM = 0.5  # of all frames, of a light of no known pattern
 # Of a light's flux, by which it changes from frame to frame: until it is known, and at least
 SCINTILLATION, LEAST_SCINTILLATION = 0.03, 0.005
 STRANGE = 0.03  # of the hits have another flux: a second light beside it, a reflection
 # To either side in a frame: of 16 cells a frame interval a clock that is off by 1 % crosses 0.16
-DIFFUSION = 0.05
+DIFFUSION = 0.1
 DOUBT = 1e-3  # of the probability is dealt out afresh in each frame: a new start is possible
 UNLIKELY = 1e-5  # a weight that does not count where a mean is taken
 # Of share: rms of the width of a look, 1/16 of half a frame, and how far from it it speaks

@@ -188,7 +188,7 @@ class BlinkTracker:
         give_names(self._tables.first, self._prior, new, count, self._keep)
         self._count = _pack(new, count, self._keep)
         self._tracks, self._spare = new, old
-        best_rows(new, self._count, self._best, self._lead)
+        best_rows(self._tables.first, new, self._count, self._best, self._lead)
         return [
             self._lit(name, int(row), order) for name, row in enumerate(self._best)
             if row >= 0 and new.now[row, 0] >= 0.0 and self._lead[name] > CLEAR

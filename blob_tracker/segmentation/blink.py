@@ -77,6 +77,7 @@ class Blink:
         self._duty, self._exposure = duty, exposure
         self._history = FrameHistory(2, max_pair_interval)
         self._tracker: BlinkTracker | None = None
+        self._first: tuple[Array, int, float] | None = None  # of the frame before there is one
         self._nothing: Pixels = np.empty((0, 0), np.uint8)
         self._named = False
         self.reason = 'no frame yet'
@@ -103,12 +104,10 @@ class Blink:
             if len(self._history.frames) == 1:
                 self._tracker = None
             raise
-        if interval is None or len(self._history.frames) < 2:
-            self._tracker = None
-            self.reason = 'waiting for a second frame'
-            return None
         kept = self._history.frames[-1]
-        if self._tracker is None:
+        if interval is None or len(self._history.frames) < 2:
+            self._tracker, self._first = None, None
+        elif self._tracker is None:
             self.reason = rate_fault(self._frequencies, 1.0 / interval)
             if self.reason:
                 return None
@@ -137,12 +136,20 @@ class Blink:
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
         """Return the lights that the frame shows, each by its name and with its instant."""
-        assert self._tracker is not None
         allowed = [each for each in candidates if not each.rejected]
         points, least = _points(contrast, allowed, max(
             (each.noise for each in candidates), default=contrast.floor
         ))
-        found = self._tracker.update(points, contrast.frame.stamp_ns, least)
+        seen = points, contrast.frame.stamp_ns, least
+        if self._tracker is None:
+            # The next frame tells the interval.
+            self._first, self._named = seen, False
+            self.reason = 'waiting for a second frame'
+            return []
+        if self._first is not None:
+            self._tracker.update(*self._first)
+            self._first = None
+        found = self._tracker.update(*seen)
         self._named = bool(found)
         self.reason = ''
         if not found and allowed:
@@ -183,24 +190,27 @@ def _at_its_instant(
     Over the time T for which it is lit the middle of its light is off its place by a T^2 / 24.
     What another light beside it draws it to is in the doubt: d f' / (f + f').
     """
-    velocity = np.array([light.vx, light.vy])
     lit = light.share * exposure
-    sigma = lit * math.sqrt(0.5 * (light.covariance[2, 2] + light.covariance[3, 3]))
-    bend = lit**2 / 24.0
-    doubt = np.outer(velocity, velocity) * light.tau_sigma**2
-    doubt += bend**2 * light.covariance[4:, 4:]
-    reach = BESIDE * candidate.sigma_major + 0.5 * lit * float(np.hypot(*velocity))
+    spread = light.covariance
+    speed = math.hypot(light.vx, light.vy)
+    sigma = lit * math.sqrt(0.5 * (spread[2, 2] + spread[3, 3]))
+    bend, late = lit**2 / 24.0, light.tau_sigma**2
+    xx = light.vx**2 * late + bend**2 * spread[4, 4]
+    xy = light.vx * light.vy * late + bend**2 * spread[4, 5]
+    yy = light.vy**2 * late + bend**2 * spread[5, 5]
+    reach = BESIDE * candidate.sigma_major + 0.5 * lit * speed
     own = max(each.flux for each in known if each.name == light.name)
     for other in known:
-        apart = np.array([other.x - candidate.x, other.y - candidate.y])
-        if other.name != light.name and float(np.hypot(*apart)) < reach + math.sqrt(
-            other.variance
-        ):
-            part = other.flux / max(other.flux + own, 1e-9)
-            doubt += part**2 * (np.outer(apart, apart) + other.variance * np.eye(2))
+        dx, dy = other.x - candidate.x, other.y - candidate.y
+        if other.name != light.name and math.hypot(dx, dy) < reach + math.sqrt(other.variance):
+            part = (other.flux / max(other.flux + own, 1e-9)) ** 2
+            xx += part * (dx * dx + other.variance)
+            xy += part * dx * dy
+            yy += part * (dy * dy + other.variance)
     glimpse = Glimpse(
-        light.share, lit * velocity, sigma + WAY_FRACTION * lit * float(np.hypot(*velocity)),
-        doubt, bend * np.array([light.ax, light.ay]),
+        light.share, np.array([lit * light.vx, lit * light.vy]),
+        sigma + WAY_FRACTION * lit * speed, np.array([[xx, xy], [xy, yy]]),
+        np.array([bend * light.ax, bend * light.ay]),
     )
     return candidate._replace(tau=light.tau, glimpse=glimpse)
 
