@@ -7,9 +7,10 @@ import math
 
 from blob_tracker.blinking import BlinkTracker, code, Known, Lit, Pattern, wave
 from blob_tracker.kernel import Array, kernel
-from blob_tracker.segmentation.box import Box, whole
+from blob_tracker.segmentation.box import Box, box_about, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.dark_look import DarkLook
 from blob_tracker.segmentation.description import distance2
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.history import FrameError, FrameHistory
@@ -22,7 +23,9 @@ APERTURE = 3.5  # sigma of a blob within which its light is summed
 PLACE_FRACTION = 0.05  # of its sigma, by which a blob's centre is off beside its noise
 LEAST_PLACE_PX = 0.05  # px: of the centre of any blob
 WAY_FRACTION = 0.03  # of a streak's length, by which it may be off: its path bends
-LEAST_PEAK_SIGMA = 6.0  # standard deviations of a pixel: a peak of which half are found
+# Standard deviations of a pixel, texture among them, that a light stands above them
+LEAST_PEAK_SIGMA = 5.0
+ABOUT = 4.0  # sigma to each side: a window and its background
 BESIDE = 4.0  # sigma of a light, within which another one draws its place
 UNKNOWN_EXPOSURE = 0.5  # of the frame interval, where nobody tells
 
@@ -78,7 +81,7 @@ class Blink:
         self._history = FrameHistory(2, max_pair_interval)
         self._tracker: BlinkTracker | None = None
         self._first: tuple[Array, int, float] | None = None  # of the frame before there is one
-        self._nothing: Pixels = np.empty((0, 0), np.uint8)
+        self._dark = DarkLook()
         self._named = False
         self.reason = 'no frame yet'
         self.warning = ''
@@ -90,7 +93,7 @@ class Blink:
 
     def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
         """
-        Return the next frame by itself.
+        Return the next frame, and what the scene looks like without lights that blink.
 
         Raises
         ------
@@ -102,21 +105,21 @@ class Blink:
             interval = self._history.push(frame)
         except FrameError:
             if len(self._history.frames) == 1:
-                self._tracker = None
+                self._tracker, self._first, self._dark = None, None, DarkLook()
             raise
         kept = self._history.frames[-1]
         if interval is None or len(self._history.frames) < 2:
-            self._tracker, self._first = None, None
-        elif self._tracker is None:
-            self.reason = rate_fault(self._frequencies, 1.0 / interval)
-            if self.reason:
-                return None
-            self._tracker = self._new_tracker(kept, interval)
-        image = kept.image
-        if self._nothing.shape != image.shape or self._nothing.dtype != image.dtype:
-            self._nothing = np.zeros_like(image)
+            self._tracker, self._first, self._dark = None, None, DarkLook()
+        else:
+            self._dark.push(self._history.frames[-2])
+            if self._tracker is None:
+                self.reason = rate_fault(self._frequencies, 1.0 / interval)
+                if self.reason:
+                    return None
+                self._tracker = self._new_tracker(kept, interval)
         return Contrast(
-            image, self._nothing, frame.saturation, frame, (kept.samples,), (), ROUNDING_DN
+            kept.image, self._dark.below(kept), frame.saturation, frame, (kept.samples,), (),
+            ROUNDING_DN,
         )
 
     def skip(self, frame: Frame) -> None:
@@ -136,7 +139,11 @@ class Blink:
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
         """Return the lights that the frame shows, each by its name and with its instant."""
-        allowed = [each for each in candidates if not each.rejected]
+        # What is no higher may be the scene's texture, which a wide filter sums up as it does light.
+        allowed = [
+            each for each in candidates
+            if not each.rejected and each.amplitude >= LEAST_PEAK_SIGMA * each.noise
+        ]
         points, least = _points(contrast, allowed, max(
             (each.noise for each in candidates), default=contrast.floor
         ))
@@ -152,13 +159,27 @@ class Blink:
         found = self._tracker.update(*seen)
         self._named = bool(found)
         self.reason = ''
-        if not found and allowed:
-            self.reason = f'{len(allowed)} lights; none is due and of a known pattern'
+        if not found:
+            self.reason = _why_none(candidates, allowed)
         exposure, known = self._tracker.exposure, self._tracker.known()
         return [
-            (each.name, _at_its_instant(allowed[each.point], each, exposure, known))
+            (each.name, self._with_dark_look(
+                contrast, _at_its_instant(allowed[each.point], each, exposure, known)
+            ))
             for each in found
         ]
+
+    def _with_dark_look(self, contrast: Contrast, candidate: Candidate) -> Candidate:
+        """Return the candidate with a frame in which it was dark, where there is one."""
+        half_x, half_y = (
+            math.ceil(ABOUT * sigma) for sigma in (candidate.sigma_x, candidate.sigma_y)
+        )
+        box = box_about(
+            round(candidate.x), round(candidate.y), half_x, half_y, contrast.shape
+        )
+        return candidate._replace(
+            unlit=self._dark.of(box, candidate.background, candidate.noise)
+        )
 
     def _new_tracker(self, frame: Frame, interval: float) -> BlinkTracker:
         exposure = self._exposure or frame.exposure_ns / 1e9
@@ -179,6 +200,20 @@ class Blink:
             patterns, interval=interval, exposure=exposure or UNKNOWN_EXPOSURE * interval,
             shape=(height, width),
         )
+
+
+def _why_none(candidates: Sequence[Candidate], allowed: Sequence[Candidate]) -> str:
+    """Say why none of the candidates is a light; empty where the first one itself tells."""
+    if allowed:
+        return f'{len(allowed)} lights; none is due and of a known pattern'
+    low = [each for each in candidates if not each.rejected]
+    if not low:
+        return ''
+    return (
+        f'the best blob stands {low[0].amplitude:.0f} DN above the scene, '
+        f'{low[0].amplitude / low[0].noise:.1f} times its noise and texture; it must be '
+        f'{LEAST_PEAK_SIGMA:g} times as high as they are'
+    )
 
 
 def _at_its_instant(

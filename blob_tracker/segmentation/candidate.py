@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from blob_tracker.types import Glimpse
+from blob_tracker.types import Glimpse, Pixels
 
 
 class Candidate(NamedTuple):
@@ -56,6 +56,8 @@ class Candidate(NamedTuple):
         When it was seen, s from the frame's stamp.
     glimpse : Glimpse or None
         How it was seen if it blinks, px of the frame as it is.
+    unlit : (h, w) array or None
+        Raw frame in which it was dark, where that is one of its own.
 
     """
 
@@ -84,6 +86,7 @@ class Candidate(NamedTuple):
     rejected: str = ''
     tau: float = 0.0
     glimpse: Glimpse | None = None
+    unlit: Pixels | None = None
 
     @property
     def peak(self) -> tuple[int, int]:

@@ -97,7 +97,8 @@ class FrameStack:
                 'true full scale (saturation)'
             )
         look = _Pair(
-            candidate.x, candidate.y, contrast.frame, contrast.lit_frames, contrast.unlit_frames,
+            candidate.x, candidate.y, contrast.frame, contrast.lit_frames,
+            contrast.unlit_frames if candidate.unlit is None else (candidate.unlit,),
             candidate.noise, round(1e9 * candidate.tau),
         )
         pairs = self._pairs.setdefault(name, [])
@@ -140,7 +141,7 @@ def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
     seen = sum(pair.frame.stamp_ns - first + pair.tau_ns for pair in pairs) // len(pairs)
     return Window(
         lit=sum_frames(lit, saturation),
-        unlit=sum_frames(unlit, saturation) if unlit else None,
+        unlit=sum_frames(unlit, saturation) if len(unlit) == len(lit) else None,
         x0=x0,
         y0=y0,
         stamp_ns=first + seen,
