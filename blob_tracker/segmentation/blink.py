@@ -139,7 +139,7 @@ class Blink:
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
         """Return the lights that the frame shows, each by its name and with its instant."""
-        # What is no higher may be the scene's texture, which a wide filter sums up as it does light.
+        # What is no higher may be the scene's texture: a wide filter sums it up as it does light.
         allowed = [
             each for each in candidates
             if not each.rejected and each.amplitude >= LEAST_PEAK_SIGMA * each.noise

@@ -36,7 +36,7 @@ def test_a_sinusoid_is_followed_through_the_dark() -> None:
     for index in range(400):
         place = 100.0 * np.sin(0.1 * index) * np.array([0.8, 0.6])
         if index == 0:
-            begin(state, covariance, *place, 0.0025, 0.0, 0.0025, 10.0)
+            begin(state, covariance, place[0], place[1], 0.0025, 0.0, 0.0025, 10.0)
             continue
         predict(state, covariance, 1.0, work)
         if index > 30:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from blob_tracker.blinking.patterns import code, SUB_CELLS, tables, Tables
+from blob_tracker.blinking.patterns import code, SUB_CELLS, Tables, tables
 from blob_tracker.blinking.phase import (
     diffuse, expected_share, fill_hit, fill_miss, fill_outlook, fill_prior, OTHERS, refine,
     weigh_hit, weigh_miss,
