@@ -39,7 +39,7 @@ def test_share_and_time_are_the_integrals(exposure: float) -> None:
 
 
 def test_an_edge_within_the_exposure_is_a_straight_line() -> None:
-    """tau = +-(1 - s) E / 2: the slope is -+E / 2, also at the looks beside a whole one."""
+    """With tau = +-(1 - s) E / 2 the slope is -+E / 2, also at the looks beside a whole one."""
     table = tables([wave('a', 6.0, 0.5)], 1 / 60, 0.5 / 60)
     partly = (table.share > 0.0) & (table.share < 1.0)
     np.testing.assert_allclose(

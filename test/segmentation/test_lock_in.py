@@ -137,3 +137,24 @@ def test_impossible_options_are_refused(options: dict[str, Any]) -> None:
         LockIn(**{
             'max_pair_interval': 0.1, 'frequency': 15.0, 'duty': 0.5, 'frames': 16, **options,
         })
+
+
+@pytest.mark.parametrize('speed', [0.25, 0.5, 2.0, 10.0])
+def test_a_light_that_moves_is_refused(speed: float) -> None:
+    """Px a frame: no window is more than 1 px off its path, and the reason says why."""
+    random = np.random.default_rng(6)
+    segmenter = Segmenter(flash=LockIn(frequency=10.0, frames=16))
+    columns, rows = np.arange(320), np.arange(60)
+    for index in range(96):
+        x = 60.0 + (speed * index) % 200.0
+        on = (index / RATE * 10.0) % 1.0 < 0.5
+        image = 20.0 + random.standard_normal((60, 320))
+        image += 100.0 * on * np.outer(
+            np.exp(-0.5 * ((rows - 30.2) / 1.5) ** 2), np.exp(-0.5 * ((columns - x) / 1.5) ** 2)
+        )
+        window = segmenter.update(
+            Frame(np.rint(image.clip(0, 255)).astype(np.uint8), round(1e9 * index / RATE), 255)
+        )
+        assert window is None
+        if index % 16 == 15:
+            assert 'the mode periodic follows' in segmenter.reason or 'rise' in segmenter.reason
