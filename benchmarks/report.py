@@ -7,11 +7,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from benchmarks import (
-    accuracy, bearing, capture, detection, lab, latency, motion, real_frames, real_pixels, search,
-    speed, tracking, world,
+    accuracy, bearing, blink, capture, detection, lab, latency, motion, real_frames, real_pixels,
+    search, speed, tracking, world,
 )
 from benchmarks.accuracy import Bias, Row
 from benchmarks.bearing import Row as BearingRow
+from benchmarks.blink import Row as BlinkRow
 from benchmarks.capture import Row as CaptureRow
 from benchmarks.contender import Contender
 from benchmarks.detection import Counts, Row as DetectionRow
@@ -24,7 +25,7 @@ from benchmarks.speed import Pace
 from benchmarks.world import Row as WorldRow
 
 PARTS = ('accuracy', 'speed', 'real', 'detection', 'search', 'motion', 'tracking', 'capture',
-         'latency', 'world')
+         'latency', 'world', 'blink')
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Sizes:
 
     Windows a scene, phase, lens and stack; repeats of the timing; frames of the clutter scenes
     and of the moving camera; length of a vehicle's ride, s; rounds and starts of the latency;
-    flashes of each situation outside the lab.
+    flashes of each situation outside the lab; frames and paths of the blinking lights.
     """
 
     scene: int
@@ -47,17 +48,18 @@ class Sizes:
     tracking: float
     latency: latency.Plan
     world: int
+    blink: blink.Size
 
 
 FULL = Sizes(
     scene=10_000, phase=400, bearing=2_000, stack=10_000, repeats=7,
     detection=detection.FULL, motion=1_200, tracking=120.0, latency=latency.FULL,
-    world=world.FULL,
+    world=world.FULL, blink=blink.FULL,
 )
 QUICK = Sizes(
     scene=1_000, phase=60, bearing=500, stack=2_000, repeats=3,
     detection=detection.QUICK, motion=100, tracking=30.0, latency=latency.QUICK,
-    world=world.QUICK,
+    world=world.QUICK, blink=blink.QUICK,
 )
 
 
@@ -79,6 +81,7 @@ class Report:
     capture: list[CaptureRow] = field(default_factory=list)
     latency: latency.Figures = latency.Figures()
     world: list[WorldRow] = field(default_factory=list)
+    blink: list[BlinkRow] = field(default_factory=list)
 
 
 def steps(parts: Collection[str], sizes: Sizes) -> int:
@@ -94,6 +97,7 @@ def steps(parts: Collection[str], sizes: Sizes) -> int:
         'capture': capture.steps(),
         'latency': latency.steps(sizes.latency),
         'world': world.steps(),
+        'blink': blink.steps(),
     }
     return sum(each[part] for part in parts)
 
@@ -138,4 +142,6 @@ def measure(
         report = replace(report, latency=latency.run(sizes.latency, tick))
     if 'world' in parts:
         report.world.extend(world.run(sizes.world, tick, seed))
+    if 'blink' in parts:
+        report.blink.extend(blink.run(sizes.blink, tick))
     return report

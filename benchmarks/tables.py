@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from benchmarks.blink import tables as blink_tables
 from benchmarks.contender import Contender
 from benchmarks.report import Report
 from benchmarks.speed import PAIRED
@@ -46,6 +47,7 @@ def figures(report: Report, ours: Sequence[str]) -> list[Table]:
     tables += tracking(report.tracking) if report.tracking.rows else []
     tables += latency(report.latency) if report.latency.rows else []
     tables += [world_tables.table(report.world, baseline.read())] if report.world else []
+    tables += [blink_tables.table(report.blink)] if report.blink else []
     return tables
 
 

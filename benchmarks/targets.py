@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import inf, isnan
 from statistics import geometric_mean
 
+from benchmarks import blink
 from benchmarks.accuracy import Bias, Row, TARGET
 from benchmarks.bearing import Row as BearingRow
 from benchmarks.capture import Row as CaptureRow
@@ -107,7 +108,10 @@ def judge(report: Report, ours: Sequence[str]) -> list[Target]:
     judged += [_tracking_target(report.tracking.costs)] if report.tracking.costs else []
     judged += [_capture_target(report.capture)] if report.capture else []
     judged += latency_targets(report.latency) if report.latency.rows else []
-    return judged + ([_world_target(report.world)] if report.world else [])
+    judged += [_world_target(report.world)] if report.world else []
+    if report.blink:
+        judged += [Target(*each) for each in blink.limits(report.blink)]
+    return judged
 
 
 def accuracy_targets(

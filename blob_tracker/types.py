@@ -116,6 +116,8 @@ class Frame:
     quantisation : (8, 8) array or None
         Steps in which a JPEG keeps the luma's cosine coefficients, DN, by row and column; None
         of a picture that was not compressed.
+    exposure_ns : int
+        How long it was exposed, ns; 0 where that is not known.
 
     """
 
@@ -129,6 +131,7 @@ class Frame:
     channel: str = ''
     mosaic: Mosaic | None = None
     quantisation: NDArray[np.generic] | None = None
+    exposure_ns: int = 0
 
     def __post_init__(self) -> None:
         planes = PLANES.get(self.layout)
@@ -155,6 +158,34 @@ class Frame:
 
 
 @dataclass(frozen=True)
+class Glimpse:
+    """
+    What is known beforehand of how a light that blinks and moves was seen.
+
+    Parameters
+    ----------
+    share : float
+        Part of the exposure for which it was on.
+    way : (2,) array
+        Its displacement meanwhile, px.
+    way_sigma : float
+        Standard deviation of that along either axis, px.
+    doubt : (2, 2) array
+        Covariance that the doubt about the stamp, about its path and about lights beside it adds
+        to its place, px^2.
+    lag : (2,) array
+        By which the middle of its light lies off its place at the stamp, as its path bends, px.
+
+    """
+
+    share: float
+    way: NDArray[np.float64]
+    way_sigma: float
+    doubt: NDArray[np.float64]
+    lag: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
 class Window:
     """
     The part of a flash pair that holds the target, raw: nothing subtracted.
@@ -170,7 +201,8 @@ class Window:
     x0, y0 : int
         Place of the window's first pixel on the full, unbinned sensor, px.
     stamp_ns : int
-        Middle of the lit frame's exposure, ns of ROS time.
+        When the light was seen, ns of ROS time: the middle of the lit frame's exposure, or of the
+        part of it for which the light was on.
     saturation : int or None
         The DN at which a pixel is clipped; None where no pixel can be.
     binning : (int, int)
@@ -182,6 +214,8 @@ class Window:
         Which pixels see the light, behind the colour filters of a mosaic; None where all do.
     added_noise : float
         Standard deviation that compression adds to a pixel of one frame, DN.
+    glimpse : Glimpse or None
+        How a light that blinks was seen, where that is known.
 
     """
 
@@ -195,6 +229,7 @@ class Window:
     looks: int = 1
     sites: NDArray[np.bool_] | None = None
     added_noise: float = 0.0
+    glimpse: Glimpse | None = None
 
     def __post_init__(self) -> None:
         if self.looks < 1:

@@ -73,12 +73,18 @@ class FlashMemory:
         self._lopsided = _Lean()  # along x and y
         self._trailing = _Lean()  # along the light's way, and across it
 
-    def add(self, location: Location, evidence: Mapping[str, float]) -> None:
-        """Take the next flash: where and how bright it was, and which models spoke for it."""
+    def add(
+        self, location: Location, evidence: Mapping[str, float], *, alike: bool = True
+    ) -> None:
+        """
+        Take the next flash: where and how bright it was, and which models spoke for it.
+
+        How bright it was counts where it was seen as in the other flashes (`alike`).
+        """
         self._places.append((location.stamp_ns, location.x, location.y))
         self._evidence.append(evidence)
-        if location.saturated:
-            return  # its flanks do not tell how bright it is
+        if location.saturated or not alike:
+            return  # the flanks of a clipped light do not tell how bright it is
         light = location.amplitude * location.sigma**2
         if self._light:
             self._unlike.append(abs(light - self._light[-1]))

@@ -43,6 +43,24 @@ class Motion:
 
 
 @dataclass(frozen=True)
+class Way:
+    """
+    How far the light of a window moves while it is exposed, as a tracker knows it.
+
+    Parameters
+    ----------
+    length : (2,) array
+        Displacement, window px.
+    deviation : float
+        Its standard deviation along either axis, px.
+
+    """
+
+    length: NDArray[np.float64]
+    deviation: float
+
+
+@dataclass(frozen=True)
 class History:
     """
     What the last flashes of a light say of the next.
@@ -101,6 +119,8 @@ class Pair:
         The DN at which a pixel is clipped; infinite where none can be.
     history : History
         Of the light.
+    way : Way or None
+        None where it is not known.
 
     """
 
@@ -109,6 +129,7 @@ class Pair:
     noise: SensorNoise
     saturation: float
     history: History = UNKNOWN
+    way: Way | None = None
 
     @property
     def motion(self) -> Motion | None:

@@ -13,7 +13,7 @@ from blob_tracker.location.centroid import centroid
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates, Failure, NOTHING, REASONS
 from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_linear_elliptical
-from blob_tracker.location.hypotheses import History, Motion
+from blob_tracker.location.hypotheses import History, Motion, Way
 from blob_tracker.location.locale_table import locale_table
 from blob_tracker.location.maximum_likelihood import maximum_likelihood
 from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm
@@ -231,6 +231,11 @@ def estimate(
     if window.added_noise > 0.0:
         read_noise = math.hypot(noise.read_noise, window.added_noise)
         noise = replace(noise, read_noise=read_noise)
+    if window.glimpse is not None and 'way' in signature(METHODS[method]).parameters:
+        options['way'] = Way(
+            window.glimpse.way / window.binning,
+            window.glimpse.way_sigma / min(window.binning),
+        )
     return locate_batch(
         lit,
         unlit,
@@ -251,9 +256,13 @@ def to_location(window: Window, found: Estimates) -> Location:
     covariance = found.covariance[0]
     if window.binning != (1, 1):
         covariance = covariance * np.outer(window.binning, window.binning)
+    lag_x = lag_y = 0.0
+    if window.glimpse is not None:
+        covariance = covariance + window.glimpse.doubt
+        lag_x, lag_y = window.glimpse.lag.tolist()
     return Location(
-        x=window.x0 + across * (float(found.x[0]) + 0.5) - 0.5,
-        y=window.y0 + down * (float(found.y[0]) + 0.5) - 0.5,
+        x=window.x0 + across * (float(found.x[0]) + 0.5) - 0.5 - lag_x,
+        y=window.y0 + down * (float(found.y[0]) + 0.5) - 0.5 - lag_y,
         covariance=covariance,
         amplitude=float(found.amplitude[0]),
         background=float(found.background[0]),

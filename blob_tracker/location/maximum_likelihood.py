@@ -9,7 +9,7 @@ from blob_tracker.location.doubt import LOPSIDED_LIGHT
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates, Failure
 from blob_tracker.location.explain import explain
-from blob_tracker.location.hypotheses import Fit, History, Pair, UNKNOWN
+from blob_tracker.location.hypotheses import Fit, History, Pair, UNKNOWN, Way
 from blob_tracker.location.learned_pulse import learned_pulse, pulse_of
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
 from blob_tracker.location.normal_equations import (
@@ -54,6 +54,7 @@ def maximum_likelihood(
     elliptical: bool = False,
     history: History = UNKNOWN,
     pulse: EffectivePsf | None = None,
+    way: Way | None = None,
 ) -> Estimates:
     r"""
     Locate N blobs by Fisher scoring on the likelihood of their pixels.
@@ -106,6 +107,9 @@ def maximum_likelihood(
     pulse : EffectivePsf or None
         Fit this one, and the Gaussian only where it does not fit the window or the Gaussian
         explains the window better. `elliptical` is for the Gaussian.
+    way : Way or None
+        Of the light while it is exposed: what a streak is fitted with where there is no unlit
+        window to tell it from the scene.
 
     Returns
     -------
@@ -117,11 +121,11 @@ def maximum_likelihood(
 
     """
     if pulse is not None:
-        return _with_pulse(lit, unlit, noise, saturation, pulse, elliptical, history)
+        return _with_pulse(lit, unlit, noise, saturation, pulse, elliptical, history, way)
     estimates, odd = fit_gaussians(lit, unlit, noise, saturation, elliptical=elliptical)
     limit = math.inf if saturation is None else float(saturation)
     for n, suspicion in suspicions(odd):
-        pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, history)
+        pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, history, way)
         theta = np.array([
             getattr(estimates, name)[n] for name in ('x', 'y', 'amplitude', 'background', 'sigma')
         ])
@@ -189,6 +193,7 @@ def _with_pulse(
     pulse: EffectivePsf,
     elliptical: bool,
     history: History,
+    way: Way | None,
 ) -> Estimates:
     """Fit the pulse, and in the windows that it does not explain the Gaussian."""
     found, odd = learned_pulse(lit, unlit, noise, saturation, pulse_of(pulse))
@@ -198,7 +203,7 @@ def _with_pulse(
         return found
     other = maximum_likelihood(
         lit[doubtful], None if unlit is None else unlit[doubtful], noise, saturation,
-        elliptical=elliptical, history=history,
+        elliptical=elliptical, history=history, way=way,
     )
     for k, n in enumerate(doubtful):
         if failed[n] or (other.ok[k] and other.chi2[k] < found.chi2[n]):

@@ -5,7 +5,9 @@ from blob_tracker.segmentation.detections import Detections
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.exposure import exposure_fault
 from blob_tracker.segmentation.flash import Flash
-from blob_tracker.segmentation.flash_modes import codes_from_text, flash_by_name, FLASH_MODES
+from blob_tracker.segmentation.flash_modes import (
+    codes_from_text, flash_by_name, FLASH_MODES, frequencies_from_text,
+)
 from blob_tracker.segmentation.history import FrameError
 from blob_tracker.segmentation.registration import REGISTRATIONS
 from blob_tracker.segmentation.search import compile_ahead
@@ -27,5 +29,6 @@ __all__ = [
     'compile_ahead',
     'exposure_fault',
     'flash_by_name',
+    'frequencies_from_text',
     'threshold_by_name',
 ]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from blob_tracker.types import Glimpse, Pixels
+
 
 class Candidate(NamedTuple):
     """
@@ -50,6 +52,12 @@ class Candidate(NamedTuple):
         Whether it is an even line with two ends, as of a light that moves; 0 or 1.
     rejected : str
         Why it is no target; empty where it may be one.
+    tau : float
+        When it was seen, s from the frame's stamp.
+    glimpse : Glimpse or None
+        How it was seen if it blinks, px of the frame as it is.
+    unlit : (h, w) array or None
+        Raw frame in which it was dark, where that is one of its own.
 
     """
 
@@ -76,6 +84,9 @@ class Candidate(NamedTuple):
     surround_noise: float = 0.0
     streak: float = 0.0
     rejected: str = ''
+    tau: float = 0.0
+    glimpse: Glimpse | None = None
+    unlit: Pixels | None = None
 
     @property
     def peak(self) -> tuple[int, int]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from inspect import signature
 
 from blob_tracker.segmentation.alternate import Alternate
-from blob_tracker.segmentation.coded import Coded
+from blob_tracker.segmentation.blink import Coded, Periodic
 from blob_tracker.segmentation.flash import Flash
-from blob_tracker.segmentation.periodic import Periodic
+from blob_tracker.segmentation.lock_in import LockIn
 from blob_tracker.segmentation.steady import Steady
 
 FLASH_MODES: dict[str, Callable[..., Flash]] = {
@@ -16,6 +16,7 @@ FLASH_MODES: dict[str, Callable[..., Flash]] = {
     'steady': Steady,
     'periodic': Periodic,
     'coded': Coded,
+    'lock_in': LockIn,
 }
 
 
@@ -28,8 +29,8 @@ def flash_by_name(mode: str, **options: object) -> Flash:
     mode : str
         A key of `FLASH_MODES`.
     **options
-        Those of all modes: max_pair_interval, registration, gate_px, frequency, duty, frames,
-        codes, frames_per_bit, bit_errors.
+        Those of all modes: max_pair_interval, registration, gate_px, frequency, frequencies, duty,
+        frames, codes, frames_per_bit, bits_per_second, exposure.
 
     Returns
     -------
@@ -50,11 +51,50 @@ def flash_by_name(mode: str, **options: object) -> Flash:
 
 
 def codes_from_text(text: str) -> Mapping[str, str]:
-    """Return the codes by name of 'port:1101000,starboard:1110100'."""
+    """
+    Return the codes by name of 'port:1101000,starboard:1110100'.
+
+    Raises
+    ------
+    ValueError
+        Where two have one name, or one has none.
+
+    """
     codes: dict[str, str] = {}
-    for part in filter(None, text.replace(' ', '').split(',')):
-        name, _, bits = part.partition(':')
+    for name, bits in _named(text):
         if name in codes:
             raise ValueError(f"two codes are called '{name}'")
         codes[name] = bits
     return codes
+
+
+def frequencies_from_text(text: str) -> Mapping[str, float]:
+    """
+    Return the frequencies, Hz, by name of 'port:6.0,starboard:10.0'.
+
+    Raises
+    ------
+    ValueError
+        Where two have one name, or one is no number.
+
+    """
+    frequencies: dict[str, float] = {}
+    for name, value in _named(text):
+        if name in frequencies:
+            raise ValueError(f"two frequencies are called '{name}'")
+        try:
+            frequencies[name] = float(value)
+        except ValueError:
+            raise ValueError(
+                f"the frequency of '{name}' is '{value}'; it must be a number of Hz"
+            ) from None
+    return frequencies
+
+
+def _named(text: str) -> Iterator[tuple[str, str]]:
+    """Yield name and value of each part of 'port:1101000,starboard:1110100'."""
+    for part in filter(None, text.replace(' ', '').split(',')):
+        name, colon, value = part.partition(':')
+        if not (name and colon):
+            raise ValueError(f"'{part}' is no light; write its name before it: 'port:{part}'")
+        yield name, value

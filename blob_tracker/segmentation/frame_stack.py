@@ -12,7 +12,7 @@ from blob_tracker.segmentation.compression import compression_noise
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.dead_pixels import mark_dead
 from blob_tracker.segmentation.history import FrameError
-from blob_tracker.types import Frame, Pixels, Window
+from blob_tracker.types import Frame, Glimpse, Pixels, Window
 import numpy as np
 
 FULL_SCALE_DN = 65535  # DN: clipped, in a sum of looks
@@ -30,6 +30,7 @@ class _Pair(NamedTuple):
     lit: tuple[Pixels, ...]
     unlit: tuple[Pixels, ...]
     noise: float
+    tau_ns: int
 
 
 class FrameStack:
@@ -96,8 +97,9 @@ class FrameStack:
                 'true full scale (saturation)'
             )
         look = _Pair(
-            candidate.x, candidate.y, contrast.frame, contrast.lit_frames, contrast.unlit_frames,
-            candidate.noise,
+            candidate.x, candidate.y, contrast.frame, contrast.lit_frames,
+            contrast.unlit_frames if candidate.unlit is None else (candidate.unlit,),
+            candidate.noise, round(1e9 * candidate.tau),
         )
         pairs = self._pairs.setdefault(name, [])
         reach = STILL_SIGMA * (1.0 + candidate.sigma_minor)
@@ -135,17 +137,30 @@ def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
     for bright, dark, noise in zip(lit, unlit, noises):
         mark_dead(bright, dark, frame.saturation, noise)
     first = pairs[0].frame.stamp_ns
+    seen = sum(pair.frame.stamp_ns - first + pair.tau_ns for pair in pairs) // len(pairs)
     return Window(
         lit=sum_frames(lit, saturation),
-        unlit=sum_frames(unlit, saturation) if unlit else None,
+        unlit=sum_frames(unlit, saturation) if len(unlit) == len(lit) else None,
         x0=x0,
         y0=y0,
-        stamp_ns=first + sum(pair.frame.stamp_ns - first for pair in pairs) // len(pairs),
+        stamp_ns=first + seen,
         saturation=FULL_SCALE_DN if len(lit) > 1 else saturation,
         binning=binning,
         looks=len(lit),
         sites=sites,
         added_noise=added_noise,
+        glimpse=_on_sensor(candidate.glimpse, frame) if len(pairs) == 1 else None,
+    )
+
+
+def _on_sensor(glimpse: Glimpse | None, frame: Frame) -> Glimpse | None:
+    """Return how a light was seen in px of the full, unbinned sensor."""
+    if glimpse is None:
+        return None
+    scale = np.array(frame.binning, dtype=float)
+    return Glimpse(
+        glimpse.share, glimpse.way * scale, glimpse.way_sigma * float(scale.max()),
+        glimpse.doubt * np.outer(scale, scale), glimpse.lag * scale,
     )
 
 

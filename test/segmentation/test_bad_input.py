@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 STEP_NS = 16_666_667
-FRAMES = 40  # two blocks of the periodic mode, four codes
+FRAMES = 40  # two blocks of the mode lock_in, four codes
 SCENE = flashing_light(width=160, height=120, period=3.0)
 DARK = flashing_light(width=160, height=120, period=3.0, background=1.0, texture=0.3)
 OPTIONS = {
@@ -19,7 +19,7 @@ OPTIONS = {
     'frames': 16,
     'codes': {'a': '1101000'},
     'frames_per_bit': 1,
-    'bit_errors': 0,
+    'bits_per_second': 0.0,
 }
 
 
@@ -61,7 +61,7 @@ def test_frames_without_a_target_give_no_window(mode, stream):
         assert len(segmenter.reason) > 10
 
 
-@pytest.mark.parametrize('mode', ['alternate', 'periodic', 'coded'])
+@pytest.mark.parametrize('mode', ['alternate', 'periodic', 'coded', 'lock_in'])
 def test_a_light_that_is_always_on_is_no_flash(mode):
     """Still, with noise of its own in each frame."""
     segmenter = Segmenter(flash=flash_by_name(mode, **OPTIONS))

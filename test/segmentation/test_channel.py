@@ -136,7 +136,8 @@ def test_a_mask_is_of_the_size_of_the_mosaic() -> None:
 
 
 @pytest.mark.parametrize(('mode', 'options'), [
-    ('periodic', {'frequency': 10.0, 'frames': 12}),
+    ('lock_in', {'frequency': 10.0, 'frames': 12}),
+    ('periodic', {'frequency': 10.0}),
     ('coded', {'codes': {'port': '1101000'}}),
     ('steady', {}),
 ])
@@ -151,6 +152,7 @@ def test_other_modes_cut_the_samples_out_too(mode: str, options: dict) -> None:
     for index in range(60):
         stamp_ns = 10**18 + index * STEP_NS
         on = {
+            'lock_in': (index * 10.0 / 60.0) % 1.0 < 0.5,
             'periodic': (index * 10.0 / 60.0) % 1.0 < 0.5,
             'coded': (1, 1, 0, 1, 0, 0, 0)[index % 7],
             'steady': True,

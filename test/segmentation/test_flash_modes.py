@@ -11,8 +11,10 @@ OPTIONS = {
     'duty': 0.5,
     'frames': 16,
     'codes': {'only': '1101000'},
+    'frequencies': {'other': 6.0},
     'frames_per_bit': 1,
-    'bit_errors': 0,
+    'bits_per_second': 0.0,
+    'exposure': 0.0,
 }
 
 

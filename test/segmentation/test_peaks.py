@@ -41,7 +41,7 @@ def peaks(
 
 def test_the_table_has_the_fields_of_a_candidate() -> None:
     """In their order; the last one is what a rule says of them."""
-    assert Candidate._fields[FIELDS:] == ('rejected',)
+    assert Candidate._fields[FIELDS:] == ('rejected', 'tau', 'glimpse', 'unlit')
 
 
 def test_fields_of_a_blob_are_those_of_its_pixels() -> None:

@@ -23,7 +23,8 @@ def candidate(**changes):
     """Return something that may be the target at (100, 60)."""
     fields = dict.fromkeys(Candidate._fields, 0.0)
     fields |= {'x': 100.0, 'y': 60.0, 'sigma_major': 2.0, 'sigma_minor': 1.9, 'snr': 80.0}
-    return Candidate(**{**fields, 'height': 100.0, 'rejected': '', **changes})
+    none = {'rejected': '', 'glimpse': None, 'unlit': None}
+    return Candidate(**{**fields, 'height': 100.0, **none, **changes})
 
 
 def detections(width=640, height=480, saturation=255, **changes):

@@ -226,11 +226,11 @@ def test_unlit_pairs_are_raw_and_hold_no_light() -> None:
 def test_unlit_pairs_of_a_block_and_across_gaps() -> None:
     """A free-running light gives those of its block; frames far apart are no pair."""
     scene = flashing_light(width=160, height=120, amplitude=0.0)
-    periodic = Segmenter(flash=flash_by_name('periodic', frequency=15.0, frames=16))
+    lock_in = Segmenter(flash=flash_by_name('lock_in', frequency=15.0, frames=16))
     for index in range(16):
-        assert periodic.unlit_pair is None
-        periodic.update(Frame(scene.frame(index), 10**9 + STEP_NS * index, 255))
-    assert periodic.unlit_pair is not None
+        assert lock_in.unlit_pair is None
+        lock_in.update(Frame(scene.frame(index), 10**9 + STEP_NS * index, 255))
+    assert lock_in.unlit_pair is not None
     slow = Segmenter()
     for index in range(4):
         slow.update(Frame(scene.frame(index), 10**9 * (1 + 2 * index), 255))

@@ -34,7 +34,7 @@ def candidate_at(column: int, row: int, **changes: Any) -> Candidate:
     fields |= dict.fromkeys(['sigma_x', 'sigma_y', 'sigma_major', 'sigma_minor'], 2.0)
     fields |= {'snr': 100.0, 'height': 100.0, 'amplitude': 100.0, 'noise': 1.0}
     fields |= {'neighbour_ratio': 0.9}
-    return Candidate(**{**fields, 'rejected': '', **changes})
+    return Candidate(**{**fields, 'rejected': '', 'glimpse': None, 'unlit': None, **changes})
 
 
 def noisy_blob(

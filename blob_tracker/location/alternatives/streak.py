@@ -26,26 +26,37 @@ def streak(pair: Pair, base: Fit) -> Fit | None:
 
     The place is the middle of the line: where the light is in the middle of the exposure, if it
     moves evenly. A pulse of two widths, at any angle, is one to within the noise unless it is
-    long and bright.
+    long and bright. Where a tracker knows the way, w is that to within its deviation.
     """
-    if pair.unlit is None:
+    if pair.unlit is None and pair.way is None:
         return None  # what stands behind the target may be what makes it long
     light = light_moments(pair)
     half = math.sqrt(3.0 * max(light.along**2 - light.across**2, SHORTEST**2))
+    to_end = half * light.direction
+    prior = None
+    if pair.way is not None:
+        to_end = 0.5 * pair.way.length
+        half = float(np.hypot(*to_end))
+        known = 4.0 / max(pair.way.deviation, SHORTEST) ** 2
+        prior = (
+            np.array([0.0, 0.0, 0.0, 0.0, 0.0, *to_end]),
+            np.array([0.0, 0.0, 0.0, 0.0, 0.0, known, known]),
+        )
     start = np.array([
         light.x, light.y, max(light.peak, 1.0) * (1.0 + 0.4 * half / light.across),
-        light.background, max(0.9 * light.across, 0.5), *(half * light.direction),
+        light.background, max(0.9 * light.across, 0.5), *to_end,
     ])
     lower, upper = bounds(pair)
     reach = np.full(2, float(max(pair.lit.shape)))
     best = climb(
-        pair, fill_streak, start, np.append(lower, -reach), np.append(upper, reach), steps=SLOWEST,
+        pair, fill_streak, start, np.append(lower, -reach), np.append(upper, reach), prior,
+        steps=SLOWEST,
     )
     if best is None:
         return None
     way, sigma = 2.0 * math.hypot(best.theta[WAY_X], best.theta[WAY_Y]), best.theta[SIGMA]
     warning = ''
-    if way > PLAIN * sigma:
+    if way > PLAIN * sigma and pair.way is None:
         angle = math.degrees(math.atan2(best.theta[WAY_Y], best.theta[WAY_X])) % 180.0
         warning = (
             f'a streak of {way:.0f} px at {angle:.0f} degrees: the light moves while it is '

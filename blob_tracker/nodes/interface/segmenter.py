@@ -14,14 +14,15 @@ PARAMETERS = (
         'flash.mode',
         'alternate',
         'How the light flashes. alternate: in step with the camera, on in every other frame. '
-        'periodic: free-running at flash.frequency. coded: lights that blink flash.codes. '
-        'steady: always on.',
+        'periodic: free-running at flash.frequency, or several at flash.frequencies. coded: '
+        'lights that blink flash.codes. lock_in: a faint light at flash.frequency that stands '
+        'still. steady: always on.',
         choices=tuple(FLASH_MODES),
     ),
     Parameter(
         'flash.frequency',
         15.0,
-        'Frequency of a periodic light; from 0.1 to 0.45 of the frame rate.',
+        'Frequency of a light without a name; from 0.02 (lock_in: 0.1) to 0.45 of the frame rate.',
         least=0.01,
         most=500.0,
         unit='Hz',
@@ -36,30 +37,46 @@ PARAMETERS = (
     Parameter(
         'flash.frames',
         16,
-        'Frames over which a periodic light is demodulated: more find a fainter light and give '
-        'fewer windows. It must stand still meanwhile.',
+        'Frames over which the mode lock_in demodulates: more find a fainter light and give fewer '
+        'windows. It must stand still meanwhile.',
         least=4,
         most=256,
     ),
     Parameter(
+        'flash.frequencies',
+        '',
+        'Frequencies of periodic lights by their names, Hz: left:6.0,right:10.0. They may stand '
+        'beside flash.codes, and must differ by 2 % or more.',
+    ),
+    Parameter(
         'flash.codes',
         '',
-        'Bits of the coded lights, all of one length: port:1101000,starboard:1110100. Each has '
-        'topics of its own, target/port/...',
+        'Bits of the coded lights: port:1101000,starboard:1110100. Each has topics of its own, '
+        'target/port/... None may be another one begun elsewhere.',
     ),
     Parameter(
         'flash.frames_per_bit',
         1,
-        'Frames in which a coded light holds each bit.',
+        'Frames in which a coded light holds each bit, where flash.bits_per_second is 0.',
         least=1,
         most=64,
     ),
     Parameter(
-        'flash.bit_errors',
-        0,
-        'Bits of a code that may be wrong. Any two codes must differ by more than twice as many.',
-        least=0,
-        most=8,
+        'flash.bits_per_second',
+        0.0,
+        'Bits that coded lights send in a second, by a clock of their own that may be off by '
+        '1 %. 0: in step with the frames.',
+        least=0.0,
+        most=1000.0,
+    ),
+    Parameter(
+        'flash.exposure',
+        0.0,
+        'How long a frame is exposed: it tells when a light was seen that was switched meanwhile. '
+        '0: as the camera in this process tells, or half of the frame interval.',
+        least=0.0,
+        most=1.0,
+        unit='s',
     ),
     SEGMENTER_CHANNEL,
     Parameter(
@@ -168,7 +185,7 @@ PARAMETERS = (
         'lost_after',
         0.2,
         'Time without a target, by the stamps, after which target/visible turns false. A coded '
-        'light must rise meanwhile; a block of a periodic one is always waited for.',
+        'light must be lit meanwhile; a block of the mode lock_in is always waited for.',
         least=0.001,
         most=60.0,
         unit='s',

@@ -40,12 +40,13 @@ from blob_tracker.segmentation import (
     Flash,
     flash_by_name,
     FrameError,
+    frequencies_from_text,
     Segmenter,
     threshold_by_name,
 )
 from blob_tracker.segmentation.channel import ChannelChoice
 from blob_tracker.segmentation.compression import standard_quantisation
-from blob_tracker.segmentation.periodic import HIGHEST_FREQUENCY
+from blob_tracker.segmentation.lock_in import HIGHEST_FREQUENCY
 from blob_tracker.segmentation.picture import draw
 from blob_tracker.tracking import Track
 from blob_tracker.types import Frame, Window
@@ -138,11 +139,14 @@ class SegmenterNode(Node):
         }
         with about('flash'):
             codes = codes_from_text(values['flash.codes'])
-            for name in codes:
+            frequencies = frequencies_from_text(values['flash.frequencies'])
+            for name in (*codes, *frequencies):
                 check_light(name)
             options = {name.removeprefix('flash.'): value for name, value in asked.items()}
             options['gate_px'] = options.pop('gate')
-            new_flash = partial(flash_by_name, **options | {'codes': codes})
+            new_flash = partial(
+                flash_by_name, **options | {'codes': codes, 'frequencies': frequencies}
+            )
             same = self._flash is not None and self._flash[0] == asked
             flash = self._flash[1] if self._flash is not None and same else new_flash()
         with about('mask_url'):
@@ -167,7 +171,8 @@ class SegmenterNode(Node):
         segmenter = new_segmenter(flash=flash, channel=channel)
         quality = values['jpeg_quality']
         quantisation = standard_quantisation(quality) if quality else None
-        lights = tuple(codes) if values['flash.mode'] == 'coded' else ('',)
+        named = {'coded': (*codes, *frequencies), 'periodic': tuple(frequencies)}
+        lights = named.get(values['flash.mode']) or ('',)
         for name in lights:
             if name not in self._topics:
                 self._topics[name] = WindowTopics(self, target_topic(name))
@@ -346,7 +351,7 @@ class SegmenterNode(Node):
 def _lost_after_ns(values: dict[str, Any]) -> int:
     """Return the time without a light after which it is no longer visible, ns."""
     lost_after = values['lost_after']
-    if values['flash.mode'] == 'periodic':
+    if values['flash.mode'] == 'lock_in':
         # So long a block of the slowest camera that shows the light lasts, and a tenth more.
         block = HIGHEST_FREQUENCY * values['flash.frames'] / values['flash.frequency']
         lost_after = max(lost_after, 1.1 * block)

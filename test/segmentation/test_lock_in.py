@@ -6,7 +6,7 @@ from typing import Any
 
 from blob_tracker.location import locate
 from blob_tracker.segmentation import Segmenter
-from blob_tracker.segmentation.periodic import lock_in_weights, Periodic
+from blob_tracker.segmentation.lock_in import lock_in_weights, LockIn
 from blob_tracker.simulation import Light, periodic, Scene
 from blob_tracker.types import Frame, SensorNoise, Window
 import numpy as np
@@ -24,14 +24,14 @@ def scene(frequency: float, duty: float = 0.5, **options: Any) -> Scene:
     return Scene(light, width=160, height=120, rate=RATE, texture=0.0, **options)
 
 
-def mode(frequency: float, frames: int, duty: float = 0.5) -> Periodic:
+def mode(frequency: float, frames: int, duty: float = 0.5) -> LockIn:
     """Return the mode for it."""
-    return Periodic(
+    return LockIn(
         max_pair_interval=0.1, frequency=frequency * RATE, duty=duty, frames=frames
     )
 
 
-def windows(lights: Scene, flash: Periodic, indices: range) -> list[Window]:
+def windows(lights: Scene, flash: LockIn, indices: range) -> list[Window]:
     """Return the windows of these frames."""
     segmenter = Segmenter(flash=flash)
     found = [
@@ -134,6 +134,27 @@ def test_weights_take_no_share_of_what_is_steady() -> None:
 def test_impossible_options_are_refused(options: dict[str, Any]) -> None:
     """With a sentence."""
     with pytest.raises(ValueError, match='must'):
-        Periodic(**{
+        LockIn(**{
             'max_pair_interval': 0.1, 'frequency': 15.0, 'duty': 0.5, 'frames': 16, **options,
         })
+
+
+@pytest.mark.parametrize('speed', [0.25, 0.5, 2.0, 10.0])
+def test_a_light_that_moves_is_refused(speed: float) -> None:
+    """Px a frame: no window is more than 1 px off its path, and the reason says why."""
+    random = np.random.default_rng(6)
+    segmenter = Segmenter(flash=LockIn(frequency=10.0, frames=16))
+    columns, rows = np.arange(320), np.arange(60)
+    for index in range(96):
+        x = 60.0 + (speed * index) % 200.0
+        on = (index / RATE * 10.0) % 1.0 < 0.5
+        image = 20.0 + random.standard_normal((60, 320))
+        image += 100.0 * on * np.outer(
+            np.exp(-0.5 * ((rows - 30.2) / 1.5) ** 2), np.exp(-0.5 * ((columns - x) / 1.5) ** 2)
+        )
+        window = segmenter.update(
+            Frame(np.rint(image.clip(0, 255)).astype(np.uint8), round(1e9 * index / RATE), 255)
+        )
+        assert window is None
+        if index % 16 == 15:
+            assert 'the mode periodic follows' in segmenter.reason or 'rise' in segmenter.reason

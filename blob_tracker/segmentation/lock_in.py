@@ -1,11 +1,11 @@
-"""A light that runs free at a known frequency: lock-in demodulation over k frames."""
+"""A faint light that runs free and stands still: lock-in demodulation over k frames."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
 
-from blob_tracker.segmentation.box import Box, whole
+from blob_tracker.segmentation.box import Box, box_about, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.expectation import Expectation
@@ -20,12 +20,16 @@ from numpy.typing import NDArray
 LEAST_FRAMES = 4  # one more than there are unknowns in a pixel
 # Of the frame rate; beyond 0.5 the frequency is aliased
 LOWEST_FREQUENCY, HIGHEST_FREQUENCY = 0.1, 0.45
+# What the halves of a block may differ by: noise, a part of the light where an edge of it falls
+# into an exposure, and px that move the place by no more than its usual error
+HALVES_SIGMA, HALVES_PART, HALVES_PX = 4.0, 0.3, 0.25
+ELSE = 'the mode periodic follows lights that move'
 STAMP_JITTER = 0.01  # of the frame rate, as the stamps tell it
 LEAST_NOISE_DN = float(np.sqrt(1 / 12))  # DN, of the rounding of one frame
 ZERO_LEVEL = 32767  # of the demodulated picture where nothing flashes; full scale is twice that
 
 
-class Periodic:
+class LockIn:
     """
     Demodulate each pixel at the light's frequency f over blocks of k frames.
 
@@ -38,8 +42,10 @@ class Periodic:
     its period, exposed for the time T, the fundamental is (2 / pi) sin(pi d) sinc(f T) of its
     height: an exposure that straddles the edge costs no more than that sinc.
 
-    The light must stand still within a block, to a fraction of its width. Its phase in the block,
-    once found, says which of the frames are the most and the least lit: these make the window.
+    The light must stand still within a block, to a fraction of its width. Each half of the block
+    is demodulated by itself, too: where the two do not agree on its place or its brightness it
+    moved, and there is no window. Its phase in the block, once found, says which of the frames are
+    the most and the least lit: these make the window.
 
     Parameters
     ----------
@@ -78,6 +84,7 @@ class Periodic:
         self.reason = 'no frame yet'
         self._history = FrameHistory(frames, max_pair_interval)
         self._new_frames = 0
+        self._halves: list[NDArray[np.float32]] = []  # of a block, in the light's phase
 
     def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
         """
@@ -118,7 +125,51 @@ class Periodic:
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
         """Return the candidate of the highest SNR, under the empty name."""
-        return strongest(candidates)
+        found = strongest(candidates)
+        if found:
+            self.reason = self._moved(found[0][1])
+        return [] if self.reason else found
+
+    def _moved(self, light: Candidate) -> str:
+        """Say how the halves of the block differ on a light; empty where noise may do so."""
+        if len(self._halves) < 2:
+            return ''
+        x, y = light.x, light.y
+        half = int(np.ceil(2.0 * light.sigma_major)) + 1
+        column, row = round(x), round(y)
+        shape = self._halves[0].shape
+        box = box_about(column, row, half, half, (shape[0], shape[1]))
+        down, across = np.mgrid[box.slices]
+        bell = np.exp(
+            -0.5 * ((across - x) ** 2 + (down - y) ** 2) / max(light.sigma_major, 1.0) ** 2
+        )
+        total = float((bell**2).sum())
+        heights, places = [], []
+        for picture in self._halves:
+            part = picture[box.slices] * bell
+            heights.append(float(part.sum()) / total)
+            light_of_half = max(float(part.sum()), 1e-9)
+            # The bell draws the centroid half-way to itself.
+            places.append(2.0 * np.array([
+                (part * (across - x)).sum(), (part * (down - y)).sum()
+            ]) / light_of_half)
+        # Each half has half of the frames: its noise is the root of two times the block's.
+        noise = np.sqrt(2.0) * light.noise
+        height_sigma = np.sqrt(2.0) * noise / np.sqrt(total)
+        mean = 0.5 * (heights[0] + heights[1])
+        if abs(heights[0] - heights[1]) > HALVES_SIGMA * height_sigma + HALVES_PART * abs(mean):
+            return (
+                f'the halves of the block show {heights[0]:.1f} and {heights[1]:.1f} DN: the '
+                f'light moved or came and went; {ELSE}'
+            )
+        shift = float(np.hypot(*(places[0] - places[1])))
+        shift_sigma = height_sigma / max(mean, 1e-9) * light.sigma_major * np.sqrt(2.0)
+        if shift > HALVES_SIGMA * shift_sigma + HALVES_PX:
+            return (
+                f'the light moved by {shift:.1f} px from one half of the block to the other; '
+                + ELSE
+            )
+        return ''
 
     def _demodulate(self, block: list[Frame]) -> Contrast | None:
         """Return the light of a block, or None."""
@@ -141,6 +192,16 @@ class Periodic:
         cosine, sine = in_phase[row, column] / height, quadrature[row, column] / height
         # Seen in the light's own phase the noise is Gaussian, and what flashes otherwise is less.
         own = cv2.addWeighted(in_phase, float(cosine), quadrature, float(sine), 0.0)
+        self._halves = []
+        middle = len(block) // 2
+        for half in (slice(0, middle), slice(middle, None)):
+            if len(block[half]) >= LEAST_FRAMES:
+                one, other = demodulate(
+                    [each.image for each in block[half]], lock_in_weights(phases[half])
+                )
+                self._halves.append(np.asarray(
+                    cv2.addWeighted(one, float(cosine), other, float(sine), 0.0), np.float32
+                ))
         brightness = cosine * np.cos(phases) + sine * np.sin(phases)
         order = np.argsort(brightness, kind='stable')
         # The fewer of lit and unlit frames, but for those that an edge may run through.
@@ -150,7 +211,7 @@ class Periodic:
         # In the middle of the frames that are lit, as the sum of their exposures is.
         lit = [block[index] for index in sorted(order[-count:])]
         unlit = [block[index] for index in sorted(order[:count])]
-        middle = sum(each.stamp_ns - lit[0].stamp_ns for each in lit) // count + lit[0].stamp_ns
+        instant = sum(each.stamp_ns - lit[0].stamp_ns for each in lit) // count + lit[0].stamp_ns
         # Whole steps of a part of a DN: what the search takes, and finer than the noise.
         unit = last.saturation / ZERO_LEVEL
         picture = cv2.addWeighted(own, 1.0 / unit, own, 0.0, ZERO_LEVEL, dtype=cv2.CV_16U)
@@ -158,7 +219,7 @@ class Periodic:
             np.asarray(picture),
             np.full(own.shape, ZERO_LEVEL, np.uint16),
             2 * ZERO_LEVEL,
-            replace(last, stamp_ns=middle),
+            replace(last, stamp_ns=instant),
             tuple(each.samples for each in lit),
             tuple(each.samples for each in unlit),
             LEAST_NOISE_DN * float(np.sqrt((weights[0] ** 2).sum())) / unit,

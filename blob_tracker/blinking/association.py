@@ -1,0 +1,353 @@
+"""Which point is which light's: children of each row, claims of the named ones, and the best."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from blob_tracker.blinking.motion import predict, project
+from blob_tracker.blinking.patterns import Tables
+from blob_tracker.blinking.phase import (
+    diffuse, expected_share, fill_hit, fill_miss, fill_outlook, judge_hit, judge_miss, Steps,
+)
+from blob_tracker.blinking.tracks import (
+    copy_row, FLUX, FLUX_SIGMA, hit_row, MISS, miss_row, SMOOTH, start_row, Tracks, TURN,
+    TURN_LEAST, TURN_SPEED, UNNAMED, X, XX, XY, Y, YY,
+)
+from blob_tracker.kernel import Array, kernel
+import numpy as np
+from numpy.typing import NDArray
+
+GATE = 18.4  # chi-square of two degrees of freedom that one in 10,000 exceeds
+TURN_GATE = 9.0  # the same of a turn: the spread is that of all directions
+COARSE = 5.0  # standard deviations in a look at the distance alone
+TURNS = 0.03  # of the frames have a turn
+TURN_HITS = 3  # a row has before it may turn: before it has no velocity
+OWNED = 6.0  # nats that a point is the less likely a turn's where a settled light explains it
+FIRST_SCORE = -3.0  # of a point: few are the first of a light
+LOWEST_SCORE, HIGHEST_SCORE = -9.0, 40.0  # nats; the latter of a light with a name
+SETTLED = 0.9  # probability that a light is always on: it explains its point
+FAR_BEHIND = 10.0  # nats behind the best thought on a light
+THOUGHTS = 4  # on a light that is named
+
+
+class Settings(NamedTuple):
+    """
+    What the association is told.
+
+    Parameters
+    ----------
+    density : float
+        Clutter, points a px^2.
+    least : float
+        Flux at which half of the points are seen.
+    speed : float
+        Of a light of which nothing is known, along each axis, px a frame interval.
+    longest : float
+        For which a light without a name may be dark, frame intervals.
+    lost : float
+        For which one with a name may be unseen, frame intervals.
+
+    """
+
+    density: float
+    least: float
+    speed: float
+    longest: float
+    lost: float
+
+
+class Children(NamedTuple):
+    """What each row may become: parent, point (-1: none), kind, score, gain and `moments`."""
+
+    parent: NDArray[np.int64]
+    point: NDArray[np.int64]
+    kind: NDArray[np.int64]
+    score: Array
+    gain: Array
+    moments: Array
+
+
+class Room(NamedTuple):
+    """Working space of the kernels: matrix, outlook, likelihood, moments."""
+
+    matrix: Array
+    outlook: Array
+    likelihood: Array
+    moments: Array
+
+
+@kernel
+def step(
+    old: Tracks, count: int, new: Tracks, points: Array, number: int, tables: Tables, prior: Array,
+    on: Steps, clock: float, dt: float, settings: Settings, children: Children, room: Room,
+    most: int,
+) -> tuple[int, int]:
+    """
+    Take the points of the next frame.
+
+    Parameters
+    ----------
+    old : Tracks
+        The rows; they are moved on to the frame.
+    count : int
+        How many there are.
+    new : Tracks
+        Gets the rows after it.
+    points : (n, 7) array
+        See `POINT`.
+    number : int
+        Of the first point.
+    tables, prior
+        The patterns, and the weights of a light of which nothing is known.
+    on : (p,) int array
+        Looks by which each pattern has gone on since the clock's zero.
+    clock, dt : float
+        Time, and time since the last frame, frame intervals.
+    settings : Settings
+        What the association is told.
+    children, room
+        Working space.
+    most : int
+        Rows without a name, at most.
+
+    Returns
+    -------
+    int, int
+        Rows of `new`, and points that no named light has claimed.
+
+    """
+    for row in range(count):
+        predict(old.state[row], old.covariance[row], dt, room.matrix)
+        diffuse(tables.first, prior, old.weights[row], old.name[row])
+    names = tables.first.size - 1
+    owner = np.full(points.shape[0], UNNAMED)
+    explained = np.zeros(points.shape[0], np.bool_)
+    for row in range(count):
+        if old.name[row] == UNNAMED and old.weights[row, tables.first[-1] + 1] > SETTLED:
+            _explain(old, row, points, explained)
+    born = 0
+    for row in range(count):
+        if old.name[row] != UNNAMED:
+            born = _bear(
+                old, row, points, owner, explained, tables, on, clock, settings, children, born,
+                room,
+            )
+    _claim(old, children, born, names, owner)
+    named = born
+    for row in range(count):
+        if old.name[row] == UNNAMED:
+            born = _bear(
+                old, row, points, owner, explained, tables, on, clock, settings, children, born,
+                room,
+            )
+    filled, unclaimed = 0, 0
+    best = np.full(names, -np.inf)
+    for part in range(2):
+        begin, end = (0, named) if part == 0 else (named, born)
+        limit = new.score.size if part == 0 else min(filled + most, new.score.size)
+        for child in begin + np.argsort(-children.score[begin:end]):
+            if filled < limit and _is_worth(old, new, filled, children, child, owner, number, best,
+                                            clock, settings):
+                name = old.name[children.parent[child]]
+                if name != UNNAMED:
+                    children.score[child] -= max(best[name] - HIGHEST_SCORE, 0.0)
+                _grow(old, new, filled, children, child, points, number, tables, on, clock,
+                      settings, room)
+                filled += 1
+    for each in range(points.shape[0]):
+        if owner[each] != UNNAMED:
+            continue
+        unclaimed += 1
+        if not explained[each] and filled < new.score.size:
+            start_row(
+                new, filled, points[each], each, number + each, FIRST_SCORE, settings.speed,
+                tables, prior, on, clock, settings.least, room.likelihood,
+            )
+            filled += 1
+    return filled, unclaimed
+
+
+@kernel
+def _explain(old: Tracks, row: int, points: Array, explained: NDArray[np.bool_]) -> None:
+    """Mark the point that a settled light without a name has: a lamp, a light of another code."""
+    x, y, xx, xy, yy = project(old.state[row], old.covariance[row], 0.0)
+    nearest, which = GATE, -1
+    for each in range(points.shape[0]):
+        point = points[each]
+        distance, _ = _apart(
+            point[X] - x, point[Y] - y, xx + point[XX], xy + point[XY], yy + point[YY]
+        )
+        if distance < nearest:
+            nearest, which = distance, each
+    if which >= 0:
+        explained[which] = True
+
+
+@kernel
+def _apart(dx: float, dy: float, xx: float, xy: float, yy: float) -> tuple[float, float]:
+    """Return the Mahalanobis distance squared, and the determinant."""
+    determinant = max(xx * yy - xy * xy, 1e-12)
+    return (yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy) / determinant, determinant
+
+
+@kernel
+def _bear(
+    old: Tracks, row: int, points: Array, owner: NDArray[np.int64], explained: NDArray[np.bool_],
+    tables: Tables, on: Steps, clock: float, settings: Settings, children: Children, born: int,
+    room: Room,
+) -> int:
+    """Write down what may become of a row: unseen, or seen in one of the points in its reach."""
+    outlook, likelihood, moments = room.outlook, room.likelihood, room.moments
+    fill_outlook(tables, on, old.weights[row], old.name[row], outlook)
+    fill_miss(old.full[row], settings.least, likelihood)
+    moments[:] = 0.0
+    moments[2] = expected_share(outlook)
+    born = _add(children, born, row, -1, MISS, old, math.log(judge_miss(outlook, likelihood)),
+                moments)
+    state, covariance, last = old.state[row], old.covariance[row], old.hit[row]
+    vx, vy = state[2], state[3]
+    speed = math.sqrt(vx * vx + vy * vy)
+    # A turn: from the last point to all sides.
+    gap = clock - last[0]
+    way = (TURN_SPEED * speed + TURN_LEAST) * gap
+    reach = COARSE * math.sqrt(covariance[0, 0] + covariance[1, 1]) + 0.5 * speed
+    for each in range(points.shape[0]):
+        if owner[each] != UNNAMED:
+            continue
+        point = points[each]
+        own = 3.0 * math.sqrt(point[XX] + point[YY])
+        dx, dy = point[X] - state[0], point[Y] - state[1]
+        near = math.sqrt(dx * dx + dy * dy) < reach + own
+        tx, ty = point[X] - last[1], point[Y] - last[2]
+        turns = old.hits[row] >= TURN_HITS and math.sqrt(tx * tx + ty * ty) < 3.0 * way + own
+        if not (near or turns):
+            continue
+        fill_hit(point[FLUX], point[FLUX_SIGMA], old.full[row], settings.least, likelihood)
+        seen = math.log(judge_hit(outlook, likelihood, moments) / settings.density)
+        if near:
+            x, y, xx, xy, yy = project(state, covariance, moments[0])
+            distance, determinant = _apart(
+                point[X] - x, point[Y] - y, xx + point[XX] + vx * vx * moments[1],
+                xy + point[XY] + vx * vy * moments[1], yy + point[YY] + vy * vy * moments[1],
+            )
+            if distance < GATE:
+                gain = seen + math.log(1.0 - TURNS) - 0.5 * distance - math.log(
+                    2.0 * math.pi * math.sqrt(determinant)
+                )
+                born = _add(children, born, row, each, SMOOTH, old, gain, moments)
+                continue
+        if turns:
+            distance, determinant = _apart(
+                tx, ty, way * way + last[3] + point[XX], last[4] + point[XY],
+                way * way + last[5] + point[YY],
+            )
+            if distance < TURN_GATE:
+                gain = seen + math.log(TURNS) - 0.5 * distance - math.log(
+                    2.0 * math.pi * math.sqrt(determinant)
+                ) - (OWNED if explained[each] else 0.0)
+                born = _add(children, born, row, each, TURN, old, gain, moments)
+    return born
+
+
+@kernel
+def _add(
+    children: Children, born: int, row: int, point: int, kind: int, old: Tracks, gain: float,
+    moments: Array,
+) -> int:
+    """Write down a child where there is room; return how many there are."""
+    if born == children.score.size:
+        return born
+    children.parent[born], children.point[born], children.kind[born] = row, point, kind
+    children.score[born] = old.score[row] + gain
+    children.gain[born] = gain
+    children.moments[born] = moments
+    return born + 1
+
+
+@kernel
+def _claim(
+    old: Tracks, children: Children, born: int, names: int, owner: NDArray[np.int64]
+) -> None:
+    """Give each named light the point of its best child; first to whom it is worth the most."""
+    done = np.zeros(names, np.bool_)
+    for _ in range(names):
+        most, choice, whose = -np.inf, -1, -1
+        for name in range(names):
+            if done[name]:
+                continue
+            best, unseen, which = -np.inf, -np.inf, -1
+            for child in range(born):
+                if old.name[children.parent[child]] != name:
+                    continue
+                if children.point[child] < 0:
+                    unseen = max(unseen, children.score[child])
+                elif owner[children.point[child]] == UNNAMED and children.score[child] > best:
+                    best, which = children.score[child], child
+            if which >= 0 and best > unseen and best - unseen > most:
+                most, choice, whose = best - unseen, which, name
+        if choice < 0:
+            return
+        owner[children.point[choice]] = whose
+        done[whose] = True
+
+
+@kernel
+def _is_worth(
+    old: Tracks, new: Tracks, filled: int, children: Children, child: int,
+    owner: NDArray[np.int64], number: int, best: Array, clock: float, settings: Settings,
+) -> bool:
+    """Tell whether a child is a row of its own; they come in the order of their scores."""
+    row, point = children.parent[child], children.point[child]
+    name, score = old.name[row], children.score[child]
+    if point >= 0 and owner[point] != name:
+        return False
+    if point < 0:
+        unseen = clock - old.hit[row, 0]
+        if unseen > (settings.longest if name == UNNAMED else settings.lost):
+            return False
+    if score < (LOWEST_SCORE if name == UNNAMED else max(0.0, best[name] - FAR_BEHIND)):
+        return False
+    last = old.points[row, 0] if point < 0 else number + point
+    before = old.points[row, 1] if point < 0 else old.points[row, 0]
+    further = old.points[row, 2] if point < 0 else old.points[row, 1]
+    thoughts = 0
+    for each in range(filled):
+        if new.name[each] != name:
+            continue
+        thoughts += 1
+        first, second, third = new.points[each]
+        if first == last and second == before:
+            return False
+        # A better thought on the same light.
+        if name == UNNAMED and score < new.score[each] - FAR_BEHIND and (
+            last in (first, second, third) or (before >= 0 and before in (first, second, third))
+            or (further >= 0 and further in (first, second, third))
+        ):
+            return False
+    if name != UNNAMED:
+        if thoughts == THOUGHTS:
+            return False
+        best[name] = max(best[name], score)
+    return True
+
+
+@kernel
+def _grow(
+    old: Tracks, new: Tracks, to: int, children: Children, child: int, points: Array, number: int,
+    tables: Tables, on: Steps, clock: float, settings: Settings, room: Room,
+) -> None:
+    """Make a child a row."""
+    row, point, gain = children.parent[child], children.point[child], children.gain[child]
+    copy_row(old, row, new, to)
+    new.score[to] = children.score[child]
+    if point < 0:
+        miss_row(
+            new, to, gain, children.moments[child, 2], tables, on, settings.least, room.likelihood,
+        )
+    else:
+        hit_row(
+            new, to, points[point], point, number + point, children.kind[child], gain,
+            children.moments[child], tables, on, clock, settings.least, room.likelihood,
+            room.matrix,
+        )

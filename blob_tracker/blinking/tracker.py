@@ -1,0 +1,234 @@
+"""Points of each frame in their order -> the lights with their names, places and times."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+import math
+from typing import NamedTuple
+
+from blob_tracker.blinking.association import Children, Room, Settings, step
+from blob_tracker.blinking.naming import best_rows, CLEAR, give_names
+from blob_tracker.blinking.patterns import Pattern, SUB_CELLS, tables
+from blob_tracker.blinking.phase import fill_prior, OTHERS
+from blob_tracker.blinking.tracks import copy_row, empty_tracks, LEVELS, Tracks
+from blob_tracker.kernel import Array, kernel
+import numpy as np
+from numpy.typing import NDArray
+
+MOST_POINTS = 96  # of a frame, the brightest: a time a frame that is bounded
+MOST_UNNAMED = 96  # rows without a name, the best
+LEAST_CLUTTER = 0.3  # points a frame that are none of a light's, at least
+CLUTTER_FRAMES = 30.0  # over which they are counted
+FIRST_SPEED = 10.0  # px a frame interval, along each axis, of a light of which nothing is known
+IN_STEP = 2e-3  # of the exposure: a light seen so near to its middle is in step with the frames
+PACE_PART = 0.1  # of a frame's interval that is taken into their mean
+LOST_S = 1.0  # s for which a light keeps its name unseen
+
+
+class Lit(NamedTuple):
+    """
+    A light that a frame shows.
+
+    Parameters
+    ----------
+    name : str
+        The light.
+    point : int
+        Index of its point.
+    x, y : float
+        Filtered place at the middle of the frame's exposure, px.
+    vx, vy : float
+        Velocity, px/s.
+    covariance : (6, 6) array
+        Of x, y, velocity and acceleration, px and s.
+    ax, ay : float
+        Acceleration, px/s^2.
+    share : float
+        Part of the exposure for which it was on.
+    tau, tau_sigma : float
+        When it was seen, from the middle of the exposure, s: its place at that time is x + v tau.
+
+    """
+
+    name: str
+    point: int
+    x: float
+    y: float
+    vx: float
+    vy: float
+    ax: float
+    ay: float
+    covariance: NDArray[np.float64]
+    share: float
+    tau: float
+    tau_sigma: float
+
+
+class Known(NamedTuple):
+    """
+    A light with a name, in the last frame, seen or not.
+
+    Parameters
+    ----------
+    name : str
+        The light.
+    x, y : float
+        Filtered or predicted place, px.
+    variance : float
+        Of it, along one axis, px^2.
+    flux : float
+        Light that it should have had in the frame, DN px^2.
+
+    """
+
+    name: str
+    x: float
+    y: float
+    variance: float
+    flux: float
+
+
+class BlinkTracker:
+    """
+    Follow lights that blink, each in a pattern of its own.
+
+    Parameters
+    ----------
+    patterns : sequence of Pattern
+        The lights.
+    interval, exposure : float
+        From frame to frame, and of a frame, s.
+    shape : (int, int)
+        Height and width of a frame, px.
+
+    """
+
+    def __init__(
+        self, patterns: Sequence[Pattern], *, interval: float, exposure: float,
+        shape: tuple[int, int],
+    ) -> None:
+        self.patterns = tuple(patterns)
+        self.interval = interval
+        self.exposure = min(exposure, interval)
+        self._area = float(shape[0] * shape[1])
+        self._tables = tables(patterns, interval, self.exposure)
+        cells = int(self._tables.first[-1])
+        self._prior = np.zeros(cells + OTHERS)
+        fill_prior(self._tables.first, self._prior)
+        rows = MOST_UNNAMED + MOST_POINTS + 4 * len(patterns)
+        self._tracks, self._spare = empty_tracks(rows, cells), empty_tracks(rows, cells)
+        born = 8 * rows
+        self._children = Children(
+            np.zeros(born, np.int64), np.zeros(born, np.int64), np.zeros(born, np.int64),
+            np.zeros(born), np.zeros(born), np.zeros((born, 5)),
+        )
+        self._room = Room(
+            np.zeros((6, 6)), np.zeros((4, LEVELS)), np.zeros(LEVELS), np.zeros(5)
+        )
+        self._longest = max(each.longest_dark for each in patterns) / interval + 2.0
+        self._keep = np.zeros(rows, np.bool_)
+        self._best = np.zeros(len(patterns), np.int64)
+        self._lead = np.zeros(len(patterns))
+        self._count = 0
+        self._clutter = 2.0
+        self._numbers = 0
+        self._in_step = np.array([each.frames > 0 for each in patterns])
+        self._frames = 0
+        self._pace = 1.0  # of the frames, in `interval`
+        self._begun_ns: int | None = None
+        self._last_ns = 0
+
+    def update(self, points: Array, stamp_ns: int, least_flux: float) -> list[Lit]:
+        """
+        Take the points of the next frame.
+
+        Parameters
+        ----------
+        points : (n, 7) array
+            x, y, and its variances xx, xy, yy, px; flux and its standard deviation, DN px^2.
+        stamp_ns : int
+            Middle of the exposure; later than that of the last frame.
+        least_flux : float
+            Flux of which half is seen.
+
+        Returns
+        -------
+        list of Lit
+            The lights that have a point in this frame and a name that is sure.
+
+        """
+        if self._begun_ns is None:
+            self._begun_ns = self._last_ns = stamp_ns
+        clock = (stamp_ns - self._begun_ns) / (1e9 * self.interval)
+        dt = (stamp_ns - self._last_ns) / (1e9 * self.interval)
+        self._last_ns = stamp_ns
+        # Frames are counted: between two of them there is a whole number, and one at least.
+        if dt > 0.0:
+            passed = max(round(dt / self._pace), 1)
+            self._frames += passed
+            self._pace += PACE_PART * (dt / passed - self._pace)
+        looks = np.floor(
+            self._tables.rate * np.where(self._in_step, self._frames, clock) + 0.5
+        ).astype(np.int64) % (SUB_CELLS * np.diff(self._tables.first))
+        order = np.arange(len(points))
+        if len(points) > MOST_POINTS:
+            order = np.argsort(-points[:, 5])[:MOST_POINTS]
+            points = np.ascontiguousarray(points[order])
+        settings = Settings(
+            max(self._clutter, LEAST_CLUTTER) / self._area, least_flux, FIRST_SPEED,
+            self._longest, LOST_S / self.interval,
+        )
+        old, new = self._tracks, self._spare
+        count, unclaimed = step(
+            old, self._count, new, points, self._numbers, self._tables, self._prior, looks, clock,
+            dt, settings, self._children, self._room, MOST_UNNAMED,
+        )
+        self._numbers += len(points)
+        self._clutter += (unclaimed - self._clutter) / CLUTTER_FRAMES
+        give_names(self._tables.first, self._prior, new, count, self._keep)
+        self._count = _pack(new, count, self._keep)
+        self._tracks, self._spare = new, old
+        best_rows(self._tables.first, new, self._count, self._best, self._lead)
+        return [
+            self._lit(name, int(row), order) for name, row in enumerate(self._best)
+            if row >= 0 and new.now[row, 0] >= 0.0 and self._lead[name] > CLEAR
+        ]
+
+    def known(self) -> list[Known]:
+        """Return the lights that have a name."""
+        found = []
+        for name, row in enumerate(self._best):
+            if row >= 0:
+                tracks = self._tracks
+                state, covariance = tracks.state[row], tracks.covariance[row]
+                found.append(Known(
+                    self.patterns[name].name, float(state[0]), float(state[1]),
+                    0.5 * float(covariance[0, 0] + covariance[1, 1]),
+                    float(tracks.full[row, 0] * tracks.now[row, 3]),
+                ))
+        return found
+
+    def _lit(self, name: int, row: int, order: NDArray[np.int64]) -> Lit:
+        tracks, second = self._tracks, self.interval
+        state, now = tracks.state[row], tracks.now[row]
+        tau = float(now[1]) * second
+        scale = np.repeat([1.0, 1.0 / second, 1.0 / second**2], 2)
+        return Lit(
+            self.patterns[name].name, int(order[int(now[0])]), float(state[0]), float(state[1]),
+            float(state[2]) / second, float(state[3]) / second,
+            float(state[4]) / second**2, float(state[5]) / second**2,
+            tracks.covariance[row] * np.outer(scale, scale), float(now[3]),
+            0.0 if abs(tau) < IN_STEP * self.exposure else tau, math.sqrt(float(now[2])) * second,
+        )
+
+
+@kernel
+def _pack(tracks: Tracks, count: int, keep: NDArray[np.bool_]) -> int:
+    """Close the gaps that rows left which go no further; return how many are left."""
+    filled = 0
+    for row in range(count):
+        if keep[row]:
+            if row != filled:
+                copy_row(tracks, row, tracks, filled)
+            filled += 1
+    return filled

@@ -1,0 +1,324 @@
+"""Lights that blink codes or waves, at any phase and in motion: each followed in every frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+import math
+
+from blob_tracker.blinking import BlinkTracker, code, Known, Lit, Pattern, wave
+from blob_tracker.kernel import Array, kernel
+from blob_tracker.segmentation.box import Box, box_about, whole
+from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.dark_look import DarkLook
+from blob_tracker.segmentation.description import distance2
+from blob_tracker.segmentation.expectation import Expectation
+from blob_tracker.segmentation.history import FrameError, FrameHistory
+from blob_tracker.segmentation.patterns import check_patterns, rate_fault
+from blob_tracker.types import Frame, Glimpse, Pixels
+import numpy as np
+
+ROUNDING_DN = float(np.sqrt(1 / 12))  # DN, of one frame
+APERTURE = 3.5  # sigma of a blob within which its light is summed
+PLACE_FRACTION = 0.05  # of its sigma, by which a blob's centre is off beside its noise
+LEAST_PLACE_PX = 0.05  # px: of the centre of any blob
+WAY_FRACTION = 0.03  # of a streak's length, by which it may be off: its path bends
+# Standard deviations of a pixel, texture among them, that a light stands above them
+LEAST_PEAK_SIGMA = 5.0
+ABOUT = 4.0  # sigma to each side: a window and its background
+BESIDE = 4.0  # sigma of a light, within which another one draws its place
+UNKNOWN_EXPOSURE = 0.5  # of the frame interval, where nobody tells
+
+
+class Blink:
+    """
+    Follow lights that blink, each in its pattern, and give each lit frame's window its instant.
+
+    What stands out of each frame by itself is a point; `BlinkTracker` tells which of them is
+    which light, and when within the exposure it was seen.
+
+    Parameters
+    ----------
+    max_pair_interval : float
+        Greatest time from one frame to the next, s; a longer gap forgets all lights.
+    codes : mapping of str to str
+        Bits of each light by its name: '1101000'.
+    frequencies : mapping of str to float
+        Hz, of each light that is on for `duty` of its period.
+    frames_per_bit : int
+        Frames in which a bit is held, where `bits_per_second` is 0.
+    bits_per_second : float
+        By the lights' own clock, which may be off by 1 %.
+    duty : float
+        Part of its period for which a light with a frequency is on.
+    exposure : float
+        Of a frame, s; 0 where the frames tell.
+
+    Raises
+    ------
+    ValueError
+        Where a pattern is not one, or two of them are too alike to be told apart.
+
+    """
+
+    surveys = False
+
+    def __init__(
+        self,
+        *,
+        codes: Mapping[str, str] | None = None,
+        frequencies: Mapping[str, float] | None = None,
+        max_pair_interval: float = 0.1,
+        frames_per_bit: int = 1,
+        bits_per_second: float = 0.0,
+        duty: float = 0.5,
+        exposure: float = 0.0,
+    ) -> None:
+        self._codes, self._frequencies = dict(codes or {}), dict(frequencies or {})
+        check_patterns(self._codes, self._frequencies, duty)
+        self._frames_per_bit, self._bits_per_second = frames_per_bit, bits_per_second
+        self._duty, self._exposure = duty, exposure
+        self._history = FrameHistory(2, max_pair_interval)
+        self._tracker: BlinkTracker | None = None
+        self._first: tuple[Array, int, float] | None = None  # of the frame before there is one
+        self._dark = DarkLook()
+        self._named = False
+        self.reason = 'no frame yet'
+        self.warning = ''
+
+    @property
+    def locked(self) -> bool:
+        """Whether any light was named in the last frame."""
+        return self._named
+
+    def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
+        """
+        Return the next frame, and what the scene looks like without lights that blink.
+
+        Raises
+        ------
+        FrameError
+            Where the frame cannot follow the one before it.
+
+        """
+        try:
+            interval = self._history.push(frame)
+        except FrameError:
+            if len(self._history.frames) == 1:
+                self._tracker, self._first, self._dark = None, None, DarkLook()
+            raise
+        kept = self._history.frames[-1]
+        if interval is None or len(self._history.frames) < 2:
+            self._tracker, self._first, self._dark = None, None, DarkLook()
+        else:
+            self._dark.push(self._history.frames[-2])
+            if self._tracker is None:
+                self.reason = rate_fault(self._frequencies, 1.0 / interval)
+                if self.reason:
+                    return None
+                self._tracker = self._new_tracker(kept, interval)
+        return Contrast(
+            kept.image, self._dark.below(kept), frame.saturation, frame, (kept.samples,), (),
+            ROUNDING_DN,
+        )
+
+    def skip(self, frame: Frame) -> None:
+        """Do nothing: it is as if the frame had not come."""
+
+    def region(self, contrast: Contrast) -> Box:
+        """Return the whole frame: the lights may be anywhere in it."""
+        return whole(contrast.shape)
+
+    def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Return None: the whole frame is searched in any case."""
+
+    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Do nothing: `choose` had the whole frame."""
+
+    def choose(
+        self, contrast: Contrast, candidates: Sequence[Candidate]
+    ) -> list[tuple[str, Candidate]]:
+        """Return the lights that the frame shows, each by its name and with its instant."""
+        # What is no higher may be the scene's texture: a wide filter sums it up as it does light.
+        allowed = [
+            each for each in candidates
+            if not each.rejected and each.amplitude >= LEAST_PEAK_SIGMA * each.noise
+        ]
+        points, least = _points(contrast, allowed, max(
+            (each.noise for each in candidates), default=contrast.floor
+        ))
+        seen = points, contrast.frame.stamp_ns, least
+        if self._tracker is None:
+            # The next frame tells the interval.
+            self._first, self._named = seen, False
+            self.reason = 'waiting for a second frame'
+            return []
+        if self._first is not None:
+            self._tracker.update(*self._first)
+            self._first = None
+        found = self._tracker.update(*seen)
+        self._named = bool(found)
+        self.reason = ''
+        if not found:
+            self.reason = _why_none(candidates, allowed)
+        exposure, known = self._tracker.exposure, self._tracker.known()
+        return [
+            (each.name, self._with_dark_look(
+                contrast, _at_its_instant(allowed[each.point], each, exposure, known)
+            ))
+            for each in found
+        ]
+
+    def _with_dark_look(self, contrast: Contrast, candidate: Candidate) -> Candidate:
+        """Return the candidate with a frame in which it was dark, where there is one."""
+        half_x, half_y = (
+            math.ceil(ABOUT * sigma) for sigma in (candidate.sigma_x, candidate.sigma_y)
+        )
+        box = box_about(
+            round(candidate.x), round(candidate.y), half_x, half_y, contrast.shape
+        )
+        return candidate._replace(
+            unlit=self._dark.of(box, candidate.background, candidate.noise)
+        )
+
+    def _new_tracker(self, frame: Frame, interval: float) -> BlinkTracker:
+        exposure = self._exposure or frame.exposure_ns / 1e9
+        self.warning = '' if exposure else (
+            'nobody tells how long a frame is exposed: half of the frame interval is assumed; set '
+            'flash.exposure'
+        )
+        rate = self._bits_per_second or 1.0 / (interval * self._frames_per_bit)
+        in_step = 0 if self._bits_per_second else self._frames_per_bit
+        patterns: list[Pattern] = [
+            code(name, bits, rate, in_step) for name, bits in self._codes.items()
+        ]
+        patterns += [
+            wave(name, frequency, self._duty) for name, frequency in self._frequencies.items()
+        ]
+        height, width = frame.image.shape[:2]
+        return BlinkTracker(
+            patterns, interval=interval, exposure=exposure or UNKNOWN_EXPOSURE * interval,
+            shape=(height, width),
+        )
+
+
+def _why_none(candidates: Sequence[Candidate], allowed: Sequence[Candidate]) -> str:
+    """Say why none of the candidates is a light; empty where the first one itself tells."""
+    if allowed:
+        return f'{len(allowed)} lights; none is due and of a known pattern'
+    low = [each for each in candidates if not each.rejected]
+    if not low:
+        return ''
+    return (
+        f'the best blob stands {low[0].amplitude:.0f} DN above the scene, '
+        f'{low[0].amplitude / low[0].noise:.1f} times its noise and texture; it must be '
+        f'{LEAST_PEAK_SIGMA:g} times as high as they are'
+    )
+
+
+def _at_its_instant(
+    candidate: Candidate, light: Lit, exposure: float, known: Sequence[Known]
+) -> Candidate:
+    """
+    Return the candidate with the time at which it was seen, and what is known of its path.
+
+    Over the time T for which it is lit the middle of its light is off its place by a T^2 / 24.
+    What another light beside it draws it to is in the doubt: d f' / (f + f').
+    """
+    lit = light.share * exposure
+    spread = light.covariance
+    speed = math.hypot(light.vx, light.vy)
+    sigma = lit * math.sqrt(0.5 * (spread[2, 2] + spread[3, 3]))
+    bend, late = lit**2 / 24.0, light.tau_sigma**2
+    xx = light.vx**2 * late + bend**2 * spread[4, 4]
+    xy = light.vx * light.vy * late + bend**2 * spread[4, 5]
+    yy = light.vy**2 * late + bend**2 * spread[5, 5]
+    reach = BESIDE * candidate.sigma_major + 0.5 * lit * speed
+    own = max(each.flux for each in known if each.name == light.name)
+    for other in known:
+        dx, dy = other.x - candidate.x, other.y - candidate.y
+        if other.name != light.name and math.hypot(dx, dy) < reach + math.sqrt(other.variance):
+            part = (other.flux / max(other.flux + own, 1e-9)) ** 2
+            xx += part * (dx * dx + other.variance)
+            xy += part * dx * dy
+            yy += part * (dy * dy + other.variance)
+    glimpse = Glimpse(
+        light.share, np.array([lit * light.vx, lit * light.vy]),
+        sigma + WAY_FRACTION * lit * speed, np.array([[xx, xy], [xy, yy]]),
+        np.array([bend * light.ax, bend * light.ay]),
+    )
+    return candidate._replace(tau=light.tau, glimpse=glimpse)
+
+
+def _points(
+    contrast: Contrast, candidates: Sequence[Candidate], noise: float
+) -> tuple[Array, float]:
+    """Return the (n, 7) points of `BlinkTracker.update`, and the flux that is just seen."""
+    table = np.zeros((len(candidates), 7))
+    faintest = math.inf
+    for row, each in zip(table, candidates):
+        flux, count = aperture_sum(
+            contrast.lit, contrast.unlit, each.x, each.y, each.sigma_x, each.sigma_y,
+            each.correlation, each.background / contrast.unit,
+        )
+        part = PLACE_FRACTION**2 + 1.0 / max(each.snr, 1.0) ** 2
+        xx = each.sigma_x**2 * part + LEAST_PLACE_PX**2
+        yy = each.sigma_y**2 * part + LEAST_PLACE_PX**2
+        xy = each.correlation * each.sigma_x * each.sigma_y * part
+        row[:] = (
+            each.x, each.y, xx, xy, yy, flux * contrast.unit, each.noise * math.sqrt(count)
+        )
+        area = 2.0 * math.pi * each.sigma_minor**2
+        faintest = min(faintest, area)
+    # A peak of five standard deviations of a pixel is found.
+    area = faintest if math.isfinite(faintest) else 2.0 * math.pi
+    return table, LEAST_PEAK_SIGMA * noise * area
+
+
+class Coded(Blink):
+    """Lights with codes, and such with frequencies beside them: see `Blink`."""
+
+
+class Periodic(Blink):
+    """
+    A light with a frequency, which needs no name, or several that have one: see `Blink`.
+
+    Parameters
+    ----------
+    frequency : float
+        Of the light without a name, where there is no other, Hz.
+    frequencies, duty, exposure, max_pair_interval
+        Those of `Blink`.
+
+    """
+
+    def __init__(
+        self,
+        *,
+        frequencies: Mapping[str, float] | None = None,
+        frequency: float = 15.0,
+        max_pair_interval: float = 0.1,
+        duty: float = 0.5,
+        exposure: float = 0.0,
+    ) -> None:
+        super().__init__(
+            frequencies=frequencies or {'': frequency}, max_pair_interval=max_pair_interval,
+            duty=duty, exposure=exposure,
+        )
+
+
+@kernel
+def aperture_sum(
+    lit: Pixels, unlit: Pixels, x: float, y: float, sigma_x: float, sigma_y: float,
+    correlation: float, level: float,
+) -> tuple[float, int]:
+    """Return the light of a blob above a level within APERTURE sigma, DN px^2, and its pixels."""
+    height, width = lit.shape
+    reach_x, reach_y = APERTURE * sigma_x, APERTURE * sigma_y
+    total, count = 0.0, 0
+    for j in range(max(int(y - reach_y), 0), min(int(y + reach_y) + 2, height)):
+        for i in range(max(int(x - reach_x), 0), min(int(x + reach_x) + 2, width)):
+            if distance2(i - x, j - y, sigma_x, sigma_y, correlation) < APERTURE * APERTURE:
+                total += float(lit[j, i]) - float(unlit[j, i]) - level
+                count += 1
+    return total, count

@@ -1,0 +1,110 @@
+"""Which codes and frequencies can be told apart, and what to say where they cannot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+LONGEST_BITS = 64  # of a code: the phase is looked for in all of it
+MOST_LIGHTS = 32  # patterns, all of which each new point is compared with
+HIGHEST_PART = 0.45  # of the frame rate; beyond 0.5 a frequency is aliased
+LOWEST_PART = 0.02  # of the frame rate: a period of 50 frames
+APART = 0.02  # of a frequency by which another one differs: clocks are off by 1 %
+MAINS_HZ = (100.0, 120.0)  # of lamps on 50 and 60 Hz
+
+
+def check_patterns(
+    codes: Mapping[str, str], frequencies: Mapping[str, float], duty: float
+) -> None:
+    """
+    Raise ValueError where a code or frequency is none, or two of them are one.
+
+    Parameters
+    ----------
+    codes : mapping of str to str
+        Bits by name.
+    frequencies : mapping of str to float
+        Hz by name.
+    duty : float
+        Of those with a frequency.
+
+    """
+    if not codes and not frequencies:
+        raise ValueError(
+            "there is no light; write flash.codes as 'port:1101000,starboard:1110100' or "
+            "flash.frequencies as 'port:6.0,starboard:10.0'"
+        )
+    if len(codes) + len(frequencies) > MOST_LIGHTS:
+        raise ValueError(f'{len(codes) + len(frequencies)} lights; {MOST_LIGHTS} can be followed')
+    for name in [*codes, *frequencies]:
+        if name and not (name.isidentifier() and name.isascii()):
+            raise ValueError(f"a light is called '{name}'; it must be a word fit for a topic")
+        if name in codes and name in frequencies:
+            raise ValueError(f"'{name}' has a code and a frequency; a light has one of them")
+    for name, bits in codes.items():
+        if set(bits) != {'0', '1'}:
+            raise ValueError(
+                f"the code of '{name}' is '{bits}'; it must have zeros and ones (in YAML in "
+                'quotes: without them 00010111 is the number 4169)'
+            )
+        if len(bits) > LONGEST_BITS:
+            raise ValueError(f"the code of '{name}' has {len(bits)} bits; {LONGEST_BITS} at most")
+    names = list(codes)
+    for index, first in enumerate(names):
+        for second in names[index + 1:]:
+            _check_apart(first, codes[first], second, codes[second])
+    if not 0.0 < duty < 1.0:
+        raise ValueError(f'a duty of {duty}; it must be above 0 and below 1')
+    rates = sorted((rate, name) for name, rate in frequencies.items())
+    for rate, name in rates:
+        if not 0.0 < rate < math.inf:
+            raise ValueError(f"the frequency of '{name}' is {rate} Hz; it must be above 0")
+    for (low, one), (high, other) in zip(rates, rates[1:]):
+        if high < (1.0 + APART) * low:
+            raise ValueError(
+                f"'{one}' and '{other}' flash at {low:g} and {high:g} Hz; clocks are off by 1 %: "
+                f'take {(1.0 + 2.0 * APART) * low:.3g} Hz or more for one of them'
+            )
+
+
+def rate_fault(frequencies: Mapping[str, float], rate: float) -> str:
+    """
+    Say which frequency a camera of this frame rate, Hz, cannot tell; empty where there is none.
+
+    A frequency f is seen as |f - k rate|: above half the frame rate it looks like another one,
+    and lamps on the mains look like slow lights.
+    """
+    for name, frequency in frequencies.items():
+        if not LOWEST_PART * rate <= frequency <= HIGHEST_PART * rate:
+            return (
+                f"'{name}' flashes at {frequency:g} Hz; {rate:.1f} frames a second show "
+                f'{LOWEST_PART * rate:.1f} to {HIGHEST_PART * rate:.1f} Hz'
+            )
+        for mains in MAINS_HZ:
+            seen = abs(mains - rate * round(mains / rate))
+            if abs(seen - frequency) < APART * frequency:
+                return (
+                    f"'{name}' flashes at {frequency:g} Hz, and so does a lamp of {mains:g} Hz as "
+                    f'{rate:.1f} frames a second show it ({seen:.1f} Hz): take another frequency'
+                )
+    return ''
+
+
+def _check_apart(first: str, one: str, second: str, other: str) -> None:
+    """Raise ValueError where one code is the other one begun elsewhere."""
+    length = math.lcm(len(one), len(other))
+    a = _bits(one * (length // len(one)))
+    b = _bits(other * (length // len(other)))
+    for shift in range(len(other)):
+        if (np.roll(b, shift) == a).all():
+            raise ValueError(
+                f"the codes of '{first}' and '{second}' are one code begun at another bit ({one} "
+                f'and {other}): they cannot be told apart; take one that differs in every rotation'
+            )
+
+
+def _bits(text: str) -> NDArray[np.bool_]:
+    return np.array([bit == '1' for bit in text])
