@@ -8,7 +8,8 @@ from pathlib import Path
 
 from blob_tracker.camera.yaml_file import CalibrationError, content_of, write_content
 from blob_tracker.location.effective_psf import EffectivePsf
-from blob_tracker.location.learn_pulse import Learned, LEAST_WINDOWS, WIDEST_GAP
+from blob_tracker.location.learn_pulse import Learned, WIDEST_GAP
+from blob_tracker.location.pulse_rounds import LEAST_WINDOWS
 from blob_tracker.types import SensorNoise
 import numpy as np
 

@@ -11,11 +11,12 @@ from blob_tracker.location.effective_psf import EffectivePsf, shifted
 from blob_tracker.location.estimates import Estimates
 from blob_tracker.location.hypotheses import Pair
 from blob_tracker.location.learn_pulse import (
-    gap_of, learn_pulse, Learned, learning, LEAST_SNR, Slices, Stack, WIDEST_GAP,
+    gap_of, learn_pulse, Learned, learning, WIDEST_GAP,
 )
 from blob_tracker.location.learned_pulse import learned_pulse, pulse_of
 from blob_tracker.location.noise import noise_of_sum
 from blob_tracker.location.pair_likelihood import log_likelihood_of
+from blob_tracker.location.pulse_rounds import LEAST_SNR, Slices, Stack
 from blob_tracker.types import LocationError, SensorNoise, Window
 import numpy as np
 from numpy.typing import NDArray
@@ -127,8 +128,8 @@ class PulseLearner:
             if len(self._kept) == COLLECTED and self._gap() <= WIDEST_GAP:
                 noise = _noise(window, noise)
                 self._slices = learning(
-                    self._stacks(), noise=noise, saturation=window.saturation,
-                    most_nodes=MOST_NODES,
+                    stacked([kept for kept, _ in self._kept]), noise=noise,
+                    saturation=window.saturation, most_nodes=MOST_NODES,
                 )
                 self._kept.clear()
 
@@ -162,10 +163,6 @@ class PulseLearner:
         """Return the widest part of the pixel without a place, px."""
         x, y = np.array([place for _, place in self._kept]).T
         return max(gap_of(x), gap_of(y))
-
-    def _stacks(self) -> list[Stack]:
-        """Return the windows in stacks of one size each."""
-        return stacked([window for window, _ in self._kept])
 
     def _learn(self) -> None:
         """Go on with learning."""
