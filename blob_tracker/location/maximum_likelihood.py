@@ -22,7 +22,7 @@ from blob_tracker.location.scoring import (
 from blob_tracker.location.sites import fill_absent, observe
 from blob_tracker.location.start_value import start_value
 from blob_tracker.location.suspicion import (
-    HEAD, LEANING, lopsidedness, suspect_failure, suspect_fit, suspect_lopsided, suspect_pixels,
+    HEAD, lean, LEANING, lopsidedness, ODD_SHIFT, suspect_failure, suspect_fit, suspect_lopsided, suspect_pixels,
     suspect_unlit, Suspicion, suspicions,
 )
 from blob_tracker.location.unlit_texture import (
@@ -132,7 +132,7 @@ def maximum_likelihood(
         fit = explain(pair, theta if estimates.ok[n] else None, suspicion)
         if fit is not None:
             _adopt(estimates, n, fit)
-        elif suspicion & Suspicion.LOPSIDED:
+        elif suspicion & Suspicion.LOPSIDED and lean(estimates.lopsided[n]) > 2.0 * ODD_SHIFT:
             estimates.warnings[n] = LOPSIDED_LIGHT
         elif estimates.chi2[n] > WARNED_CHI2:
             estimates.warnings[n] = (

@@ -169,6 +169,12 @@ def lopsidedness(
     return float(out[0] * out[0] / out[2] + out[1] * out[1] / out[3])
 
 
+def lean(sums: NDArray[np.float64]) -> float:
+    """Return the chi-square of lopsidedness from its scores and their variances' inverse."""
+    score_x, score_y, x, y = sums.tolist()
+    return float(score_x**2 / x + score_y**2 / y) if x > 0.0 and y > 0.0 else 0.0
+
+
 @kernel
 def suspect_lopsided(leaning: float) -> int:
     """Return whether the chi-square of the lopsidedness is more than noise makes of it."""
