@@ -29,8 +29,7 @@ LEAST_HIDDEN = 0.02  # of its flashes, at least: whatever was so far
 SEEN_MEMORY = 20  # flashes over which it is counted how often the target is seen
 CELL_PX, CELLS = 16, 3  # px; the density of glints is the mean over 48 px
 LEAST_MEMORY_FRAMES, MOST_MEMORY_FRAMES = 8, 128  # over which it is the mean
-LEAST_PART = 0.5  # of the mean over the frame: so many glints are expected anywhere
-WIDTHS = 0.3  # e-folds to either side, over which the density in brightness is the mean
+WIDTH = 0.3  # e-folds, over which the density in brightness is the mean
 EVEN = 0.2 / 3.0  # 1 / e-fold: a part of the glints are of any brightness over a range of 20
 MOST_BRIGHTNESSES = 512  # of the last glints that are remembered
 MOST_TRACKS = 2048  # the likeliest ones
@@ -230,11 +229,13 @@ class Glitter:
             np.minimum(at[:, 1], local.shape[0] - 1), np.minimum(at[:, 0], local.shape[1] - 1)
         ]
         known = np.sort(self._brightnesses)
-        within = np.searchsorted(known, lights[:, 3] + WIDTHS) - np.searchsorted(
-            known, lights[:, 3] - WIDTHS
-        )
-        alike = EVEN + 0.8 * within / (2.0 * WIDTHS * len(known))
-        return np.asarray(np.log(np.maximum(where, LEAST_PART * self._mean + 1e-7) * alike))
+        # Of the fainter, the brighter and those on both sides the most: at the end of the range of
+        # what glints are as bright as, a mean over both sides is half of the truth, flash by flash.
+        edges = [np.searchsorted(known, lights[:, 3] + k * WIDTH) for k in (-1.0, -0.5, 0.5, 1.0)]
+        edges.insert(2, np.searchsorted(known, lights[:, 3]))
+        within = np.max([edges[2] - edges[0], edges[3] - edges[1], edges[4] - edges[2]], axis=0)
+        alike = EVEN + within / (WIDTH * len(known))
+        return np.asarray(np.log(np.maximum(where, self._mean + 1e-7) * alike))
 
 
 def bound(lights_a_frame: float) -> float:
