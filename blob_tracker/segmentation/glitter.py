@@ -7,7 +7,7 @@ import math
 
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.chance import (
-    advance, BRIGHTNESS, FIELDS, FLASHES, FRAME, GAIN, KIND, KINDS, LIGHT, SCORE, SEEN, STEADY,
+    advance, BRIGHTNESS, FAMILY, FIELDS, FLASHES, FRAME, GAIN, KIND, KINDS, LIGHT, SCORE, SEEN, STEADY,
     VAR_V, VAR_X, VX, VY, X, Y,
 )
 from blob_tracker.segmentation.flash_track import FlashTrack, PERIOD_FRAMES
@@ -158,12 +158,12 @@ class Glitter:
         """
         if self.empty:
             return None
-        tracks = self._tracks
+        best = self._tracks[self._tracks[:, SCORE].argmax()]
         if not followed:
-            tracks = tracks[(tracks[:, STEADY] > STEADIER) & (tracks[:, FRAME] == frame)]
-            if len(tracks) == 0:
+            found = self._steadiest(frame)
+            if found is None:
                 return None
-        best = tracks[tracks[:, SCORE].argmax()]
+            best = found
         gain, here = best[GAIN], best[FRAME] == frame
         hidden = max(1.0 - self._seen, LEAST_HIDDEN) / max(self._seen, LEAST_HIDDEN)
         if followed:
@@ -186,6 +186,19 @@ class Glitter:
             velocity_x=float(best[VX]) / PERIOD_FRAMES, velocity_y=float(best[VY]) / PERIOD_FRAMES,
         )
         return index, track
+
+    def _steadiest(self, frame: float) -> NDArray[np.float64] | None:
+        """
+        Return the likeliest track of a light in this frame that does not flicker; None for none.
+
+        One that left another track, which is likelier without it, has its likelihood from there.
+        """
+        tracks = self._tracks
+        those = tracks[(tracks[:, STEADY] > STEADIER) & (tracks[:, FRAME] == frame)]
+        for track in those[np.argsort(-those[:, SCORE])]:
+            if track[SCORE] >= tracks[tracks[:, FAMILY] == track[FAMILY], SCORE].max():
+                return np.asarray(track)
+        return None
 
     def follow(self, frame: float, index: int, bound: float) -> None:
         """Follow this light of a frame alone from now on."""
