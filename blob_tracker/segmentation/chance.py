@@ -5,10 +5,11 @@ from __future__ import annotations
 from blob_tracker.kernel import Array, kernel
 import numpy as np
 
-# Columns of a track: place and speed (px, px a flash), their variances along either axis, logarithm
-# of the brightness, log-likelihood ratios over chance and over something that flickers at one
-# place, frame of the last flash and which light of that frame it was, flashes, kind of motion,
-# what the last flash added to the first ratio, and which light of which frame it began with.
+# Columns of a track: place and speed (px, px a flash), their variances along either axis,
+# logarithm of the brightness, log-likelihood ratios over chance and over something that flickers
+# at one place, frame of the last flash and which light of that frame it was, flashes, kind of
+# motion, what the last flash added to the first ratio, and which light of which frame it began
+# with.
 (
     X, Y, VX, VY, VAR_X, COV_XV, VAR_V, BRIGHTNESS, SCORE, STEADY, FRAME, LIGHT, FLASHES, KIND,
     GAIN, FAMILY,
@@ -18,7 +19,7 @@ FIELDS = 16
 # brightness; logarithm of how many glints are like it, 1/px^2 and e-fold; 0 where it is rejected.
 LIGHT_X, LIGHT_Y, LIGHT_VARIANCE, LIGHT_BRIGHTNESS, LIGHT_CHANCE, LIGHT_ALLOWED = range(6)
 # Kinds of motion, each as likely: px that a place trembles by, and px a flash that the speed
-# changes by from one flash to the next: at rest or even, in a hand or on a rocking camera, turning.
+# changes by from one flash to the next: at rest or even, in a hand or rocking, turning.
 KINDS = np.array([[0.15, 0.05], [0.6, 0.4], [0.5, 4.0]])
 SLOW_PX = 2.0  # px a flash: half of the targets are so slow, the others anything up to the gate
 SEEN = 0.9  # of the flashes are seen: glints cover some

@@ -48,8 +48,9 @@ class Confirmation:
     lights up two frames later, by the stamps, within the gate; what lights up one or three frames
     later is out of step: a lamp on the mains. A track is confirmed after two flashes, and after
     more in a scene in which other things light up so often that chance would confirm them. Where
-    they do so all over the frame `Glitter` tells what cannot be chance. The confirmed track is followed in a region about its predicted place, which grows with every
-    flash that is missed, until the whole frame is searched again.
+    they do so all over the frame `Glitter` tells what cannot be chance. The confirmed track is
+    followed in a region about its predicted place, which grows with every flash that is missed,
+    until the whole frame is searched again.
 
     Where a tracker tells where it expects the target, the region lies about that place, and what
     lights up there is the target, however it moved. Where nothing does when a flash is due, the
@@ -92,6 +93,7 @@ class Confirmation:
         self._frames = 0
         self._frame = 0.0  # number of the last frame by the stamps
         self._crowd = Crowd(gate_px)
+        self._quiet_frames = 0  # between two flashes of the target, that are not counted yet
         self._crowded = False  # whether things light up all over the frame
         self._glitter = Glitter(gate_px)
 
@@ -291,11 +293,14 @@ class Confirmation:
     def _count_beside(self, everything: Sequence[Candidate], shape: tuple[int, int]) -> None:
         """Count what lights up about the target between two of its flashes."""
         assert self._locked is not None
+        quiet = not everything and not self._crowded
+        if quiet and self._locked_frames > SURVEY_FRAMES // 2:
+            self._quiet_frames += 1  # most frames
+            return
         count = sum(not each.rejected for each in everything)
-        if count > 0:
-            self._crowd.add_part(count * shape[0] * shape[1] / max(self.region(shape).size, 1))
-        else:
-            self._crowd.add_part(0.0)
+        part = shape[0] * shape[1] / max(self.region(shape).size, 1) if count > 0 else 1.0
+        self._crowd.add_part(count * part, self._quiet_frames)
+        self._quiet_frames = 0
         before = self._crowded
         # Until then what lights up between its flashes may be the light itself, out of step.
         known = self._locked.flashes >= MOST_FLASHES

@@ -7,8 +7,8 @@ import math
 
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.chance import (
-    advance, BRIGHTNESS, FAMILY, FIELDS, FLASHES, FRAME, GAIN, KIND, KINDS, LIGHT, SCORE, SEEN, STEADY,
-    VAR_V, VAR_X, VX, VY, X, Y,
+    advance, BRIGHTNESS, FAMILY, FIELDS, FLASHES, FRAME, GAIN, KIND, KINDS, LIGHT, SCORE, SEEN,
+    STEADY, VAR_V, VAR_X, VX, VY, X, Y,
 )
 from blob_tracker.segmentation.flash_track import FlashTrack, PERIOD_FRAMES
 import cv2
@@ -22,8 +22,8 @@ STEADIER = math.log(1e5)
 # Above the bound of a target that is followed: one flash that is missed costs nothing, of several
 # that are missed as many must come before it is believed again.
 RESERVE = 2.0
-# Of the flashes that are taken for a target's, those that are glints while it is hidden, at most. Of
-# glints one in exp(g) adds g or more at most; as they are spread, one in ten of these.
+# Of the flashes that are taken for a target's, those that are glints while it is hidden, at most.
+# Of glints one in exp(g) adds g or more at most; as they are spread, one in ten of these.
 ASTRAY, GLINTS_WITHIN = 1e-3, 0.1
 LEAST_HIDDEN = 0.02  # of its flashes, at least: whatever was so far
 SEEN_MEMORY = 20  # flashes over which it is counted how often the target is seen
@@ -242,8 +242,8 @@ class Glitter:
             np.minimum(at[:, 1], local.shape[0] - 1), np.minimum(at[:, 0], local.shape[1] - 1)
         ]
         known = np.sort(self._brightnesses)
-        # Of the fainter, the brighter and those on both sides the most: at the end of the range of
-        # what glints are as bright as, a mean over both sides is half of the truth, flash by flash.
+        # Of the fainter, the brighter and those on both sides the most: at the end of the glints'
+        # range a mean over both sides is half of the truth, flash by flash.
         edges = [np.searchsorted(known, lights[:, 3] + k * WIDTH) for k in (-1.0, -0.5, 0.5, 1.0)]
         edges.insert(2, np.searchsorted(known, lights[:, 3]))
         within = np.max([edges[2] - edges[0], edges[3] - edges[1], edges[4] - edges[2]], axis=0)

@@ -408,4 +408,5 @@ def test_a_light_that_jumps_alone_is_not_waited_for() -> None:
         x = 200 if index < 60 else 330
         if camera.look(index, *([candidate_at(x, 100)] if index % 2 == 0 else [])) is not None:
             found.append(index)
-    assert [index for index in found if index >= 60][0] <= 68
+    # Frame 66 is the first that is searched whole, and the third flash from there on confirms it.
+    assert [index for index in found if index >= 60][0] <= 70
