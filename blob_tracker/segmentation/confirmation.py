@@ -37,6 +37,8 @@ BRIGHTER_RATIO = 1.25  # times brighter: what a light of the first frames was a 
 # and for which it is remembered from then on.
 PATIENCE_FRAMES, MEMORY_FRAMES = 60, 7200
 OUT_OF_STEP_FLASHES = 2  # more flashes are asked of a light that was once seen out of step
+CERTAIN_FLASHES = MOST_FLASHES + OUT_OF_STEP_FLASHES  # are always enough, also of such a light
+SETTLED_FRAMES = 32  # of a lock, after which it is known whether it is in a crowd
 FEW_LIGHTS = 8  # in a frame, beyond which it may become a crowd
 
 
@@ -130,7 +132,7 @@ class Confirmation:
         if self._stamp_ns is not None:
             self._intervals.append(stamp_ns - self._stamp_ns)
             self._interval_ns = median(self._intervals)
-            self._frame += max(round((stamp_ns - self._stamp_ns) / self._interval_ns), 1)
+            self._frame += round((stamp_ns - self._stamp_ns) / self._interval_ns) or 1
         self._stamp_ns = stamp_ns
         self._frames += 1
         ended = [key for key, each in self._tracks.items() if self._age(each) > MAX_AGE_FRAMES]
@@ -221,6 +223,9 @@ class Confirmation:
         """
         self.reason = ''
         if self._locked is not None:
+            if not everything and not self._crowded and self._locked_frames > SETTLED_FRAMES:
+                self._quiet_frames += 1  # of most frames that is all
+                return None
             if not self._is_due(self._locked):
                 self._count_beside(everything, shape)
             if self._crowded:
@@ -247,7 +252,9 @@ class Confirmation:
                     return found
         if not seen:
             return None
-        needed = self._crowd.flashes_needed(shape)
+        needed = 0
+        if len(seen) > 1 or seen[0][0].flashes < CERTAIN_FLASHES:
+            needed = self._crowd.flashes_needed(shape)
         best: tuple[FlashTrack, Candidate] | None = None
         alone = self._frames <= FIRST_PAIRS and len(everything) == 1
         due = not self._followed or self._is_due(self._locked)
@@ -293,10 +300,6 @@ class Confirmation:
     def _count_beside(self, everything: Sequence[Candidate], shape: tuple[int, int]) -> None:
         """Count what lights up about the target between two of its flashes."""
         assert self._locked is not None
-        quiet = not everything and not self._crowded
-        if quiet and self._locked_frames > SURVEY_FRAMES // 2:
-            self._quiet_frames += 1  # most frames
-            return
         count = sum(not each.rejected for each in everything)
         part = shape[0] * shape[1] / max(self.region(shape).size, 1) if count > 0 else 1.0
         self._crowd.add_part(count * part, self._quiet_frames)

@@ -136,7 +136,9 @@ def search(
         candidate = Candidate(*row)
         rejected = reject(candidate, followed, min_snr)
         candidates.append(candidate._replace(rejected=rejected) if rejected else candidate)
-    judged = with_clipping(contrast, without_glows(candidates))
+    judged: tuple[Candidate, ...] = ()
+    if candidates:
+        judged = with_clipping(contrast, without_glows(candidates))
     # Near a target that is followed its own glow may be all over.
     if contrast.unlit_frames and not followed and (
         level > LEAST_FLOOD_DN or unit * step > max(LEAST_FLOOD_DN, brightness)
