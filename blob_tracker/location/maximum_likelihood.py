@@ -22,8 +22,8 @@ from blob_tracker.location.scoring import (
 from blob_tracker.location.sites import fill_absent, observe
 from blob_tracker.location.start_value import start_value
 from blob_tracker.location.suspicion import (
-    HEAD, lean, LEANING, lopsidedness, ODD_SHIFT, suspect_failure, suspect_fit, suspect_lopsided, suspect_pixels,
-    suspect_unlit, Suspicion, suspicions,
+    HEAD, lean, LEANING, lopsidedness, ODD_SHIFT, suspect_failure, suspect_fit, suspect_lopsided,
+    suspect_pixels, suspect_unlit, Suspicion, suspicions,
 )
 from blob_tracker.location.unlit_texture import (
     blend, residual_variance, split_unlit, texture_share, Unlit,

@@ -187,4 +187,6 @@ class Alternate:
         allowed = sum(not each.rejected for each in candidates)
         if allowed and not self.reason:
             self.reason = f'{allowed} lit up; none of them flashes in step with the frames yet'
+            if allowed > 1:
+                self.reason += ': glints, or lamps?'
         return []

@@ -5,20 +5,21 @@ from __future__ import annotations
 from blob_tracker.kernel import Array, kernel
 import numpy as np
 
-# Columns of a track: place and speed (px, px a flash), their variances along either axis, logarithm
-# of the brightness, log-likelihood ratios over chance and over something that flickers at one
-# place, frame of the last flash and which light of that frame it was, flashes, kind of motion, and
-# what the last flash added to the first ratio.
+# Columns of a track: place and speed (px, px a flash), their variances along either axis,
+# logarithm of the brightness, log-likelihood ratios over chance and over something that flickers
+# at one place, frame of the last flash and which light of that frame it was, flashes, kind of
+# motion, what the last flash added to the first ratio, and which light of which frame it began
+# with.
 (
     X, Y, VX, VY, VAR_X, COV_XV, VAR_V, BRIGHTNESS, SCORE, STEADY, FRAME, LIGHT, FLASHES, KIND,
-    GAIN,
-) = range(15)
-FIELDS = 15
+    GAIN, FAMILY,
+) = range(16)
+FIELDS = 16
 # Columns of a light: place, px; variance of the place along an axis, px^2; logarithm of the
 # brightness; logarithm of how many glints are like it, 1/px^2 and e-fold; 0 where it is rejected.
 LIGHT_X, LIGHT_Y, LIGHT_VARIANCE, LIGHT_BRIGHTNESS, LIGHT_CHANCE, LIGHT_ALLOWED = range(6)
 # Kinds of motion, each as likely: px that a place trembles by, and px a flash that the speed
-# changes by from one flash to the next: at rest or even, in a hand or on a rocking camera, turning.
+# changes by from one flash to the next: at rest or even, in a hand or rocking, turning.
 KINDS = np.array([[0.15, 0.05], [0.6, 0.4], [0.5, 4.0]])
 SLOW_PX = 2.0  # px a flash: half of the targets are so slow, the others anything up to the gate
 SEEN = 0.9  # of the flashes are seen: glints cover some
@@ -28,6 +29,7 @@ OFTEN = 0.5  # of the frames in which a thing lights up that flickers at one pla
 GATE2 = 16.0  # squared distance, in variances: one of a target's flashes in 3000 is farther
 LAST_FRAMES = 8  # frames without a flash after which a track ends
 FAINTEST = -6.0  # log-likelihood ratio: below it chance alone is far likelier
+FAMILIES = 1e5  # more than lights are looked at in four frames
 RIVALS = 2  # tracks of each kind that a light may continue: its own, and what crosses it
 
 
@@ -53,7 +55,7 @@ def advance(
 
     Parameters
     ----------
-    tracks : (n, 15) array
+    tracks : (n, 16) array
         Columns as above.
     earlier : (k, 7) array
         Lights of earlier frames, and their frame in the last column.
@@ -66,7 +68,7 @@ def advance(
 
     Returns
     -------
-    (n, 15) array
+    (n, 16) array
         The tracks.
 
     """
@@ -133,7 +135,8 @@ def advance(
     for n in range(earlier.shape[0]):
         passed = frame - earlier[n, 6]
         if int(passed) % 2 == 0 and passed <= 4:
-            _begin(earlier[n], lights, frame, passed, gate_px, born, slots)
+            row[FAMILY] = n + FAMILIES * earlier[n, 6]
+            _begin(row, earlier[n], lights, frame, passed, gate_px, born, slots)
     for n in range(born.shape[0]):
         if born[n, SCORE] > FAINTEST:
             out[count] = born[n]
@@ -143,11 +146,10 @@ def advance(
 
 @kernel
 def _begin(
-    first: Array, lights: Array, frame: float, passed: float, gate_px: float, born: Array,
-    slots: int,
+    row: Array, first: Array, lights: Array, frame: float, passed: float, gate_px: float,
+    born: Array, slots: int,
 ) -> None:
     """Begin tracks of two flashes, one of each kind, from a light of an earlier frame."""
-    row = np.empty(FIELDS)
     flashes = 0.5 * passed
     farthest = gate_px * flashes
     for i in range(lights.shape[0]):

@@ -37,6 +37,8 @@ BRIGHTER_RATIO = 1.25  # times brighter: what a light of the first frames was a 
 # and for which it is remembered from then on.
 PATIENCE_FRAMES, MEMORY_FRAMES = 60, 7200
 OUT_OF_STEP_FLASHES = 2  # more flashes are asked of a light that was once seen out of step
+CERTAIN_FLASHES = MOST_FLASHES + OUT_OF_STEP_FLASHES  # are always enough, also of such a light
+SETTLED_FRAMES = 32  # of a lock, after which it is known whether it is in a crowd
 FEW_LIGHTS = 8  # in a frame, beyond which it may become a crowd
 
 
@@ -48,8 +50,9 @@ class Confirmation:
     lights up two frames later, by the stamps, within the gate; what lights up one or three frames
     later is out of step: a lamp on the mains. A track is confirmed after two flashes, and after
     more in a scene in which other things light up so often that chance would confirm them. Where
-    they do so all over the frame `Glitter` tells what cannot be chance. The confirmed track is followed in a region about its predicted place, which grows with every
-    flash that is missed, until the whole frame is searched again.
+    they do so all over the frame `Glitter` tells what cannot be chance. The confirmed track is
+    followed in a region about its predicted place, which grows with every flash that is missed,
+    until the whole frame is searched again.
 
     Where a tracker tells where it expects the target, the region lies about that place, and what
     lights up there is the target, however it moved. Where nothing does when a flash is due, the
@@ -92,6 +95,7 @@ class Confirmation:
         self._frames = 0
         self._frame = 0.0  # number of the last frame by the stamps
         self._crowd = Crowd(gate_px)
+        self._quiet_frames = 0  # between two flashes of the target, that are not counted yet
         self._crowded = False  # whether things light up all over the frame
         self._glitter = Glitter(gate_px)
 
@@ -128,7 +132,7 @@ class Confirmation:
         if self._stamp_ns is not None:
             self._intervals.append(stamp_ns - self._stamp_ns)
             self._interval_ns = median(self._intervals)
-            self._frame += max(round((stamp_ns - self._stamp_ns) / self._interval_ns), 1)
+            self._frame += round((stamp_ns - self._stamp_ns) / self._interval_ns) or 1
         self._stamp_ns = stamp_ns
         self._frames += 1
         ended = [key for key, each in self._tracks.items() if self._age(each) > MAX_AGE_FRAMES]
@@ -219,6 +223,9 @@ class Confirmation:
         """
         self.reason = ''
         if self._locked is not None:
+            if not everything and not self._crowded and self._locked_frames > SETTLED_FRAMES:
+                self._quiet_frames += 1  # of most frames that is all
+                return None
             if not self._is_due(self._locked):
                 self._count_beside(everything, shape)
             if self._crowded:
@@ -245,7 +252,9 @@ class Confirmation:
                     return found
         if not seen:
             return None
-        needed = self._crowd.flashes_needed(shape)
+        needed = 0
+        if len(seen) > 1 or seen[0][0].flashes < CERTAIN_FLASHES:
+            needed = self._crowd.flashes_needed(shape)
         best: tuple[FlashTrack, Candidate] | None = None
         alone = self._frames <= FIRST_PAIRS and len(everything) == 1
         due = not self._followed or self._is_due(self._locked)
@@ -292,10 +301,9 @@ class Confirmation:
         """Count what lights up about the target between two of its flashes."""
         assert self._locked is not None
         count = sum(not each.rejected for each in everything)
-        if count > 0:
-            self._crowd.add_part(count * shape[0] * shape[1] / max(self.region(shape).size, 1))
-        else:
-            self._crowd.add_part(0.0)
+        part = shape[0] * shape[1] / max(self.region(shape).size, 1) if count > 0 else 1.0
+        self._crowd.add_part(count * part, self._quiet_frames)
+        self._quiet_frames = 0
         before = self._crowded
         # Until then what lights up between its flashes may be the light itself, out of step.
         known = self._locked.flashes >= MOST_FLASHES

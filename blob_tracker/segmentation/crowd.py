@@ -53,8 +53,21 @@ class Crowd:
         self._rate += (new - self._rate) / self._frames
         self._add_passing(int(frame) % 2, passing)
 
-    def add_part(self, passing: float) -> None:
-        """Take what lit up between two flashes of the target, as many as a whole frame would have."""
+    def add_part(self, passing: float, quiet: int) -> None:
+        """
+        Take what lit up between two flashes of the target.
+
+        Parameters
+        ----------
+        passing : float
+            As many as a whole frame would have.
+        quiet : int
+            Frames before this one in which there was nothing.
+
+        """
+        for _ in range(min(quiet, MOST_MEMORY_FRAMES)):
+            self._add_passing(0, 0.0)
+            self._add_passing(1, 0.0)
         self._add_passing(0, passing)
         self._add_passing(1, passing)
 
@@ -83,7 +96,7 @@ class Crowd:
 
     def is_dense(self, shape: tuple[int, int], sigma: float) -> bool:
         """
-        Tell whether so much lights up all over the frame that something is near wherever one looks.
+        Tell whether so much lights up all over the frame that something is near anywhere.
 
         A light of such a sigma, px, would need more flashes than are always enough for what is
         clustered.

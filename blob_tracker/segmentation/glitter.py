@@ -7,8 +7,8 @@ import math
 
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.chance import (
-    advance, BRIGHTNESS, FIELDS, FLASHES, FRAME, GAIN, KIND, KINDS, LIGHT, SCORE, SEEN, STEADY,
-    VAR_V, VAR_X, VX, VY, X, Y,
+    advance, BRIGHTNESS, FAMILY, FIELDS, FLASHES, FRAME, GAIN, KIND, KINDS, LIGHT, SCORE, SEEN,
+    STEADY, VAR_V, VAR_X, VX, VY, X, Y,
 )
 from blob_tracker.segmentation.flash_track import FlashTrack, PERIOD_FRAMES
 import cv2
@@ -22,15 +22,14 @@ STEADIER = math.log(1e5)
 # Above the bound of a target that is followed: one flash that is missed costs nothing, of several
 # that are missed as many must come before it is believed again.
 RESERVE = 2.0
-# Of the flashes that are taken for a target's, those that are glints while it is hidden, at most. Of
-# glints one in exp(g) adds g or more at most; as they are spread, one in ten of these.
+# Of the flashes that are taken for a target's, those that are glints while it is hidden, at most.
+# Of glints one in exp(g) adds g or more at most; as they are spread, one in ten of these.
 ASTRAY, GLINTS_WITHIN = 1e-3, 0.1
 LEAST_HIDDEN = 0.02  # of its flashes, at least: whatever was so far
 SEEN_MEMORY = 20  # flashes over which it is counted how often the target is seen
 CELL_PX, CELLS = 16, 3  # px; the density of glints is the mean over 48 px
 LEAST_MEMORY_FRAMES, MOST_MEMORY_FRAMES = 8, 128  # over which it is the mean
-LEAST_PART = 0.5  # of the mean over the frame: so many glints are expected anywhere
-WIDTHS = 0.3  # e-folds to either side, over which the density in brightness is the mean
+WIDTH = 0.3  # e-folds, over which the density in brightness is the mean
 EVEN = 0.2 / 3.0  # 1 / e-fold: a part of the glints are of any brightness over a range of 20
 MOST_BRIGHTNESSES = 512  # of the last glints that are remembered
 MOST_TRACKS = 2048  # the likeliest ones
@@ -159,12 +158,12 @@ class Glitter:
         """
         if self.empty:
             return None
-        tracks = self._tracks
+        best = self._tracks[self._tracks[:, SCORE].argmax()]
         if not followed:
-            tracks = tracks[(tracks[:, STEADY] > STEADIER) & (tracks[:, FRAME] == frame)]
-            if len(tracks) == 0:
+            found = self._steadiest(frame)
+            if found is None:
                 return None
-        best = tracks[tracks[:, SCORE].argmax()]
+            best = found
         gain, here = best[GAIN], best[FRAME] == frame
         hidden = max(1.0 - self._seen, LEAST_HIDDEN) / max(self._seen, LEAST_HIDDEN)
         if followed:
@@ -187,6 +186,19 @@ class Glitter:
             velocity_x=float(best[VX]) / PERIOD_FRAMES, velocity_y=float(best[VY]) / PERIOD_FRAMES,
         )
         return index, track
+
+    def _steadiest(self, frame: float) -> NDArray[np.float64] | None:
+        """
+        Return the likeliest track of a light in this frame that does not flicker; None for none.
+
+        One that left another track, which is likelier without it, has its likelihood from there.
+        """
+        tracks = self._tracks
+        those = tracks[(tracks[:, STEADY] > STEADIER) & (tracks[:, FRAME] == frame)]
+        for track in those[np.argsort(-those[:, SCORE])]:
+            if track[SCORE] >= tracks[tracks[:, FAMILY] == track[FAMILY], SCORE].max():
+                return np.asarray(track)
+        return None
 
     def follow(self, frame: float, index: int, bound: float) -> None:
         """Follow this light of a frame alone from now on."""
@@ -230,11 +242,13 @@ class Glitter:
             np.minimum(at[:, 1], local.shape[0] - 1), np.minimum(at[:, 0], local.shape[1] - 1)
         ]
         known = np.sort(self._brightnesses)
-        within = np.searchsorted(known, lights[:, 3] + WIDTHS) - np.searchsorted(
-            known, lights[:, 3] - WIDTHS
-        )
-        alike = EVEN + 0.8 * within / (2.0 * WIDTHS * len(known))
-        return np.asarray(np.log(np.maximum(where, LEAST_PART * self._mean + 1e-7) * alike))
+        # Of the fainter, the brighter and those on both sides the most: at the end of the glints'
+        # range a mean over both sides is half of the truth, flash by flash.
+        edges = [np.searchsorted(known, lights[:, 3] + k * WIDTH) for k in (-1.0, -0.5, 0.5, 1.0)]
+        edges.insert(2, np.searchsorted(known, lights[:, 3]))
+        within = np.max([edges[2] - edges[0], edges[3] - edges[1], edges[4] - edges[2]], axis=0)
+        alike = EVEN + within / (WIDTH * len(known))
+        return np.asarray(np.log(np.maximum(where, self._mean + 1e-7) * alike))
 
 
 def bound(lights_a_frame: float) -> float:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from blob_tracker.kernel import Array
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.chance import advance, FIELDS
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.flood import flood_rise, whole_scene, without_flooded
 from blob_tracker.segmentation.illumination import relit
@@ -135,7 +136,9 @@ def search(
         candidate = Candidate(*row)
         rejected = reject(candidate, followed, min_snr)
         candidates.append(candidate._replace(rejected=rejected) if rejected else candidate)
-    judged = with_clipping(contrast, without_glows(candidates))
+    judged: tuple[Candidate, ...] = ()
+    if candidates:
+        judged = with_clipping(contrast, without_glows(candidates))
     # Near a target that is followed its own glow may be all over.
     if contrast.unlit_frames and not followed and (
         level > LEAST_FLOOD_DN or unit * step > max(LEAST_FLOOD_DN, brightness)
@@ -165,3 +168,4 @@ def compile_ahead() -> None:
         lit[7:10, 7:10] = 100
         frame = Frame(lit, 0, 255)
         search(Contrast(lit, unlit, 255, frame, (lit,), (unlit,)), Box(0, 0, 16, 16), min_snr=7.0)
+    advance(np.empty((0, FIELDS)), np.empty((0, 7)), np.empty((0, 6)), 0.0, 1.0)

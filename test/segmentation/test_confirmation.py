@@ -421,3 +421,50 @@ def test_what_passes_by_is_no_light_in_step() -> None:
         if index >= 20:
             assert (chosen.peak if chosen else None) == ((200, 300) if target else None)
             assert camera.confirmation.warning == ''
+
+
+    # Frame 66 is the first that is searched whole, and the third flash from there on confirms it.
+    assert [index for index in found if index >= 60][0] <= 70
+
+
+@pytest.mark.parametrize('distance', [9.0, 12.0, 30.0])
+def test_a_trembling_target_is_waited_for_as_well(distance: float) -> None:
+    """By a pixel in 20 flashes, so that its speed says nothing of where its reflection is."""
+    random = np.random.default_rng(77)
+    camera = Surveyor()
+    found = 0
+    for index in range(320):
+        x, y = 200.0 + random.uniform(-1.0, 1.0), 100.0 + random.uniform(-1.0, 1.0)
+        hidden = index % 80 >= 40
+        lights = [] if hidden else [candidate_at(round(x), round(y), x=x, y=y)]
+        lights.append(candidate_at(
+            round(x + distance), round(y), x=x + distance, y=y, height=45.0, snr=45.0,
+        ))
+        chosen = camera.look(index, *(lights if index % 2 == 0 else []))
+        if chosen is not None:
+            assert chosen.height == 100.0
+            found += 1
+    assert found > 60
+
+
+def test_no_dot_of_a_dense_grid_is_taken_where_the_target_is_missed() -> None:
+    """Every fifth flash, among dots 14 px apart that are not all seen each time."""
+    random = np.random.default_rng(78)
+    places = [(x, y) for x in range(100, 301, 14) for y in range(30, 171, 14)]
+    dots = [
+        candidate_at(x, y, height=height, snr=height)
+        for (x, y), height in zip(places, random.uniform(30.0, 90.0, len(places)))
+        if abs(x - 200) > 7 or abs(y - 100) > 7
+    ]
+    target = candidate_at(200, 100, height=140.0, snr=140.0)
+    camera = Surveyor()
+    found = 0
+    for index in range(300):
+        shown = [each for each in dots if random.uniform() < 0.9]
+        if index < 60 or index // 2 % 5:
+            shown.append(target)
+        chosen = camera.look(index, *(shown if index % 2 == 0 else []))
+        if index >= 60 and chosen is not None:
+            assert chosen.peak == target.peak
+            found += 1
+    assert found > 85

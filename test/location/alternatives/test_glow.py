@@ -45,7 +45,7 @@ def test_the_slope_of_a_glow_does_not_move_the_place(
     glow: float, width: float, aside: tuple[float, float]
 ) -> None:
     """Without the model it is 0.04 to 0.4 px off."""
-    result = located(lambda *place: light(*place, glow, width, aside), SIZE, COUNT)
+    result = located(lambda shape, x, y: light(shape, x, y, glow, width, aside), SIZE, COUNT)
     # Of 120 errors the rms is known to 6 %, the NEES to 0.26.
     assert result.rms < 1.3 * bound(glow, width, aside)
     assert 1.4 < result.nees < 2.8
@@ -58,5 +58,6 @@ def test_a_light_without_a_glow_has_none() -> None:
     assert located(pulse, SIZE, COUNT).said('haze') == 0.0
     way = np.array([3.2, 2.4])
     assert located(
-        lambda *place: 0.7 * pulse(*place) + 0.3 * dragged(*place, way), SIZE, COUNT
+        lambda shape, x, y: 0.7 * pulse(shape, x, y) + 0.3 * dragged(shape, x, y, way),
+        SIZE, COUNT,
     ).said('haze') < 0.05
