@@ -6,7 +6,8 @@ from collections.abc import Sequence
 import math
 from typing import NamedTuple
 
-from blob_tracker.blinking.association import Children, Room, Settings, step
+from blob_tracker.blinking.association import step
+from blob_tracker.blinking.children import Children, Room, Settings
 from blob_tracker.blinking.naming import best_rows, CLEAR, give_names
 from blob_tracker.blinking.patterns import Pattern, SUB_CELLS, tables
 from blob_tracker.blinking.phase import fill_prior, OTHERS
