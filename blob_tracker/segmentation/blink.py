@@ -167,7 +167,9 @@ class Blink:
         ]
 
     def _with_dark_look(self, contrast: Contrast, candidate: Candidate) -> Candidate:
-        """Return the candidate with a frame in which it was dark, where there is one."""
+        """Return the candidate with a frame in which it was dark, if that tells of the scene."""
+        if contrast.unlit is not self._dark.envelope:
+            return candidate
         half_x, half_y = (
             math.ceil(ABOUT * sigma) for sigma in (candidate.sigma_x, candidate.sigma_y)
         )

@@ -36,13 +36,10 @@ def streak(pair: Pair, base: Fit) -> Fit | None:
         return None
     half = math.sqrt(3.0 * max(light.along**2 - light.across**2, SHORTEST**2))
     to_end = half * light.direction
-    prior, model = None, fill_streak
+    prior = None
+    model: Model = fill_streak
     if pair.way is not None:
-        bend_x, bend_y = pair.way.bend.tolist()
-
-        def model(theta: Floats, means: Floats, slopes: Floats) -> None:
-            fill_bent(theta, bend_x, bend_y, means, slopes)
-
+        model = _bent(*pair.way.bend.tolist())
         to_end = 0.5 * pair.way.length
         half = float(np.hypot(*to_end))
         known = 4.0 / max(pair.way.deviation, SHORTEST) ** 2
@@ -78,3 +75,11 @@ def streak(pair: Pair, base: Fit) -> Fit | None:
     return replace(
         fit, amplitude=lower_by * float(best.theta[AMPLITUDE]), snr=math.sqrt(lower_by) * fit.snr
     )
+
+
+def _bent(x: float, y: float) -> Model:
+    """Return the model of a streak that bends so."""
+    def fill(theta: Floats, means: Floats, slopes: Floats) -> None:
+        fill_bent(theta, x, y, means, slopes)
+
+    return fill
