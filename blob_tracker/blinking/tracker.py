@@ -6,7 +6,8 @@ from collections.abc import Sequence
 import math
 from typing import NamedTuple
 
-from blob_tracker.blinking.association import Children, Room, Settings, step
+from blob_tracker.blinking.association import step
+from blob_tracker.blinking.children import Children, Room, Settings
 from blob_tracker.blinking.naming import best_rows, CLEAR, give_names
 from blob_tracker.blinking.patterns import Pattern, SUB_CELLS, tables
 from blob_tracker.blinking.phase import fill_prior, OTHERS
@@ -133,6 +134,9 @@ class BlinkTracker:
         self._clutter = 2.0
         self._numbers = 0
         self._in_step = np.array([each.frames > 0 for each in patterns])
+        self._looks = SUB_CELLS * np.diff(self._tables.first)
+        scale = np.repeat([1.0, 1.0 / interval, 1.0 / interval**2], 2)
+        self._units = np.outer(scale, scale)  # from frame intervals to s
         self._frames = 0
         self._pace = 1.0  # of the frames, in `interval`
         self._begun_ns: int | None = None
@@ -169,7 +173,7 @@ class BlinkTracker:
             self._pace += PACE_PART * (dt / passed - self._pace)
         looks = np.floor(
             self._tables.rate * np.where(self._in_step, self._frames, clock) + 0.5
-        ).astype(np.int64) % (SUB_CELLS * np.diff(self._tables.first))
+        ).astype(np.int64) % self._looks
         order = np.arange(len(points))
         if len(points) > MOST_POINTS:
             order = np.argsort(-points[:, 5])[:MOST_POINTS]
@@ -212,12 +216,11 @@ class BlinkTracker:
         tracks, second = self._tracks, self.interval
         state, now = tracks.state[row], tracks.now[row]
         tau = float(now[1]) * second
-        scale = np.repeat([1.0, 1.0 / second, 1.0 / second**2], 2)
         return Lit(
             self.patterns[name].name, int(order[int(now[0])]), float(state[0]), float(state[1]),
             float(state[2]) / second, float(state[3]) / second,
             float(state[4]) / second**2, float(state[5]) / second**2,
-            tracks.covariance[row] * np.outer(scale, scale), float(now[3]),
+            tracks.covariance[row] * self._units, float(now[3]),
             0.0 if abs(tau) < IN_STEP * self.exposure else tau, math.sqrt(float(now[2])) * second,
         )
 

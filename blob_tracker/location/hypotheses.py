@@ -53,11 +53,14 @@ class Way:
         Displacement, window px.
     deviation : float
         Its standard deviation along either axis, px.
+    bend : (2,) array
+        What the path's ends lie off a straight one through its middle, px.
 
     """
 
     length: NDArray[np.float64]
     deviation: float
+    bend: NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -46,6 +46,28 @@ def fill_streak(theta: Array, means: Array, slopes: Array) -> None:
 
 
 @kernel
+def fill_bent(theta: Array, bend_x: float, bend_y: float, means: Array, slopes: Array) -> None:
+    """
+    Fill the means and slopes of a lit pulse that is dragged along a line that bends.
+
+        lit = b + A / 2 integral_-1^1 P(x + t w + (t^2 - 1/3) c) dt
+
+    The place x is the middle of its light, c the bend, which is known.
+    """
+    means[:] = theta[BACKGROUND]
+    slopes[:] = 0.0
+    slopes[BACKGROUND] = 1.0
+    way = 2.0 * math.hypot(theta[WAY_X], theta[WAY_Y])
+    long = way > LONG * theta[SIGMA]
+    nodes, weights = (MANY_NODES, MANY_WEIGHTS) if long else (FEW_NODES, FEW_WEIGHTS)
+    place = theta.copy()
+    for k in range(nodes.size):
+        off = nodes[k] * nodes[k] - 1.0 / 3.0
+        place[X], place[Y] = theta[X] + off * bend_x, theta[Y] + off * bend_y
+        _add_part(means[0], slopes[:, 0], place, nodes[k], 0.5 * weights[k], 0.0)
+
+
+@kernel
 def fill_tailed(theta: Array, means: Array, slopes: Array) -> None:
     """
     Fill the means and slopes of a lit pulse with a tail.

@@ -3,28 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+import functools
 import math
 
 from blob_tracker.blinking import BlinkTracker, code, Known, Lit, Pattern, wave
-from blob_tracker.kernel import Array, kernel
+from blob_tracker.kernel import Array
 from blob_tracker.segmentation.box import Box, box_about, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
-from blob_tracker.segmentation.dark_look import DarkLook
-from blob_tracker.segmentation.description import distance2
+from blob_tracker.segmentation.dark_look import DarkLook, FEWEST
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.history import FrameError, FrameHistory
 from blob_tracker.segmentation.patterns import check_patterns, rate_fault
-from blob_tracker.types import Frame, Glimpse, Pixels
+from blob_tracker.segmentation.points import aperture_sum, LEAST_PEAK_SIGMA, points
+from blob_tracker.types import Frame, Glimpse
 import numpy as np
 
 ROUNDING_DN = float(np.sqrt(1 / 12))  # DN, of one frame
-APERTURE = 3.5  # sigma of a blob within which its light is summed
-PLACE_FRACTION = 0.05  # of its sigma, by which a blob's centre is off beside its noise
-LEAST_PLACE_PX = 0.05  # px: of the centre of any blob
 WAY_FRACTION = 0.03  # of a streak's length, by which it may be off: its path bends
-# Standard deviations of a pixel, texture among them, that a light stands above them
-LEAST_PEAK_SIGMA = 5.0
 ABOUT = 4.0  # sigma to each side: a window and its background
 BESIDE = 4.0  # sigma of a light, within which another one draws its place
 UNKNOWN_EXPOSURE = 0.5  # of the frame interval, where nobody tells
@@ -85,6 +81,7 @@ class Blink:
         self._named = False
         self.reason = 'no frame yet'
         self.warning = ''
+        _compile_ahead()
 
     @property
     def locked(self) -> bool:
@@ -144,10 +141,10 @@ class Blink:
             each for each in candidates
             if not each.rejected and each.amplitude >= LEAST_PEAK_SIGMA * each.noise
         ]
-        points, least = _points(contrast, allowed, max(
+        table, least = points(contrast, allowed, max(
             (each.noise for each in candidates), default=contrast.floor
         ))
-        seen = points, contrast.frame.stamp_ns, least
+        seen = table, contrast.frame.stamp_ns, least
         if self._tracker is None:
             # The next frame tells the interval.
             self._first, self._named = seen, False
@@ -170,7 +167,9 @@ class Blink:
         ]
 
     def _with_dark_look(self, contrast: Contrast, candidate: Candidate) -> Candidate:
-        """Return the candidate with a frame in which it was dark, where there is one."""
+        """Return the candidate with a frame in which it was dark, if that tells of the scene."""
+        if contrast.unlit is not self._dark.envelope:
+            return candidate
         half_x, half_y = (
             math.ceil(ABOUT * sigma) for sigma in (candidate.sigma_x, candidate.sigma_y)
         )
@@ -250,29 +249,23 @@ def _at_its_instant(
     return candidate._replace(tau=light.tau, glimpse=glimpse)
 
 
-def _points(
-    contrast: Contrast, candidates: Sequence[Candidate], noise: float
-) -> tuple[Array, float]:
-    """Return the (n, 7) points of `BlinkTracker.update`, and the flux that is just seen."""
-    table = np.zeros((len(candidates), 7))
-    faintest = math.inf
-    for row, each in zip(table, candidates):
-        flux, count = aperture_sum(
-            contrast.lit, contrast.unlit, each.x, each.y, each.sigma_x, each.sigma_y,
-            each.correlation, each.background / contrast.unit,
-        )
-        part = PLACE_FRACTION**2 + 1.0 / max(each.snr, 1.0) ** 2
-        xx = each.sigma_x**2 * part + LEAST_PLACE_PX**2
-        yy = each.sigma_y**2 * part + LEAST_PLACE_PX**2
-        xy = each.correlation * each.sigma_x * each.sigma_y * part
-        row[:] = (
-            each.x, each.y, xx, xy, yy, flux * contrast.unit, each.noise * math.sqrt(count)
-        )
-        area = 2.0 * math.pi * each.sigma_minor**2
-        faintest = min(faintest, area)
-    # A peak of five standard deviations of a pixel is found.
-    area = faintest if math.isfinite(faintest) else 2.0 * math.pi
-    return table, LEAST_PEAK_SIGMA * noise * area
+@functools.cache
+def _compile_ahead() -> None:
+    """Compile the loops, or load them from Numba's cache, before the first frame needs them."""
+    tracker = BlinkTracker(
+        [code('a', '110', 60.0)], interval=1 / 60, exposure=1 / 120, shape=(480, 640)
+    )
+    for index in range(20):
+        on = index % 3 != 2
+        point = np.array([[100.0, 100.0, 0.01, 0.0, 0.01, 1000.0, 5.0]] * on).reshape(-1, 7)
+        tracker.update(point, index * 16_666_667, 50.0)
+    for kind in (np.uint8, np.uint16):
+        frame = Frame(np.zeros((16, 16), kind), 0, 255)
+        look = DarkLook()
+        for _ in range(FEWEST + 1):
+            look.push(frame)
+        look.of(whole((16, 16)), 0.0, 1.0)
+        aperture_sum(frame.image, look.below(frame), 8.0, 8.0, 1.0, 1.0, 0.0, 0.0)
 
 
 class Coded(Blink):
@@ -305,20 +298,3 @@ class Periodic(Blink):
             frequencies=frequencies or {'': frequency}, max_pair_interval=max_pair_interval,
             duty=duty, exposure=exposure,
         )
-
-
-@kernel
-def aperture_sum(
-    lit: Pixels, unlit: Pixels, x: float, y: float, sigma_x: float, sigma_y: float,
-    correlation: float, level: float,
-) -> tuple[float, int]:
-    """Return the light of a blob above a level within APERTURE sigma, DN px^2, and its pixels."""
-    height, width = lit.shape
-    reach_x, reach_y = APERTURE * sigma_x, APERTURE * sigma_y
-    total, count = 0.0, 0
-    for j in range(max(int(y - reach_y), 0), min(int(y + reach_y) + 2, height)):
-        for i in range(max(int(x - reach_x), 0), min(int(x + reach_x) + 2, width)):
-            if distance2(i - x, j - y, sigma_x, sigma_y, correlation) < APERTURE * APERTURE:
-                total += float(lit[j, i]) - float(unlit[j, i]) - level
-                count += 1
-    return total, count

@@ -8,9 +8,9 @@ import math
 from blob_tracker.location.doubt import doubted
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.light_moments import light_moments
-from blob_tracker.location.pair_likelihood import climb
+from blob_tracker.location.pair_likelihood import climb, Floats, Model
 from blob_tracker.location.pair_model import AMPLITUDE, bounds, SIGMA
-from blob_tracker.location.shape_model import fill_streak, WAY_X, WAY_Y
+from blob_tracker.location.shape_model import fill_bent, fill_streak, WAY_X, WAY_Y
 import numpy as np
 
 PLAIN = 2.0  # sigmas of length, up to which a pulse is as good as round
@@ -26,7 +26,8 @@ def streak(pair: Pair, base: Fit) -> Fit | None:
 
     The place is the middle of the line: where the light is in the middle of the exposure, if it
     moves evenly. A pulse of two widths, at any angle, is one to within the noise unless it is
-    long and bright. Where a tracker knows the way, w is that to within its deviation.
+    long and bright. Where a tracker knows the way, w is that to within its
+    deviation, and the line bends as the tracker says.
     """
     if pair.unlit is None and pair.way is None:
         return None  # what stands behind the target may be what makes it long
@@ -34,7 +35,9 @@ def streak(pair: Pair, base: Fit) -> Fit | None:
     half = math.sqrt(3.0 * max(light.along**2 - light.across**2, SHORTEST**2))
     to_end = half * light.direction
     prior = None
+    model: Model = fill_streak
     if pair.way is not None:
+        model = _bent(*pair.way.bend.tolist())
         to_end = 0.5 * pair.way.length
         half = float(np.hypot(*to_end))
         known = 4.0 / max(pair.way.deviation, SHORTEST) ** 2
@@ -49,7 +52,7 @@ def streak(pair: Pair, base: Fit) -> Fit | None:
     lower, upper = bounds(pair)
     reach = np.full(2, float(max(pair.lit.shape)))
     best = climb(
-        pair, fill_streak, start, np.append(lower, -reach), np.append(upper, reach), prior,
+        pair, model, start, np.append(lower, -reach), np.append(upper, reach), prior,
         steps=SLOWEST,
     )
     if best is None:
@@ -62,7 +65,7 @@ def streak(pair: Pair, base: Fit) -> Fit | None:
             f'a streak of {way:.0f} px at {angle:.0f} degrees: the light moves while it is '
             'exposed; its place is that in the middle of the exposure: shorten the exposure'
         )
-    fit, _ = doubted(pair, best, fill_streak, warning)
+    fit, _ = doubted(pair, best, model, warning)
     # Of the pulse at rest, A is the peak; of the streak it is less.
     lower_by = 1.0
     if way > 1e-3 * sigma:
@@ -71,3 +74,11 @@ def streak(pair: Pair, base: Fit) -> Fit | None:
     return replace(
         fit, amplitude=lower_by * float(best.theta[AMPLITUDE]), snr=math.sqrt(lower_by) * fit.snr
     )
+
+
+def _bent(x: float, y: float) -> Model:
+    """Return the model of a streak that bends so."""
+    def fill(theta: Floats, means: Floats, slopes: Floats) -> None:
+        fill_bent(theta, x, y, means, slopes)
+
+    return fill
