@@ -21,6 +21,7 @@ PHASE_KNOWN = 0.5  # probability of the patterns from which on their share tells
 FLUX_DRIFT = 0.003  # of the full flux in a hit: 1 m/s nearer at 10 m, 60 Hz
 WHOLE = 0.97  # of the exposure: from there on a change of the flux is the light's own
 FLUX_FRAMES = 20.0  # over which that is averaged
+DOUBTFUL = 0.15  # of the full flux, to which it is known after a surprise
 SURPRISE = 1.3  # of the full flux: what is brighter was taken for full while it was partly lit
 # A child's kind
 MISS, SMOOTH, TURN = 0, 1, 2
@@ -204,6 +205,9 @@ def _weigh_flux(full: Array, point: Array, moments: Array) -> None:
     Kalman filter that knows the share.
     """
     flux = point[FLUX]
+    if flux > SURPRISE * full[0] and moments[4] >= PHASE_KNOWN and full[1] < DOUBTFUL:
+        full[1] = DOUBTFUL  # something beside it, as long as it does not come again
+        return
     if moments[4] < PHASE_KNOWN or flux > SURPRISE * full[0]:
         full[0] = max(flux, full[0])
         full[1] = max(full[1], 0.5 * FIRST_SPREAD)
