@@ -24,6 +24,7 @@ REACH = 2.5  # sigma about the light that are left out: it may not be dark in th
 FARTHEST = 0.25  # px that the picture may move: first order is enough
 UNSEEN = 0.05  # of the variance, that such a motion may make
 HIDDEN_DN2 = 0.24  # variance below which rounding hides the noise (EMVA 1288, section 6.6)
+INTERPOLATED = 0.2  # the same: of a picture that was interpolated from every other pixel, and more
 CORRELATED = 0.1  # between neighbours: pixels that were warped, compressed or cleared of noise
 FLATTEST = 0.05  # of the configured slope of the variance: what is measured as less is chance
 
@@ -93,6 +94,7 @@ class NoiseCheck:
         # light's pixels 1 - h, and that times level and variance.
         self._sums = np.zeros(8)
         self._windows = 0
+        self._compressed = False
 
     def configure(self, noise: SensorNoise) -> None:
         """Hold another noise against what was seen so far."""
@@ -113,6 +115,7 @@ class NoiseCheck:
         """
         if window.unlit is None:
             return
+        self._compressed = window.added_noise > 0.0  # what that does to a place is known
         unlit = np.asarray(window.unlit, dtype=float)
         across, down = window.binning
         x = (location.x - window.x0 + 0.5) / across - 0.5
@@ -147,7 +150,17 @@ class NoiseCheck:
         if dof < LEAST_DOF:
             return
         level, variance = (float(each) for each in self._sums[1:3] / dof)
-        if variance < HIDDEN_DN2 or abs(self._sums[3]) > CORRELATED * self._sums[4] * variance:
+        if variance < HIDDEN_DN2:
+            return
+        alike = float(self._sums[3] / (self._sums[4] * variance))
+        if abs(alike) > CORRELATED:
+            if alike > INTERPOLATED and not self._compressed:
+                self.warning = (
+                    f'the noise of neighbouring pixels is alike (correlation {alike:.2f}): the '
+                    'picture was interpolated from a colour mosaic, or smoothed, and a narrow '
+                    "light is not where it seems: take the sensor's own samples (an encoding "
+                    'bayer_*, see channel) and switch sharpening and noise reduction off'
+                )
             return
         configured = float(pixel_variance(np.array(level), self.configured))
         ratio = variance / configured
