@@ -184,6 +184,23 @@ class Glimpse:
     doubt: NDArray[np.float64]
     lag: NDArray[np.float64]
 
+    @property
+    def numbers(self) -> NDArray[np.float32]:
+        """(9,) array: share, way, way_sigma, doubt as xx, xy, yy, and lag."""
+        (xx, xy), (_, yy) = self.doubt
+        return np.array(
+            [self.share, *self.way, self.way_sigma, xx, xy, yy, *self.lag], dtype=np.float32
+        )
+
+    @classmethod
+    def of_numbers(cls, numbers: NDArray[np.float32]) -> Glimpse:
+        """Return what `numbers` tells of."""
+        share, way_x, way_y, way_sigma, xx, xy, yy, lag_x, lag_y = map(float, numbers)
+        return cls(
+            share, np.array([way_x, way_y]), way_sigma, np.array([[xx, xy], [xy, yy]]),
+            np.array([lag_x, lag_y]),
+        )
+
 
 @dataclass(frozen=True)
 class Window:

@@ -87,7 +87,9 @@ def test_a_right_noise_stays(options: dict[str, float]) -> None:
     for seed in range(6):
         for noise in (CONFIGURED, replace(CONFIGURED, gain=9.0)):
             _, check = nees(noise, seed, count=150, **options)
-            assert check.noise is CONFIGURED and not check.warning
+            assert check.noise is CONFIGURED
+    # What was interpolated says nothing of the noise, and much of the picture.
+    assert ('noise of neighbouring pixels is alike' in check.warning) == (kind == 'blurred')
 
 
 def test_looks_are_taken_apart() -> None:
@@ -116,4 +118,6 @@ def test_what_tells_no_noise_is_left_alone(kind: str) -> None:
         else:
             window = replace(window, unlit=None)
         check.add(window, location)
-    assert check.noise is CONFIGURED and not check.warning
+    assert check.noise is CONFIGURED
+    # What was interpolated says nothing of the noise, and much of the picture.
+    assert ('noise of neighbouring pixels is alike' in check.warning) == (kind == 'blurred')

@@ -9,7 +9,7 @@ from typing import Any
 from blob_tracker.colour import grey_pixels
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.stamp import from_ns, SECOND_NS, to_ns
-from blob_tracker.types import BAYER, Frame, Pixels, PLANES, Window
+from blob_tracker.types import BAYER, Frame, Glimpse, Pixels, PLANES, Window
 import numpy as np
 from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo, Image
@@ -35,8 +35,9 @@ _PACKED = {
 _SEMIPLANAR = {'nv12': 'uv', 'nv21': 'vu'}
 _WINDOWS = {
     f'{bits}UC{channels}': (kind, channels)
-    for bits, kind in ((8, np.uint8), (16, np.uint16)) for channels in (1, 2, 3)
+    for bits, kind in ((8, np.uint8), (16, np.uint16)) for channels in (1, 2, 3, 4)
 }
+GLIMPSE_BYTES = 36  # of nine numbers, as a window's fourth channel has them
 STEPS = 16  # of a DN, in which a window's third channel tells the noise that was added
 
 
@@ -84,8 +85,8 @@ def to_window(image: Image, info: CameraInfo) -> Window:
     Parameters
     ----------
     image : Image
-        8UC2 or 16UC2, lit and unlit; 8UC1 or 16UC1, lit alone; 8UC3 or 16UC3 as `from_window`
-        makes them.
+        8UC2 or 16UC2, lit and unlit; 8UC1 or 16UC1, lit alone; 8UC3, 8UC4, 16UC3 or 16UC4 as
+        `from_window` makes them.
     info : CameraInfo
         Its roi is the window's place on the sensor.
 
@@ -106,8 +107,8 @@ def to_window(image: Image, info: CameraInfo) -> Window:
     full = np.iinfo(pixels.dtype).max
     several = pixels.ndim == 3
     unlit = pixels[..., 1] if several else None
-    sites, added_noise = None, 0.0
-    if several and pixels.shape[2] == 3:
+    sites, added_noise, glimpse = None, 0.0, None
+    if several and pixels.shape[2] > 2:
         assert unlit is not None
         unlit = None if (unlit == full).all() else unlit
         seen = pixels[..., 2] < full
@@ -115,17 +116,38 @@ def to_window(image: Image, info: CameraInfo) -> Window:
             raise MessageError('no pixel of the window sees the light: its third channel is full')
         sites = None if seen.all() else seen
         added_noise = float(pixels[..., 2][seen].max()) / STEPS
+        if pixels.shape[2] > 3:
+            glimpse = _glimpse(pixels[..., 3])
     return Window(
         lit=pixels[..., 0] if several else pixels,
         unlit=unlit,
         sites=sites,
         added_noise=added_noise,
+        glimpse=glimpse,
         x0=int(info.roi.x_offset),
         y0=int(info.roi.y_offset),
         stamp_ns=_stamp_ns(image),
         saturation=int(full),
         binning=_binning(info),
     )
+
+
+def _glimpse(fourth: Pixels) -> Glimpse:
+    """Return how a light was seen, from a window's fourth channel."""
+    if fourth.size < GLIMPSE_BYTES or int(fourth.max()) > 255:
+        raise MessageError('the fourth channel of the window holds no nine numbers, byte by byte')
+    content = fourth.ravel()[:GLIMPSE_BYTES].astype(np.uint8).tobytes()
+    glimpse = Glimpse.of_numbers(np.frombuffer(content, '<f4'))
+    (xx, xy), (_, yy) = glimpse.doubt
+    if not (
+        np.isfinite(glimpse.numbers).all() and 0.0 <= glimpse.share <= 1.0
+        and glimpse.way_sigma >= 0.0 and xx >= 0.0 and yy >= 0.0 and xy * xy <= 1.001 * xx * yy
+    ):
+        raise MessageError(
+            'the fourth channel of the window tells of no light: its share must be 0 to 1, its '
+            'covariance that of a place'
+        )
+    return glimpse
 
 
 def to_pixels(image: Image, *, interpolate: bool = True) -> Pixels:
@@ -214,15 +236,22 @@ def from_window(window: Window, frame_id: str) -> Image:
 
     Where not all pixels see the light, or compression added noise, there is a channel 2: that
     noise in 1/16 DN, full scale in a pixel that does not see the light. Channel 1 is then at full
-    scale where there is no unlit frame.
+    scale where there is no unlit frame. Of a light that blinks and moves there is a channel 3 as
+    well: `Glimpse.numbers`, byte by byte (little-endian), row by row, then zeros.
     """
-    if window.sites is not None or window.added_noise > 0.0:
+    glimpse = window.glimpse if window.lit.size >= GLIMPSE_BYTES else None
+    if window.sites is not None or window.added_noise > 0.0 or glimpse is not None:
         full = 2 ** (8 * window.lit.dtype.itemsize) - 1
         noise = min(round(STEPS * window.added_noise), full - 1)
         unlit = np.full_like(window.lit, full) if window.unlit is None else window.unlit
         seen = True if window.sites is None else window.sites
         third = np.where(np.broadcast_to(seen, window.lit.shape), noise, full)
         planes = [window.lit, unlit, third.astype(window.lit.dtype)]
+        if glimpse is not None:
+            numbers = np.frombuffer(glimpse.numbers.astype('<f4').tobytes(), np.uint8)
+            fourth = np.zeros(window.lit.size, window.lit.dtype)
+            fourth[:GLIMPSE_BYTES] = numbers
+            planes.append(fourth.reshape(window.lit.shape))
         return from_pixels(np.dstack(planes), window.stamp_ns, frame_id)
     if window.unlit is None:
         image = from_pixels(window.lit, window.stamp_ns, frame_id)

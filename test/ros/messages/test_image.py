@@ -14,7 +14,7 @@ from blob_tracker.ros.messages.image import (
     to_pixels,
     to_window,
 )
-from blob_tracker.types import Frame, Window
+from blob_tracker.types import Frame, Glimpse, Window
 import numpy as np
 import pytest
 from sensor_msgs.msg import CameraInfo, Image
@@ -121,10 +121,10 @@ def test_wrong_fields_are_named(changes: dict, sentence: str) -> None:
         to_frame(image(**changes), INFO)
 
 
-def test_a_window_of_four_channels_is_refused() -> None:
-    """Only lit, lit and unlit, or both and what their pixels are worth."""
-    with pytest.raises(MessageError, match="encoding is '8UC4'; it must be 8UC1 or 8UC2"):
-        to_window(image(encoding='8UC4'), INFO)
+def test_a_window_of_five_channels_is_refused() -> None:
+    """Only lit, lit and unlit, what their pixels are worth, and how the light was seen."""
+    with pytest.raises(MessageError, match="encoding is '8UC5'; it must be 8UC1 or 8UC2"):
+        to_window(image(encoding='8UC5'), INFO)
 
 
 @pytest.mark.parametrize(
@@ -256,3 +256,30 @@ def test_a_window_that_sees_nothing_is_refused() -> None:
     window = Window(PIXELS, PIXELS, sites=np.zeros(PIXELS.shape, bool))
     with pytest.raises(MessageError, match='no pixel of the window sees the light'):
         to_window(from_window(window, 'optical'), INFO)
+
+
+@pytest.mark.parametrize('kind', [np.uint8, np.uint16])
+@pytest.mark.parametrize('paired', [True, False])
+def test_how_a_moving_light_was_seen_goes_there_and_back(kind: type, paired: bool) -> None:
+    """Bit by bit, beside lit and unlit pixels."""
+    lit: np.ndarray = np.arange(49, dtype=kind).reshape(7, 7)
+    glimpse = Glimpse.of_numbers(
+        np.array([0.3, 4.5, -2.25, 0.125, 0.01, -0.002, 0.04, 0.5, -0.25], np.float32)
+    )
+    window = Window(lit, lit[::-1].copy() if paired else None, stamp_ns=7, glimpse=glimpse)
+    message = from_window(window, 'optical')
+    assert message.encoding == f'{8 * lit.dtype.itemsize}UC4'
+    back = to_window(message, CameraInfo(width=7, height=7))
+    assert back.glimpse is not None
+    np.testing.assert_array_equal(back.glimpse.numbers, glimpse.numbers)
+    np.testing.assert_array_equal(back.lit, lit)
+    assert (back.unlit is not None) == paired
+
+
+def test_a_fourth_channel_of_no_light_is_refused() -> None:
+    """With what it must hold."""
+    lit = np.arange(49, dtype=np.uint8).reshape(7, 7)
+    glimpse = Glimpse.of_numbers(np.full(9, 2.0, np.float32))
+    message = from_window(Window(lit, None, stamp_ns=7, glimpse=glimpse), 'optical')
+    with pytest.raises(MessageError, match='share must be 0 to 1'):
+        to_window(message, CameraInfo(width=7, height=7))
