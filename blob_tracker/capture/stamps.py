@@ -127,6 +127,11 @@ class MidExposure:
         """Return the exposure that was set last."""
         return self._changes[-1][1]
 
+    @property
+    def time_ns(self) -> int:
+        """Return how long the last frame was exposed, ns; 0 where that is not known."""
+        return self._changes[0][1].time_ns or 0
+
     def changed(self, since_ns: int, exposure: Exposure) -> None:
         """Take another exposure for frames that begin at `since_ns`, monotonic, or later."""
         with self._lock:

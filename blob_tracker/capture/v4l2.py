@@ -415,7 +415,7 @@ class V4l2Camera:
         return Frame(
             image, self._clock.from_monotonic(middle_ns), self.saturation,
             self._region.x0, self._region.y0, self._binning, self._format.layout,
-            quantisation=steps)
+            quantisation=steps, exposure_ns=self._middle.time_ns)
 
     def _follow_controls(self) -> None:
         """Take note of the controls that others changed, those of the exposure above all."""

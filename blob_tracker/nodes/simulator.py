@@ -206,7 +206,10 @@ class SimulatorNode(Node):
         """Return the next frame: the one that is ready, or that whose exposure ends now."""
         stamp_ns = self.get_clock().now().nanoseconds
         if self._vehicle is None:
-            frame = Frame(self._pixels, stamp_ns, self._scene.sensor.saturation)
+            frame = Frame(
+                self._pixels, stamp_ns, self._scene.sensor.saturation,
+                exposure_ns=round(1e9 * self._scene.exposure / self._scene.rate),
+            )
             return frame, self._scene.truth(self._index)
         exposure = self._vehicle.camera.exposure
         end = max(self._time(stamp_ns), self._vehicle.pan_tilt.time, exposure)

@@ -56,6 +56,7 @@ def test_a_change_holds_from_the_first_exposure_that_begins_after_it(source):
         stamp = {'exposure start': begin, 'transfer start': begin + time_ns,
                  'transfer end': begin + time_ns + readout}[source]
         assert middles.middle(stamp, LATER) == begin + time_ns // 2, number
+        assert middles.time_ns == time_ns
 
 
 def test_a_frame_begun_before_the_change_keeps_the_old_exposure():
