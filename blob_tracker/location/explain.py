@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+import math
 
 from blob_tracker.location.alternatives import ALTERNATIVES
-from blob_tracker.location.doubt import misfitting
+from blob_tracker.location.doubt import misfitting, sandwich
 from blob_tracker.location.estimates import Failure
-from blob_tracker.location.hypotheses import choose, Fit, Pair
+from blob_tracker.location.hypotheses import choose, Fit, History, Motion, Pair, Way
 from blob_tracker.location.pair_likelihood import Floats
-from blob_tracker.location.pair_model import no_pulse, one_pulse, to_fit
+from blob_tracker.location.pair_model import fill_one_pulse, no_pulse, one_pulse, to_fit
 from blob_tracker.location.suspicion import Suspicion
 from blob_tracker.location.unlit_pulse import shows_pulse
+from blob_tracker.types import SensorNoise
 import numpy as np
 
 # Of the misfit of a round pulse: a model that leaves more is no more true than that one.
@@ -69,3 +71,25 @@ def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | Non
     if optimum is None or pair.unlit is None or not suspicion & Suspicion.PIXELS:
         return None
     return misfitting(pair, optimum)
+
+
+def compile_alternatives() -> None:
+    """Try every alternative once, so that all their loops over pixels are compiled or loaded."""
+    bell = np.exp(-((np.arange(13) - 6.0) ** 2) / 4.0)
+    pulse = 100.0 * bell[:, None] * bell[None, :]
+    lit = np.round(pulse + 0.4 * np.roll(pulse, 2, axis=1) + np.roll(pulse, 1, axis=0) + 10.0)
+    unlit = np.round(0.3 * np.roll(pulse, 1, axis=1) + 10.0)
+    noise = SensorNoise(gain=1.0, read_noise=1.0)
+    history = History(Motion(np.array([2.0, 0.0]), 0.2))
+    way = Way(np.array([2.0, 1.0]), 0.5, np.array([0.1, 0.1]))
+    for pair in (
+        Pair(lit, unlit, noise, math.inf, history), Pair(lit, None, noise, math.inf, history, way)
+    ):
+        optimum = one_pulse(pair, np.array([6.0, 6.0, 100.0, 10.0, 1.5]))
+        base = no_pulse(pair)
+        if optimum is not None:
+            base = to_fit(pair, optimum)
+            sandwich(pair, optimum, fill_one_pulse)
+        for alternative in ALTERNATIVES:
+            alternative(pair, base)
+    shows_pulse(Pair(lit, unlit, noise, math.inf))

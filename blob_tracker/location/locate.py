@@ -12,8 +12,9 @@ from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.centroid import centroid
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates, Failure, NOTHING, REASONS
+from blob_tracker.location.explain import compile_alternatives
 from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_linear_elliptical
-from blob_tracker.location.hypotheses import History, Motion, Way
+from blob_tracker.location.hypotheses import Way
 from blob_tracker.location.locale_table import locale_table
 from blob_tracker.location.maximum_likelihood import maximum_likelihood
 from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm
@@ -297,12 +298,7 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     for method in methods:
         locate_batch(lit, dark, method=method, noise=noise)
         if 'history' in signature(METHODS[method]).parameters:
-            # A light in the unlit window, beside one in the lit window and by itself, has every
-            # alternative tried.
-            ghost = np.roll(lit, 1, axis=2)
-            history = History(Motion(np.array([2.0, 0.0]), 0.2))
-            locate_batch(lit, 0.3 * ghost + 7.0, method=method, noise=noise, history=history)
-            locate_batch(0.01 * lit + 10.0, lit, method=method, noise=noise, history=history)
+            compile_alternatives()
 
 
 def _numbers(pixels: ArrayLike, name: str) -> NDArray[Any]:

@@ -184,7 +184,8 @@ class SimulatorNode(Node):
 
     def _publish_states(self) -> None:
         """Publish how the vehicle turned, and where the pan/tilt stood."""
-        assert self._vehicle is not None and self._imus is not None
+        if self._vehicle is None or self._imus is None:
+            return  # the parameters changed while this call was under way
         time = self._time(self.get_clock().now().nanoseconds)
         self._vehicle.advance(time)
         imu, states = Imu(), JointState(name=list(JOINTS))

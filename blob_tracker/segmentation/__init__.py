@@ -1,5 +1,6 @@
 """Frame ... -> Window: find the flash, and cut out the pixels that hold it."""
 
+from blob_tracker.segmentation.blink import compile_blinking
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.detections import Detections
 from blob_tracker.segmentation.expectation import Expectation
@@ -27,6 +28,7 @@ __all__ = [
     'THRESHOLDS',
     'codes_from_text',
     'compile_ahead',
+    'compile_blinking',
     'exposure_fault',
     'flash_by_name',
     'frequencies_from_text',

@@ -81,7 +81,7 @@ class Blink:
         self._named = False
         self.reason = 'no frame yet'
         self.warning = ''
-        _compile_ahead()
+        compile_blinking()
 
     @property
     def locked(self) -> bool:
@@ -250,7 +250,7 @@ def _at_its_instant(
 
 
 @functools.cache
-def _compile_ahead() -> None:
+def compile_blinking() -> None:
     """Compile the loops, or load them from Numba's cache, before the first frame needs them."""
     tracker = BlinkTracker(
         [code('a', '110', 60.0)], interval=1 / 60, exposure=1 / 120, shape=(480, 640)

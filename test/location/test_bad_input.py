@@ -1,5 +1,8 @@
 """Whatever the window: a LocationError with the reason, or a sound and finite answer."""
 
+import os
+import subprocess
+import sys
 from typing import Any
 
 from blob_tracker.location import compile_ahead, locate, locate_batch, METHODS
@@ -168,6 +171,58 @@ def test_no_windows(method):
     found = locate_batch(np.zeros((0, 9, 9)), method=method, noise=NOISE)
     assert found.x.shape == (0,)
     assert found.covariance.shape == (0, 2, 2)
+
+
+ODD_LIGHTS = """
+import numpy as np
+from blob_tracker import kernel
+from blob_tracker.location import compile_ahead, Locator
+from blob_tracker.types import SensorNoise, Window
+from support.lights import BACKGROUND, dragged, NOISE, pulse
+
+compile_ahead(['maximum_likelihood'])
+before = {each.py_func: len(each.signatures) for each in kernel._KERNELS}
+random = np.random.default_rng(1)
+shape = (19, 19)
+y, x = np.indices(shape) - 9.0
+disc = 100.0 * (np.hypot(x, y) < 5.0)
+lights = {
+    'round': pulse(shape, 9.2, 9.1), 'streak': dragged(shape, 6.0, 7.0, np.array([6.0, 4.0])),
+    'tail': pulse(shape, 7.0, 7.0) + 0.6 * dragged(shape, 7.0, 7.0, np.array([4.0, 3.0])),
+    'two': pulse(shape, 7.0, 8.0) + 0.6 * pulse(shape, 11.0, 9.0), 'disc': disc,
+    'ring': disc * (np.hypot(x, y) > 2.5), 'glow': pulse(shape, 9.0, 9.0) + 20.0 + 1.5 * x,
+    'bright': 8.0 * pulse(shape, 9.0, 9.0), 'faint': 0.1 * pulse(shape, 9.0, 9.0),
+}
+behind = {
+    'dark': 0.0 * x, 'ghost': 0.3 * pulse(shape, 8.0, 9.5), 'lamp': 0.8 * pulse(shape, 13.0, 9.0),
+    'texture': 20.0 * np.sin(x), 'cut': pulse(shape, 9.2, 9.1) * (y > 0.0),
+}
+for name, light in lights.items():
+    for beside in behind.values():
+        locator = Locator()
+        for k in range(12):
+            lit, unlit = (
+                np.clip(random.normal(mean + BACKGROUND, 2.0), 0, 255).astype(np.uint8)
+                for mean in (light + beside * (name == 'round'), beside)
+            )
+            for dark in (unlit, None):
+                window = Window(lit, dark, 0, 0, 10**9 + k * 33_000_000, 255)
+                try:
+                    locator.locate(window, noise=NOISE)
+                except ValueError:
+                    pass
+late = [
+    each.__qualname__ for each, count in before.items()
+    for now in kernel._KERNELS if now.py_func is each and len(now.signatures) > count
+]
+assert not late, late
+"""
+
+
+def test_compile_ahead_leaves_nothing_to_compile_for_odd_lights() -> None:
+    """No light that is not round waits for the compiler: in a process of its own."""
+    environment = os.environ | {'PYTHONPATH': os.pathsep.join(sys.path)}
+    subprocess.run([sys.executable, '-c', ODD_LIGHTS], check=True, env=environment)
 
 
 def test_compile_ahead_leaves_nothing_to_compile():

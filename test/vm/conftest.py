@@ -94,7 +94,8 @@ def results(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
         'NUMBA_CACHE_DIR': str(CACHE / 'numba'),
     }
     compile_kernels = (
-        'from blob_tracker.pipeline import compile_ahead; compile_ahead(["maximum_likelihood"])'
+        'from blob_tracker.pipeline import compile_ahead; '
+        'compile_ahead(["maximum_likelihood"], blinking=False)'
     )
     subprocess.run(
         [sys.executable, '-c', compile_kernels], env=os.environ | fits, cwd=folder, check=True
