@@ -77,7 +77,7 @@ lint: .venv/.test
 
 test: install/.built .venv/.test
 	@# pytest alone, not python -m: what colcon installed is tested, not what lies here.
-	@$(ENVIRONMENT) && $(call LINT_BESIDE,pytest -n 3 $(PYTEST))
+	@$(ENVIRONMENT) && $(call LINT_BESIDE,pytest -n 2 $(PYTEST))
 
 soak: export SOAK_SECONDS := $(SOAK_SECONDS)
 soak: install/.built .venv/.test

@@ -200,7 +200,7 @@ behind = {
 for name, light in lights.items():
     for beside in behind.values():
         locator = Locator()
-        for k in range(12):
+        for k in range(4):
             lit, unlit = (
                 np.clip(random.normal(mean + BACKGROUND, 2.0), 0, 255).astype(np.uint8)
                 for mean in (light + beside * (name == 'round'), beside)
