@@ -39,7 +39,9 @@ TESTS = {
     'drawing.py': ['test_drawing.py'],
     'location/picture.py': ['location/test_picture.py'],
     'ros/parameters/mask.py': ['ros/parameters/test_mask.py'],
-    'segmentation/black_core.py': ['segmentation/test_bright_lights.py::test_a_black_core_is_left_out'],
+    'segmentation/black_core.py': [
+        'segmentation/test_bright_lights.py::test_a_black_core_is_left_out',
+    ],
     'segmentation/box.py': ['segmentation/test_box.py'],
     'segmentation/channel.py': ['segmentation/test_channel.py::test_the_first_flash_is_not_lost'],
     'segmentation/contrast.py': ['segmentation/test_contrast.py'],
