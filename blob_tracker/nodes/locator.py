@@ -242,8 +242,7 @@ class LocatorNode(Node):
         if light not in self._places:
             self._places[light] = RecentPlaces(PLACES)
         self._places[light].add(location)
-        check.add(window, location)
-        self._compare_noise(location, check)
+        self._compare_noise(window, location, check)
         self._debug_image.offer(
             lambda: draw(window, noise, location, bearing, name=light),
             window.stamp_ns,
@@ -302,9 +301,10 @@ class LocatorNode(Node):
             f'their sigmas (chi-square is {places.chi2:.1f}), {cause}',
         )
 
-    def _compare_noise(self, location: Location, check: NoiseCheck) -> None:
+    def _compare_noise(self, window: Window, location: Location, check: NoiseCheck) -> None:
         """Warn where the configured noise is not the measured one at the target's levels."""
         if self._noise is self._configured:
+            check.add(window, location)  # nobody asks it once a measured noise is in use
             if check.warning:
                 self._health.fault(WARN, check.warning)
                 self._health.show(
