@@ -129,7 +129,7 @@ def _core_shift(
     told = weight * (by_place**2).sum(axis=0)
     rows, columns = np.indices(residual.shape)
     distance = np.hypot(columns - optimum.theta[X], rows - optimum.theta[Y])
-    order = np.argsort(distance, axis=None)
+    order = np.argsort(distance, axis=None, kind='stable')
     total = np.cumsum(told.ravel()[order])
     core = distance <= distance.ravel()[order[int(np.searchsorted(total, 0.5 * total[-1]))]]
     parts = []

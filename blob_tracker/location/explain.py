@@ -75,7 +75,7 @@ def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | Non
 
 def compile_alternatives() -> None:
     """Try every alternative once, so that all their loops over pixels are compiled or loaded."""
-    bell = np.exp(-((np.arange(7) - 3.0) ** 2) / 2.0)
+    bell = np.exp(-((np.arange(13) - 6.0) ** 2) / 4.0)
     pulse = 100.0 * bell[:, None] * bell[None, :]
     lit = np.round(pulse + 0.4 * np.roll(pulse, 2, axis=1) + np.roll(pulse, 1, axis=0) + 10.0)
     unlit = np.round(0.3 * np.roll(pulse, 1, axis=1) + 10.0)
@@ -85,7 +85,7 @@ def compile_alternatives() -> None:
     for pair in (
         Pair(lit, unlit, noise, math.inf, history), Pair(lit, None, noise, math.inf, history, way)
     ):
-        optimum = one_pulse(pair, np.array([3.0, 3.0, 100.0, 10.0, 1.0]))
+        optimum = one_pulse(pair, np.array([6.0, 6.0, 100.0, 10.0, 1.5]))
         base = no_pulse(pair)
         if optimum is not None:
             base = to_fit(pair, optimum)
