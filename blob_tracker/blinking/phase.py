@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from blob_tracker.blinking.patterns import SHARE_LEVELS, SUB_CELLS, Tables
-from blob_tracker.kernel import Array, kernel
+from blob_tracker.kernel import Array, kernel, written_into_kernels
 import numpy as np
 from numpy.typing import NDArray
 
@@ -95,6 +95,12 @@ def fill_miss(full: Array, least: float, out: Array) -> None:
         out[level] = 1.0 - seen(full[0] * level / SHARE_LEVELS, least)
 
 
+@written_into_kernels
+def _sub_cell(begin: int, at: int, count: int) -> int:
+    """Return the row of the tables `at` looks, less than twice around, from a pattern's first."""
+    return SUB_CELLS * begin + (at if at < count else at - count)
+
+
 @kernel
 def fill_outlook(
     tables: Tables, on: Steps, weights: Array, only: int, outlook: Array
@@ -119,7 +125,7 @@ def fill_outlook(
                 continue
             at = (SUB_CELLS * (c - begin) + step) % count
             for k in range(SUB_CELLS):
-                place = SUB_CELLS * begin + (at + k if at + k < count else at + k - count)
+                place = _sub_cell(begin, at + k, count)
                 level, tau = tables.level[place], tables.tau[place]
                 outlook[0, level] += weight
                 outlook[1, level] += weight * tau
@@ -203,7 +209,7 @@ def weigh(
             at = (SUB_CELLS * (c - begin) + step) % count
             part = 0.0
             for k in range(SUB_CELLS):
-                place = SUB_CELLS * begin + (at + k if at + k < count else at + k - count)
+                place = _sub_cell(begin, at + k, count)
                 part += likelihood[tables.level[place]]
             weights[c] *= part / SUB_CELLS
             total += weights[c]
@@ -262,7 +268,7 @@ def refine(
                 continue
             at = (SUB_CELLS * (c - begin) + step) % count
             for k in range(SUB_CELLS):
-                place = SUB_CELLS * begin + (at + k if at + k < count else at + k - count)
+                place = _sub_cell(begin, at + k, count)
                 slope = tables.slope[place]
                 away = share - tables.share[place]
                 near = share_sigma**2 + (NEAR_SHARE**2 if slope != 0.0 else 0.0)

@@ -8,9 +8,8 @@ import math
 from blob_tracker.kernel import Array
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.pair_likelihood import fill_equations, Floats, Model, Optimum
-from blob_tracker.location.pair_model import (
-    AMPLITUDE, BACKGROUND, COVARIANCE_INFLATION, fill_one_pulse, to_fit, X, Y,
-)
+from blob_tracker.location.pair_model import AMPLITUDE, BACKGROUND, fill_one_pulse, to_fit, X, Y
+from blob_tracker.location.scoring import COVARIANCE_INFLATION
 import numpy as np
 
 ODD_PIXELS = 5.0  # standard deviations of chi2, as in `suspicion`

@@ -15,7 +15,7 @@ from blob_tracker.location.pulse_likelihood import (
     advance, climb, LARGEST, likely_levels, score_and_information, SMALLEST, texture_share, Work,
 )
 from blob_tracker.location.scoring import (
-    CONVERGED, COVARIANCE_INFLATION, FAINTEST_SIGMA, FISHER_STEPS, MISFIT_SIGMA, TEXTURE_STEP,
+    CONVERGED, covariance_growth, detection, FISHER_STEPS, judge_optimum, TEXTURE_STEP,
 )
 from blob_tracker.location.sites import fill_absent, observe
 from blob_tracker.location.start_value import start_value
@@ -29,8 +29,8 @@ STEP_PX = 0.5  # of a position at a time, or half a sigma where that is more
 GRID = 64  # points along an axis, of which the pulse's half-height shape is had
 
 _ROWS = 7  # of the table: x, y, amplitude, background, sigma, snr, chi2
-_NONE, _NO_SIGNAL, _OUTSIDE = int(Failure.NONE), int(Failure.NO_SIGNAL), int(Failure.OUTSIDE)
-_FEW, _DIVERGED = int(Failure.TOO_FEW_PIXELS), int(Failure.NOT_CONVERGED)
+_NONE, _FEW = int(Failure.NONE), int(Failure.TOO_FEW_PIXELS)
+_DIVERGED = int(Failure.NOT_CONVERGED)
 _NARROW, _WIDE = int(Failure.TOO_NARROW), int(Failure.TOO_WIDE)
 
 
@@ -253,14 +253,12 @@ def _fit_all(
             continue
         odd[n] = suspect_unlit(evidence, bright)
         chi2 /= usable - size
-        scale, left = 1.0, 0.0
+        left = 0.0
         if paired:
             left = residual_variance(share, white)
             chi2 *= (1.0 + left) / (1.0 + max(left, share**2 + (1.0 - share) ** 2 * white))
-        if chi2 > 1.0 + MISFIT_SIGMA * math.sqrt(2.0 / (usable - size)):
-            scale = chi2
         odd[n] |= suspect_pixels(chi2, usable - size)
-        scale *= 1.0 + COVARIANCE_INFLATION / _detection(theta, fisher)
+        scale = covariance_growth(chi2, usable - size, detection(theta, fisher))
         common = theta[4] ** 2
         column_of_inverse(equations, size, 0)
         covariance[n, 0, 0] = scale * column[0] + common * pulse.common[0, 0]
@@ -289,17 +287,4 @@ def _judge(theta: Array, done: bool, fisher: Array, height: int, width: int) -> 
         return _NARROW
     if theta[4] >= 0.9999 * LARGEST:
         return _WIDE
-    if not done:
-        return _DIVERGED
-    inside = -0.5 <= theta[0] <= width - 0.5 and -0.5 <= theta[1] <= height - 0.5
-    if not inside:
-        return _OUTSIDE
-    if not (theta[2] > 0.0 and _detection(theta, fisher) > FAINTEST_SIGMA**2):
-        return _NO_SIGNAL
-    return _NONE
-
-
-@kernel
-def _detection(theta: Array, fisher: Array) -> float:
-    """Return the squared SNR of the amplitude in its shape: of a matched filter."""
-    return theta[2] ** 2 * (fisher[2, 2] - fisher[3, 2] ** 2 / fisher[3, 3])
+    return judge_optimum(theta, done, fisher, height, width)

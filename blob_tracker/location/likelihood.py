@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from blob_tracker.kernel import Array, kernel
+from blob_tracker.kernel import Array, kernel, written_into_kernels
 from blob_tracker.location.normal_equations import NormalEquations
 import numpy as np
 
@@ -216,14 +216,28 @@ def score_and_information(
     return chi2, rows
 
 
-@kernel
-def log_likelihood(seen: Observation, theta: Array, profiles: Profiles) -> float:
+@written_into_kernels
+def pixel_log_likelihood(
+    pixel: float, mean: float, extra: float, shot: float, floor: float
+) -> float:
     """
-    Return the log-likelihood whose slope is the score, up to a constant.
+    Return a pixel's part of the log-likelihood whose slope is the score.
 
     The integral over the mean m of (z - m) / V(m), V = shot m + extra, from z: with
     u = V(m) / V(z) - 1 it is V(z) (ln(1 + u) - u) / shot^2.
     """
+    variance = max(shot * pixel + extra, floor)
+    u = max(shot * mean + extra, floor) / variance - 1.0
+    if abs(u) < 1e-3 or shot == 0.0:
+        value = -((pixel - mean) ** 2) / (2.0 * variance) * (1.0 - 2.0 / 3.0 * u)
+    else:
+        value = variance * (math.log(1.0 + u) - u) / shot**2
+    return value
+
+
+@kernel
+def log_likelihood(seen: Observation, theta: Array, profiles: Profiles) -> float:
+    """Return the log-likelihood whose slope is the score, up to a constant."""
     pixels, extra, prior, shot, floor = seen
     across, down = profiles
     height, width = pixels.shape
@@ -234,11 +248,5 @@ def log_likelihood(seen: Observation, theta: Array, profiles: Profiles) -> float
         for i in range(width):
             if extra[j, i] < math.inf:
                 mean = theta[2] * across[0, i] * down[0, j] + theta[3]
-                residual = pixels[j, i] - mean
-                variance = max(shot * pixels[j, i] + extra[j, i], floor)
-                u = max(shot * mean + extra[j, i], floor) / variance - 1.0
-                if abs(u) < 1e-3 or shot == 0.0:
-                    value -= residual**2 / (2.0 * variance) * (1.0 - 2.0 / 3.0 * u)
-                else:
-                    value += variance * (math.log(1.0 + u) - u) / shot**2
+                value += pixel_log_likelihood(pixels[j, i], mean, extra[j, i], shot, floor)
     return value

@@ -11,7 +11,7 @@ from blob_tracker.location.ratio_tables import (
     D, E, EVERY_PX, NARROWEST_PX, profile_by_table, read, Reading, table_for, Tables,
     tables_up_to, U, V,
 )
-from blob_tracker.location.scoring import COVARIANCE_INFLATION, FAINTEST_SIGMA, MISFIT_SIGMA
+from blob_tracker.location.scoring import covariance_growth, FAINTEST_SIGMA
 from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
@@ -368,9 +368,7 @@ def _look_up_all(
             continue
         left_over = max(size_x * size_y - 6, 1)
         chi2 = squares / left_over
-        scale = 1.0 + COVARIANCE_INFLATION / detection
-        if chi2 > 1.0 + MISFIT_SIGMA * math.sqrt(2.0 / left_over):
-            scale *= chi2
+        scale = covariance_growth(chi2, left_over, detection)
         _spread(n, scale, xx, xy, yy, covariance)
         _write(
             n, x, y, amplitude, behind if paired else level, sigma, chi2, paired, shot, floor,

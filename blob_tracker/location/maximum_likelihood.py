@@ -16,7 +16,7 @@ from blob_tracker.location.normal_equations import (
     column_of_inverse, empty_equations, NormalEquations, solve,
 )
 from blob_tracker.location.scoring import (
-    advance, climb, CONVERGED, COVARIANCE_INFLATION, FAINTEST_SIGMA, FISHER_STEPS, MISFIT_SIGMA,
+    advance, climb, CONVERGED, covariance_growth, detection, FISHER_STEPS, judge_optimum,
     NARROWEST_PX, TEXTURE_STEP, WIDEST,
 )
 from blob_tracker.location.sites import fill_absent, observe
@@ -40,8 +40,8 @@ ANOTHER_PULSE = (
 
 _ROWS = 11  # of the table: x, y, amplitude, background, sigma, snr, chi2, and from here on
 _LOPSIDED = 7  # how lopsided it is
-_NONE, _NO_SIGNAL, _OUTSIDE = int(Failure.NONE), int(Failure.NO_SIGNAL), int(Failure.OUTSIDE)
-_FEW, _DIVERGED = int(Failure.TOO_FEW_PIXELS), int(Failure.NOT_CONVERGED)
+_NONE, _FEW = int(Failure.NONE), int(Failure.TOO_FEW_PIXELS)
+_DIVERGED = int(Failure.NOT_CONVERGED)
 _NARROW, _WIDE = int(Failure.TOO_NARROW), int(Failure.TOO_WIDE)
 
 
@@ -312,15 +312,13 @@ def _fit_all(
             table[_LOPSIDED + p, n] = lopsided[p]
         odd[n] |= suspect_lopsided(leaning)
         chi2 /= usable - size
-        scale, left = 1.0, 0.0
+        left = 0.0
         if paired:
             # Texture that was left in widens the residuals, beyond what it does to the position.
             left = residual_variance(share, white)
             chi2 *= (1.0 + left) / (1.0 + max(left, share**2 + (1.0 - share) ** 2 * white))
-        if chi2 > 1.0 + MISFIT_SIGMA * math.sqrt(2.0 / (usable - size)):
-            scale = chi2
         odd[n] |= suspect_pixels(chi2, usable - size)
-        scale *= 1.0 + COVARIANCE_INFLATION / _detection(theta, fisher)
+        scale = covariance_growth(chi2, usable - size, detection(theta, fisher))
         _fill_covariance(equations, size, scale, leaning, lopsided, covariance[n])
         peak = max(theta[2] + theta[3], 0.0) * shot + floor
         peak += left * (max(mean, 0.0) * shot + floor)
@@ -366,17 +364,4 @@ def _judge(theta: Array, done: bool, fisher: Array, height: int, width: int) -> 
         return _NARROW
     if max(theta[4], theta[5]) >= 0.9999 * WIDEST * max(height, width):
         return _WIDE
-    if not done:
-        return _DIVERGED
-    inside = -0.5 <= theta[0] <= width - 0.5 and -0.5 <= theta[1] <= height - 0.5
-    if not inside:
-        return _OUTSIDE
-    if not (theta[2] > 0.0 and _detection(theta, fisher) > FAINTEST_SIGMA**2):
-        return _NO_SIGNAL
-    return _NONE
-
-
-@kernel
-def _detection(theta: Array, fisher: Array) -> float:
-    """Return the squared SNR of the amplitude in its shape: of a matched filter."""
-    return theta[2] ** 2 * (fisher[2, 2] - fisher[3, 2] ** 2 / fisher[3, 3])
+    return judge_optimum(theta, done, fisher, height, width)

@@ -8,10 +8,9 @@ from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.likelihood import fill_profile
 from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
-from blob_tracker.location.scoring import NARROWEST_PX, WIDEST
+from blob_tracker.location.scoring import COVARIANCE_INFLATION, NARROWEST_PX, WIDEST
 import numpy as np
 
-COVARIANCE_INFLATION = 12.0  # as in `maximum_likelihood`
 BRIGHTEST = 1e7  # DN: of a fitted pulse, clipped or not
 X, Y, AMPLITUDE, BACKGROUND, SIGMA = 0, 1, 2, 3, 4  # of each model's parameters
 SHIFT_X, SHIFT_Y = 5, 6  # from the lit frame to the unlit one

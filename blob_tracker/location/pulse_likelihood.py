@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.effective_psf import fill_images, Images, Surface
-from blob_tracker.location.likelihood import Observation
+from blob_tracker.location.likelihood import Observation, pixel_log_likelihood
 from blob_tracker.location.normal_equations import NormalEquations, solve
 from blob_tracker.location.scoring import CONVERGED, DAMPED_STEPS
 from blob_tracker.location.unlit_texture import share_of, Unlit
@@ -131,13 +131,7 @@ def log_likelihood(seen: Observation, theta: Array, values: Array) -> float:
         for i in range(width):
             if extra[j, i] < math.inf:
                 mean = theta[2] * values[0, j, i] + theta[3]
-                residual = pixels[j, i] - mean
-                variance = max(shot * pixels[j, i] + extra[j, i], floor)
-                u = max(shot * mean + extra[j, i], floor) / variance - 1.0
-                if abs(u) < 1e-3 or shot == 0.0:
-                    value -= residual**2 / (2.0 * variance) * (1.0 - 2.0 / 3.0 * u)
-                else:
-                    value += variance * (math.log(1.0 + u) - u) / shot**2
+                value += pixel_log_likelihood(pixels[j, i], mean, extra[j, i], shot, floor)
     return value
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
+
 from blob_tracker.kernel import Array, kernel
+from blob_tracker.location.estimates import Failure
 from blob_tracker.location.likelihood import (
     log_likelihood,
     Observation,
@@ -22,6 +25,37 @@ NARROWEST_PX = 0.2  # px: below it one pixel holds 99 % of the light and its pla
 WIDEST = 2.0  # times the window: a wider pulse is a slope, its amplitude and level are one
 DAMPED_STEPS = 80
 CONVERGED = 1e-4  # twice the gain in log-likelihood still to be had: 0.01 standard deviations
+
+_NONE, _NO_SIGNAL, _OUTSIDE = int(Failure.NONE), int(Failure.NO_SIGNAL), int(Failure.OUTSIDE)
+_DIVERGED = int(Failure.NOT_CONVERGED)
+
+
+@kernel
+def detection(theta: Array, fisher: Array) -> float:
+    """Return the squared SNR of the amplitude in its shape: of a matched filter."""
+    return theta[2] ** 2 * (fisher[2, 2] - fisher[3, 2] ** 2 / fisher[3, 3])
+
+
+@kernel
+def judge_optimum(theta: Array, done: bool, fisher: Array, height: int, width: int) -> int:
+    """Return the failure of a fit whose width is in order, or none."""
+    if not done:
+        return _DIVERGED
+    inside = -0.5 <= theta[0] <= width - 0.5 and -0.5 <= theta[1] <= height - 0.5
+    if not inside:
+        return _OUTSIDE
+    if not (theta[2] > 0.0 and detection(theta, fisher) > FAINTEST_SIGMA**2):
+        return _NO_SIGNAL
+    return _NONE
+
+
+@kernel
+def covariance_growth(chi2: float, freedom: int, squared_snr: float) -> float:
+    """Return by how much a misfit (chi2 a degree of freedom) and faintness let it grow."""
+    growth = 1.0 + COVARIANCE_INFLATION / squared_snr
+    if chi2 > 1.0 + MISFIT_SIGMA * math.sqrt(2.0 / freedom):
+        growth *= chi2
+    return growth
 
 
 @kernel
