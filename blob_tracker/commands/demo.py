@@ -34,8 +34,7 @@ LEAST_BEARINGS = 100  # fewer say nothing of an rms
 NAMESPACE = f'/demo_{os.getpid()}'
 STOPPED = 'stopped'
 COMPILE = 'from blob_tracker.nodes.locator import compile_default; compile_default()'
-STARTUP = 12.0  # s within which the first bearing must come
-WHOLE = 26.0  # s from the start of the nodes to the verdict, at most
+STARTUP = 40.0  # s within which the first bearing must come: three on a quiet machine
 REFRESH = 0.25  # s between two drawings of the table
 LEVELS = {b'\x00': 'green', b'\x01': 'yellow', b'\x02': 'red', b'\x03': 'red'}
 
@@ -155,7 +154,7 @@ def _watch(
                 return f'no bearing within {STARTUP:.0f} s'
             elapsed = 0.0 if first is None else now - first
             live.update(_table(monitor, elapsed, duration), refresh=True)
-            if elapsed > duration or (simulated and now - began > WHOLE):
+            if elapsed > duration:
                 return ''
 
 

@@ -24,7 +24,7 @@ import rclpy
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from vm.hdmi_loop import (
-    CAPTURE, close_loop, HEIGHT, OUTPUT, playing, SLOWNESS, v4l2_ctl, WIDTH,
+    CAPTURE, close_loop, HEIGHT, OUTPUT, playing, SLOWNESS, v4l2_ctl, wait_for, WIDTH,
 )
 
 COUNT = 60  # bearings of the three processes and of the one: all lit places four times
@@ -141,7 +141,7 @@ def main(folder: Path, nodes: Path) -> None:
         processes = {'pipeline': start('pipeline', together, folder, nodes)}
         found['startup of the pipeline'] = wait(recorder, 1, STARTUP)
         v4l2_ctl(CAPTURE, '-c', 'disconnect=1')
-    # The driver comes back when the last program has let go of it.
+    wait_for(OUTPUT)
     with playing(scene, 'GREY'):
         # What the output loses is repeated at the input.
         for device in (OUTPUT, CAPTURE):

@@ -8,6 +8,7 @@ import os
 from pathlib import Path
 import shutil
 import subprocess
+import time
 
 CAPTURE, OUTPUT = '/dev/video0', '/dev/video1'
 WIDTH, HEIGHT = 320, 240
@@ -31,6 +32,19 @@ def v4l2_ctl(device: str, *options: str) -> None:
 def control(device: str = CAPTURE, **settings: int | str) -> None:
     """Set controls of a capture device."""
     v4l2_ctl(device, '-c', ','.join(f'{name}={value}' for name, value in settings.items()))
+
+
+def wait_for(device: str, longest: float = 40.0 * SLOWNESS) -> None:
+    """Wait until a device can be opened: once unplugged, when the last program has let go of it."""
+    end = time.monotonic() + longest
+    while True:
+        try:
+            os.close(os.open(device, os.O_RDWR))
+            return
+        except OSError:
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.1)
 
 
 def close_loop(capture: str = CAPTURE, output: str = OUTPUT) -> None:
