@@ -252,7 +252,7 @@ def misfitting(pair: Pair, optimum: Optimum) -> Fit | None:
 def _in_words(pair: Pair, left: Remainder) -> str:
     """Say what kind of misfit it is."""
     much = f'chi2 {left.chi2:.1f}'
-    clipped = int(np.count_nonzero(~pair.usable[0]))
+    clipped = pair.pitch**2 * int(np.count_nonzero(~pair.usable[0]))
     if not left.structured and not clipped:
         if left.chi2 < WARNED:
             return ''
@@ -261,11 +261,13 @@ def _in_words(pair: Pair, left: Remainder) -> str:
             'read_noise say: calibrate noise'
         )
     if clipped:
-        return f'misfit ({much}): {clipped} pixels are clipped: lower the exposure'
+        many = 'up to ' if pair.pitch > 1 else ''
+        return f'misfit ({much}): {many}{clipped} pixels are clipped: lower the exposure'
     if left.lopsided > LOPSIDED:
         return (
             f'misfit ({much}): the light is lopsided: a tail, or a second light beside it, may '
-            f'move its place by {np.hypot(*left.shift):.2f} px: learn its pulse (calibrate pulse)'
+            f'move its place by {pair.pitch * np.hypot(*left.shift):.2f} px: learn its pulse '
+            '(calibrate pulse)'
         )
     return (
         f'misfit ({much}): the light is no Gaussian, but even about its place: learn its pulse '

@@ -6,6 +6,7 @@ from dataclasses import replace
 import math
 
 from blob_tracker.location.alternatives import ALTERNATIVES
+from blob_tracker.location.coarse import coarse, fine
 from blob_tracker.location.doubt import misfitting, sandwich
 from blob_tracker.location.estimates import Failure
 from blob_tracker.location.hypotheses import choose, Fit, History, Motion, Pair, Way
@@ -35,6 +36,13 @@ def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | Non
         What is odd about it.
 
     """
+    pair, theta = coarse(pair, theta)
+    fit = _best(pair, theta, suspicion)
+    return None if fit is None else fine(fit, pair.pitch)
+
+
+def _best(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
+    """Do so at the pair's own pitch."""
     if suspicion & IN_UNLIT and (pair.unlit is None or not shows_pulse(pair)):
         suspicion &= ~IN_UNLIT  # a texture, of which the base fit takes care
     asked = [one for one, answers in ALTERNATIVES.items() if suspicion & answers]

@@ -124,6 +124,8 @@ class Pair:
         Of the light.
     way : Way or None
         None where it is not known.
+    pitch : int
+        px of the sensor's picture along either side of one of these, as `coarse` has them.
 
     """
 
@@ -133,6 +135,7 @@ class Pair:
     saturation: float
     history: History = UNKNOWN
     way: Way | None = None
+    pitch: int = 1
 
     @property
     def motion(self) -> Motion | None:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 import math
 
+from blob_tracker.location.coarse import WIDEST
 from blob_tracker.location.effective_psf import EffectivePsf, shifted
 from blob_tracker.location.estimates import Estimates
 from blob_tracker.location.hypotheses import Pair
@@ -105,6 +106,9 @@ class PulseLearner:
         self._flashes += 1
         if window.sites is not None:
             self.state = 'none is learned from the samples of a colour mosaic'
+            return
+        if min(window.lit.shape) > WIDEST:
+            self.state = f'none is learned from windows of more than {WIDEST} px'
             return
         kind = (window.binning, window.looks, window.saturation, window.unlit is None)
         if kind != self._kind:

@@ -57,8 +57,9 @@ def defocused(pair: Pair, base: Fit) -> Fit | None:
     inner = theta[HOLE] if model is fill_ring else 0.0
     if not inner < theta[RADIUS]:
         return None
-    shape = f'ring of radius {theta[RADIUS]:.1f} px, hole {inner:.1f} px' if inner else (
-        f'disc of radius {theta[RADIUS]:.1f} px'
+    radius = pair.pitch * theta[RADIUS]
+    shape = f'ring of radius {radius:.1f} px, hole {pair.pitch * inner:.1f} px' if inner else (
+        f'disc of radius {radius:.1f} px'
     )
     fit, _ = doubted(
         pair, best, model,

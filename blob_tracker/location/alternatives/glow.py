@@ -47,8 +47,9 @@ def glow(pair: Pair, base: Fit) -> Fit | None:
         return None
     fit, left = doubted(
         pair, best, fill_glow,
-        f'the flash lights up haze or a wall about the light, by {level:.0f} DN and {slope:.1f} '
-        'DN/px: it is taken off; shade the wall from the light, or move it away from there',
+        f'the flash lights up haze or a wall about the light, by {level / pair.pitch**2:.0f} DN '
+        f'and {slope / pair.pitch**3:.1f} DN/px: it is taken off; shade the wall from the '
+        'light, or move it away from there',
     )
     return replace(fit, rarity=RARER * max(left.chi2, 1.0) ** 2)
 

@@ -47,9 +47,9 @@ def tailed(pair: Pair, base: Fit) -> Fit | None:
         return None
     fit, left = doubted(
         pair, best, fill_tailed,
-        f'the light has a tail of {way:.0f} px with {100.0 * theta[PART]:.0f} % of it (a shutter '
-        'that leaks, smear, blooming, or coma): its head is taken; lower the exposure, or learn '
-        'its pulse (calibrate pulse)',
+        f'the light has a tail of {pair.pitch * way:.0f} px with {100.0 * theta[PART]:.0f} % of '
+        'it (a shutter that leaks, smear, blooming, or coma): its head is taken; lower the '
+        'exposure, or learn its pulse (calibrate pulse)',
     )
     return replace(fit, rarity=RARER * max(left.chi2, 1.0) ** 2, lopsided=True)
 

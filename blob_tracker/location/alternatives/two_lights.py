@@ -56,8 +56,8 @@ def two_lights(pair: Pair, base: Fit) -> Fit | None:
     eighth = round(math.degrees(math.atan2(theta[SHIFT_Y], theta[SHIFT_X])) / 45.0) % 8
     fit, left = doubted(
         pair, best, fill_two_lights,
-        f'a second light, {part:.1f} as bright, {distance:.1f} px {EIGHTHS[eighth]} the target, '
-        'flashes with it: a reflection?',
+        f'a second light, {part:.1f} as bright, {pair.pitch * distance:.1f} px '
+        f'{EIGHTHS[eighth]} the target, flashes with it: a reflection?',
     )
     return replace(
         fit, rarity=RARER * max(left.chi2, 1.0) ** 2, lopsided=bool(part < EQUAL)

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 STEP = '0.05'
-SEEDS = (4, 60)  # quick and full
+SEEDS = (2, 60)  # quick and full
 TOGETHER = 4
 SILENT = SensorNoise(np.inf, 0.0)
 ROUNDED = Conditions(noise=SILENT)
