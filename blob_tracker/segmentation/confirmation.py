@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Sequence
 from heapq import nlargest
 import math
-from statistics import median
 
 from blob_tracker.segmentation.box import Box, box_about, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.companions import Companion, Companions
-from blob_tracker.segmentation.crowd import Crowd, KNOWN_RUN, MOST_FLASHES
-from blob_tracker.segmentation.expectation import Expectation, GATE_SIGMA
+from blob_tracker.segmentation.crowd import MOST_FLASHES
+from blob_tracker.segmentation.crowded_scene import CrowdedScene
+from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash_track import (
     FLANK_SIGMA, FlashTrack, MAX_BRIGHTNESS_RATIO, offset_px_of, partners_of, PERIOD_FRAMES, Reach,
 )
-from blob_tracker.segmentation.glitter import bound, Glitter
+from blob_tracker.segmentation.frame_clock import FrameClock, STAMP_TOLERANCE_FRAMES
 
-INTERVALS = 9  # of the last frames, whose median is the time between frames
-STAMP_TOLERANCE_FRAMES = 0.25  # frames by which a stamp may be off and still tell even from odd
 MAX_AGE_FRAMES = 8  # frames without a flash after which a track ends
 # What is kept of a crowd, the strongest of it, so that its frames take a bounded time. Each of the
 # glints of a frame is on a track for 8 frames.
@@ -88,16 +85,9 @@ class Confirmation:
         self._tracks: dict[int, FlashTrack] = {}  # by their identity
         self._locked: FlashTrack | None = None
         self._expected: Expectation | None = None
-        self._intervals: deque[int] = deque(maxlen=INTERVALS)
-        self._interval_ns = 0.0  # their median
-        self._stamp_ns: int | None = None
-        self._skipped_ns: int | None = None  # stamp of the last frame that came twice
+        self._clock = FrameClock()
         self._frames = 0
-        self._frame = 0.0  # number of the last frame by the stamps
-        self._crowd = Crowd(gate_px)
-        self._quiet_frames = 0  # between two flashes of the target, that are not counted yet
-        self._crowded = False  # whether things light up all over the frame
-        self._glitter = Glitter(gate_px)
+        self._scene = CrowdedScene(gate_px, self._clock)
 
     @property
     def locked(self) -> bool:
@@ -129,19 +119,17 @@ class Confirmation:
             Height and width of the frame, px.
 
         """
-        if self._stamp_ns is not None:
-            self._intervals.append(stamp_ns - self._stamp_ns)
-            self._interval_ns = median(self._intervals)
-            self._frame += round((stamp_ns - self._stamp_ns) / self._interval_ns) or 1
-        self._stamp_ns = stamp_ns
+        self._clock.push(stamp_ns)
         self._frames += 1
-        ended = [key for key, each in self._tracks.items() if self._age(each) > MAX_AGE_FRAMES]
+        ended = [
+            key for key, each in self._tracks.items() if self._clock.age(each) > MAX_AGE_FRAMES
+        ]
         for key in ended:
             del self._tracks[key]
-        if self._locked is not None and self._age(self._locked) > MAX_AGE_FRAMES:
+        if self._locked is not None and self._clock.age(self._locked) > MAX_AGE_FRAMES:
             self._locked = None
         self._locked_frames = self._locked_frames + 1 if self._locked is not None else 0
-        if self._target is not None and self._age(self._target) > MEMORY_FRAMES:
+        if self._target is not None and self._clock.age(self._target) > MEMORY_FRAMES:
             self._target, self._stands_in = None, False
         self._expected = None
         if expected is not None and self._followed and expected.inside(shape):
@@ -150,14 +138,9 @@ class Confirmation:
                 self._expected = None
 
     def skip(self, stamp_ns: int) -> None:
-        """
-        Take note of a frame that showed the one before it once more, by its stamp, ns.
-
-        It may stand for a frame that was lost, or be one too many, as where 24 frames a second are
-        made 30: the stamps no longer tell in which phase a light is that was seen before it.
-        """
-        self._skipped_ns = stamp_ns
-        self._glitter.forget()
+        """Take note of a frame that showed the one before it once more, by its stamp, ns."""
+        self._clock.skip(stamp_ns)
+        self._scene.forget()
 
     @property
     def _followed(self) -> bool:
@@ -182,7 +165,7 @@ class Confirmation:
         assert self._locked is not None
         if self._expected is not None:
             return REGION_MARGIN_PX + self._reach(self._locked).radius
-        age = self._age(self._locked)
+        age = self._clock.age(self._locked)
         half = REGION_MARGIN_PX + self._locked.gate_radius_px(self.gate_px, PERIOD_FRAMES)
         return half * 2.0 ** max(math.ceil(age / PERIOD_FRAMES - STAMP_TOLERANCE_FRAMES) - 1, 0)
 
@@ -197,10 +180,10 @@ class Confirmation:
 
         """
         track = self._locked
-        if self._expected is None or track is None or self._crowded:
+        if self._expected is None or track is None or self._scene.dense:
             return False
         reach = self._reach(track)
-        if not self._is_due(track) or any(
+        if not self._clock.is_due(track) or any(
             not each.rejected and offset_px_of(reach, each) < math.inf for each in everything
         ):
             return False
@@ -223,41 +206,42 @@ class Confirmation:
         """
         self.reason = ''
         if self._locked is not None:
-            if not everything and not self._crowded and self._locked_frames > SETTLED_FRAMES:
-                self._quiet_frames += 1  # of most frames that is all
+            if not everything and not self._scene.dense and self._locked_frames > SETTLED_FRAMES:
+                self._scene.add_quiet()  # of most frames that is all
                 return None
-            if not self._is_due(self._locked):
-                self._count_beside(everything, shape)
-            if self._crowded:
+            if not self._clock.is_due(self._locked):
+                size = self.region(shape).size
+                self._scene.add_beside(everything, shape, size, self._locked)
+            if self._scene.dense:
                 return self._picked_out(everything, shape)
         elif not everything:
-            self._crowd.add(self._frame, 0, 0)
-            if self._crowded:
+            self._scene.add_untracked(everything, shape)
+            if self._scene.dense:
                 return self._picked_out(everything, shape)
-        elif self._crowded:
+        elif self._scene.dense:
             # Each on a track of its own would cost a thousand times as much as it tells.
-            count = sum(not each.rejected for each in everything)
-            self._crowd.add(self._frame, count, count)
-            self._crowded = self._crowd.is_dense(shape, _widest(everything))
+            self._scene.add_untracked(everything, shape)
             self._tracks = {}
             return self._picked_out(everything, shape)
         if not everything:
             return None
         seen = self._seen(everything, self._reaches())
         if self._locked is None:
-            self._count(seen, shape)
-            if self._crowded or len(everything) > FEW_LIGHTS:
+            self._scene.add(seen, shape)
+            if self._scene.dense or len(everything) > FEW_LIGHTS:
                 found = self._picked_out(everything, shape)
-                if self._crowded:
+                if self._scene.dense:
                     return found
         if not seen:
             return None
         needed = 0
         if len(seen) > 1 or seen[0][0].flashes < CERTAIN_FLASHES:
-            needed = self._crowd.flashes_needed(shape)
+            needed = self._scene.flashes_needed(shape)
         best: tuple[FlashTrack, Candidate] | None = None
         alone = self._frames <= FIRST_PAIRS and len(everything) == 1
-        due = not self._followed or self._is_due(self._locked)
+        due = (
+            self._locked is None or not self._followed or self._clock.is_due(self._locked)
+        )
         for track, candidate in seen:
             track.trusted = not track.out_of_step and (track.trusted or alone)
             more = OUT_OF_STEP_FLASHES if track.out_of_step else 0
@@ -273,8 +257,7 @@ class Confirmation:
         self._tracks |= {id(track): track for track, _ in seen}
         if best is not None:
             self._follow(best[0])
-            if not self._glitter.empty:
-                self._glitter.forget()
+            self._scene.forget()
         self._keep_the_best()
         return None if best is None else best[1]
 
@@ -288,71 +271,24 @@ class Confirmation:
             )
             self._tracks = {id(each): each for each in kept}
 
-    def _count(self, seen: Sequence[tuple[FlashTrack, Candidate]], shape: tuple[int, int]) -> None:
-        """Count what lit up in a whole frame, and tell whether it is a crowd."""
-        self._crowd.add(
-            self._frame,
-            sum(track.flashes == 1 and not track.out_of_step for track, _ in seen),
-            sum(track.run < KNOWN_RUN for track, _ in seen),
-        )
-        self._crowded = self._crowd.is_dense(shape, _widest([each for _, each in seen]))
-
-    def _count_beside(self, everything: Sequence[Candidate], shape: tuple[int, int]) -> None:
-        """Count what lights up about the target between two of its flashes."""
-        assert self._locked is not None
-        count = sum(not each.rejected for each in everything)
-        part = shape[0] * shape[1] / max(self.region(shape).size, 1) if count > 0 else 1.0
-        self._crowd.add_part(count * part, self._quiet_frames)
-        self._quiet_frames = 0
-        before = self._crowded
-        # Until then what lights up between its flashes may be the light itself, out of step.
-        known = self._locked.flashes >= MOST_FLASHES
-        self._crowded = known and self._crowd.is_beside(shape, self._locked.sigma)
-        if before and not self._crowded:
-            self._glitter.forget()
-
     def _picked_out(
         self, everything: Sequence[Candidate], shape: tuple[int, int]
     ) -> Candidate | None:
         """Return the one of a crowd that flashes in step, where chance cannot have made it."""
-        locked, glitter, least = self._locked, self._glitter, bound(self._crowd.passing)
-        if locked is not None:
-            if glitter.empty:
-                glitter.begin_with(locked, self._frame - round(self._age(locked)), least)
-            if self._expected is not None:
-                radius = self._expected.gate_radius_px
-                glitter.expect(
-                    self._frame, self._expected.x, self._expected.y, (radius / GATE_SIGMA) ** 2
-                )
-        followed = locked is not None
-        glitter.look(
-            everything, self._frame, shape, followed=followed,
-            density=self._crowd.passing / (shape[0] * shape[1]),
-        )
-        if not self._crowded:
-            return None  # it may become a crowd, and is watched
-        found = glitter.best(self._frame, least, followed=followed)
+        locked = self._locked
+        found = self._scene.pick(everything, shape, locked, self._expected)
         if found is None:
-            if everything and followed:
-                self.reason = (
-                    f'{len(everything)} lit up about the target among glints, and none of them '
-                    'that must be it rather than one of these'
-                )
-            elif everything:
-                self.reason = (
-                    f'{self._crowd.passing:.0f} things light up at random in each frame, glints '
-                    'or lamps, and none that must be the light in step yet: it takes about ten '
-                    'flashes; shade or cover what glitters, lower the exposure, or set mask_url'
-                )
+            if self._scene.dense and everything:
+                self.reason = self._scene.why_none(len(everything), followed=locked is not None)
             return None
         index, track = found
         candidate = everything[index]
-        if not followed and self._is_waited_for(candidate):
+        if locked is None and self._is_waited_for(candidate):
             return None
-        glitter.follow(self._frame, index, least)
+        self._scene.follow(index)
         track.sigma = math.hypot(candidate.sigma_x, candidate.sigma_y) / math.sqrt(2.0)
-        assert self._stamp_ns is not None
-        track.stamp_ns = self._stamp_ns
+        assert self._clock.stamp_ns is not None
+        track.stamp_ns = self._clock.stamp_ns
         if locked is not None:
             self._locked = track
         self._tracks = {id(track): track}
@@ -386,7 +322,7 @@ class Confirmation:
     def _follow(self, track: FlashTrack) -> None:
         """Follow a track from this frame on; it is the target, or stands in for it."""
         if self._locked is None and self._target is not None:
-            gone = self._age(self._target) > MAX_AGE_FRAMES
+            gone = self._clock.age(self._target) > MAX_AGE_FRAMES
             if gone and self._companion(track) is not None:
                 self._stands_in = True
             elif not self._stands_in and math.hypot(
@@ -413,7 +349,7 @@ class Confirmation:
 
     def _is_waited_for(self, candidate: Candidate) -> bool:
         """Tell whether the target, beside which this light flashes, may still come back."""
-        if self._target is None or self._age(self._target) > PATIENCE_FRAMES:
+        if self._target is None or self._clock.age(self._target) > PATIENCE_FRAMES:
             return False
         companion = self._companion(candidate)
         if companion is not None:
@@ -423,9 +359,9 @@ class Confirmation:
         else:
             return False
         self.reason = (
-            f'another light flashes in step, {away:.0f} px from the '
-            f'target, which was last seen {self._age(self._target):.0f} frames ago; a reflection? '
-            f'It is taken after {PATIENCE_FRAMES} frames'
+            f'another light flashes in step, {away:.0f} px from the target, which was last seen '
+            f'{self._clock.age(self._target):.0f} frames ago; a reflection? It is '
+            f'taken after {PATIENCE_FRAMES} frames'
         )
         return True
 
@@ -436,14 +372,14 @@ class Confirmation:
             reach = self._reach(self._target)
         else:
             radius = FLANK_SIGMA * self._target.sigma
-            radius += self.gate_px * max(self._age(self._target) / PERIOD_FRAMES, 1.0)
+            radius += self.gate_px * max(self._clock.age(self._target) / PERIOD_FRAMES, 1.0)
             reach = Reach(self._target, self._target.x, self._target.y, radius)
         return offset_px_of(reach, candidate) < math.inf
 
     @property
     def surveys(self) -> bool:
         """Whether the whole of this frame is to be searched for other lights in step."""
-        if self._crowded or not self._followed:
+        if self._scene.dense or not self._followed:
             return False
         return (
             self._stands_in
@@ -472,12 +408,12 @@ class Confirmation:
         ]
         self._tracks |= {id(track): track for track, _ in self._seen(new, reaches)}
         locked = self._locked
-        if locked.stamp_ns != self._stamp_ns:
+        if not self._clock.is_now(locked):
             return  # what lit up in this frame is out of step
         others = [
             each for each in self._tracks.values()
             if each is not locked
-            and each.stamp_ns == self._stamp_ns
+            and self._clock.is_now(each)
             and each.run >= BESIDE_RUN
             and not each.out_of_step
         ]
@@ -507,13 +443,15 @@ class Confirmation:
 
     def _continued(self, candidate: Candidate, nearest: FlashTrack | None) -> FlashTrack:
         """Return a track brought up to date by the candidate that belongs to it; or a new one."""
-        assert self._stamp_ns is not None
+        assert self._clock.stamp_ns is not None
         sigma = math.hypot(candidate.sigma_x, candidate.sigma_y) / math.sqrt(2.0)
-        new = FlashTrack(candidate.x, candidate.y, sigma, candidate.height, self._stamp_ns)
+        new = FlashTrack(
+            candidate.x, candidate.y, sigma, candidate.height, self._clock.stamp_ns
+        )
         if nearest is None:
             return new
-        age = self._age(nearest)
-        if not self._in_step(nearest):
+        age = self._clock.age(nearest)
+        if not self._clock.in_step(nearest):
             if nearest.flashes >= MOST_FLASHES and age < PERIOD_FRAMES:
                 return new  # right after a flash that was expected: something else
             established = nearest.flashes >= ESTABLISHED_FLASHES
@@ -528,7 +466,7 @@ class Confirmation:
         new.velocity_x = (candidate.x - nearest.x) / age
         new.velocity_y = (candidate.y - nearest.y) / age
         new.flashes = nearest.flashes + 1
-        missed = round(age) > PERIOD_FRAMES + self._is_phase_unknown(nearest)
+        missed = round(age) > PERIOD_FRAMES + self._clock.is_phase_unknown(nearest)
         new.run = 1 if missed else nearest.run + 1
         new.out_of_step = nearest.out_of_step
         new.trusted = nearest.trusted
@@ -539,7 +477,7 @@ class Confirmation:
         """Return where a track is expected in this frame, px."""
         if track is self._locked and self._expected is not None:
             return self._expected.x, self._expected.y
-        return track.position_at(self._age(track))
+        return track.position_at(self._clock.age(track))
 
     def _reach(self, track: FlashTrack) -> Reach:
         """Return where a track may go on in this frame."""
@@ -547,7 +485,7 @@ class Confirmation:
             expected = self._expected
             radius = FLANK_SIGMA * track.sigma + expected.gate_radius_px
             return Reach(track, expected.x, expected.y, radius)
-        age = self._age(track)
+        age = self._clock.age(track)
         x, y = track.position_at(age)
         return Reach(track, x, y, track.gate_radius_px(self.gate_px, age))
 
@@ -555,7 +493,7 @@ class Confirmation:
         """Return where the tracks of earlier frames may go on."""
         return {
             key: self._reach(each) for key, each in self._tracks.items()
-            if each.stamp_ns != self._stamp_ns
+            if not self._clock.is_now(each)
         }
 
     def _replace_track(self, track: FlashTrack, by: FlashTrack | None) -> None:
@@ -570,40 +508,10 @@ class Confirmation:
             if (
                 math.hypot(candidate.x - x, candidate.y - y) < FLANK_SIGMA * (track.sigma + 1.0)
                 and track.flashes < MOST_FLASHES
-                and not self._in_step(track)
+                and not self._clock.in_step(track)
                 and track.height < MAX_BRIGHTNESS_RATIO * candidate.height
             ):
                 track.out_of_step = True
                 if track is not self._locked:
                     self._replace_track(track, None)
                     del reaches[id(track)]
-
-    def _age(self, track: FlashTrack) -> float:
-        """Return the time since a track was seen, in frames."""
-        if self._stamp_ns is None or self._interval_ns <= 0.0:
-            return 0.0
-        return (self._stamp_ns - track.stamp_ns) / self._interval_ns
-
-    def _is_due(self, track: FlashTrack | None) -> bool:
-        """Tell whether a track may have flashed again."""
-        return track is None or self._age(track) >= PERIOD_FRAMES - STAMP_TOLERANCE_FRAMES
-
-    def _is_phase_unknown(self, track: FlashTrack) -> bool:
-        """Tell whether a frame came twice since a track was seen."""
-        return self._skipped_ns is not None and track.stamp_ns < self._skipped_ns
-
-    def _in_step(self, track: FlashTrack) -> bool:
-        """Tell whether a light that flashes in step can be on again in this frame."""
-        age = self._age(track)
-        frames = round(age)
-        if self._is_phase_unknown(track):
-            return frames >= PERIOD_FRAMES
-        return abs(age - frames) > STAMP_TOLERANCE_FRAMES or frames % PERIOD_FRAMES == 0
-
-
-def _widest(lights: Sequence[Candidate]) -> float:
-    """Return the greatest sigma of those that are not rejected, px."""
-    return max(
-        (math.hypot(each.sigma_x, each.sigma_y) for each in lights if not each.rejected),
-        default=0.0,
-    ) / math.sqrt(2.0)
