@@ -1,7 +1,7 @@
 """Frame ... -> Window: find the flash, and cut out the pixels that hold it."""
 
-from blob_tracker.segmentation.blink import compile_blinking
 from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.compiled import compile_ahead
 from blob_tracker.segmentation.detections import Detections
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.exposure import exposure_fault
@@ -11,7 +11,6 @@ from blob_tracker.segmentation.flash_modes import (
 )
 from blob_tracker.segmentation.history import FrameError
 from blob_tracker.segmentation.registration import REGISTRATIONS
-from blob_tracker.segmentation.search import compile_ahead
 from blob_tracker.segmentation.segmenter import Segmenter, Sighting
 from blob_tracker.segmentation.thresholds import threshold_by_name, THRESHOLDS
 
@@ -28,7 +27,6 @@ __all__ = [
     'THRESHOLDS',
     'codes_from_text',
     'compile_ahead',
-    'compile_blinking',
     'exposure_fault',
     'flash_by_name',
     'frequencies_from_text',

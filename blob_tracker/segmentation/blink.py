@@ -110,7 +110,7 @@ class Blink:
         else:
             self._dark.push(self._history.frames[-2])
             if self._tracker is None:
-                self.reason = rate_fault(self._frequencies, 1.0 / interval)
+                self.reason = self._fault(interval)
                 if self.reason:
                     return None
                 self._tracker = self._new_tracker(kept, interval)
@@ -179,6 +179,10 @@ class Blink:
         return candidate._replace(
             unlit=self._dark.of(box, candidate.background, candidate.noise)
         )
+
+    def _fault(self, interval: float) -> str:
+        """Say which light frames of this interval, s, cannot tell; empty where there is none."""
+        return rate_fault(self._frequencies, 1.0 / interval)
 
     def _new_tracker(self, frame: Frame, interval: float) -> BlinkTracker:
         exposure = self._exposure or frame.exposure_ns / 1e9
@@ -298,3 +302,33 @@ class Periodic(Blink):
             frequencies=frequencies or {'': frequency}, max_pair_interval=max_pair_interval,
             duty=duty, exposure=exposure,
         )
+
+
+class HalfRate(Blink):
+    """
+    A light that is on in every other frame by a clock of its own, and known to be there.
+
+    Nobody need tell its frequency: the tracker's clocks may be off by 1 %. A lamp that is always
+    on looks the same to a camera while the light is half in one frame and half in the next, so
+    this is no mode to look for a light with.
+
+    Parameters
+    ----------
+    slower : float
+        Part by which its clock is behind the camera's, where that is known.
+    max_pair_interval, exposure : float
+        Those of `Blink`, s.
+
+    """
+
+    def __init__(
+        self, *, slower: float = 0.0, max_pair_interval: float = 0.1, exposure: float = 0.0
+    ) -> None:
+        super().__init__(
+            frequencies={'': 1.0}, max_pair_interval=max_pair_interval, exposure=exposure
+        )
+        self._slower = slower
+
+    def _fault(self, interval: float) -> str:
+        self._frequencies = {'': 0.5 * (1.0 - self._slower) / interval}
+        return ''

@@ -29,7 +29,9 @@ class Flash(Protocol):
 
     """
 
-    reason: str
+    @property
+    def reason(self) -> str:
+        """Why the last frame gave no light."""
 
     @property
     def locked(self) -> bool:

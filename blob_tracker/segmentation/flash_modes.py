@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from inspect import signature
 
-from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.segmentation.blink import Coded, Periodic
 from blob_tracker.segmentation.flash import Flash
+from blob_tracker.segmentation.in_step import InStep
 from blob_tracker.segmentation.lock_in import LockIn
 from blob_tracker.segmentation.steady import Steady
 
 FLASH_MODES: dict[str, Callable[..., Flash]] = {
-    'alternate': Alternate,
+    'alternate': InStep,
     'steady': Steady,
     'periodic': Periodic,
     'coded': Coded,

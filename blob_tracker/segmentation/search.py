@@ -8,14 +8,13 @@ from typing import NamedTuple
 from blob_tracker.kernel import Array
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
-from blob_tracker.segmentation.chance import advance, FIELDS
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.flood import flood_rise, whole_scene, without_flooded
 from blob_tracker.segmentation.illumination import relit
 from blob_tracker.segmentation.overexposure import with_clipping
 from blob_tracker.segmentation.peaks import measure_peaks
 from blob_tracker.segmentation.rejection import reject, without_glows
-from blob_tracker.types import Frame, Pixels
+from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
 
@@ -158,14 +157,3 @@ def _threshold(region: Box) -> float:
     Of n Gaussian deviates about one is above sqrt(2 ln(n / 12)) from n = 1000 to 3 million.
     """
     return math.sqrt(2.0 * math.log(max(region.size, 500) / 12.0))
-
-
-def compile_ahead() -> None:
-    """Compile the loops over pixels, or load them from Numba's cache, before they are needed."""
-    for kind in (np.uint8, np.uint16):
-        unlit = np.zeros((16, 16), kind)
-        lit = unlit.copy()
-        lit[7:10, 7:10] = 100
-        frame = Frame(lit, 0, 255)
-        search(Contrast(lit, unlit, 255, frame, (lit,), (unlit,)), Box(0, 0, 16, 16), min_snr=7.0)
-    advance(np.empty((0, FIELDS)), np.empty((0, 7)), np.empty((0, 6)), 0.0, 1.0)

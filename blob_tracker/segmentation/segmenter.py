@@ -6,7 +6,6 @@ from contextlib import suppress
 from typing import NamedTuple
 
 from blob_tracker.colour import one_site
-from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.segmentation.black_core import without_black_cores
 from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
@@ -17,6 +16,7 @@ from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.frame_stack import FrameStack
 from blob_tracker.segmentation.history import FrameError
+from blob_tracker.segmentation.in_step import InStep
 from blob_tracker.segmentation.repeated_frames import RepeatedFrames
 from blob_tracker.segmentation.search import NO_MASK, search, SearchResult
 from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
@@ -95,7 +95,7 @@ class Segmenter:
         mask: NDArray[np.generic] | None = None,
         channel: ChannelChoice | None = None,
     ) -> None:
-        self.flash = flash or Alternate()
+        self.flash = flash or InStep()
         self.channel = channel or ChannelChoice()
         self.threshold = threshold or threshold_by_name('sigma_window', sigmas=3.0, extension=2)
         self.min_snr = min_snr

@@ -95,7 +95,7 @@ def results(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
     }
     compile_kernels = (
         'from blob_tracker.pipeline import compile_ahead; '
-        'compile_ahead(["maximum_likelihood"], blinking=False)'
+        'compile_ahead(["maximum_likelihood"])'
     )
     subprocess.run(
         [sys.executable, '-c', compile_kernels], env=os.environ | fits, cwd=folder, check=True

@@ -1,0 +1,203 @@
+"""A light in step with the camera, or nearly so: its own clock may drift."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+import math
+from typing import NamedTuple
+
+from blob_tracker.segmentation.alternate import Alternate
+from blob_tracker.segmentation.blink import (
+    compile_blinking, HalfRate, UNKNOWN_EXPOSURE, WAY_FRACTION,
+)
+from blob_tracker.segmentation.box import Box
+from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.drift import APERTURE, DriftWatch, GhostInstants, light_at
+from blob_tracker.segmentation.expectation import Expectation
+from blob_tracker.segmentation.flash import Flash
+from blob_tracker.types import Frame, Glimpse
+import numpy as np
+from numpy.typing import NDArray
+
+PATIENCE_FRAMES = 90  # without the light, after which it is looked for in pairs again
+ROUND_WAY_PX = 0.3  # px, by which the way in an exposure may be off, by the two last places
+# px in half an exposure, and standard deviations of its light in the unlit frame, from which on
+# its place there tells when it was seen.
+LEAST_WAY_PX, LEAST_LIGHT_SIGMA = 0.15, 8.0
+BEND_PART = 0.1  # of its way from frame to frame, by which it may be off as its path bends
+SUREST = 0.25  # ways of half an exposure, to which a place is known at best
+OUT_OF_SIGHT_S = 0.5  # s from one flash to the next, after which it may be another light
+
+
+class _Flash(NamedTuple):
+    """Where the light was in its last flash, px, and when."""
+
+    place: NDArray[np.float64]
+    stamp_ns: int
+
+
+class InStep:
+    """
+    Follow a light that is on in every other frame, by pairs, until it shows to run free.
+
+    A light near half the frame rate that is not wired to the camera goes over from the one frame
+    of a pair to the other: it is seen in the middle of a part of the exposure, and about half way
+    the pair has no contrast. From when `DriftWatch` sees it, the light is followed as one that
+    blinks, each frame by itself.
+
+    Parameters
+    ----------
+    max_pair_interval, registration, gate_px
+        Those of `Alternate`. With a registration the light is followed by pairs alone.
+    exposure : float
+        Of a frame, s; 0 where the frames tell.
+
+    """
+
+    def __init__(
+        self,
+        *,
+        max_pair_interval: float = 0.1,
+        registration: str = 'none',
+        gate_px: float = 24.0,
+        exposure: float = 0.0,
+    ) -> None:
+        self._max_interval, self._registration = max_pair_interval, registration
+        self._exposure = exposure
+        self.gate_px = gate_px
+        compile_blinking()  # or it would be waited for in the midst of tracking
+        self._begin()
+
+    def _begin(self) -> None:
+        """Look for it in pairs."""
+        self._pairs = Alternate(
+            max_pair_interval=self._max_interval, registration=self._registration,
+            gate_px=self.gate_px,
+        )
+        self._mode: Flash = self._pairs
+        self._watch, self._instants = DriftWatch(), GhostInstants()
+        self._missed = 0  # frames since the light was seen
+        self._flash: _Flash | None = None
+        self._stamps_ns = 0, 0  # of the last two frames
+
+    @property
+    def reason(self) -> str:
+        """Why the last frame gave no light."""
+        return self._mode.reason
+
+    @property
+    def locked(self) -> bool:
+        """Whether the target is followed."""
+        return self._mode.locked
+
+    @property
+    def warning(self) -> str:
+        """Say what is wrong though the target may be there; empty where nothing is."""
+        return self._mode.warning
+
+    @property
+    def surveys(self) -> bool:
+        """Whether `survey` asks for all that lit up in the whole frame, after `choose`."""
+        return self._mode.surveys
+
+    def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
+        """
+        Return the next frame and what it is compared with.
+
+        Raises
+        ------
+        FrameError
+            Where the frame cannot follow those before it.
+
+        """
+        if self._mode is not self._pairs and self._missed > PATIENCE_FRAMES:
+            self._begin()
+        self._stamps_ns = self._stamps_ns[1], frame.stamp_ns
+        return self._mode.contrast(frame, expected)
+
+    def skip(self, frame: Frame) -> None:
+        """Take note of a frame that is left out: it shows the one before it once more."""
+        self._mode.skip(frame)
+
+    def region(self, contrast: Contrast) -> Box:
+        """Return the part of the frame in which the target can be."""
+        return self._mode.region(contrast)
+
+    def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> Contrast | None:
+        """Return the contrast without the expectation, where that was wrong."""
+        return self._mode.widened(contrast, candidates)
+
+    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
+        """Take note of all that lit up in the whole frame."""
+        self._mode.survey(contrast, candidates)
+
+    def choose(
+        self, contrast: Contrast, candidates: Sequence[Candidate]
+    ) -> list[tuple[str, Candidate]]:
+        """Return the light that the frame shows, under the empty name."""
+        chosen = self._mode.choose(contrast, candidates)
+        if self._mode is not self._pairs:
+            self._missed = 0 if chosen else self._missed + 1
+        elif chosen and self._registration == 'none':
+            (name, light), = chosen
+            chosen = [(name, self._watched(contrast, light))]
+        return chosen
+
+    def _watched(self, contrast: Contrast, light: Candidate) -> Candidate:
+        """Watch whether the light drifts; return it with what that lets doubt of its instant."""
+        frame, before = contrast.frame, self._flash
+        sigma = math.sqrt(light.sigma_major * light.sigma_minor)
+        # In the lit frame alone: what is left in the unlit one draws the difference away from it.
+        lit, here, _ = light_at(contrast.lit, light.x, light.y, sigma)
+        self._flash = _Flash(np.array(here), frame.stamp_ns)
+        seconds = math.inf if before is None else (frame.stamp_ns - before.stamp_ns) / 1e9
+        if before is None or seconds > OUT_OF_SIGHT_S:
+            self._watch, self._instants = DriftWatch(), GhostInstants()
+            return light
+        interval = (self._stamps_ns[1] - self._stamps_ns[0]) / 1e9
+        speed = (self._flash.place - before.place) / seconds
+        # Where it was in the frame before.
+        place = self._flash.place - interval * speed
+        unlit, there, count = light_at(
+            contrast.unlit, float(place[0]), float(place[1]), sigma
+        )
+        exposure = self._exposure or frame.exposure_ns / 1e9 or UNKNOWN_EXPOSURE * interval
+        going_over = self._watch.add(frame.stamp_ns / 1e9, lit, unlit)
+        way = float(np.hypot(*speed))
+        unit = 0.5 * exposure * way
+        noise = light.noise * math.sqrt(0.5 * count)
+        if unlit < LEAST_LIGHT_SIGMA * noise:
+            self._instants = GhostInstants()  # it comes back on the other side
+        elif unit > LEAST_WAY_PX:
+            ahead = float((np.array(there) - place) @ speed) / way
+            deviation = math.hypot(
+                0.5 * APERTURE * sigma * noise / unlit, BEND_PART * interval * way
+            )
+            self._instants.add(
+                ahead / unit, max(deviation / unit, SUREST), interval * way / unit
+            )
+        side = self._instants.side
+        if going_over or side:
+            self._mode = HalfRate(
+                slower=side * going_over * exposure, max_pair_interval=self._max_interval,
+                exposure=self._exposure,
+            )
+            self._mode.contrast(frame)
+            self._missed = 0
+        return self._doubted(light, exposure, speed)
+
+    def _doubted(
+        self, light: Candidate, exposure: float, speed: NDArray[np.float64]
+    ) -> Candidate:
+        """Return the light with what is not known of its instant, where it seems to drift."""
+        over = self._watch.share
+        if over == 0.0:
+            return light
+        # It was on in the first part of the exposure, s, or in the last one; the speed is in px/s.
+        late = 0.5 * over * exposure
+        way = (1.0 - over) * exposure * speed
+        return light._replace(glimpse=Glimpse(
+            1.0 - over, way, WAY_FRACTION * float(np.hypot(*way)) + ROUND_WAY_PX,
+            late**2 * np.outer(speed, speed), np.zeros(2),
+        ))

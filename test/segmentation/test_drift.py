@@ -1,0 +1,80 @@
+"""A light that goes over from the lit frames to the unlit ones, and what only seems to."""
+
+from __future__ import annotations
+
+from blob_tracker.segmentation.drift import DriftWatch, GhostInstants, light_at
+from blob_tracker.simulation import pixel_integrated_gaussian
+import numpy as np
+import pytest
+
+INTERVAL = 1.0 / 30.0  # s from flash to flash
+NOISE = 10.0  # DN px^2, of a light of 1000
+
+
+def watched(lit: np.ndarray, unlit: np.ndarray) -> list[float]:
+    """Return what is told flash by flash."""
+    random = np.random.default_rng(5)
+    watch = DriftWatch()
+    return [
+        watch.add(index * INTERVAL, a + random.normal(0, NOISE), b + random.normal(0, NOISE))
+        for index, (a, b) in enumerate(zip(lit, unlit))
+    ]
+
+
+@pytest.mark.parametrize('rate', [0.03, 0.2, -0.2, 0.8])  # of the light, a second
+def test_a_drift_is_seen_with_its_rate(rate: float) -> None:
+    """A tenth of it is enough; the rate is that of the line to within four of its deviations."""
+    over = np.clip((0.0 if rate > 0 else 0.5) + rate * np.arange(190) * INTERVAL, 0.0, 0.5)
+    told = watched(1000.0 * (1.0 - over), 1000.0 * over)
+    first = next(index for index, each in enumerate(told) if each)
+    moved = abs(over[first] - over[0])
+    assert 0.05 < moved < 0.35
+    assert told[first] == pytest.approx(rate, rel=0.35)
+
+
+@pytest.mark.parametrize('lit, unlit', [
+    (np.full(190, 1000.0), np.zeros(190)),
+    # Never quite off.
+    (np.full(190, 700.0), np.full(190, 300.0)),
+    # It recedes.
+    (np.linspace(1000.0, 100.0, 190), np.zeros(190)),
+    # It passes a lamp, which is in both frames.
+    (1000.0 + 600.0 * np.exp(-((np.arange(190) - 95.0) / 10.0) ** 2),
+     600.0 * np.exp(-((np.arange(190) - 95.0) / 10.0) ** 2)),
+], ids=['in step', 'never off', 'recedes', 'passes a lamp'])
+def test_nothing_else_is_a_drift(lit: np.ndarray, unlit: np.ndarray) -> None:
+    """Not in any of the 190 flashes."""
+    assert not any(watched(lit, unlit))
+
+
+def test_the_share_that_went_over_is_what_both_say() -> None:
+    """No more than noise until then; then a tenth to within three of its deviations."""
+    random = np.random.default_rng(6)
+    watch = DriftWatch()
+    for index in range(40):
+        over = 0.1 * (index >= 30)
+        watch.add(index * INTERVAL, 1000.0 * (1.0 - over) + random.normal(0, NOISE),
+                  1000.0 * over + random.normal(0, NOISE))
+        if index < 30:
+            assert watch.share == 0.0
+    assert watch.share == pytest.approx(0.1, abs=0.04)
+
+
+@pytest.mark.parametrize('ahead, side', [(-1.0, 1), (1.0, -1), (0.0, 0), (-3.0, 0), (5.0, 0)])
+def test_the_ghost_tells_the_side(ahead: float, side: int) -> None:
+    """Half an exposure behind or ahead; not where it is always on, filtered, or anything else."""
+    random = np.random.default_rng(7)
+    instants = GhostInstants()
+    for _ in range(20):
+        instants.add(ahead + random.normal(0, 0.3), 0.3, 3.0)
+    assert instants.side == side
+
+
+def test_the_light_at_a_place() -> None:
+    """Its sum above the surroundings, and its centre: of a Gaussian 99 % within three sigma."""
+    image = np.round(40.0 + 150.0 * pixel_integrated_gaussian((40, 40), 19.3, 21.1, 2.0))
+    total, (x, y), count = light_at(image.astype(np.uint8), 20.0, 20.0, 2.0)
+    assert total == pytest.approx(150.0 * 2.0 * np.pi * 4.0, rel=0.04)
+    assert (x, y) == pytest.approx((19.3, 21.1), abs=0.15)
+    assert count == pytest.approx(np.pi * 36.0, rel=0.05)
+    assert light_at(image.astype(np.uint8), 500.0, 20.0, 2.0) == (0.0, (500.0, 20.0), 0)

@@ -1,0 +1,106 @@
+"""A light near half the frame rate is followed on, in both frames, when its clock drifts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from blob_tracker.location import Locator
+from blob_tracker.segmentation import Segmenter
+from blob_tracker.types import Frame, SensorNoise
+import numpy as np
+import pytest
+
+RATE, EXPOSURE = 60.0, 0.5 / 60.0  # frames a second, s
+NOISE = SensorNoise(gain=1e6, read_noise=1.0)
+PEAK, SIGMA = 100.0, 1.5  # DN, px
+SAMPLES = 50  # of an exposure
+Waveform = Callable[[np.ndarray], np.ndarray]
+
+
+def x_at(time: np.ndarray | float) -> np.ndarray:
+    """Return where it is, px: 3 px a frame at the most."""
+    return 220.0 + 160.0 * np.sin(3.0 * RATE / 160.0 * np.asarray(time))
+
+
+def square(frequency: float) -> Waveform:
+    """Return a light that is on for half of its period, in the middle of the first exposure."""
+    return lambda times: ((times * frequency + 0.25) % 1.0 < 0.5).astype(float)
+
+
+def frames(waveform: Waveform, indices: range, seed: int = 7) -> Iterator[tuple[Frame, float]]:
+    """Give each frame, and for which part of its exposure the light was on."""
+    random = np.random.default_rng(seed)
+    offsets = ((np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5) * EXPOSURE
+    columns, rows = np.arange(440), np.arange(60)
+    down = np.exp(-0.5 * ((rows - 30.3) / SIGMA) ** 2)
+    for index in indices:
+        times = index / RATE + offsets
+        light = waveform(times)
+        across = np.exp(-0.5 * ((columns - x_at(times)[:, None]) / SIGMA) ** 2)
+        image = 20.0 + random.standard_normal((60, 440)) + PEAK / SAMPLES * np.outer(
+            down, light @ across
+        )
+        pixels = np.rint(np.clip(image, 0, 255)).astype(np.uint8)
+        yield Frame(
+            pixels, round(1e9 * index / RATE), 255, exposure_ns=round(1e9 * EXPOSURE)
+        ), float(light.mean())
+
+
+@pytest.mark.parametrize('frequency', [29.9, 30.1])
+def test_a_light_whose_clock_drifts_is_followed_through_the_beat(frequency: float) -> None:
+    """From when it shows every lit frame has a place that is right at its stamp."""
+    segmenter, locator = Segmenter(), Locator()
+    lit, found, squares = [], [], []
+    for index, (frame, share) in enumerate(frames(square(frequency), range(460))):
+        if share > 0.1:
+            lit.append(index)
+        for _, window in segmenter.sightings(frame):
+            found.append(index)
+            location = locator.locate(window, noise=NOISE)
+            away = np.array([location.x - x_at(window.stamp_ns / 1e9), location.y - 30.3])
+            squares.append(away @ np.linalg.solve(location.covariance, away) / 2)
+    # In half a beat of 300 frames it goes over from the even frames to the odd ones: the pair has
+    # no contrast in between. It takes ten frames to take the light up as one that runs free.
+    assert max(np.diff(found)) <= 20
+    free = next(index for index in found if index % 2)
+    assert free < 150
+    after = [index for index in lit if index >= free]
+    assert len(set(after) & set(found)) >= 0.97 * len(after)
+    # Its errors hang together while the side is not known: the mean is good to a third.
+    assert 0.6 < np.mean([
+        square for square, index in zip(squares, found) if index >= free
+    ]) < 1.4
+    assert np.mean(squares) < 2.0
+
+
+@pytest.mark.parametrize('left', [0.0, 0.3])
+def test_a_light_in_step_is_one(left: float) -> None:
+    """Also where a part of it is left in the unlit frame: only lit ones give a window."""
+    on = square(30.0)
+    segmenter = Segmenter()
+    found = [
+        index for index, (frame, _) in enumerate(
+            frames(lambda times: np.maximum(on(times), left), range(300))
+        ) if segmenter.sightings(frame)
+    ]
+    assert len(found) > 140 and not any(index % 2 for index in found)
+
+
+def test_when_it_is_gone_another_one_in_step_is_found() -> None:
+    """Within two seconds: a light that runs free is given up after one and a half."""
+    drifting, wired = square(29.8), square(30.0)
+
+    def waveform(times: np.ndarray) -> np.ndarray:
+        if times[0] < 5.0:
+            return drifting(times)
+        return wired(times) if times[0] > 7.0 else np.zeros_like(times)
+
+    segmenter = Segmenter()
+    found = [
+        index for index, (frame, _) in enumerate(frames(waveform, range(520)))
+        if segmenter.sightings(frame)
+    ]
+    assert any(index % 2 for index in found if index < 300)
+    assert not [index for index in found if 302 < index < 420]
+    last = [index for index in found if index >= 420]
+    assert len(last) > 40 and not any(index % 2 for index in last)
