@@ -167,7 +167,7 @@ class InStep:
         way = float(np.hypot(*speed))
         unit = 0.5 * exposure * way
         noise = light.noise * math.sqrt(0.5 * count)
-        if unlit < LEAST_LIGHT_SIGMA * noise:
+        if unlit <= LEAST_LIGHT_SIGMA * noise:
             self._instants = GhostInstants()  # it comes back on the other side
         elif unit > LEAST_WAY_PX:
             ahead = float((np.array(there) - place) @ speed) / way
