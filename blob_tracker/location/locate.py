@@ -194,7 +194,8 @@ def locate(
     Locate the blob of one window, in the coordinates of the full, unbinned sensor.
 
     With b sensor pixels to a window pixel, u = x0 + b (x + 1/2) - 1/2, and the covariance
-    grows by b^2.
+    grows by b^2. The stamp is that of the line y in which it lies: on a rolling shutter it is
+    later than that of the window's middle line by (y - (h - 1)/2) line_time_ns.
 
     Parameters
     ----------
@@ -263,6 +264,7 @@ def to_location(window: Window, found: Estimates) -> Location:
     if window.glimpse is not None:
         covariance = covariance + window.glimpse.doubt
         lag_x, lag_y = window.glimpse.lag.tolist()
+    below = float(found.y[0]) - 0.5 * (window.lit.shape[0] - 1)  # the window's middle line
     return Location(
         x=window.x0 + across * (float(found.x[0]) + 0.5) - 0.5 - lag_x,
         y=window.y0 + down * (float(found.y[0]) + 0.5) - 0.5 - lag_y,
@@ -273,7 +275,7 @@ def to_location(window: Window, found: Estimates) -> Location:
         snr=float(found.snr[0]),
         chi2=float(found.chi2[0]),
         saturated=int(found.saturated[0]),
-        stamp_ns=window.stamp_ns,
+        stamp_ns=window.stamp_ns + round(below * window.line_time_ns),
         warning=found.warnings.get(0, ''),
     )
 

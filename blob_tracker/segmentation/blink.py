@@ -76,7 +76,7 @@ class Blink:
         self._duty, self._exposure = duty, exposure
         self._history = FrameHistory(2, max_pair_interval)
         self._tracker: BlinkTracker | None = None
-        self._first: tuple[Array, int, float] | None = None  # of the frame before there is one
+        self._first: tuple[Array, int, float, float] | None = None  # of the frame before there is one
         self._dark = DarkLook()
         self._named = False
         self.reason = 'no frame yet'
@@ -144,7 +144,7 @@ class Blink:
         table, least = points(contrast, allowed, max(
             (each.noise for each in candidates), default=contrast.floor
         ))
-        seen = table, contrast.frame.stamp_ns, least
+        seen = table, contrast.frame.stamp_ns, least, contrast.frame.line_time_ns / 1e9
         if self._tracker is None:
             # The next frame tells the interval.
             self._first, self._named = seen, False
