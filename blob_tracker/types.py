@@ -182,6 +182,9 @@ class Glimpse:
         to its place, px^2.
     lag : (2,) array
         By which the middle of its light lies off its place at the stamp, as its path bends, px.
+    drawn : float
+        By which it lies below its place as it was switched while its lines were exposed, and the
+        later ones have seen it longer, px.
 
     """
 
@@ -190,22 +193,24 @@ class Glimpse:
     way_sigma: float
     doubt: NDArray[np.float64]
     lag: NDArray[np.float64]
+    drawn: float = 0.0
 
     @property
     def numbers(self) -> NDArray[np.float32]:
-        """(9,) array: share, way, way_sigma, doubt as xx, xy, yy, and lag."""
+        """(10,) array: share, way, way_sigma, doubt as xx, xy, yy, lag, and drawn."""
         (xx, xy), (_, yy) = self.doubt
         return np.array(
-            [self.share, *self.way, self.way_sigma, xx, xy, yy, *self.lag], dtype=np.float32
+            [self.share, *self.way, self.way_sigma, xx, xy, yy, *self.lag, self.drawn],
+            dtype=np.float32,
         )
 
     @classmethod
     def of_numbers(cls, numbers: NDArray[np.float32]) -> Glimpse:
         """Return what `numbers` tells of."""
-        share, way_x, way_y, way_sigma, xx, xy, yy, lag_x, lag_y = map(float, numbers)
+        share, way_x, way_y, way_sigma, xx, xy, yy, lag_x, lag_y, drawn = map(float, numbers)
         return cls(
             share, np.array([way_x, way_y]), way_sigma, np.array([[xx, xy], [xy, yy]]),
-            np.array([lag_x, lag_y]),
+            np.array([lag_x, lag_y]), drawn,
         )
 
 

@@ -22,6 +22,9 @@ import numpy as np
 ROUNDING_DN = float(np.sqrt(1 / 12))  # DN, of one frame
 WAY_FRACTION = 0.03  # of a streak's length, by which it may be off: its path bends
 ABOUT = 4.0  # sigma to each side: a window and its background
+# Of what the lines of a rolling shutter draw a light by, as the pulse is no Gaussian
+DRAWN_FRACTION = 0.2
+LEAST_DARK = 0.02  # of the exposure: what is shorter is not told from none
 BESIDE = 4.0  # sigma of a light, within which another one draws its place
 UNKNOWN_EXPOSURE = 0.5  # of the frame interval, where nobody tells
 
@@ -161,7 +164,10 @@ class Blink:
         exposure, known = self._tracker.exposure, self._tracker.known()
         return [
             (each.name, self._with_dark_look(
-                contrast, _at_its_instant(allowed[each.point], each, exposure, known)
+                contrast,
+                _at_its_instant(
+                    allowed[each.point], each, exposure, contrast.frame.line_time_ns / 1e9, known
+                ),
             ))
             for each in found
         ]
@@ -216,22 +222,29 @@ def _why_none(candidates: Sequence[Candidate], allowed: Sequence[Candidate]) -> 
 
 
 def _at_its_instant(
-    candidate: Candidate, light: Lit, exposure: float, known: Sequence[Known]
+    candidate: Candidate, light: Lit, exposure: float, line_time: float, known: Sequence[Known]
 ) -> Candidate:
     """
     Return the candidate with the time at which it was seen, and what is known of its path.
 
     Over the time T for which it is lit the middle of its light is off its place by a T^2 / 24.
-    What another light beside it draws it to is in the doubt: d f' / (f + f').
+    What another light beside it draws it to is in the doubt: d f' / (f + f'). A rolling shutter
+    sees it longer by a line time from line to line after it was switched on within the exposure,
+    and shorter after it was switched off: a pulse of sigma px times 1 +- y line_time / T lies by
+    +- sigma^2 line_time / T lower. At the middle of the exposure tau is 0 and +- (E - T) / 2 where
+    it was switched.
     """
     lit = light.share * exposure
+    half_dark = max(0.5 * (exposure - lit), LEAST_DARK * exposure)
+    switched = min(max(light.tau / half_dark, -1.0), 1.0)
+    drawn = switched * candidate.sigma_y**2 * line_time / max(lit, LEAST_DARK * exposure)
     spread = light.covariance
     speed = math.hypot(light.vx, light.vy)
     sigma = lit * math.sqrt(0.5 * (spread[2, 2] + spread[3, 3]))
     bend, late = lit**2 / 24.0, light.tau_sigma**2
     xx = light.vx**2 * late + bend**2 * spread[4, 4]
     xy = light.vx * light.vy * late + bend**2 * spread[4, 5]
-    yy = light.vy**2 * late + bend**2 * spread[5, 5]
+    yy = light.vy**2 * late + bend**2 * spread[5, 5] + (DRAWN_FRACTION * drawn) ** 2
     reach = BESIDE * candidate.sigma_major + 0.5 * lit * speed
     own = max(each.flux for each in known if each.name == light.name)
     for other in known:
@@ -244,7 +257,7 @@ def _at_its_instant(
     glimpse = Glimpse(
         light.share, np.array([lit * light.vx, lit * light.vy]),
         sigma + WAY_FRACTION * lit * speed, np.array([[xx, xy], [xy, yy]]),
-        np.array([bend * light.ax, bend * light.ay]),
+        np.array([bend * light.ax, bend * light.ay]), drawn,
     )
     return candidate._replace(tau=light.tau, glimpse=glimpse)
 

@@ -165,6 +165,7 @@ def _on_sensor(glimpse: Glimpse | None, frame: Frame) -> Glimpse | None:
     seen = Glimpse(
         glimpse.share, glimpse.way * scale, glimpse.way_sigma * float(scale.max()),
         glimpse.doubt * np.outer(scale, scale), glimpse.lag * scale,
+        glimpse.drawn * frame.binning[1],
     )
     # As a message has it, so that one process and several place it alike.
     return Glimpse.of_numbers(seen.numbers)

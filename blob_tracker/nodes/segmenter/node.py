@@ -13,7 +13,7 @@ from typing import Any
 from blob_tracker.nodes.interface.segmenter import PARAMETERS
 from blob_tracker.nodes.segmenter.last_detections import LastDetections
 from blob_tracker.nodes.segmenter.noise_topic import NoiseTopic
-from blob_tracker.pipeline import expectation
+from blob_tracker.pipeline import expectation_in
 from blob_tracker.ros.diagnostics.clock_jumps import on_clock_jump
 from blob_tracker.ros.diagnostics.connections import Connections
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
@@ -192,6 +192,7 @@ class SegmenterNode(Node):
                 )
                 self._late_ns = int(1e9 * values['max_pair_interval'])
                 self._saturation = values['saturation']
+                self._line_time_ns = 1e9 * values['line_time']
                 self._follow = follow
                 self._set_lights(lights, _lost_after_ns(values))
                 self._noise.enable(values['noise.measure'])
@@ -249,6 +250,8 @@ class SegmenterNode(Node):
                     f'the camera clips at {frame.saturation} DN; set saturation to that in '
                     'segmenter and locator',
                 )
+            if self._line_time_ns:
+                clipped = replace(clipped, line_time_ns=self._line_time_ns)
             if clipped.quantisation is None and self._quantisation is not None:
                 clipped = replace(clipped, quantisation=self._quantisation)
             self._segment(clipped, info, delivery.frame_id)
@@ -304,11 +307,7 @@ class SegmenterNode(Node):
         """Return where the tracker expects the light in a frame; None where it is not asked."""
         if not self._follow:
             return None
-        if self._predict is not None:
-            track = self._predict('', frame.stamp_ns)
-        else:
-            track = None if self._track is None else self._track.seen_at(frame.stamp_ns)
-        if track is None:
+        if self._seen_at(frame.stamp_ns) is None:
             return None
         try:
             camera_model = self._camera.model(info)
@@ -316,7 +315,13 @@ class SegmenterNode(Node):
             self._health.fault(WARN, f'follow_prediction: {error}')
             return None
         self._health.count('frames with a prediction')
-        return expectation(track, camera_model)
+        return expectation_in(frame, self._seen_at, camera_model)
+
+    def _seen_at(self, stamp_ns: int) -> Track | None:
+        """Return the light as the camera sees it at a stamp, as far as the tracker tells."""
+        if self._predict is not None:
+            return self._predict('', stamp_ns)
+        return None if self._track is None else self._track.seen_at(stamp_ns)
 
     def _say_why(self, frame: Frame) -> None:
         """Say why there is no target."""
