@@ -194,7 +194,8 @@ def _grow(
     new.score[to] = children.score[child]
     if point < 0:
         miss_row(
-            new, to, gain, children.moments[child, 2], tables, room.on, settings.least, room.likelihood,
+            new, to, gain, children.moments[child, 2], tables, room.on, settings.least,
+            room.likelihood,
         )
     else:
         hit_row(

@@ -190,7 +190,8 @@ class BlinkTracker:
         old, new = self._tracks, self._spare
         count, unclaimed = step(
             old, self._count, new, points, self._numbers, self._tables, self._prior, clocks,
-            line_time / self.interval, clock, dt, settings, self._children, self._room, MOST_UNNAMED,
+            line_time / self.interval, clock, dt, settings, self._children, self._room,
+            MOST_UNNAMED,
         )
         self._numbers += len(points)
         self._clutter += (unclaimed - self._clutter) / CLUTTER_FRAMES

@@ -79,7 +79,8 @@ class Blink:
         self._duty, self._exposure = duty, exposure
         self._history = FrameHistory(2, max_pair_interval)
         self._tracker: BlinkTracker | None = None
-        self._first: tuple[Array, int, float, float] | None = None  # of the frame before there is one
+        # Of the frame before there is one
+        self._first: tuple[Array, int, float, float] | None = None
         self._dark = DarkLook()
         self._named = False
         self.reason = 'no frame yet'

@@ -82,6 +82,7 @@ def test_the_shore_turns_with_the_light() -> None:
         MODEL, Ride(1.0, np.tile([np.pi / 2, 0.0, 0.0], (2, 1)), np.zeros((2, 3))),
         lambda t: np.tile(AHEAD, (len(t), 1)), 1.2, 0.0, sensor=QUIET,
     )
+
     def joints(times):
         return np.zeros((len(times), 2))
 

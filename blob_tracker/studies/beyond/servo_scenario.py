@@ -48,8 +48,8 @@ class Scenario:
     readout : float
         From the exposure of the first line to that of the last, s; 0 of a global shutter.
     latency : float
-        From the middle of the exposure (of the first line) until the bearing is there: half the exposure, read-out
-        (one frame), transfer and computing, s.
+        From the middle of the exposure, of its first line, until the bearing is there: half the
+        exposure, read-out (one frame), transfer and computing, s.
     sigma, amplitude, background, texture : float
         Image of the light and of the shore, px and DN.
     joints : Joints
