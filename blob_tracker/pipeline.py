@@ -15,7 +15,7 @@ from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import EffectivePsf, Learned, Locator, method_options, METHODS
 from blob_tracker.location.noise_check import NoiseCheck
-from blob_tracker.segmentation import Expectation, FrameError, Segmenter
+from blob_tracker.segmentation import Expectation, FieldSegmenter, FrameError, Segmenter
 from blob_tracker.tracking import Track, Tracker, TrackingError, update_or_restart
 from blob_tracker.types import Bearing, Frame, Location, LocationError, SensorNoise, Window
 
@@ -164,7 +164,7 @@ class Pipeline:
         Location method, a key of `blob_tracker.location.METHODS`.
     elliptical : bool
         Fit a width along x and one along y, for the methods that have both forms.
-    segmenter : Segmenter, optional
+    segmenter : Segmenter or FieldSegmenter, optional
         Finds the flash; one with default settings where it is left out. Its `reason` tells why
         the last frame gave no bearing.
     line_jitter : LineJitter, optional
@@ -202,7 +202,7 @@ class Pipeline:
         noise: SensorNoise,
         method: str = 'maximum_likelihood',
         elliptical: bool = False,
-        segmenter: Segmenter | None = None,
+        segmenter: Segmenter | FieldSegmenter | None = None,
         line_jitter: LineJitter | None = None,
         pulse: EffectivePsf | None = None,
         learn: bool = False,
@@ -212,7 +212,7 @@ class Pipeline:
             line_jitter.check_height(camera_model.height)
         self.camera_model = camera_model
         self.method = method
-        self.segmenter = segmenter or Segmenter()
+        self.segmenter: Segmenter | FieldSegmenter = segmenter or Segmenter()
         self.line_jitter = line_jitter
         self.tracker = tracker
         self.warning = ''

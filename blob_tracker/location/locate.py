@@ -233,6 +233,10 @@ def estimate(
     if window.added_noise > 0.0:
         read_noise = math.hypot(noise.read_noise, window.added_noise)
         noise = replace(noise, read_noise=read_noise)
+    if window.binning[0] != window.binning[1] and 'elliptical' in signature(
+        METHODS[method]
+    ).parameters:
+        options['elliptical'] = True  # a round light is not, in the lines of a field
     if window.glimpse is not None and 'way' in signature(METHODS[method]).parameters:
         options['way'] = Way(
             window.glimpse.way / window.binning,

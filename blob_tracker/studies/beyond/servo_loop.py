@@ -9,8 +9,11 @@ from itertools import count
 from typing import NamedTuple
 
 from blob_tracker.camera import CameraModel, LensError
+from blob_tracker.capture.fields import fields
 from blob_tracker.location import locate
-from blob_tracker.segmentation import FrameError, Segmenter, threshold_by_name
+from blob_tracker.segmentation import (
+    FieldSegmenter, FrameError, Segmenter, threshold_by_name,
+)
 from blob_tracker.simulation.pan_tilt import PanTilt
 from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera
 from blob_tracker.simulation.sensor import Sensor
@@ -93,14 +96,26 @@ class Loop:
         )
         self.pan_tilt = PanTilt(scenario.joints, *start)
         self._law = LAWS[self.law](scenario, start)
-        self.segmenter = Segmenter(
-            threshold=threshold_by_name(self.finder.threshold, sigmas=3.0, extension=2)
+        self.segmenter = (
+            FieldSegmenter(self._new_segmenter) if scenario.interlaced else self._new_segmenter()
+        )
+        # A line of a field covers its own and the one below, see `fields`.
+        shift = np.zeros((3, 3))
+        shift[1, 2] = 0.5
+        self._seen_by = (
+            replace(self.model, matrix=self.model.matrix + shift) if scenario.interlaced
+            else self.model
         )
         self._order = count()
         self._underway: dict[int, Bearing] = {}
         self._bearings = 0
         self._felt = scenario.gyro.samples(
             self.ride, self.duration, np.random.default_rng([self.seed, 11])
+        )
+
+    def _new_segmenter(self) -> Segmenter:
+        return Segmenter(
+            threshold=threshold_by_name(self.finder.threshold, sigmas=3.0, extension=2)
         )
 
     def run(self) -> History:
@@ -133,7 +148,15 @@ class Loop:
     def _expose(self, time: float, index: int) -> None:
         """Take the frame whose exposure is over; what comes of it arrives later."""
         first = time - self.scenario.readout - 0.5 * self.scenario.exposure
-        frame = self.camera.frame(index, first, self.pan_tilt.at, lit=index % 2 == 0)
+        interlaced = self.scenario.interlaced
+        lit = (index // 2 if interlaced else index) % 2 == 0
+        frame = self.camera.frame(index, first, self.pan_tilt.at, lit=lit)
+        if interlaced:
+            kind = index % 2
+            field = replace(frame, image=frame.image[kind::2])
+            frame, = fields(field, ('top', 'bottom')[kind], 0)
+        if not self.scenario.readout_known:
+            frame = replace(frame, line_time_ns=0.0)
         bearing = self.bearing_of(frame)
         if bearing is not None:
             self._underway[index] = bearing
@@ -146,7 +169,7 @@ class Loop:
             if window is None:
                 return None
             found = locate(window, method=self.finder.method, noise=self.finder.noise)
-            bearing = self.model.bearing(found)
+            bearing = self._seen_by.bearing(found)
         except (FrameError, LocationError, LensError):
             return None
         return replace(

@@ -47,6 +47,10 @@ class Scenario:
         Frames a second, and s.
     readout : float
         From the exposure of the first line to that of the last, s; 0 of a global shutter.
+    readout_known : bool
+        Whether the tracker is told of it.
+    interlaced : bool
+        Whether the camera gives fields at `rate`, the light in step with pictures of two.
     latency : float
         From the middle of the exposure, of its first line, until the bearing is there: half the
         exposure, read-out (one frame), transfer and computing, s.
@@ -85,6 +89,8 @@ class Scenario:
     rate: float = 60.0
     exposure: float = 0.002
     readout: float = 0.0
+    readout_known: bool = True
+    interlaced: bool = False
     latency: float = 0.025
     sigma: float = 1.0
     amplitude: float = 150.0
