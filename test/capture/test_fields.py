@@ -22,7 +22,7 @@ def picture(order: str) -> tuple[Frame, np.ndarray]:
 
 @pytest.mark.parametrize('order', ORDERS)
 def test_each_line_goes_to_its_field(order: str) -> None:
-    """In the order of time, half a picture apart; the last line of the bottom field is left out."""
+    """In the order of time, half a picture apart; the bottom field's last line is left out."""
     frame, whole = picture(order)
     found = fields(frame, order, INTERVAL_NS)
     assert len(found) == len(ORDERS[order][0])
