@@ -212,7 +212,7 @@ class Pipeline:
             line_jitter.check_height(camera_model.height)
         self.camera_model = camera_model
         self.method = method
-        self.segmenter: Segmenter | FieldSegmenter = segmenter or Segmenter()
+        self.segmenter: Segmenter | FieldSegmenter = segmenter or FieldSegmenter(Segmenter)
         self.line_jitter = line_jitter
         self.tracker = tracker
         self.warning = ''

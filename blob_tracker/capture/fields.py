@@ -53,9 +53,9 @@ def fields(frame: Frame, order: str, interval_ns: int) -> tuple[Frame, ...]:
     Line u of a field is taken to cover the lines o + 2 u and o + 2 u + 1 of the picture, as a
     camera sums them that integrates fields: o is 0 at the top and 1 at the bottom, the binning
     along y is 2, and y = y0 + 2 (u + 1/2) - 1/2. The last line of the bottom field, which reaches
-    beyond the picture, is left out. So places are half a line below those in whole pictures, in
-    which the line has the number o + 2 u: a calibration of whole pictures is that of the fields
-    with half a line more in c_y.
+    beyond the picture, is left out, and that of the top field, so that both have one size. So
+    places are half a line below those in whole pictures, in which the line has the number
+    o + 2 u: a calibration of whole pictures is that of the fields with half a line more in c_y.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def fields(frame: Frame, order: str, interval_ns: int) -> tuple[Frame, ...]:
         across, down = frame.binning
         dealt.append(replace(
             frame,
-            image=np.ascontiguousarray(image[:(lines - kind) // 2]),
+            image=np.ascontiguousarray(image[:(lines - 1) // 2]),
             stamp_ns=frame.stamp_ns + place * (interval_ns // 2),
             y0=frame.y0 + kind * down,
             binning=(across, 2 * down),

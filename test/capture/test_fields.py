@@ -22,12 +22,12 @@ def picture(order: str) -> tuple[Frame, np.ndarray]:
 
 @pytest.mark.parametrize('order', ORDERS)
 def test_each_line_goes_to_its_field(order: str) -> None:
-    """In the order of time, half a picture apart; the bottom field's last line is left out."""
+    """In the order of time, half a picture apart, without the last line of each."""
     frame, whole = picture(order)
     found = fields(frame, order, INTERVAL_NS)
     assert len(found) == len(ORDERS[order][0])
     for place, (each, kind) in enumerate(zip(found, ORDERS[order][0])):
-        np.testing.assert_array_equal(each.image, whole[kind::2][:(HEIGHT - kind) // 2])
+        np.testing.assert_array_equal(each.image, whole[kind::2][:(HEIGHT - 1) // 2])
         assert each.image.flags.c_contiguous
         assert each.stamp_ns == 7 + place * INTERVAL_NS // 2
         assert (each.x0, each.y0, each.binning) == (4, 10 + kind, (1, 2))
@@ -58,4 +58,4 @@ def test_the_planes_of_colours_are_dealt_out_too() -> None:
     """Line by line, as grey ones."""
     colours = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
     top, bottom = fields(Frame(colours, 7, 255, layout='bgr'), 'interlaced_tb', INTERVAL_NS)
-    assert (top.image.shape, bottom.image.shape) == ((4, WIDTH, 3), (3, WIDTH, 3))
+    assert (top.image.shape, bottom.image.shape) == ((3, WIDTH, 3), (3, WIDTH, 3))

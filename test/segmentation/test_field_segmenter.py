@@ -7,7 +7,9 @@ import math
 
 from blob_tracker.capture.fields import fields
 from blob_tracker.location import Locator
-from blob_tracker.segmentation import FieldSegmenter, flash_by_name, Segmenter
+from blob_tracker.segmentation import (
+    FieldSegmenter, flash_by_name, FrameError, Segmenter,
+)
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
 from blob_tracker.types import Frame, SensorNoise
 import numpy as np
@@ -75,17 +77,40 @@ def test_places_are_true_at_the_stamps_of_the_fields(
     assert nees(errors, covariances) == pytest.approx(2.0, abs=8.0 / math.sqrt(len(errors)))
 
 
-def test_another_crop_begins_afresh() -> None:
-    """Of the fields of two crops those of the last one are kept."""
+@pytest.mark.parametrize(('binning', 'offsets', 'count'), [
+    ((1, 1), (0, 0, 0, 0), 1),
+    ((1, 2), (0, 0, 0, 0), 1),  # of a camera that sums lines
+    ((1, 2), (0, 1, 0, 1), 2),
+    ((1, 2), (21, 20, 21, 20), 2),
+    ((2, 4), (0, 2, 0, 2), 2),  # fields of a binned picture
+])
+def test_each_kind_has_a_segmenter(
+    binning: tuple[int, int], offsets: tuple[int, ...], count: int
+) -> None:
+    """Frames have one, whose flash and channel are shown; none begins afresh."""
     made: list[Segmenter] = []
 
     def new_segmenter() -> Segmenter:
         made.append(Segmenter())
         return made[-1]
 
-    segmenter = FieldSegmenter(new_segmenter)
+    first = Segmenter()
+    segmenter = FieldSegmenter(new_segmenter, first)
+    assert segmenter.flash is first.flash and segmenter.channel is first.channel
     pixels = np.zeros((40, 40), np.uint8)
-    for index, y0 in enumerate((0, 1, 0, 1, 20, 21, 20, 21)):
-        assert segmenter.update(Frame(pixels, 10**7 * index, 255, y0=y0, binning=(1, 2))) is None
-        assert segmenter.reason
-    assert len(made) == 4
+    for index, y0 in enumerate(offsets):
+        assert segmenter.update(Frame(pixels, 10**7 * index, 255, y0=y0, binning=binning)) is None
+    assert len(made) == count - 1
+    assert 'afresh' not in segmenter.reason
+    segmenter.reason = 'another'
+    assert segmenter.reason == 'another'
+    assert segmenter.repeated_frames == 0 and segmenter.warnings == ()
+
+
+def test_another_crop_begins_afresh() -> None:
+    """As with frames."""
+    segmenter = FieldSegmenter(Segmenter)
+    pixels = np.zeros((40, 40), np.uint8)
+    assert segmenter.update(Frame(pixels, 0, 255)) is None
+    with pytest.raises(FrameError, match='afresh'):
+        segmenter.update(Frame(pixels, 10**7, 255, y0=20))

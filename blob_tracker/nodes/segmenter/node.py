@@ -37,6 +37,7 @@ from blob_tracker.segmentation import (
     Detections,
     Expectation,
     exposure_fault,
+    FieldSegmenter,
     Flash,
     flash_by_name,
     FrameError,
@@ -113,7 +114,7 @@ class SegmenterNode(Node):
         self._flash: tuple[dict[str, Any], Flash] | None = None
         self._channel: tuple[str, ChannelChoice] | None = None
         self._quantisation: NDArray[np.uint16] | None = None
-        self._new_segmenter: Callable[[], Segmenter]
+        self._new_segmenter: Callable[[], FieldSegmenter]
         self._newest_ns = -1  # of the stamps
         self._topics: dict[str, WindowTopics] = {}  # of all lights that there ever were
         self._targets: dict[str, WindowTopics] = {}
@@ -168,7 +169,11 @@ class SegmenterNode(Node):
             self._channel[1] if self._channel is not None and same
             else ChannelChoice(values['channel'])
         )
-        segmenter = new_segmenter(flash=flash, channel=channel)
+
+        def new_one() -> Segmenter:
+            return new_segmenter(flash=new_flash(), channel=ChannelChoice(values['channel']))
+
+        segmenter = FieldSegmenter(new_one, new_segmenter(flash=flash, channel=channel))
         quality = values['jpeg_quality']
         quantisation = standard_quantisation(quality) if quality else None
         named = {'coded': (*codes, *frequencies), 'periodic': tuple(frequencies)}
@@ -187,9 +192,7 @@ class SegmenterNode(Node):
                 self._channel = values['channel'], channel
                 self._quantisation = quantisation
                 self._segmenter = segmenter
-                self._new_segmenter = lambda: new_segmenter(
-                    flash=new_flash(), channel=ChannelChoice(values['channel'])
-                )
+                self._new_segmenter = lambda: FieldSegmenter(new_one)
                 self._late_ns = int(1e9 * values['max_pair_interval'])
                 self._saturation = values['saturation']
                 self._line_time_ns = 1e9 * values['line_time']
