@@ -111,10 +111,8 @@ def test_the_place_is_that_of_the_stamp_with_a_true_covariance(way: str) -> None
             covariances.append(found.covariance)
             lines.append((found.stamp_ns - frame.stamp_ns) / (1e9 * LINE) - found.y)
     assert len(errors) >= 55
-    # Of N pairs of errors the mean of the NEES is 2 +- 2 / sqrt(N): 4 standard deviations; partly
-    # lit pulses, whose lines do not all see the same share of the light, half as much again.
-    most = 2.0 * (1.0 + 4.0 / np.sqrt(len(errors))) * (1.5 if 'free' in way else 1.0)
-    assert 2.0 - 8.0 / np.sqrt(len(errors)) < nees(errors, covariances) < most
+    # Of N pairs of errors the mean of the NEES is 2 +- 2 / sqrt(N): 4 standard deviations.
+    assert nees(errors, covariances) == pytest.approx(2.0, abs=8.0 / np.sqrt(len(errors)))
     if way == 'alternate':
         assert np.abs(lines).max() < 1e-3  # of a line: ns of rounding
 
