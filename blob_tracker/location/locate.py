@@ -269,7 +269,7 @@ def to_location(window: Window, found: Estimates) -> Location:
         covariance = covariance + window.glimpse.doubt
         lag_x, lag_y = window.glimpse.lag.tolist()
         lag_y += window.glimpse.drawn
-    below = float(found.y[0]) - 0.5 * (window.lit.shape[0] - 1)  # the window's middle line
+    below = float(found.y[0]) - 0.5 * (len(window.lit) - 1)  # the window's middle line
     return Location(
         x=window.x0 + across * (float(found.x[0]) + 0.5) - 0.5 - lag_x,
         y=window.y0 + down * (float(found.y[0]) + 0.5) - 0.5 - lag_y,

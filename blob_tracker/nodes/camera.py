@@ -378,7 +378,7 @@ def _line_time(camera: V4l2Camera, asked: float | None) -> str:
     if asked:
         return f'{1e6 * asked:.4f} us, as line_time is set'
     told = '' if read is None else (
-        f'; the device reads a line in {1e6 * read:.4f} us: set rolling_shutter if that is its shutter'
+        f'; the device reads a line in {1e6 * read:.4f} us: set rolling_shutter if it has one'
     )
     return f'0, a global shutter{told}'
 

@@ -59,7 +59,7 @@ class FieldSegmenter:
 
     @property
     def detections(self) -> Detections | None:
-        """What was seen in the last frame, see `Segmenter`."""
+        """Return what was seen in the last frame, see `Segmenter`."""
         return self._last.detections
 
     @property
