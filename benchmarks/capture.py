@@ -78,7 +78,7 @@ class PipeCamera(V4l2Camera):
             videodev2.BUF_TYPE_VIDEO_CAPTURE, 'GREY', width, height, width, 255,
             PIXEL_FORMATS['GREY'].luma)
         self._region = SensorRegion(0, 0, (1, 1), (width, height))
-        self._binning = (1, 1)
+        self._binning, self._given_line_time = (1, 1), 0.0
         self._events = ControlEvents(self._call, ())
         self._exposure = ExposureControls(self._call, {}, width, height, Exposure(1_000_000))
         self._middle = MidExposure('exposure start', self._exposure.read())

@@ -180,6 +180,8 @@ def _of_mosaic(frame: Frame, channel: str) -> Frame:
         frame,
         image=image,
         saturation=saturation,
+        stamp_ns=frame.stamp_ns + round(0.5 * frame.line_time_ns),  # of a cell's two lines
+        line_time_ns=2.0 * frame.line_time_ns,
         binning=(2 * frame.binning[0], 2 * frame.binning[1]),
         layout='grey',
         channel=channel,

@@ -7,16 +7,21 @@ pipeline` starts is another thing, the nodes in one process: `blob_tracker.nodes
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from math import isfinite
 
 from blob_tracker import location, segmentation, tracking
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import EffectivePsf, Learned, Locator, method_options, METHODS
 from blob_tracker.location.noise_check import NoiseCheck
-from blob_tracker.segmentation import Expectation, FrameError, Segmenter
+from blob_tracker.segmentation import Expectation, FieldSegmenter, FrameError, Segmenter
 from blob_tracker.tracking import Track, Tracker, TrackingError, update_or_restart
 from blob_tracker.types import Bearing, Frame, Location, LocationError, SensorNoise, Window
+
+# Each brings the time of a line nearer by the light's speed over the shutter's: 1/50 if it crosses
+# the picture in a second, and is read in 20 ms.
+ROUNDS = 3
 
 
 def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
@@ -57,6 +62,33 @@ def expectation(track: Track, camera_model: CameraModel) -> Expectation | None:
     except LensError:
         return None
     return Expectation(x, y, derivative @ track.angle_covariance @ derivative.T)
+
+
+def expectation_in(
+    frame: Frame, seen_at: Callable[[int], Track | None], camera_model: CameraModel
+) -> Expectation | None:
+    """
+    Return where in a frame a target is expected, when the line is exposed in which it lies then.
+
+    Parameters
+    ----------
+    frame : Frame
+        Its stamp is that of the first line.
+    seen_at : callable
+        Returns the track as the camera sees the target at a stamp, ns; None where there is none.
+    camera_model : CameraModel
+        The camera.
+
+    """
+    stamp_ns = frame.stamp_ns
+    expected = None
+    for _ in range(ROUNDS):
+        track = seen_at(stamp_ns)
+        expected = None if track is None else expectation(track, camera_model)
+        if expected is None or not frame.line_time_ns or not isfinite(expected.y):
+            break
+        stamp_ns = frame.stamp_ns + round(expected.in_frame(frame).y * frame.line_time_ns)
+    return expected
 
 
 def window_to_bearing(
@@ -126,7 +158,7 @@ class Pipeline:
         Location method, a key of `blob_tracker.location.METHODS`.
     elliptical : bool
         Fit a width along x and one along y, for the methods that have both forms.
-    segmenter : Segmenter, optional
+    segmenter : Segmenter or FieldSegmenter, optional
         Finds the flash; one with default settings where it is left out. Its `reason` tells why
         the last frame gave no bearing.
     line_jitter : LineJitter, optional
@@ -164,7 +196,7 @@ class Pipeline:
         noise: SensorNoise,
         method: str = 'maximum_likelihood',
         elliptical: bool = False,
-        segmenter: Segmenter | None = None,
+        segmenter: Segmenter | FieldSegmenter | None = None,
         line_jitter: LineJitter | None = None,
         pulse: EffectivePsf | None = None,
         learn: bool = False,
@@ -174,7 +206,7 @@ class Pipeline:
             line_jitter.check_height(camera_model.height)
         self.camera_model = camera_model
         self.method = method
-        self.segmenter = segmenter or Segmenter()
+        self.segmenter: Segmenter | FieldSegmenter = segmenter or FieldSegmenter(Segmenter)
         self.line_jitter = line_jitter
         self.tracker = tracker
         self.warning = ''
@@ -214,7 +246,7 @@ class Pipeline:
         Yields
         ------
         Bearing
-            With the stamp of its lit frame.
+            With the stamp at which the light was seen, see `Location`.
 
         Raises
         ------
@@ -244,8 +276,9 @@ class Pipeline:
 
     def _expected(self, frame: Frame) -> Expectation | None:
         """Return where the tracker expects the target in a frame."""
-        track = self.tracker.seen_at(frame.stamp_ns) if self.tracker is not None else None
-        return None if track is None else expectation(track, self.camera_model)
+        if self.tracker is None:
+            return None
+        return expectation_in(frame, self.tracker.seen_at, self.camera_model)
 
     def _track(self, bearing: Bearing) -> None:
         """Have the tracker take a bearing; restart it where the stamps jumped back."""

@@ -100,7 +100,7 @@ class Frame:
     image : (h, w) or (h, w, n) uint8 or uint16 array
         Raw DN. It is looked at again when the next frame comes: do not refill it.
     stamp_ns : int
-        Time of the exposure, ns of ROS time.
+        Middle of the exposure of the image's first line, ns of ROS time.
     saturation : int
         The DN at which a pixel is clipped.
     x0, y0 : int
@@ -118,6 +118,10 @@ class Frame:
         of a picture that was not compressed.
     exposure_ns : int
         How long it was exposed, ns; 0 where that is not known.
+    line_time_ns : float
+        From the exposure of a line of the image to that of the next, ns: line r was exposed
+        about stamp_ns + r line_time_ns. 0 of a global shutter, below 0 of an image whose last
+        line is read first.
 
     """
 
@@ -132,6 +136,7 @@ class Frame:
     mosaic: Mosaic | None = None
     quantisation: NDArray[np.generic] | None = None
     exposure_ns: int = 0
+    line_time_ns: float = 0.0
 
     def __post_init__(self) -> None:
         planes = PLANES.get(self.layout)
@@ -145,6 +150,8 @@ class Frame:
             raise ValueError(f'a frame is a non-empty {wanted} array, not {shape}')
         if self.image.dtype not in (np.uint8, np.uint16):
             raise ValueError(f'a frame holds uint8 or uint16 DN, not {self.image.dtype}')
+        if not isfinite(self.line_time_ns):
+            raise ValueError(f'line_time_ns is {self.line_time_ns} ns; it must be finite')
 
     @property
     def samples(self) -> Pixels:
@@ -175,6 +182,9 @@ class Glimpse:
         to its place, px^2.
     lag : (2,) array
         By which the middle of its light lies off its place at the stamp, as its path bends, px.
+    drawn : float
+        By which it lies below its place as it was switched while its lines were exposed, and the
+        later ones have seen it longer, px.
 
     """
 
@@ -183,22 +193,24 @@ class Glimpse:
     way_sigma: float
     doubt: NDArray[np.float64]
     lag: NDArray[np.float64]
+    drawn: float = 0.0
 
     @property
     def numbers(self) -> NDArray[np.float32]:
-        """(9,) array: share, way, way_sigma, doubt as xx, xy, yy, and lag."""
+        """(10,) array: share, way, way_sigma, doubt as xx, xy, yy, lag, and drawn."""
         (xx, xy), (_, yy) = self.doubt
         return np.array(
-            [self.share, *self.way, self.way_sigma, xx, xy, yy, *self.lag], dtype=np.float32
+            [self.share, *self.way, self.way_sigma, xx, xy, yy, *self.lag, self.drawn],
+            dtype=np.float32,
         )
 
     @classmethod
     def of_numbers(cls, numbers: NDArray[np.float32]) -> Glimpse:
         """Return what `numbers` tells of."""
-        share, way_x, way_y, way_sigma, xx, xy, yy, lag_x, lag_y = map(float, numbers)
+        share, way_x, way_y, way_sigma, xx, xy, yy, lag_x, lag_y, drawn = map(float, numbers)
         return cls(
             share, np.array([way_x, way_y]), way_sigma, np.array([[xx, xy], [xy, yy]]),
-            np.array([lag_x, lag_y]),
+            np.array([lag_x, lag_y]), drawn,
         )
 
 
@@ -218,8 +230,8 @@ class Window:
     x0, y0 : int
         Place of the window's first pixel on the full, unbinned sensor, px.
     stamp_ns : int
-        When the light was seen, ns of ROS time: the middle of the lit frame's exposure, or of the
-        part of it for which the light was on.
+        When the light was seen, ns of ROS time: the middle of the exposure of the window's middle
+        line, or of the part of it for which the light was on.
     saturation : int or None
         The DN at which a pixel is clipped; None where no pixel can be.
     binning : (int, int)
@@ -233,6 +245,8 @@ class Window:
         Standard deviation that compression adds to a pixel of one frame, DN.
     glimpse : Glimpse or None
         How a light that blinks was seen, where that is known.
+    line_time_ns : float
+        From the exposure of a line of the window to that of the next, ns; see `Frame`.
 
     """
 
@@ -247,6 +261,7 @@ class Window:
     sites: NDArray[np.bool_] | None = None
     added_noise: float = 0.0
     glimpse: Glimpse | None = None
+    line_time_ns: float = 0.0
 
     def __post_init__(self) -> None:
         if self.looks < 1:
@@ -275,7 +290,8 @@ class Location:
     saturated : int
         Count of clipped pixels in the window.
     stamp_ns : int
-        The window's stamp, ns of ROS time.
+        When the light was seen there, ns of ROS time: the window's stamp, and the time from its
+        middle line to that of the place.
     warning : str
         What is not as it should be, and what to do about it; '' where all is well.
 
@@ -308,7 +324,7 @@ class Bearing:
     covariance : (2, 2) array
         mrad^2, order azimuth, elevation.
     stamp_ns : int
-        Middle of the lit frame's exposure, ns of ROS time.
+        The location's stamp, ns of ROS time.
 
     """
 

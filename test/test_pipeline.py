@@ -9,7 +9,7 @@ from blob_tracker import CameraModel, Frame, Pipeline, SensorNoise
 from blob_tracker.camera import CalibrationError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import locate, Locator
-from blob_tracker.pipeline import expectation, window_to_bearing
+from blob_tracker.pipeline import expectation, expectation_in, window_to_bearing
 from blob_tracker.resources import config_path
 from blob_tracker.simulation import flashing_light, in_step, Light, Scene, Sensor
 from blob_tracker.tracking import PlatformRates, Track, Tracker
@@ -254,6 +254,29 @@ def test_the_expectation_is_the_angle_and_its_covariance_in_pixels() -> None:
     assert np.sqrt(expected.covariance[0, 0]) == pytest.approx(2e-3 * model.matrix[0, 0], rel=0.05)
     behind = Track(5, np.array([3000.0, 0.0, 0.0, 0.0]), track.covariance)
     assert expectation(behind, model) is None
+
+
+def test_a_light_is_expected_where_its_line_sees_it() -> None:
+    """Of a light that falls through the picture: at the instant of the line that it reaches."""
+    model = CameraModel.from_field_of_view(640, 480, 50.0)
+    seen: list[int] = []
+
+    def seen_at(stamp_ns: int) -> Track:
+        seen.append(stamp_ns)
+        return Track(stamp_ns, np.array([0.0, -1e-6 * stamp_ns, 0.0, 0.0]), np.eye(4))
+
+    pixels = np.zeros((200, 640), np.uint8)
+    frame = Frame(pixels, 20_000_000, 255, y0=80, binning=(1, 2), line_time_ns=50_000.0)
+    expected = expectation_in(frame, seen_at, model)
+    assert expected is not None
+    line = (expected.y - 80 + 0.5) / 2 - 0.5
+    stamp_ns = frame.stamp_ns + 50_000.0 * line
+    y = model.place(0.0, -1e-6 * stamp_ns)[1]
+    assert expected.y == pytest.approx(y, abs=0.01)
+    seen.clear()
+    assert expectation_in(replace(frame, line_time_ns=0.0), seen_at, model) is not None
+    assert seen == [frame.stamp_ns]
+    assert expectation_in(frame, lambda stamp_ns: None, model) is None
 
 
 def test_it_learns_the_pulse_while_it_tracks() -> None:

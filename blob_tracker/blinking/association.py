@@ -5,9 +5,9 @@ from __future__ import annotations
 from blob_tracker.blinking.children import bear, Children, explain, Room, Settings
 from blob_tracker.blinking.motion import predict
 from blob_tracker.blinking.patterns import Tables
-from blob_tracker.blinking.phase import diffuse, Steps
+from blob_tracker.blinking.phase import diffuse, fill_steps
 from blob_tracker.blinking.tracks import (
-    copy_row, hit_row, miss_row, start_row, Tracks, UNNAMED,
+    copy_row, hit_row, miss_row, start_row, Tracks, UNNAMED, Y,
 )
 from blob_tracker.kernel import Array, kernel
 import numpy as np
@@ -23,8 +23,8 @@ THOUGHTS = 4  # on a light that is named
 @kernel
 def step(
     old: Tracks, count: int, new: Tracks, points: Array, number: int, tables: Tables, prior: Array,
-    on: Steps, clock: float, dt: float, settings: Settings, children: Children, room: Room,
-    most: int,
+    clocks: Array, line: float, clock: float, dt: float, settings: Settings, children: Children,
+    room: Room, most: int,
 ) -> tuple[int, int]:
     """
     Take the points of the next frame.
@@ -43,10 +43,12 @@ def step(
         Of the first point.
     tables, prior
         The patterns, and the weights of a light of which nothing is known.
-    on : (p,) int array
-        Looks by which each pattern has gone on since the clock's zero.
+    clocks : (p,) array
+        Time of each pattern, frame intervals.
+    line : float
+        From the exposure of a line to that of the next, frame intervals.
     clock, dt : float
-        Time, and time since the last frame, frame intervals.
+        Time, and time since the last frame, frame intervals; as `clocks` of the first line.
     settings : Settings
         What the association is told.
     children, room
@@ -73,16 +75,16 @@ def step(
     for row in range(count):
         if old.name[row] != UNNAMED:
             born = bear(
-                old, row, points, owner, explained, tables, on, clock, settings, children, born,
-                room,
+                old, row, points, owner, explained, tables, clocks, line, clock, settings,
+                children, born, room,
             )
     _claim(old, children, born, names, owner)
     named = born
     for row in range(count):
         if old.name[row] == UNNAMED:
             born = bear(
-                old, row, points, owner, explained, tables, on, clock, settings, children, born,
-                room,
+                old, row, points, owner, explained, tables, clocks, line, clock, settings,
+                children, born, room,
             )
     filled, unclaimed = 0, 0
     best = np.full(names, -np.inf)
@@ -95,17 +97,18 @@ def step(
                 name = old.name[children.parent[child]]
                 if name != UNNAMED:
                     children.score[child] -= max(best[name] - HIGHEST_SCORE, 0.0)
-                _grow(old, new, filled, children, child, points, number, tables, on, clock,
-                      settings, room)
+                _grow(old, new, filled, children, child, points, number, tables, clocks, line,
+                      clock, settings, room)
                 filled += 1
     for each in range(points.shape[0]):
         if owner[each] != UNNAMED:
             continue
         unclaimed += 1
         if not explained[each] and filled < new.score.size:
+            fill_steps(tables, clocks, line * points[each, Y], room.on)
             start_row(
                 new, filled, points[each], each, number + each, FIRST_SCORE, settings.speed,
-                tables, prior, on, clock, settings.least, room.likelihood,
+                tables, prior, room.on, clock, settings.least, room.likelihood,
             )
             filled += 1
     return filled, unclaimed
@@ -181,19 +184,22 @@ def _is_worth(
 @kernel
 def _grow(
     old: Tracks, new: Tracks, to: int, children: Children, child: int, points: Array, number: int,
-    tables: Tables, on: Steps, clock: float, settings: Settings, room: Room,
+    tables: Tables, clocks: Array, line: float, clock: float, settings: Settings, room: Room,
 ) -> None:
     """Make a child a row."""
     row, point, gain = children.parent[child], children.point[child], children.gain[child]
+    y = old.state[row, 1] if point < 0 else points[point, Y]
+    fill_steps(tables, clocks, line * y, room.on)
     copy_row(old, row, new, to)
     new.score[to] = children.score[child]
     if point < 0:
         miss_row(
-            new, to, gain, children.moments[child, 2], tables, on, settings.least, room.likelihood,
+            new, to, gain, children.moments[child, 2], tables, room.on, settings.least,
+            room.likelihood,
         )
     else:
         hit_row(
             new, to, points[point], point, number + point, children.kind[child], gain,
-            children.moments[child], tables, on, clock, settings.least, room.likelihood,
+            children.moments[child], tables, room.on, clock, settings.least, room.likelihood,
             room.matrix,
         )

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from blob_tracker.blinking.motion import project
 from blob_tracker.blinking.patterns import Tables
 from blob_tracker.blinking.phase import (
-    expected_share, fill_hit, fill_miss, fill_outlook, judge_hit, judge_miss, Steps,
+    expected_share, fill_hit, fill_miss, fill_outlook, fill_steps, judge_hit, judge_miss, Steps,
 )
 from blob_tracker.blinking.tracks import (
     FLUX, FLUX_SIGMA, MISS, SMOOTH, Tracks, TURN, TURN_LEAST, TURN_SPEED, UNNAMED, X, XX, XY, Y,
@@ -64,12 +64,13 @@ class Children(NamedTuple):
 
 
 class Room(NamedTuple):
-    """Working space of the kernels: matrix, outlook, likelihood, moments."""
+    """Working space of the kernels: matrix, outlook, likelihood, moments, on."""
 
     matrix: Array
     outlook: Array
     likelihood: Array
     moments: Array
+    on: Steps
 
 
 @kernel
@@ -98,11 +99,12 @@ def _apart(dx: float, dy: float, xx: float, xy: float, yy: float) -> tuple[float
 @kernel
 def bear(
     old: Tracks, row: int, points: Array, owner: NDArray[np.int64], explained: NDArray[np.bool_],
-    tables: Tables, on: Steps, clock: float, settings: Settings, children: Children, born: int,
-    room: Room,
+    tables: Tables, clocks: Array, line: float, clock: float, settings: Settings,
+    children: Children, born: int, room: Room,
 ) -> int:
     """Write down what may become of a row: unseen, or seen in one of the points in its reach."""
-    outlook, likelihood, moments = room.outlook, room.likelihood, room.moments
+    outlook, likelihood, moments, on = room.outlook, room.likelihood, room.moments, room.on
+    fill_steps(tables, clocks, line * old.state[row, 1], on)
     fill_outlook(tables, on, old.weights[row], old.name[row], outlook)
     fill_miss(old.full[row], settings.least, likelihood)
     moments[:] = 0.0

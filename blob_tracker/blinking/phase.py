@@ -102,6 +102,18 @@ def _sub_cell(begin: int, at: int, count: int) -> int:
 
 
 @kernel
+def fill_steps(tables: Tables, clocks: Array, later: float, on: Steps) -> None:
+    """
+    Fill how many looks each pattern has gone on since the zero of its clock.
+
+    `clocks` tell the time of the frame's first line, `later` is that of the line, frame intervals.
+    """
+    for p in range(on.size):
+        looks = SUB_CELLS * (tables.first[p + 1] - tables.first[p])
+        on[p] = math.floor(tables.rate[p] * (clocks[p] + later) + 0.5) % looks
+
+
+@kernel
 def fill_outlook(
     tables: Tables, on: Steps, weights: Array, only: int, outlook: Array
 ) -> None:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from blob_tracker.blinking.association import step
 from blob_tracker.blinking.children import Children, Room, Settings
 from blob_tracker.blinking.naming import best_rows, CLEAR, give_names
-from blob_tracker.blinking.patterns import Pattern, SUB_CELLS, tables
+from blob_tracker.blinking.patterns import Pattern, tables
 from blob_tracker.blinking.phase import fill_prior, OTHERS
 from blob_tracker.blinking.tracks import copy_row, empty_tracks, LEVELS, Tracks
 from blob_tracker.kernel import Array, kernel
@@ -37,7 +37,7 @@ class Lit(NamedTuple):
     point : int
         Index of its point.
     x, y : float
-        Filtered place at the middle of the frame's exposure, px.
+        Filtered place at the middle of the exposure of its line, px.
     vx, vy : float
         Velocity, px/s.
     covariance : (6, 6) array
@@ -124,7 +124,8 @@ class BlinkTracker:
             np.zeros(born), np.zeros(born), np.zeros((born, 5)),
         )
         self._room = Room(
-            np.zeros((6, 6)), np.zeros((4, LEVELS)), np.zeros(LEVELS), np.zeros(5)
+            np.zeros((6, 6)), np.zeros((4, LEVELS)), np.zeros(LEVELS), np.zeros(5),
+            np.zeros(len(patterns), np.int64),
         )
         self._longest = max(each.longest_dark for each in patterns) / interval + 2.0
         self._keep = np.zeros(rows, np.bool_)
@@ -134,7 +135,6 @@ class BlinkTracker:
         self._clutter = 2.0
         self._numbers = 0
         self._in_step = np.array([each.frames > 0 for each in patterns])
-        self._looks = SUB_CELLS * np.diff(self._tables.first)
         scale = np.repeat([1.0, 1.0 / interval, 1.0 / interval**2], 2)
         self._units = np.outer(scale, scale)  # from frame intervals to s
         self._frames = 0
@@ -142,18 +142,25 @@ class BlinkTracker:
         self._begun_ns: int | None = None
         self._last_ns = 0
 
-    def update(self, points: Array, stamp_ns: int, least_flux: float) -> list[Lit]:
+    def update(
+        self, points: Array, stamp_ns: int, least_flux: float, line_time: float = 0.0
+    ) -> list[Lit]:
         """
         Take the points of the next frame.
+
+        On a rolling shutter places are where the lights stood when their lines were exposed, and
+        velocities what these move by from frame to frame: v / (1 - v_y line_time).
 
         Parameters
         ----------
         points : (n, 7) array
             x, y, and its variances xx, xy, yy, px; flux and its standard deviation, DN px^2.
         stamp_ns : int
-            Middle of the exposure; later than that of the last frame.
+            Middle of the exposure of the first line; later than that of the last frame.
         least_flux : float
             Flux of which half is seen.
+        line_time : float
+            From the exposure of a line to that of the next, s.
 
         Returns
         -------
@@ -171,9 +178,7 @@ class BlinkTracker:
             passed = max(round(dt / self._pace), 1)
             self._frames += passed
             self._pace += PACE_PART * (dt / passed - self._pace)
-        looks = np.floor(
-            self._tables.rate * np.where(self._in_step, self._frames, clock) + 0.5
-        ).astype(np.int64) % self._looks
+        clocks = np.where(self._in_step, self._frames, clock)  # of each pattern's light
         order = np.arange(len(points))
         if len(points) > MOST_POINTS:
             order = np.argsort(-points[:, 5])[:MOST_POINTS]
@@ -184,8 +189,9 @@ class BlinkTracker:
         )
         old, new = self._tracks, self._spare
         count, unclaimed = step(
-            old, self._count, new, points, self._numbers, self._tables, self._prior, looks, clock,
-            dt, settings, self._children, self._room, MOST_UNNAMED,
+            old, self._count, new, points, self._numbers, self._tables, self._prior, clocks,
+            line_time / self.interval, clock, dt, settings, self._children, self._room,
+            MOST_UNNAMED,
         )
         self._numbers += len(points)
         self._clutter += (unclaimed - self._clutter) / CLUTTER_FRAMES

@@ -14,7 +14,8 @@ What a driver stamps is one of three instants, and its flags do not tell all of 
 (0.9 of the interval later). No light arrives after it is read: such stamps are cut at the time
 of reading.
 
-A rolling shutter exposes each line at its own time: the middle is that of the first line.
+A rolling shutter exposes each line at its own time: the middle is that of the line that is
+exposed first.
 """
 
 from __future__ import annotations
@@ -48,11 +49,15 @@ class Exposure:
         Exposure of a line, ns.
     readout_ns : int or None
         From the end of the first line's exposure to the end of the transfer, ns.
+    line_ns : float or None
+        From the exposure of a line that the sensor reads to that of the next, ns; of a sensor
+        with a global shutter how long it takes to read a line.
 
     """
 
     time_ns: int | None = None
     readout_ns: int | None = None
+    line_ns: float | None = None
 
 
 def source_of(buffer_flags: int, driver: str) -> Source:
@@ -85,6 +90,25 @@ def place(source: Source, exposure: Exposure) -> str:
     if source == 'exposure start':
         return 'start of the exposure, whose length is unknown'
     return f'end of the exposure, whose length is unknown{after}'
+
+
+def of_first_line(line_time_ns: float, height: int, binning: int) -> int:
+    """
+    Return how much later than the line that is exposed first a frame's first line is, ns.
+
+    Parameters
+    ----------
+    line_time_ns : float
+        From the exposure of a line of the frame to that of the next, ns; below 0 where the last
+        one is exposed first.
+    height : int
+        Lines of the frame.
+    binning : int
+        Lines that the sensor reads for one of the frame's.
+
+    """
+    before = 0 if line_time_ns >= 0.0 else height - 1
+    return round(abs(line_time_ns) * (before + 0.5 - 0.5 / binning))
 
 
 class MidExposure:
@@ -131,6 +155,11 @@ class MidExposure:
     def time_ns(self) -> int:
         """Return how long the last frame was exposed, ns; 0 where that is not known."""
         return self._changes[0][1].time_ns or 0
+
+    @property
+    def line_ns(self) -> float | None:
+        """Return how long a line of the last frame took, ns; None where it is not known."""
+        return self._changes[0][1].line_ns
 
     def changed(self, since_ns: int, exposure: Exposure) -> None:
         """Take another exposure for frames that begin at `since_ns`, monotonic, or later."""
@@ -222,7 +251,9 @@ class ExposureControls:
         if readout_ns is None and line_ns is not None:
             readout_ns = round(self._height * line_ns)
         time_ns = self._time_ns(line_ns)
-        return Exposure(self._otherwise.time_ns if time_ns is None else time_ns, readout_ns)
+        return Exposure(
+            self._otherwise.time_ns if time_ns is None else time_ns, readout_ns, line_ns
+        )
 
     def unit_ns(self) -> float | None:
         """

@@ -24,7 +24,9 @@ from blob_tracker.capture.format import set_format
 from blob_tracker.capture.frame_rate import set_frame_rate
 from blob_tracker.capture.selection import sensor_region
 from blob_tracker.capture.signal import Signal
-from blob_tracker.capture.stamps import Exposure, ExposureControls, MidExposure, source_of
+from blob_tracker.capture.stamps import (
+    Exposure, ExposureControls, MidExposure, of_first_line, source_of,
+)
 from blob_tracker.types import Frame
 
 Result = TypeVar('Result')
@@ -61,6 +63,10 @@ class V4l2Camera:
     readout_time : float or None
         s from the end of the exposure to the end of the transfer, of a camera whose driver
         stamps the latter and whose controls do not tell.
+    line_time : float or None
+        s from the exposure of a line of the frames to that of the next, below 0 where the last
+        one is exposed first; 0 of a global shutter. None takes it from the device's controls, as
+        far as they tell, for a sensor with a rolling shutter.
     prepare : function
         Called with the camera when its format is set and no frame has come yet: drivers lock some
         controls while they stream.
@@ -112,6 +118,7 @@ class V4l2Camera:
         buffers: int = 4,
         exposure_time: float | None = None,
         readout_time: float | None = None,
+        line_time: float | None = 0.0,
         prepare: Callable[[V4l2Camera], None] = lambda camera: None,
         channel: str = 'luma',
     ) -> None:
@@ -120,7 +127,10 @@ class V4l2Camera:
         for name, seconds in (('exposure_time', exposure_time), ('readout_time', readout_time)):
             if seconds is not None and not 0.0 <= seconds < float('inf'):
                 raise CaptureError(f'{name} is {seconds} s; it must be 0 or more')
+        if line_time is not None and not abs(line_time) < float('inf'):
+            raise CaptureError(f'line_time is {line_time} s; it must be finite')
         self.device = device
+        self._given_line_time = line_time
         self._first = (0, 0)  # sequence and stamp of the first frame
         self._interval_ns = 0
         self._memory: list[mmap.mmap] = []
@@ -152,7 +162,8 @@ class V4l2Camera:
             known = controls.controls(self._call)
             self._events = ControlEvents(self._call, known.values())
             self._exposure = ExposureControls(
-                self._call, known, self.width, self.height,
+                self._call, known, self.width * self._format.binning,
+                self.height * self._format.binning,
                 Exposure(_ns(exposure_time), _ns(readout_time)))
             self._middle = MidExposure(
                 source_of(self._buffer_flags, driver(self._fd)), self._exposure.read())
@@ -227,6 +238,19 @@ class V4l2Camera:
         """Return how long a frame is exposed, s, with the controls as set; None if unknown."""
         time_ns = self._middle.exposure.time_ns
         return None if time_ns is None else time_ns / 1e9
+
+    @property
+    def line_time(self) -> float | None:
+        """Return s from the exposure of a line of the frames to that of the next, if known."""
+        if self._given_line_time is not None:
+            return self._given_line_time
+        return self.read_time
+
+    @property
+    def read_time(self) -> float | None:
+        """Return how long the sensor reads a line of the frames, s, if its controls tell."""
+        line_ns = self._middle.exposure.line_ns
+        return None if line_ns is None else self._format.binning * line_ns / 1e9
 
     @property
     def exposure_unit(self) -> float | None:
@@ -412,10 +436,18 @@ class V4l2Camera:
         self._count(buffer.sequence, stamp_ns)
         self._follow_controls()
         middle_ns = self._middle.middle(stamp_ns, time.monotonic_ns())
+        line_time_ns = self._line_time_ns()
+        later_ns = of_first_line(line_time_ns, image.shape[0], self._format.binning)
         return Frame(
-            image, self._clock.from_monotonic(middle_ns), self.saturation,
+            image, self._clock.from_monotonic(middle_ns) + later_ns, self.saturation,
             self._region.x0, self._region.y0, self._binning, self._format.layout,
-            quantisation=steps, exposure_ns=self._middle.time_ns)
+            quantisation=steps, exposure_ns=self._middle.time_ns, line_time_ns=line_time_ns)
+
+    def _line_time_ns(self) -> float:
+        """Return the line time of the last frame, ns; 0 where it is not known."""
+        if self._given_line_time is None:
+            return self._format.binning * (self._middle.line_ns or 0.0)
+        return 1e9 * self._given_line_time
 
     def _follow_controls(self) -> None:
         """Take note of the controls that others changed, those of the exposure above all."""

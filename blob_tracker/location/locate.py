@@ -194,7 +194,8 @@ def locate(
     Locate the blob of one window, in the coordinates of the full, unbinned sensor.
 
     With b sensor pixels to a window pixel, u = x0 + b (x + 1/2) - 1/2, and the covariance
-    grows by b^2.
+    grows by b^2. The stamp is that of the line y in which it lies: on a rolling shutter it is
+    later than that of the window's middle line by (y - (h - 1)/2) line_time_ns.
 
     Parameters
     ----------
@@ -232,6 +233,10 @@ def estimate(
     if window.added_noise > 0.0:
         read_noise = math.hypot(noise.read_noise, window.added_noise)
         noise = replace(noise, read_noise=read_noise)
+    if window.binning[0] != window.binning[1] and 'elliptical' in signature(
+        METHODS[method]
+    ).parameters:
+        options['elliptical'] = True  # a round light is not, in the lines of a field
     if window.glimpse is not None and 'way' in signature(METHODS[method]).parameters:
         options['way'] = Way(
             window.glimpse.way / window.binning,
@@ -263,6 +268,8 @@ def to_location(window: Window, found: Estimates) -> Location:
     if window.glimpse is not None:
         covariance = covariance + window.glimpse.doubt
         lag_x, lag_y = window.glimpse.lag.tolist()
+        lag_y += window.glimpse.drawn
+    below = float(found.y[0]) - 0.5 * (len(window.lit) - 1)  # the window's middle line
     return Location(
         x=window.x0 + across * (float(found.x[0]) + 0.5) - 0.5 - lag_x,
         y=window.y0 + down * (float(found.y[0]) + 0.5) - 0.5 - lag_y,
@@ -273,7 +280,7 @@ def to_location(window: Window, found: Estimates) -> Location:
         snr=float(found.snr[0]),
         chi2=float(found.chi2[0]),
         saturated=int(found.saturated[0]),
-        stamp_ns=window.stamp_ns,
+        stamp_ns=window.stamp_ns + round(below * window.line_time_ns),
         warning=found.warnings.get(0, ''),
     )
 

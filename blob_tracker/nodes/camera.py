@@ -40,7 +40,7 @@ from std_srvs.srv import Trigger
 # What the device is opened with: another value opens it again.
 DEVICE = (
     'device', 'width', 'height', 'pixel_format', 'frame_rate', 'buffers', 'exposure_time',
-    'readout_time', 'channel',
+    'readout_time', 'line_time', 'channel',
 )
 FRAME_TIMEOUT_S = 0.1  # s: how soon the end of the node is noticed while no frame comes
 QUIET_S, LONGEST_SILENCE_S = 1.0, 10.0  # s without a frame: is told; opens the device again
@@ -112,6 +112,8 @@ class CameraNode(Node):
         device = {name: values[name] for name in DEVICE}
         for name in ('exposure_time', 'readout_time'):
             device[name] = device[name] or None
+        if values['rolling_shutter'] and not device['line_time']:
+            device['line_time'] = None  # as the device tells
         if model is not None and device == self._settings:
             with about('camera_info_url'):
                 self._check_size(model)
@@ -258,6 +260,14 @@ class CameraNode(Node):
         self._watch_losses(camera, grabber)
         self._health.show('exposure time', _exposure(camera))
         self._health.show('stamp', camera.stamp_place)
+        self._health.show('line time', _line_time(camera, self._settings['line_time']))
+        if camera.line_time is None:
+            self._health.fault(
+                WARN,
+                'rolling_shutter is on, and the device has no controls hblank and pixel_rate that '
+                'tell its line time: the stamps are those of the first line; measure it with '
+                'python3 -m blob_tracker calibrate line_time, and set line_time',
+            )
         self._health.show('saturation', camera.saturation)
         if not calibrated:
             self._health.fault(
@@ -356,6 +366,21 @@ class CameraNode(Node):
 def _exposure(camera: V4l2Camera) -> str:
     seconds = camera.exposure_time
     return 'unknown' if seconds is None else f'{1e3 * seconds:.4g} ms'
+
+
+def _line_time(camera: V4l2Camera, asked: float | None) -> str:
+    """Say which line time is used, and where it is from."""
+    if camera.line_time is None:
+        return 'unknown, taken as 0'
+    read = camera.read_time
+    if asked is None:
+        return f'{1e6 * camera.line_time:.4f} us, by hblank and pixel_rate of the device'
+    if asked:
+        return f'{1e6 * asked:.4f} us, as line_time is set'
+    told = '' if read is None else (
+        f'; the device reads a line in {1e6 * read:.4f} us: set rolling_shutter if it has one'
+    )
+    return f'0, a global shutter{told}'
 
 
 def main() -> None:

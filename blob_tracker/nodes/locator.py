@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 import sys
@@ -124,6 +125,7 @@ class LocatorNode(Node):
             with self._lock:
                 self._locator, self._keep_at = locator, keep_at
                 self._saturation, self._looks = values['saturation'], values['looks']
+                self._line_time_ns = 1e9 * values['line_time']
                 self._configured = self._noise = noise
                 self._noise_checks.clear()
                 self._line_jitter = line_jitter
@@ -217,6 +219,8 @@ class LocatorNode(Node):
             camera_model = self._camera.model(info)
             self._fit_pulse(camera_model)
             window = clipping_window(window, self._saturation, self._looks)
+            if self._line_time_ns:
+                window = replace(window, line_time_ns=self._line_time_ns)
             if light not in self._noise_checks:
                 self._noise_checks[light] = NoiseCheck(self._configured)
             check = self._noise_checks[light]

@@ -205,19 +205,22 @@ class SimulatorNode(Node):
 
     def _picture(self) -> tuple[Frame, Truth]:
         """Return the next frame: the one that is ready, or that whose exposure ends now."""
-        stamp_ns = self.get_clock().now().nanoseconds
+        now_ns = self.get_clock().now().nanoseconds
+        sensor = self._scene.sensor
         if self._vehicle is None:
             frame = Frame(
-                self._pixels, stamp_ns, self._scene.sensor.saturation,
+                self._pixels, now_ns - self._scene.before_middle_ns, sensor.saturation,
                 exposure_ns=round(1e9 * self._scene.exposure / self._scene.rate),
+                line_time_ns=1e9 * sensor.row_time,
             )
             return frame, self._scene.truth(self._index)
-        exposure = self._vehicle.camera.exposure
-        end = max(self._time(stamp_ns), self._vehicle.pan_tilt.time, exposure)
+        camera = self._vehicle.camera
+        taken = camera.exposure + camera.readout
+        end = max(self._time(now_ns), self._vehicle.pan_tilt.time, taken)
         frame, truth = self._vehicle.picture(self._index, end)
         self._publish_states()  # on their way before the frame: who tracks it waits for them
-        middle_ns = self._begin_ns + round(1e9 * (end - 0.5 * exposure))
-        return replace(frame, stamp_ns=middle_ns), truth
+        first_ns = self._begin_ns + frame.stamp_ns - 10**9  # its time counts from 1 s on
+        return replace(frame, stamp_ns=first_ns), truth
 
     def _publish(self) -> None:
         """Publish a frame, then draw the next, if it is known: drawing costs no latency."""
@@ -237,7 +240,7 @@ class SimulatorNode(Node):
                 snr=np.inf,
                 chi2=0.0,
                 saturated=0,
-                stamp_ns=stamp_ns,
+                stamp_ns=stamp_ns + round(truth.y * frame.line_time_ns),
             )
             bearing = self._camera_model.bearing(location)
             self._centroids.publish(centroid_message(location, self._frame_id))

@@ -5,6 +5,7 @@ from blob_tracker.segmentation.compiled import compile_ahead
 from blob_tracker.segmentation.detections import Detections
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.exposure import exposure_fault
+from blob_tracker.segmentation.field_segmenter import FieldSegmenter
 from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.flash_modes import (
     codes_from_text, flash_by_name, FLASH_MODES, frequencies_from_text,
@@ -19,6 +20,7 @@ __all__ = [
     'Detections',
     'Expectation',
     'FLASH_MODES',
+    'FieldSegmenter',
     'Flash',
     'FrameError',
     'REGISTRATIONS',

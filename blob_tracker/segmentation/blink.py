@@ -22,6 +22,11 @@ import numpy as np
 ROUNDING_DN = float(np.sqrt(1 / 12))  # DN, of one frame
 WAY_FRACTION = 0.03  # of a streak's length, by which it may be off: its path bends
 ABOUT = 4.0  # sigma to each side: a window and its background
+# Of what the lines of a rolling shutter draw a light by, as the pulse is no Gaussian
+DRAWN_FRACTION = 0.2
+LEAST_DARK = 0.02  # of the exposure: what is shorter is not told from none
+PULSE_LINES = np.linspace(-3.0, 3.0, 25)  # sigma from the middle of a pulse
+PULSE = np.exp(-0.5 * PULSE_LINES**2)
 BESIDE = 4.0  # sigma of a light, within which another one draws its place
 UNKNOWN_EXPOSURE = 0.5  # of the frame interval, where nobody tells
 
@@ -76,7 +81,8 @@ class Blink:
         self._duty, self._exposure = duty, exposure
         self._history = FrameHistory(2, max_pair_interval)
         self._tracker: BlinkTracker | None = None
-        self._first: tuple[Array, int, float] | None = None  # of the frame before there is one
+        # Of the frame before there is one
+        self._first: tuple[Array, int, float, float] | None = None
         self._dark = DarkLook()
         self._named = False
         self.reason = 'no frame yet'
@@ -144,7 +150,7 @@ class Blink:
         table, least = points(contrast, allowed, max(
             (each.noise for each in candidates), default=contrast.floor
         ))
-        seen = table, contrast.frame.stamp_ns, least
+        seen = table, contrast.frame.stamp_ns, least, contrast.frame.line_time_ns / 1e9
         if self._tracker is None:
             # The next frame tells the interval.
             self._first, self._named = seen, False
@@ -161,7 +167,10 @@ class Blink:
         exposure, known = self._tracker.exposure, self._tracker.known()
         return [
             (each.name, self._with_dark_look(
-                contrast, _at_its_instant(allowed[each.point], each, exposure, known)
+                contrast,
+                _at_its_instant(
+                    allowed[each.point], each, exposure, contrast.frame.line_time_ns / 1e9, known
+                ),
             ))
             for each in found
         ]
@@ -220,7 +229,7 @@ def _why_none(candidates: Sequence[Candidate], allowed: Sequence[Candidate]) -> 
 
 
 def _at_its_instant(
-    candidate: Candidate, light: Lit, exposure: float, known: Sequence[Known]
+    candidate: Candidate, light: Lit, exposure: float, line_time: float, known: Sequence[Known]
 ) -> Candidate:
     """
     Return the candidate with the time at which it was seen, and what is known of its path.
@@ -229,13 +238,14 @@ def _at_its_instant(
     What another light beside it draws it to is in the doubt: d f' / (f + f').
     """
     lit = light.share * exposure
+    drawn, drawn_sigma = _drawn(light, candidate.sigma_y, exposure, line_time)
     spread = light.covariance
     speed = math.hypot(light.vx, light.vy)
     sigma = lit * math.sqrt(0.5 * (spread[2, 2] + spread[3, 3]))
     bend, late = lit**2 / 24.0, light.tau_sigma**2
     xx = light.vx**2 * late + bend**2 * spread[4, 4]
     xy = light.vx * light.vy * late + bend**2 * spread[4, 5]
-    yy = light.vy**2 * late + bend**2 * spread[5, 5]
+    yy = light.vy**2 * late + bend**2 * spread[5, 5] + drawn_sigma**2
     reach = BESIDE * candidate.sigma_major + 0.5 * lit * speed
     own = max(each.flux for each in known if each.name == light.name)
     for other in known:
@@ -248,9 +258,35 @@ def _at_its_instant(
     glimpse = Glimpse(
         light.share, np.array([lit * light.vx, lit * light.vy]),
         sigma + WAY_FRACTION * lit * speed, np.array([[xx, xy], [xy, yy]]),
-        np.array([bend * light.ax, bend * light.ay]),
+        np.array([bend * light.ax, bend * light.ay]), drawn,
     )
     return candidate._replace(tau=light.tau, glimpse=glimpse)
+
+
+def _drawn(
+    light: Lit, sigma: float, exposure: float, line_time: float
+) -> tuple[float, float]:
+    """
+    Return by how much lower a light seems to lie that is switched while its lines are exposed, px.
+
+    And the standard deviation of that: the sign may be in doubt.
+
+    A rolling shutter sees it longer by the line time from line to line after it was switched on
+    within the exposure, shorter after it was switched off. Its pulse is weighed by the share
+    s + r line_time / E in the line r from the middle, 0 to 1: for a weak slope it is drawn by
+    sigma^2 line_time / (s E). Where it was switched tau = +- (1 - s) E / 2, which tells the sign;
+    at tau = 0 it was on in the middle of the exposure, for the same time in all lines.
+    """
+    if not line_time:
+        return 0.0, 0.0
+    half_dark = max(0.5 * (1.0 - light.share), LEAST_DARK) * exposure
+    rows = sigma * PULSE_LINES
+    seen = np.clip(light.share + line_time / exposure * rows, 0.0, 1.0)
+    weights = seen * PULSE
+    most = float((weights * rows).sum() / max(weights.sum(), LEAST_DARK))
+    switched = min(max(light.tau / half_dark, -1.0), 1.0)
+    unsure = min(light.tau_sigma / half_dark, 1.0)
+    return switched * most, math.hypot(unsure, DRAWN_FRACTION) * most
 
 
 @functools.cache

@@ -122,7 +122,8 @@ class FrameStack:
 def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
     """Return the raw pixels of a box, summed over all frames of the looks."""
     frame = pairs[-1].frame
-    binning, sites = frame.binning, None
+    binning, sites, line_ns = frame.binning, None, frame.line_time_ns
+    first_ns = begun_ns = pairs[0].frame.stamp_ns
     x0, y0 = frame.x0 + binning[0] * box.x0, frame.y0 + binning[1] * box.y0
     added_noise = compression_noise(frame.quantisation, candidate)
     saturation = frame.sample_saturation
@@ -130,26 +131,29 @@ def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
         binning = binning[0] // 2, binning[1] // 2
         sites = np.tile(frame.mosaic.sites, (box.y1 - box.y0, box.x1 - box.x0))
         box = Box(*(2 * edge for edge in box))
+        line_ns /= 2
+        first_ns -= round(line_ns / 2)  # from the middle of a cell to its first line
     inside = box.slices
     lit = [image[inside].copy() for pair in pairs for image in pair.lit]
     unlit = [image[inside].copy() for pair in pairs for image in pair.unlit]
     noises = [pair.noise for pair in pairs for _ in pair.unlit]
     for bright, dark, noise in zip(lit, unlit, noises):
         mark_dead(bright, dark, frame.saturation, noise)
-    first = pairs[0].frame.stamp_ns
-    seen = sum(pair.frame.stamp_ns - first + pair.tau_ns for pair in pairs) // len(pairs)
+    seen_ns = sum(pair.frame.stamp_ns - begun_ns + pair.tau_ns for pair in pairs) // len(pairs)
+    middle_line = 0.5 * (box.y0 + box.y1 - 1)
     return Window(
         lit=sum_frames(lit, saturation),
         unlit=sum_frames(unlit, saturation) if len(unlit) == len(lit) else None,
         x0=x0,
         y0=y0,
-        stamp_ns=first + seen,
+        stamp_ns=first_ns + seen_ns + round(line_ns * middle_line),
         saturation=FULL_SCALE_DN if len(lit) > 1 else saturation,
         binning=binning,
         looks=len(lit),
         sites=sites,
         added_noise=added_noise,
         glimpse=_on_sensor(candidate.glimpse, frame) if len(pairs) == 1 else None,
+        line_time_ns=line_ns,
     )
 
 
@@ -161,6 +165,7 @@ def _on_sensor(glimpse: Glimpse | None, frame: Frame) -> Glimpse | None:
     seen = Glimpse(
         glimpse.share, glimpse.way * scale, glimpse.way_sigma * float(scale.max()),
         glimpse.doubt * np.outer(scale, scale), glimpse.lag * scale,
+        glimpse.drawn * frame.binning[1],
     )
     # As a message has it, so that one process and several place it alike.
     return Glimpse.of_numbers(seen.numbers)

@@ -22,6 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Turned = Callable[[Array], Array]
+ROUNDS = 4  # each brings the time of the light's row nearer by its speed over the shutter's
 PARTS = 5  # of an exposure, in each of which the light stands still
 MARGIN_PX = 96  # px of the shore around what the camera sees when it points at the light
 
@@ -32,7 +34,9 @@ class PanTiltCamera:
     What a camera on a pan/tilt sees of a light, and of the shore behind it.
 
     The light is drawn where it is in each part of the exposure, so that it is smeared as the
-    camera turns. The shore is shifted and turned with it, as a whole and once a frame.
+    camera turns. The shore is shifted and turned with it, as a whole and once a frame. With a
+    rolling shutter (`sensor.row_time`) both are seen when the row is exposed in which the light
+    lies, and not sheared.
 
     Parameters
     ----------
@@ -105,7 +109,33 @@ class PanTiltCamera:
         x, y, z = self.rays(times, joints).T
         return np.asarray(np.arctan2(np.hypot(x, y), z))
 
-    def frame(self, index: int, middle: float, joints: Array, *, lit: bool) -> Frame:
+    @property
+    def readout(self) -> float:
+        """From the exposure of the first row to that of the last, s."""
+        return self.sensor.row_time * (self.region[1] - 1)
+
+    def seen(self, first: float, joints: Turned) -> float:
+        """
+        Return the middle of the exposure of the row in which the light lies, s.
+
+        Parameters
+        ----------
+        first : float
+            That of the first row, s.
+        joints : callable
+            From times (n,) in s to pan and tilt (n, 2), rad.
+
+        """
+        time = first
+        top = (self.model.height - self.region[1]) // 2
+        for _ in range(ROUNDS if self.sensor.row_time else 0):
+            times = np.array([time])
+            row = self.model.project(self.rays(times, joints(times)))[0, 1] - top
+            if np.isfinite(row):
+                time = first + self.sensor.row_time * min(max(row, 0.0), self.region[1] - 1.0)
+        return time
+
+    def frame(self, index: int, first: float, joints: Turned, *, lit: bool) -> Frame:
         """
         Take a picture.
 
@@ -113,24 +143,26 @@ class PanTiltCamera:
         ----------
         index : int
             Of the frame: its noise.
-        middle : float
-            Of the exposure, s.
-        joints : (5, 2) array
-            Pan and tilt at the `times` of this exposure, rad.
+        first : float
+            Middle of the exposure of its first row, s.
+        joints : callable
+            From times (n,) in s, of the whole exposure, to pan and tilt (n, 2), rad.
         lit : bool
             Whether the light is on.
 
         Returns
         -------
         Frame
-            With the stamp of the middle, counted from 1 s on.
+            With the stamp of `first`, counted from 1 s on.
 
         """
         width, height = self.region
         left, top = (self.model.width - width) // 2, (self.model.height - height) // 2
-        rays = self.rays(self.times(middle), joints)
-        places = self.model.project(rays)
-        picture = self._shore(middle, joints[PARTS // 2], places[PARTS // 2])
+        middle = self.seen(first, joints)
+        times = self.times(middle)
+        turned = joints(times)
+        places = self.model.project(self.rays(times, turned))
+        picture = self._shore(middle, turned[PARTS // 2], places[PARTS // 2])
         if lit:
             random = np.random.Generator(np.random.SFC64([self.seed, index, 1]))
             lines = jittering_offsets(
@@ -143,7 +175,8 @@ class PanTiltCamera:
             picture = peaked(picture, self.chain.trailing_edge).astype(np.float32)
         pixels = self.sensor.expose(picture, NoiseBank(self.seed, index))
         return Frame(
-            pixels, 10**9 + round(1e9 * middle), self.sensor.saturation, left, top
+            pixels, 10**9 + round(1e9 * first), self.sensor.saturation, left, top,
+            line_time_ns=1e9 * self.sensor.row_time,
         )
 
     def _add(

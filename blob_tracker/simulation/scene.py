@@ -79,8 +79,13 @@ class Scene:
             )
 
     def stamp_ns(self, index: int) -> int:
-        """Return the middle of a frame's exposure, of its middle row's, ns."""
-        return 10**9 + round(1e9 * index / self.rate)
+        """Return the middle of the exposure of a frame's first row, ns."""
+        return 10**9 + round(1e9 * index / self.rate) - self.before_middle_ns
+
+    @property
+    def before_middle_ns(self) -> int:
+        """From the exposure of the first row to that of the middle one, ns."""
+        return round(0.5e9 * self.sensor.row_time * (self.height - 1))
 
     def shot(self, index: int) -> Shot:
         """Return when a frame is taken and where from."""

@@ -98,19 +98,20 @@ class SteeredCamera:
         index : int
             Of the picture.
         end : float
-            Of the exposure, s: it is driven up to there.
+            Of the exposure of the last row, s: it is driven up to there.
 
         Returns
         -------
         Frame, Truth
-            The light is where it was on the mean of the exposure.
+            The light is where it was on the mean of the exposure, of its row's.
 
         """
         camera, lit = self.camera, index % 2 == 0
         self.advance(end)
-        middle = end - 0.5 * camera.exposure
-        times = camera.times(middle)
-        joints = self.pan_tilt.at(times)
-        x, y = camera.model.project(camera.rays(times, joints)).mean(axis=0).tolist()
-        frame = camera.frame(index, middle, joints, lit=lit)
+        first = end - 0.5 * camera.exposure - camera.readout
+        times = camera.times(camera.seen(first, self.pan_tilt.at))
+        x, y = camera.model.project(
+            camera.rays(times, self.pan_tilt.at(times))
+        ).mean(axis=0).tolist()
+        frame = camera.frame(index, first, self.pan_tilt.at, lit=lit)
         return frame, Truth(x, y, lit, camera.amplitude if lit else 0.0, camera.sigma)

@@ -2,7 +2,9 @@
 
 
 from blob_tracker.capture import Control, stamps, videodev2
-from blob_tracker.capture.stamps import Exposure, ExposureControls, MidExposure, place, source_of
+from blob_tracker.capture.stamps import (
+    Exposure, ExposureControls, MidExposure, of_first_line, place, source_of,
+)
 import numpy as np
 import pytest
 
@@ -142,7 +144,9 @@ def test_exposure_in_lines_gives_the_readout_too():
     driver = Driver({videodev2.CID_EXPOSURE: 500, videodev2.CID_HBLANK: 176,
                      videodev2.CID_PIXEL_RATE: 160_000_000})
     line_ns = (1280 + 176) / 0.16  # 9.1 us
-    assert driver.exposure() == Exposure(round(500 * line_ns), round(800 * line_ns))
+    assert driver.exposure() == Exposure(
+        round(500 * line_ns), round(800 * line_ns), line_ns
+    )
     assert ExposureControls(driver, driver.controls, 1280, 800, Exposure()).unit_ns() == line_ns
 
 
@@ -154,3 +158,13 @@ def test_a_pixel_rate_above_32_bits():
 
 def test_lines_of_unknown_length_are_unknown():
     assert Driver({videodev2.CID_EXPOSURE: 500}).exposure() == Exposure()
+
+
+@pytest.mark.parametrize(('line_time_ns', 'binning', 'later_ns'), [
+    (0.0, 1, 0),
+    (20_000.0, 1, 0),
+    (20_000.0, 2, 5_000),  # two lines of 10 us: the middle of both
+    (-20_000.0, 1, 9 * 20_000),  # read from the bottom: the first line comes last
+])
+def test_when_the_first_line_is_exposed(line_time_ns, binning, later_ns):
+    assert of_first_line(line_time_ns, 10, binning) == later_ns

@@ -171,6 +171,8 @@ class FakeStream:
     stamp_place, pixel_format, saturation, sensor_size = 'somewhere', 'GREY', 255, (8, 6)
     drops, error_frames, overruns, exposure_time = 3, 5, 0, None
     control_changes, tells_changes = 0, True
+    line_time: float | None = 0.0
+    read_time: float | None = 1.25e-5
     frames = 0
     error: Exception = OSError(5, 'Input/output error')
     opened: list[float] = []
@@ -258,3 +260,20 @@ def test_another_frame_rate_than_asked_for_is_told(
                  and (now.values.get('frames', 0) > 3),
                  '-p', f'frame_rate:={asked}', frames=10**6)
     assert any(sentence in each for each in found.words) == warned
+
+
+@pytest.mark.parametrize(('arguments', 'line_time', 'shown', 'warned'), [
+    ((), 0.0, '0, a global shutter; the device reads a line in 12.5000 us', False),
+    (('-p', 'line_time:=3.0e-05'), 3e-5, '30.0000 us, as line_time is set', False),
+    (('-p', 'rolling_shutter:=true'), 1.25e-5, '12.5000 us, by hblank and pixel_rate', False),
+    (('-p', 'rolling_shutter:=true'), None, 'unknown, taken as 0', True),
+])
+def test_the_line_time_is_told_and_where_it_is_from(
+    told: Callable[..., Any], arguments: tuple[str, ...], line_time: float | None, shown: str,
+    warned: bool,
+) -> None:
+    """As set, as the device tells, or none."""
+    found = told(lambda now: now.values.get('frames', 0) > 1 and now.words, *arguments,
+                 frames=10**6, line_time=line_time)
+    assert found.values['line time'].startswith(shown)
+    assert any('rolling_shutter is on' in each for each in found.words) == warned

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from blob_tracker.colour import in_channel
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.frame_stack import (
     FrameStack, FULL_SCALE_DN, most_frames, sum_frames,
@@ -134,3 +135,18 @@ def test_looks_are_one_or_more() -> None:
     """None is no window."""
     with pytest.raises(ValueError, match='0 looks; there must be 1 or more'):
         FrameStack(0)
+
+
+def test_a_window_of_a_mosaic_has_the_stamp_of_its_middle_line() -> None:
+    """A cell is two lines, the middle of which is half a line after its first."""
+    line = 1000.0
+    whole = Frame(np.zeros((40, 60), np.uint8), 7_000_000, 255, layout='rggb', line_time_ns=line)
+    cells = in_channel(whole, 'red')
+    assert (cells.line_time_ns, cells.stamp_ns) == (2 * line, 7_000_500)
+    contrast = contrast_of(cells.image, cells.image, 255)._replace(
+        frame=cells, lit_frames=(cells.samples,), unlit_frames=(cells.samples,)
+    )
+    window = FrameStack(1).add('', contrast, candidate_at(6, 5, x=6.0, sigma_minor=2.0), BOX)
+    assert window is not None
+    assert window.line_time_ns == line
+    assert window.stamp_ns == 7_000_000 + line * (2 * BOX.y0 + 2 * BOX.y1 - 1) / 2

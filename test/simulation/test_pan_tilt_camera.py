@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from blob_tracker.camera import CameraModel
 from blob_tracker.location import locate
-from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera, PARTS
+from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera
 from blob_tracker.simulation.platform_motion import Ride
 from blob_tracker.simulation.sensor import Sensor
 from blob_tracker.types import SensorNoise, Window
@@ -30,7 +30,7 @@ def camera(angles: tuple[float, float, float], yaw_rate: float = 0.0) -> PanTilt
 
 def located(one: PanTiltCamera, joints: tuple[float, float]) -> tuple[float, float, float]:
     """Return azimuth and elevation of the light in the middle of the ride, mrad, and its sigma."""
-    frame = one.frame(0, 0.5, np.tile(joints, (PARTS, 1)), lit=True)
+    frame = one.frame(0, 0.5, lambda times: np.tile(joints, (len(times), 1)), lit=True)
     y, x = np.unravel_index(np.argmax(frame.image), frame.image.shape)
     part = frame.image[y - 8:y + 9, x - 8:x + 9]
     found = locate(
@@ -82,7 +82,10 @@ def test_the_shore_turns_with_the_light() -> None:
         MODEL, Ride(1.0, np.tile([np.pi / 2, 0.0, 0.0], (2, 1)), np.zeros((2, 3))),
         lambda t: np.tile(AHEAD, (len(t), 1)), 1.2, 0.0, sensor=QUIET,
     )
-    joints = np.zeros((PARTS, 2))
+
+    def joints(times):
+        return np.zeros((len(times), 2))
+
     level = one.frame(0, 0.5, joints, lit=False).image[30:91, 50:111].astype(float)
     turned = rolled.frame(0, 0.5, joints, lit=False).image[30:91, 50:111].astype(float)
     # The middle lies between pixels: half a pixel is left for the turn's place.

@@ -60,6 +60,17 @@ def test_light_stands_where_the_truth_says(camera) -> None:
         assert scene.frame(index + 1).max() == 0
 
 
+def test_the_stamp_is_that_of_the_first_row() -> None:
+    """The truth of a moving light is its place when its row is exposed: stamp + row x row_time."""
+    light = Light(60.0, 45.0, 2.0, 200.0, reach_x=30.0, reach_y=30.0, period=0.5)
+    row_time = 1e-4
+    scene = replace(QUIET, target=light, sensor=replace(SILENT, row_time=row_time))
+    for index in range(8):
+        truth = scene.truth(index)
+        spot = light.spot((scene.stamp_ns(index) - 10**9) / 1e9 + truth.y * row_time)
+        assert (truth.x, truth.y) == pytest.approx((spot.x, spot.y), abs=0.01)
+
+
 def test_wall_moves_by_whole_pixels_as_a_roll() -> None:
     """Three to the right and two up in the even frames, nothing interpolated."""
     scene = replace(EMPTY, texture=8.0, sensor=SILENT, camera=Stepping(3.0, -2.0))

@@ -9,6 +9,7 @@ from blob_tracker.simulation.gyro import Gyro
 from blob_tracker.simulation.pan_tilt import Joints, PanTilt
 from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera
 from blob_tracker.simulation.platform_motion import MOTIONS, Ride
+from blob_tracker.simulation.sensor import Sensor
 from blob_tracker.simulation.steered_camera import SteeredCamera
 import numpy as np
 import pytest
@@ -18,11 +19,11 @@ GYRO = Gyro(noise=0.0, bias=0.0, scale=0.0, turn=0.0)
 STILL = Ride(1.0, np.zeros((9, 3)), np.zeros((9, 3)))
 
 
-def steered(ride: Ride) -> SteeredCamera:
+def steered(ride: Ride, sensor: Sensor = Sensor()) -> SteeredCamera:
     """Return a camera that looks at a light straight ahead of the level frame."""
     camera = PanTiltCamera(
         MODEL, ride, lambda times: np.tile([0.0, 0.0, 1.0], (len(times), 1)), sigma=1.5,
-        amplitude=120.0, texture=0.0, region=(160, 120),
+        amplitude=120.0, texture=0.0, region=(160, 120), sensor=sensor,
     )
     felt = GYRO.samples(ride, 2.0, np.random.default_rng(1))
     return SteeredCamera(camera, PanTilt(Joints(delay=0.0)), GYRO, felt)
@@ -39,6 +40,21 @@ def test_a_command_moves_the_light_in_the_picture() -> None:
     focal_length = MODEL.matrix[0, 0]
     assert truth.x - 79.5 == pytest.approx(-0.02 * focal_length, rel=0.01)
     assert truth.y - 59.5 == pytest.approx(0.01 * focal_length, rel=0.01)
+
+
+def test_a_rolling_shutter_sees_the_light_when_its_row_is_exposed() -> None:
+    """A steady turn by 0.5 rad/s: at the stamp and the time to the row it is where it is found."""
+    rate = 0.5
+    yaw = np.array([0.0, 0.0, rate])
+    ride = Ride(0.25, np.outer(0.25 * np.arange(9), yaw), np.tile(yaw, (9, 1)))
+    vehicle = steered(ride, Sensor(row_time=1e-4))
+    focal_length = MODEL.matrix[0, 0]
+    for index, end in ((0, 0.05), (2, 0.1)):
+        frame, truth = vehicle.picture(index, end)
+        assert frame.line_time_ns == pytest.approx(1e5)
+        seen = (frame.stamp_ns - 10**9) / 1e9 + 1e-4 * truth.y
+        assert seen < end
+        assert truth.x - 79.5 == pytest.approx(-focal_length * np.tan(rate * seen), abs=0.01)
 
 
 def test_the_light_is_found_where_the_truth_says() -> None:

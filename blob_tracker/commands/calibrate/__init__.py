@@ -9,6 +9,7 @@ from types import ModuleType
 CALIBRATIONS: dict[str, str] = {
     'board': 'lens, from images of a chessboard, a ChArUco board or a grid of dots',
     'jitter': 'line offsets of an analogue grabber, from frames of a vertical edge',
+    'line_time': 'how fast a rolling shutter reads its lines, from the bands of a lamp',
     'noise': 'gain, read noise and saturation: photon transfer',
     'pulse': "the blob's shape: lens, focus and light, from its own flashes",
     'slide': 'pixels per millimetre, from a camera on a slide',

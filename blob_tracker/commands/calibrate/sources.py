@@ -82,7 +82,23 @@ def frames(
     arguments: argparse.Namespace, *, interpolate: bool = True
 ) -> Iterator[tuple[str, Pixels]]:
     """
-    Yield the frames of SOURCE.
+    Yield the frames of SOURCE by their names; else as `timed_frames`.
+
+    Yields
+    ------
+    str, (h, w) uint8 or uint16 array
+        A name to call the frame by, and its raw pixels; luma where it has colours.
+
+    """
+    for name, _, pixels in _named(arguments, interpolate):
+        yield name, pixels
+
+
+def timed_frames(
+    arguments: argparse.Namespace, *, interpolate: bool = True
+) -> Iterator[tuple[float | None, Pixels]]:
+    """
+    Yield the frames of SOURCE with their times.
 
     Parameters
     ----------
@@ -94,8 +110,8 @@ def frames(
 
     Yields
     ------
-    str, (h, w) uint8 or uint16 array
-        A name to call the frame by, and its raw pixels; luma where it has colours.
+    float or None, (h, w) uint8 or uint16 array
+        Time since the first, s, None in a folder; and its raw pixels, luma where it has colours.
 
     Raises
     ------
@@ -105,6 +121,13 @@ def frames(
         On Ctrl-C, from a topic as well.
 
     """
+    for _, seconds, pixels in _named(arguments, interpolate):
+        yield seconds, pixels
+
+
+def _named(
+    arguments: argparse.Namespace, interpolate: bool
+) -> Iterator[tuple[str, float | None, Pixels]]:
     path = Path(arguments.source)
     if is_live(arguments):
         stream = _of_topic(arguments.source, arguments.seconds, interpolate)
@@ -138,7 +161,7 @@ def _files(folder: Path) -> list[Path]:
     )
 
 
-def _of_folder(folder: Path) -> Iterator[tuple[str, Pixels]]:
+def _of_folder(folder: Path) -> Iterator[tuple[str, float | None, Pixels]]:
     for file in _files(folder):
         pixels = cv2.imread(str(file), cv2.IMREAD_UNCHANGED)
         if pixels is None:
@@ -148,7 +171,7 @@ def _of_folder(folder: Path) -> Iterator[tuple[str, Pixels]]:
         if pixels.ndim == 3:
             code = cv2.COLOR_BGRA2GRAY if pixels.shape[2] == 4 else cv2.COLOR_BGR2GRAY
             pixels = cv2.cvtColor(pixels, code)
-        yield file.name, np.asarray(pixels, dtype=pixels.dtype.type)
+        yield file.name, None, np.asarray(pixels, dtype=pixels.dtype.type)
 
 
 def _bag_count(bag: Path, topic: str) -> int:
@@ -160,19 +183,21 @@ def _bag_count(bag: Path, topic: str) -> int:
         raise SourceError(str(error)) from None
 
 
-def _of_bag(bag: Path, topic: str, interpolate: bool) -> Iterator[tuple[str, Pixels]]:
+def _of_bag(
+    bag: Path, topic: str, interpolate: bool
+) -> Iterator[tuple[str, float | None, Pixels]]:
     from blob_tracker.ros.endpoints.recording import recorded_images, RecordingError
 
     try:
         for seconds, pixels in recorded_images(bag, topic, interpolate=interpolate):
-            yield f'{seconds:.3f} s', pixels
+            yield f'{seconds:.3f} s', seconds, pixels
     except RecordingError as error:
         raise SourceError(str(error)) from None
 
 
 def _of_topic(
     topic: str, longest: float | None, interpolate: bool
-) -> Iterator[tuple[str, Pixels]]:
+) -> Iterator[tuple[str, float | None, Pixels]]:
     try:
         from blob_tracker.ros.endpoints.live_images import live_images, NoImagesError
     except ImportError:
@@ -183,7 +208,7 @@ def _of_topic(
     began = time.monotonic()
     try:
         for seconds, pixels in live_images(topic, interpolate=interpolate):
-            yield f'{seconds:.3f} s', pixels
+            yield f'{seconds:.3f} s', seconds, pixels
             if longest is not None and time.monotonic() - began >= longest:
                 return
     except NoImagesError as error:

@@ -2,6 +2,7 @@
 
 from blob_tracker.capture import PIXEL_FORMATS
 from blob_tracker.nodes.interface.channel import CAMERA_CHANNEL
+from blob_tracker.nodes.interface.line_time import CAMERA_LINE_TIME
 from blob_tracker.nodes.interface.topics import (
     CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, FRAME_PICTURE,
 )
@@ -59,6 +60,13 @@ PARAMETERS = (
         least=0.0,
         most=100.0,
         unit='s',
+    ),
+    CAMERA_LINE_TIME,
+    Parameter(
+        'rolling_shutter',
+        False,
+        'Take the line time from the controls hblank and pixel_rate of the sensor where line_time '
+        'is 0. Those with a global shutter have them too: no control tells which it is.',
     ),
     Parameter('frame_id', 'camera_optical_frame', 'Name of the optical frame.'),
     Parameter(

@@ -1,6 +1,7 @@
 """What the locator node shows of itself."""
 
 from blob_tracker.location import METHODS
+from blob_tracker.nodes.interface.line_time import LINE_TIME
 from blob_tracker.nodes.interface.saturation import SATURATION
 from blob_tracker.nodes.interface.topics import (
     BEARING, CENTROID, DIAGNOSTICS, NOISE, RAY, WINDOW_IMAGE, WINDOW_INFO, WINDOW_PICTURE,
@@ -63,6 +64,7 @@ PARAMETERS = (
         most=256,
     ),
     SATURATION,
+    LINE_TIME,
     Parameter(
         'line_jitter_url',
         '',

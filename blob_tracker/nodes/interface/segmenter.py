@@ -1,6 +1,7 @@
 """What the segmenter node shows of itself."""
 
 from blob_tracker.nodes.interface.channel import SEGMENTER_CHANNEL
+from blob_tracker.nodes.interface.line_time import LINE_TIME
 from blob_tracker.nodes.interface.saturation import SATURATION
 from blob_tracker.nodes.interface.topics import (
     CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, NOISE, SEGMENTER_PICTURE, TRACK, VISIBLE,
@@ -78,6 +79,7 @@ PARAMETERS = (
         most=1.0,
         unit='s',
     ),
+    LINE_TIME,
     SEGMENTER_CHANNEL,
     Parameter(
         'jpeg_quality',

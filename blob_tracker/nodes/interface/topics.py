@@ -5,7 +5,7 @@ from blob_tracker.ros.interface import Topic
 CAMERA_IMAGE = Topic(
     'camera/image_raw',
     'sensor_msgs/Image',
-    'frames, mono8 or mono16; stamp: the middle of the exposure, in ROS time',
+    'frames, mono8 or mono16; stamp: the middle of the exposure of the first line, in ROS time',
 )
 CAMERA_INFO = Topic(
     'camera/camera_info',

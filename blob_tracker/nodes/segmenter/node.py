@@ -13,7 +13,7 @@ from typing import Any
 from blob_tracker.nodes.interface.segmenter import PARAMETERS
 from blob_tracker.nodes.segmenter.last_detections import LastDetections
 from blob_tracker.nodes.segmenter.noise_topic import NoiseTopic
-from blob_tracker.pipeline import expectation
+from blob_tracker.pipeline import expectation_in
 from blob_tracker.ros.diagnostics.clock_jumps import on_clock_jump
 from blob_tracker.ros.diagnostics.connections import Connections
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
@@ -37,6 +37,7 @@ from blob_tracker.segmentation import (
     Detections,
     Expectation,
     exposure_fault,
+    FieldSegmenter,
     Flash,
     flash_by_name,
     FrameError,
@@ -113,7 +114,7 @@ class SegmenterNode(Node):
         self._flash: tuple[dict[str, Any], Flash] | None = None
         self._channel: tuple[str, ChannelChoice] | None = None
         self._quantisation: NDArray[np.uint16] | None = None
-        self._new_segmenter: Callable[[], Segmenter]
+        self._new_segmenter: Callable[[], FieldSegmenter]
         self._newest_ns = -1  # of the stamps
         self._topics: dict[str, WindowTopics] = {}  # of all lights that there ever were
         self._targets: dict[str, WindowTopics] = {}
@@ -168,7 +169,11 @@ class SegmenterNode(Node):
             self._channel[1] if self._channel is not None and same
             else ChannelChoice(values['channel'])
         )
-        segmenter = new_segmenter(flash=flash, channel=channel)
+
+        def new_one() -> Segmenter:
+            return new_segmenter(flash=new_flash(), channel=ChannelChoice(values['channel']))
+
+        segmenter = FieldSegmenter(new_one, new_segmenter(flash=flash, channel=channel))
         quality = values['jpeg_quality']
         quantisation = standard_quantisation(quality) if quality else None
         named = {'coded': (*codes, *frequencies), 'periodic': tuple(frequencies)}
@@ -187,11 +192,10 @@ class SegmenterNode(Node):
                 self._channel = values['channel'], channel
                 self._quantisation = quantisation
                 self._segmenter = segmenter
-                self._new_segmenter = lambda: new_segmenter(
-                    flash=new_flash(), channel=ChannelChoice(values['channel'])
-                )
+                self._new_segmenter = lambda: FieldSegmenter(new_one)
                 self._late_ns = int(1e9 * values['max_pair_interval'])
                 self._saturation = values['saturation']
+                self._line_time_ns = 1e9 * values['line_time']
                 self._follow = follow
                 self._set_lights(lights, _lost_after_ns(values))
                 self._noise.enable(values['noise.measure'])
@@ -249,6 +253,8 @@ class SegmenterNode(Node):
                     f'the camera clips at {frame.saturation} DN; set saturation to that in '
                     'segmenter and locator',
                 )
+            if self._line_time_ns:
+                clipped = replace(clipped, line_time_ns=self._line_time_ns)
             if clipped.quantisation is None and self._quantisation is not None:
                 clipped = replace(clipped, quantisation=self._quantisation)
             self._segment(clipped, info, delivery.frame_id)
@@ -304,11 +310,7 @@ class SegmenterNode(Node):
         """Return where the tracker expects the light in a frame; None where it is not asked."""
         if not self._follow:
             return None
-        if self._predict is not None:
-            track = self._predict('', frame.stamp_ns)
-        else:
-            track = None if self._track is None else self._track.seen_at(frame.stamp_ns)
-        if track is None:
+        if self._seen_at(frame.stamp_ns) is None:
             return None
         try:
             camera_model = self._camera.model(info)
@@ -316,7 +318,13 @@ class SegmenterNode(Node):
             self._health.fault(WARN, f'follow_prediction: {error}')
             return None
         self._health.count('frames with a prediction')
-        return expectation(track, camera_model)
+        return expectation_in(frame, self._seen_at, camera_model)
+
+    def _seen_at(self, stamp_ns: int) -> Track | None:
+        """Return the light as the camera sees it at a stamp, as far as the tracker tells."""
+        if self._predict is not None:
+            return self._predict('', stamp_ns)
+        return None if self._track is None else self._track.seen_at(stamp_ns)
 
     def _say_why(self, frame: Frame) -> None:
         """Say why there is no target."""

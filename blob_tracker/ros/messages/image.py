@@ -37,7 +37,7 @@ _WINDOWS = {
     f'{bits}UC{channels}': (kind, channels)
     for bits, kind in ((8, np.uint8), (16, np.uint16)) for channels in (1, 2, 3, 4)
 }
-GLIMPSE_BYTES = 36  # of nine numbers, as a window's fourth channel has them
+GLIMPSE_BYTES = 40  # of ten numbers, as a window's fourth channel has them
 STEPS = 16  # of a DN, in which a window's third channel tells the noise that was added
 
 
@@ -135,7 +135,7 @@ def to_window(image: Image, info: CameraInfo) -> Window:
 def _glimpse(fourth: Pixels) -> Glimpse:
     """Return how a light was seen, from a window's fourth channel."""
     if fourth.size < GLIMPSE_BYTES or int(fourth.max()) > 255:
-        raise MessageError('the fourth channel of the window holds no nine numbers, byte by byte')
+        raise MessageError('the fourth channel of the window holds no ten numbers, byte by byte')
     content = fourth.ravel()[:GLIMPSE_BYTES].astype(np.uint8).tobytes()
     glimpse = Glimpse.of_numbers(np.frombuffer(content, '<f4'))
     (xx, xy), (_, yy) = glimpse.doubt

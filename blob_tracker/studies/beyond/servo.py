@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from math import inf, sqrt
+from typing import Any
 
 from blob_tracker.simulation.pan_tilt import Joints
 from blob_tracker.studies.beyond.servo_laws import LAWS
@@ -33,6 +34,18 @@ WITHOUT = (
     "the gyro's bias, scale and mounting", 'noise of the bearings', "the encoders' steps",
     "the engine's vibration", 'rocks',
 )
+# Cameras of 50 pictures or fields a second, as in Europe's television
+TELEVISION = 50.0
+GLOBAL, ROLLING, UNKNOWN, INTERLACED = (
+    'global', 'rolling, 20 ms', 'rolling, 20 ms, taken for global', 'interlaced',
+)
+SHUTTERS: dict[str, dict[str, Any]] = {
+    GLOBAL: {},
+    ROLLING: {'readout': 0.02},
+    INTERLACED: {'interlaced': True},
+    UNKNOWN: {'readout': 0.02, 'readout_known': False},
+}
+AS_GOOD = 1.2  # times the error with a global shutter
 PREDICTED, BLIND, HELD, PLAIN = (
     'predicted, with the gyro', 'predicted', 'last direction held', 'proportional',
 )
@@ -52,6 +65,11 @@ def cases(quick: bool) -> Sequence[Case]:
     ] + [
         {'kind': 'without', 'without': name} for name in WITHOUT[:2 if quick else None]
     ]
+    shutters: list[Case] = [
+        {'kind': 'shutter', 'shutter': name, 'duration': duration, 'seed': seed}
+        for name in list(SHUTTERS)[:3 if quick else None]
+        for seed in range(1, 2 if quick else 1 + seeds)
+    ]
     steps: list[Case] = [
         {'kind': 'step', 'law': law, 'duration': STEP_DURATION, 'seed': 1}
         for law in (PLAIN, HELD, PREDICTED)
@@ -59,7 +77,7 @@ def cases(quick: bool) -> Sequence[Case]:
     return [
         {**ride, 'duration': duration, 'seed': seed} for ride in rides
         for seed in range(1, 1 + (seeds if quick or not _decisive(ride) else MOST))
-    ] + steps
+    ] + shutters + steps
 
 
 def _decisive(ride: Case) -> bool:
@@ -81,6 +99,8 @@ def measure(case: Case) -> Measured:
         region = WIDE if law == PLAIN or case['size'] > VEHICLES['rough'] else NARROW
     elif case['kind'] == 'step':
         scenario, off, region = scenario.disturbed(0.0), (float(STEP), 0.0), WIDE
+    elif case['kind'] == 'shutter':
+        scenario = replace(scenario, rate=TELEVISION, **SHUTTERS[case['shutter']])
     else:
         scenario, finder = without(scenario, finder, case['without'])
     history = Loop(
@@ -138,7 +158,7 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
     size_rows: list[list[Cell]] = [
         [size, *sizes[BLIND][size], *sizes[PREDICTED][size]] for size in sizes[PREDICTED]
     ]
-    budget = _budget(results)
+    budget, shutters = _budget(results), _shutters(results)
     rms, worst, _ = rides['default', PREDICTED, 1.0]
     blind_rms, blind_worst, _ = rides['default', BLIND, 1.0]
     held_rms, held_worst, _ = rides['default', HELD, 1.0]
@@ -192,6 +212,7 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
                 'servo_budget', 'Where the error comes from: each source taken out by itself',
                 ('without', 'rms, mrad', 'worst, mrad', 'its part of the rms, mrad'), budget,
             ),
+            _shutter_table(shutters),
             Table(
                 'servo_step', 'From 10 degrees beside the light, boat at rest',
                 ('turned by', 'within 1 mrad for good after, s'),
@@ -212,7 +233,9 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
             ),
             'servo_sizes': draw_sizes(sizes, GOAL, WORST),
         },
-        checks=_checks(rms, worst, blind_rms, blind_worst, old_worst),
+        checks=[
+            *_checks(rms, worst, blind_rms, blind_worst, old_worst), *_shutter_checks(shutters),
+        ],
     )
 
 
@@ -231,6 +254,43 @@ def _checks(
               blind_rms <= GOAL and blind_worst <= WORST),
         Check("the thesis' centroid, prediction with the gyro, normal boat: worst",
               f'<= {WORST:g} mrad', f'{old_worst:.2f} mrad', old_worst <= WORST),
+    ]
+
+
+def _shutters(
+    results: Sequence[tuple[Case, Measured]]
+) -> dict[str, tuple[float, float]]:
+    """Return rms and worst error of each camera, mrad."""
+    found: dict[str, list[Measured]] = {}
+    for case, one in results:
+        if case['kind'] == 'shutter':
+            found.setdefault(case['shutter'], []).append(one)
+    return {
+        name: (
+            sqrt(float(np.mean([one['square'] for one in each]))),
+            max(one['worst'] for one in each),
+        )
+        for name, each in found.items()
+    }
+
+
+def _shutter_table(shutters: dict[str, tuple[float, float]]) -> Table:
+    """Lay the errors of the cameras beside each other."""
+    return Table(
+        'servo_shutters',
+        f'By the camera, {TELEVISION:g} pictures or fields a second, {PREDICTED}',
+        ('shutter', 'rms, mrad', 'worst, mrad', 'times the global one'),
+        [[name, *found, found[0] / shutters[GLOBAL][0]] for name, found in shutters.items()],
+    )
+
+
+def _shutter_checks(shutters: dict[str, tuple[float, float]]) -> list[Check]:
+    """Hold the errors of other cameras, rms in mrad, against that of a global shutter."""
+    whole = shutters[GLOBAL][0]
+    return [
+        Check(f'{name}, normal boat: rms', f'<= {AS_GOOD:g} x that of a global shutter',
+              f'{shutters[name][0] / whole:.2f} x', shutters[name][0] <= AS_GOOD * whole)
+        for name in (ROLLING, INTERLACED)
     ]
 
 

@@ -9,10 +9,13 @@ from itertools import count
 from typing import NamedTuple
 
 from blob_tracker.camera import CameraModel, LensError
+from blob_tracker.capture.fields import fields
 from blob_tracker.location import locate
-from blob_tracker.segmentation import FrameError, Segmenter, threshold_by_name
+from blob_tracker.segmentation import (
+    FieldSegmenter, FrameError, Segmenter, threshold_by_name,
+)
 from blob_tracker.simulation.pan_tilt import PanTilt
-from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera, PARTS
+from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera
 from blob_tracker.simulation.sensor import Sensor
 from blob_tracker.studies.beyond.servo_laws import LAWS
 from blob_tracker.studies.beyond.servo_scenario import Array, Boresight, Finder, Scenario
@@ -82,7 +85,8 @@ class Loop:
         self.camera = PanTiltCamera(
             self.model, self.ride, scenario.light, scenario.sigma, scenario.amplitude,
             background=scenario.background, texture=scenario.texture,
-            sensor=Sensor(self.finder.noise), exposure=scenario.exposure, chain=self.finder.chain,
+            sensor=Sensor(self.finder.noise, row_time=scenario.readout / (self.region[1] - 1)),
+            exposure=scenario.exposure, chain=self.finder.chain,
             region=self.region, seed=self.seed,
         )
         x, y, z = self.camera.rays(np.zeros(1), np.zeros((1, 2)))[0]
@@ -92,14 +96,26 @@ class Loop:
         )
         self.pan_tilt = PanTilt(scenario.joints, *start)
         self._law = LAWS[self.law](scenario, start)
-        self.segmenter = Segmenter(
-            threshold=threshold_by_name(self.finder.threshold, sigmas=3.0, extension=2)
+        self.segmenter = (
+            FieldSegmenter(self._new_segmenter) if scenario.interlaced else self._new_segmenter()
+        )
+        # A line of a field covers its own and the one below, see `fields`.
+        shift = np.zeros((3, 3))
+        shift[1, 2] = 0.5
+        self._seen_by = (
+            replace(self.model, matrix=self.model.matrix + shift) if scenario.interlaced
+            else self.model
         )
         self._order = count()
         self._underway: dict[int, Bearing] = {}
         self._bearings = 0
         self._felt = scenario.gyro.samples(
             self.ride, self.duration, np.random.default_rng([self.seed, 11])
+        )
+
+    def _new_segmenter(self) -> Segmenter:
+        return Segmenter(
+            threshold=threshold_by_name(self.finder.threshold, sigmas=3.0, extension=2)
         )
 
     def run(self) -> History:
@@ -113,7 +129,7 @@ class Loop:
         self._at(_times(1.0 / scenario.command_rate, self.duration, first=0.0013), self._tick)
         # An exposure ends here; the bearing that comes of it is there when it has arrived.
         middles = _times(1.0 / scenario.rate, self.duration - scenario.latency, first=0.004)
-        self._at(middles + 0.5 * scenario.exposure, self._expose)
+        self._at(middles + scenario.readout + 0.5 * scenario.exposure, self._expose)
         while self._events:
             time, _, event, index = heappop(self._events)
             self.pan_tilt.advance(time)
@@ -131,12 +147,20 @@ class Loop:
 
     def _expose(self, time: float, index: int) -> None:
         """Take the frame whose exposure is over; what comes of it arrives later."""
-        middle = time - 0.5 * self.scenario.exposure
-        joints = self.pan_tilt.at(self.camera.times(middle))
-        bearing = self.bearing_of(self.camera.frame(index, middle, joints, lit=index % 2 == 0))
+        first = time - self.scenario.readout - 0.5 * self.scenario.exposure
+        interlaced = self.scenario.interlaced
+        lit = (index // 2 if interlaced else index) % 2 == 0
+        frame = self.camera.frame(index, first, self.pan_tilt.at, lit=lit)
+        if interlaced:
+            kind = index % 2
+            field = replace(frame, image=frame.image[kind::2])
+            frame, = fields(field, ('top', 'bottom')[kind], 0)
+        if not self.scenario.readout_known:
+            frame = replace(frame, line_time_ns=0.0)
+        bearing = self.bearing_of(frame)
         if bearing is not None:
             self._underway[index] = bearing
-            self._at([middle + self.scenario.latency], self._take_bearing, index)
+            self._at([first + self.scenario.latency], self._take_bearing, index)
 
     def bearing_of(self, frame: Frame) -> Bearing | None:
         """Return what the default pipeline, or the thesis', makes of a frame."""
@@ -145,7 +169,7 @@ class Loop:
             if window is None:
                 return None
             found = locate(window, method=self.finder.method, noise=self.finder.noise)
-            bearing = self.model.bearing(found)
+            bearing = self._seen_by.bearing(found)
         except (FrameError, LocationError, LensError):
             return None
         return replace(
@@ -200,11 +224,16 @@ def boresight_of(scenario: Scenario, finder: Finder, seed: int) -> Boresight:
     found, stated = [], []
     for index in range(60):
         # Over 2 px: at every sub-pixel phase.
-        joints = np.full((PARTS, 2), index / 30.0 / loop.model.matrix[0, 0])
+        turned = index / 30.0 / loop.model.matrix[0, 0]
+
+        def joints(times: Array, turned: float = turned) -> Array:
+            return np.full((len(times), 2), turned)
+
         middle = index / scenario.rate
         bearing = loop.bearing_of(loop.camera.frame(index, middle, joints, lit=index % 2 == 0))
         if bearing is not None:
-            x, y, z = loop.camera.rays(np.array([middle]), joints[:1])[0]
+            times = np.array([middle])
+            x, y, z = loop.camera.rays(times, joints(times))[0]
             truth = np.arctan2(x, z), np.arctan2(-y, np.hypot(x, z))
             found.append((bearing.azimuth - truth[0] / MRAD, bearing.elevation - truth[1] / MRAD))
             stated.append(np.trace(bearing.covariance) / 2.0)

@@ -45,9 +45,15 @@ class Scenario:
         mm and um.
     rate, exposure : float
         Frames a second, and s.
+    readout : float
+        From the exposure of the first line to that of the last, s; 0 of a global shutter.
+    readout_known : bool
+        Whether the tracker is told of it.
+    interlaced : bool
+        Whether the camera gives fields at `rate`, the light in step with pictures of two.
     latency : float
-        From the middle of the exposure until the bearing is there: half the exposure, read-out
-        (one frame), transfer and computing, s.
+        From the middle of the exposure, of its first line, until the bearing is there: half the
+        exposure, read-out (one frame), transfer and computing, s.
     sigma, amplitude, background, texture : float
         Image of the light and of the shore, px and DN.
     joints : Joints
@@ -82,6 +88,9 @@ class Scenario:
     pixel: float = 10.0
     rate: float = 60.0
     exposure: float = 0.002
+    readout: float = 0.0
+    readout_known: bool = True
+    interlaced: bool = False
     latency: float = 0.025
     sigma: float = 1.0
     amplitude: float = 150.0

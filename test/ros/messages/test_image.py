@@ -264,7 +264,7 @@ def test_how_a_moving_light_was_seen_goes_there_and_back(kind: type, paired: boo
     """Bit by bit, beside lit and unlit pixels."""
     lit: np.ndarray = np.arange(49, dtype=kind).reshape(7, 7)
     glimpse = Glimpse.of_numbers(
-        np.array([0.3, 4.5, -2.25, 0.125, 0.01, -0.002, 0.04, 0.5, -0.25], np.float32)
+        np.array([0.3, 4.5, -2.25, 0.125, 0.01, -0.002, 0.04, 0.5, -0.25, 0.125], np.float32)
     )
     window = Window(lit, lit[::-1].copy() if paired else None, stamp_ns=7, glimpse=glimpse)
     message = from_window(window, 'optical')
@@ -279,7 +279,7 @@ def test_how_a_moving_light_was_seen_goes_there_and_back(kind: type, paired: boo
 def test_a_fourth_channel_of_no_light_is_refused() -> None:
     """With what it must hold."""
     lit = np.arange(49, dtype=np.uint8).reshape(7, 7)
-    glimpse = Glimpse.of_numbers(np.full(9, 2.0, np.float32))
+    glimpse = Glimpse.of_numbers(np.full(10, 2.0, np.float32))
     message = from_window(Window(lit, None, stamp_ns=7, glimpse=glimpse), 'optical')
     with pytest.raises(MessageError, match='share must be 0 to 1'):
         to_window(message, CameraInfo(width=7, height=7))

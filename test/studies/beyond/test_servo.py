@@ -7,7 +7,8 @@ from math import sqrt
 
 from blob_tracker.simulation.pan_tilt import PanTilt
 from blob_tracker.studies.beyond.servo import (
-    BLIND, HELD, LOCKED, measure, PLAIN, PREDICTED, STUDY, WITHOUT, without,
+    AS_GOOD, BLIND, GLOBAL, HELD, INTERLACED, LOCKED, measure, PLAIN, PREDICTED, ROLLING,
+    SHUTTERS, STUDY, UNKNOWN, WITHOUT, without,
 )
 from blob_tracker.studies.beyond.servo_laws import LAWS
 from blob_tracker.studies.beyond.servo_loop import boresight_of, Loop
@@ -218,7 +219,7 @@ def test_the_study_concludes() -> None:
     results = [(case, measure(case)) for case in cases]
     findings = STUDY.conclude(results)
     assert {table.name for table in findings.tables} == {
-        'servo', 'servo_sizes', 'servo_budget', 'servo_step',
+        'servo', 'servo_sizes', 'servo_budget', 'servo_shutters', 'servo_step',
     }
     assert set(findings.figures) == {'servo_step', 'servo_disturbance', 'servo_sizes'}
     error = {
@@ -238,7 +239,22 @@ def test_the_study_concludes() -> None:
         'default, prediction with the gyro, normal boat: worst': True,
         'default, prediction with joint states alone, normal boat': False,
         "the thesis' centroid, prediction with the gyro, normal boat: worst": True,
+        'rolling, 20 ms, normal boat: rms': True,
+        'interlaced, normal boat: rms': True,
     }
+
+
+def test_a_rolling_shutter_and_fields_point_as_well() -> None:
+    """As the study asks; a rolling shutter that is taken for a global one does not."""
+    errors = {}
+    for name in SHUTTERS:
+        found, = measured(
+            STUDY, {'kind': 'shutter', 'shutter': name, 'duration': 3.5, 'seed': 1}
+        )
+        errors[name] = sqrt(found['square'])
+    assert errors[ROLLING] <= AS_GOOD * errors[GLOBAL]
+    assert errors[INTERLACED] <= AS_GOOD * errors[GLOBAL]
+    assert errors[UNKNOWN] > AS_GOOD * errors[GLOBAL]
 
 
 def test_the_demand_is_asked_of_many_rides() -> None:

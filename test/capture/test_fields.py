@@ -1,0 +1,61 @@
+"""The lines of an interlaced picture go to the right field, place and time."""
+
+from __future__ import annotations
+
+from blob_tracker.capture.fields import fields, order_of, ORDERS
+from blob_tracker.types import Frame
+import numpy as np
+import pytest
+
+HEIGHT, WIDTH, INTERVAL_NS = 8, 5, 40_000_000
+
+
+def picture(order: str) -> tuple[Frame, np.ndarray]:
+    """Return a picture in an order, and the lines of the whole, which hold their numbers."""
+    whole = np.repeat(np.arange(HEIGHT, dtype=np.uint8)[:, None], WIDTH, axis=1)
+    kinds, woven = ORDERS[order]
+    image = whole if woven else np.concatenate([whole[kind::2] for kind in kinds])
+    return Frame(
+        image, 7, 255, x0=4, y0=10, exposure_ns=3, line_time_ns=64_000.0
+    ), whole
+
+
+@pytest.mark.parametrize('order', ORDERS)
+def test_each_line_goes_to_its_field(order: str) -> None:
+    """In the order of time, half a picture apart, without the last line of each."""
+    frame, whole = picture(order)
+    found = fields(frame, order, INTERVAL_NS)
+    assert len(found) == len(ORDERS[order][0])
+    for place, (each, kind) in enumerate(zip(found, ORDERS[order][0])):
+        np.testing.assert_array_equal(each.image, whole[kind::2][:(HEIGHT - 1) // 2])
+        assert each.image.flags.c_contiguous
+        assert each.stamp_ns == 7 + place * INTERVAL_NS // 2
+        assert (each.x0, each.y0, each.binning) == (4, 10 + kind, (1, 2))
+        assert (each.exposure_ns, each.line_time_ns) == (3, 64_000.0)
+        # It lies within the picture, as the roi of a camera_info has to.
+        assert each.y0 + 2 * each.image.shape[0] <= frame.y0 + HEIGHT
+
+
+def test_the_order_is_that_of_the_video_standard() -> None:
+    """And a name that there is not is told."""
+    assert (order_of('interlaced', 480), order_of('interlaced', 576)) == (
+        'interlaced_bt', 'interlaced_tb'
+    )
+    with pytest.raises(ValueError, match='there is interlaced, interlaced_tb'):
+        order_of('woven', 480)
+
+
+def test_what_has_no_fields_is_refused() -> None:
+    """A mosaic, whose neighbouring lines are of different colours, and a few lines."""
+    frame, _ = picture('interlaced_tb')
+    with pytest.raises(ValueError, match='Bayer'):
+        fields(Frame(frame.image, 7, 255, layout='rggb'), 'interlaced', INTERVAL_NS)
+    with pytest.raises(ValueError, match='3 lines'):
+        fields(Frame(frame.image[:3], 7, 255), 'interlaced', INTERVAL_NS)
+
+
+def test_the_planes_of_colours_are_dealt_out_too() -> None:
+    """Line by line, as grey ones."""
+    colours = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+    top, bottom = fields(Frame(colours, 7, 255, layout='bgr'), 'interlaced_tb', INTERVAL_NS)
+    assert (top.image.shape, bottom.image.shape) == ((3, WIDTH, 3), (3, WIDTH, 3))
