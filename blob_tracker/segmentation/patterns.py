@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 import math
 
+from blob_tracker.blinking.patterns import LONGEST_BITS, MAINS_HZ
 import numpy as np
 from numpy.typing import NDArray
 
-LONGEST_BITS = 64  # of a code: the phase is looked for in all of it
 MOST_LIGHTS = 32  # patterns, all of which each new point is compared with
 HIGHEST_PART = 0.45  # of the frame rate; beyond 0.5 a frequency is aliased
 LOWEST_PART = 0.02  # of the frame rate: a period of 50 frames
 APART = 0.02  # of a frequency by which another one differs: clocks are off by 1 %
-MAINS_HZ = (100.0, 120.0)  # of lamps on 50 and 60 Hz
 
 
 def check_patterns(
