@@ -89,8 +89,8 @@ class Rhythm:
     def frames_per_bit(self) -> int:
         """Return the frames of a bit of a code in step with them; 0 where it runs free."""
         frames = max(round(self.bit), 1)
-        in_step = abs(self.bit - frames) < 3.0 * self.bit_sigma + FREE_BIT
-        return frames if self.bits and in_step else 0
+        known = 3.0 * self.bit_sigma or IN_STEP * self.bit
+        return frames if self.bits and abs(self.bit - frames) < known + FREE_BIT else 0
 
     def share(self, clock: Array) -> Array:
         """Return the part of the exposures about these times for which the light is on."""

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 FEWEST_POINTS = 6  # of a light
 UNKNOWN = ('short', 'irregular')
 FEWEST_OF_UNKNOWN = 0.1  # of the frames, in which what keeps no rate is seen
-MOST_LIGHTS = 16  # that are looked at, those of the most points
+MOST_LIGHTS = 16  # that are looked at
 JITTER = 0.1  # of the frame interval, from which on the stamps are believed, not the count
 MAINS_OFF_HZ = 0.3  # by which lamps are off 100 and 120 Hz, and frame rates off theirs
 HIGHEST_HZ = 250.0  # of the aliases that are thought of
@@ -112,7 +112,9 @@ class Survey:
         """Return the times of the frames in frame intervals, and the interval, s."""
         return frame_clock(np.array([stamp for stamp, _, _ in self._frames]))
 
-    def lights(self, exposure: float = 0.0, *, sigmas: bool = True) -> list[Light]:
+    def lights(
+        self, exposure: float = 0.0, *, sigmas: bool = True, most: int = MOST_LIGHTS
+    ) -> list[Light]:
         """
         Return what blinks, or grows brighter and darker.
 
@@ -122,6 +124,8 @@ class Survey:
             Of a frame, s; 0 where nobody tells.
         sigmas : bool
             Whether standard deviations and aliases are asked for as well.
+        most : int
+            Lights that are not steady, at which it ends: those of the most points are the first.
 
         """
         if len(self._frames) < FEWEST_POINTS:
@@ -131,10 +135,14 @@ class Survey:
         for time, (_, points, _) in zip(clock, self._frames):
             linker.update(points, float(time))
         least = float(np.median([each for _, _, each in self._frames]))
-        found = []
-        for path in linker.paths(FEWEST_POINTS)[:MOST_LIGHTS]:
+        found: list[Light] = []
+        tried = 0
+        for path in linker.paths(FEWEST_POINTS):
+            if tried == most:
+                break
             brightness = _brightness(path, clock, least)
             rhythm = recognise(brightness, min(exposure / interval, 1.0), sigmas=sigmas)
+            tried += rhythm.kind != 'steady'
             if rhythm.kind in UNKNOWN and len(path.frames) < FEWEST_OF_UNKNOWN * len(clock):
                 continue  # a reflection, a seam of a JPEG, a piece of another light's path
             if rhythm.kind != 'steady':

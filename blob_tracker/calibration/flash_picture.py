@@ -7,7 +7,7 @@ from pathlib import Path
 
 from blob_tracker.blinking.recognition import envelope
 from blob_tracker.blinking.survey import Light
-from blob_tracker.calibration.flash import describe
+from blob_tracker.blinking.wording import describe
 from blob_tracker.types import Pixels
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure

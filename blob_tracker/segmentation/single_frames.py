@@ -30,6 +30,7 @@ class SingleFrames:
     """
 
     surveys = False
+    finding = ''
 
     def __init__(self, max_pair_interval: float) -> None:
         self._history = FrameHistory(2, max_pair_interval)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 
-from blob_tracker.blinking.survey import Light, Survey
+from blob_tracker.blinking.survey import Light, MOST_LIGHTS, Survey
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.single_frames import seen_points, SingleFrames
@@ -58,9 +58,9 @@ class Watch(SingleFrames):
         self.reason = f'watched for {self.found.seconds:.1f} s'
         return []
 
-    def lights(self, *, sigmas: bool = True) -> list[Light]:
+    def lights(self, *, sigmas: bool = True, most: int = MOST_LIGHTS) -> list[Light]:
         """Return what blinks, see `Survey.lights`."""
-        return self.found.lights(self._exposure, sigmas=sigmas)
+        return self.found.lights(self._exposure, sigmas=sigmas, most=most)
 
     def peak(self, light: Light) -> tuple[float, float]:
         """Return height, DN, and SNR of a light, the medians of its brighter half."""

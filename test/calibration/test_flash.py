@@ -8,7 +8,7 @@ from blob_tracker.blinking.paths import Path
 from blob_tracker.blinking.recognition import Brightness, Rhythm
 from blob_tracker.blinking.survey import Light
 from blob_tracker.calibration.flash import (
-    clock_error, describe, enough, flash_settings, notes, with_sigma,
+    clock_error, enough, flash_settings, notes,
 )
 import numpy as np
 import pytest
@@ -93,18 +93,6 @@ def test_clocks_are_held_against_something() -> None:
     assert against == '13.7 Hz' and error == pytest.approx(146.0, abs=0.5)
     assert clock_error(wave(13.7, sigma=0.01)) is None
     assert clock_error(code('1101000', 53.0)) is None
-
-
-def test_lights_in_words() -> None:
-    """With their numbers."""
-    assert describe(wave(6.0)) == 'wave of 6.00000 ± 0.00060 Hz, on for 0.500 ± 0.010 of it'
-    assert describe(code('1101000', 30.0)).startswith('code 1101000, in step, 2 frames a bit, 30.')
-    assert 'free-running, 59.7000 ±' in describe(code('1101000', 59.7))
-    assert describe(other('irregular')) == 'blinks (4 changes) without a period'
-    assert describe(wave(30.0)).startswith('on in every other frame')
-    lamp = other('modulated', 3.0, mains=100.0)
-    assert describe(lamp) == 'lamp of 100 Hz, seen at 20.0000 ± 0.0020 Hz'
-    assert with_sigma(3.0, 0.0) == '3'
 
 
 @pytest.mark.parametrize('light, sentence', [

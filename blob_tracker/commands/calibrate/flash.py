@@ -9,8 +9,9 @@ import shlex
 import sys
 
 from blob_tracker.blinking.survey import Light
+from blob_tracker.blinking.wording import describe
 from blob_tracker.calibration.flash import (
-    describe, enough, flash_settings, FlashSettings, notes,
+    enough, flash_settings, FlashSettings, notes,
 )
 from blob_tracker.calibration.flash_picture import draw_flash
 from blob_tracker.commands.calibrate.report import refusal, tell_of
@@ -18,7 +19,7 @@ from blob_tracker.commands.calibrate.sources import (
     add_source, expected, is_folder, is_live, SourceError, stamped_frames,
 )
 from blob_tracker.segmentation import FrameError, Segmenter
-from blob_tracker.segmentation.watch import MOST_FRAMES, Watch
+from blob_tracker.segmentation.watch import Watch
 from blob_tracker.types import Frame, Pixels
 import numpy as np
 from rich.console import Console
