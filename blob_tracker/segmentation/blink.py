@@ -7,12 +7,13 @@ import functools
 import math
 
 from blob_tracker.blinking import BlinkTracker, code, Known, Lit, Pattern, wave
+from blob_tracker.blinking.tracker import MOST_POINTS
 from blob_tracker.kernel import Array
 from blob_tracker.segmentation.box import box_about, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.dark_look import DarkLook, FEWEST
-from blob_tracker.segmentation.patterns import check_patterns, rate_fault
+from blob_tracker.segmentation.patterns import check_patterns, rate_fault, twin_fault
 from blob_tracker.segmentation.points import aperture_sum, LEAST_PEAK_SIGMA
 from blob_tracker.segmentation.single_frames import seen_points, SingleFrames
 from blob_tracker.types import Frame, Glimpse
@@ -21,6 +22,10 @@ import numpy as np
 WAY_FRACTION = 0.03  # of a streak's length, by which it may be off: its path bends
 ABOUT = 4.0  # sigma to each side: a window and its background
 BESIDE = 4.0  # sigma of a light, within which another one draws its place
+CROWDED = (
+    f'more than {MOST_POINTS} points stand out of the frame, and no light out of them: expose '
+    'less, put a filter before the lens, or name with mask_url where the lights may be'
+)
 UNKNOWN_EXPOSURE = 0.5  # of the frame interval, where nobody tells
 
 
@@ -87,7 +92,9 @@ class Blink(SingleFrames):
 
     def _follow(self, frame: Frame, interval: float) -> str:
         if self._tracker is None:
-            fault = rate_fault(self._frequencies, 1.0 / interval)
+            fault = rate_fault(self._frequencies, 1.0 / interval) or twin_fault(
+                self._codes, self._bit_rate(interval), self._frequencies, self._duty
+            )
             if fault:
                 return fault
             self._tracker = self._new_tracker(frame, interval)
@@ -111,7 +118,7 @@ class Blink(SingleFrames):
         self._named = bool(found)
         self.reason = ''
         if not found:
-            self.reason = _why_none(candidates, allowed)
+            self.reason = CROWDED if self._tracker.crowded else _why_none(candidates, allowed)
         exposure, known = self._tracker.exposure, self._tracker.known()
         return [
             (each.name, self._with_dark_look(
@@ -134,13 +141,16 @@ class Blink(SingleFrames):
             unlit=self._dark.of(box, candidate.background, candidate.noise)
         )
 
+    def _bit_rate(self, interval: float) -> float:
+        return self._bits_per_second or 1.0 / (interval * self._frames_per_bit)
+
     def _new_tracker(self, frame: Frame, interval: float) -> BlinkTracker:
         exposure = self._exposure or frame.exposure_ns / 1e9
         self.warning = '' if exposure else (
             'nobody tells how long a frame is exposed: half of the frame interval is assumed; set '
             'flash.exposure'
         )
-        rate = self._bits_per_second or 1.0 / (interval * self._frames_per_bit)
+        rate = self._bit_rate(interval)
         in_step = 0 if self._bits_per_second else self._frames_per_bit
         patterns: list[Pattern] = [
             code(name, bits, rate, in_step) for name, bits in self._codes.items()
@@ -158,7 +168,10 @@ class Blink(SingleFrames):
 def _why_none(candidates: Sequence[Candidate], allowed: Sequence[Candidate]) -> str:
     """Say why none of the candidates is a light; empty where the first one itself tells."""
     if allowed:
-        return f'{len(allowed)} lights; none is due and of a known pattern'
+        return (
+            f'{len(allowed)} lights; none is due and of a known pattern (`calibrate flash` tells '
+            'theirs)'
+        )
     low = [each for each in candidates if not each.rejected]
     if not low:
         return ''

@@ -251,6 +251,7 @@ def test_more_looks_than_16_bits_hold_are_named(domain: int) -> None:
     ({'flash__codes': 'a:1100,a:1010'}, "two codes are called 'a'"),
     ({'flash__mode': 'coded', 'flash__codes': 'a:1100,b:0110'}, 'one code begun at another bit'),
     ({'flash__codes': '1101000'}, "'flash.codes' is 1101000; it must be a string"),
+    ({'flash__codes': '00010111'}, 'put it in quotes'),
     ({'flash__codes': 'a,b'}, "'a' is no light; write its name before it"),
     ({'flash__mode': 'periodic', 'flash__frequencies': 'a:6,b:6.01'}, 'clocks are off by 1 %'),
     ({'threshold__method': 'best'}, "'threshold.method' is 'best'; it must be one of sigma"),
