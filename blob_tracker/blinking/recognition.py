@@ -310,7 +310,19 @@ def _code(data: Data, period: float, exposure: float) -> Fitted | None:
                 best, choice = cost, Rhythm(
                     'code', period, bits=bits, rise=float(offset), exposure=float(assumed[0])
                 )
-    return None if choice is None else _judged(data, choice)
+    return None if choice is None else _judged(data, _shortened(choice))
+
+
+def _shortened(code: Rhythm) -> Rhythm:
+    """Return a code whose bits all come in groups of so many as a code of fewer, longer ones."""
+    bits = code.bits
+    for group in range(len(bits) // 3, 1, -1):
+        for shift in range(group) if len(bits) % group == 0 else ():
+            turned = bits[shift:] + bits[:shift]
+            one = turned[::group]
+            if turned == ''.join(bit * group for bit in one):
+                return replace(code, bits=one, rise=code.rise + shift * code.bit)
+    return code
 
 
 def _is_code(bits: str) -> bool:

@@ -8,7 +8,7 @@ from blob_tracker.kernel import Array
 import numpy as np
 
 WALKERS = 32
-STEPS, SETTLING = 600, 200
+STEPS, SETTLING = 400, 150
 STRETCH = 2.0  # greatest, as its authors have it
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 FEWEST_POINTS = 6  # of a light
 UNKNOWN = ('short', 'irregular')
-FEWEST_OF_UNKNOWN = 0.1  # of the frames, in which what keeps no rate is seen
+FEWEST_OF_UNKNOWN = 0.2  # of the frames, in which what keeps no rate is seen
 MOST_LIGHTS = 16  # that are looked at
 JITTER = 0.1  # of the frame interval, from which on the stamps are believed, not the count
 MAINS_OFF_HZ = 0.3  # by which lamps are off 100 and 120 Hz, and frame rates off theirs

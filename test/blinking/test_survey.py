@@ -82,7 +82,7 @@ def test_memory_is_bounded() -> None:
 
 def test_500_points_of_chance_are_no_light() -> None:
     """No name is given where nothing keeps a rate."""
-    lights = watched([], 40, crowd=500).lights(EXPOSURE, sigmas=False)
+    lights = watched([], 25, crowd=500).lights(EXPOSURE, sigmas=False)
     assert not [light for light in lights if light.rhythm.kind in ('wave', 'code')]
 
 

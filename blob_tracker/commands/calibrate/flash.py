@@ -18,7 +18,9 @@ from blob_tracker.commands.calibrate.report import refusal, tell_of
 from blob_tracker.commands.calibrate.sources import (
     add_source, expected, is_folder, is_live, SourceError, stamped_frames,
 )
-from blob_tracker.segmentation import FrameError, Segmenter
+from blob_tracker.segmentation import (
+    compile_ahead, compile_blinking, FrameError, Segmenter,
+)
 from blob_tracker.segmentation.watch import Watch
 from blob_tracker.types import Frame, Pixels
 import numpy as np
@@ -88,6 +90,8 @@ def _watch(arguments: argparse.Namespace, console: Console) -> tuple[Watch, Pixe
     """Return what was seen in the frames of the source, and the brightest of each pixel."""
     if is_live(arguments) and arguments.seconds is None and arguments.count is None:
         arguments.seconds = LIVE_S
+    compile_ahead()
+    compile_blinking()
     watch = Watch(max_pair_interval=LONGEST_GAP_S, exposure=arguments.exposure)
     segmenter = Segmenter(flash=watch)
     scene: Pixels | None = None
@@ -171,8 +175,8 @@ def _write(
     lines = [
         f'# By `python3 -m blob_tracker calibrate flash {shlex.quote(arguments.source)}`.',
         *(
-            f'# {name or "not set"}: {describe(light)}'
-            for name, light in zip(settings.named, lights)
+            f'# {name or f"light {index}"}: {describe(light)}'
+            for index, (name, light) in enumerate(zip(settings.named, lights), start=1)
         ),
         '', '/**/segmenter:', '  ros__parameters:',
         *(f'    {name}: {_yaml(value)}' for name, value in settings.values.items()),
