@@ -118,7 +118,7 @@ class Segmenter:
 
     @property
     def finding(self) -> str:
-        """What the flash mode found out about the light; empty where it was told all."""
+        """Return what the flash mode found out about the light; empty where it was told all."""
         return self.flash.finding
 
     @property
