@@ -15,6 +15,8 @@ CELLS_A_FRAME = 16  # phase cells in a frame interval: a step of 1/16 of it is 1
 SUB_CELLS = 2  # looks within a cell, at which share and time are tabulated
 LEAST_CELLS = 48  # of a period: a wave of few frames is followed as finely as a code
 LEAST_STEP = 1e-3  # of the share from look to look: of less the slope is not to be told
+LONGEST_BITS = 64  # of a code: the phase is looked for in all of it
+MAINS_HZ = (100.0, 120.0)  # of lamps on 50 and 60 Hz
 SHARE_LEVELS = 128  # steps of the share, so that a frame needs few exponentials
 
 

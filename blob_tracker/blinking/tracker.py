@@ -17,6 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 MOST_POINTS = 96  # of a frame, the brightest: a time a frame that is bounded
+# Where points are left out a light's own may be among them, unless it is as many times as bright
+OUT_OF_CROWD = 2.0
 MOST_UNNAMED = 96  # rows without a name, the best
 LEAST_CLUTTER = 0.3  # points a frame that are none of a light's, at least
 CLUTTER_FRAMES = 30.0  # over which they are counted
@@ -102,6 +104,11 @@ class BlinkTracker:
     shape : (int, int)
         Height and width of a frame, px.
 
+    Attributes
+    ----------
+    crowded : bool
+        Whether the last frame had more points than are looked at.
+
     """
 
     def __init__(
@@ -134,6 +141,7 @@ class BlinkTracker:
         self._count = 0
         self._clutter = 2.0
         self._numbers = 0
+        self.crowded = False
         self._in_step = np.array([each.frames > 0 for each in patterns])
         scale = np.repeat([1.0, 1.0 / interval, 1.0 / interval**2], 2)
         self._units = np.outer(scale, scale)  # from frame intervals to s
@@ -180,9 +188,12 @@ class BlinkTracker:
             self._pace += PACE_PART * (dt / passed - self._pace)
         clocks = np.where(self._in_step, self._frames, clock)  # of each pattern's light
         order = np.arange(len(points))
-        if len(points) > MOST_POINTS:
+        self.crowded = len(points) > MOST_POINTS
+        crowd = 0.0
+        if self.crowded:
             order = np.argsort(-points[:, 5])[:MOST_POINTS]
             points = np.ascontiguousarray(points[order])
+            crowd = float(np.median(points[:, 5]))
         settings = Settings(
             max(self._clutter, LEAST_CLUTTER) / self._area, least_flux, FIRST_SPEED,
             self._longest, LOST_S / self.interval,
@@ -202,6 +213,7 @@ class BlinkTracker:
         return [
             self._lit(name, int(row), order) for name, row in enumerate(self._best)
             if row >= 0 and new.now[row, 0] >= 0.0 and self._lead[name] > CLEAR
+            and new.full[row, 0] > OUT_OF_CROWD * crowd
         ]
 
     def known(self) -> list[Known]:

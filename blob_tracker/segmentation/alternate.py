@@ -42,6 +42,8 @@ class Alternate:
 
     """
 
+    finding = ''
+
     def __init__(
         self,
         *,

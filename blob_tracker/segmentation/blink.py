@@ -7,19 +7,18 @@ import functools
 import math
 
 from blob_tracker.blinking import BlinkTracker, code, Known, Lit, Pattern, wave
+from blob_tracker.blinking.tracker import MOST_POINTS
 from blob_tracker.kernel import Array
-from blob_tracker.segmentation.box import Box, box_about, whole
+from blob_tracker.segmentation.box import box_about, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.dark_look import DarkLook, FEWEST
-from blob_tracker.segmentation.expectation import Expectation
-from blob_tracker.segmentation.history import FrameError, FrameHistory
-from blob_tracker.segmentation.patterns import check_patterns, rate_fault
-from blob_tracker.segmentation.points import aperture_sum, LEAST_PEAK_SIGMA, points
+from blob_tracker.segmentation.patterns import check_patterns, rate_fault, twin_fault
+from blob_tracker.segmentation.points import aperture_sum, LEAST_PEAK_SIGMA
+from blob_tracker.segmentation.single_frames import seen_points, SingleFrames
 from blob_tracker.types import Frame, Glimpse
 import numpy as np
 
-ROUNDING_DN = float(np.sqrt(1 / 12))  # DN, of one frame
 WAY_FRACTION = 0.03  # of a streak's length, by which it may be off: its path bends
 ABOUT = 4.0  # sigma to each side: a window and its background
 # Of what the lines of a rolling shutter draw a light by, as the pulse is no Gaussian
@@ -28,10 +27,14 @@ LEAST_DARK = 0.02  # of the exposure: what is shorter is not told from none
 PULSE_LINES = np.linspace(-3.0, 3.0, 25)  # sigma from the middle of a pulse
 PULSE = np.exp(-0.5 * PULSE_LINES**2)
 BESIDE = 4.0  # sigma of a light, within which another one draws its place
+CROWDED = (
+    f'more than {MOST_POINTS} points stand out of the frame, and no light out of them: expose '
+    'less, put a filter before the lens, or name with mask_url where the lights may be'
+)
 UNKNOWN_EXPOSURE = 0.5  # of the frame interval, where nobody tells
 
 
-class Blink:
+class Blink(SingleFrames):
     """
     Follow lights that blink, each in its pattern, and give each lit frame's window its instant.
 
@@ -62,8 +65,6 @@ class Blink:
 
     """
 
-    surveys = False
-
     def __init__(
         self,
         *,
@@ -75,18 +76,15 @@ class Blink:
         duty: float = 0.5,
         exposure: float = 0.0,
     ) -> None:
+        super().__init__(max_pair_interval)
         self._codes, self._frequencies = dict(codes or {}), dict(frequencies or {})
         check_patterns(self._codes, self._frequencies, duty)
         self._frames_per_bit, self._bits_per_second = frames_per_bit, bits_per_second
         self._duty, self._exposure = duty, exposure
-        self._history = FrameHistory(2, max_pair_interval)
         self._tracker: BlinkTracker | None = None
         # Of the frame before there is one
         self._first: tuple[Array, int, float, float] | None = None
-        self._dark = DarkLook()
         self._named = False
-        self.reason = 'no frame yet'
-        self.warning = ''
         compile_blinking()
 
     @property
@@ -94,62 +92,23 @@ class Blink:
         """Whether any light was named in the last frame."""
         return self._named
 
-    def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
-        """
-        Return the next frame, and what the scene looks like without lights that blink.
+    def _begin(self) -> None:
+        super()._begin()
+        self._tracker = self._first = None
 
-        Raises
-        ------
-        FrameError
-            Where the frame cannot follow the one before it.
-
-        """
-        try:
-            interval = self._history.push(frame)
-        except FrameError:
-            if len(self._history.frames) == 1:
-                self._tracker, self._first, self._dark = None, None, DarkLook()
-            raise
-        kept = self._history.frames[-1]
-        if interval is None or len(self._history.frames) < 2:
-            self._tracker, self._first, self._dark = None, None, DarkLook()
-        else:
-            self._dark.push(self._history.frames[-2])
-            if self._tracker is None:
-                self.reason = self._fault(interval)
-                if self.reason:
-                    return None
-                self._tracker = self._new_tracker(kept, interval)
-        return Contrast(
-            kept.image, self._dark.below(kept), frame.saturation, frame, (kept.samples,), (),
-            ROUNDING_DN,
-        )
-
-    def skip(self, frame: Frame) -> None:
-        """Do nothing: it is as if the frame had not come."""
-
-    def region(self, contrast: Contrast) -> Box:
-        """Return the whole frame: the lights may be anywhere in it."""
-        return whole(contrast.shape)
-
-    def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
-        """Return None: the whole frame is searched in any case."""
-
-    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
-        """Do nothing: `choose` had the whole frame."""
+    def _follow(self, frame: Frame, interval: float) -> str:
+        if self._tracker is None:
+            fault = self._fault(interval)
+            if fault:
+                return fault
+            self._tracker = self._new_tracker(frame, interval)
+        return ''
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
         """Return the lights that the frame shows, each by its name and with its instant."""
-        # What is no higher may be the scene's texture: a wide filter sums it up as it does light.
-        allowed = [
-            each for each in candidates
-            if not each.rejected and each.amplitude >= LEAST_PEAK_SIGMA * each.noise
-        ]
-        table, least = points(contrast, allowed, max(
-            (each.noise for each in candidates), default=contrast.floor
-        ))
+        allowed, table, least = seen_points(contrast, candidates)
         seen = table, contrast.frame.stamp_ns, least, contrast.frame.line_time_ns / 1e9
         if self._tracker is None:
             # The next frame tells the interval.
@@ -163,7 +122,7 @@ class Blink:
         self._named = bool(found)
         self.reason = ''
         if not found:
-            self.reason = _why_none(candidates, allowed)
+            self.reason = CROWDED if self._tracker.crowded else _why_none(candidates, allowed)
         exposure, known = self._tracker.exposure, self._tracker.known()
         return [
             (each.name, self._with_dark_look(
@@ -191,7 +150,12 @@ class Blink:
 
     def _fault(self, interval: float) -> str:
         """Say which light frames of this interval, s, cannot tell; empty where there is none."""
-        return rate_fault(self._frequencies, 1.0 / interval)
+        return rate_fault(self._frequencies, 1.0 / interval) or twin_fault(
+            self._codes, self._bit_rate(interval), self._frequencies, self._duty
+        )
+
+    def _bit_rate(self, interval: float) -> float:
+        return self._bits_per_second or 1.0 / (interval * self._frames_per_bit)
 
     def _new_tracker(self, frame: Frame, interval: float) -> BlinkTracker:
         exposure = self._exposure or frame.exposure_ns / 1e9
@@ -199,7 +163,7 @@ class Blink:
             'nobody tells how long a frame is exposed: half of the frame interval is assumed; set '
             'flash.exposure'
         )
-        rate = self._bits_per_second or 1.0 / (interval * self._frames_per_bit)
+        rate = self._bit_rate(interval)
         in_step = 0 if self._bits_per_second else self._frames_per_bit
         patterns: list[Pattern] = [
             code(name, bits, rate, in_step) for name, bits in self._codes.items()
@@ -217,7 +181,10 @@ class Blink:
 def _why_none(candidates: Sequence[Candidate], allowed: Sequence[Candidate]) -> str:
     """Say why none of the candidates is a light; empty where the first one itself tells."""
     if allowed:
-        return f'{len(allowed)} lights; none is due and of a known pattern'
+        return (
+            f'{len(allowed)} lights; none is due and of a known pattern (`calibrate flash` tells '
+            'theirs)'
+        )
     low = [each for each in candidates if not each.rejected]
     if not low:
         return ''

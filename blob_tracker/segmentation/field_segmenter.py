@@ -68,6 +68,11 @@ class FieldSegmenter:
         return self._last.warnings
 
     @property
+    def finding(self) -> str:
+        """Return what the flash mode found out about the light, see `Segmenter`."""
+        return self._last.finding
+
+    @property
     def unlit_pair(self) -> tuple[Pixels, Pixels] | None:
         """Raw pixels of the last two frames without a light, see `Segmenter`."""
         return self._last.unlit_pair

@@ -24,6 +24,8 @@ class Flash(Protocol):
         Whether the target is followed.
     warning : str
         What is wrong though the target may be there; empty where nothing is.
+    finding : str
+        What it found out about the light that it was not told; empty where it was told all.
     surveys : bool
         Whether `survey` asks for all that lit up in the whole frame, after `choose`.
 
@@ -40,6 +42,10 @@ class Flash(Protocol):
     @property
     def warning(self) -> str:
         """Say what is wrong though the target may be there; empty where nothing is."""
+
+    @property
+    def finding(self) -> str:
+        """Say what it found out about the light; empty where it was told all."""
 
     @property
     def surveys(self) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from inspect import signature
 
+from blob_tracker.segmentation.auto import Auto
 from blob_tracker.segmentation.blink import Coded, Periodic
 from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.in_step import InStep
@@ -17,6 +18,7 @@ FLASH_MODES: dict[str, Callable[..., Flash]] = {
     'periodic': Periodic,
     'coded': Coded,
     'lock_in': LockIn,
+    'auto': Auto,
 }
 
 

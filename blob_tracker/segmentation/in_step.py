@@ -97,6 +97,14 @@ class InStep:
         return self._mode.warning
 
     @property
+    def finding(self) -> str:
+        """Say that the light runs free, where it does."""
+        return '' if self._mode is self._pairs else (
+            'it flashes near half the frame rate by a clock of its own: every frame is looked at '
+            'by itself'
+        )
+
+    @property
     def surveys(self) -> bool:
         """Whether `survey` asks for all that lit up in the whole frame, after `choose`."""
         return self._mode.surveys

@@ -63,6 +63,7 @@ class LockIn:
     locked = False
     surveys = False
     warning = ''
+    finding = ''
 
     def __init__(
         self,

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 import math
 
+from blob_tracker.blinking.patterns import LONGEST_BITS, MAINS_HZ
 import numpy as np
 from numpy.typing import NDArray
 
-LONGEST_BITS = 64  # of a code: the phase is looked for in all of it
+SAME_DUTY = 0.1  # of a period, by which the times differ for which two waves are on
 MOST_LIGHTS = 32  # patterns, all of which each new point is compared with
 HIGHEST_PART = 0.45  # of the frame rate; beyond 0.5 a frequency is aliased
 LOWEST_PART = 0.02  # of the frame rate: a period of 50 frames
 APART = 0.02  # of a frequency by which another one differs: clocks are off by 1 %
-MAINS_HZ = (100.0, 120.0)  # of lamps on 50 and 60 Hz
 
 
 def check_patterns(
@@ -79,16 +79,47 @@ def rate_fault(frequencies: Mapping[str, float], rate: float) -> str:
     """
     for name, frequency in frequencies.items():
         if not LOWEST_PART * rate <= frequency <= HIGHEST_PART * rate:
-            return (
+            fault = (
                 f"'{name}' flashes at {frequency:g} Hz; {rate:.1f} frames a second show "
                 f'{LOWEST_PART * rate:.1f} to {HIGHEST_PART * rate:.1f} Hz'
             )
+            seen = abs(frequency - rate * round(frequency / rate))
+            if frequency > HIGHEST_PART * rate:
+                fault += f': it looks like {seen:.1f} Hz'
+                twins = [
+                    other for other, its in frequencies.items()
+                    if other != name and abs(its - seen) < APART * its
+                ]
+                fault += f", and so does '{twins[0]}'" if twins else ''
+            return fault
         for mains in MAINS_HZ:
             seen = abs(mains - rate * round(mains / rate))
             if abs(seen - frequency) < APART * frequency:
                 return (
                     f"'{name}' flashes at {frequency:g} Hz, and so does a lamp of {mains:g} Hz as "
                     f'{rate:.1f} frames a second show it ({seen:.1f} Hz): take another frequency'
+                )
+    return ''
+
+
+def twin_fault(
+    codes: Mapping[str, str], bits_per_second: float, frequencies: Mapping[str, float], duty: float
+) -> str:
+    """
+    Say which code and frequency are one pattern; empty where there are none.
+
+    A code that is on once in its length is a wave: 1100 at 60 bits/s is one of 15 Hz.
+    """
+    for name, bits in codes.items():
+        if (bits + bits[0]).count('01') != 1:
+            continue
+        rate, on = bits_per_second / len(bits), bits.count('1') / len(bits)
+        for other, frequency in frequencies.items():
+            if abs(frequency - rate) < APART * rate and abs(on - duty) < SAME_DUTY:
+                return (
+                    f"the code {bits} of '{name}' is a wave of {rate:.4g} Hz, and '{other}' "
+                    f'flashes at {frequency:g} Hz: they cannot be told apart; take a code that is '
+                    'on more than once'
                 )
     return ''
 

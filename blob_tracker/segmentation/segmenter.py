@@ -78,6 +78,8 @@ class Segmenter:
     warnings : tuple of str
         What is wrong though there may be a window: frames that come twice, other lights that
         flash in step.
+    finding : str
+        What the flash mode found out about the light; empty where it was told all.
     unlit_pair : (array, array) or None
         Raw pixels of the last two frames without a light, where the last frame is one of them or
         ended a block that holds them. What differs in them is noise, or moved.
@@ -113,6 +115,11 @@ class Segmenter:
     def repeated_frames(self) -> int:
         """How many frames were left out because they showed the one before once more."""
         return self._repeated.count
+
+    @property
+    def finding(self) -> str:
+        """Return what the flash mode found out about the light; empty where it was told all."""
+        return self.flash.finding
 
     @property
     def warnings(self) -> tuple[str, ...]:

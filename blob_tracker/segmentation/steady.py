@@ -35,6 +35,7 @@ class Steady:
     locked = False
     surveys = False
     warning = ''
+    finding = ''
 
     def __init__(self, *, max_pair_interval: float = 0.1) -> None:
         self.reason = 'no frame yet'

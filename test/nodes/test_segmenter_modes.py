@@ -126,6 +126,22 @@ def test_windows_of_lock_in_are_sums_of_16_bits(domain: int) -> None:
     assert {to_ns(m.header.stamp) for m in windows} & {to_ns(m.header.stamp) for m in infos}
 
 
+def test_auto_says_which_light_it_found(domain: int) -> None:
+    """It watches, says so, then publishes the window of the light and what to set."""
+    scene = before_a_wall(Light(71.3, 52.6, 2.0, 120.0, periodic(10.3, 0.5)))
+    with probe(domain) as node:
+        windows = node.record(Image, 'target/window/image_raw')
+        diagnostics = node.record(DiagnosticArray, '/diagnostics')
+        with start('segmenter', domain, flash__mode='auto', flash__exposure=0.5 / RATE):
+            play(node, scene, lambda: 'light found' in values(diagnostics), timeout=60.0)
+            assert len(windows) > 5
+    assert 'set flash.mode periodic, flash.frequency 10.' in values(diagnostics)['light found']
+    assert any(
+        status.message.startswith('no target: watching what blinks')
+        for array in diagnostics for status in array.status
+    )
+
+
 def test_steady_windows_have_one_channel(domain: int) -> None:
     """8UC1, from single frames."""
     scene = before_a_wall(Light(71.3, 52.6, 2.0, 60.0))
@@ -235,6 +251,7 @@ def test_more_looks_than_16_bits_hold_are_named(domain: int) -> None:
     ({'flash__codes': 'a:1100,a:1010'}, "two codes are called 'a'"),
     ({'flash__mode': 'coded', 'flash__codes': 'a:1100,b:0110'}, 'one code begun at another bit'),
     ({'flash__codes': '1101000'}, "'flash.codes' is 1101000; it must be a string"),
+    ({'flash__codes': '00010111'}, 'put it in quotes'),
     ({'flash__codes': 'a,b'}, "'a' is no light; write its name before it"),
     ({'flash__mode': 'periodic', 'flash__frequencies': 'a:6,b:6.01'}, 'clocks are off by 1 %'),
     ({'threshold__method': 'best'}, "'threshold.method' is 'best'; it must be one of sigma"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from blob_tracker.location import Locator
 from blob_tracker.segmentation import flash_by_name, Segmenter
 from blob_tracker.segmentation.blink import Coded, Periodic
-from blob_tracker.segmentation.patterns import check_patterns, rate_fault
+from blob_tracker.segmentation.patterns import check_patterns, rate_fault, twin_fault
 from blob_tracker.simulation import coded, Light, periodic, Scene
 from blob_tracker.types import Frame, SensorNoise
 import numpy as np
@@ -194,7 +194,8 @@ def test_patterns_that_cannot_work_are_refused(
 
 
 @pytest.mark.parametrize('frequency, sentence', [
-    (35.0, '60.0 frames a second show 1.2 to 27.0 Hz'),
+    (35.0, '60.0 frames a second show 1.2 to 27.0 Hz: it looks like 25.0 Hz'),
+    (1.0, '60.0 frames a second show 1.2 to 27.0 Hz'),
     (20.0, 'so does a lamp of 100 Hz as 60.0 frames a second show it'),
     (10.0, ''),
 ])
@@ -204,3 +205,60 @@ def test_frequencies_that_the_frames_cannot_show_are_named(
     """Aliased, or those of a lamp on the mains."""
     fault = rate_fault({'a': frequency}, 60.0)
     assert sentence in fault if sentence else fault == ''
+
+
+def test_frequencies_that_alias_onto_each_other_are_named() -> None:
+    """At 60 frames/s 50 Hz looks like 10 Hz."""
+    fault = rate_fault({'a': 10.0, 'b': 50.0}, 60.0)
+    assert fault.startswith("'b' flashes at 50 Hz")
+    assert fault.endswith("it looks like 10.0 Hz, and so does 'a'")
+
+
+@pytest.mark.parametrize('code, frequency, duty, fault', [
+    ('1100', 15.0, 0.5, "the code 1100 of 'a' is a wave of 15 Hz, and 'b' flashes at 15 Hz"),
+    ('0110', 15.1, 0.55, 'they cannot be told apart'),
+    ('1100', 15.0, 0.2, ''),
+    ('1100', 13.0, 0.5, ''),
+    ('1010010', 60.0 / 7.0, 0.5, ''),
+])
+def test_a_code_that_is_a_wave_is_named(
+    code: str, frequency: float, duty: float, fault: str
+) -> None:
+    """Where there is such a wave beside it."""
+    said = twin_fault({'a': code}, 60.0, {'b': frequency}, duty)
+    assert said.startswith(fault) or (fault and fault in said)
+    assert bool(said) is bool(fault)
+
+
+@pytest.mark.parametrize('low, high', [(0.6, 1.4), (1.04, 1.05), (0.3, 3.0)])
+def test_a_light_that_does_not_keep_its_rate_has_no_wrong_name(low: float, high: float) -> None:
+    """Its bits last for 0.6 to 1.4 frames at random, 4 % too long, or for anything."""
+    random = np.random.default_rng(4)
+    ends = np.cumsum(random.uniform(low, high, 400)) / RATE
+    bits = np.tile([float(bit == '1') for bit in CODES['port']], 60)
+    scene = before_a_wall(Light(
+        *PLACES['port'], 2.0, 120.0, lambda times: bits[np.searchsorted(ends, times)]
+    ))
+    segmenter = flash(CODES)
+    for index in range(200):
+        frame = Frame(scene.frame(index), scene.stamp_ns(index), 255)
+        found = segmenter.sightings(frame)
+        assert {name for name, _ in found} <= {'port'}
+        assert found or segmenter.reason
+
+
+def test_500_points_have_no_name() -> None:
+    """A frame with more points than can be looked at says so; no name is given to any."""
+    random = np.random.default_rng(1)
+    places = random.uniform([6.0, 6.0], [634.0, 474.0], (500, 2))
+    scene = Scene(
+        elements=[
+            Light(x, y, 1.0, 100.0, coded(''.join(random.choice(['0', '1'], 40)), 1.0 / RATE))
+            for x, y in places
+        ], width=640, height=480, rate=RATE, exposure=EXPOSURE, texture=0.0,
+    )
+    segmenter = flash(CODES)
+    for index in range(25):
+        frame = Frame(scene.frame(index), scene.stamp_ns(index), 255)
+        assert segmenter.sightings(frame) == []
+    assert segmenter.reason.startswith('more than 96 points stand out of the frame')

@@ -8,6 +8,7 @@ from types import ModuleType
 
 CALIBRATIONS: dict[str, str] = {
     'board': 'lens, from images of a chessboard, a ChArUco board or a grid of dots',
+    'flash': 'which lights blink, how, and the parameters that track them',
     'jitter': 'line offsets of an analogue grabber, from frames of a vertical edge',
     'line_time': 'how fast a rolling shutter reads its lines, from the bands of a lamp',
     'noise': 'gain, read noise and saturation: photon transfer',

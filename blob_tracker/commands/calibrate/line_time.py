@@ -13,7 +13,7 @@ from blob_tracker.calibration.line_time import (
 from blob_tracker.calibration.line_time_picture import draw_line_time
 from blob_tracker.commands.calibrate.report import refusal, results_table, row, tell_of
 from blob_tracker.commands.calibrate.sources import (
-    add_source, expected, SourceError, timed_frames,
+    add_source, expected, SourceError, stamped_frames,
 )
 from blob_tracker.types import Pixels
 from rich.console import Console
@@ -50,10 +50,11 @@ def main(arguments: argparse.Namespace) -> int:
             arguments.count = total = LIVE_FRAMES
 
         def shown() -> Iterator[tuple[float | None, Pixels]]:
-            yield from track(
-                timed_frames(arguments), 'reading the lines', total, console=console,
+            for _, seconds, pixels in track(
+                stamped_frames(arguments), 'reading the lines', total, console=console,
                 transient=True,
-            )
+            ):
+                yield seconds, pixels
 
         measurement = measure_line_time(shown(), arguments.frequency)
         _report(console, measurement)

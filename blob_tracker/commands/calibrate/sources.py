@@ -1,9 +1,10 @@
-"""Where a calibration's images come from: a folder, a bag, or a topic while the nodes run."""
+"""Where a calibration's images come from: a folder, a video, a bag, or a topic of a live node."""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 import re
 import time
@@ -12,6 +13,7 @@ from blob_tracker.types import Pixels
 import cv2
 import numpy as np
 
+VIDEOS = ('.avi', '.m4v', '.mkv', '.mov', '.mp4', '.webm')
 SUFFIXES = ('.bmp', '.jpeg', '.jpg', '.pgm', '.png', '.tif', '.tiff')
 
 
@@ -34,7 +36,8 @@ def add_source(parser: argparse.ArgumentParser, what: str) -> None:
     parser.add_argument(
         'source',
         metavar='SOURCE',
-        help=f'images of {what}: a folder, a rosbag2 folder, or a topic while the nodes run',
+        help=f'images of {what}: a folder, a video, a rosbag2 folder, or a topic while the nodes '
+        'run',
     )
     parser.add_argument(
         '--topic', default='camera/image_raw', help='topic of the images in a bag (%(default)s)'
@@ -48,7 +51,7 @@ def add_source(parser: argparse.ArgumentParser, what: str) -> None:
 def is_folder(arguments: argparse.Namespace) -> bool:
     """Tell whether SOURCE is a folder of images, which someone chose, and no stream of them."""
     path = Path(arguments.source)
-    return path.exists() and not _is_bag(path)
+    return path.exists() and not _is_bag(path) and not _is_video(path)
 
 
 def is_live(arguments: argparse.Namespace) -> bool:
@@ -71,6 +74,10 @@ def expected(arguments: argparse.Namespace) -> int | None:
         there: int | None = None
     elif _is_bag(path):
         there = _bag_count(path, arguments.topic)
+    elif _is_video(path):
+        with _opened(path) as video:
+            there = int(video.get(cv2.CAP_PROP_FRAME_COUNT))
+        there = there if there > 0 else None
     else:
         there = len(_files(path))
     if there is None or arguments.count is None:
@@ -82,23 +89,7 @@ def frames(
     arguments: argparse.Namespace, *, interpolate: bool = True
 ) -> Iterator[tuple[str, Pixels]]:
     """
-    Yield the frames of SOURCE by their names; else as `timed_frames`.
-
-    Yields
-    ------
-    str, (h, w) uint8 or uint16 array
-        A name to call the frame by, and its raw pixels; luma where it has colours.
-
-    """
-    for name, _, pixels in _named(arguments, interpolate):
-        yield name, pixels
-
-
-def timed_frames(
-    arguments: argparse.Namespace, *, interpolate: bool = True
-) -> Iterator[tuple[float | None, Pixels]]:
-    """
-    Yield the frames of SOURCE with their times.
+    Yield the frames of SOURCE.
 
     Parameters
     ----------
@@ -110,8 +101,8 @@ def timed_frames(
 
     Yields
     ------
-    float or None, (h, w) uint8 or uint16 array
-        Time since the first, s, None in a folder; and its raw pixels, luma where it has colours.
+    str, (h, w) uint8 or uint16 array
+        A name to call the frame by, and its raw pixels; luma where it has colours.
 
     Raises
     ------
@@ -121,24 +112,37 @@ def timed_frames(
         On Ctrl-C, from a topic as well.
 
     """
-    for _, seconds, pixels in _named(arguments, interpolate):
-        yield seconds, pixels
+    for name, _, pixels in stamped_frames(arguments, interpolate=interpolate):
+        yield name, pixels
 
 
-def _named(
-    arguments: argparse.Namespace, interpolate: bool
+def stamped_frames(
+    arguments: argparse.Namespace, *, interpolate: bool = True
 ) -> Iterator[tuple[str, float | None, Pixels]]:
+    """
+    Yield what `frames` does, with the stamp of each between name and pixels: s, or None.
+
+    Arguments and errors are those of `frames`. A folder has no stamps; those of the others count
+    from the first image.
+    """
     path = Path(arguments.source)
+    stream: Iterator[tuple[str, float | None, Pixels]]
     if is_live(arguments):
         stream = _of_topic(arguments.source, arguments.seconds, interpolate)
     elif _is_bag(path):
         stream = _of_bag(path, arguments.topic, interpolate)
+    elif _is_video(path):
+        stream = _of_video(path)
     else:
         stream = _of_folder(path)
     for index, frame in enumerate(stream, start=1):
         yield frame
         if index == arguments.count:
             return
+
+
+def _is_video(path: Path) -> bool:
+    return path.suffix.lower() in VIDEOS and path.is_file()
 
 
 def _is_bag(path: Path) -> bool:
@@ -161,17 +165,42 @@ def _files(folder: Path) -> list[Path]:
     )
 
 
-def _of_folder(folder: Path) -> Iterator[tuple[str, float | None, Pixels]]:
+def _of_folder(folder: Path) -> Iterator[tuple[str, None, Pixels]]:
     for file in _files(folder):
         pixels = cv2.imread(str(file), cv2.IMREAD_UNCHANGED)
         if pixels is None:
             raise SourceError(f'{file} is not an image that can be read; take it out')
         if pixels.dtype not in (np.uint8, np.uint16):
             raise SourceError(f'{file} holds {pixels.dtype}; it must be 8 or 16 bits a pixel')
-        if pixels.ndim == 3:
-            code = cv2.COLOR_BGRA2GRAY if pixels.shape[2] == 4 else cv2.COLOR_BGR2GRAY
-            pixels = cv2.cvtColor(pixels, code)
-        yield file.name, None, np.asarray(pixels, dtype=pixels.dtype.type)
+        yield file.name, None, _luma(np.asarray(pixels, dtype=pixels.dtype.type))
+
+
+def _luma(pixels: Pixels) -> Pixels:
+    if pixels.ndim == 3:
+        code = cv2.COLOR_BGRA2GRAY if pixels.shape[2] == 4 else cv2.COLOR_BGR2GRAY
+        return np.asarray(cv2.cvtColor(pixels, code), dtype=pixels.dtype.type)
+    return np.asarray(pixels, dtype=pixels.dtype.type)
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[cv2.VideoCapture]:
+    video = cv2.VideoCapture(str(path))
+    try:
+        if not video.isOpened():
+            raise SourceError(f'{path} is not a video that OpenCV can read; convert it to MJPEG')
+        yield video
+    finally:
+        video.release()
+
+
+def _of_video(path: Path) -> Iterator[tuple[str, float, Pixels]]:
+    with _opened(path) as video:
+        while True:
+            there, pixels = video.read()
+            if not there:
+                return
+            seconds = video.get(cv2.CAP_PROP_POS_MSEC) / 1e3  # of the frame that was read
+            yield f'{seconds:.3f} s', seconds, _luma(np.asarray(pixels, dtype=np.uint8))
 
 
 def _bag_count(bag: Path, topic: str) -> int:
@@ -185,7 +214,7 @@ def _bag_count(bag: Path, topic: str) -> int:
 
 def _of_bag(
     bag: Path, topic: str, interpolate: bool
-) -> Iterator[tuple[str, float | None, Pixels]]:
+) -> Iterator[tuple[str, float, Pixels]]:
     from blob_tracker.ros.endpoints.recording import recorded_images, RecordingError
 
     try:
@@ -197,7 +226,7 @@ def _of_bag(
 
 def _of_topic(
     topic: str, longest: float | None, interpolate: bool
-) -> Iterator[tuple[str, float | None, Pixels]]:
+) -> Iterator[tuple[str, float, Pixels]]:
     try:
         from blob_tracker.ros.endpoints.live_images import live_images, NoImagesError
     except ImportError:

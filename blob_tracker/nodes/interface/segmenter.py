@@ -17,7 +17,8 @@ PARAMETERS = (
         'How the light flashes. alternate: in step with the camera, on in every other frame. '
         'periodic: free-running at flash.frequency, or several at flash.frequencies. coded: '
         'lights that blink flash.codes. lock_in: a faint light at flash.frequency that stands '
-        'still. steady: always on.',
+        'still. steady: always on. auto: nobody knows; alternate is tried first, then what blinks '
+        'is watched for 3 s and the brightest light followed; the diagnostics tell what to set.',
         choices=tuple(FLASH_MODES),
     ),
     Parameter(

@@ -346,6 +346,8 @@ class SegmenterNode(Node):
                 'stamps: the camera dropped them (see its diagnostics), they were lost on the way '
                 '(use config/fastdds.xml), or this node was too late for them (see CPU)',
             )
+        if self._segmenter.finding:
+            self._health.show('light found', self._segmenter.finding)
         self._last_detections.describe(self._health)
 
     def _check_silence(self) -> None:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.image import to_pixels
+from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.types import Pixels
 
 if TYPE_CHECKING:
@@ -45,7 +46,8 @@ def recorded_images(
     Yields
     ------
     float, (h, w) array
-        Time since the bag began, s, and the pixels as `to_pixels` gives them.
+        Stamp of the image, s since the first, or the time at which it was recorded where it has
+        none; and the pixels as `to_pixels` gives them.
 
     Raises
     ------
@@ -54,10 +56,13 @@ def recorded_images(
 
     """
     with _opened(bag, topic) as (reader, connections):
-        for connection, stamp_ns, data in reader.messages(connections):
-            seconds = (stamp_ns - reader.start_time) / 1e9
+        first_ns: int | None = None
+        for connection, recorded_ns, data in reader.messages(connections):
+            image: Any = reader.deserialize(data, connection.msgtype)
+            stamp_ns = to_ns(image.header.stamp) or recorded_ns
+            first_ns = stamp_ns if first_ns is None else first_ns
+            seconds = (stamp_ns - first_ns) / 1e9
             try:
-                image = reader.deserialize(data, connection.msgtype)
                 yield seconds, to_pixels(image, interpolate=interpolate)
             except MessageError as error:
                 raise RecordingError(f'{bag}, {topic} at {seconds:.3f} s: {error}') from None

@@ -180,6 +180,8 @@ def _not_allowed(parameter: Parameter, value: Any) -> ParameterError:
     hint = ''
     if isinstance(value, int) and isinstance(parameter.default, float):
         hint = f'; write {value}.0'
+    elif isinstance(parameter.default, str) and not isinstance(value, str):
+        hint = "; in YAML put it in quotes, '...': without them 00010111 is the number 4169"
     return ParameterError(
         f"parameter '{parameter.name}' is {value!r:.200}; it must be {parameter.allowed}{hint}"
     )

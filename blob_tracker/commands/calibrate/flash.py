@@ -1,0 +1,190 @@
+"""`calibrate flash`: which lights blink, how, and what to set so that they are tracked."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+import shlex
+import sys
+
+from blob_tracker.blinking.survey import Light
+from blob_tracker.blinking.wording import describe
+from blob_tracker.calibration.flash import (
+    enough, flash_settings, FlashSettings, notes,
+)
+from blob_tracker.calibration.flash_picture import draw_flash
+from blob_tracker.commands.calibrate.report import refusal, tell_of
+from blob_tracker.commands.calibrate.sources import (
+    add_source, expected, is_folder, is_live, SourceError, stamped_frames,
+)
+from blob_tracker.segmentation import compile_ahead, FrameError, Segmenter
+from blob_tracker.segmentation.watch import Watch
+from blob_tracker.types import Frame, Pixels
+import numpy as np
+from rich.console import Console
+from rich.progress import track
+
+LIVE_S = 10.0  # s of a topic, which does not end by itself
+LONGEST_GAP_S = 1.0  # between two frames of one recording
+STILL_PX = 1.5  # standard deviation of the places of a light that stands still
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    add_source(parser, 'lights that blink, before a camera that stands still')
+    parser.add_argument(
+        '--rate', type=float, metavar='HZ',
+        help='frames a second, where the source has no stamps, or wrong ones',
+    )
+    parser.add_argument(
+        '--exposure', type=float, default=0.0, metavar='S',
+        help='of a frame, s: with it more frequencies are told from their aliases (unknown)',
+    )
+    parser.add_argument(
+        '--saturation', type=int, default=0, help='DN of a clipped pixel; 0 is full scale'
+    )
+    parser.add_argument(
+        '--out', type=Path, default=Path('flash.yaml'), metavar='FILE',
+        help='parameter file to write (%(default)s); the picture goes beside it, as .png',
+    )
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """Look; return the exit code: 0 something blinks, 1 nothing does, 2 called wrongly."""
+    wrong = refusal(arguments.out, '.png')
+    if is_folder(arguments) and arguments.rate is None:
+        wrong = 'images of a folder have no stamps: give their rate, --rate 60'
+    if arguments.rate is not None and not arguments.rate > 0.0:
+        wrong = f'--rate is {arguments.rate:g} Hz; it must be above 0'
+    if not 0.0 <= arguments.exposure < 1.0:
+        wrong = f'--exposure is {arguments.exposure:g} s; it must be 0 to 1 s: 0.005, say'
+    if wrong:
+        print(wrong, file=sys.stderr)
+        return 2
+    console = Console()
+    try:
+        watch, scene = _watch(arguments, console)
+        with console.status('looking for what blinks'):
+            lights = watch.lights()
+        if not lights:
+            raise SourceError(_why_none(arguments, watch))
+        settings = flash_settings(lights, arguments.exposure)
+        _report(console, watch, lights, settings)
+        _write(console, arguments, settings, lights)
+        picture = arguments.out.with_suffix('.png')
+        tell_of(console, picture)
+        draw_flash(picture, scene, lights)
+    except SourceError as error:
+        print(error, file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f'{error.filename} cannot be written: {error.strerror}', file=sys.stderr)
+        return 1
+    return 0
+
+
+def _watch(arguments: argparse.Namespace, console: Console) -> tuple[Watch, Pixels]:
+    """Return what was seen in the frames of the source, and the brightest of each pixel."""
+    if is_live(arguments) and arguments.seconds is None and arguments.count is None:
+        arguments.seconds = LIVE_S
+    compile_ahead()
+    watch = Watch(max_pair_interval=LONGEST_GAP_S, exposure=arguments.exposure)
+    segmenter = Segmenter(flash=watch)
+    scene: Pixels | None = None
+    for index, (_, seconds, pixels) in enumerate(track(
+        stamped_frames(arguments), 'watching', expected(arguments), console=console,
+        transient=True,
+    )):
+        if arguments.rate is not None:
+            seconds = index / arguments.rate
+        if seconds is None:
+            raise SourceError(f'{arguments.source} has no stamps: give its rate, --rate 60')
+        full = arguments.saturation or int(np.iinfo(pixels.dtype).max)
+        try:
+            segmenter.update(Frame(pixels, round(1e9 * seconds), full))
+        except FrameError as error:
+            print(error, file=sys.stderr)
+            scene = None
+        same = scene is not None and scene.shape == pixels.shape
+        scene = np.maximum(scene, pixels) if same and scene is not None else pixels
+    if scene is None:
+        raise SourceError(f'no image came from {arguments.source}')
+    return watch, scene
+
+
+def _why_none(arguments: argparse.Namespace, watch: Watch) -> str:
+    """Say why there is no light, and what to do."""
+    seconds = watch.found.seconds
+    if not seconds:
+        return f'{arguments.source} has one frame; a light that blinks takes a second or more'
+    _, interval = watch.found.clock
+    more = enough(seconds, 1.0 / interval)
+    if more:
+        return (
+            f'nothing blinks in {seconds:.1f} s; record {seconds + more:.0f} s, in which the '
+            'slowest light that can be tracked is seen to'
+        )
+    return (
+        f'nothing blinks in {seconds:.1f} s: is the light in the picture, switched on, and '
+        'stronger than 5 times the noise? What is always on is not listed'
+    )
+
+
+def _report(
+    console: Console, watch: Watch, lights: Sequence[Light], settings: FlashSettings
+) -> None:
+    """Print the lights, and what is to be said about them."""
+    _, interval = watch.found.clock
+    console.print(
+        f'{watch.found.seconds:.1f} s at {1.0 / interval:.3f} frames/s', highlight=False
+    )
+    for index, light in enumerate(lights, start=1):
+        height, snr = watch.peak(light)
+        console.print(
+            f'light {index}: {describe(light)}; {height:.0f} DN, SNR {snr:.0f}; at {_place(light)}'
+            ' px', markup=False, highlight=False,
+        )
+        for note in notes(light):
+            console.print(f'  - {note}', markup=False, highlight=False)
+    for note in settings.notes:
+        console.print(f'- {note}', markup=False, highlight=False)
+    if watch.found.crowded:
+        console.print('- some frames have more than 96 points: the brightest were taken')
+
+
+def _place(light: Light) -> str:
+    x, y = light.path.x, light.path.y
+    if max(x.std(), y.std()) < STILL_PX:
+        return f'{x.mean():.1f}, {y.mean():.1f}'
+    return f'{x[0]:.0f}, {y[0]:.0f} to {x[-1]:.0f}, {y[-1]:.0f}'
+
+
+def _write(
+    console: Console, arguments: argparse.Namespace, settings: FlashSettings,
+    lights: Sequence[Light],
+) -> None:
+    """Write the parameter file, and print the parameters to copy."""
+    if not settings.values:
+        console.print('- none of these can be tracked: nothing is written')
+        return
+    tell_of(console, arguments.out)
+    lines = [
+        f'# By `python3 -m blob_tracker calibrate flash {shlex.quote(arguments.source)}`.',
+        *(
+            f'# {name or f"light {index}"}: {describe(light)}'
+            for index, (name, light) in enumerate(zip(settings.named, lights), start=1)
+        ),
+        '', '/**/segmenter:', '  ros__parameters:',
+        *(f'    {name}: {_yaml(value)}' for name, value in settings.values.items()),
+    ]
+    arguments.out.write_text('\n'.join(lines) + '\n')
+    words = ' '.join(
+        f'-p {name}:={shlex.quote(str(value))}' for name, value in settings.values.items()
+    )
+    console.print(words, markup=False, highlight=False, soft_wrap=True)
+
+
+def _yaml(value: str | float) -> str:
+    """Return a value as YAML has it: text in quotes, a code would be a number without."""
+    return f"'{value}'" if isinstance(value, str) else f'{value}'
