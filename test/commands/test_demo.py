@@ -24,6 +24,18 @@ def test_demo_meets_its_budget_and_draws_it(tmp_path: Path, domain: int) -> None
     assert picture.shape[1] >= 1000
 
 
+def test_coded_lights_that_move_meet_it_too(tmp_path: Path, domain: int) -> None:
+    """A verdict and a picture of each, against the truth at the instants of the bearings."""
+    names = ['port', 'starboard', 'mast']
+    command = [*DEMO, '--light', 'coded', '--duration', '5', '--out', str(tmp_path)]
+    with Process(command, domain) as demo:
+        assert demo.wait(40.0) == 0, demo.output
+    assert demo.output.count('the budget of 0.05 px is met') == len(names)
+    for name in names:
+        assert f'{name}: ' in demo.output
+        assert (tmp_path / f'demo_{name}.png').exists()
+
+
 def test_a_closed_terminal_ends_the_nodes(tmp_path: Path, domain: int) -> None:
     """No node outlives the demo."""
     command = [*DEMO, '--duration', '17', '--out', str(tmp_path)]

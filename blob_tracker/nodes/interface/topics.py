@@ -91,7 +91,7 @@ WINDOW_PICTURE = Topic(*_PICTURE, 'likewise: the window, the fit and what it lea
 TRUE_CENTROID = Topic(
     'simulator/truth/centroid',
     'geometry_msgs/PointStamped',
-    'where the simulated light is, in px, while it is lit',
+    'where the simulated light is, in px, while it is lit, at the instant at which it is seen',
 )
 TRUE_BEARING = Topic(
     'simulator/truth/bearing', 'geometry_msgs/Vector3Stamped', 'the same in mrad'
