@@ -127,4 +127,5 @@ def test_the_prediction_goes_on_while_the_light_is_dark(domain: int) -> None:
             errors.append((told[now_ns].x - azimuth, told[now_ns].y - elevation))
         rms = np.sqrt(np.mean(np.square(errors)))
         assert rms <= 1e3 * BUDGETS[name] / LENS, name
-        assert [each.data for each in tracked[name]][-1:] == [True]
+        # Once, without a break, until simulated time stands still.
+        assert [each.data for each in tracked[name]].count(True) == 1
