@@ -17,7 +17,7 @@ WINDOW_IMAGE = Topic(
     'sensor_msgs/Image',
     "8UC2 or 16UC2: the target's pixels lit and unlit, raw; 16UC2 also for sums of frames; "
     '1 channel for a steady light; a third one where not all pixels see the light, or JPEG added '
-    'noise (docs/segmentation.md)',
+    'noise; a fourth one of a light that blinks and moves (docs/segmentation.md)',
 )
 WINDOW_INFO = Topic(
     'target/window/camera_info',
