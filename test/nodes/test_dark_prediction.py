@@ -23,12 +23,14 @@ from support.processes import probe, start
 RATE, EXPOSURE = 60.0, 0.5
 MOTION = 'constant_acceleration'
 CODES = {'mast': '1101101010', 'starboard': '1100100100'}  # dark for up to one and two bits
-FLASH = {'codes': CODES, 'bits_per_second': 59.7}
+BITS_PER_SECOND = 59.7
 FRAMES = 240
 LENS = 600.0  # px
 MODEL = CameraModel(640, 480, pinhole_matrix(LENS, 640, 480))
 # The path takes them through the picture at 8 px a frame in the mean, 11.6 at the most.
-SCENE, LIGHTS = blinking_lights(waveforms_of('coded', **FLASH), period=6.0, rate=RATE)
+SCENE, LIGHTS = blinking_lights(
+    waveforms_of('coded', codes=CODES, bits_per_second=BITS_PER_SECOND), period=6.0, rate=RATE
+)
 # px rms a coordinate after up to two and three frames: of an acceleration that is known from some
 # places of 0.02 px, and changes by up to 0.02 px a frame^3.
 BUDGETS = {'mast': 0.15, 'starboard': 0.25}
@@ -41,7 +43,9 @@ def stamp_ns(index: int) -> int:
 
 def seen() -> list[dict[str, Bearing]]:
     """Return the bearings that come of each frame, by name."""
-    segmenter = Segmenter(flash=flash_by_name('coded', **FLASH, exposure=EXPOSURE / RATE))
+    segmenter = Segmenter(flash=flash_by_name(
+        'coded', codes=CODES, bits_per_second=BITS_PER_SECOND, exposure=EXPOSURE / RATE
+    ))
     pipeline = Pipeline(MODEL, noise=SensorNoise(40.0, 0.7), segmenter=segmenter)
     return [
         dict(pipeline.named([Frame(SCENE.frame(index), stamp_ns(index), 255)]))
