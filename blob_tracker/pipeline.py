@@ -19,9 +19,7 @@ from blob_tracker.tracking import Track, Tracker, TrackingError, update_or_resta
 from blob_tracker.types import Bearing, Frame, Location, LocationError, SensorNoise, Window
 
 
-def compile_ahead(
-    methods: Iterable[str] = tuple(METHODS), *, blinking: bool = True
-) -> None:
+def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     """
     Compile the loops over pixels of all rooms, or load them from Numba's cache.
 
@@ -29,14 +27,11 @@ def compile_ahead(
     ----------
     methods : iterable of str
         Location methods, keys of `blob_tracker.location.METHODS`; all of them where left out.
-    blinking : bool
-        Also what lights need that carry codes or run free.
 
     """
     location.compile_ahead(methods)
     segmentation.compile_ahead()
-    if blinking:
-        segmentation.compile_blinking()
+    segmentation.compile_blinking()
     tracking.compile_ahead()
 
 
