@@ -21,10 +21,10 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from vm.guest_track import end, PARAMETERS, start, STARTUP
 from vm.hdmi_loop import close_loop, FRAME_RATE, playing, SLOWNESS
-from vm.scene import BITS_PER_SECOND, CODE, FREQUENCY
+from vm.scene import BITS_PER_SECOND, BLINK_HEIGHT, BLINK_WIDTH, CODE, FREQUENCY
 
-COUNT = 50  # places of each light: twice along its path
-LONGEST = 40.0 * SLOWNESS  # s for them; 6 s on a quiet machine
+COUNT = 12  # places of each light
+LONGEST = 40.0 * SLOWNESS  # s for them; 3 s on a quiet machine
 FLASH: dict[str, object] = {
     'flash.mode': 'coded',
     'flash.codes': f'coded:{CODE}',
@@ -33,6 +33,7 @@ FLASH: dict[str, object] = {
     'flash.exposure': 0.5 / FRAME_RATE,
     # The loop repeats frames and leaves some out: two of them are no end of it.
     'max_pair_interval': 0.5,
+    'prediction_rate': 0.0,
 }
 LIGHTS = 'coded', 'free'
 
@@ -66,9 +67,10 @@ def main(folder: Path, nodes: Path) -> None:
     """Do all of it."""
     close_loop()
     found: dict[str, Any] = {'count': COUNT}
-    parameters = PARAMETERS['camera'] | FLASH
-    parameters['camera_info_url'] = f'file://{folder}/camera_info.yaml'
-    with playing(folder / 'blink.grey', 'GREY'):
+    size = {'width': BLINK_WIDTH, 'height': BLINK_HEIGHT}
+    calibration = {'camera_info_url': f'file://{folder}/camera_info.yaml'}
+    parameters = PARAMETERS['camera'] | size | calibration | FLASH
+    with playing(folder / 'blink.grey', 'GREY', **size):
         processes = {'pipeline': start('pipeline', parameters, folder, nodes)}
         rclpy.init()
         recorder = Recorder()

@@ -31,6 +31,8 @@ FX, FY, CX, CY = 411.0, 397.0, 165.2, 113.7
 # comes twice, or never, is no other phase.
 BLINK_FRAMES = 84  # 5 codes, 8 periods of the wave, once along the paths at 2 to 5 px a frame
 CODE, BITS_PER_SECOND, FREQUENCY = '1101000', 10.0, 16.0 / 7.0
+# px: of so few an emulated processor searches most of the frames.
+BLINK_WIDTH, BLINK_HEIGHT = 160, 120
 
 
 @dataclass(frozen=True)
@@ -80,15 +82,15 @@ def blinking_lights() -> dict[str, Light]:
             x, y, SIGMA, AMPLITUDE, waveforms[name], 24.0, 14.0,
             period=BLINK_FRAMES / FRAME_RATE, start=start,
         )
-        for name, x, y, start in (('coded', 90.3, 120.6, 0.0), ('free', 230.8, 110.2, 0.3))
+        for name, x, y, start in (('coded', 40.3, 62.6, 0.0), ('free', 117.8, 57.2, 0.3))
     }
 
 
 def blinking_frames() -> NDArray[np.uint8]:
     """Return the (n, h, w) frames of both."""
     scene = Simulated(
-        elements=tuple(blinking_lights().values()), width=WIDTH, height=HEIGHT, rate=FRAME_RATE,
-        background=BACKGROUND, texture=4.0, sensor=Sensor(NOISE), streaks=True, seed=3,
+        elements=tuple(blinking_lights().values()), width=BLINK_WIDTH, height=BLINK_HEIGHT,
+        rate=FRAME_RATE, background=BACKGROUND, texture=4.0, sensor=Sensor(NOISE), streaks=True, seed=3,
     )
     return np.array([scene.frame(index) for index in range(BLINK_FRAMES)], np.uint8)
 

@@ -11,9 +11,10 @@ from vm.hdmi_loop import FRAME_RATE
 from vm.scene import BLINK_FRAMES, blinking_lights
 
 # px off the path: glimpses of a tenth of an exposure at 5 px a frame, which the loop showed in
-# another frame than was due. The lights are 90 px apart and more.
+# another frame than was due. The lights are 30 px apart and more.
 TOLERANCE = 0.4
-RIGHT = 0.95  # of the places: one that is called by the other's name while frames are lost is not
+# Of the places: a busy machine loses four frames of five, and a light may be taken for the other.
+RIGHT = 0.9
 LIGHTS = 'coded', 'free'
 
 pytestmark = pytest.mark.timeout(60, func_only=True)  # the boot is watched by itself
