@@ -67,10 +67,11 @@ def main(folder: Path, nodes: Path) -> None:
     """Do all of it."""
     close_loop()
     found: dict[str, Any] = {'count': COUNT}
-    size = {'width': BLINK_WIDTH, 'height': BLINK_HEIGHT}
-    calibration = {'camera_info_url': f'file://{folder}/camera_info.yaml'}
-    parameters = PARAMETERS['camera'] | size | calibration | FLASH
-    with playing(folder / 'blink.grey', 'GREY', **size):
+    parameters = PARAMETERS['camera'] | FLASH | {
+        'width': BLINK_WIDTH, 'height': BLINK_HEIGHT,
+        'camera_info_url': f'file://{folder}/camera_info.yaml',
+    }
+    with playing(folder / 'blink.grey', 'GREY', width=BLINK_WIDTH, height=BLINK_HEIGHT):
         processes = {'pipeline': start('pipeline', parameters, folder, nodes)}
         rclpy.init()
         recorder = Recorder()
