@@ -15,6 +15,8 @@ from vm.scene import BLINK_FRAMES, blinking_lights
 TOLERANCE = 0.4
 # Of the places: a busy machine loses four frames of five, and a light may be taken for the other.
 RIGHT = 0.9
+# s between two places, in which the player of a busy machine does not pause for long.
+NEAR = 2.5
 LIGHTS = 'coded', 'free'
 
 pytestmark = pytest.mark.timeout(60, func_only=True)  # the boot is watched by itself
@@ -53,8 +55,10 @@ def test_it_goes_along_its_path_by_the_stamps(blink, name):
     right = off < TOLERANCE
     seconds = np.diff(places[right, 0]) / 1e9
     ahead = (np.diff(frames[right]) - seconds * FRAME_RATE + 0.5 * BLINK_FRAMES) % BLINK_FRAMES
-    # Player and camera have clocks of their own, and where the path crosses itself there are two.
-    assert np.median(np.abs(ahead - 0.5 * BLINK_FRAMES)) < 0.5
+    near = seconds < NEAR
+    assert near.sum() >= 3
+    # A frame that came twice or never is one ahead or behind.
+    assert np.median(np.abs(ahead[near] - 0.5 * BLINK_FRAMES)) <= 1.5
 
 
 def test_the_node_ends_without_a_trace(blink, results):
