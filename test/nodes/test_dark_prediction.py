@@ -24,7 +24,7 @@ RATE, EXPOSURE = 60.0, 0.5
 MOTION = 'constant_acceleration'
 CODES = {'mast': '1101101010', 'starboard': '1100100100'}  # dark for up to one and two bits
 BITS_PER_SECOND = 59.7
-FRAMES = 240
+FRAMES = 200
 LENS = 600.0  # px
 MODEL = CameraModel(640, 480, pinhole_matrix(LENS, 640, 480))
 # The path takes them through the picture at 8 px a frame in the mean, 11.6 at the most.

@@ -1,4 +1,4 @@
-"""Lights that blink and move: each frame has the light that the truth tells of, streak included."""
+"""Lights that blink and move: each frame has what the truth tells of, streak included."""
 
 from __future__ import annotations
 

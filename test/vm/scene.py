@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from blob_tracker.simulation.light import pixel_integrated_gaussian
 from blob_tracker.simulation import Light, Scene as Simulated, Sensor, waveforms_of
+from blob_tracker.simulation.light import pixel_integrated_gaussian
 from blob_tracker.simulation.sensor import expose
 from blob_tracker.types import SensorNoise
 import numpy as np
@@ -90,7 +90,8 @@ def blinking_frames() -> NDArray[np.uint8]:
     """Return the (n, h, w) frames of both."""
     scene = Simulated(
         elements=tuple(blinking_lights().values()), width=BLINK_WIDTH, height=BLINK_HEIGHT,
-        rate=FRAME_RATE, background=BACKGROUND, texture=4.0, sensor=Sensor(NOISE), streaks=True, seed=3,
+        rate=FRAME_RATE, background=BACKGROUND, texture=4.0, sensor=Sensor(NOISE), streaks=True,
+        seed=3,
     )
     return np.array([scene.frame(index) for index in range(BLINK_FRAMES)], np.uint8)
 

@@ -45,7 +45,8 @@ PARAMETERS = (
     Parameter(
         'clock_error',
         0.0,
-        'By how much the clocks of lights that run free are faster than they should be, as a part.',
+        'By how much the clocks of lights that run free are faster than they should be, in parts '
+        'of their rate.',
         least=-0.02,
         most=0.02,
     ),
