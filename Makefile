@@ -1,6 +1,7 @@
 # make demo               the whole tracker on a simulated camera, three processes, no ROS needed
 # make demo DEVICE=/dev/video0   the same on a real camera, until Ctrl-C
 #      CAMERA_INFO=file.yaml   its calibration
+# make demo LIGHT=free    simulated: a light that runs free at 13.7 Hz; LIGHT=coded: three with codes
 # make doctor             what is wrong with this machine, and what to do about it
 # make check              from the source tree, nothing is built: all tests that start no node and
 #                         no virtual machine, the linters and mypy beside them; five minutes
@@ -27,6 +28,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 PYTHON ?= python3
 DEVICE ?=
+LIGHT ?=
 CAMERA_INFO ?=
 OUT ?= out
 STUDY ?= all
@@ -55,7 +57,7 @@ help:
 
 demo: install/.built
 	@$(ENVIRONMENT) && python -m blob_tracker demo --out $(OUT) \
-	  $(if $(DEVICE),--device $(DEVICE)) $(if $(CAMERA_INFO),--camera-info $(CAMERA_INFO))
+	  $(if $(LIGHT),--light $(LIGHT)) $(if $(DEVICE),--device $(DEVICE)) $(if $(CAMERA_INFO),--camera-info $(CAMERA_INFO))
 
 doctor: install/.built
 	@$(ENVIRONMENT) && python -m blob_tracker doctor

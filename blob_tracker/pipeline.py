@@ -1,5 +1,5 @@
 """
-The rooms in a row for one target: frames in, bearings out, no ROS.
+The rooms in a row: frames in, bearings out, no ROS.
 
 `window_to_bearing` is the part of it that the locator node shares. What `ros2 run blob_tracker
 pipeline` starts is another thing, the nodes in one process: `blob_tracker.nodes.pipeline`.
@@ -144,7 +144,7 @@ def window_to_bearing(
 
 class Pipeline:
     """
-    Track one flashing light, frame by frame in the caller's thread.
+    Track flashing lights, frame by frame in the caller's thread.
 
     The numbers are those of the nodes; see `blob_tracker.nodes.pipeline` for these.
 
@@ -170,8 +170,8 @@ class Pipeline:
         a millisecond of each flash, when the bearing has been yielded; see
         `blob_tracker.location.pulse_learner`.
     tracker : Tracker, optional
-        Takes each bearing, and tells the segmenter where to look for the next one. What it
-        refuses is a bearing all the same.
+        Takes each bearing of the light without a name, and tells the segmenter where to look for
+        the next one. What it refuses is a bearing all the same.
 
     Attributes
     ----------
@@ -213,7 +213,8 @@ class Pipeline:
         self._locator = Locator(
             method, learn=learn, **method_options(method, elliptical=elliptical, pulse=pulse)
         )
-        self._noise_check = NoiseCheck(noise)
+        self._noise = noise
+        self._noise_checks: dict[str, NoiseCheck] = {}
 
     @property
     def learned(self) -> Learned | None:
@@ -228,15 +229,19 @@ class Pipeline:
     @property
     def noise(self) -> SensorNoise:
         """Gain and read noise of the pixels, as configured; it may be set at any time."""
-        return self._noise_check.configured
+        return self._noise
 
     @noise.setter
     def noise(self, noise: SensorNoise) -> None:
-        self._noise_check.configure(noise)
+        self._noise = noise
+        for check in self._noise_checks.values():
+            check.configure(noise)
 
     def run(self, frames: Iterable[Frame]) -> Iterator[Bearing]:
         """
         Yield a bearing for each frame in which the target lit up and could be placed.
+
+        Of several lights it yields those of all, see `named`.
 
         Parameters
         ----------
@@ -246,7 +251,7 @@ class Pipeline:
         Yields
         ------
         Bearing
-            With the stamp at which the light was seen, see `Location`.
+            With the stamp of the instant at which the light was seen, see `Location`.
 
         Raises
         ------
@@ -254,25 +259,45 @@ class Pipeline:
             Where a frame is larger than the picture that was calibrated.
 
         """
+        for _, bearing in self.named(frames):
+            yield bearing
+
+    def named(self, frames: Iterable[Frame]) -> Iterator[tuple[str, Bearing]]:
+        """Yield the name of a light with each of its bearings, else as `run` does."""
         for frame in frames:
             self._check_size(frame)
             try:
-                window = self.segmenter.update(frame, self._expected(frame))
-                if window is not None:
-                    location, bearing = window_to_bearing(
-                        window,
-                        self.camera_model,
-                        locator=self._locator,
-                        noise=self._noise_check.noise,
-                        line_jitter=self.line_jitter,
-                    )
-                    self._noise_check.add(window, location)
-                    self.warning = location.warning or self._noise_check.warning
-                    self._track(bearing)
-                    yield bearing
-                    self._locator.learn()
-            except (FrameError, LocationError, LensError) as error:
+                sightings = self.segmenter.sightings(frame, self._expected(frame))
+            except FrameError as error:
                 self.segmenter.reason = str(error)  # silence, never a wrong angle
+                continue
+            for light, window in sightings:
+                try:
+                    bearing = self._bearing(light, window)
+                except (LocationError, LensError) as error:
+                    self.segmenter.reason = str(error)
+                    continue
+                if not light:
+                    self._track(bearing)
+                yield light, bearing
+                self._locator.learn(light)
+
+    def _bearing(self, light: str, window: Window) -> Bearing:
+        """Return the bearing of a window, and hold the noise of its pixels against what it is."""
+        if light not in self._noise_checks:
+            self._noise_checks[light] = NoiseCheck(self._noise)
+        check = self._noise_checks[light]
+        location, bearing = window_to_bearing(
+            window,
+            self.camera_model,
+            locator=self._locator,
+            noise=check.noise,
+            line_jitter=self.line_jitter,
+            light=light,
+        )
+        check.add(window, location)
+        self.warning = location.warning or check.warning
+        return bearing
 
     def _expected(self, frame: Frame) -> Expectation | None:
         """Return where the tracker expects the target in a frame."""

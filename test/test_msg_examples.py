@@ -8,6 +8,7 @@ from typing import Any
 
 from blob_tracker.nodes import NODES
 from blob_tracker.nodes.interface import interface_of
+from blob_tracker.ros.messages.image import to_window
 import pytest
 import yaml
 
@@ -18,6 +19,14 @@ TOPICS = {
     for interface in map(interface_of, NODES)
     for topic in interface.published
 } | {'clock': 'rosgraph_msgs/msg/Clock'}
+# Of a coded light, whose name is in theirs.
+TOPICS |= {
+    name.replace('target', 'target_port'): TOPICS[name]
+    for name in (
+        'target_window_image_raw', 'target_window_camera_info', 'target_bearing',
+        'target_centroid', 'target_ray', 'target_track', 'target_bearing_predicted',
+    )
+}
 
 
 def fill(message: Any, content: dict[str, Any]) -> None:
@@ -55,3 +64,19 @@ def test_example_is_a_message_of_its_type(name: str) -> None:
     fill(message, yaml.safe_load(text))
     if kind == 'Image':
         assert len(message.data) == message.step * message.height
+
+
+def test_the_window_of_a_coded_light_tells_how_it_was_seen() -> None:
+    """Share and way of the glimpse, and the place of the window, are read back."""
+    found = []
+    for end in ('image_raw', 'camera_info'):
+        name = f'target_port_window_{end}'
+        package, _, kind = TOPICS[name].split('/')
+        found.append(getattr(import_module(f'{package}.msg'), kind)())
+        fill(found[-1], yaml.safe_load((FOLDER / f'{name}.yaml').read_text()))
+    image, info = found
+    assert image.header == info.header
+    info.roi.width, info.roi.height = image.width, image.height  # it is cut
+    glimpse = to_window(image, info).glimpse
+    assert glimpse is not None
+    assert 0.0 < glimpse.share < 1.0

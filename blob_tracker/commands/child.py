@@ -8,8 +8,8 @@ from pathlib import Path
 import signal
 import subprocess
 
-# s that a node has to end by itself. It takes a fifth of one on a quiet machine; one that is
-# killed is still listed by others for the 20 s that Fast DDS waits for its next sign of life.
+# s that a node has to end by itself: a fifth of one on a quiet machine. One that is killed
+# is still listed by others for the 20 s that Fast DDS waits for its next sign of life.
 GRACE = 10.0
 
 

@@ -1,4 +1,4 @@
-"""A camera before a simulated flashing light: it publishes what a camera does, and the truth."""
+"""A camera before simulated flashing lights: it publishes what a camera does, and the truth."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ from typing import Any
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
 from blob_tracker.capture.picture import draw
+from blob_tracker.nodes.interface.flash import FLASH
 from blob_tracker.nodes.interface.simulator import PARAMETERS, STILL
 from blob_tracker.ros.diagnostics.connections import Connections
 from blob_tracker.ros.diagnostics.health import Health, WARN
 from blob_tracker.ros.endpoints.debug_image import DebugImage
 from blob_tracker.ros.endpoints.delivery import Deliver
 from blob_tracker.ros.endpoints.frame_topics import FrameTopics
+from blob_tracker.ros.endpoints.names import check_light
 from blob_tracker.ros.endpoints.qos import publisher, RESULT, subscription
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.camera_info import from_camera_model
@@ -23,13 +25,18 @@ from blob_tracker.ros.messages.imu import NO_DATA
 from blob_tracker.ros.messages.joint_states import to_angle
 from blob_tracker.ros.messages.stamp import from_ns
 from blob_tracker.ros.messages.target import bearing_message, centroid_message
-from blob_tracker.ros.parameters.declaration import declare, on_change
+from blob_tracker.ros.parameters.declaration import about, declare, on_change
 from blob_tracker.ros.process import run
-from blob_tracker.simulation import flashing_light, PROFILES, Sensor, Truth
+from blob_tracker.segmentation import codes_from_text, frequencies_from_text
+from blob_tracker.segmentation.patterns import check_patterns
+from blob_tracker.simulation import (
+    blinking_lights, flashing_light, PROFILES, Scene, Sensor, Truth, truth_of, waveforms_of,
+)
 from blob_tracker.simulation.gyro import Gyro
 from blob_tracker.simulation.pan_tilt import Joints, PanTilt
 from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera
 from blob_tracker.simulation.platform_motion import MOTIONS, Ride
+from blob_tracker.simulation.spot import LightSource
 from blob_tracker.simulation.steered_camera import Felt, SteeredCamera
 from blob_tracker.types import Frame, Location, SensorNoise
 from geometry_msgs.msg import PointStamped, Vector3Stamped
@@ -41,6 +48,9 @@ from sensor_msgs.msg import CameraInfo, Imu, JointState
 
 RIDE_S = 300.0  # s, after which it begins again: the vehicle leaps, once in five minutes
 BACK_S = 0.1  # s that the clock may go back as it is slewed; else it was set back
+BEHIND = 1.0  # s by which the stamps may be off the clock: it was set, or the process stood still
+EXPOSURE = 0.5  # of the frame interval, where flash.exposure is 0
+IN_STEP = 'alternate'
 JOINTS = ('pan', 'tilt')
 GYRO = Gyro()
 AHEAD = (0.0, 0.0, 1.0)  # the direction of the light, in the level frame
@@ -76,13 +86,8 @@ class SimulatorNode(Node):
         self._connections = Connections(self, self._health)
         self._debug_image = DebugImage(self)
         self._frames = FrameTopics(self, self._health, deliver)
-        self._centroids, self._bearings = (
-            publisher(self, kind, name, RESULT)
-            for kind, name in (
-                (PointStamped, 'simulator/truth/centroid'),
-                (Vector3Stamped, 'simulator/truth/bearing'),
-            )
-        )
+        self._truths: dict[str, tuple[Publisher, Publisher]] = {}  # of all lights there ever were
+        self._add_truth('')
         self._beats: list[Timer] = []
         self._pan_tilt_states: Publisher | None = None
         self._imus: Publisher | None = None
@@ -101,11 +106,14 @@ class SimulatorNode(Node):
             settings.pop('bits'),
             row_time=settings.pop('row_time'),
         )
-        profile = PROFILES[settings.pop('profile')]
-        try:
-            scene = flashing_light(**settings, profile=profile, sensor=sensor)
-        except ValueError as error:
-            raise ParameterError(f'{error}; lower row_time, height or rate') from None
+        settings['profile'] = profile = PROFILES[settings['profile']]
+        rides_on = steered or platform != STILL
+        scene, lights, free = _scene(settings, sensor)
+        if rides_on and values['flash.mode'] != IN_STEP:
+            raise ParameterError(
+                f"parameter 'flash.mode' is {values['flash.mode']!r}; it must be {IN_STEP!r} with "
+                'platform or pan_tilt'
+            )
         width, height = scene.width, scene.height
         model = CameraModel(width, height, pinhole_matrix(focal_length, width, height))
         try:
@@ -115,30 +123,35 @@ class SimulatorNode(Node):
                 f'there is no room for frames of {width} x {height} px; take smaller ones'
             ) from None
         rides: tuple[PanTiltCamera, Felt] | None = None
-        if steered or platform != STILL:
-            ride, felt = _ride(platform, settings['seed'])
+        if rides_on:
+            ride, felt = _ride(platform, values['seed'])
             rides = PanTiltCamera(
                 model,
                 ride,
                 lambda times: np.tile(AHEAD, (len(times), 1)),
-                sigma=settings['sigma'],
-                amplitude=settings['amplitude'],
+                sigma=values['sigma'],
+                amplitude=values['amplitude'],
                 profile=profile,
-                background=settings['background'],
-                texture=settings['texture'],
+                background=values['background'],
+                texture=values['texture'],
                 sensor=sensor,
                 region=(width, height),
-                seed=settings['seed'],
+                seed=values['seed'],
             ), felt
             if self._imus is None:
                 self._imus = publisher(self, Imu, 'imu', RESULT)
         if steered and self._pan_tilt_states is None:
             self._pan_tilt_states = publisher(self, JointState, 'joint_states', RESULT)
             subscription(self, JointState, 'joint_command', self._command, RESULT)
+        for name in lights:
+            self._add_truth(name)
 
         def use() -> None:
             self._frame_id = frame_id
             self._scene = scene
+            self._lights = lights
+            self._free = free
+            self._stamp_ns: int | None = None
             self._camera_model = model
             self._info = from_camera_model(model, width, height)
             self._index = 0
@@ -203,48 +216,65 @@ class SimulatorNode(Node):
                 states.position = state.angles
                 self._pan_tilt_states.publish(states)
 
-    def _picture(self) -> tuple[Frame, Truth]:
+    def _add_truth(self, light: str) -> None:
+        """Have the topics of a light's truth."""
+        if light not in self._truths:
+            topic = f'simulator/truth/{light}' if light else 'simulator/truth'
+            self._truths[light] = (
+                publisher(self, PointStamped, f'{topic}/centroid', RESULT),
+                publisher(self, Vector3Stamped, f'{topic}/bearing', RESULT),
+            )
+
+    def _regular(self, now_ns: int) -> int:
+        """
+        Return the stamp of a frame at equal intervals, and leave out those whose time is over.
+
+        A light that runs free has its own time: the frame shows what the stamp says.
+        """
+        interval_ns = round(1e9 / self._scene.rate)
+        late_ns = 0 if self._stamp_ns is None else now_ns - self._stamp_ns
+        if self._stamp_ns is None or abs(late_ns - interval_ns) > 1e9 * BEHIND:
+            self._stamp_ns = now_ns
+            return now_ns
+        passed = max(round(late_ns / interval_ns), 1)
+        if passed > 1:
+            self._index += passed - 1
+            self._pixels = self._scene.frame(self._index)
+        self._stamp_ns += passed * interval_ns
+        return self._stamp_ns
+
+    def _picture(self) -> tuple[Frame, list[Truth]]:
         """Return the next frame: the one that is ready, or that whose exposure ends now."""
         now_ns = self.get_clock().now().nanoseconds
         sensor = self._scene.sensor
         if self._vehicle is None:
+            if self._free:
+                now_ns = self._regular(now_ns)
             frame = Frame(
                 self._pixels, now_ns - self._scene.before_middle_ns, sensor.saturation,
                 exposure_ns=round(1e9 * self._scene.exposure / self._scene.rate),
                 line_time_ns=1e9 * sensor.row_time,
             )
-            return frame, self._scene.truth(self._index)
+            shot = self._scene.shot(self._index)
+            return frame, [truth_of(light, shot) for light in self._lights.values()]
         camera = self._vehicle.camera
         taken = camera.exposure + camera.readout
         end = max(self._time(now_ns), self._vehicle.pan_tilt.time, taken)
         frame, truth = self._vehicle.picture(self._index, end)
         self._publish_states()  # on their way before the frame: who tracks it waits for them
         first_ns = self._begin_ns + frame.stamp_ns - 10**9  # its time counts from 1 s on
-        return replace(frame, stamp_ns=first_ns), truth
+        return replace(frame, stamp_ns=first_ns), [truth]
 
     def _publish(self) -> None:
         """Publish a frame, then draw the next, if it is known: drawing costs no latency."""
-        frame, truth = self._picture()
+        frame, truths = self._picture()
         stamp_ns = frame.stamp_ns
         self._health.arrived(stamp_ns)
         self._frames.publish(frame, self._info, self._frame_id)
         self._health.left(stamp_ns)
-        if truth.lit and np.isfinite(truth.x + truth.y):
-            location = Location(
-                x=truth.x,
-                y=truth.y,
-                covariance=np.zeros((2, 2)),
-                amplitude=truth.amplitude,
-                background=self._scene.background,
-                sigma=truth.sigma,
-                snr=np.inf,
-                chi2=0.0,
-                saturated=0,
-                stamp_ns=stamp_ns + round(truth.y * frame.line_time_ns),
-            )
-            bearing = self._camera_model.bearing(location)
-            self._centroids.publish(centroid_message(location, self._frame_id))
-            self._bearings.publish(bearing_message(bearing, self._frame_id))
+        for name, truth in zip(self._lights, truths):
+            # The row that it lies in is exposed so much later than the first.
+            self._tell(name, truth, stamp_ns + round(np.nan_to_num(truth.y) * frame.line_time_ns))
         self._health.count('frames')
         self._health.ok('publishing')
         self._debug_image.offer(
@@ -255,6 +285,86 @@ class SimulatorNode(Node):
         self._index += 1
         if self._vehicle is None:
             self._pixels = self._scene.frame(self._index)
+
+    def _tell(self, light: str, truth: Truth, stamp_ns: int) -> None:
+        """Publish where a light is in a frame, if it shows there."""
+        if not (truth.amplitude > 0.0 and np.isfinite(truth.x + truth.y)):
+            return
+        location = Location(
+            x=truth.x,
+            y=truth.y,
+            covariance=np.zeros((2, 2)),
+            amplitude=truth.amplitude,
+            background=self._scene.background,
+            sigma=truth.sigma,
+            snr=np.inf,
+            chi2=0.0,
+            saturated=0,
+            stamp_ns=stamp_ns + round(1e9 * truth.tau),
+        )
+        bearing = self._camera_model.bearing(location)
+        centroids, bearings = self._truths[light]
+        centroids.publish(centroid_message(location, self._frame_id))
+        bearings.publish(bearing_message(bearing, self._frame_id))
+
+
+def _scene(
+    settings: dict[str, Any], sensor: Sensor
+) -> tuple[Scene, dict[str, LightSource], bool]:
+    """
+    Return the scene of these parameters.
+
+    Returns
+    -------
+    Scene
+        With the lights in it.
+    dict of str to LightSource
+        Those whose truth is told, by name.
+    bool
+        Whether they have a time of their own.
+
+    """
+    flash = {each.name: settings.pop(each.name) for each in FLASH}
+    clock_error = settings.pop('clock_error')
+    mode, rate = flash['flash.mode'], settings['rate']
+    exposure = flash['flash.exposure'] * rate or EXPOSURE
+    if exposure > 1.0:
+        raise ParameterError(
+            f"parameter 'flash.exposure' is {flash['flash.exposure']:g} s; it must be no longer "
+            f'than a frame, {1.0 / rate:g} s'
+        )
+    try:
+        if mode == IN_STEP:
+            scene = replace(flashing_light(**settings, sensor=sensor), exposure=exposure)
+            assert scene.target is not None
+            return scene, {'': scene.target}, False
+        with about('flash'):
+            codes = codes_from_text(flash['flash.codes'])
+            frequencies = frequencies_from_text(flash['flash.frequencies'])
+            for name in (*codes, *frequencies):
+                check_light(name)
+            if mode == 'coded':
+                check_patterns(codes, frequencies, flash['flash.duty'])
+            waveforms = waveforms_of(
+                mode,
+                rate=rate,
+                frequency=flash['flash.frequency'],
+                duty=flash['flash.duty'],
+                frequencies=frequencies,
+                codes=codes,
+                frames_per_bit=flash['flash.frames_per_bit'],
+                bits_per_second=flash['flash.bits_per_second'],
+                clock_error=clock_error,
+            )
+        scene, lights = blinking_lights(
+            waveforms, **settings, exposure=exposure, sensor=sensor
+        )
+    except ParameterError:
+        raise
+    except ValueError as error:
+        raise ParameterError(f'{error}; lower row_time, height or rate') from None
+    in_step = mode == 'coded' and not frequencies and not flash['flash.bits_per_second']
+    return scene, {**lights}, not in_step
 
 
 @lru_cache(maxsize=2)

@@ -145,7 +145,7 @@ class Blink(SingleFrames):
             round(candidate.x), round(candidate.y), half_x, half_y, contrast.shape
         )
         return candidate._replace(
-            unlit=self._dark.of(box, candidate.background, candidate.noise)
+            unlit=self._dark.of(box, candidate.noise)
         )
 
     def _fault(self, interval: float) -> str:
@@ -271,7 +271,7 @@ def compile_blinking() -> None:
         look = DarkLook()
         for _ in range(FEWEST + 1):
             look.push(frame)
-        look.of(whole((16, 16)), 0.0, 1.0)
+        look.of(whole((16, 16)), 1.0)
         aperture_sum(frame.image, look.below(frame), 8.0, 8.0, 1.0, 1.0, 0.0, 0.0)
 
 

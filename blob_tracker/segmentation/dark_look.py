@@ -17,7 +17,7 @@ FEWEST = 4  # frames that make an envelope
 KEPT = 12  # frames, among which one is looked for in which the light was dark
 # Standard deviations: what the brightest of some hundred pixels is above the level, and their sum
 BRIGHTEST_SIGMA, SUM_SIGMA = 6.0, 4.0
-LEVEL_SIGMA = 0.1  # of the noise, to which the level is known
+LEVEL_SIGMA = 0.1  # of the noise, to which the level is known that the border of a box tells
 
 
 class DarkLook:
@@ -71,7 +71,7 @@ class DarkLook:
         helps = bool(np.median(less) < MORE_EVEN * np.median(alone))
         return self.envelope if helps else self._nothing
 
-    def of(self, box: Box, level: float, noise: float) -> Pixels | None:
+    def of(self, box: Box, noise: float) -> Pixels | None:
         """
         Return the raw pixels of the last frame that was dark in a box; None where none was.
 
@@ -79,16 +79,30 @@ class DarkLook:
         ----------
         box : Box
             In the frame.
-        level, noise : float
-            Of a frame less the envelope there, and its standard deviation, DN.
+        noise : float
+            Standard deviation of a frame less the envelope there, DN.
 
         """
+        level = self._level(box)
         for frame in reversed(self._frames):
             if is_dark(
                 frame.image, self.envelope, (box.x0, box.y0, box.x1, box.y1), level, noise
             ):
                 return frame.samples
         return None
+
+    def _level(self, box: Box) -> float:
+        """
+        Return the mean of a frame less the envelope along the border of a box, DN.
+
+        The lower quartile of the frames: most of them may have a light there that is seldom off.
+        """
+        inside = np.s_[box.y0:box.y1, box.x0:box.x1]
+        below = self.envelope[inside].astype(np.float32)
+        border = np.ones(below.shape, np.bool_)
+        border[1:-1, 1:-1] = False
+        rises = [(frame.image[inside] - below)[border].mean() for frame in self._frames]
+        return float(np.quantile(rises, 0.25))
 
 
 @kernel

@@ -1,6 +1,7 @@
 """The virtual lab: light, optics and sensor, with the truth kept."""
 
 from blob_tracker.simulation.ambient_light import AmbientLight
+from blob_tracker.simulation.blinking_lights import blinking_lights, waveforms_of
 from blob_tracker.simulation.camera_motion import Drifting, Stepping
 from blob_tracker.simulation.flashing_light import flashing_light
 from blob_tracker.simulation.flat_field import FlatField
@@ -45,6 +46,7 @@ __all__ = [
     'Truth',
     'add_spot',
     'always',
+    'blinking_lights',
     'coded',
     'expose',
     'flashing_light',
@@ -54,4 +56,5 @@ __all__ = [
     'pixel_integrated_gaussian',
     'sinusoid',
     'truth_of',
+    'waveforms_of',
 ]

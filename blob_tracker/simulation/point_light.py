@@ -31,6 +31,8 @@ class Light:
         Greatest distance of its path from the middle, px.
     period : float
         Time in which it goes across and back, s.
+    start : float
+        Where on its path it begins, as a part of it.
     profile : Profile
         Shape of its image, see `profiles`.
 
@@ -44,6 +46,7 @@ class Light:
     reach_x: float = 0.0
     reach_y: float = 0.0
     period: float = 9.0
+    start: float = 0.0
     profile: Profile = Gaussian()
 
     def spot(self, time: float) -> Spot:
@@ -53,7 +56,7 @@ class Light:
         The path is a Lissajous figure of the frequencies 2 and 3, which goes in all directions
         and visits every sub-pixel phase.
         """
-        angle = 2.0 * np.pi * time / self.period
+        angle = 2.0 * np.pi * (time / self.period + self.start)
         x = self.x + self.reach_x * np.sin(2.0 * angle)
         y = self.y + self.reach_y * np.sin(3.0 * angle + 0.5)
         return Spot(float(x), float(y), self.sigma, self.amplitude)

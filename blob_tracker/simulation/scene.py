@@ -48,6 +48,8 @@ class Scene:
         Mean of the wall and standard deviation of its pattern, DN.
     sensor : Sensor
         What turns the light into numbers.
+    streaks : bool
+        Whether a light that moves leaves its streak; else it stands still within an exposure.
     seed : int
         Of texture and noise.
 
@@ -68,6 +70,7 @@ class Scene:
     background: float = 40.0
     texture: float = 8.0
     sensor: Sensor = Sensor()
+    streaks: bool = False
     seed: int = 1
 
     def __post_init__(self) -> None:
@@ -102,6 +105,7 @@ class Scene:
             self.sensor.row_time,
             0.5 * (self.height - 1),
             sqrt(self.sensor.fill_factor),
+            self.streaks,
         )
 
     def truth(self, index: int) -> Truth:

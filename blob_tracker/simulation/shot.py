@@ -32,6 +32,8 @@ class Shot:
         The row that is exposed about `time`.
     aperture : float
         Side of the light-sensitive middle of a pixel, px.
+    streaks : bool
+        Whether a light that moves leaves its streak; else it stands still within an exposure.
 
     """
 
@@ -43,6 +45,7 @@ class Shot:
     row_time: float = 0.0
     middle_row: float = 0.0
     aperture: float = 1.0
+    streaks: bool = False
 
     def place(self, x: Places, y: Places) -> tuple[Places, Places]:
         """Return where in the picture places of the scene are, px."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 # Each brings the time of a row nearer by the light's speed over the shutter's: 1/100 if it
 # crosses the picture in a second.
 ROUNDS = 5
+PARTS = 16  # of an exposure, in each of which a light stands still that leaves a streak
 
 
 class Spot(NamedTuple):
@@ -49,18 +50,25 @@ def truth_of(light: LightSource, shot: Shot) -> Truth:
     time, spot = _seen(light, shot)
     if not isfinite(time):
         return Truth(spot.x, spot.y, False)
-    brightness = float(mean_over(light.waveform, time, shot.exposure))
-    lit = spot.amplitude > 0.0 and brightness >= 0.5
-    return Truth(spot.x, spot.y, lit, spot.amplitude * brightness, spot.sigma)
+    parts = _parts(shot)
+    shares = mean_over(light.waveform, time + parts, shot.exposure / len(parts))
+    share = float(shares.mean())
+    lit = spot.amplitude > 0.0 and share >= 0.5
+    tau = float(shares @ parts / shares.sum()) if share else 0.0
+    if tau:
+        there = light.spot(time + tau)
+        x, y = shot.place(there.x, there.y)
+        spot = there._replace(x=x, y=y)
+    return Truth(spot.x, spot.y, lit, spot.amplitude * share, spot.sigma, tau)
 
 
 def draw_light(light: LightSource, picture: NDArray[np.float32], shot: Shot) -> None:
     """
     Add a light to a picture; what lies beyond its border is cut off.
 
-    It stands still within the exposure of a row. With a rolling shutter each row has the place
-    and the brightness of its own exposure; the light is slow against the shutter, and a camera
-    that moves does so between the frames.
+    It stands still within the exposure of a row, or within a part of it where it leaves a streak.
+    With a rolling shutter each row has the place and the brightness of its own exposure; the light
+    is slow against the shutter, and a camera that moves does so between the frames.
 
     Parameters
     ----------
@@ -72,22 +80,46 @@ def draw_light(light: LightSource, picture: NDArray[np.float32], shot: Shot) -> 
         Of the frame.
 
     """
-    time, spot = _seen(light, shot)
+    time, _ = _seen(light, shot)
     if not isfinite(time):
         return
+    parts = _parts(shot)
+    for later in parts.tolist():
+        _draw_part(light, picture, shot, time + later, later, len(parts))
+
+
+def _parts(shot: Shot) -> NDArray[np.float64]:
+    """Return the middles of an exposure's parts, s from its own."""
+    count = PARTS if shot.streaks else 1
+    return shot.exposure * ((np.arange(count) + 0.5) / count - 0.5)
+
+
+def _draw_part(
+    light: LightSource,
+    picture: NDArray[np.float32],
+    shot: Shot,
+    time: float,
+    later: float,
+    count: int,
+) -> None:
+    """Add what a light shows in one of so many parts of an exposure, so much later, s."""
+    length = shot.exposure / count
+    spot = light.spot(time)
+    x, y = shot.place(spot.x, spot.y)
+    spot = spot._replace(x=x, y=y)
     if shot.row_time == 0.0:
-        brightness = float(mean_over(light.waveform, time, shot.exposure))
-        spot = spot._replace(amplitude=spot.amplitude * brightness)
+        share = float(mean_over(light.waveform, time, length)) / count
+        spot = spot._replace(amplitude=spot.amplitude * share)
         if spot.amplitude:
             add_spot(picture, spot, light.profile, shot.aperture)
         return
     part, left, top = _about(picture, spot, light.profile)
     if not part.size:
         return
-    times = shot.time_of(np.arange(top, top + len(part), dtype=float))
+    times = later + shot.time_of(np.arange(top, top + len(part), dtype=float))
     x, y, _, amplitudes = np.array([light.spot(each) for each in times.tolist()]).T
     x, y = shot.place(x, y)
-    amplitudes = amplitudes * mean_over(light.waveform, times, shot.exposure)
+    amplitudes = amplitudes * mean_over(light.waveform, times, length) / count
     if amplitudes.any():
         part += (amplitudes[:, None] * light.profile.over_pixels(
             (part.shape[0], part.shape[1]), x - left, y - top, spot.sigma, shot.aperture

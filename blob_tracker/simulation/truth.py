@@ -14,7 +14,8 @@ class Truth(NamedTuple):
     ----------
     x, y : float
         Its centre of gravity, px. With a rolling shutter it is that of the moment at which the
-        row that it lies in is exposed.
+        row that it lies in is exposed; where it leaves a streak, that of the moment at which it
+        was seen.
     lit : bool
         Whether it is on for half of that exposure, or more.
     amplitude : float
@@ -22,6 +23,8 @@ class Truth(NamedTuple):
         their means, and before the sensor.
     sigma : float
         Its size, px: that of a Gaussian, see `profiles` for others.
+    tau : float
+        When it was seen, from the middle of the exposure, s; 0 where it leaves no streak.
 
     """
 
@@ -30,3 +33,4 @@ class Truth(NamedTuple):
     lit: bool
     amplitude: float = nan
     sigma: float = nan
+    tau: float = 0.0

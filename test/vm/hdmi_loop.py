@@ -35,7 +35,7 @@ def control(device: str = CAPTURE, **settings: int | str) -> None:
 
 
 def wait_for(device: str, longest: float = 40.0 * SLOWNESS) -> None:
-    """Wait until an unplugged device can be opened: when the last program has let go of it."""
+    """Wait until a device can be opened: once unplugged, when the last program has let go."""
     end = time.monotonic() + longest
     while True:
         try:

@@ -224,7 +224,7 @@ def _listen(
             if process.poll() is not None:
                 words = _last_words(logs, node)
                 return f'the {node} ended with exit code {process.returncode}{words}'
-        if not tracking and monitor.bearing is not None:
+        if not tracking and monitor.lights[''].bearing is not None:
             tracking = True
             monitor.forget()  # the nodes have found each other, one after the other
             end = time.monotonic() + SECONDS + LATE
@@ -233,23 +233,24 @@ def _listen(
 
 def _compare(domain: int, monitor: Monitor) -> Run:
     """Return how the bearings compare with the truth, without the last that are under way."""
-    last = max(monitor.truths, default=0) - int(1e9 * LATE)
-    lit = [stamp for stamp in monitor.truths if stamp <= last]
-    located = [stamp for stamp in lit if stamp in monitor.centroids]
+    light = monitor.lights['']
+    last = max(light.truths, default=0) - int(1e9 * LATE)
+    lit = [stamp for stamp in light.truths if stamp <= last]
+    located = [stamp for stamp in lit if stamp in light.centroids]
     if not located:
         return Run(domain, 'bearings came, and then no more')
     errors = np.array([
-        np.subtract(monitor.centroids[stamp], monitor.truths[stamp]) for stamp in located
+        np.subtract(light.centroids[stamp], light.truths[stamp]) for stamp in located
     ])
     return Run(
         domain,
         rate=2e9 * (len(lit) - 1) / max(lit[-1] - lit[0], 1),  # the light is in every other one
         lit=len(lit),
         located=len(located),
-        false=len(monitor.false_stamps()),
+        false=len(light.false_stamps(monitor.interval_ns)),
         rms=float(np.sqrt(np.mean(errors**2))),
-        latency=float(np.median(monitor.latencies)),
-        latency_p99=float(np.percentile(monitor.latencies, 99)),
+        latency=float(np.median(light.latencies)),
+        latency_p99=float(np.percentile(light.latencies, 99)),
     )
 
 

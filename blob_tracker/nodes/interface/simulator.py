@@ -1,5 +1,6 @@
 """What the simulator node shows of itself."""
 
+from blob_tracker.nodes.interface.flash import FLASH
 from blob_tracker.nodes.interface.topics import (
     CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, FRAME_PICTURE, IMU, JOINT_COMMAND, JOINT_STATES,
     TRUE_BEARING, TRUE_CENTROID,
@@ -39,6 +40,31 @@ PARAMETERS = (
         least=0.0,
         most=65535.0,
         unit='DN',
+    ),
+    *FLASH,
+    Parameter(
+        'clock_error',
+        0.0,
+        'By how much the clocks of lights that run free are faster than they should be, in parts '
+        'of their rate.',
+        least=-0.02,
+        most=0.02,
+    ),
+    Parameter(
+        'reach',
+        0.7,
+        'Greatest distance of the path of a light from the middle, as a part of half the picture.',
+        least=0.0,
+        most=2.0,
+    ),
+    Parameter(
+        'period',
+        9.0,
+        'Time after which a light is at the same place again: a third of it takes it down the '
+        'picture and back.',
+        least=0.01,
+        most=1e6,
+        unit='s',
     ),
     Parameter(
         'background',
@@ -111,8 +137,9 @@ PARAMETERS = (
 )
 INTERFACE = Interface(
     'simulator',
-    'a light that is not there',
-    'Publishes what a camera does that sees a flashing light move before a wall, and the truth.',
+    'lights that are not there',
+    'Publishes what a camera does that sees flashing lights move before a wall, and the truth. '
+    'Several have theirs on simulator/truth/NAME/...',
     PARAMETERS,
     subscribed=(JOINT_COMMAND,),
     published=(
@@ -121,6 +148,8 @@ INTERFACE = Interface(
     ),
     examples=(
         'ros2 run blob_tracker simulator --ros-args -p rate:=100.0 -p amplitude:=60.0',
+        'ros2 run blob_tracker simulator --ros-args -p flash.mode:=periodic '
+        '-p flash.frequency:=13.7',
         'ros2 run blob_tracker simulator --ros-args -p platform:=sea -p pan_tilt:=true',
         'ros2 param set /simulator amplitude 20.0',
     ),

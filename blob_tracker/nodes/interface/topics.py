@@ -17,7 +17,7 @@ WINDOW_IMAGE = Topic(
     'sensor_msgs/Image',
     "8UC2 or 16UC2: the target's pixels lit and unlit, raw; 16UC2 also for sums of frames; "
     '1 channel for a steady light; a third one where not all pixels see the light, or JPEG added '
-    'noise (docs/segmentation.md)',
+    'noise; a fourth one of a light that blinks and moves (docs/segmentation.md)',
 )
 WINDOW_INFO = Topic(
     'target/window/camera_info',
@@ -91,7 +91,7 @@ WINDOW_PICTURE = Topic(*_PICTURE, 'likewise: the window, the fit and what it lea
 TRUE_CENTROID = Topic(
     'simulator/truth/centroid',
     'geometry_msgs/PointStamped',
-    'where the simulated light is, in px, while it is lit',
+    'where the simulated light is, in px, while it is lit, at the instant at which it is seen',
 )
 TRUE_BEARING = Topic(
     'simulator/truth/bearing', 'geometry_msgs/Vector3Stamped', 'the same in mrad'

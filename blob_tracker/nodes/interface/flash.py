@@ -1,0 +1,68 @@
+"""How the light flashes: parameters of the segmenter, and of the simulator that shows it."""
+
+from blob_tracker.ros.interface import Parameter
+from blob_tracker.segmentation import FLASH_MODES
+
+FLASH = (
+    Parameter(
+        'flash.mode',
+        'alternate',
+        'How the light flashes. alternate: in step with the camera, on in every other frame. '
+        'periodic: free-running at flash.frequency, or several at flash.frequencies. coded: '
+        'lights that blink flash.codes. lock_in: a faint light at flash.frequency that stands '
+        'still. steady: always on. auto: nobody knows; alternate is tried first, then what blinks '
+        'is watched for 3 s and the brightest light followed; the diagnostics tell what to set.',
+        choices=tuple(FLASH_MODES),
+    ),
+    Parameter(
+        'flash.frequency',
+        15.0,
+        'Frequency of a light without a name; from 0.02 (lock_in: 0.1) to 0.45 of the frame rate.',
+        least=0.01,
+        most=500.0,
+        unit='Hz',
+    ),
+    Parameter(
+        'flash.duty',
+        0.5,
+        'Part of its period in which a periodic light is on.',
+        least=0.05,
+        most=0.95,
+    ),
+    Parameter(
+        'flash.frequencies',
+        '',
+        'Frequencies of periodic lights by their names, Hz: left:6.0,right:10.0. They may stand '
+        'beside flash.codes, and must differ by 2 % or more.',
+    ),
+    Parameter(
+        'flash.codes',
+        '',
+        'Bits of the coded lights: port:1101000,starboard:1110100. Each has topics of its own, '
+        'target/port/... None may be another one begun elsewhere.',
+    ),
+    Parameter(
+        'flash.frames_per_bit',
+        1,
+        'Frames in which a coded light holds each bit, where flash.bits_per_second is 0.',
+        least=1,
+        most=64,
+    ),
+    Parameter(
+        'flash.bits_per_second',
+        0.0,
+        'Bits that coded lights send in a second, by a clock of their own that may be off by '
+        '1 %. 0: in step with the frames.',
+        least=0.0,
+        most=1000.0,
+    ),
+    Parameter(
+        'flash.exposure',
+        0.0,
+        'How long a frame is exposed: it tells when a light was seen that was switched meanwhile. '
+        '0: as the camera in this process tells, or half of the frame interval.',
+        least=0.0,
+        most=1.0,
+        unit='s',
+    ),
+)
