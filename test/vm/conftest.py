@@ -20,7 +20,7 @@ from support.processes import executable
 from support.slowness import slowness
 from vm import machine
 from vm.hdmi_loop import SIGNAL
-from vm.scene import blinking_frames, CX, CY, flashing_scene, FX, FY, packed_yuyv, Scene
+from vm.scene import CX, CY, flashing_scene, FX, FY, packed_yuyv, Scene
 
 HERE = Path(__file__).parent
 CACHE = HERE.parents[1] / '.cache/vm'
@@ -48,7 +48,6 @@ def guests(folder: Path) -> list[list[str]]:
         ['guest_formats.py', str(folder)],
         ['guest_controls.py', str(folder)],
         ['guest_soak.py', str(folder), str(SOAK)],
-        ['guest_blink.py', str(folder), str(executable('camera').parent)],
         ['guest_track.py', str(folder), str(executable('camera').parent)],
         ['guest_node.py', str(folder), str(executable('camera').parent)],
     ]
@@ -71,7 +70,6 @@ def results(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
         pytest.skip(reason)
     folder = tmp_path_factory.mktemp('vivid')
     scene.frames.tofile(folder / 'scene.grey')
-    blinking_frames().tofile(folder / 'blink.grey')
     packed_yuyv(scene.frames).tofile(folder / 'scene.yuyv')
     (folder / 'camera_info.yaml').write_text(CAMERA_INFO)
     environment = {
