@@ -8,13 +8,13 @@ from blob_tracker.blinking.recognition import IN_STEP
 from blob_tracker.blinking.survey import Light
 from blob_tracker.blinking.wording import describe
 from blob_tracker.segmentation.blink import Blink
-from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.in_step import InStep
 from blob_tracker.segmentation.patterns import rate_fault
+from blob_tracker.segmentation.switching import Switching
 from blob_tracker.segmentation.watch import Watch
 from blob_tracker.types import Frame
 import numpy as np
@@ -29,7 +29,7 @@ OFTEN = 0.4  # of the frames: in half of them a light is seen that is on in ever
 DUTIES = (0.05, 0.95)  # that flash.duty may be
 
 
-class Auto:
+class Auto(Switching):
     """
     Find out how the light blinks, then follow it.
 
@@ -61,25 +61,15 @@ class Auto:
         self._warning = ''
         self.finding = ''
         self._patience = TRY_S
-        self._flash: Flash = self._new_alternate()
-        self.reason = self._flash.reason
+        super().__init__(self._new_alternate())
+        self.reason = self._mode.reason
         self._since_ns: int | None = None  # of the frames and windows that are counted
         self._frames = self._windows = 0
 
     @property
-    def locked(self) -> bool:
-        """Whether the target is followed."""
-        return self._flash.locked
-
-    @property
     def warning(self) -> str:
         """Say what is wrong though the target may be there; empty where nothing is."""
-        return self._flash.warning or self._warning
-
-    @property
-    def surveys(self) -> bool:
-        """Whether `survey` asks for all that lit up in the whole frame, after `choose`."""
-        return self._flash.surveys
+        return self._mode.warning or self._warning
 
     def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
         """
@@ -92,44 +82,28 @@ class Auto:
 
         """
         self._change(frame.stamp_ns)
-        contrast = self._flash.contrast(frame, expected)
+        contrast = self._mode.contrast(frame, expected)
         self.reason = self._said()
         return contrast
-
-    def skip(self, frame: Frame) -> None:
-        """Take note of a frame that is left out: it shows the one before it once more."""
-        self._flash.skip(frame)
-
-    def region(self, contrast: Contrast) -> Box:
-        """Return the part of the frame in which the target can be."""
-        return self._flash.region(contrast)
-
-    def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> Contrast | None:
-        """Return the contrast of a wider region, where the mode of the time has need of one."""
-        return self._flash.widened(contrast, candidates)
-
-    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
-        """Take note of all that lit up in the whole frame."""
-        self._flash.survey(contrast, candidates)
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
         """Return the light, under the empty name."""
-        chosen = self._flash.choose(contrast, candidates)
+        chosen = self._mode.choose(contrast, candidates)
         self._windows += bool(chosen)
         self.reason = self._said()
         return chosen
 
     def _said(self) -> str:
         """Return why there is no light."""
-        if isinstance(self._flash, Watch):
-            return f'watching what blinks: {self._flash.found.seconds:.1f} s of {WATCH_S:g}'
-        return '; '.join(filter(None, (self._flash.reason, self._why)))
+        if isinstance(self._mode, Watch):
+            return f'watching what blinks: {self._mode.found.seconds:.1f} s of {WATCH_S:g}'
+        return '; '.join(filter(None, (self._mode.reason, self._why)))
 
     def _begin(self, flash: Flash, stamp_ns: int) -> None:
         """Go on in this mode."""
-        self._flash = flash
+        self._mode = flash
         self._count_anew(stamp_ns)
 
     def _count_anew(self, stamp_ns: int) -> None:
@@ -149,11 +123,11 @@ class Auto:
         assert self._since_ns is not None
         seconds = (stamp_ns - self._since_ns) / 1e9
         self._frames += 1
-        if isinstance(self._flash, Watch):
+        if isinstance(self._mode, Watch):
             # Where frames are lost time and again it never has so long a series.
-            if self._flash.found.seconds > WATCH_S or seconds > 2.0 * WATCH_S:
-                self._decide(self._flash, stamp_ns)
-        elif isinstance(self._flash, InStep):
+            if self._mode.found.seconds > WATCH_S or seconds > 2.0 * WATCH_S:
+                self._decide(self._mode, stamp_ns)
+        elif isinstance(self._mode, InStep):
             if seconds > self._patience:
                 if self._windows >= OFTEN * self._frames:
                     self.finding = 'on in every other frame; set flash.mode alternate'

@@ -10,12 +10,11 @@ from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.segmentation.blink import (
     compile_blinking, HalfRate, UNKNOWN_EXPOSURE, WAY_FRACTION,
 )
-from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.drift import APERTURE, DriftWatch, GhostInstants, light_at
 from blob_tracker.segmentation.expectation import Expectation
-from blob_tracker.segmentation.flash import Flash
+from blob_tracker.segmentation.switching import Switching
 from blob_tracker.types import Frame, Glimpse
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +36,7 @@ class _Flash(NamedTuple):
     stamp_ns: int
 
 
-class InStep:
+class InStep(Switching):
     """
     Follow a light that is on in every other frame, by pairs, until it shows to run free.
 
@@ -66,35 +65,24 @@ class InStep:
         self._max_interval, self._registration = max_pair_interval, registration
         self._exposure = exposure
         self.gate_px = gate_px
+        self._pairs = self._new_pairs()
+        super().__init__(self._pairs)
+        self._watch, self._instants = DriftWatch(), GhostInstants()
+        self._last: _Flash | None = None
+        self._stamps_ns = 0, 0  # of the last two frames
+        self._missed = 0  # of those since the light was seen
         compile_blinking()  # or it would be waited for in the midst of tracking
-        self._begin()
 
-    def _begin(self) -> None:
-        """Look for it in pairs."""
-        self._pairs = Alternate(
+    def _new_pairs(self) -> Alternate:
+        return Alternate(
             max_pair_interval=self._max_interval, registration=self._registration,
             gate_px=self.gate_px,
         )
-        self._mode: Flash = self._pairs
-        self._watch, self._instants = DriftWatch(), GhostInstants()
-        self._missed = 0  # frames since the light was seen
-        self._flash: _Flash | None = None
-        self._stamps_ns = 0, 0  # of the last two frames
 
     @property
     def reason(self) -> str:
         """Why the last frame gave no light."""
         return self._mode.reason
-
-    @property
-    def locked(self) -> bool:
-        """Whether the target is followed."""
-        return self._mode.locked
-
-    @property
-    def warning(self) -> str:
-        """Say what is wrong though the target may be there; empty where nothing is."""
-        return self._mode.warning
 
     @property
     def finding(self) -> str:
@@ -103,11 +91,6 @@ class InStep:
             'it flashes near half the frame rate by a clock of its own: every frame is looked at '
             'by itself'
         )
-
-    @property
-    def surveys(self) -> bool:
-        """Whether `survey` asks for all that lit up in the whole frame, after `choose`."""
-        return self._mode.surveys
 
     def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
         """
@@ -120,53 +103,40 @@ class InStep:
 
         """
         if self._mode is not self._pairs and self._missed > PATIENCE_FRAMES:
-            self._begin()
+            self._mode = self._pairs = self._new_pairs()
+            self._last = None
+        self._missed += 1
         self._stamps_ns = self._stamps_ns[1], frame.stamp_ns
         return self._mode.contrast(frame, expected)
-
-    def skip(self, frame: Frame) -> None:
-        """Take note of a frame that is left out: it shows the one before it once more."""
-        self._mode.skip(frame)
-
-    def region(self, contrast: Contrast) -> Box:
-        """Return the part of the frame in which the target can be."""
-        return self._mode.region(contrast)
-
-    def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> Contrast | None:
-        """Return the contrast without the expectation, where that was wrong."""
-        return self._mode.widened(contrast, candidates)
-
-    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
-        """Take note of all that lit up in the whole frame."""
-        self._mode.survey(contrast, candidates)
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
         """Return the light that the frame shows, under the empty name."""
         chosen = self._mode.choose(contrast, candidates)
-        if self._mode is not self._pairs:
-            self._missed = 0 if chosen else self._missed + 1
-        elif chosen and self._registration == 'none':
-            (name, light), = chosen
-            chosen = [(name, self._watched(contrast, light))]
-        return chosen
+        if not chosen:
+            return []
+        self._missed = 0
+        if self._mode is not self._pairs or self._registration != 'none':
+            return chosen
+        (name, light), = chosen
+        return [(name, self._watched(contrast, light))]
 
     def _watched(self, contrast: Contrast, light: Candidate) -> Candidate:
         """Watch whether the light drifts; return it with what that lets doubt of its instant."""
-        frame, before = contrast.frame, self._flash
+        frame, before = contrast.frame, self._last
         sigma = math.sqrt(light.sigma_major * light.sigma_minor)
         # In the lit frame alone: what is left in the unlit one draws the difference away from it.
         lit, here, _ = light_at(contrast.lit, light.x, light.y, sigma)
-        self._flash = _Flash(np.array(here), frame.stamp_ns)
-        seconds = math.inf if before is None else (frame.stamp_ns - before.stamp_ns) / 1e9
-        if before is None or seconds > OUT_OF_SIGHT_S:
+        self._last = _Flash(np.array(here), frame.stamp_ns)
+        seconds = 0.0 if before is None else (frame.stamp_ns - before.stamp_ns) / 1e9
+        if before is None or not 0.0 < seconds < OUT_OF_SIGHT_S:
             self._watch, self._instants = DriftWatch(), GhostInstants()
             return light
         interval = (self._stamps_ns[1] - self._stamps_ns[0]) / 1e9
-        speed = (self._flash.place - before.place) / seconds
+        speed = (self._last.place - before.place) / seconds
         # Where it was in the frame before.
-        place = self._flash.place - interval * speed
+        place = self._last.place - interval * speed
         unlit, there, count = light_at(
             contrast.unlit, float(place[0]), float(place[1]), sigma
         )
@@ -192,7 +162,6 @@ class InStep:
                 exposure=self._exposure,
             )
             self._mode.contrast(frame)
-            self._missed = 0
         return self._doubted(light, exposure, speed)
 
     def _doubted(
