@@ -247,13 +247,17 @@ def _drawn(
     if not line_time:
         return 0.0, 0.0
     half_dark = max(0.5 * (1.0 - light.share), LEAST_DARK) * exposure
-    rows = sigma * PULSE_LINES
-    seen = np.clip(light.share + line_time / exposure * rows, 0.0, 1.0)
-    weights = seen * PULSE
-    most = float((weights * rows).sum() / max(weights.sum(), LEAST_DARK))
+    most = most_drawn(light.share, sigma, exposure, line_time)
     switched = min(max(light.tau / half_dark, -1.0), 1.0)
     unsure = min(light.tau_sigma / half_dark, 1.0)
     return switched * most, math.hypot(unsure, DRAWN_FRACTION) * most
+
+
+def most_drawn(share: float, sigma: float, exposure: float, line_time: float) -> float:
+    """Return by how much lower a light of a sigma seems to lie, px, that was switched on late."""
+    rows = sigma * PULSE_LINES
+    weights = np.clip(share + line_time / exposure * rows, 0.0, 1.0) * PULSE
+    return float((weights * rows).sum() / max(weights.sum(), LEAST_DARK))
 
 
 @functools.cache
@@ -317,21 +321,26 @@ class HalfRate(Blink):
 
     Parameters
     ----------
+    interval : float
+        Time from frame to frame, s, as good as many stamps tell it.
     slower : float
-        Part by which its clock is behind the camera's, where that is known.
+        Part by which the light's clock is behind the camera's, where that is known.
     max_pair_interval, exposure : float
         Those of `Blink`, s.
 
     """
 
     def __init__(
-        self, *, slower: float = 0.0, max_pair_interval: float = 0.1, exposure: float = 0.0
+        self, *, interval: float, slower: float = 0.0, max_pair_interval: float = 0.1,
+        exposure: float = 0.0,
     ) -> None:
         super().__init__(
-            frequencies={'': 1.0}, max_pair_interval=max_pair_interval, exposure=exposure
+            frequencies={'': 0.5 * (1.0 - slower) / interval},
+            max_pair_interval=max_pair_interval, exposure=exposure,
         )
-        self._slower = slower
+        self._interval = interval
 
-    def _fault(self, interval: float) -> str:
-        self._frequencies = {'': 0.5 * (1.0 - self._slower) / interval}
+    def _follow(self, frame: Frame, interval: float) -> str:
+        if self._tracker is None:
+            self._tracker = self._new_tracker(frame, self._interval)
         return ''

@@ -48,6 +48,11 @@ class FrameClock:
         """
         self._skipped_ns = stamp_ns
 
+    @property
+    def interval(self) -> float:
+        """Return the time from frame to frame, the median of the last ones, s."""
+        return self._interval_ns / 1e9
+
     def age(self, track: FlashTrack) -> float:
         """Return the time since a track was seen, in frames."""
         if self.stamp_ns is None or self._interval_ns <= 0.0:

@@ -8,12 +8,15 @@ from typing import NamedTuple
 
 from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.segmentation.blink import (
-    compile_blinking, HalfRate, UNKNOWN_EXPOSURE, WAY_FRACTION,
+    compile_blinking, HalfRate, most_drawn, UNKNOWN_EXPOSURE, WAY_FRACTION,
 )
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.drift import APERTURE, DriftWatch, GhostInstants, light_at
 from blob_tracker.segmentation.expectation import Expectation
+from blob_tracker.segmentation.flash_track import PERIOD_FRAMES
+from blob_tracker.segmentation.frame_clock import FrameClock
+from blob_tracker.segmentation.history import FrameError
 from blob_tracker.segmentation.switching import Switching
 from blob_tracker.types import Frame, Glimpse
 import numpy as np
@@ -69,8 +72,9 @@ class InStep(Switching):
         super().__init__(self._pairs)
         self._watch, self._instants = DriftWatch(), GhostInstants()
         self._last: _Flash | None = None
-        self._stamps_ns = 0, 0  # of the last two frames
-        self._missed = 0  # of those since the light was seen
+        self._clock = FrameClock()
+        self._missed = 0  # frames since the light was seen
+        self._taken_up = False  # whether it has been seen since it is known to run free
         compile_blinking()  # or it would be waited for in the midst of tracking
 
     def _new_pairs(self) -> Alternate:
@@ -106,21 +110,40 @@ class InStep(Switching):
             self._mode = self._pairs = self._new_pairs()
             self._last = None
         self._missed += 1
-        self._stamps_ns = self._stamps_ns[1], frame.stamp_ns
-        return self._mode.contrast(frame, expected)
+        try:
+            contrast = self._mode.contrast(frame, expected)
+        except FrameError:
+            self._last, self._clock = None, FrameClock()
+            raise
+        self._clock.push(frame.stamp_ns)
+        return contrast
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
         """Return the light that the frame shows, under the empty name."""
+        if self._mode is not self._pairs and not self._taken_up:
+            candidates = self._about_the_last_place(contrast.frame, candidates)
         chosen = self._mode.choose(contrast, candidates)
         if not chosen:
             return []
         self._missed = 0
         if self._mode is not self._pairs or self._registration != 'none':
+            self._taken_up = True
             return chosen
         (name, light), = chosen
         return [(name, self._watched(contrast, light))]
+
+    def _about_the_last_place(
+        self, frame: Frame, candidates: Sequence[Candidate]
+    ) -> list[Candidate]:
+        """Return what can be the light that was followed: another one may flash beside it."""
+        if self._last is None:
+            return list(candidates)
+        frames = (frame.stamp_ns - self._last.stamp_ns) / 1e9 / self._clock.interval
+        x, y = self._last.place.tolist()
+        reach = self.gate_px * max(frames / PERIOD_FRAMES, 1.0)
+        return [each for each in candidates if math.hypot(each.x - x, each.y - y) < reach]
 
     def _watched(self, contrast: Contrast, light: Candidate) -> Candidate:
         """Watch whether the light drifts; return it with what that lets doubt of its instant."""
@@ -133,7 +156,7 @@ class InStep(Switching):
         if before is None or not 0.0 < seconds < OUT_OF_SIGHT_S:
             self._watch, self._instants = DriftWatch(), GhostInstants()
             return light
-        interval = (self._stamps_ns[1] - self._stamps_ns[0]) / 1e9
+        interval = self._clock.interval
         speed = (self._last.place - before.place) / seconds
         # Where it was in the frame before.
         place = self._last.place - interval * speed
@@ -158,14 +181,15 @@ class InStep(Switching):
         side = self._instants.side
         if going_over or side:
             self._mode = HalfRate(
-                slower=side * going_over * exposure, max_pair_interval=self._max_interval,
-                exposure=self._exposure,
+                interval=interval, slower=side * going_over * exposure,
+                max_pair_interval=self._max_interval, exposure=self._exposure,
             )
             self._mode.contrast(frame)
-        return self._doubted(light, exposure, speed)
+            self._taken_up = False
+        return self._doubted(light, exposure, speed, frame.line_time_ns / 1e9)
 
     def _doubted(
-        self, light: Candidate, exposure: float, speed: NDArray[np.float64]
+        self, light: Candidate, exposure: float, speed: NDArray[np.float64], line_time: float
     ) -> Candidate:
         """Return the light with what is not known of its instant, where it seems to drift."""
         over = self._watch.share
@@ -174,7 +198,10 @@ class InStep(Switching):
         # It was on in the first part of the exposure, s, or in the last one; the speed is in px/s.
         late = 0.5 * over * exposure
         way = (1.0 - over) * exposure * speed
+        doubt = late**2 * np.outer(speed, speed)
+        # Its lines are not lit alike then, and nobody knows the sign.
+        doubt[1, 1] += most_drawn(1.0 - over, light.sigma_y, exposure, line_time) ** 2
         return light._replace(glimpse=Glimpse(
-            1.0 - over, way, WAY_FRACTION * float(np.hypot(*way)) + ROUND_WAY_PX,
-            late**2 * np.outer(speed, speed), np.zeros(2),
+            1.0 - over, way, WAY_FRACTION * float(np.hypot(*way)) + ROUND_WAY_PX, doubt,
+            np.zeros(2),
         ))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 from blob_tracker.location import Locator
 from blob_tracker.segmentation import Segmenter
@@ -104,3 +105,34 @@ def test_when_it_is_gone_another_one_in_step_is_found() -> None:
     assert not [index for index in found if 302 < index < 420]
     last = [index for index in found if index >= 420]
     assert len(last) > 40 and not any(index % 2 for index in last)
+
+
+def test_stamps_that_tremble_do_not_hide_it() -> None:
+    """By 0.4 ms, as those at reception do: the time between frames is the median of several."""
+    random = np.random.default_rng(4)
+    segmenter = Segmenter()
+    lit, found = [], []
+    for index, (frame, share) in enumerate(frames(square(29.9), range(300))):
+        if share > 0.1:
+            lit.append(index)
+        late = round(1e9 * abs(random.normal(0.0, 4e-4)))
+        if segmenter.sightings(replace(frame, stamp_ns=frame.stamp_ns + late)):
+            found.append(index)
+    free = next(index for index in found if index % 2)
+    after = [index for index in lit if index >= free]
+    assert len(set(after) & set(found)) > 0.9 * len(after)
+
+
+def test_what_flashes_beside_it_is_not_taken_up_in_its_place() -> None:
+    """A brighter lamp that is always on comes into view as the light is found to run free."""
+    segmenter = Segmenter()
+    lamp = np.zeros((60, 440))
+    lamp[10:13, 20:23] = 200.0
+    found = []
+    for index, (frame, _) in enumerate(frames(square(29.9), range(320))):
+        image = frame.image if index < 40 else np.minimum(frame.image + lamp, 255).astype(np.uint8)
+        for _, window in segmenter.sightings(replace(frame, image=image)):
+            found.append(index)
+            middle = window.x0 + 0.5 * (window.lit.shape[1] - 1)
+            assert abs(middle - x_at(window.stamp_ns / 1e9)) < 4.0
+    assert any(index % 2 for index in found) and len(found) > 170
