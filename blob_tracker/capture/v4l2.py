@@ -198,9 +198,9 @@ class V4l2Camera:
         """
         Return the next complete frame; wait for it for `timeout` seconds at most.
 
-        Its stamp is the middle of its exposure in ROS time, as far as that can be known (see
-        `stamp_place` and `blob_tracker.capture.stamps`). Pictures that the driver marks as spoilt
-        and pictures that are cut short are left out.
+        Its stamp is the middle of the exposure of its first line in ROS time, as far as that can
+        be known (see `stamp_place` and `blob_tracker.capture.stamps`). Pictures that the driver
+        marks as spoilt and pictures that are cut short are left out.
 
         Raises
         ------

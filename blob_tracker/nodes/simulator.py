@@ -33,7 +33,7 @@ from blob_tracker.simulation import (
     blinking_lights, flashing_light, PROFILES, Scene, Sensor, Truth, truth_of, waveforms_of,
 )
 from blob_tracker.simulation.gyro import Gyro
-from blob_tracker.simulation.pan_tilt import Joints, PanTilt
+from blob_tracker.simulation.pan_tilt import Joints, KEPT_S, PanTilt
 from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera
 from blob_tracker.simulation.platform_motion import MOTIONS, Ride
 from blob_tracker.simulation.spot import LightSource
@@ -138,6 +138,13 @@ class SimulatorNode(Node):
                 region=(width, height),
                 seed=values['seed'],
             ), felt
+            taken = rides[0].exposure + rides[0].readout
+            if taken > KEPT_S:
+                raise ParameterError(
+                    f"parameter 'row_time' is {sensor.row_time:g} s, with which a frame takes "
+                    f'{taken:g} s; with platform or pan_tilt it must take no longer than '
+                    f'{KEPT_S:g} s'
+                )
             if self._imus is None:
                 self._imus = publisher(self, Imu, 'imu', RESULT)
         if steered and self._pan_tilt_states is None:
@@ -236,7 +243,7 @@ class SimulatorNode(Node):
         if self._stamp_ns is None or abs(late_ns - interval_ns) > 1e9 * BEHIND:
             self._stamp_ns = now_ns
             return now_ns
-        passed = max(round(late_ns / interval_ns), 1)
+        passed = max(late_ns // interval_ns, 1)
         if passed > 1:
             self._index += passed - 1
             self._pixels = self._scene.frame(self._index)

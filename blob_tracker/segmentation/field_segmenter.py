@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from blob_tracker.segmentation.channel import ChannelChoice
 from blob_tracker.segmentation.detections import Detections
 from blob_tracker.segmentation.expectation import Expectation
-from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.segmenter import Segmenter, Sighting
 from blob_tracker.types import Frame, Pixels, Window
 
@@ -26,27 +25,29 @@ class FieldSegmenter:
     ----------
     new_segmenter : callable
         Makes a segmenter.
-    first : Segmenter, optional
-        That of frames, and of the top fields; a new one where it is left out.
+    of_kind : mapping of int to Segmenter, optional
+        Those to go on with: 0 of frames and top fields, 1 of bottom fields.
+
+    Attributes
+    ----------
+    of_kind : dict of int to Segmenter
+        Those that there are.
 
     """
 
     def __init__(
-        self, new_segmenter: Callable[[], Segmenter], first: Segmenter | None = None
+        self, new_segmenter: Callable[[], Segmenter],
+        of_kind: Mapping[int, Segmenter] | None = None,
     ) -> None:
         self._new_segmenter = new_segmenter
-        self._last = first or new_segmenter()
-        self._of_kind = {0: self._last}
-
-    @property
-    def flash(self) -> Flash:
-        """How the light flashes, in frames and in the top fields."""
-        return self._of_kind[0].flash
+        self.of_kind = dict(of_kind or {})
+        # Also of no kind yet: of its frames nothing is known, but what it is set to.
+        self._last = next(iter(self.of_kind.values()), None) or new_segmenter()
 
     @property
     def channel(self) -> ChannelChoice:
-        """Which colour is searched, in frames and in the top fields."""
-        return self._of_kind[0].channel
+        """Which colour is searched, in frames like the last one."""
+        return self._last.channel
 
     @property
     def reason(self) -> str:
@@ -80,7 +81,7 @@ class FieldSegmenter:
     @property
     def repeated_frames(self) -> int:
         """How many frames were left out because they showed the one before once more."""
-        return sum(each.repeated_frames for each in self._of_kind.values())
+        return sum(each.repeated_frames for each in self.of_kind.values())
 
     def update(self, frame: Frame, expected: Expectation | None = None) -> Window | None:
         """Take the next frame; return the window of the light that it shows: see `Segmenter`."""
@@ -91,7 +92,7 @@ class FieldSegmenter:
         """Take the next frame; return the lights that it shows: see `Segmenter`."""
         across, down = frame.binning
         kind = frame.y0 // across % 2 if down == 2 * across else 0
-        if kind not in self._of_kind:
-            self._of_kind[kind] = self._new_segmenter()
-        self._last = self._of_kind[kind]
+        if kind not in self.of_kind:
+            self.of_kind[kind] = self._new_segmenter() if self.of_kind else self._last
+        self._last = self.of_kind[kind]
         return self._last.sightings(frame, expected)

@@ -146,8 +146,8 @@ class Segmenter:
             The next frame of the same camera, grey or with colours.
         expected : Expectation, optional
             Where a tracker expects the light that is followed: it is looked for there first, and
-            as without where it is not there. The mode alternate heeds it; the others search the
-            whole frame in any case.
+            as without where it is not there. It is heeded where pairs of frames are compared, in
+            the modes alternate and auto; the others search the whole frame in any case.
 
         Returns
         -------
@@ -234,17 +234,21 @@ class Segmenter:
         # Within the gate there is little room for chance.
         followed = self.flash.locked and 2 * region.size < contrast.lit.size
         min_snr = self.min_snr * (GATED_SNR_FRACTION if followed else 1.0)
-        mask = self._mask if contrast.frame.mosaic is None else _of_cells(self._mask)
+        mask = self._mask_of(contrast)
         found = search(contrast, region, min_snr=min_snr, followed=followed, mask=mask)
         mended = without_black_cores(contrast, found.candidates)
         if mended is None:
             return contrast, found
         return mended, search(mended, region, min_snr=min_snr, followed=followed, mask=mask)
 
+    def _mask_of(self, contrast: Contrast) -> NDArray[np.uint8]:
+        """Return the mask of the pixels that are searched, which may be cells of a mosaic."""
+        return self._mask if contrast.frame.mosaic is None else _of_cells(self._mask)
+
     def _survey(self, contrast: Contrast) -> None:
         """Show the flash mode what lit up outside of the region as well."""
         everything = search(
-            contrast, whole(contrast.shape), min_snr=self.min_snr, mask=self._mask
+            contrast, whole(contrast.shape), min_snr=self.min_snr, mask=self._mask_of(contrast)
         )
         if not everything.reason:
             self.flash.survey(contrast, everything.candidates)

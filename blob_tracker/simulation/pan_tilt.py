@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 BRAKE = 0.6  # of the acceleration, with which a long way ends: the rest is for the loop
 STEP_S = 0.002  # s: within it the motors' limits hold on the mean
-KEPT_S = 0.05  # s of the past that is known: longer than an exposure
+KEPT_S = 0.05  # s of the past that is known: longer than exposure and readout together
 
 
 @dataclass(frozen=True)

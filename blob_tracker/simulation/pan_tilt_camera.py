@@ -176,7 +176,7 @@ class PanTiltCamera:
         pixels = self.sensor.expose(picture, NoiseBank(self.seed, index))
         return Frame(
             pixels, 10**9 + round(1e9 * first), self.sensor.saturation, left, top,
-            line_time_ns=1e9 * self.sensor.row_time,
+            exposure_ns=round(1e9 * self.exposure), line_time_ns=1e9 * self.sensor.row_time,
         )
 
     def _add(

@@ -66,3 +66,12 @@ def test_the_locator_goes_by_the_line_of_the_place(domain: int) -> None:
     later_ns = to_ns(found.header.stamp) % 10**7
     assert found.point.y == pytest.approx(67.25, abs=0.005)
     assert later_ns == pytest.approx(1e9 * LINE * 1.25, abs=1e9 * LINE * 0.005)
+
+
+def test_a_readout_that_a_ride_does_not_know_is_refused(domain: int) -> None:
+    """96 ms of it, of which the simulated pan/tilt remembers 50, are a sentence and no crash."""
+    with start('simulator', domain, platform='sea', rate=10.0, row_time=2e-4) as simulator:
+        assert simulator.wait() == 2
+    assert "parameter 'row_time' is 0.0002 s" in simulator.output
+    assert 'no longer than 0.05 s' in simulator.output
+    assert 'Traceback' not in simulator.output

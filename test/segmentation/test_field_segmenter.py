@@ -87,20 +87,21 @@ def test_places_are_true_at_the_stamps_of_the_fields(
 def test_each_kind_has_a_segmenter(
     binning: tuple[int, int], offsets: tuple[int, ...], count: int
 ) -> None:
-    """Frames have one, whose flash and channel are shown; none begins afresh."""
+    """The first is that which there is; none begins afresh."""
     made: list[Segmenter] = []
 
     def new_segmenter() -> Segmenter:
         made.append(Segmenter())
         return made[-1]
 
-    first = Segmenter()
-    segmenter = FieldSegmenter(new_segmenter, first)
-    assert segmenter.flash is first.flash and segmenter.channel is first.channel
+    segmenter = FieldSegmenter(new_segmenter)
+    assert segmenter.channel is made[0].channel
     pixels = np.zeros((40, 40), np.uint8)
     for index, y0 in enumerate(offsets):
         assert segmenter.update(Frame(pixels, 10**7 * index, 255, y0=y0, binning=binning)) is None
-    assert len(made) == count - 1
+    assert list(segmenter.of_kind.values()) == made and len(made) == count
+    again = FieldSegmenter(new_segmenter, segmenter.of_kind)
+    assert again.of_kind == segmenter.of_kind and len(made) == count
     assert 'afresh' not in segmenter.reason
     segmenter.reason = 'another'
     assert segmenter.reason == 'another'

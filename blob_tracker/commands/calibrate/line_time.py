@@ -80,7 +80,7 @@ def _report(console: Console, measurement: LineTimeMeasurement) -> None:
         row('spacing of the bands', measurement.spacing, None, 'lines'),
         row('bands in the picture', measurement.bands, None, ''),
         row('their amplitude', 100.0 * measurement.contrast, None, '% of the mean'),
-        row('frequency of the light, as given', measurement.frequency, None, 'Hz'),
+        row('frequency of the light', measurement.frequency, None, 'Hz'),
     ]
     console.print(results_table(f'line time, {count} frames of {height} lines', rows))
     console.print(

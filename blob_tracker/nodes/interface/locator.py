@@ -88,7 +88,7 @@ PARAMETERS = (
     Parameter(
         'lights',
         '',
-        'Names of the coded lights that are to be placed, as flash.codes has them: '
+        'Names of the lights that are to be placed, as flash.codes has them: '
         'port,starboard. Empty for a light without a name. Within the pipeline every light is.',
     ),
 )

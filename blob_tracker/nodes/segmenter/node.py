@@ -38,7 +38,6 @@ from blob_tracker.segmentation import (
     Expectation,
     exposure_fault,
     FieldSegmenter,
-    Flash,
     flash_by_name,
     FrameError,
     frequencies_from_text,
@@ -111,8 +110,9 @@ class SegmenterNode(Node):
         self._connections = Connections(self, self._health)
         self._gaps, self._losses = StampGaps(), Losses()
         self._last_detections = LastDetections()
-        self._flash: tuple[dict[str, Any], Flash] | None = None
-        self._channel: tuple[str, ChannelChoice] | None = None
+        self._found = False  # whether a flash mode ever found out about its light
+        self._asked: tuple[dict[str, Any], str] | None = None  # of flash, and of the channel
+        self._segmenter: FieldSegmenter
         self._quantisation: NDArray[np.uint16] | None = None
         self._new_segmenter: Callable[[], FieldSegmenter]
         self._newest_ns = -1  # of the stamps
@@ -148,8 +148,7 @@ class SegmenterNode(Node):
             new_flash = partial(
                 flash_by_name, **options | {'codes': codes, 'frequencies': frequencies}
             )
-            same = self._flash is not None and self._flash[0] == asked
-            flash = self._flash[1] if self._flash is not None and same else new_flash()
+            new_flash()  # or it says what cannot be
         with about('mask_url'):
             mask = read_mask(values['mask_url'])
         new_segmenter = partial(
@@ -164,16 +163,24 @@ class SegmenterNode(Node):
             looks=values['looks'],
             mask=mask,
         )
-        same = self._channel is not None and self._channel[0] == values['channel']
-        channel = (
-            self._channel[1] if self._channel is not None and same
-            else ChannelChoice(values['channel'])
+        same_flash, same_channel = (
+            self._asked is not None and self._asked[k] == each
+            for k, each in enumerate((asked, values['channel']))
         )
 
-        def new_one() -> Segmenter:
-            return new_segmenter(flash=new_flash(), channel=ChannelChoice(values['channel']))
+        def new_one(before: Segmenter | None = None) -> Segmenter:
+            return new_segmenter(
+                flash=before.flash if before and same_flash else new_flash(),
+                channel=(
+                    before.channel if before and same_channel
+                    else ChannelChoice(values['channel'])
+                ),
+            )
 
-        segmenter = FieldSegmenter(new_one, new_segmenter(flash=flash, channel=channel))
+        segmenter = FieldSegmenter(new_one, {
+            kind: new_one(each)
+            for kind, each in (self._segmenter.of_kind if self._asked else {}).items()
+        })
         quality = values['jpeg_quality']
         quantisation = standard_quantisation(quality) if quality else None
         named = {'coded': (*codes, *frequencies), 'periodic': tuple(frequencies)}
@@ -188,8 +195,7 @@ class SegmenterNode(Node):
 
         def use() -> None:
             with self._lock:
-                self._flash = asked, flash
-                self._channel = values['channel'], channel
+                self._asked = asked, values['channel']
                 self._quantisation = quantisation
                 self._segmenter = segmenter
                 self._new_segmenter = lambda: FieldSegmenter(new_one)
@@ -223,10 +229,7 @@ class SegmenterNode(Node):
 
     def _restart(self) -> None:
         """Forget all frames, as after a start: what follows is of another time."""
-        assert self._flash is not None
         self._segmenter = self._new_segmenter()
-        self._flash = self._flash[0], self._segmenter.flash
-        self._channel = self._segmenter.channel.name, self._segmenter.channel
         self._newest_ns = -1
         self._last_detections.reset()
         for target in self._targets.values():
@@ -346,8 +349,9 @@ class SegmenterNode(Node):
                 'stamps: the camera dropped them (see its diagnostics), they were lost on the way '
                 '(use config/fastdds.xml), or this node was too late for them (see CPU)',
             )
-        if self._segmenter.finding:
-            self._health.show('light found', self._segmenter.finding)
+        if self._segmenter.finding or self._found:
+            self._found = True  # what was shown once is not left standing
+            self._health.show('light found', self._segmenter.finding or 'none')
         self._last_detections.describe(self._health)
 
     def _check_silence(self) -> None:
