@@ -10,6 +10,7 @@ from typing import Any
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
 from blob_tracker.capture.picture import draw
+from blob_tracker.flash_text import codes_from_text, frequencies_from_text
 from blob_tracker.nodes.interface.flash import FLASH
 from blob_tracker.nodes.interface.simulator import PARAMETERS, STILL
 from blob_tracker.ros.diagnostics.connections import Connections
@@ -27,8 +28,6 @@ from blob_tracker.ros.messages.stamp import from_ns
 from blob_tracker.ros.messages.target import bearing_message, centroid_message
 from blob_tracker.ros.parameters.declaration import about, declare, on_change
 from blob_tracker.ros.process import run
-from blob_tracker.segmentation import codes_from_text, frequencies_from_text
-from blob_tracker.segmentation.patterns import check_patterns
 from blob_tracker.simulation import (
     blinking_lights, flashing_light, PROFILES, Scene, Sensor, Truth, truth_of, waveforms_of,
 )
@@ -351,6 +350,9 @@ def _scene(
             for name in (*codes, *frequencies):
                 check_light(name)
             if mode == 'coded':
+                # Loads Numba: a light in step does without.
+                from blob_tracker.segmentation.patterns import check_patterns
+
                 check_patterns(codes, frequencies, flash['flash.duty'])
             waveforms = waveforms_of(
                 mode,

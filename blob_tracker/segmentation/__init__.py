@@ -7,9 +7,7 @@ from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.exposure import exposure_fault
 from blob_tracker.segmentation.field_segmenter import FieldSegmenter
 from blob_tracker.segmentation.flash import Flash
-from blob_tracker.segmentation.flash_modes import (
-    codes_from_text, flash_by_name, FLASH_MODES, frequencies_from_text,
-)
+from blob_tracker.segmentation.flash_modes import flash_by_name, FLASH_MODES
 from blob_tracker.segmentation.history import FrameError
 from blob_tracker.segmentation.registration import REGISTRATIONS
 from blob_tracker.segmentation.segmenter import Segmenter, Sighting
@@ -27,10 +25,8 @@ __all__ = [
     'Segmenter',
     'Sighting',
     'THRESHOLDS',
-    'codes_from_text',
     'compile_ahead',
     'exposure_fault',
     'flash_by_name',
-    'frequencies_from_text',
     'threshold_by_name',
 ]

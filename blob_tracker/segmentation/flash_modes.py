@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from inspect import signature
 
 from blob_tracker.segmentation.auto import Auto
@@ -50,53 +50,3 @@ def flash_by_name(mode: str, **options: object) -> Flash:
     create = FLASH_MODES[mode]
     known = signature(create).parameters
     return create(**{name: value for name, value in options.items() if name in known})
-
-
-def codes_from_text(text: str) -> Mapping[str, str]:
-    """
-    Return the codes by name of 'port:1101000,starboard:1110100'.
-
-    Raises
-    ------
-    ValueError
-        Where two have one name, or one has none.
-
-    """
-    codes: dict[str, str] = {}
-    for name, bits in _named(text):
-        if name in codes:
-            raise ValueError(f"two codes are called '{name}'")
-        codes[name] = bits
-    return codes
-
-
-def frequencies_from_text(text: str) -> Mapping[str, float]:
-    """
-    Return the frequencies, Hz, by name of 'port:6.0,starboard:10.0'.
-
-    Raises
-    ------
-    ValueError
-        Where two have one name, or one is no number.
-
-    """
-    frequencies: dict[str, float] = {}
-    for name, value in _named(text):
-        if name in frequencies:
-            raise ValueError(f"two frequencies are called '{name}'")
-        try:
-            frequencies[name] = float(value)
-        except ValueError:
-            raise ValueError(
-                f"the frequency of '{name}' is '{value}'; it must be a number of Hz"
-            ) from None
-    return frequencies
-
-
-def _named(text: str) -> Iterator[tuple[str, str]]:
-    """Yield name and value of each part of 'port:1101000,starboard:1110100'."""
-    for part in filter(None, text.replace(' ', '').split(',')):
-        name, colon, value = part.partition(':')
-        if not (name and colon):
-            raise ValueError(f"'{part}' is no light; write its name before it: 'port:{part}'")
-        yield name, value

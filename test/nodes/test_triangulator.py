@@ -123,18 +123,23 @@ def test_positions_are_right_within_their_covariance(cameras: Cameras) -> None:
     cameras.points.clear()
     cameras.poses.clear()
     cameras.run(3.0)
-    cameras.node.spin_until(lambda: len(cameras.poses) >= 58)
+    cameras.node.spin_until(lambda: min(len(cameras.points), len(cameras.poses)) >= 58)
     total = 0.0
-    for point, pose in zip(cameras.points, cameras.poses):
-        assert to_ns(point.header.stamp) == to_ns(pose.header.stamp)
+    poses = {to_ns(pose.header.stamp): pose for pose in cameras.poses}
+    points = {to_ns(point.header.stamp): point for point in cameras.points}
+    # A message may be lost on a busy machine, of either topic.
+    both = points.keys() & poses.keys()
+    assert len(both) >= 56
+    for stamp_ns in both:
+        point, pose = points[stamp_ns], poses[stamp_ns]
         assert point.header.frame_id == pose.header.frame_id == 'map'
         found = np.array([point.point.x, point.point.y, point.point.z])
         covariance = np.array(pose.pose.covariance).reshape(6, 6)[:3, :3]
-        error = found - place(to_ns(point.header.stamp), cameras.begin_ns)
+        error = found - place(stamp_ns, cameras.begin_ns)
         total += float(error @ np.linalg.solve(covariance, error))
     # It moves evenly: the part of the covariance for what it might have strayed is too much, by
     # less than a half of the right one's.
-    low, high = chi2.ppf([0.0005, 0.9995], 3 * len(cameras.poses))
+    low, high = chi2.ppf([0.0005, 0.9995], 3 * len(both))
     assert 0.5 * low < total < high
     status = cameras.diagnostics[-1].status[0]
     assert (status.level, status.message) == (DiagnosticStatus.OK, 'target placed')

@@ -1,6 +1,6 @@
-"""Each mode is reached by its name with its own options; codes are read from text."""
+"""Each mode is reached by its name with its own options."""
 
-from blob_tracker.segmentation import codes_from_text, flash_by_name, FLASH_MODES
+from blob_tracker.segmentation import flash_by_name, FLASH_MODES
 import pytest
 
 OPTIONS = {
@@ -30,11 +30,3 @@ def test_an_unknown_mode_is_named() -> None:
     """With those that there are."""
     with pytest.raises(ValueError, match="no flash mode 'disco'; there is alternate, "):
         flash_by_name('disco')
-
-
-def test_codes_are_read_from_text() -> None:
-    """Name and bits, parted by commas."""
-    assert codes_from_text('port:110, star:010') == {'port': '110', 'star': '010'}
-    assert codes_from_text('') == {}
-    with pytest.raises(ValueError, match="two codes are called 'port'"):
-        codes_from_text('port:110,port:010')

@@ -1,7 +1,7 @@
 """How the light flashes: parameters of the segmenter, and of the simulator that shows it."""
 
+from blob_tracker.flash_text import FLASH_MODE_NAMES
 from blob_tracker.ros.interface import Parameter
-from blob_tracker.segmentation import FLASH_MODES
 
 FLASH = (
     Parameter(
@@ -12,7 +12,7 @@ FLASH = (
         'lights that blink flash.codes. lock_in: a faint light at flash.frequency that stands '
         'still. steady: always on. auto: nobody knows; alternate is tried first, then what blinks '
         'is watched for 3 s and the brightest light followed; the diagnostics tell what to set.',
-        choices=tuple(FLASH_MODES),
+        choices=FLASH_MODE_NAMES,
     ),
     Parameter(
         'flash.frequency',

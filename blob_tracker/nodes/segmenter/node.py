@@ -10,6 +10,7 @@ from threading import Lock
 import time
 from typing import Any
 
+from blob_tracker.flash_text import codes_from_text, frequencies_from_text
 from blob_tracker.nodes.interface.segmenter import PARAMETERS
 from blob_tracker.nodes.segmenter.last_detections import LastDetections
 from blob_tracker.nodes.segmenter.noise_topic import NoiseTopic
@@ -32,7 +33,6 @@ from blob_tracker.ros.parameters.declaration import about, declare, on_change
 from blob_tracker.ros.parameters.mask import read_mask
 from blob_tracker.ros.process import run, say
 from blob_tracker.segmentation import (
-    codes_from_text,
     compile_ahead,
     Detections,
     Expectation,
@@ -40,7 +40,6 @@ from blob_tracker.segmentation import (
     FieldSegmenter,
     flash_by_name,
     FrameError,
-    frequencies_from_text,
     Segmenter,
     threshold_by_name,
 )

@@ -1,0 +1,31 @@
+"""Modes, codes and frequencies as parameters have them."""
+
+from __future__ import annotations
+
+from blob_tracker.flash_text import codes_from_text, FLASH_MODE_NAMES, frequencies_from_text
+from blob_tracker.segmentation import FLASH_MODES
+import pytest
+
+
+def test_every_mode_has_its_name() -> None:
+    """No more and no fewer, in their order."""
+    assert FLASH_MODE_NAMES == tuple(FLASH_MODES)
+
+
+def test_codes_are_read_from_text() -> None:
+    """Name and bits, parted by commas."""
+    assert codes_from_text('port:110, star:010') == {'port': '110', 'star': '010'}
+    assert codes_from_text('') == {}
+    with pytest.raises(ValueError, match="two codes are called 'port'"):
+        codes_from_text('port:110,port:010')
+
+
+def test_frequencies_are_read_from_text() -> None:
+    """Name and Hz."""
+    assert frequencies_from_text('left:6.0, right:10') == {'left': 6.0, 'right': 10.0}
+    for text, words in (
+        ('left:6,left:7', "two frequencies are called 'left'"), ('left:six', 'a number of Hz'),
+        ('6.0', "write its name before it: 'port:6.0'"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            frequencies_from_text(text)
