@@ -37,7 +37,8 @@ class DriftWatch:
         self._flashes: deque[tuple[float, float, float]] = deque(maxlen=SPANS[-1])
         self._count = 0
         self._means = 0.0, 0.0
-        self._most_lit, self._least_unlit = -math.inf, math.inf  # of all means
+        # Of all means: the least and the most.
+        self._lit, self._unlit = (math.inf, -math.inf), (math.inf, -math.inf)
         self._square = 0.0  # of the change from flash to flash
 
     @property
@@ -49,7 +50,7 @@ class DriftWatch:
         """
         lit, unlit = self._means
         noise = LEAST_SIGMA * math.sqrt(self._square / SMOOTHED)
-        over = min(self._most_lit - lit, unlit - self._least_unlit)
+        over = min(self._lit[1] - lit, unlit - self._unlit[0])
         return over / max(lit + unlit, 1e-9) if over > noise > 0.0 else 0.0
 
     def add(self, time: float, lit: float, unlit: float) -> float:
@@ -74,9 +75,13 @@ class DriftWatch:
         last = [self._flashes[-k] for k in range(1, SMOOTHED + 1)]
         lit, unlit = (sum(each[k] for each in last) / SMOOTHED for k in (1, 2))
         self._means = lit, unlit
-        self._most_lit = max(self._most_lit, lit)
-        self._least_unlit = min(self._least_unlit, unlit)
-        if self._count % CHECKED or len(self._flashes) < SPANS[0]:
+        self._lit = min(self._lit[0], lit), max(self._lit[1], lit)
+        self._unlit = min(self._unlit[0], unlit), max(self._unlit[1], unlit)
+        changed = min(self._lit[1] - self._lit[0], self._unlit[1] - self._unlit[0])
+        if (
+            self._count % CHECKED or len(self._flashes) < SPANS[0]
+            or changed < 0.5 * LEAST_RISE * (lit + unlit)
+        ):
             return 0.0
         table = np.array(self._flashes)
         rates = (_going_over(*table[-span:].T) for span in SPANS if span <= len(table))
@@ -125,7 +130,12 @@ class GhostInstants:
     """
 
     def __init__(self) -> None:
-        self._against = np.zeros(4)  # late, early, never off, filtered: half chi-squares
+        self.forget()
+
+    def forget(self) -> None:
+        """Hold nothing against any of them."""
+        # Late, early, never off, filtered: half chi-squares.
+        self._against = [0.0, 0.0, 0.0, 0.0]
 
     def add(self, ahead: float, deviation: float, frame: float) -> None:
         """
@@ -142,9 +152,9 @@ class GhostInstants:
             Way from one frame to the next in the same unit.
 
         """
-        away = ahead - np.array([-1.0, 1.0, 0.0, -frame])
-        # What nothing explains is held against none of them.
-        self._against += np.minimum(0.5 * (away / deviation) ** 2, MOST_AGAINST)
+        for k, there in enumerate((-1.0, 1.0, 0.0, -frame)):
+            # What nothing explains is held against none of them.
+            self._against[k] += min(0.5 * ((ahead - there) / deviation) ** 2, MOST_AGAINST)
 
     @property
     def side(self) -> int:

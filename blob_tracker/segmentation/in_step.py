@@ -35,7 +35,8 @@ OUT_OF_SIGHT_S = 0.5  # s from one flash to the next, after which it may be anot
 class _Flash(NamedTuple):
     """Where the light was in its last flash, px, and when."""
 
-    place: NDArray[np.float64]
+    x: float
+    y: float
     stamp_ns: int
 
 
@@ -138,45 +139,45 @@ class InStep(Switching):
         self, frame: Frame, candidates: Sequence[Candidate]
     ) -> list[Candidate]:
         """Return what can be the light that was followed: another one may flash beside it."""
-        if self._last is None:
+        last = self._last
+        if last is None:
             return list(candidates)
-        frames = (frame.stamp_ns - self._last.stamp_ns) / 1e9 / self._clock.interval
-        x, y = self._last.place.tolist()
+        frames = (frame.stamp_ns - last.stamp_ns) / 1e9 / self._clock.interval
         reach = self.gate_px * max(frames / PERIOD_FRAMES, 1.0)
-        return [each for each in candidates if math.hypot(each.x - x, each.y - y) < reach]
+        return [
+            each for each in candidates if math.hypot(each.x - last.x, each.y - last.y) < reach
+        ]
 
     def _watched(self, contrast: Contrast, light: Candidate) -> Candidate:
         """Watch whether the light drifts; return it with what that lets doubt of its instant."""
         frame, before = contrast.frame, self._last
         sigma = math.sqrt(light.sigma_major * light.sigma_minor)
         # In the lit frame alone: what is left in the unlit one draws the difference away from it.
-        lit, here, _ = light_at(contrast.lit, light.x, light.y, sigma)
-        self._last = _Flash(np.array(here), frame.stamp_ns)
+        lit, (here_x, here_y), _ = light_at(contrast.lit, light.x, light.y, sigma)
+        self._last = _Flash(here_x, here_y, frame.stamp_ns)
         seconds = 0.0 if before is None else (frame.stamp_ns - before.stamp_ns) / 1e9
         if before is None or not 0.0 < seconds < OUT_OF_SIGHT_S:
             self._watch, self._instants = DriftWatch(), GhostInstants()
             return light
         interval = self._clock.interval
-        speed = (self._last.place - before.place) / seconds
+        vx, vy = (here_x - before.x) / seconds, (here_y - before.y) / seconds
         # Where it was in the frame before.
-        place = self._last.place - interval * speed
-        unlit, there, count = light_at(
-            contrast.unlit, float(place[0]), float(place[1]), sigma
-        )
+        x, y = here_x - interval * vx, here_y - interval * vy
+        unlit, (there_x, there_y), count = light_at(contrast.unlit, x, y, sigma)
         exposure = self._exposure or frame.exposure_ns / 1e9 or UNKNOWN_EXPOSURE * interval
         going_over = self._watch.add(frame.stamp_ns / 1e9, lit, unlit)
-        way = float(np.hypot(*speed))
-        unit = 0.5 * exposure * way
+        speed = math.hypot(vx, vy)
+        unit = 0.5 * exposure * speed
         noise = light.noise * math.sqrt(0.5 * count)
         if unlit <= LEAST_LIGHT_SIGMA * noise:
-            self._instants = GhostInstants()  # it comes back on the other side
+            self._instants.forget()  # it comes back on the other side
         elif unit > LEAST_WAY_PX:
-            ahead = float((np.array(there) - place) @ speed) / way
+            ahead = ((there_x - x) * vx + (there_y - y) * vy) / speed
             deviation = math.hypot(
-                0.5 * APERTURE * sigma * noise / unlit, BEND_PART * interval * way
+                0.5 * APERTURE * sigma * noise / unlit, BEND_PART * interval * speed
             )
             self._instants.add(
-                ahead / unit, max(deviation / unit, SUREST), interval * way / unit
+                ahead / unit, max(deviation / unit, SUREST), interval * speed / unit
             )
         side = self._instants.side
         if going_over or side:
@@ -186,15 +187,15 @@ class InStep(Switching):
             )
             self._mode.contrast(frame)
             self._taken_up = False
-        return self._doubted(light, exposure, speed, frame.line_time_ns / 1e9)
+        if self._watch.share == 0.0:
+            return light
+        return self._doubted(light, exposure, np.array([vx, vy]), frame.line_time_ns / 1e9)
 
     def _doubted(
         self, light: Candidate, exposure: float, speed: NDArray[np.float64], line_time: float
     ) -> Candidate:
-        """Return the light with what is not known of its instant, where it seems to drift."""
+        """Return a light that seems to drift, with what is not known of its instant."""
         over = self._watch.share
-        if over == 0.0:
-            return light
         # It was on in the first part of the exposure, s, or in the last one; the speed is in px/s.
         late = 0.5 * over * exposure
         way = (1.0 - over) * exposure * speed
