@@ -168,10 +168,11 @@ def notes(light: Light) -> list[str]:
         if not light.alternates:
             said.append(f'its clock is off {against} by {error:+.0f} ± {sigma:.0f} ppm')
         elif abs(error) > DRIFTS_PPM + 3.0 * sigma:
-            # Whether it is faster or slower no frame tells: both look alike.
+            # Whether it is faster or slower no frame tells, and in less than a beat the light may
+            # as well grow darker: no sign, no sigma.
             said.append(
-                f'it is off half the frame rate by {abs(error):.0f} ± {sigma:.0f} ppm, and drifts '
-                'through the frames: flash.mode alternate follows it'
+                f'it is off half the frame rate by about {round(abs(error), -2):.0f} ppm, and '
+                'drifts through the frames: flash.mode alternate follows it'
             )
     if rhythm.kind == 'short':
         said.append(
