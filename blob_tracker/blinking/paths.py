@@ -10,7 +10,6 @@ from blob_tracker.kernel import Array, kernel
 import numpy as np
 from numpy.typing import NDArray
 
-MOST_POINTS = 96  # of a frame, the brightest: time and memory are bounded
 MOST_PATHS = 192  # at a time
 GATE = 18.4  # chi-square of two degrees of freedom that one in 10,000 exceeds
 FIRST_SPEED = 3.0  # px a frame interval, along each axis, of a path of one point
@@ -35,8 +34,7 @@ class Path(NamedTuple):
     flux, sigma : (n,) arrays
         Its light and the standard deviation of it, DN px^2.
     points : (n,) int array
-        Which of the frame's points it was, the brightest `MOST_POINTS` of them where there are
-        more.
+        Which of the frame's points it was.
 
     """
 
@@ -53,7 +51,7 @@ class PathLinker:
     Link the points of each frame to paths, with Singer's model of the motion.
 
     Each path takes the point that is the likeliest in its reach, those of several points first.
-    Time and memory of a frame are bounded.
+    No more than `MOST_PATHS` are kept at a time.
 
     Parameters
     ----------
@@ -71,7 +69,7 @@ class PathLinker:
         self._number = np.full(MOST_PATHS, NONE)
         self._numbers = 0
         self._clock = 0.0
-        self._frames: list[tuple[Array, NDArray[np.int64], NDArray[np.int64]]] = []
+        self._frames: list[tuple[Array, NDArray[np.int64]]] = []
 
     def update(self, points: Array, clock: float) -> None:
         """
@@ -85,8 +83,7 @@ class PathLinker:
             Time of the frame, frame intervals.
 
         """
-        order = np.sort(np.argsort(-points[:, FLUX], kind='stable')[:MOST_POINTS])
-        points = np.ascontiguousarray(points[order])
+        points = np.ascontiguousarray(points)
         owner = np.full(len(points), NONE)
         dt, self._clock = clock - self._clock, clock
         _forget(self._covariance, self._last, self._number, clock - self._longest)
@@ -97,17 +94,17 @@ class PathLinker:
             self._state, self._covariance, self._hits, self._last, self._number, points, owner,
             paths, owned, clock, self._numbers,
         )
-        self._frames.append((points, owner, order))
+        self._frames.append((points, owner))
 
     def paths(self, least: int) -> list[Path]:
         """Return the paths of so many points at least, those of the most first."""
-        owners = [owner for _, owner, _ in self._frames]
+        owners = [owner for _, owner in self._frames]
         if not owners or not sum(map(len, owners)):
             return []
         frames = np.repeat(np.arange(len(owners)), [len(each) for each in owners])
         owner = np.concatenate(owners)
-        points = np.concatenate([each for each, _, _ in self._frames])
-        which = np.concatenate([each for _, _, each in self._frames])
+        points = np.concatenate([each for each, _ in self._frames])
+        which = np.concatenate([np.arange(len(each)) for each in owners])
         found = []
         for number, count in zip(*np.unique(owner[owner != NONE], return_counts=True)):
             if count >= least:

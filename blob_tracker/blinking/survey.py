@@ -7,7 +7,9 @@ import math
 
 from blob_tracker.blinking.paths import Path, PathLinker
 from blob_tracker.blinking.patterns import MAINS_HZ
-from blob_tracker.blinking.recognition import aliases, Brightness, recognise, Rhythm
+from blob_tracker.blinking.recognition import (
+    aliases, Brightness, DARK, EVEN, recognise, Rhythm,
+)
 from blob_tracker.blinking.tracks import FLUX
 from blob_tracker.kernel import Array
 import numpy as np
@@ -22,7 +24,8 @@ MAINS_OFF_HZ = 0.3  # by which lamps are off 100 and 120 Hz, and frame rates off
 HIGHEST_HZ = 250.0  # of the aliases that are thought of
 KEPT_POINTS = 96  # of a frame, the brightest
 SAME_PERIOD = 0.01  # by which two pieces of one light differ
-IN_EVERY_OTHER = 2e-3  # frame intervals, by which the period is off two
+NEAR_HALF = 0.01  # by which a clock is off half the frame rate, where alternate follows it
+SURE_CLOCK = 1e-3  # of the bit rate: clocks that run free are off by as much, or drift
 
 
 @dataclass(frozen=True)
@@ -72,9 +75,22 @@ class Light:
 
     @property
     def alternates(self) -> bool:
-        """Return whether it is on in every other frame."""
+        """Return whether it is on in every other frame, or drifts through the frames slowly."""
         off = abs(self.rhythm.period - 2.0)
-        return self.rhythm.kind == 'wave' and off < 3.0 * self.rhythm.period_sigma + IN_EVERY_OTHER
+        near = 3.0 * self.rhythm.period_sigma + 2.0 * NEAR_HALF
+        return self.rhythm.kind == 'wave' and off < near
+
+    @property
+    def repeats(self) -> bool:
+        """Return whether it is a wave or a code, and no lamp."""
+        return self.rhythm.kind in ('wave', 'code') and not self.mains
+
+    @property
+    def frames_per_bit(self) -> int:
+        """Return the frames of a bit of a code; 0 where a free clock may be as near to them."""
+        rhythm = self.rhythm
+        sure = 0.0 < rhythm.bit_sigma < SURE_CLOCK * rhythm.bit
+        return rhythm.frames_per_bit if sure else 0
 
 
 class Survey:
@@ -93,14 +109,25 @@ class Survey:
         self._frames: list[tuple[int, Array, float]] = []
         self.crowded = False
 
-    def push(self, points: Array, stamp_ns: int, least: float) -> None:
-        """Take the points of the next frame, as `BlinkTracker.update` does."""
-        if len(points) > KEPT_POINTS:
-            self.crowded = True
-            points = points[np.sort(np.argsort(-points[:, FLUX], kind='stable')[:KEPT_POINTS])]
-        self._frames.append((stamp_ns, points, least))
+    def push(self, points: Array, stamp_ns: int, least: float) -> NDArray[np.int64]:
+        """Take the points of the next frame, as `BlinkTracker.update` does; return the kept."""
+        self.crowded |= len(points) > KEPT_POINTS
+        kept = np.sort(np.argsort(-points[:, FLUX], kind='stable')[:KEPT_POINTS])
+        self._frames.append((stamp_ns, points[kept], least))
         if len(self._frames) > self._most:
             del self._frames[0]
+        return kept
+
+    @property
+    def full(self) -> bool:
+        """Return whether it has as many frames as it keeps."""
+        return len(self._frames) == self._most
+
+    @property
+    def longest(self) -> float:
+        """Return over how long the frames reach that it keeps, s; infinite before two came."""
+        steps = len(self._frames) - 1
+        return self.seconds * (self._most - 1) / steps if steps > 0 else math.inf
 
     @property
     def seconds(self) -> float:
@@ -110,7 +137,7 @@ class Survey:
     @property
     def clock(self) -> tuple[Array, float]:
         """Return the times of the frames in frame intervals, and the interval, s."""
-        return frame_clock(np.array([stamp for stamp, _, _ in self._frames]))
+        return frame_times(np.array([stamp for stamp, _, _ in self._frames]))
 
     def lights(
         self, exposure: float = 0.0, *, sigmas: bool = True, most: int = MOST_LIGHTS
@@ -125,7 +152,8 @@ class Survey:
         sigmas : bool
             Whether standard deviations and aliases are asked for as well.
         most : int
-            Lights that are not steady, at which it ends: those of the most points are the first.
+            Paths that are looked at closely: those that are dark at times are the first, and of
+            them those of the most points.
 
         """
         if len(self._frames) < FEWEST_POINTS:
@@ -136,13 +164,10 @@ class Survey:
             linker.update(points, float(time))
         least = float(np.median([each for _, _, each in self._frames]))
         found: list[Light] = []
-        tried = 0
-        for path in linker.paths(FEWEST_POINTS):
-            if tried == most:
-                break
+        paths = [path for path in linker.paths(FEWEST_POINTS) if not _is_even(path)]
+        for path in sorted(paths, key=_is_never_dark)[:most]:
             brightness = _brightness(path, clock, least)
             rhythm = recognise(brightness, min(exposure / interval, 1.0), sigmas=sigmas)
-            tried += rhythm.kind != 'steady'
             if rhythm.kind in UNKNOWN and len(path.frames) < FEWEST_OF_UNKNOWN * len(clock):
                 continue  # a reflection, a seam of a JPEG, a piece of another light's path
             if rhythm.kind != 'steady':
@@ -153,7 +178,7 @@ class Survey:
         ]
 
 
-def frame_clock(stamps_ns: NDArray[np.int64]) -> tuple[Array, float]:
+def frame_times(stamps_ns: NDArray[np.int64]) -> tuple[Array, float]:
     """
     Return times in frame intervals, from 0, and the interval, s.
 
@@ -168,6 +193,18 @@ def frame_clock(stamps_ns: NDArray[np.int64]) -> tuple[Array, float]:
     if jitter > JITTER * interval:
         return seconds / pace, pace
     return count, float(interval)
+
+
+def _is_never_dark(path: Path) -> bool:
+    """Tell whether a path is seen in nearly every frame."""
+    span = path.frames[-1] + 1 - path.frames[0]
+    return len(path.frames) > (1.0 - DARK) * span
+
+
+def _is_even(path: Path) -> bool:
+    """Tell whether it is of a lamp, or of the scene's texture: always there, and as bright."""
+    low, middle, high = np.percentile(path.flux, [5.0, 50.0, 95.0])
+    return _is_never_dark(path) and bool(high - low < EVEN * middle)
 
 
 def mains_alias(frequency: float, sigma: float, rate: float) -> float:
@@ -213,11 +250,3 @@ def _light(
     return Light(
         path, brightness, rhythm, light.rate, tuple(rate / interval for rate in rates), mains
     )
-
-
-def shortest_look(light: Light, longest_bits: int) -> float:
-    """Return for how long a light must be watched so that two periods are seen, s."""
-    shown = light.brightness.flux > 0.0
-    runs = np.diff(np.flatnonzero(np.diff(shown)))
-    shortest = float(runs.min()) if len(runs) else 1.0
-    return math.ceil(2.5 * longest_bits * shortest / light.rate)

@@ -7,14 +7,17 @@ from dataclasses import dataclass, field
 import math
 
 from blob_tracker.blinking.patterns import LONGEST_BITS
-from blob_tracker.blinking.survey import Light, shortest_look
-from blob_tracker.segmentation.patterns import check_patterns, rate_fault
+from blob_tracker.blinking.survey import Light
+from blob_tracker.segmentation.patterns import (
+    check_patterns, DUTIES, flash_values, rate_fault, twin_fault,
+)
+import numpy as np
 
 TRACKED_CLOCK = 0.01  # of a bit rate, by which a light's clock may be off
-SURE_CLOCK = 1e-3  # of the bit rate: clocks that run free are off by as much, or drift
 SAME_DUTY = 0.1  # by which the duties of waves may differ from the one that is set
 NOMINAL_HZ = 0.1  # of whose multiples the nearest is taken for what a wave was meant to be
 SHOWN_ALIASES = 3
+DRIFTS_PPM = 100.0  # by which stamps are off
 NOISY_HZ = 0.5 * NOMINAL_HZ  # of a frequency: then nobody knows which it was
 
 
@@ -28,7 +31,7 @@ class FlashSettings:
     values : dict
         Parameter to value; empty where there is nothing to set.
     named : tuple of str
-        What each light is called there, '' where it is not among them.
+        What each light is called there, '' where it is alone or not among them.
     notes : tuple of str
         What speaks against it, and what is left out.
 
@@ -37,6 +40,11 @@ class FlashSettings:
     values: dict[str, str | float | int] = field(default_factory=dict)
     named: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+
+    @property
+    def lights(self) -> str:
+        """Return `lights` of locator and tracker: the names that are set; empty without any."""
+        return ','.join(filter(None, self.named))
 
 
 def flash_settings(lights: Sequence[Light], exposure: float) -> FlashSettings:
@@ -51,89 +59,81 @@ def flash_settings(lights: Sequence[Light], exposure: float) -> FlashSettings:
         Of a frame, s; 0 where it is not known.
 
     """
-    usable = [
-        light.rhythm.kind in ('wave', 'code') and not light.mains for light in lights
-    ]
-    if not any(usable):
-        return FlashSettings(named=('',) * len(lights))
-    chosen = [light for light, good in zip(lights, usable) if good]
-    if all(light.alternates for light in chosen):
-        many = (
-            f'{len(chosen)} lights are on in every other frame: one is followed, and nothing '
-            'tells which; give them codes'
-        )
-        return FlashSettings(
-            {'flash.mode': 'alternate'}, ('',) * len(lights), (many,) if len(chosen) > 1 else ()
-        )
-    names = tuple(
-        f'light_{index}' if good and not light.alternates else ''
-        for index, (light, good) in enumerate(zip(lights, usable), start=1)
-    )
-    codes = {name: light for name, light in zip(names, lights) if name and light.rhythm.bits}
-    waves = {name: light for name, light in zip(names, lights) if name and not light.rhythm.bits}
-    values: dict[str, str | float | int] = {'flash.mode': 'coded' if codes else 'periodic'}
-    said = [
-        f'light {index} is on in every other frame: that is flash.mode alternate, beside which no '
-        'other light is tracked' for index, light in enumerate(lights, start=1) if light.alternates
-    ]
-    if codes:
-        values['flash.codes'] = ','.join(
-            f'{name}:{light.rhythm.bits}' for name, light in codes.items()
-        )
-        said += _set_bit_rate(values, list(codes.values()))
-    frequencies = {name: _rounded(light) for name, light in waves.items()}
-    if waves:
-        values['flash.frequencies'] = ','.join(f'{k}:{v:g}' for k, v in frequencies.items())
-        duties = [light.rhythm.duty for light in waves.values()]
-        values['flash.duty'] = round(sum(duties) / len(duties), 2)
-        if max(duties) - min(duties) > SAME_DUTY:
+    chosen: dict[str, Light] = {}
+    said: list[str] = []
+    for index, light in enumerate(lights, start=1):
+        if not light.repeats or light.alternates:
+            continue
+        fault = _fault({**chosen, f'light_{index}': light})
+        if fault:
+            said.append(f'light {index} is left out: {fault}')
+        else:
+            chosen[f'light_{index}'] = light
+    in_step = {
+        index: light for index, light in enumerate(lights, start=1)
+        if light.repeats and light.alternates
+    }
+    if in_step and not chosen:
+        if len(in_step) > 1:
             said.append(
-                f'the lights are on for {min(duties):.2f} to {max(duties):.2f} of their periods; '
-                'there is one flash.duty for all of them'
+                f'{len(in_step)} lights are on in every other frame: one is followed, and '
+                'nothing tells which; give them codes'
             )
-    if exposure:
+        values = flash_values({'': light for light in in_step.values()})
+        return FlashSettings(values, ('',) * len(lights), tuple(said))
+    said += [
+        f'light {index} is on in every other frame: that is flash.mode alternate, beside which no '
+        'other light is tracked' for index in in_step
+    ]
+    said += _duty_notes(chosen)
+    names = tuple(
+        f'light_{index}' if f'light_{index}' in chosen else ''
+        for index in range(1, len(lights) + 1)
+    )
+    if len(chosen) == 1 and not next(iter(chosen.values())).rhythm.bits:
+        names, chosen = ('',) * len(lights), {'': light for light in chosen.values()}
+    values = flash_values(chosen) if chosen else {}
+    if values and exposure:
         values['flash.exposure'] = exposure
-    fault = _fault({name: light.rhythm.bits for name, light in codes.items()}, frequencies,
-                   lights[0].rate)
-    return FlashSettings(values, names, (*said, *([fault] if fault else [])))
+    return FlashSettings(values, names, tuple(said))
 
 
-def _set_bit_rate(values: dict[str, str | float | int], lights: Sequence[Light]) -> list[str]:
-    """Set how fast codes are sent; return what speaks against it."""
-    frames = {light.rhythm.frames_per_bit * surely_in_step(light) for light in lights}
-    if len(frames) == 1 and 0 not in frames:
-        values['flash.frames_per_bit'] = frames.pop()
-        return []
-    rates = [light.bits_per_second for light in lights]
-    mean = sum(rates) / len(rates)
-    values['flash.bits_per_second'] = round(mean, 2)
-    if max(rates) - min(rates) > 2.0 * TRACKED_CLOCK * mean:
-        return [
+def _fault(lights: dict[str, Light]) -> str:
+    """Say why a mode would refuse these lights, or lose one of them; empty where none does."""
+    codes = {name: light.rhythm.bits for name, light in lights.items() if light.rhythm.bits}
+    waves = {name: light.frequency for name, light in lights.items() if name not in codes}
+    rates = [lights[name].bits_per_second for name in codes]
+    if rates and max(rates) - min(rates) > 2.0 * TRACKED_CLOCK * min(rates):
+        return (
             f'the codes have {min(rates):.2f} to {max(rates):.2f} bits a second; there is one '
             'flash.bits_per_second, by which clocks may be off by 1 %'
-        ]
-    return []
-
-
-def _fault(codes: dict[str, str], frequencies: dict[str, float], rate: float) -> str:
-    """Return why these cannot be tracked together; empty where they can."""
+        )
+    duty = float(flash_values(lights).get('flash.duty', 0.5))
     try:
-        check_patterns(codes, frequencies, 0.5)
+        check_patterns(codes, waves, duty)
     except ValueError as error:
         return str(error)
-    return rate_fault(frequencies, rate)
+    frame_rate = next(iter(lights.values())).rate
+    rate = sum(rates) / max(len(rates), 1)
+    return rate_fault(waves, frame_rate) or twin_fault(codes, rate, waves, duty)
 
 
-def _rounded(light: Light) -> float:
-    """Return the frequency of a light in the digits that are known, Hz."""
-    digits = math.floor(-math.log10(max(light.frequency_sigma, 1e-4)))
-    return round(light.frequency, max(digits, 0))
-
-
-def surely_in_step(light: Light) -> bool:
-    """Tell whether a code is in step with the frames so nearly that no free clock would be."""
-    rhythm = light.rhythm
-    return rhythm.frames_per_bit > 0 and rhythm.bit_sigma < SURE_CLOCK * rhythm.bit
+def _duty_notes(lights: dict[str, Light]) -> list[str]:
+    """Return what speaks against the one duty of all waves."""
+    duties = {
+        name: light.rhythm.duty for name, light in lights.items() if not light.rhythm.bits
+    }
+    low, high = DUTIES
+    said = [
+        f'{name} is on for {duty:.3f} of its period: flash.duty may be {low:g} to {high:g}'
+        for name, duty in duties.items() if not low <= duty <= high
+    ]
+    if duties and max(duties.values()) - min(duties.values()) > SAME_DUTY:
+        said.append(
+            f'the lights are on for {min(duties.values()):.2f} to {max(duties.values()):.2f} of '
+            'their periods; there is one flash.duty for all of them'
+        )
+    return said
 
 
 def clock_error(light: Light) -> tuple[str, float, float] | None:
@@ -165,11 +165,19 @@ def notes(light: Light) -> list[str]:
     clock = clock_error(light)
     if clock is not None and not light.mains:
         against, error, sigma = clock
-        said.append(f'its clock is off {against} by {error:+.0f} ± {sigma:.0f} ppm')
+        if not light.alternates:
+            said.append(f'its clock is off {against} by {error:+.0f} ± {sigma:.0f} ppm')
+        elif abs(error) > DRIFTS_PPM + 3.0 * sigma:
+            # Whether it is faster or slower no frame tells, and in less than a beat the light may
+            # as well grow darker: no sign, no sigma.
+            said.append(
+                f'it is off half the frame rate by about {round(abs(error), -2):.0f} ppm, and '
+                'drifts through the frames: flash.mode alternate follows it'
+            )
     if rhythm.kind == 'short':
         said.append(
             'its pattern did not come twice: record '
-            f'{shortest_look(light, LONGEST_BITS):.0f} s, which shows any code of {LONGEST_BITS} '
+            f'{_shortest_look(light):.0f} s, which shows any code of {LONGEST_BITS} '
             'bits twice'
         )
     if rhythm.kind == 'irregular':
@@ -189,15 +197,20 @@ def notes(light: Light) -> list[str]:
             f'from {others} Hz ...: record once more at another frame rate if it may be one of '
             'these (--exposure may rule them out)'
         )
-    if rhythm.frames_per_bit and not surely_in_step(light):
+    if rhythm.frames_per_bit and not light.frames_per_bit:
         said.append(
             'whether it is in step or runs free is known no better than that: '
             'flash.bits_per_second tracks it either way; record longer for flash.frames_per_bit'
         )
-    if rhythm.kind == 'wave' and not light.mains and not light.alternates:
-        fault = rate_fault({'it': light.frequency}, light.rate)
-        said += [fault] if fault else []
     return said
+
+
+def _shortest_look(light: Light) -> float:
+    """Return for how long a light must be watched so that two periods of any code are seen, s."""
+    shown = light.brightness.flux > 0.0
+    runs = np.diff(np.flatnonzero(np.diff(shown)))
+    shortest = float(runs.min()) if len(runs) else 1.0
+    return math.ceil(2.5 * LONGEST_BITS * shortest / light.rate)
 
 
 def enough(seconds: float, rate: float) -> float:

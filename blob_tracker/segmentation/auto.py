@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from blob_tracker.blinking.recognition import IN_STEP
 from blob_tracker.blinking.survey import Light
 from blob_tracker.blinking.wording import describe
 from blob_tracker.segmentation.blink import Blink
@@ -13,7 +12,7 @@ from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.in_step import InStep
-from blob_tracker.segmentation.patterns import rate_fault
+from blob_tracker.segmentation.patterns import flash_values, rate_fault
 from blob_tracker.segmentation.switching import Switching
 from blob_tracker.segmentation.watch import Watch
 from blob_tracker.types import Frame
@@ -26,7 +25,6 @@ WATCH_S = 3.0  # s: two periods of a code of 64 bits at 60 frames/s take 2.1
 MOST_FRAMES = 360  # that are kept of a watch, whatever the frame rate
 MOST_LIGHTS = 4  # that are looked at: they take 0.1 to 0.2 s each, once a watch
 OFTEN = 0.4  # of the frames: in half of them a light is seen that is on in every other one
-DUTIES = (0.05, 0.95)  # that flash.duty may be
 
 
 class Auto(Switching):
@@ -35,8 +33,8 @@ class Auto(Switching):
 
     The mode alternate begins, which finds its light in three frames. Where it has none, or one
     that is seen too seldom, for a second, all points are watched for three, and of the lights that
-    blink the brightest is followed by its frequency or code. A light that is lost for long is
-    looked for in the same order again. While it watches there is no window.
+    blink the brightest is followed by its frequency or code. A light that was found and is lost
+    for three seconds is looked for in the same order again. While it watches there is no window.
 
     Parameters
     ----------
@@ -65,6 +63,7 @@ class Auto(Switching):
         self.reason = self._mode.reason
         self._since_ns: int | None = None  # of the frames and windows that are counted
         self._frames = self._windows = 0
+        self._found = False  # by the mode of the time
 
     @property
     def warning(self) -> str:
@@ -90,6 +89,7 @@ class Auto(Switching):
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
         """Return the light, under the empty name."""
+        self._frames += 1
         chosen = self._mode.choose(contrast, candidates)
         self._windows += bool(chosen)
         self.reason = self._said()
@@ -98,12 +98,15 @@ class Auto(Switching):
     def _said(self) -> str:
         """Return why there is no light."""
         if isinstance(self._mode, Watch):
-            return f'watching what blinks: {self._mode.found.seconds:.1f} s of {WATCH_S:g}'
+            found = self._mode.found
+            whole = min(WATCH_S, found.longest)
+            return f'watching what blinks: {found.seconds:.1f} s of {whole:.2g}'
         return '; '.join(filter(None, (self._mode.reason, self._why)))
 
     def _begin(self, flash: Flash, stamp_ns: int) -> None:
         """Go on in this mode."""
         self._mode = flash
+        self._found = False
         self._count_anew(stamp_ns)
 
     def _count_anew(self, stamp_ns: int) -> None:
@@ -122,17 +125,18 @@ class Auto(Switching):
             self._count_anew(stamp_ns)
         assert self._since_ns is not None
         seconds = (stamp_ns - self._since_ns) / 1e9
-        self._frames += 1
         if isinstance(self._mode, Watch):
+            found = self._mode.found
             # Where frames are lost time and again it never has so long a series.
-            if self._mode.found.seconds > WATCH_S or seconds > 2.0 * WATCH_S:
+            if found.seconds > WATCH_S or found.full or seconds > 2.0 * WATCH_S:
                 self._decide(self._mode, stamp_ns)
-        elif isinstance(self._mode, InStep):
+        elif isinstance(self._mode, InStep) and not self._found:
             if seconds > self._patience:
-                if self._windows >= OFTEN * self._frames:
+                if self._windows and self._windows >= OFTEN * self._frames:
                     self.finding = 'on in every other frame; set flash.mode alternate'
                     self._why = ''
                     self._patience = TRY_S
+                    self._found = True
                     self._count_anew(stamp_ns)
                 else:
                     self._begin(self._new_watch(), stamp_ns)
@@ -159,30 +163,24 @@ class Auto(Switching):
             self._begin(self._new_alternate(), stamp_ns)
             return
         light = max(usable, key=_flux)
-        rhythm = light.rhythm
-        if rhythm.bits:
-            frames = max(round(rhythm.bit), 1)
-            exact = abs(rhythm.bit / frames - 1.0) < IN_STEP
-            rate = light.rate / (frames if exact else rhythm.bit)
+        bits = light.rhythm.bits
+        values = flash_values({'light' if bits else '': light})
+        if bits:
             flash = Blink(
-                codes={'': rhythm.bits}, bits_per_second=rate, exposure=self._exposure,
-                max_pair_interval=self._max_pair_interval,
-            )
-            asked = (
-                f"set flash.mode coded, flash.codes 'light:{rhythm.bits}', "
-                f'flash.bits_per_second {rate:.4g}'
+                codes={'': bits}, bits_per_second=float(values['flash.bits_per_second']),
+                exposure=self._exposure, max_pair_interval=self._max_pair_interval,
             )
         else:
-            duty = float(np.clip(rhythm.duty, *DUTIES))
             flash = Blink(
-                frequencies={'': light.frequency}, duty=duty, exposure=self._exposure,
+                frequencies={'': float(values['flash.frequency'])},
+                duty=float(values['flash.duty']), exposure=self._exposure,
                 max_pair_interval=self._max_pair_interval,
             )
-            asked = (
-                f'set flash.mode periodic, flash.frequency {light.frequency:.4g}, '
-                f'flash.duty {duty:.2f}'
-            )
-        self.finding = f'{describe(light)}; {asked}'
+        asked = ', '.join(
+            f"{name} '{value}'" if name == 'flash.codes' else f'{name} {value}'
+            for name, value in values.items()
+        )
+        self.finding = f'{describe(light)}; set {asked}'
         self._warning = '' if len(usable) == 1 else (
             f'{len(usable)} lights blink, the brightest is followed: '
             + '; '.join(describe(each) for each in usable)
@@ -193,8 +191,8 @@ class Auto(Switching):
 
 
 def _is_usable(light: Light) -> bool:
-    """Tell whether a light can be followed by its pattern."""
-    if light.rhythm.kind not in ('wave', 'code') or light.mains:
+    """Tell whether a light can be followed by its pattern; alternate has been tried."""
+    if not light.repeats or light.alternates:
         return False
     return bool(light.rhythm.bits) or not rate_fault({'': light.frequency}, light.rate)
 

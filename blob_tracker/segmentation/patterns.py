@@ -1,4 +1,4 @@
-"""Which codes and frequencies can be told apart, and what to say where they cannot."""
+"""Which codes and frequencies can be told apart, and what to set for lights that were seen."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Mapping
 import math
 
 from blob_tracker.blinking.patterns import LONGEST_BITS, MAINS_HZ
+from blob_tracker.blinking.survey import Light
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +15,7 @@ MOST_LIGHTS = 32  # patterns, all of which each new point is compared with
 HIGHEST_PART = 0.45  # of the frame rate; beyond 0.5 a frequency is aliased
 LOWEST_PART = 0.02  # of the frame rate: a period of 50 frames
 APART = 0.02  # of a frequency by which another one differs: clocks are off by 1 %
+DUTIES = (0.05, 0.95)  # that flash.duty may be
 
 
 def check_patterns(
@@ -84,7 +86,7 @@ def rate_fault(frequencies: Mapping[str, float], rate: float) -> str:
                 f'{LOWEST_PART * rate:.1f} to {HIGHEST_PART * rate:.1f} Hz'
             )
             seen = abs(frequency - rate * round(frequency / rate))
-            if frequency > HIGHEST_PART * rate:
+            if frequency > 0.5 * rate:
                 fault += f': it looks like {seen:.1f} Hz'
                 twins = [
                     other for other, its in frequencies.items()
@@ -122,6 +124,54 @@ def twin_fault(
                     'on more than once'
                 )
     return ''
+
+
+def flash_values(lights: Mapping[str, Light]) -> dict[str, str | float | int]:
+    """
+    Return the parameters of the flash mode that follows these lights.
+
+    Parameters
+    ----------
+    lights : mapping of str to Light
+        Waves and codes by name; a wave that is alone needs none.
+
+    Returns
+    -------
+    dict
+        Parameter to value.
+
+    """
+    if all(light.alternates for light in lights.values()):
+        return {'flash.mode': 'alternate'}
+    codes = {name: light for name, light in lights.items() if light.rhythm.bits}
+    waves = {name: _known_frequency(light) for name, light in lights.items() if name not in codes}
+    values: dict[str, str | float | int] = {'flash.mode': 'coded' if codes else 'periodic'}
+    if codes:
+        values['flash.codes'] = ','.join(
+            f'{name}:{light.rhythm.bits}' for name, light in codes.items()
+        )
+        frames = {light.frames_per_bit for light in codes.values()}
+        if len(frames) == 1 and 0 not in frames:
+            values['flash.frames_per_bit'] = frames.pop()
+        else:
+            rates = [light.bits_per_second for light in codes.values()]
+            values['flash.bits_per_second'] = round(sum(rates) / len(rates), 2)
+    if waves:
+        if '' in waves:
+            values['flash.frequency'] = waves['']
+        else:
+            values['flash.frequencies'] = ','.join(f'{k}:{v:g}' for k, v in waves.items())
+        duties = [lights[name].rhythm.duty for name in waves]
+        values['flash.duty'] = round(float(np.clip(sum(duties) / len(duties), *DUTIES)), 2)
+    return values
+
+
+def _known_frequency(light: Light) -> float:
+    """Return the frequency of a light in the digits that are known, Hz."""
+    if not light.frequency_sigma:
+        return float(f'{light.frequency:.4g}')
+    digits = math.floor(-math.log10(max(light.frequency_sigma, 1e-4)))
+    return round(light.frequency, max(digits, 0))
 
 
 def _check_apart(first: str, one: str, second: str, other: str) -> None:

@@ -53,8 +53,8 @@ class Watch(SingleFrames):
     ) -> list[tuple[str, Candidate]]:
         """Keep what stands out; return nothing."""
         allowed, table, least = seen_points(contrast, candidates)
-        self.found.push(table, contrast.frame.stamp_ns, least)
-        self._peaks.append([(each.amplitude, each.snr) for each in allowed])
+        kept = self.found.push(table, contrast.frame.stamp_ns, least)
+        self._peaks.append([(allowed[each].amplitude, allowed[each].snr) for each in kept])
         self.reason = f'watched for {self.found.seconds:.1f} s'
         return []
 

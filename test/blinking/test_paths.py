@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from blob_tracker.blinking.paths import MOST_PATHS, MOST_POINTS, PathLinker
+from blob_tracker.blinking.paths import MOST_PATHS, PathLinker
 import numpy as np
 import pytest
 
@@ -57,20 +57,16 @@ def test_a_path_ends_after_long_darkness() -> None:
     assert [len(path.frames) for path in linker.paths(1)] == [10, 10]
 
 
-def test_a_crowd_is_cut_to_the_brightest() -> None:
-    """500 points: the rows are bounded, the brightest are kept."""
+def test_paths_in_a_crowd_are_bounded() -> None:
+    """500 points, most of which find no row."""
     random = np.random.default_rng(1)
     linker = PathLinker(INTERVAL)
     places = random.uniform(0.0, 700.0, (500, 2))
-    flux = np.where(np.arange(500) < 8, 5000.0, 1000.0)
     for k in range(30):
-        rows = [point(x, y, f) for (x, y), f in zip(places, flux) if random.uniform() < 0.7]
+        rows = [point(x, y) for x, y in places if random.uniform() < 0.7]
         linker.update(table(rows), float(k))
     paths = linker.paths(2)
-    assert sum(len(path.frames) for path in paths) <= 30 * MOST_POINTS
-    assert len(paths) <= 30 * MOST_PATHS
-    bright = [path for path in paths if path.flux.mean() == 5000.0]
-    assert len(bright) == 8
+    assert sum(len(path.frames) for path in paths) <= 30 * MOST_PATHS
 
 
 def test_nothing_is_no_path() -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from blob_tracker.blinking.patterns import code, look, Pattern, wave
-from blob_tracker.blinking.survey import frame_clock, KEPT_POINTS, mains_alias, Survey
+from blob_tracker.blinking.recognition import Brightness, recognise, Rhythm
+from blob_tracker.blinking.survey import frame_times, KEPT_POINTS, mains_alias, Survey
 import numpy as np
 import pytest
 
@@ -56,6 +57,8 @@ def test_every_other_frame() -> None:
     """It is known as what the mode alternate is for."""
     light, = watched([wave('a', 30.0, 0.5)], 60).lights(EXPOSURE)
     assert light.alternates and light.aliases == ()
+    light, = watched([wave('a', 29.9, 0.5)], 600).lights(EXPOSURE)  # a beat
+    assert light.alternates and light.frequency == pytest.approx(29.9, abs=2e-3)
 
 
 def test_a_light_that_is_lost_and_found_is_one() -> None:
@@ -76,8 +79,40 @@ def test_memory_is_bounded() -> None:
         assert len(points) == KEPT_POINTS and points[:, 5].max() < 1.2 * FULL
     short = Survey(5)
     for k in range(9):
+        assert short.full == (k >= 5)
         short.push(np.zeros((0, 7)), k * 10**7, 1.0)
+        assert short.longest == pytest.approx(0.04 if k else np.inf)
     assert short.seconds == pytest.approx(0.04)
+
+
+def test_which_points_are_kept_is_told() -> None:
+    """The brightest, in their order: what goes with them is cut in the same way."""
+    points = np.zeros((3 * KEPT_POINTS, 7))
+    points[:, 5] = np.random.default_rng(1).permutation(len(points))
+    kept = Survey(5).push(points, 0, 1.0)
+    np.testing.assert_array_equal(kept, np.flatnonzero(points[:, 5] >= 2 * KEPT_POINTS))
+
+
+@pytest.mark.parametrize('flicker', [0.0, 0.3])
+def test_what_is_never_dark_comes_last(
+    flicker: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Lamps that are even are not looked at, others after the lights; both are bounded."""
+    survey = watched([wave('a', 6.0, 0.5)], 120, lamps=10)
+    random = np.random.default_rng(2)
+    looked = []
+    for _, points, _ in survey._frames:
+        lamps = points[:, 1] < 100.0
+        points[lamps, 5] *= 1.0 + flicker * random.standard_normal(lamps.sum()).clip(-2.0, 2.0)
+
+    def counted(brightness: Brightness, *rest: float, **more: bool) -> Rhythm:
+        looked.append(brightness)
+        return recognise(brightness, *rest, **more)
+
+    monkeypatch.setattr('blob_tracker.blinking.survey.recognise', counted)
+    light = survey.lights(EXPOSURE, sigmas=False, most=3)[0]
+    assert light.frequency == pytest.approx(6.0, abs=0.01)
+    assert len(looked) == (3 if flicker else 1)
 
 
 def test_500_points_of_chance_are_no_light() -> None:
@@ -99,9 +134,9 @@ def test_frames_are_counted_where_the_camera_keeps_its_rate() -> None:
     random = np.random.default_rng(1)
     number = np.delete(np.arange(200), [20, 21, 90])
     stamps = np.rint(1e9 / RATE * (number + 0.05 * random.standard_normal(len(number))))
-    clock, interval = frame_clock(stamps.astype(np.int64))
+    clock, interval = frame_times(stamps.astype(np.int64))
     np.testing.assert_array_equal(clock, number)
     assert interval == pytest.approx(1.0 / RATE, rel=1e-3)
     uneven = np.cumsum(random.uniform(0.5, 1.5, 200)) / RATE
-    clock, interval = frame_clock(np.rint(1e9 * uneven).astype(np.int64))
+    clock, interval = frame_times(np.rint(1e9 * uneven).astype(np.int64))
     np.testing.assert_allclose(np.diff(clock) * interval, np.diff(uneven), atol=1e-8)

@@ -64,7 +64,46 @@ def test_every_other_frame() -> None:
     two = flash_settings([wave(30.0), wave(30.0)], 0.0)
     assert two.values == {'flash.mode': 'alternate'} and 'give them codes' in two.notes[0]
     beside = flash_settings([wave(30.0), wave(6.0)], 0.0)
-    assert beside.values['flash.frequencies'] == 'light_2:6' and 'alternate' in beside.notes[0]
+    assert beside.values['flash.frequency'] == 6.0 and 'alternate' in beside.notes[0]
+
+
+def test_one_that_drifts_is_for_alternate_as_well() -> None:
+    """Within 1 % of half the frame rate; by how much it drifts is said."""
+    light = wave(29.9, sigma=1e-5)
+    found = flash_settings([light, wave(28.0)], 0.0)
+    assert found.values == {'flash.mode': 'alternate'}
+    assert 'light 2 is left out' in found.notes[0]
+    note, = notes(light)
+    assert 'half the frame rate by about 3300 ppm' in note
+    assert notes(wave(30.0, sigma=1e-5)) == []
+    assert not wave(29.5, sigma=1e-5).alternates
+
+
+def test_a_light_that_is_alone() -> None:
+    """A wave has no name; a code has one, which locator and tracker are told."""
+    found = flash_settings([wave(6.0), other('irregular')], 0.0)
+    assert found.values == {'flash.mode': 'periodic', 'flash.frequency': 6.0, 'flash.duty': 0.5}
+    assert found.named == ('', '') and found.lights == ''
+    assert flash_settings([code('1101000', 30.0)], 0.0).lights == 'light_1'
+    assert flash_settings([code('1101000', 30.0), wave(6.0)], 0.0).lights == 'light_1,light_2'
+
+
+@pytest.mark.parametrize('faulty', [
+    wave(28.0), wave(10.1), code('1010001', 60.0), code('1110100', 30.0), wave(0.7),
+])
+def test_one_that_a_mode_refuses_does_not_silence_the_others(faulty: Light) -> None:
+    """It is left out."""
+    good = [wave(10.0), code('1101000', 60.0)]
+    found, alone = flash_settings([*good, faulty], 0.0), flash_settings(good, 0.0)
+    assert found.values == alone.values and found.named == (*alone.named, '')
+    assert 'light 3 is left out' in found.notes[0] and not alone.notes
+
+
+def test_a_duty_beyond_what_may_be_set() -> None:
+    """Is clipped, and said."""
+    found = flash_settings([wave(6.0, 0.02)], 0.0)
+    assert found.values['flash.duty'] == 0.05
+    assert 'on for 0.020 of its period: flash.duty may be 0.05 to 0.95' in found.notes[0]
 
 
 def test_nothing_to_set() -> None:
@@ -101,7 +140,6 @@ def test_clocks_are_held_against_something() -> None:
     (wave(20.0, mains=100.0), 'switch the lamps off'),
     (wave(10.0, aliases=(50.0, 70.0)), 'do not tell 10.00 Hz from 50.0, 70.0 Hz'),
     (code('1101000', 60.0, 5e-3), 'flash.bits_per_second tracks it either way'),
-    (wave(28.0), 'show 1.2 to 27.0 Hz'),
 ])
 def test_what_a_newcomer_should_know(light: Light, sentence: str) -> None:
     """Of one light."""

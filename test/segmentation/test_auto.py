@@ -54,6 +54,27 @@ def test_a_light_in_every_other_frame_is_followed_at_once() -> None:
     assert play.segmenter.finding == 'on in every other frame; set flash.mode alternate'
 
 
+def test_a_light_that_was_found_is_waited_for() -> None:
+    """Hidden for a quarter of each second it is followed on, and not watched."""
+    play = Played()
+    play(scene(in_step(RATE)), 70)
+    flash = in_step(RATE)
+    hidden = scene(lambda times: flash(times) * (times % 1.0 > 0.25))
+    found = play(hidden, 240)
+    assert len(found) >= 0.9 * 0.5 * 0.75 * 240 - 4 * 3  # each time it is found after 3 frames
+    assert not play.segmenter.reason.startswith('watching')
+
+
+def test_a_watch_that_is_full_decides(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At a high frame rate it keeps fewer seconds than it would watch for."""
+    monkeypatch.setattr('blob_tracker.segmentation.auto.MOST_FRAMES', 60)
+    play = Played()
+    play(scene(periodic(10.3, 0.5)), 90)
+    assert play.segmenter.reason.endswith('s of 0.98')
+    play(scene(periodic(10.3, 0.5)), 50)
+    assert len(play(scene(periodic(10.3, 0.5)), 60)) >= 23
+
+
 @pytest.mark.parametrize('waveform, words', [
     (periodic(10.3, 0.5), 'set flash.mode periodic, flash.frequency 10.3, flash.duty 0.5'),
     (coded('1101000', 1.0 / 59.7), "set flash.mode coded, flash.codes 'light:1101000'"),

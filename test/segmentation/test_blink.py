@@ -212,6 +212,7 @@ def test_frequencies_that_alias_onto_each_other_are_named() -> None:
     fault = rate_fault({'a': 10.0, 'b': 50.0}, 60.0)
     assert fault.startswith("'b' flashes at 50 Hz")
     assert fault.endswith("it looks like 10.0 Hz, and so does 'a'")
+    assert 'looks like' not in rate_fault({'a': 29.0}, 60.0)
 
 
 @pytest.mark.parametrize('code, frequency, duty, fault', [

@@ -8,7 +8,7 @@ from pathlib import Path
 import shlex
 import sys
 
-from blob_tracker.blinking.survey import Light
+from blob_tracker.blinking.survey import KEPT_POINTS, Light
 from blob_tracker.blinking.wording import describe
 from blob_tracker.calibration.flash import (
     enough, flash_settings, FlashSettings, notes,
@@ -25,6 +25,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import track
 
+FOLLOWERS = ('locator', 'tracker')  # nodes with the parameter lights
 LIVE_S = 10.0  # s of a topic, which does not end by itself
 LONGEST_GAP_S = 1.0  # between two frames of one recording
 STILL_PX = 1.5  # standard deviation of the places of a light that stands still
@@ -89,9 +90,8 @@ def _watch(arguments: argparse.Namespace, console: Console) -> tuple[Watch, Pixe
     if is_live(arguments) and arguments.seconds is None and arguments.count is None:
         arguments.seconds = LIVE_S
     compile_ahead()
-    watch = Watch(max_pair_interval=LONGEST_GAP_S, exposure=arguments.exposure)
-    segmenter = Segmenter(flash=watch)
-    scene: Pixels | None = None
+    series = longest = _Series(arguments.exposure)
+    begun, watched = 1, 0.0
     for index, (_, seconds, pixels) in enumerate(track(
         stamped_frames(arguments), 'watching', expected(arguments), console=console,
         transient=True,
@@ -101,16 +101,56 @@ def _watch(arguments: argparse.Namespace, console: Console) -> tuple[Watch, Pixe
         if seconds is None:
             raise SourceError(f'{arguments.source} has no stamps: give its rate, --rate 60')
         full = arguments.saturation or int(np.iinfo(pixels.dtype).max)
+        frame = Frame(pixels, round(1e9 * seconds), full)
+        if series.is_ended_by(frame):
+            begun, watched = begun + 1, watched + series.seconds
+            series = _Series(arguments.exposure)
+        series.push(frame)
+        if series.seconds >= longest.seconds:
+            longest = series
+    if longest.scene is None:
+        raise SourceError(f'no image came from {arguments.source}')
+    if begun > 1:
+        left_out = watched + series.seconds - longest.seconds
+        console.print(
+            f'- gaps over {LONGEST_GAP_S:g} s, or another size, part the frames into {begun} '
+            f'series: the longest is taken, of {longest.seconds:.1f} s; {left_out:.1f} s of '
+            'others are left out', highlight=False,
+        )
+    return longest.watch, longest.scene
+
+
+class _Series:
+    """Frames of one size without a long gap: what was seen in them, and the brightest."""
+
+    def __init__(self, exposure: float) -> None:
+        self.watch = Watch(max_pair_interval=LONGEST_GAP_S, exposure=exposure)
+        self.scene: Pixels | None = None
+        self._segmenter = Segmenter(flash=self.watch)
+        self._last: Frame | None = None
+
+    @property
+    def seconds(self) -> float:
+        return self.watch.found.seconds
+
+    def is_ended_by(self, frame: Frame) -> bool:
+        """Tell whether the watch would forget all that it has seen with this frame."""
+        if self._last is None:
+            return False
+        apart = (frame.stamp_ns - self._last.stamp_ns) / 1e9
+        now, before = frame.image, self._last.image
+        return abs(apart) > LONGEST_GAP_S or now.shape != before.shape or now.dtype != before.dtype
+
+    def push(self, frame: Frame) -> None:
+        """Take the next frame; one that is late is told of, and left out."""
         try:
-            segmenter.update(Frame(pixels, round(1e9 * seconds), full))
+            self._segmenter.update(frame)
         except FrameError as error:
             print(error, file=sys.stderr)
-            scene = None
-        same = scene is not None and scene.shape == pixels.shape
-        scene = np.maximum(scene, pixels) if same and scene is not None else pixels
-    if scene is None:
-        raise SourceError(f'no image came from {arguments.source}')
-    return watch, scene
+            return
+        self._last = frame
+        before = frame.image if self.scene is None else self.scene
+        self.scene = np.maximum(before, frame.image)
 
 
 def _why_none(arguments: argparse.Namespace, watch: Watch) -> str:
@@ -150,7 +190,9 @@ def _report(
     for note in settings.notes:
         console.print(f'- {note}', markup=False, highlight=False)
     if watch.found.crowded:
-        console.print('- some frames have more than 96 points: the brightest were taken')
+        console.print(
+            f'- some frames have more than {KEPT_POINTS} points: the brightest were taken'
+        )
 
 
 def _place(light: Light) -> str:
@@ -178,11 +220,19 @@ def _write(
         '', '/**/segmenter:', '  ros__parameters:',
         *(f'    {name}: {_yaml(value)}' for name, value in settings.values.items()),
     ]
+    if settings.lights:
+        for node in FOLLOWERS:
+            lines += ['', f'/**/{node}:', '  ros__parameters:', f"    lights: '{settings.lights}'"]
     arguments.out.write_text('\n'.join(lines) + '\n')
     words = ' '.join(
         f'-p {name}:={shlex.quote(str(value))}' for name, value in settings.values.items()
     )
     console.print(words, markup=False, highlight=False, soft_wrap=True)
+    if settings.lights:
+        console.print(
+            f'locator and tracker, where each is a process: -p lights:={settings.lights}',
+            markup=False, highlight=False, soft_wrap=True,
+        )
 
 
 def _yaml(value: str | float) -> str:

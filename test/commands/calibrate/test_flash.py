@@ -43,9 +43,9 @@ def run(*words: object) -> int:
     return main(['calibrate', 'flash', *map(str, words)])
 
 
-def parameters(path: Path) -> dict[str, object]:
-    """Return what was written for the segmenter."""
-    return yaml.safe_load(path.read_text())['/**/segmenter']['ros__parameters']
+def parameters(path: Path, node: str = 'segmenter') -> dict[str, object]:
+    """Return what was written for a node."""
+    return yaml.safe_load(path.read_text())[f'/**/{node}']['ros__parameters']
 
 
 def test_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -58,6 +58,8 @@ def test_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert found['flash.codes'] in ('light_1:1101000', 'light_2:1101000')
     assert str(found['flash.frequencies']).partition(':')[2] == '10'
     assert found['flash.bits_per_second'] == pytest.approx(59.7, abs=0.1)
+    for node in ('locator', 'tracker'):
+        assert parameters(out, node) == {'lights': 'light_1,light_2'}
     printed = capsys.readouterr().out.replace('\n', ' ')
     assert re.search('wave of (9.99|10.00)', printed) and 'code 1101000, free-running' in printed
     assert '-p flash.mode:=coded -p flash.codes:=' in printed
@@ -76,7 +78,8 @@ def test_a_video(tmp_path: Path) -> None:
     video.release()
     assert run(source, '--out', tmp_path / 'flash.yaml') == 0
     found = parameters(tmp_path / 'flash.yaml')
-    assert found['flash.mode'] == 'periodic' and found['flash.frequencies'] == 'light_1:10'
+    assert found['flash.mode'] == 'periodic'
+    assert found['flash.frequency'] == pytest.approx(10.0, abs=0.02)
 
 
 def test_a_bag(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -84,6 +87,28 @@ def test_a_bag(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(BAG, '--out', tmp_path / 'flash.yaml') == 0
     assert parameters(tmp_path / 'flash.yaml') == {'flash.mode': 'alternate'}
     assert 'on in every other frame' in capsys.readouterr().out
+
+
+def test_gaps(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The longest series between them is taken, however late a single frame is; both are said."""
+    stamps = np.arange(150) / RATE
+    stamps[100:] += 2.0
+    stamps[60] = stamps[58]
+
+    def stamped(_: object) -> Iterator[tuple[str, float, np.ndarray]]:
+        for stamp, frame in zip(stamps, frames(150, TWO[0])):
+            yield '', float(stamp), frame
+
+    monkeypatch.setattr('blob_tracker.commands.calibrate.flash.stamped_frames', stamped)
+    monkeypatch.setattr('blob_tracker.commands.calibrate.flash.expected', lambda _: 150)
+    assert run(tmp_path / 'light.mp4', '--out', tmp_path / 'flash.yaml') == 0
+    told = capsys.readouterr()
+    words = ' '.join(told.out.split())
+    assert '2 series: the longest is taken, of 1.6 s; 0.8 s of others are left out' in words
+    assert 'frame left out' in told.err
+    assert parameters(tmp_path / 'flash.yaml')['flash.frequency'] == pytest.approx(10.0, abs=0.05)
 
 
 def test_nothing_blinks(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
