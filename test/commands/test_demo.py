@@ -9,9 +9,9 @@ import signal
 import sys
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
-from blob_tracker.flash_text import codes_from_text
 from blob_tracker.commands.demo import _conclude, _table, LIGHTS
 from blob_tracker.commands.monitor import Monitor
+from blob_tracker.flash_text import codes_from_text
 from blob_tracker.ros.messages.camera_info import from_camera_model
 from blob_tracker.segmentation.patterns import check_patterns
 from blob_tracker.simulation import waveforms_of
