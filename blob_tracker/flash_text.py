@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 # What `blob_tracker.segmentation.FLASH_MODES` has.
 FLASH_MODE_NAMES = ('alternate', 'steady', 'periodic', 'coded', 'lock_in', 'auto')
+DUTIES = (0.05, 0.95)  # that flash.duty may be
 
 
 def codes_from_text(text: str) -> Mapping[str, str]:

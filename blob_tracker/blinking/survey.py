@@ -10,6 +10,7 @@ from blob_tracker.blinking.patterns import MAINS_HZ
 from blob_tracker.blinking.recognition import (
     aliases, Brightness, DARK, EVEN, recognise, Rhythm,
 )
+from blob_tracker.blinking.tracker import MOST_POINTS
 from blob_tracker.blinking.tracks import FLUX
 from blob_tracker.kernel import Array
 import numpy as np
@@ -22,7 +23,6 @@ MOST_LIGHTS = 16  # that are looked at
 JITTER = 0.1  # of the frame interval, from which on the stamps are believed, not the count
 MAINS_OFF_HZ = 0.3  # by which lamps are off 100 and 120 Hz, and frame rates off theirs
 HIGHEST_HZ = 250.0  # of the aliases that are thought of
-KEPT_POINTS = 96  # of a frame, the brightest
 SAME_PERIOD = 0.01  # by which two pieces of one light differ
 NEAR_HALF = 0.01  # by which a clock is off half the frame rate, where alternate follows it
 SURE_CLOCK = 1e-3  # of the bit rate: clocks that run free are off by as much, or drift
@@ -111,8 +111,8 @@ class Survey:
 
     def push(self, points: Array, stamp_ns: int, least: float) -> NDArray[np.int64]:
         """Take the points of the next frame, as `BlinkTracker.update` does; return the kept."""
-        self.crowded |= len(points) > KEPT_POINTS
-        kept = np.sort(np.argsort(-points[:, FLUX], kind='stable')[:KEPT_POINTS])
+        self.crowded |= len(points) > MOST_POINTS
+        kept = np.sort(np.argsort(-points[:, FLUX], kind='stable')[:MOST_POINTS])
         self._frames.append((stamp_ns, points[kept], least))
         if len(self._frames) > self._most:
             del self._frames[0]

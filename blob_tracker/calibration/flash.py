@@ -8,8 +8,9 @@ import math
 
 from blob_tracker.blinking.patterns import LONGEST_BITS
 from blob_tracker.blinking.survey import Light
+from blob_tracker.flash_text import DUTIES
 from blob_tracker.segmentation.patterns import (
-    check_patterns, DUTIES, flash_values, rate_fault, twin_fault,
+    check_patterns, flash_values, rate_fault, twin_fault,
 )
 import numpy as np
 

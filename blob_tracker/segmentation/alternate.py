@@ -69,6 +69,11 @@ class Alternate:
         return self._confirmation.locked
 
     @property
+    def interval(self) -> float:
+        """Return the time from frame to frame, the median of the last ones, s; 0 before two."""
+        return self._confirmation.interval
+
+    @property
     def warning(self) -> str:
         """Name the other lights that flash in step with the target."""
         return self._confirmation.warning

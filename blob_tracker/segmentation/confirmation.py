@@ -95,6 +95,11 @@ class Confirmation:
         return self._locked is not None
 
     @property
+    def interval(self) -> float:
+        """Return the time from frame to frame, see `FrameClock`."""
+        return self._clock.interval
+
+    @property
     def warning(self) -> str:
         """Name the other lights that flash in step with the target."""
         return self._companions.warning

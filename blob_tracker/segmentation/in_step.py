@@ -15,7 +15,6 @@ from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.drift import APERTURE, DriftWatch, GhostInstants, light_at
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash_track import PERIOD_FRAMES
-from blob_tracker.segmentation.frame_clock import FrameClock
 from blob_tracker.segmentation.history import FrameError
 from blob_tracker.segmentation.switching import Switching
 from blob_tracker.types import Frame, Glimpse
@@ -73,7 +72,6 @@ class InStep(Switching):
         super().__init__(self._pairs)
         self._watch, self._instants = DriftWatch(), GhostInstants()
         self._last: _Flash | None = None
-        self._clock = FrameClock()
         self._missed = 0  # frames since the light was seen
         self._taken_up = False  # whether it has been seen since it is known to run free
         compile_blinking()  # or it would be waited for in the midst of tracking
@@ -112,12 +110,10 @@ class InStep(Switching):
             self._last = None
         self._missed += 1
         try:
-            contrast = self._mode.contrast(frame, expected)
+            return self._mode.contrast(frame, expected)
         except FrameError:
-            self._last, self._clock = None, FrameClock()
+            self._last = None
             raise
-        self._clock.push(frame.stamp_ns)
-        return contrast
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]
@@ -142,7 +138,7 @@ class InStep(Switching):
         last = self._last
         if last is None:
             return list(candidates)
-        frames = (frame.stamp_ns - last.stamp_ns) / 1e9 / self._clock.interval
+        frames = (frame.stamp_ns - last.stamp_ns) / 1e9 / self._pairs.interval
         reach = self.gate_px * max(frames / PERIOD_FRAMES, 1.0)
         return [
             each for each in candidates if math.hypot(each.x - last.x, each.y - last.y) < reach
@@ -159,7 +155,7 @@ class InStep(Switching):
         if before is None or not 0.0 < seconds < OUT_OF_SIGHT_S:
             self._watch, self._instants = DriftWatch(), GhostInstants()
             return light
-        interval = self._clock.interval
+        interval = self._pairs.interval
         vx, vy = (here_x - before.x) / seconds, (here_y - before.y) / seconds
         # Where it was in the frame before.
         x, y = here_x - interval * vx, here_y - interval * vy

@@ -7,6 +7,7 @@ import math
 
 from blob_tracker.blinking.patterns import LONGEST_BITS, MAINS_HZ
 from blob_tracker.blinking.survey import Light
+from blob_tracker.flash_text import DUTIES
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,7 +16,6 @@ MOST_LIGHTS = 32  # patterns, all of which each new point is compared with
 HIGHEST_PART = 0.45  # of the frame rate; beyond 0.5 a frequency is aliased
 LOWEST_PART = 0.02  # of the frame rate: a period of 50 frames
 APART = 0.02  # of a frequency by which another one differs: clocks are off by 1 %
-DUTIES = (0.05, 0.95)  # that flash.duty may be
 
 
 def check_patterns(

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from blob_tracker.blinking.patterns import code, look, Pattern, wave
 from blob_tracker.blinking.recognition import Brightness, recognise, Rhythm
-from blob_tracker.blinking.survey import frame_times, KEPT_POINTS, mains_alias, Survey
+from blob_tracker.blinking.survey import frame_times, mains_alias, Survey
+from blob_tracker.blinking.tracker import MOST_POINTS
 import numpy as np
 import pytest
 
@@ -76,7 +77,7 @@ def test_memory_is_bounded() -> None:
     survey = watched([wave('a', 6.0, 0.5)], 20, crowd=500)
     assert survey.crowded
     for _, points, _ in survey._frames:
-        assert len(points) == KEPT_POINTS and points[:, 5].max() < 1.2 * FULL
+        assert len(points) == MOST_POINTS and points[:, 5].max() < 1.2 * FULL
     short = Survey(5)
     for k in range(9):
         assert short.full == (k >= 5)
@@ -87,10 +88,10 @@ def test_memory_is_bounded() -> None:
 
 def test_which_points_are_kept_is_told() -> None:
     """The brightest, in their order: what goes with them is cut in the same way."""
-    points = np.zeros((3 * KEPT_POINTS, 7))
+    points = np.zeros((3 * MOST_POINTS, 7))
     points[:, 5] = np.random.default_rng(1).permutation(len(points))
     kept = Survey(5).push(points, 0, 1.0)
-    np.testing.assert_array_equal(kept, np.flatnonzero(points[:, 5] >= 2 * KEPT_POINTS))
+    np.testing.assert_array_equal(kept, np.flatnonzero(points[:, 5] >= 2 * MOST_POINTS))
 
 
 @pytest.mark.parametrize('flicker', [0.0, 0.3])

@@ -8,7 +8,8 @@ from pathlib import Path
 import shlex
 import sys
 
-from blob_tracker.blinking.survey import KEPT_POINTS, Light
+from blob_tracker.blinking.survey import Light
+from blob_tracker.blinking.tracker import MOST_POINTS
 from blob_tracker.blinking.wording import describe
 from blob_tracker.calibration.flash import (
     enough, flash_settings, FlashSettings, notes,
@@ -191,7 +192,7 @@ def _report(
         console.print(f'- {note}', markup=False, highlight=False)
     if watch.found.crowded:
         console.print(
-            f'- some frames have more than {KEPT_POINTS} points: the brightest were taken'
+            f'- some frames have more than {MOST_POINTS} points: the brightest were taken'
         )
 
 

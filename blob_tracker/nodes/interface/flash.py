@@ -1,6 +1,6 @@
 """How the light flashes: parameters of the segmenter, and of the simulator that shows it."""
 
-from blob_tracker.flash_text import FLASH_MODE_NAMES
+from blob_tracker.flash_text import DUTIES, FLASH_MODE_NAMES
 from blob_tracker.ros.interface import Parameter
 
 FLASH = (
@@ -26,8 +26,8 @@ FLASH = (
         'flash.duty',
         0.5,
         'Part of its period in which a periodic light is on.',
-        least=0.05,
-        most=0.95,
+        least=DUTIES[0],
+        most=DUTIES[1],
     ),
     Parameter(
         'flash.frequencies',
