@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections import deque
 import math
 
-from blob_tracker.kernel import kernel
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.types import Pixels
 import numpy as np
-from numpy.typing import NDArray
 
 # The last flashes over which a line is laid: a beat of a second is seen in the first, one of a
 # minute in the last.
@@ -20,6 +18,8 @@ SMOOTHED = 3  # flashes, whose mean is compared with those before
 NOISE_MEMORY = 0.1  # of the mean square that a flash renews
 # Log-likelihood by which one explanation is beyond the others, and that one place takes at most.
 DECIDED, MOST_AGAINST = 12.0, 4.0
+# Mean of what is held against a true one: 0.5 of noise, and more as a few places are no light's.
+MOST_MEAN = 2.0
 LEAST_SIGMA = 5.0  # standard deviations of such a mean, by which it is another one
 APERTURE, NEAR, FAR = 3.0, 4.0, 6.0  # sigma: of the light, and of the ring about it
 
@@ -31,27 +31,21 @@ class DriftWatch:
     Of a light that runs free near half the frame rate the one falls as the other rises, at an
     even rate. A lamp that it passes is in both, one that is switched on stays, and a light that
     recedes is in the lit frames alone.
+
+    Attributes
+    ----------
+    share : float
+        Part of the light that has gone over to the unlit frame, as it seems so far: what is both
+        missing in the one and new in the other, beyond the noise.
+
     """
 
     def __init__(self) -> None:
-        self._flashes: deque[tuple[float, float, float]] = deque(maxlen=SPANS[-1])
+        self.share = 0.0
         self._count = 0
-        self._means = 0.0, 0.0
-        # Of all means: the least and the most.
-        self._lit, self._unlit = (math.inf, -math.inf), (math.inf, -math.inf)
-        self._square = 0.0  # of the change from flash to flash
-
-    @property
-    def share(self) -> float:
-        """
-        Return the part of the light that has gone over to the unlit frame, as it seems so far.
-
-        It is what is both missing in the one and new in the other, beyond the noise.
-        """
-        lit, unlit = self._means
-        noise = LEAST_SIGMA * math.sqrt(self._square / SMOOTHED)
-        over = min(self._lit[1] - lit, unlit - self._unlit[0])
-        return over / max(lit + unlit, 1e-9) if over > noise > 0.0 else 0.0
+        self._flashes = np.zeros((SPANS[-1], 3))  # the last ones, in turn: time, lit, unlit
+        # Mean square of the change from flash to flash; then least and most of all means.
+        self._known = np.array([0.0, math.inf, -math.inf, math.inf, -math.inf])
 
     def add(self, time: float, lit: float, unlit: float) -> float:
         """
@@ -65,58 +59,81 @@ class DriftWatch:
             Light above its surroundings where it is and where it was a frame before, DN.
 
         """
-        if self._flashes:
-            _, before, _ = self._flashes[-1]
-            self._square += NOISE_MEMORY * (0.5 * (lit - before) ** 2 - self._square)
-        self._flashes.append((time, lit, unlit))
+        rate, self.share = _take(self._flashes, self._known, self._count, time, lit, unlit)
         self._count += 1
-        if self._count < SMOOTHED:
-            return 0.0
-        last = [self._flashes[-k] for k in range(1, SMOOTHED + 1)]
-        lit, unlit = (sum(each[k] for each in last) / SMOOTHED for k in (1, 2))
-        self._means = lit, unlit
-        self._lit = min(self._lit[0], lit), max(self._lit[1], lit)
-        self._unlit = min(self._unlit[0], unlit), max(self._unlit[1], unlit)
-        changed = min(self._lit[1] - self._lit[0], self._unlit[1] - self._unlit[0])
-        if (
-            self._count % CHECKED or len(self._flashes) < SPANS[0]
-            or changed < 0.5 * LEAST_RISE * (lit + unlit)
-        ):
-            return 0.0
-        table = np.array(self._flashes)
-        rates = (_going_over(*table[-span:].T) for span in SPANS if span <= len(table))
-        return next((rate for rate in rates if rate), 0.0)
+        return rate
 
 
-def _going_over(
-    times: NDArray[np.float64], lit: NDArray[np.float64], unlit: NDArray[np.float64]
-) -> float:
-    """Return the part that goes over from the one to the other along a line, 1/s; or 0."""
-    whole = float(np.mean(lit + unlit))
+@kernel
+def _take(
+    flashes: Array, known: Array, count: int, time: float, lit: float, unlit: float
+) -> tuple[float, float]:
+    """Add a flash to so many; return what of the light goes over, in a second and so far."""
+    room = flashes.shape[0]
+    if count > 0:
+        before = flashes[(count - 1) % room, 1]
+        known[0] += NOISE_MEMORY * (0.5 * (lit - before) ** 2 - known[0])
+    here = flashes[count % room]
+    here[0], here[1], here[2] = time, lit, unlit
+    count += 1
+    if count < SMOOTHED:
+        return 0.0, 0.0
+    lit, unlit = 0.0, 0.0
+    for k in range(count - 1, count - 1 - SMOOTHED, -1):
+        lit += flashes[k % room, 1]
+        unlit += flashes[k % room, 2]
+    lit, unlit = lit / SMOOTHED, unlit / SMOOTHED
+    known[1], known[2] = min(known[1], lit), max(known[2], lit)
+    known[3], known[4] = min(known[3], unlit), max(known[4], unlit)
+    over = min(known[2] - lit, unlit - known[3])
+    noise = LEAST_SIGMA * math.sqrt(known[0] / SMOOTHED)
+    share = over / max(lit + unlit, 1e-9) if over > noise > 0.0 else 0.0
+    changed = min(known[2] - known[1], known[4] - known[3])
+    if count % CHECKED == 0 and changed >= 0.5 * LEAST_RISE * (lit + unlit):
+        for span in SPANS:
+            if span > count:
+                break
+            rate = _going_over(flashes, count, span)
+            if rate != 0.0:
+                return rate, share
+    return 0.0, share
+
+
+@kernel
+def _going_over(flashes: Array, count: int, span: int) -> float:
+    """Return what goes over from the one to the other along a line through the last, 1/s; or 0."""
+    room = flashes.shape[0]
+    mean = np.zeros(3)
+    for k in range(count - span, count):
+        mean += flashes[k % room]
+    mean /= span
+    whole = mean[1] + mean[2]
     if whole <= 0.0:
         return 0.0
-    fall, fall_t = _slope(times, lit)
-    rise, rise_t = _slope(times, unlit)
-    span = float(times[-1] - times[0])
-    if (
-        fall * rise >= 0.0
-        or min(abs(fall_t), abs(rise_t)) < LEAST_T
-        or min(abs(fall), abs(rise)) * span < LEAST_RISE * whole
-    ):
-        return 0.0
-    return 0.5 * (rise - fall) / whole
-
-
-def _slope(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float]:
-    """Return the slope of a line through points, and it over its standard deviation."""
-    away = x - x.mean()
-    square = float(away @ away)
+    square = 0.0
+    slopes = np.zeros(2)
+    for k in range(count - span, count):
+        away = flashes[k % room, 0] - mean[0]
+        square += away * away
+        for side in range(2):
+            slopes[side] += away * flashes[k % room, 1 + side]
     if square == 0.0:
-        return 0.0, 0.0
-    slope = float(away @ y) / square
-    left = y - y.mean() - slope * away
-    deviation = math.sqrt(max(float(left @ left), 1e-12) / ((len(x) - 2) * square))
-    return slope, slope / deviation
+        return 0.0
+    slopes /= square
+    left = np.zeros(2)
+    for k in range(count - span, count):
+        away = flashes[k % room, 0] - mean[0]
+        for side in range(2):
+            rest = flashes[k % room, 1 + side] - mean[1 + side] - slopes[side] * away
+            left[side] += rest * rest
+    lasted = flashes[(count - 1) % room, 0] - flashes[(count - span) % room, 0]
+    for side in range(2):
+        deviation = math.sqrt(max(left[side], 1e-12) / ((span - 2) * square))
+        slope = abs(slopes[side])
+        if slope < LEAST_T * deviation or slope * lasted < LEAST_RISE * whole:
+            return 0.0
+    fall, rise = slopes
+    return 0.5 * (rise - fall) / whole if fall * rise < 0.0 else 0.0
 
 
 class GhostInstants:
@@ -134,8 +151,9 @@ class GhostInstants:
 
     def forget(self) -> None:
         """Hold nothing against any of them."""
-        # Late, early, never off, filtered: half chi-squares.
-        self._against = [0.0, 0.0, 0.0, 0.0]
+        # Late, early, never off, filtered: half chi-squares, of so many places.
+        self._against = 0.0, 0.0, 0.0, 0.0
+        self._places = 0
 
     def add(self, ahead: float, deviation: float, frame: float) -> None:
         """
@@ -152,17 +170,30 @@ class GhostInstants:
             Way from one frame to the next in the same unit.
 
         """
-        for k, there in enumerate((-1.0, 1.0, 0.0, -frame)):
-            # What nothing explains is held against none of them.
-            self._against[k] += min(0.5 * ((ahead - there) / deviation) ** 2, MOST_AGAINST)
+        self._places += 1
+        late, early, never_off, filtered = self._against
+        self._against = (
+            late + _against(ahead + 1.0, deviation),
+            early + _against(ahead - 1.0, deviation),
+            never_off + _against(ahead, deviation),
+            filtered + _against(ahead + frame, deviation),
+        )
 
     @property
     def side(self) -> int:
         """1 of a light that was on at the end of the lit exposure, -1 at its start; else 0."""
-        late, early, *others = self._against
-        if min(late, early) + DECIDED > min(*others, max(late, early)):
+        late, early, never_off, filtered = self._against
+        least = min(late, early)
+        if least + DECIDED > min(never_off, filtered, max(late, early)):
             return 0
+        if least > MOST_MEAN * self._places:
+            return 0  # none of them is true: it is the texture behind the light
         return 1 if late < early else -1
+
+
+def _against(away: float, deviation: float) -> float:
+    """Return what so far away holds against a place: what nothing explains, against none."""
+    return min(0.5 * (away / deviation) ** 2, MOST_AGAINST)
 
 
 @kernel

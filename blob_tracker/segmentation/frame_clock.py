@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import deque
-from statistics import median
 
 from blob_tracker.segmentation.flash_track import FlashTrack, PERIOD_FRAMES
 
@@ -34,9 +33,12 @@ class FrameClock:
     def push(self, stamp_ns: int) -> None:
         """Take the stamp of the next frame, ns."""
         if self.stamp_ns is not None:
-            self._intervals.append(stamp_ns - self.stamp_ns)
-            self._interval_ns = median(self._intervals)
-            self.frame += round((stamp_ns - self.stamp_ns) / self._interval_ns) or 1
+            since_ns = stamp_ns - self.stamp_ns
+            self._intervals.append(since_ns)
+            ordered = sorted(self._intervals)
+            middle = len(ordered) // 2
+            self._interval_ns = 0.5 * (ordered[middle] + ordered[-1 - middle])
+            self.frame += round(since_ns / self._interval_ns) or 1
         self.stamp_ns = stamp_ns
 
     def skip(self, stamp_ns: int) -> None:

@@ -101,22 +101,27 @@ class FrameStack:
             contrast.unlit_frames if candidate.unlit is None else (candidate.unlit,),
             candidate.noise, round(1e9 * candidate.tau),
         )
-        pairs = self._pairs.setdefault(name, [])
-        reach = STILL_SIGMA * (1.0 + candidate.sigma_minor)
-        longest_ns = 1e9 * (MAX_PAUSE_S + 2.0 * contrast.duration)
-        if pairs and (
-            not 0 <= look.frame.stamp_ns - pairs[-1].frame.stamp_ns <= longest_ns
-            or math.hypot(look.x - pairs[0].x, look.y - pairs[0].y) > reach
-            or look.lit[0].shape != pairs[0].lit[0].shape
-            or look.lit[0].dtype != pairs[0].lit[0].dtype
-        ):
-            pairs.clear()
+        pairs = self._pairs.pop(name, [])
+        if pairs and not _goes_on(pairs, look, candidate.sigma_minor, contrast.duration):
+            pairs = []
         pairs.append(look)
         if len(pairs) < self.count:
+            self._pairs[name] = pairs
             self.reason = f'look {len(pairs)} of the {self.count} that are summed'
             return None
-        self._pairs[name] = []
         return _cut(pairs, box, candidate)
+
+
+def _goes_on(pairs: Sequence[_Pair], look: _Pair, sigma: float, duration: float) -> bool:
+    """Tell whether a look is at a target that has stood still since the first of the others."""
+    first, last = pairs[0], pairs[-1]
+    longest_ns = 1e9 * (MAX_PAUSE_S + 2.0 * duration)
+    return (
+        0 <= look.frame.stamp_ns - last.frame.stamp_ns <= longest_ns
+        and math.hypot(look.x - first.x, look.y - first.y) <= STILL_SIGMA * (1.0 + sigma)
+        and look.lit[0].shape == first.lit[0].shape
+        and look.lit[0].dtype == first.lit[0].dtype
+    )
 
 
 def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
@@ -134,12 +139,18 @@ def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
         line_ns /= 2
         first_ns -= round(line_ns / 2)  # from the middle of a cell to its first line
     inside = box.slices
-    lit = [image[inside].copy() for pair in pairs for image in pair.lit]
-    unlit = [image[inside].copy() for pair in pairs for image in pair.unlit]
-    noises = [pair.noise for pair in pairs for _ in pair.unlit]
-    for bright, dark, noise in zip(lit, unlit, noises):
-        mark_dead(bright, dark, frame.saturation, noise)
-    seen_ns = sum(pair.frame.stamp_ns - begun_ns + pair.tau_ns for pair in pairs) // len(pairs)
+    lit: list[Pixels] = []
+    unlit: list[Pixels] = []
+    seen_ns = 0
+    for pair in pairs:
+        bright = [image[inside].copy() for image in pair.lit]
+        dark = [image[inside].copy() for image in pair.unlit]
+        for one, other in zip(bright, dark):
+            mark_dead(one, other, frame.saturation, pair.noise)
+        lit += bright
+        unlit += dark
+        seen_ns += pair.frame.stamp_ns - begun_ns + pair.tau_ns
+    seen_ns //= len(pairs)
     middle_line = 0.5 * (box.y0 + box.y1 - 1)
     return Window(
         lit=sum_frames(lit, saturation),

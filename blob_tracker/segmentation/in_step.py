@@ -147,11 +147,12 @@ class InStep(Switching):
     def _watched(self, contrast: Contrast, light: Candidate) -> Candidate:
         """Watch whether the light drifts; return it with what that lets doubt of its instant."""
         frame, before = contrast.frame, self._last
+        stamp_ns = frame.stamp_ns
         sigma = math.sqrt(light.sigma_major * light.sigma_minor)
         # In the lit frame alone: what is left in the unlit one draws the difference away from it.
         lit, (here_x, here_y), _ = light_at(contrast.lit, light.x, light.y, sigma)
-        self._last = _Flash(here_x, here_y, frame.stamp_ns)
-        seconds = 0.0 if before is None else (frame.stamp_ns - before.stamp_ns) / 1e9
+        self._last = _Flash(here_x, here_y, stamp_ns)
+        seconds = 0.0 if before is None else (stamp_ns - before.stamp_ns) / 1e9
         if before is None or not 0.0 < seconds < OUT_OF_SIGHT_S:
             self._watch, self._instants = DriftWatch(), GhostInstants()
             return light
@@ -161,21 +162,24 @@ class InStep(Switching):
         x, y = here_x - interval * vx, here_y - interval * vy
         unlit, (there_x, there_y), count = light_at(contrast.unlit, x, y, sigma)
         exposure = self._exposure or frame.exposure_ns / 1e9 or UNKNOWN_EXPOSURE * interval
-        going_over = self._watch.add(frame.stamp_ns / 1e9, lit, unlit)
-        speed = math.hypot(vx, vy)
-        unit = 0.5 * exposure * speed
+        watch, instants = self._watch, self._instants
+        going_over = watch.add(stamp_ns / 1e9, lit, unlit)
         noise = light.noise * math.sqrt(0.5 * count)
+        side = 0
         if unlit <= LEAST_LIGHT_SIGMA * noise:
-            self._instants.forget()  # it comes back on the other side
-        elif unit > LEAST_WAY_PX:
-            ahead = ((there_x - x) * vx + (there_y - y) * vy) / speed
-            deviation = math.hypot(
-                0.5 * APERTURE * sigma * noise / unlit, BEND_PART * interval * speed
-            )
-            self._instants.add(
-                ahead / unit, max(deviation / unit, SUREST), interval * speed / unit
-            )
-        side = self._instants.side
+            instants.forget()  # it comes back on the other side
+        else:
+            speed = math.hypot(vx, vy)
+            unit = 0.5 * exposure * speed
+            if unit > LEAST_WAY_PX:
+                ahead = ((there_x - x) * vx + (there_y - y) * vy) / speed
+                deviation = math.hypot(
+                    0.5 * APERTURE * sigma * noise / unlit, BEND_PART * interval * speed
+                )
+                instants.add(
+                    ahead / unit, max(deviation / unit, SUREST), interval * speed / unit
+                )
+            side = instants.side
         if going_over or side:
             self._mode = HalfRate(
                 interval=interval, slower=side * going_over * exposure,
@@ -183,7 +187,7 @@ class InStep(Switching):
             )
             self._mode.contrast(frame)
             self._taken_up = False
-        if self._watch.share == 0.0:
+        if watch.share == 0.0:
             return light
         return self._doubted(light, exposure, np.array([vx, vy]), frame.line_time_ns / 1e9)
 

@@ -23,11 +23,8 @@ def with_clipping(contrast: Contrast, candidates: Sequence[Candidate]) -> tuple[
     """
     out = []
     for each in candidates:
-        column, row = each.peak
-        if (
-            each.rejected and not each.clipped
-            and contrast.lit[row, column] >= contrast.saturation > contrast.unlit[row, column]
-        ):
+        if each.rejected and not each.clipped and _is_newly_clipped(contrast, each):
+            column, row = each.peak
             reach = max(round(REACH_SIGMA * each.sigma_major), 3)
             about = box_about(column, row, reach, reach, contrast.shape).slices
             count = int(np.count_nonzero(contrast.lit[about] >= contrast.saturation))
@@ -38,3 +35,10 @@ def with_clipping(contrast: Contrast, candidates: Sequence[Candidate]) -> tuple[
                 )
         out.append(each)
     return tuple(out)
+
+
+def _is_newly_clipped(contrast: Contrast, candidate: Candidate) -> bool:
+    """Tell whether the peak is clipped, and was not before."""
+    column, row = candidate.peak
+    lit, unlit = contrast.lit[row, column], contrast.unlit[row, column]
+    return bool(lit >= contrast.saturation > unlit)

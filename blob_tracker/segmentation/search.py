@@ -130,14 +130,11 @@ def search(
     if unit != 1.0:
         table[:, IN_DN] *= unit
         level, noise, strongest = unit * level, unit * noise, unit * strongest
-    candidates = []
-    for row in table.tolist():
-        candidate = Candidate(*row)
-        rejected = reject(candidate, followed, min_snr)
-        candidates.append(candidate._replace(rejected=rejected) if rejected else candidate)
     judged: tuple[Candidate, ...] = ()
-    if candidates:
-        judged = with_clipping(contrast, without_glows(candidates))
+    if len(table) > 0:
+        judged = with_clipping(contrast, without_glows([
+            _judged(row, followed, min_snr) for row in table.tolist()
+        ]))
     # Near a target that is followed its own glow may be all over.
     if contrast.unlit_frames and not followed and (
         level > LEAST_FLOOD_DN or unit * step > max(LEAST_FLOOD_DN, brightness)
@@ -148,6 +145,13 @@ def search(
             if all(each.rejected for each in judged):
                 reason = reason or whole_scene(rise)
     return SearchResult(judged, level, noise, strongest, reason)
+
+
+def _judged(row: list[float], followed: bool, min_snr: float) -> Candidate:
+    """Return the candidate of a row of the table, with the reason where it is no target."""
+    candidate = Candidate(*row)
+    rejected = reject(candidate, followed, min_snr)
+    return candidate._replace(rejected=rejected) if rejected else candidate
 
 
 def _threshold(region: Box) -> float:

@@ -107,7 +107,7 @@ class Segmenter:
         self.unlit_pair: tuple[Pixels, Pixels] | None = None
         self._unlit: Frame | None = None
         self._repeated = RepeatedFrames()
-        self._region: Box | None = None
+        self._region = whole((0, 0))
         self._stack = FrameStack(looks)
         self._mask = NO_MASK if mask is None else np.ascontiguousarray(mask != 0, dtype=np.uint8)
 
@@ -124,8 +124,7 @@ class Segmenter:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Say what is wrong though there may be a window, of the frames and of other lights."""
-        both = self._repeated.warning, self.flash.warning
-        return tuple(warning for warning in both if warning)
+        return tuple(filter(None, (self._repeated.warning, self.flash.warning)))
 
     def update(self, frame: Frame, expected: Expectation | None = None) -> Window | None:
         """
@@ -209,7 +208,7 @@ class Segmenter:
             contrast.unlit if contrast.unlit_frames else None,
             found.background,
             found.noise,
-            self.flash.region(contrast),
+            self._region,
             found.candidates,
             windows,
             'locked' if self.flash.locked else 'lost',

@@ -78,3 +78,13 @@ def test_the_light_at_a_place() -> None:
     assert (x, y) == pytest.approx((19.3, 21.1), abs=0.15)
     assert count == pytest.approx(np.pi * 36.0, rel=0.05)
     assert light_at(image.astype(np.uint8), 500.0, 20.0, 2.0) == (0.0, (500.0, 20.0), 0)
+
+
+def test_texture_behind_the_light_tells_no_side() -> None:
+    """Its places have nothing to do with the exposure: however many there are, no side is told."""
+    random = np.random.default_rng(8)
+    instants = GhostInstants()
+    for _ in range(5000):
+        # A little nearer to the side of the late, as the texture happens to be.
+        instants.add(random.normal(-2.0, 6.0), 0.3, 12.0)
+        assert instants.side == 0
