@@ -16,6 +16,7 @@ CONTRADICTION = 1.2  # ratio of two variances; calibrations differ by less
 SIGNIFICANT_SIGMA = 3.5
 MEMORY = 256  # windows that were looked at, after which one weighs 1/e
 LEAST_DOF = 500.0  # differences of pixels, which tell a variance to 9 %
+LEAST_ALIKE_DOF = 150.0  # which tell a correlation to 0.06
 ENOUGH_DOF = 4000.0  # beyond which every eighth window is looked at
 LEAST_BRIGHT = 100.0  # pixels of the light: a variance to 14 %
 FEWEST = 24  # px that two windows share: fewer say little
@@ -82,6 +83,8 @@ class NoiseCheck:
         To be used for the next window.
     warning : str
         What is wrong and what to set; '' where the configured noise is right, or not tested yet.
+    interpolated : bool
+        Whether the picture was interpolated from a colour mosaic, see `interpolated.doubted`.
 
     """
 
@@ -89,6 +92,7 @@ class NoiseCheck:
         self.configured = configured
         self.noise = configured
         self.warning = ''
+        self.interpolated = False
         self._last: _Seen | None = None
         # dof, and dof times level and variance; products of neighbours and their count; of the
         # light's pixels 1 - h, and that times level and variance.
@@ -146,21 +150,25 @@ class NoiseCheck:
     def _judge(self) -> None:
         """Say whether the configured noise is that of the windows, and which one is."""
         self.noise, self.warning = self.configured, ''
+        self.interpolated = False
         dof = self._sums[0]
-        if dof < LEAST_DOF:
+        if dof < LEAST_ALIKE_DOF:
             return
         level, variance = (float(each) for each in self._sums[1:3] / dof)
         if variance < HIDDEN_DN2:
             return
         alike = float(self._sums[3] / (self._sums[4] * variance))
         if abs(alike) > CORRELATED:
-            if alike > INTERPOLATED and not self._compressed:
+            self.interpolated = alike > INTERPOLATED and not self._compressed
+            if self.interpolated:
                 self.warning = (
                     f'the noise of neighbouring pixels is alike (correlation {alike:.2f}): the '
                     'picture was interpolated from a colour mosaic, or smoothed, and a narrow '
                     "light is not where it seems: take the sensor's own samples (an encoding "
                     'bayer_*, see channel) and switch sharpening and noise reduction off'
                 )
+            return
+        if dof < LEAST_DOF:
             return
         configured = float(pixel_variance(np.array(level), self.configured))
         ratio = variance / configured

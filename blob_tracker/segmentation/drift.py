@@ -208,6 +208,7 @@ def light_at(
     height, width = image.shape
     reach = FAR * sigma
     total, across, down, count, level, around = 0.0, 0.0, 0.0, 0, 0.0, 0
+    aside, below = 0.0, 0.0  # of the pixels themselves: the background has a centroid too
     for j in range(max(int(y - reach), 0), min(int(y + reach) + 2, height)):
         for i in range(max(int(x - reach), 0), min(int(x + reach) + 2, width)):
             distance = math.sqrt((i - x) ** 2 + (j - y) ** 2)
@@ -216,13 +217,16 @@ def light_at(
                 total += value
                 across += value * (i - x)
                 down += value * (j - y)
+                aside += i - x
+                below += j - y
                 count += 1
             elif NEAR * sigma < distance < reach:
                 level += value
                 around += 1
     if count == 0 or around == 0:
         return 0.0, (x, y), 0
-    total -= count * level / around
+    level /= around
+    total -= count * level
     if total <= 0.0:
         return 0.0, (x, y), count
-    return total, (x + across / total, y + down / total), count
+    return total, (x + (across - level * aside) / total, y + (down - level * below) / total), count

@@ -16,6 +16,7 @@ from blob_tracker.segmentation.drift import APERTURE, DriftWatch, GhostInstants,
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash_track import PERIOD_FRAMES
 from blob_tracker.segmentation.history import FrameError
+from blob_tracker.segmentation.line_shift import LineShift
 from blob_tracker.segmentation.switching import Switching
 from blob_tracker.types import Frame, Glimpse
 import numpy as np
@@ -28,6 +29,10 @@ ROUND_WAY_PX = 0.3  # px, by which the way in an exposure may be off, by the two
 LEAST_WAY_PX, LEAST_LIGHT_SIGMA = 0.15, 8.0
 BEND_PART = 0.1  # of its way from frame to frame, by which it may be off as its path bends
 SUREST = 0.25  # ways of half an exposure, to which a place is known at best
+# px in half an exposure, from which on it is not enough to know the light in step, and the part of
+# a resting one in the unlit frame, some time ahead, from which on there is too little contrast.
+MOVING_PX, TOO_EVEN, AHEAD_S = 0.1, 0.45, 0.25
+SPEED_MEMORY = 0.2  # of the mean speed that a flash renews
 OUT_OF_SIGHT_S = 0.5  # s from one flash to the next, after which it may be another light
 
 
@@ -70,11 +75,16 @@ class InStep(Switching):
         self.gate_px = gate_px
         self._pairs = self._new_pairs()
         super().__init__(self._pairs)
-        self._watch, self._instants = DriftWatch(), GhostInstants()
         self._last: _Flash | None = None
+        self._begin_watch()
         self._missed = 0  # frames since the light was seen
         self._taken_up = False  # whether it has been seen since it is known to run free
         compile_blinking()  # or it would be waited for in the midst of tracking
+
+    def _begin_watch(self) -> None:
+        """Watch a light of which nothing is known."""
+        self._watch, self._instants, self._shift = DriftWatch(), GhostInstants(), LineShift()
+        self._vx = self._vy = 0.0  # px/s, of the last flashes
 
     def _new_pairs(self) -> Alternate:
         return Alternate(
@@ -154,7 +164,7 @@ class InStep(Switching):
         self._last = _Flash(here_x, here_y, stamp_ns)
         seconds = 0.0 if before is None else (stamp_ns - before.stamp_ns) / 1e9
         if before is None or not 0.0 < seconds < OUT_OF_SIGHT_S:
-            self._watch, self._instants = DriftWatch(), GhostInstants()
+            self._begin_watch()
             return light
         interval = self._pairs.interval
         vx, vy = (here_x - before.x) / seconds, (here_y - before.y) / seconds
@@ -166,7 +176,9 @@ class InStep(Switching):
         going_over = watch.add(stamp_ns / 1e9, lit, unlit)
         noise = light.noise * math.sqrt(0.5 * count)
         side = 0
-        if unlit <= LEAST_LIGHT_SIGMA * noise:
+        there = unlit > LEAST_LIGHT_SIGMA * noise
+        self._shift.add(here_y, there_y if there else None)
+        if not there:
             instants.forget()  # it comes back on the other side
         else:
             speed = math.hypot(vx, vy)
@@ -180,7 +192,15 @@ class InStep(Switching):
                     ahead / unit, max(deviation / unit, SUREST), interval * speed / unit
                 )
             side = instants.side
-        if going_over or side:
+        # Shared line by line, and no time between the lines is known: the pair as a whole tells.
+        if self._shift.seen and frame.line_time_ns == 0:
+            return light
+        self._vx += SPEED_MEMORY * (vx - self._vx)
+        self._vy += SPEED_MEMORY * (vy - self._vy)
+        if (going_over or side) and (
+            0.5 * exposure * math.hypot(self._vx, self._vy) > MOVING_PX
+            or unlit / (lit + unlit) + AHEAD_S * going_over > TOO_EVEN
+        ):
             self._mode = HalfRate(
                 interval=interval, slower=side * going_over * exposure,
                 max_pair_interval=self._max_interval, exposure=self._exposure,

@@ -57,7 +57,10 @@ def reject(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
     """
     height = candidate.height
     if candidate.neighbour_ratio < LEAST_NEIGHBOUR_RATIO:
-        return f'a lone pixel rose by {height:.0f} DN: it is hot, or was hit by a particle'
+        return (
+            f'a lone pixel rose by {height:.0f} DN: it is hot, or was hit by a particle; or a '
+            'light is narrower than a pixel, or a cell of the colour mosaic: defocus it a little'
+        )
     long = candidate.sigma_major > MAX_ELONGATION * max(candidate.sigma_minor, NARROWEST_PX)
     if long and not candidate.streak:
         return (

@@ -80,6 +80,16 @@ def test_the_light_at_a_place() -> None:
     assert light_at(image.astype(np.uint8), 500.0, 20.0, 2.0) == (0.0, (500.0, 20.0), 0)
 
 
+@pytest.mark.parametrize('background', [0.0, 180.0])
+def test_the_background_draws_the_light_nowhere(background: float) -> None:
+    """The pixels within a circle are not even about its centre; 0.03 px is what is cut off."""
+    for x in (19.9, 20.1, 20.3):
+        pulse = pixel_integrated_gaussian((40, 40), x, 20.0, 1.5)
+        image = np.round(background + 60.0 * pulse).astype(np.uint8)
+        _, found, _ = light_at(image, 20.2, 20.2, 1.5)
+        assert found == pytest.approx((x, 20.0), abs=0.03)
+
+
 def test_texture_behind_the_light_tells_no_side() -> None:
     """Its places have nothing to do with the exposure: however many there are, no side is told."""
     random = np.random.default_rng(8)

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import argparse
 from importlib import import_module
+import sys
 from types import ModuleType
+
+from blob_tracker.commands.calibrate.report import UsageError
+from blob_tracker.commands.calibrate.sources import SourceError
 
 CALIBRATIONS: dict[str, str] = {
     'board': 'lens, from images of a chessboard, a ChArUco board or a grid of dots',
@@ -40,10 +44,21 @@ def main(arguments: argparse.Namespace) -> int:
         Exit code: 0 done, 1 failed, 2 called wrongly, 130 after Ctrl-C.
 
     """
+    module = _module(arguments.calibration)
     try:
-        return int(_module(arguments.calibration).main(arguments))
+        module.main(arguments)
     except KeyboardInterrupt:
         return 130
+    except UsageError as error:
+        print(error, file=sys.stderr)
+        return 2
+    except (SourceError, *module.FAILURES) as error:
+        print(error, file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f'{error.filename}: {error.strerror}' if error.filename else error, file=sys.stderr)
+        return 1
+    return 0
 
 
 def _module(name: str) -> ModuleType:

@@ -17,7 +17,7 @@ from blob_tracker.calibration.boards import (
 )
 from blob_tracker.camera import CalibrationError, LensError, write_calibration
 from blob_tracker.camera.lens import LENSES
-from blob_tracker.commands.calibrate.report import WORTHLESS
+from blob_tracker.commands.calibrate.report import UsageError, WORTHLESS
 from blob_tracker.commands.calibrate.sources import (
     add_source, expected, frames, is_folder, is_live, SourceError,
 )
@@ -28,6 +28,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+FAILURES = (CalibrationError,)
 KINDS = ('charuco', 'chessboard', 'dots')
 LIVE_VIEWS = 30  # that differ: more add little
 PARTS = {  # of width and height
@@ -79,20 +80,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--name', default='camera', help='of the camera (%(default)s)')
 
 
-def main(arguments: argparse.Namespace) -> int:
+def main(arguments: argparse.Namespace) -> None:
     """
     Calibrate a camera.
-
-    Parameters
-    ----------
-    arguments : Namespace
-        Of the parser that `add_arguments` filled.
-
-    Returns
-    -------
-    int
-        0 when the calibration is written, 1 where the images do not give one, 2 for a wrong
-        option.
 
     Raises
     ------
@@ -102,33 +92,24 @@ def main(arguments: argparse.Namespace) -> int:
     """
     try:
         board = _board(arguments)
-        if arguments.views < LEAST_VIEWS:
-            raise BoardError(f'--views is {arguments.views}; it must be {LEAST_VIEWS} or more')
-        if arguments.picture.suffix.lower() not in SUFFIXES:
-            raise BoardError(
-                f'--picture is {arguments.picture}; it must end in one of {", ".join(SUFFIXES)}'
-            )
     except BoardError as error:
-        print(error, file=sys.stderr)
-        return 2
-    try:
-        views = _views(arguments, board)
-        found = calibrate_board(views, arguments.model, arguments.name)
-        console = Console()
-        _report(console, found)
-        relative = float((found.sigmas[:2] / found.values[:2]).max())
-        if relative > WORTHLESS:
-            raise CalibrationError(
-                f'the focal length is known to {100.0 * relative:.0f} % only: nothing is written'
-            )
-        _write(console, arguments, found, board)
-    except (CalibrationError, SourceError) as error:
-        print(error, file=sys.stderr)
-        return 1
-    except OSError as error:
-        print(f'{error.filename} cannot be written: {error.strerror}', file=sys.stderr)
-        return 1
-    return 0
+        raise UsageError(str(error)) from None
+    if arguments.views < LEAST_VIEWS:
+        raise UsageError(f'--views is {arguments.views}; it must be {LEAST_VIEWS} or more')
+    if arguments.picture.suffix.lower() not in SUFFIXES:
+        raise UsageError(
+            f'--picture is {arguments.picture}; it must end in one of {", ".join(SUFFIXES)}'
+        )
+    views = _views(arguments, board)
+    found = calibrate_board(views, arguments.model, arguments.name)
+    console = Console()
+    _report(console, found)
+    relative = float((found.sigmas[:2] / found.values[:2]).max())
+    if relative > WORTHLESS:
+        raise CalibrationError(
+            f'the focal length is known to {100.0 * relative:.0f} % only: nothing is written'
+        )
+    _write(console, arguments, found, board)
 
 
 def _board(arguments: argparse.Namespace) -> Board:

@@ -15,19 +15,18 @@ from blob_tracker.calibration.flash import (
     enough, flash_settings, FlashSettings, notes,
 )
 from blob_tracker.calibration.flash_picture import draw_flash
-from blob_tracker.commands.calibrate.report import refusal, tell_of
-from blob_tracker.commands.calibrate.sources import (
-    add_source, expected, is_folder, is_live, SourceError, stamped_frames,
-)
+from blob_tracker.commands.calibrate.report import check_out, tell_of, UsageError
+from blob_tracker.commands.calibrate.shown_frames import shown_frames
+from blob_tracker.commands.calibrate.sources import add_source, is_folder, SourceError
 from blob_tracker.segmentation import compile_ahead, FrameError, Segmenter
 from blob_tracker.segmentation.watch import Watch
 from blob_tracker.types import Frame, Pixels
 import numpy as np
 from rich.console import Console
-from rich.progress import track
 
+FAILURES: tuple[type[Exception], ...] = ()
 FOLLOWERS = ('locator', 'tracker')  # nodes with the parameter lights
-LIVE_S = 10.0  # s of a topic, which does not end by itself
+LIVE_S = 10.0
 LONGEST_GAP_S = 1.0  # between two frames of one recording
 STILL_PX = 1.5  # standard deviation of the places of a light that stands still
 
@@ -52,51 +51,39 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def main(arguments: argparse.Namespace) -> int:
-    """Look; return the exit code: 0 something blinks, 1 nothing does, 2 called wrongly."""
-    wrong = refusal(arguments.out, '.png')
+def main(arguments: argparse.Namespace) -> None:
+    """Look for what blinks; nothing is a failure."""
+    check_out(arguments.out, '.png')
     if is_folder(arguments) and arguments.rate is None:
-        wrong = 'images of a folder have no stamps: give their rate, --rate 60'
+        raise UsageError('images of a folder have no stamps: give their rate, --rate 60')
     if arguments.rate is not None and not arguments.rate > 0.0:
-        wrong = f'--rate is {arguments.rate:g} Hz; it must be above 0'
+        raise UsageError(f'--rate is {arguments.rate:g} Hz; it must be above 0')
     if not 0.0 <= arguments.exposure < 1.0:
-        wrong = f'--exposure is {arguments.exposure:g} s; it must be 0 to 1 s: 0.005, say'
-    if wrong:
-        print(wrong, file=sys.stderr)
-        return 2
+        raise UsageError(
+            f'--exposure is {arguments.exposure:g} s; it must be 0 to 1 s: 0.005, say'
+        )
     console = Console()
-    try:
-        watch, scene = _watch(arguments, console)
-        with console.status('looking for what blinks'):
-            lights = watch.lights()
-        if not lights:
-            raise SourceError(_why_none(arguments, watch))
-        settings = flash_settings(lights, arguments.exposure)
-        _report(console, watch, lights, settings)
-        _write(console, arguments, settings, lights)
-        picture = arguments.out.with_suffix('.png')
-        tell_of(console, picture)
-        draw_flash(picture, scene, lights)
-    except SourceError as error:
-        print(error, file=sys.stderr)
-        return 1
-    except OSError as error:
-        print(f'{error.filename} cannot be written: {error.strerror}', file=sys.stderr)
-        return 1
-    return 0
+    watch, scene = _watch(arguments, console)
+    with console.status('looking for what blinks'):
+        lights = watch.lights()
+    if not lights:
+        raise SourceError(_why_none(arguments, watch))
+    settings = flash_settings(lights, arguments.exposure)
+    _report(console, watch, lights, settings)
+    _write(console, arguments, settings, lights)
+    picture = arguments.out.with_suffix('.png')
+    tell_of(console, picture)
+    draw_flash(picture, scene, lights)
 
 
 def _watch(arguments: argparse.Namespace, console: Console) -> tuple[Watch, Pixels]:
     """Return what was seen in the frames of the source, and the brightest of each pixel."""
-    if is_live(arguments) and arguments.seconds is None and arguments.count is None:
-        arguments.seconds = LIVE_S
     compile_ahead()
     series = longest = _Series(arguments.exposure)
     begun, watched = 1, 0.0
-    for index, (_, seconds, pixels) in enumerate(track(
-        stamped_frames(arguments), 'watching', expected(arguments), console=console,
-        transient=True,
-    )):
+    for index, (_, seconds, pixels) in enumerate(
+        shown_frames(arguments, console, 'watching', live_seconds=LIVE_S)
+    ):
         if arguments.rate is not None:
             seconds = index / arguments.rate
         if seconds is None:

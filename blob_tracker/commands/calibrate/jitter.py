@@ -5,22 +5,22 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 from pathlib import Path
-import sys
 
 from blob_tracker.calibration.edge import EdgeError
 from blob_tracker.calibration.line_jitter import LineJitterMeasurement, measure_line_jitter
 from blob_tracker.calibration.line_jitter_picture import draw_line_jitter
 from blob_tracker.camera import CalibrationError
-from blob_tracker.commands.calibrate.report import refusal, results_table, row, tell_of
-from blob_tracker.commands.calibrate.sources import add_source, expected, frames, SourceError
+from blob_tracker.commands.calibrate.report import check_out, results_table, row, tell_of
+from blob_tracker.commands.calibrate.shown_frames import shown_frames
+from blob_tracker.commands.calibrate.sources import add_source
 from blob_tracker.types import Pixels
 import numpy as np
 from rich.console import Console
-from rich.progress import track
 
+FAILURES = (CalibrationError, EdgeError)
 WARM = 0.05  # px from frame to frame: a warm camera's (Lenz and Fritsch; thesis, 2.2.4)
 COLD = 2.0 * WARM
-LIVE_FRAMES = 100  # of a topic, which does not end by itself
+LIVE_FRAMES = 100
 TOGETHER = 0.3  # correlation of neighbouring lines: half a blob's lines then count no longer
 OFF_AXIS = 0.1  # of the width, from the middle, where lenses bend straight edges visibly
 
@@ -39,44 +39,33 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def main(arguments: argparse.Namespace) -> int:
-    """Calibrate; return the exit code."""
-    wrong = refusal(arguments.out, '.png')
-    if wrong:
-        print(wrong, file=sys.stderr)
-        return 2
+def main(arguments: argparse.Namespace) -> None:
+    """Calibrate."""
+    check_out(arguments.out, '.png')
     console = Console()
-    try:
-        width = 0
+    width = 0
 
-        def pixels() -> Iterator[Pixels]:
-            nonlocal width
-            total = expected(arguments)
-            if total is None and arguments.seconds is None:
-                arguments.count = total = LIVE_FRAMES
-            for _, frame in track(
-                frames(arguments), 'placing the edge', total, console=console, transient=True
-            ):
-                width = frame.shape[1]
-                yield frame
+    def pixels() -> Iterator[Pixels]:
+        nonlocal width
+        for _, _, frame in shown_frames(
+            arguments, console, 'placing the edge', live_frames=LIVE_FRAMES
+        ):
+            width = frame.shape[1]
+            yield frame
 
-        measurement = measure_line_jitter(pixels(), fields=1 if arguments.progressive else 2)
-        _report(console, measurement, width)
-        tell_of(console, arguments.out)
-        measurement.jitter.to_yaml(
-            arguments.out,
-            [
-                f'python3 -m blob_tracker calibrate jitter, {len(measurement.places)} frames',
-                'px; offset and standard deviation of each line, less a straight line over all',
-            ],
-        )
-        picture = arguments.out.with_suffix('.png')
-        tell_of(console, picture)
-        draw_line_jitter(picture, measurement)
-    except (CalibrationError, EdgeError, SourceError, OSError) as error:
-        print(error, file=sys.stderr)
-        return 1
-    return 0
+    measurement = measure_line_jitter(pixels(), fields=1 if arguments.progressive else 2)
+    _report(console, measurement, width)
+    tell_of(console, arguments.out)
+    measurement.jitter.to_yaml(
+        arguments.out,
+        [
+            f'python3 -m blob_tracker calibrate jitter, {len(measurement.places)} frames',
+            'px; offset and standard deviation of each line, less a straight line over all',
+        ],
+    )
+    picture = arguments.out.with_suffix('.png')
+    tell_of(console, picture)
+    draw_line_jitter(picture, measurement)
 
 
 def _report(console: Console, measurement: LineJitterMeasurement, width: int) -> None:

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
 from pathlib import Path
-import sys
 
 from blob_tracker.calibration.line_time import (
     LineTimeError, LineTimeMeasurement, measure_line_time,
 )
 from blob_tracker.calibration.line_time_picture import draw_line_time
-from blob_tracker.commands.calibrate.report import refusal, results_table, row, tell_of
-from blob_tracker.commands.calibrate.sources import (
-    add_source, expected, SourceError, stamped_frames,
-)
-from blob_tracker.types import Pixels
+from blob_tracker.commands.calibrate.report import check_out, results_table, row, tell_of
+from blob_tracker.commands.calibrate.shown_frames import shown_frames
+from blob_tracker.commands.calibrate.sources import add_source
 from rich.console import Console
-from rich.progress import track
 
-LIVE_FRAMES = 100  # of a topic, which does not end by itself
+FAILURES = (LineTimeError,)
+LIVE_FRAMES = 100
 NODES = ('camera', 'segmenter', 'locator')  # that have the parameter
 
 
@@ -37,37 +33,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def main(arguments: argparse.Namespace) -> int:
-    """Calibrate; return the exit code."""
-    wrong = refusal(arguments.out, '.png')
-    if wrong:
-        print(wrong, file=sys.stderr)
-        return 2
+def main(arguments: argparse.Namespace) -> None:
+    """Calibrate."""
+    check_out(arguments.out, '.png')
     console = Console()
-    try:
-        total = expected(arguments)
-        if total is None and arguments.seconds is None:
-            arguments.count = total = LIVE_FRAMES
-
-        def shown() -> Iterator[tuple[float | None, Pixels]]:
-            for _, seconds, pixels in track(
-                stamped_frames(arguments), 'reading the lines', total, console=console,
-                transient=True,
-            ):
-                yield seconds, pixels
-
-        measurement = measure_line_time(shown(), arguments.frequency)
-        _report(console, measurement)
-        tell_of(console, arguments.out)
-        arguments.out.write_text(_parameters(measurement))
-        picture = arguments.out.with_suffix('.png')
-        tell_of(console, picture)
-        draw_line_time(picture, measurement)
-        console.print(f'-p line_time:={measurement.line_time:.6g}', markup=False, highlight=False)
-    except (LineTimeError, SourceError, OSError) as error:
-        print(error, file=sys.stderr)
-        return 1
-    return 0
+    shown = shown_frames(arguments, console, 'reading the lines', live_frames=LIVE_FRAMES)
+    measurement = measure_line_time(
+        ((seconds, pixels) for _, seconds, pixels in shown), arguments.frequency
+    )
+    _report(console, measurement)
+    tell_of(console, arguments.out)
+    arguments.out.write_text(_parameters(measurement))
+    picture = arguments.out.with_suffix('.png')
+    tell_of(console, picture)
+    draw_line_time(picture, measurement)
+    console.print(f'-p line_time:={measurement.line_time:.6g}', markup=False, highlight=False)
 
 
 def _report(console: Console, measurement: LineTimeMeasurement) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from math import inf
 from pathlib import Path
-import sys
 
 from blob_tracker.calibration.frame_pair import Pair, pair_of, PhotonTransferError
 from blob_tracker.calibration.noise_level_function import NoiseLevelFunction
@@ -13,16 +12,18 @@ from blob_tracker.calibration.photon_transfer import clipped_level, photon_trans
 from blob_tracker.calibration.photon_transfer_picture import draw_noise_line
 from blob_tracker.calibration.temporal_correlation import Succession
 from blob_tracker.commands.calibrate.noise_pairs import (
-    in_twos, INDEX, pairs_of, shown_frames, watched,
+    frames_of, in_twos, INDEX, pairs_of, watched,
 )
 from blob_tracker.commands.calibrate.noise_report import (
     print_photon_transfer, rows_of_noise, write_parameters,
 )
-from blob_tracker.commands.calibrate.report import refusal
-from blob_tracker.commands.calibrate.sources import add_source, SourceError
+from blob_tracker.commands.calibrate.report import check_out, UsageError
+from blob_tracker.commands.calibrate.sources import add_source
 import numpy as np
 from rich.console import Console
 from rich.table import Table
+
+FAILURES = (PhotonTransferError,)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,48 +50,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def main(arguments: argparse.Namespace) -> int:
-    """
-    Measure the noise of a camera.
-
-    Parameters
-    ----------
-    arguments : Namespace
-        Of the parser that `add_arguments` filled.
-
-    Returns
-    -------
-    int
-        Exit code: 0 done, 1 failed, 2 called wrongly.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        On Ctrl-C: the second one of a topic, of which the first ends the listening.
-
-    """
+def main(arguments: argparse.Namespace) -> None:
+    """Measure the noise of a camera."""
     if arguments.scene and arguments.dark:
-        print('--scene needs no dark frames; leave out --dark', file=sys.stderr)
-        return 2
-    if not arguments.out.parent.is_dir():
-        print(f'{arguments.out.parent} is not a folder; make it first', file=sys.stderr)
-        return 2
-    wrong = refusal(arguments.out, '.png')
-    if wrong:
-        print(wrong, file=sys.stderr)
-        return 2
-    try:
-        if arguments.scene:
-            _scene(arguments)
-        else:
-            _photon_transfer(arguments)
-    except (SourceError, PhotonTransferError) as error:
-        print(error, file=sys.stderr)
-        return 1
-    except OSError as error:
-        print(f'{error.filename}: {error.strerror}', file=sys.stderr)
-        return 1
-    return 0
+        raise UsageError('--scene needs no dark frames; leave out --dark')
+    check_out(arguments.out, '.png')
+    if arguments.scene:
+        _scene(arguments)
+    else:
+        _photon_transfer(arguments)
 
 
 def _photon_transfer(arguments: argparse.Namespace) -> None:
@@ -141,7 +109,7 @@ def _scene(arguments: argparse.Namespace) -> None:
     brightest: Pair | None = None
     succession = Succession()
     for first, second in in_twos(
-        watched(shown_frames(arguments, console), succession), odd=True
+        watched(frames_of(arguments, console), succession), odd=True
     ):
         pair = pair_of(first, second)
         if brightest is None or (

@@ -7,20 +7,19 @@ from collections.abc import Iterable, Iterator
 import csv
 from math import inf
 from pathlib import Path
-import signal
 
 from blob_tracker.calibration.frame_pair import Pair, pair_of, PhotonTransferError
 from blob_tracker.calibration.temporal_correlation import Succession
-from blob_tracker.commands.calibrate.sources import frames, is_folder, is_live, SourceError
+from blob_tracker.commands.calibrate.shown_frames import shown_frames
+from blob_tracker.commands.calibrate.sources import is_folder, is_live, SourceError
 from blob_tracker.types import Pixels
 from rich.console import Console
-from rich.progress import Progress
 
 INDEX = 'index.csv'
 KINDS = ('bright', 'dark')
 SAME = 0.05  # of the mean, and 5 DN, by which the two frames of a pair may differ in light
 STEP = 0.02  # of the mean, and 1 DN, beyond which a stream of frames shows another step
-LIVE_S = 60.0  # of a topic, where neither --seconds nor --count is given
+LIVE_S = 60.0
 MOST_PAIRS = 8  # of one step: more tell little that eight do not
 
 
@@ -37,14 +36,14 @@ def pairs_of(
                 for each in (dark, arguments)
                 # A topic ends anywhere.
                 for two in in_twos(
-                    watched(shown_frames(each, console), succession, each is dark),
+                    watched(frames_of(each, console), succession, each is dark),
                     odd=is_live(each),
                 )
             ),
         ]
     if not is_folder(arguments):
         pairs = _steps(
-            image for _, image in watched(shown_frames(arguments, console), succession)
+            image for _, image in watched(frames_of(arguments, console), succession)
         )
         console.print(f'{len(pairs)} pairs; the darkest step is taken for the dark one')
         return pairs
@@ -66,54 +65,13 @@ def watched(
         yield name, image
 
 
-def shown_frames(arguments: argparse.Namespace, console: Console) -> Iterator[tuple[str, Pixels]]:
-    """Yield the frames of a source, of a topic up to Ctrl-C at most, with a progress bar."""
-    stream = frames(arguments, interpolate=False)
-    if is_live(arguments):
-        if arguments.seconds is None and arguments.count is None:
-            arguments.seconds = LIVE_S
-        limits = [f'{arguments.seconds:g} s'] if arguments.seconds else []
-        limits += [f'{arguments.count} frames'] if arguments.count else []
-        console.print(
-            f'Listening to {arguments.source} for {" or ".join(limits)}; Ctrl-C ends it earlier, '
-            'and what came by then is measured.', highlight=False,
-        )
-        stream = _until_interrupt(stream)
-    with Progress(console=console, transient=True) as progress:
-        task = progress.add_task(f'frames of {arguments.source}', total=None)
-        for name, image in stream:
-            progress.update(task, advance=1)
-            yield name, image
-
-
-def _until_interrupt(stream: Iterator[tuple[str, Pixels]]) -> Iterator[tuple[str, Pixels]]:
-    """
-    Yield what a stream has until Ctrl-C; a second one is Python's again.
-
-    While a frame is waited for, it ends the waiting; work on one that came is finished first.
-    """
-    ended = waiting = False
-    before = signal.getsignal(signal.SIGINT)
-
-    def end(*_: object) -> None:
-        nonlocal ended
-        ended = True
-        signal.signal(signal.SIGINT, before)
-        if waiting:
-            raise KeyboardInterrupt
-
-    signal.signal(signal.SIGINT, end)
-    try:
-        while not ended:
-            try:
-                waiting = True
-                each = next(stream)
-                waiting = False
-            except (KeyboardInterrupt, StopIteration):
-                return
-            yield each
-    finally:
-        signal.signal(signal.SIGINT, before)
+def frames_of(arguments: argparse.Namespace, console: Console) -> Iterator[tuple[str, Pixels]]:
+    """Yield names and raw pixels of the frames of a source, with a progress bar."""
+    for name, _, image in shown_frames(
+        arguments, console, f'frames of {arguments.source}', live_seconds=LIVE_S,
+        interpolate=False,
+    ):
+        yield name, image
 
 
 def in_twos(
@@ -219,7 +177,7 @@ def _indexed(
         for row in rows
     }
     pairs, seen = [], set()
-    for name, image in shown_frames(arguments, console):
+    for name, image in frames_of(arguments, console):
         if name not in where:
             continue
         seen.add(name)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-import sys
 
 from blob_tracker.calibration.pulse_file import PulseFile
 from blob_tracker.calibration.pulse_picture import draw_pulse
 from blob_tracker.camera import CalibrationError
-from blob_tracker.commands.calibrate.report import refusal, results_table, row, tell_of
-from blob_tracker.commands.calibrate.sources import add_source, expected, frames, SourceError
+from blob_tracker.commands.calibrate.report import (
+    check_out, results_table, row, tell_of, UsageError,
+)
+from blob_tracker.commands.calibrate.shown_frames import shown_frames
+from blob_tracker.commands.calibrate.sources import add_source, SourceError
 from blob_tracker.location import learn_pulse, Learned, locate_batch
 from blob_tracker.location.noise import pixel_variance
 from blob_tracker.location.pulse_learner import stacked
@@ -20,9 +22,9 @@ from blob_tracker.types import Frame, LocationError, SensorNoise, Window
 import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
-from rich.progress import track
 
-LIVE_FRAMES = 2000  # of a topic, which does not end by itself: a thousand flashes
+FAILURES = (CalibrationError, LocationError)
+LIVE_FRAMES = 2000  # a thousand flashes
 INTERVAL_NS = 16_666_667  # ns from frame to frame, where a folder has no stamps
 MOST_WINDOWS = 3000  # beyond it the pulse is known far better than any window is placed
 BINS = 10
@@ -53,61 +55,54 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def main(arguments: argparse.Namespace) -> int:
-    """Calibrate; return the exit code."""
-    wrong = refusal(arguments.out, '.png')
-    if wrong:
-        print(wrong, file=sys.stderr)
-        return 2
-    console = Console()
+def main(arguments: argparse.Namespace) -> None:
+    """Calibrate."""
+    check_out(arguments.out, '.png')
     try:
         noise = SensorNoise(arguments.gain, arguments.read_noise, arguments.black_level)
-        windows, width, height, reason = _windows(arguments, console)
-        if not windows:
-            raise SourceError(f'no flash was found in {arguments.source}: {reason}')
-        stacks = stacked(windows)
-        with console.status(f'learning the pulse of {len(windows)} windows'):
-            learned = learn_pulse(stacks, noise=noise, saturation=windows[0].saturation)
-        _report(console, learned)
-        tell_of(console, arguments.out)
-        PulseFile(learned, width, height, arguments.light).to_yaml(
-            arguments.out,
-            [
-                f'python3 -m blob_tracker calibrate pulse, {learned.windows} windows',
-                'cubic B-spline, rows along y, of the pulse with its pixel; unit peak, px',
-            ],
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    console = Console()
+    windows, width, height, reason = _windows(arguments, console)
+    if not windows:
+        raise SourceError(f'no flash was found in {arguments.source}: {reason}')
+    stacks = stacked(windows)
+    with console.status(f'learning the pulse of {len(windows)} windows'):
+        learned = learn_pulse(stacks, noise=noise, saturation=windows[0].saturation)
+    _report(console, learned)
+    tell_of(console, arguments.out)
+    PulseFile(learned, width, height, arguments.light).to_yaml(
+        arguments.out,
+        [
+            f'python3 -m blob_tracker calibrate pulse, {learned.windows} windows',
+            'cubic B-spline, rows along y, of the pulse with its pixel; unit peak, px',
+        ],
+    )
+    picture = arguments.out.with_suffix('.png')
+    tell_of(console, picture)
+    draw_pulse(picture, learned, *_by_phase(stacks, learned, windows[0].saturation))
+    if learned.gain >= CLEAR:
+        console.print(
+            f'-p pulse_url:={arguments.out.resolve().as_uri()}', markup=False, soft_wrap=True
         )
-        picture = arguments.out.with_suffix('.png')
-        tell_of(console, picture)
-        draw_pulse(picture, learned, *_by_phase(stacks, learned, windows[0].saturation))
-        if learned.gain >= CLEAR:
-            console.print(
-                f'-p pulse_url:={arguments.out.resolve().as_uri()}', markup=False, soft_wrap=True
-            )
-    except (CalibrationError, LocationError, SourceError, OSError, ValueError) as error:
-        print(error, file=sys.stderr)
-        return 1
-    return 0
 
 
 def _windows(
     arguments: argparse.Namespace, console: Console
 ) -> tuple[list[Window], int, int, str]:
     """Return the windows of the source, the size of its frames, and why the last gave none."""
-    total = expected(arguments)
-    if total is None and arguments.seconds is None:
-        arguments.count = total = LIVE_FRAMES
     segmenter = Segmenter(flash=flash_by_name(arguments.flash))
     windows: list[Window] = []
     width = height = 0
     reason = 'there are no frames'
-    for index, (_, pixels) in enumerate(track(
-        frames(arguments), 'finding the flashes', total, console=console, transient=True
+    for index, (_, seconds, pixels) in enumerate(shown_frames(
+        arguments, console, 'finding the flashes', live_frames=LIVE_FRAMES
     )):
         height, width = pixels.shape
         full = arguments.saturation or int(np.iinfo(pixels.dtype).max)
+        stamp_ns = index * INTERVAL_NS if seconds is None else round(1e9 * seconds)
         try:
-            window = segmenter.update(Frame(pixels, index * INTERVAL_NS, full))
+            window = segmenter.update(Frame(pixels, stamp_ns, full))
         except FrameError as error:
             reason = str(error)
             continue

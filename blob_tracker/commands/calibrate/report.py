@@ -42,9 +42,13 @@ def row(quantity: str, value: float, sigma: float | None, unit: str) -> Row:
     return quantity, f'{value:.{digits}f}', f'{sigma:.{digits}f}', unit
 
 
-def refusal(out: Path, suffix: str, *inputs: Path | None) -> str:
+class UsageError(ValueError):
+    """An option that is wrong whatever the source holds; the message says what would be right."""
+
+
+def check_out(out: Path, suffix: str, *inputs: Path | None) -> None:
     """
-    Return why results should not go to a file, '' where they may.
+    Refuse a file that results should not go to.
 
     Parameters
     ----------
@@ -55,14 +59,22 @@ def refusal(out: Path, suffix: str, *inputs: Path | None) -> str:
     inputs : Path or None
         What is read, and must not be lost.
 
+    Raises
+    ------
+    UsageError
+        It is the picture's or an input's name, or there is no such folder.
+
     """
+    if not out.parent.is_dir():
+        raise UsageError(f'--out {out}: {out.parent} is not a folder; make it first')
     if suffix and out.suffix.lower() == suffix:
         yaml = out.with_suffix('.yaml')
-        return f'--out {out} is the name of the picture beside it; name the file, {yaml} say'
+        raise UsageError(
+            f'--out {out} is the name of the picture beside it; name the file, {yaml} say'
+        )
     for path in inputs:
         if path is not None and path.resolve() == out.resolve():
-            return f'--out {out} is what is read; give it another name'
-    return ''
+            raise UsageError(f'--out {out} is what is read; give it another name')
 
 
 def tell_of(console: Console, path: Path) -> None:

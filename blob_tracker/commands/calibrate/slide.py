@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import sys
 
 from blob_tracker.calibration.slide import (
     Bend, calibrate_slide, SlideCalibration, SlideError, TABLE,
 )
 from blob_tracker.calibration.slide_picture import draw_slide
-from blob_tracker.commands.calibrate.report import results_table, row, tell_of
+from blob_tracker.commands.calibrate.report import results_table, row, tell_of, UsageError
 from blob_tracker.commands.calibrate.stations import add_stations, stations
 from blob_tracker.commands.calibrate.stations_file import SLIDE, Stations, StationsError
 from rich.console import Console
 
+FAILURES = (SlideError, StationsError)
 BENDS = {
     'across': 'the path in the picture is curved: the lens distorts, or the slide is not straight',
     'along': 'the steps in the picture grow towards one end: the image plane is not parallel to '
@@ -41,31 +41,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def main(arguments: argparse.Namespace) -> int:
-    """Calibrate; return the exit code."""
+def main(arguments: argparse.Namespace) -> None:
+    """Calibrate."""
     if arguments.range is not None and not arguments.range > 0.0:
-        print('--range must be above 0 mm', file=sys.stderr)
-        return 2
+        raise UsageError('--range must be above 0 mm')
     if arguments.range_sigma < 0.0 or (arguments.range_sigma and arguments.range is None):
-        print('--range-sigma must be 0 or more and counts with --range only', file=sys.stderr)
-        return 2
-    try:
-        measured = stations(arguments, (SLIDE,))
-        result = calibrate_slide(
-            measured.settings[:, 0],
-            measured.pixels,
-            pixel_sigma=measured.sigma,
-            slide_sigma=arguments.slide_sigma,
-        )
-        console = Console()
-        _report(console, result, measured, arguments)
-        picture = arguments.measurements.with_suffix('.png')
-        tell_of(console, picture)
-        draw_slide(picture, measured.settings[:, 0], result)
-    except (SlideError, StationsError, OSError) as error:
-        print(error, file=sys.stderr)
-        return 1
-    return 0
+        raise UsageError('--range-sigma must be 0 or more and counts with --range only')
+    measured = stations(arguments, (SLIDE,))
+    result = calibrate_slide(
+        measured.settings[:, 0],
+        measured.pixels,
+        pixel_sigma=measured.sigma,
+        slide_sigma=arguments.slide_sigma,
+    )
+    console = Console()
+    _report(console, result, measured, arguments)
+    picture = arguments.measurements.with_suffix('.png')
+    tell_of(console, picture)
+    draw_slide(picture, measured.settings[:, 0], result)
 
 
 def _report(

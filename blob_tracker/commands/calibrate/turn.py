@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-import sys
 
 from blob_tracker.calibration.turn import calibrate_turn, TurnCalibration
 from blob_tracker.calibration.turn_picture import draw_turn
 from blob_tracker.calibration.turn_start import TurnError
 from blob_tracker.camera import CalibrationError, CameraModel, write_calibration
 from blob_tracker.commands.calibrate.report import (
-    refusal, results_table, row, tell_of, WORTHLESS,
+    check_out, results_table, row, tell_of, UsageError, WORTHLESS,
 )
 from blob_tracker.commands.calibrate.stations import add_stations, stations
 from blob_tracker.commands.calibrate.stations_file import PAN, Stations, StationsError, TILT
 from blob_tracker.units import MRAD_PER_RAD
 from rich.console import Console
 
+FAILURES = (CalibrationError, StationsError, TurnError)
 QUANTITIES = (PAN, TILT)
 FIELD_OF_VIEW = 60.0  # degrees: the start of a fit that nothing else is known of
 UNITS = {'k1': ('', 1.0), 'fx': ('px', 1.0), 'fy': ('px', 1.0), 'cx': ('px', 1.0)}
@@ -74,56 +74,45 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def main(arguments: argparse.Namespace) -> int:
-    """Calibrate; return the exit code."""
+def main(arguments: argparse.Namespace) -> None:
+    """Calibrate."""
     if (arguments.camera_info is None) == (arguments.size is None):
-        print('give --camera-info FILE or --size 640x480, one of them', file=sys.stderr)
-        return 2
+        raise UsageError('give --camera-info FILE or --size 640x480, one of them')
     if arguments.offset and not arguments.range:
-        print('--offset counts with --range only: give the range of the target', file=sys.stderr)
-        return 2
+        raise UsageError('--offset counts with --range only: give the range of the target')
     if arguments.range is not None and not arguments.range > abs(arguments.offset):
-        print('--range must be above 0 and beyond the lens', file=sys.stderr)
-        return 2
-    wrong = refusal(arguments.out, '', arguments.measurements, arguments.camera_info)
-    if wrong:
-        print(wrong, file=sys.stderr)
-        return 2
-    try:
-        if arguments.camera_info is not None:
-            guess = CameraModel.from_yaml(arguments.camera_info)
-        else:
-            width, height = arguments.size
-            guess = CameraModel.from_field_of_view(width, height, FIELD_OF_VIEW)
-        measured = stations(arguments, QUANTITIES)
-        result = calibrate_turn(
-            measured.settings[:, 0],
-            measured.settings[:, 1],
-            measured.pixels,
-            guess,
-            pixel_sigma=measured.sigma,
-            step_sigma=arguments.step_sigma / MRAD_PER_RAD,
-            one_focal_length=arguments.one_f,
-            fit_centre=not arguments.fix_centre,
-            fit_distortion=arguments.fit_distortion,
-            offset=arguments.offset / arguments.range if arguments.range else 0.0,
+        raise UsageError('--range must be above 0 and beyond the lens')
+    check_out(arguments.out, '', arguments.measurements, arguments.camera_info)
+    if arguments.camera_info is not None:
+        guess = CameraModel.from_yaml(arguments.camera_info)
+    else:
+        width, height = arguments.size
+        guess = CameraModel.from_field_of_view(width, height, FIELD_OF_VIEW)
+    measured = stations(arguments, QUANTITIES)
+    result = calibrate_turn(
+        measured.settings[:, 0],
+        measured.settings[:, 1],
+        measured.pixels,
+        guess,
+        pixel_sigma=measured.sigma,
+        step_sigma=arguments.step_sigma / MRAD_PER_RAD,
+        one_focal_length=arguments.one_f,
+        fit_centre=not arguments.fix_centre,
+        fit_distortion=arguments.fit_distortion,
+        offset=arguments.offset / arguments.range if arguments.range else 0.0,
+    )
+    console = Console()
+    _report(console, result, measured, arguments)
+    relative = max(result.sigmas[name] / result.values[name] for name in ('fx', 'fy'))
+    if relative > WORTHLESS:
+        raise TurnError(
+            f'the focal length is known to {100.0 * relative:.0f} % only: nothing is written'
         )
-        console = Console()
-        _report(console, result, measured, arguments)
-        relative = max(result.sigmas[name] / result.values[name] for name in ('fx', 'fy'))
-        if relative > WORTHLESS:
-            raise TurnError(
-                f'the focal length is known to {100.0 * relative:.0f} % only: nothing is written'
-            )
-        tell_of(console, arguments.out)
-        write_calibration(arguments.out, result.model, _comments(result))
-        picture = arguments.out.with_name(f'{arguments.out.stem}_residuals.png')
-        tell_of(console, picture)
-        draw_turn(picture, measured.pixels, result)
-    except (CalibrationError, StationsError, TurnError, OSError) as error:
-        print(error, file=sys.stderr)
-        return 1
-    return 0
+    tell_of(console, arguments.out)
+    write_calibration(arguments.out, result.model, _comments(result))
+    picture = arguments.out.with_name(f'{arguments.out.stem}_residuals.png')
+    tell_of(console, picture)
+    draw_turn(picture, measured.pixels, result)
 
 
 def _report(

@@ -97,12 +97,12 @@ def test_gaps(
     stamps[100:] += 2.0
     stamps[60] = stamps[58]
 
-    def stamped(_: object) -> Iterator[tuple[str, float, np.ndarray]]:
+    def stamped(_: object, **__: object) -> Iterator[tuple[str, float, np.ndarray]]:
         for stamp, frame in zip(stamps, frames(150, TWO[0])):
             yield '', float(stamp), frame
 
-    monkeypatch.setattr('blob_tracker.commands.calibrate.flash.stamped_frames', stamped)
-    monkeypatch.setattr('blob_tracker.commands.calibrate.flash.expected', lambda _: 150)
+    monkeypatch.setattr('blob_tracker.commands.calibrate.shown_frames.stamped_frames', stamped)
+    monkeypatch.setattr('blob_tracker.commands.calibrate.shown_frames.expected', lambda _: 150)
     assert run(tmp_path / 'light.mp4', '--out', tmp_path / 'flash.yaml') == 0
     told = capsys.readouterr()
     words = ' '.join(told.out.split())

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 import csv
 from pathlib import Path
 import re
-from signal import default_int_handler, getsignal, raise_signal, SIGINT
+from signal import SIGINT
 import sys
 import time
 
 from blob_tracker.__main__ import main
-from blob_tracker.commands.calibrate.noise_pairs import _steps, _until_interrupt
+from blob_tracker.commands.calibrate.noise_pairs import _steps
 from blob_tracker.ros.endpoints.qos import IMAGE_OUT
 from blob_tracker.ros.messages.image import from_pixels
 from blob_tracker.simulation import FlatField, Scene, Sensor
 from blob_tracker.simulation.sensor import expose
-from blob_tracker.types import Pixels, SensorNoise
+from blob_tracker.types import SensorNoise
 import cv2
 import numpy as np
 import pytest
@@ -155,27 +154,6 @@ def test_a_scene_that_brightens(tmp_path: Path, capsys: pytest.CaptureFixture[st
     # The same tiles: half of those of the bright pairs are above 1023 DN.
     tiles = [re.findall(r'tiles used\D+(\d+), (\d+)', each) for each in (text, told)]
     assert tiles[0] and tiles[0] == tiles[1]
-
-
-def test_the_first_ctrl_c_ends_a_stream_wherever_it_comes() -> None:
-    """While a frame is waited for, or worked on; the second is Python's again."""
-    image = np.zeros((4, 4), dtype=np.uint8)
-
-    def waits() -> Iterator[tuple[str, Pixels]]:
-        yield '1', image
-        raise_signal(SIGINT)
-        yield '2', image
-
-    assert [name for name, _ in _until_interrupt(waits())] == ['1']
-    worked = []
-    for name, _ in _until_interrupt((str(each), image) for each in range(9)):
-        if name == '2':
-            raise_signal(SIGINT)
-            with pytest.raises(KeyboardInterrupt):
-                raise_signal(SIGINT)
-        worked.append(name)
-    assert worked == ['0', '1', '2']
-    assert getsignal(SIGINT) is default_int_handler
 
 
 def test_ctrl_c_measures_what_came_on_a_topic(tmp_path: Path, domain: int) -> None:
