@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import functools
+import math
 
+from blob_tracker.kernel import Array, kernel
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,16 +40,45 @@ def log_likelihood_of_texture(pixels: Floats, variance: float) -> float:
     """
     centred = pixels - pixels.mean()
     height, width = pixels.shape
-    best = np.inf
-    for smooth, lengths in ((True, SMOOTH), (False, ROUGH)):
-        for length in lengths:
-            down, rows = _modes(height, length, smooth)
-            across, columns = _modes(width, length, smooth)
-            squares = (down.T @ centred @ across) ** 2
-            spread = np.outer(rows, columns)
-            total = variance * (1.0 + STRENGTHS[:, None, None] * spread)
-            best = min(best, float((squares / total + np.log(total)).sum(axis=(1, 2)).min()))
-    return -0.5 * best
+    return -0.5 * min(
+        _least_deviance(
+            centred, *_modes(height, length, smooth), *_modes(width, length, smooth), variance
+        )
+        for smooth, lengths in ((True, SMOOTH), (False, ROUGH)) for length in lengths
+    )
+
+
+@kernel
+def _least_deviance(
+    centred: Array, down: Array, rows: Array, across: Array, columns: Array, variance: float
+) -> float:
+    """Return -2 ln L of the likeliest strength, by the modes along y and along x."""
+    height, width = centred.shape
+    half, squares = np.zeros((height, width)), np.zeros((height, width))
+    for i in range(height):
+        for j in range(height):
+            for k in range(width):
+                half[i, k] += down[j, i] * centred[j, k]
+        for j in range(width):
+            for k in range(width):
+                squares[i, k] += half[i, j] * across[j, k]
+        for k in range(width):
+            squares[i, k] *= squares[i, k]
+    least = math.inf
+    for strength in STRENGTHS:
+        deviance = 0.0
+        for i in range(height):
+            product = 1.0
+            for k in range(width):
+                total = variance * (1.0 + strength * rows[i] * columns[k])
+                deviance += squares[i, k] / total
+                product *= total
+                # One logarithm serves several pixels; with more the product might overflow.
+                if k % 8 == 7 or k == width - 1:
+                    deviance += math.log(product)
+                    product = 1.0
+        least = min(least, deviance)
+    return least
 
 
 @functools.cache
@@ -56,4 +87,4 @@ def _modes(count: int, length: float, smooth: bool) -> tuple[Floats, Floats]:
     distance = np.abs(np.subtract.outer(np.arange(count), np.arange(count))) / length
     correlation = np.exp(-(distance**2) / 2.0) if smooth else np.exp(-distance)
     values, vectors = np.linalg.eigh(correlation)
-    return vectors, np.maximum(values, 0.0)
+    return np.ascontiguousarray(vectors), np.maximum(values, 0.0)

@@ -20,6 +20,8 @@ def shows_pulse(pair: Pair) -> bool:
     It may be of any height and of two widths, up to a third of the window: wider ones are slopes.
     """
     assert pair.unlit is not None
+    if _gain(pair, _least_squares(pair.unlit)) <= 0.0:
+        return False  # whatever the pulse
     alone = Pair(pair.unlit, None, pair.noise, pair.saturation)
     lower, upper = bounds(alone)
     upper[SIGMA] = WIDEST * max(pair.unlit.shape)
@@ -31,18 +33,34 @@ def shows_pulse(pair: Pair) -> bool:
         alone, fill_elliptical, np.array([x, y, peak, level, 1.5, 1.5]),
         np.append(lower, lower[SIGMA]), upper,
     )
-    return fit is not None and _gain(pair, fit.means[0]) > 0.0
+    return fit is not None and _gain(pair, _squares(pair.unlit, fit.means[0])) > 0.0
 
 
 def outdoes_texture(pair: Pair, fit: Optimum) -> bool:
     """Return whether the unlit window is likelier to be the model's than a random texture."""
-    return _gain(pair, fit.means[1]) > CLEARLY
+    assert pair.unlit is not None
+    return _gain(pair, _squares(pair.unlit, fit.means[1])) > CLEARLY
 
 
-def _gain(pair: Pair, means: Floats) -> float:
-    """Return twice the log-likelihood of the unlit window's means over that of a texture."""
+def _squares(pixels: Floats, means: Floats) -> float:
+    """Return what means leave of the pixels, DN^2."""
+    return float(((pixels - means) ** 2).sum())
+
+
+def _least_squares(pixels: Floats) -> float:
+    """
+    Return what any pulse on any level leaves of the pixels at least, DN^2.
+
+    Its means b + A g_y g_x^T are a matrix of rank 2, and none of that rank is nearer to another
+    matrix than by the squares of the singular values after its second one (Eckart and Young,
+    Psychometrika 1 (1936)).
+    """
+    return float((np.linalg.svd(pixels, compute_uv=False)[2:] ** 2).sum())
+
+
+def _gain(pair: Pair, squares: float) -> float:
+    """Return twice the log-likelihood of a pulse that leaves such squares over a texture's."""
     assert pair.unlit is not None
     variance = pair.unlit_variance
-    squares = float(((pair.unlit - means) ** 2).sum()) / variance
-    model = -0.5 * (squares + pair.unlit.size * math.log(variance))
+    model = -0.5 * (squares / variance + pair.unlit.size * math.log(variance))
     return 2.0 * (model - pair.log_likelihood_of_texture)
