@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 import functools
 import math
 
@@ -12,14 +13,14 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 # Correlation lengths, px: a lump as small as a pulse, one of some pulses, and edges or slopes.
-SMOOTH = (1.0, 2.0, 4.0)  # of exp(-d^2 / 2 l^2)
+SMOOTH = (2.0, 1.0, 4.0)  # of exp(-d^2 / 2 l^2)
 ROUGH = (3.0, 30.0)  # of exp(-|d| / l) along x times the same along y
 STRENGTHS = np.concatenate([[0.0], np.geomspace(0.02, 5000.0, 14)])  # variance over the noise's
 
 
-def log_likelihood_of_texture(pixels: Floats, variance: float) -> float:
+def log_likelihoods_of_textures(pixels: Floats, variance: float) -> Iterator[float]:
     """
-    Return the likelihood of pixels that are a random texture and noise, as likely as can be.
+    Yield the likelihood of pixels that are a random texture and noise, by its correlation.
 
     The texture is a Gaussian process of the mean of the pixels, whose covariance is a product
     of one along x and one along y, K = K_y (x) K_x with the eigenvalues k_i k_j. In the basis
@@ -28,7 +29,7 @@ def log_likelihood_of_texture(pixels: Floats, variance: float) -> float:
 
         -2 ln L = sum_ij c_ij^2 / (V + S k_i k_j) + ln(V + S k_i k_j)
 
-    The strength S and the correlation are the likeliest of those above.
+    The strength S is the likeliest of those above.
 
     Parameters
     ----------
@@ -40,12 +41,16 @@ def log_likelihood_of_texture(pixels: Floats, variance: float) -> float:
     """
     centred = pixels - pixels.mean()
     height, width = pixels.shape
-    return -0.5 * min(
-        _least_deviance(
-            centred, *_modes(height, length, smooth), *_modes(width, length, smooth), variance
-        )
-        for smooth, lengths in ((True, SMOOTH), (False, ROUGH)) for length in lengths
-    )
+    for smooth, lengths in ((True, SMOOTH), (False, ROUGH)):
+        for length in lengths:
+            yield -0.5 * _least_deviance(
+                centred, *_modes(height, length, smooth), *_modes(width, length, smooth), variance
+            )
+
+
+def log_likelihood_of_texture(pixels: Floats, variance: float) -> float:
+    """Return that of the likeliest correlation."""
+    return max(log_likelihoods_of_textures(pixels, variance))
 
 
 @kernel

@@ -7,6 +7,7 @@ import math
 from blob_tracker.location.hypotheses import Pair
 from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
 from blob_tracker.location.pair_model import bounds, brightest, fill_elliptical, SIGMA
+from blob_tracker.location.texture_field import log_likelihoods_of_textures
 import numpy as np
 
 WIDEST = 1.0 / 3.0  # of the window, a sigma
@@ -20,7 +21,9 @@ def shows_pulse(pair: Pair) -> bool:
     It may be of any height and of two widths, up to a third of the window: wider ones are slopes.
     """
     assert pair.unlit is not None
-    if _gain(pair, _least_squares(pair.unlit)) <= 0.0:
+    likeliest = _log_likelihood(pair, _least_squares(pair.unlit))
+    textures = log_likelihoods_of_textures(pair.unlit, pair.unlit_variance)
+    if any(each >= likeliest for each in textures):
         return False  # whatever the pulse
     alone = Pair(pair.unlit, None, pair.noise, pair.saturation)
     lower, upper = bounds(alone)
@@ -33,18 +36,12 @@ def shows_pulse(pair: Pair) -> bool:
         alone, fill_elliptical, np.array([x, y, peak, level, 1.5, 1.5]),
         np.append(lower, lower[SIGMA]), upper,
     )
-    return fit is not None and _gain(pair, _squares(pair.unlit, fit.means[0])) > 0.0
+    return fit is not None and _gain(pair, fit.means[0]) > 0.0
 
 
 def outdoes_texture(pair: Pair, fit: Optimum) -> bool:
     """Return whether the unlit window is likelier to be the model's than a random texture."""
-    assert pair.unlit is not None
-    return _gain(pair, _squares(pair.unlit, fit.means[1])) > CLEARLY
-
-
-def _squares(pixels: Floats, means: Floats) -> float:
-    """Return what means leave of the pixels, DN^2."""
-    return float(((pixels - means) ** 2).sum())
+    return _gain(pair, fit.means[1]) > CLEARLY
 
 
 def _least_squares(pixels: Floats) -> float:
@@ -58,9 +55,15 @@ def _least_squares(pixels: Floats) -> float:
     return float((np.linalg.svd(pixels, compute_uv=False)[2:] ** 2).sum())
 
 
-def _gain(pair: Pair, squares: float) -> float:
-    """Return twice the log-likelihood of a pulse that leaves such squares over a texture's."""
+def _gain(pair: Pair, means: Floats) -> float:
+    """Return twice the log-likelihood of the unlit window's means over that of a texture."""
+    assert pair.unlit is not None
+    squares = float(((pair.unlit - means) ** 2).sum())
+    return 2.0 * (_log_likelihood(pair, squares) - pair.log_likelihood_of_texture)
+
+
+def _log_likelihood(pair: Pair, squares: float) -> float:
+    """Return that of means which leave such squares of the unlit window, DN^2."""
     assert pair.unlit is not None
     variance = pair.unlit_variance
-    model = -0.5 * (squares / variance + pair.unlit.size * math.log(variance))
-    return 2.0 * (model - pair.log_likelihood_of_texture)
+    return -0.5 * (squares / variance + pair.unlit.size * math.log(variance))

@@ -165,7 +165,6 @@ class InStep(Switching):
         watch, instants = self._watch, self._instants
         going_over = watch.add(stamp_ns / 1e9, lit, unlit)
         noise = light.noise * math.sqrt(0.5 * count)
-        side = 0
         if unlit <= LEAST_LIGHT_SIGMA * noise:
             instants.forget()  # it comes back on the other side
         else:
@@ -179,10 +178,9 @@ class InStep(Switching):
                 instants.add(
                     ahead / unit, max(deviation / unit, SUREST), interval * speed / unit
                 )
-            side = instants.side
-        if going_over or side:
+        if going_over or instants.side:
             self._mode = HalfRate(
-                interval=interval, slower=side * going_over * exposure,
+                interval=interval, slower=instants.side * going_over * exposure,
                 max_pair_interval=self._max_interval, exposure=self._exposure,
             )
             self._mode.contrast(frame)
