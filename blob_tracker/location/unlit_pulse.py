@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.hypotheses import Pair
 from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
 from blob_tracker.location.pair_model import bounds, brightest, fill_elliptical, SIGMA
@@ -44,15 +45,44 @@ def outdoes_texture(pair: Pair, fit: Optimum) -> bool:
     return _gain(pair, fit.means[1]) > CLEARLY
 
 
-def _least_squares(pixels: Floats) -> float:
+@kernel
+def _least_squares(pixels: Array) -> float:
     """
     Return what any pulse on any level leaves of the pixels at least, DN^2.
 
-    Its means b + A g_y g_x^T are a matrix of rank 2, and none of that rank is nearer to another
-    matrix than by the squares of the singular values after its second one (Eckart and Young,
-    Psychometrika 1 (1936)).
+    Without the means of its rows and columns b + A g_y g_x^T is a matrix of rank 1, and none of
+    that rank is nearer to another matrix C than by the squares of the singular values after its
+    first one (Eckart and Young, Psychometrika 1 (1936)). Those squares are the eigenvalues of
+    G = C C^T, of which none is above the fourth root of tr G^4.
     """
-    return float((np.linalg.svd(pixels, compute_uv=False)[2:] ** 2).sum())
+    height, width = pixels.shape
+    centred = pixels - pixels.sum() / pixels.size
+    for j in range(height):
+        centred[j] -= centred[j].sum() / width
+    for i in range(width):
+        centred[:, i] -= centred[:, i].sum() / height
+    products = _products_of_rows(centred)
+    squares, fourths = 0.0, 0.0
+    for j in range(height):
+        squares += products[j, j]
+    for row in _products_of_rows(products):
+        for value in row:
+            fourths += value * value
+    return squares - fourths**0.25
+
+
+@kernel
+def _products_of_rows(matrix: Array) -> Array:
+    """Return the product of a matrix and its transpose."""
+    height, width = matrix.shape
+    products = np.empty((height, height))
+    for j in range(height):
+        for k in range(j + 1):
+            total = 0.0
+            for i in range(width):
+                total += matrix[j, i] * matrix[k, i]
+            products[j, k] = products[k, j] = total
+    return products
 
 
 def _gain(pair: Pair, means: Floats) -> float:
