@@ -20,6 +20,7 @@ import numpy as np
 # Of the misfit of a round pulse: a model that leaves more is no more true than that one.
 UNEXPLAINED = 0.5
 IN_UNLIT = Suspicion.UNLIT | Suspicion.FAILED
+ELSEWHERE = ~IN_UNLIT
 
 
 def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
@@ -44,10 +45,10 @@ def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | Non
 def _best(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
     """Do so at the pair's own pitch."""
     if suspicion & IN_UNLIT and (pair.unlit is None or not shows_pulse(pair)):
-        suspicion &= ~IN_UNLIT  # a texture, of which the base fit takes care
-    asked = [one for one, answers in ALTERNATIVES.items() if suspicion & answers]
-    if not asked:
+        suspicion &= ELSEWHERE  # a texture, of which the base fit takes care
+    if not suspicion:
         return None
+    asked = [one for one, answers in ALTERNATIVES.items() if suspicion & answers]
     base = None
     optimum = None if theta is None else one_pulse(pair, theta)
     if optimum is not None:

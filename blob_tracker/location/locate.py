@@ -36,6 +36,8 @@ METHODS: dict[str, Callable[..., Estimates]] = {
     'locale_table': locale_table,
     'maximum_likelihood': maximum_likelihood,
 }
+# The parameters of each.
+PARAMETERS = {name: frozenset(signature(method).parameters) for name, method in METHODS.items()}
 LARGEST_DN = 1e9  # DN: no sensor counts so far, and its fourth power is still a number
 LEAST_ROUND = 1.0 - 1e-9  # of an ellipse's correlation squared: beyond it rounding decides
 SMALLEST_PX = 3  # px: below this the position, level and width of a pulse are not determined
@@ -70,7 +72,7 @@ def method_options(
     asked = {'elliptical': elliptical or None, 'pulse': pulse}
     options = {name: value for name, value in asked.items() if value is not None}
     for name in options:
-        if name not in signature(METHODS[method]).parameters:
+        if name not in PARAMETERS[method]:
             raise ValueError(
                 f"parameter 'elliptical' is True; the method '{method}' has no such form"
                 if name == 'elliptical' else f"the method '{method}' takes no learned pulse"
@@ -233,11 +235,9 @@ def estimate(
     if window.added_noise > 0.0:
         read_noise = math.hypot(noise.read_noise, window.added_noise)
         noise = replace(noise, read_noise=read_noise)
-    if window.binning[0] != window.binning[1] and 'elliptical' in signature(
-        METHODS[method]
-    ).parameters:
+    if window.binning[0] != window.binning[1] and 'elliptical' in PARAMETERS[method]:
         options['elliptical'] = True  # a round light is not, in the lines of a field
-    if window.glimpse is not None and 'way' in signature(METHODS[method]).parameters:
+    if window.glimpse is not None and 'way' in PARAMETERS[method]:
         options['way'] = Way(
             window.glimpse.way / window.binning,
             window.glimpse.way_sigma / min(window.binning),
@@ -304,7 +304,7 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     dark = np.full_like(lit, 10.0)
     for method in methods:
         locate_batch(lit, dark, method=method, noise=noise)
-        if 'history' in signature(METHODS[method]).parameters:
+        if 'history' in PARAMETERS[method]:
             compile_alternatives()
 
 

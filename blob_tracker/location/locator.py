@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from inspect import signature
 import math
 from typing import Any
 
@@ -12,7 +11,7 @@ from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates
 from blob_tracker.location.flash_memory import FlashMemory, NO_EVIDENCE
 from blob_tracker.location.hypotheses import Pair
-from blob_tracker.location.locate import estimate, METHODS, to_location
+from blob_tracker.location.locate import estimate, PARAMETERS, to_location
 from blob_tracker.location.noise import noise_of_sum
 from blob_tracker.location.pulse_learner import compile_ahead, PulseLearner
 from blob_tracker.location.uneven_rows import variance_of_uneven_rows
@@ -67,12 +66,11 @@ class Locator:
         self.pulse = pulse
         self._learns = learn
         self.learners: dict[str, PulseLearner] = {}
-        parameters = signature(METHODS[method]).parameters
         if learn:
-            if 'pulse' not in parameters:
+            if 'pulse' not in PARAMETERS[method]:
                 raise ValueError(f"the method '{method}' takes no learned pulse")
             compile_ahead()
-        self._remembers = 'history' in parameters
+        self._remembers = 'history' in PARAMETERS[method]
         self._memories: dict[str, FlashMemory] = {}
 
     def locate(self, window: Window, *, noise: SensorNoise, light: str = '') -> Location:

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 import functools
+import math
 
+from blob_tracker.kernel import Array, kernel
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
 # Correlation lengths, px: a lump as small as a pulse, one of some pulses, and edges or slopes.
-SMOOTH = (1.0, 2.0, 4.0)  # of exp(-d^2 / 2 l^2)
+SMOOTH = (2.0, 1.0, 4.0)  # of exp(-d^2 / 2 l^2)
 ROUGH = (3.0, 30.0)  # of exp(-|d| / l) along x times the same along y
 STRENGTHS = np.concatenate([[0.0], np.geomspace(0.02, 5000.0, 14)])  # variance over the noise's
 
 
-def log_likelihood_of_texture(pixels: Floats, variance: float) -> float:
+def log_likelihoods_of_textures(pixels: Floats, variance: float) -> Iterator[float]:
     """
-    Return the likelihood of pixels that are a random texture and noise, as likely as can be.
+    Yield the likelihood of pixels that are a random texture and noise, by its correlation.
 
     The texture is a Gaussian process of the mean of the pixels, whose covariance is a product
     of one along x and one along y, K = K_y (x) K_x with the eigenvalues k_i k_j. In the basis
@@ -26,7 +29,7 @@ def log_likelihood_of_texture(pixels: Floats, variance: float) -> float:
 
         -2 ln L = sum_ij c_ij^2 / (V + S k_i k_j) + ln(V + S k_i k_j)
 
-    The strength S and the correlation are the likeliest of those above.
+    The strength S is the likeliest of those above.
 
     Parameters
     ----------
@@ -38,16 +41,49 @@ def log_likelihood_of_texture(pixels: Floats, variance: float) -> float:
     """
     centred = pixels - pixels.mean()
     height, width = pixels.shape
-    best = np.inf
     for smooth, lengths in ((True, SMOOTH), (False, ROUGH)):
         for length in lengths:
-            down, rows = _modes(height, length, smooth)
-            across, columns = _modes(width, length, smooth)
-            squares = (down.T @ centred @ across) ** 2
-            spread = np.outer(rows, columns)
-            total = variance * (1.0 + STRENGTHS[:, None, None] * spread)
-            best = min(best, float((squares / total + np.log(total)).sum(axis=(1, 2)).min()))
-    return -0.5 * best
+            yield -0.5 * _least_deviance(
+                centred, *_modes(height, length, smooth), *_modes(width, length, smooth), variance
+            )
+
+
+def log_likelihood_of_texture(pixels: Floats, variance: float) -> float:
+    """Return that of the likeliest correlation."""
+    return max(log_likelihoods_of_textures(pixels, variance))
+
+
+@kernel
+def _least_deviance(
+    centred: Array, down: Array, rows: Array, across: Array, columns: Array, variance: float
+) -> float:
+    """Return -2 ln L of the likeliest strength, by the modes along y and along x."""
+    height, width = centred.shape
+    half, squares = np.zeros((height, width)), np.zeros((height, width))
+    for i in range(height):
+        for j in range(height):
+            for k in range(width):
+                half[i, k] += down[j, i] * centred[j, k]
+        for j in range(width):
+            for k in range(width):
+                squares[i, k] += half[i, j] * across[j, k]
+        for k in range(width):
+            squares[i, k] *= squares[i, k]
+    least = math.inf
+    for strength in STRENGTHS:
+        deviance = 0.0
+        for i in range(height):
+            product = 1.0
+            for k in range(width):
+                total = variance * (1.0 + strength * rows[i] * columns[k])
+                deviance += squares[i, k] / total
+                product *= total
+                # One logarithm serves several pixels; with more the product might overflow.
+                if k % 8 == 7 or k == width - 1:
+                    deviance += math.log(product)
+                    product = 1.0
+        least = min(least, deviance)
+    return least
 
 
 @functools.cache
@@ -56,4 +92,4 @@ def _modes(count: int, length: float, smooth: bool) -> tuple[Floats, Floats]:
     distance = np.abs(np.subtract.outer(np.arange(count), np.arange(count))) / length
     correlation = np.exp(-(distance**2) / 2.0) if smooth else np.exp(-distance)
     values, vectors = np.linalg.eigh(correlation)
-    return vectors, np.maximum(values, 0.0)
+    return np.ascontiguousarray(vectors), np.maximum(values, 0.0)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.hypotheses import Pair
 from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
 from blob_tracker.location.pair_model import bounds, brightest, fill_elliptical, SIGMA
+from blob_tracker.location.texture_field import log_likelihoods_of_textures
 import numpy as np
 
 WIDEST = 1.0 / 3.0  # of the window, a sigma
@@ -20,6 +22,10 @@ def shows_pulse(pair: Pair) -> bool:
     It may be of any height and of two widths, up to a third of the window: wider ones are slopes.
     """
     assert pair.unlit is not None
+    likeliest = _log_likelihood(pair, _least_squares(pair.unlit))
+    textures = log_likelihoods_of_textures(pair.unlit, pair.unlit_variance)
+    if any(each >= likeliest for each in textures):
+        return False  # whatever the pulse
     alone = Pair(pair.unlit, None, pair.noise, pair.saturation)
     lower, upper = bounds(alone)
     upper[SIGMA] = WIDEST * max(pair.unlit.shape)
@@ -39,10 +45,55 @@ def outdoes_texture(pair: Pair, fit: Optimum) -> bool:
     return _gain(pair, fit.means[1]) > CLEARLY
 
 
+@kernel
+def _least_squares(pixels: Array) -> float:
+    """
+    Return what any pulse on any level leaves of the pixels at least, DN^2.
+
+    Without the means of its rows and columns b + A g_y g_x^T is a matrix of rank 1, and none of
+    that rank is nearer to another matrix C than by the squares of the singular values after its
+    first one (Eckart and Young, Psychometrika 1 (1936)). Those squares are the eigenvalues of
+    G = C C^T, of which none is above the fourth root of tr G^4.
+    """
+    height, width = pixels.shape
+    centred = pixels - pixels.sum() / pixels.size
+    for j in range(height):
+        centred[j] -= centred[j].sum() / width
+    for i in range(width):
+        centred[:, i] -= centred[:, i].sum() / height
+    products = _products_of_rows(centred)
+    squares, fourths = 0.0, 0.0
+    for j in range(height):
+        squares += products[j, j]
+    for row in _products_of_rows(products):
+        for value in row:
+            fourths += value * value
+    return squares - fourths**0.25
+
+
+@kernel
+def _products_of_rows(matrix: Array) -> Array:
+    """Return the product of a matrix and its transpose."""
+    height, width = matrix.shape
+    products = np.empty((height, height))
+    for j in range(height):
+        for k in range(j + 1):
+            total = 0.0
+            for i in range(width):
+                total += matrix[j, i] * matrix[k, i]
+            products[j, k] = products[k, j] = total
+    return products
+
+
 def _gain(pair: Pair, means: Floats) -> float:
     """Return twice the log-likelihood of the unlit window's means over that of a texture."""
     assert pair.unlit is not None
+    squares = float(((pair.unlit - means) ** 2).sum())
+    return 2.0 * (_log_likelihood(pair, squares) - pair.log_likelihood_of_texture)
+
+
+def _log_likelihood(pair: Pair, squares: float) -> float:
+    """Return that of means which leave such squares of the unlit window, DN^2."""
+    assert pair.unlit is not None
     variance = pair.unlit_variance
-    squares = float(((pair.unlit - means) ** 2).sum()) / variance
-    model = -0.5 * (squares + pair.unlit.size * math.log(variance))
-    return 2.0 * (model - pair.log_likelihood_of_texture)
+    return -0.5 * (squares / variance + pair.unlit.size * math.log(variance))

@@ -113,12 +113,12 @@ class Alternate:
                 f'{self._history.max_interval:.3f} s apart (max_pair_interval)'
             )
             return None
-        unlit, lit = (each.image for each in self._history.frames)
         if expected is not None:
             expected = expected.in_frame(frame)
         self._confirmation.push(frame.stamp_ns, expected, frame.image.shape)
         self.reason = ''
         if self._register is not None:
+            unlit, lit = (each.image for each in self._history.frames)
             self._motion = self._register(lit, unlit)
             if self._motion is None:
                 # Little texture leaves little to lay over; what a wrong pair makes is not in step.
@@ -132,7 +132,7 @@ class Alternate:
         before, after = self._history.frames
         unlit, lit = before.image, after.image
         samples = before.samples
-        self._region = self._confirmation.region((lit.shape[0], lit.shape[1]))
+        self._region = self._confirmation.region(lit.shape)
         if self._motion is not None:
             unlit = self._warped(lit, unlit, self._motion)
             samples = self._warped_samples(after, before, unlit, self._motion)

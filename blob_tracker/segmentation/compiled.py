@@ -6,7 +6,7 @@ from blob_tracker.segmentation.blink import compile_blinking
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.chance import advance, FIELDS
 from blob_tracker.segmentation.contrast import Contrast
-from blob_tracker.segmentation.drift import DriftWatch, light_at
+from blob_tracker.segmentation.drift import DriftWatch, GhostInstants, light_at
 from blob_tracker.segmentation.search import search
 from blob_tracker.types import Frame
 import numpy as np
@@ -22,5 +22,6 @@ def compile_ahead() -> None:
         search(Contrast(lit, unlit, 255, frame, (lit,), (unlit,)), Box(0, 0, 16, 16), min_snr=7.0)
         light_at(lit, 8.0, 8.0, 1.0)
     DriftWatch().add(0.0, 0.0, 0.0)
+    GhostInstants().add(0.0, 1.0, 1.0)
     advance(np.empty((0, FIELDS)), np.empty((0, 7)), np.empty((0, 6)), 0.0, 1.0)
     compile_blinking()

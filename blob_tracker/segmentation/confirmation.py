@@ -126,15 +126,14 @@ class Confirmation:
         """
         self._clock.push(stamp_ns)
         self._frames += 1
-        ended = [
-            key for key, each in self._tracks.items() if self._clock.age(each) > MAX_AGE_FRAMES
-        ]
+        age = self._clock.age
+        ended = [key for key, each in self._tracks.items() if age(each) > MAX_AGE_FRAMES]
         for key in ended:
             del self._tracks[key]
-        if self._locked is not None and self._clock.age(self._locked) > MAX_AGE_FRAMES:
+        if self._locked is not None and age(self._locked) > MAX_AGE_FRAMES:
             self._locked = None
         self._locked_frames = self._locked_frames + 1 if self._locked is not None else 0
-        if self._target is not None and self._clock.age(self._target) > MEMORY_FRAMES:
+        if self._target is not None and age(self._target) > MEMORY_FRAMES:
             self._target, self._stands_in = None, False
         self._expected = None
         if expected is not None and self._followed and expected.inside(shape):
@@ -154,13 +153,13 @@ class Confirmation:
 
     def region(self, shape: tuple[int, int]) -> Box:
         """Return where in a frame of (h, w) the target can be."""
-        track = self._locked
-        if track is None or not self._followed:
+        if not self._followed:
             return whole(shape)
         half = self._half()
         if 2.0 * half > min(shape):
             return whole(shape)
-        x, y = self._predicted_position(track)
+        assert self._locked is not None
+        x, y = self._predicted_position(self._locked)
         column = min(max(round(x), 0), shape[1] - 1)
         row = min(max(round(y), 0), shape[0] - 1)
         return box_about(column, row, round(half), round(half), shape)

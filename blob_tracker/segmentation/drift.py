@@ -59,13 +59,13 @@ class DriftWatch:
             Light above its surroundings where it is and where it was a frame before, DN.
 
         """
-        rate, self.share = _take(self._flashes, self._known, self._count, time, lit, unlit)
+        rate, self.share = _take_flash(self._flashes, self._known, self._count, time, lit, unlit)
         self._count += 1
         return rate
 
 
 @kernel
-def _take(
+def _take_flash(
     flashes: Array, known: Array, count: int, time: float, lit: float, unlit: float
 ) -> tuple[float, float]:
     """Add a flash to so many; return what of the light goes over, in a second and so far."""
@@ -144,16 +144,23 @@ class GhostInstants:
     at the start of the other, or the other way round: its two places are farther apart than its
     way from frame to frame, or less far, by its way in half an exposure. One that is never quite
     off is just as far; and where a filter mixes frames the place is that of the last flash.
+
+    Attributes
+    ----------
+    side : int
+        1 of a light that was on at the end of the lit exposure, -1 at its start; else 0.
+
     """
 
     def __init__(self) -> None:
+        self._against = np.zeros(4)  # late, early, never off, filtered: half chi-squares
         self.forget()
 
     def forget(self) -> None:
         """Hold nothing against any of them."""
-        # Late, early, never off, filtered: half chi-squares, of so many places.
-        self._against = 0.0, 0.0, 0.0, 0.0
-        self._places = 0
+        self.side = 0
+        self._places = 0  # that the sums are of
+        self._against[:] = 0.0
 
     def add(self, ahead: float, deviation: float, frame: float) -> None:
         """
@@ -171,29 +178,24 @@ class GhostInstants:
 
         """
         self._places += 1
-        late, early, never_off, filtered = self._against
-        self._against = (
-            late + _against(ahead + 1.0, deviation),
-            early + _against(ahead - 1.0, deviation),
-            never_off + _against(ahead, deviation),
-            filtered + _against(ahead + frame, deviation),
-        )
-
-    @property
-    def side(self) -> int:
-        """1 of a light that was on at the end of the lit exposure, -1 at its start; else 0."""
-        late, early, never_off, filtered = self._against
-        least = min(late, early)
-        if least + DECIDED > min(never_off, filtered, max(late, early)):
-            return 0
-        if least > MOST_MEAN * self._places:
-            return 0  # none of them is true: it is the texture behind the light
-        return 1 if late < early else -1
+        self.side = _take_place(self._against, self._places, ahead, deviation, frame)
 
 
-def _against(away: float, deviation: float) -> float:
-    """Return what so far away holds against a place: what nothing explains, against none."""
-    return min(0.5 * (away / deviation) ** 2, MOST_AGAINST)
+@kernel
+def _take_place(
+    against: Array, places: int, ahead: float, deviation: float, frame: float
+) -> int:
+    """Add what one of so many places holds against each explanation; return the side."""
+    for k, there in enumerate((-1.0, 1.0, 0.0, -frame)):
+        # What nothing explains is held against none of them.
+        against[k] += min(0.5 * ((ahead - there) / deviation) ** 2, MOST_AGAINST)
+    late, early, never_off, filtered = against
+    least = min(late, early)
+    if least + DECIDED > min(never_off, filtered, max(late, early)):
+        return 0
+    if least > MOST_MEAN * places:
+        return 0  # none of them is true: it is the texture behind the light
+    return 1 if late < early else -1
 
 
 @kernel

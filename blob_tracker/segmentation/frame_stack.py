@@ -143,12 +143,12 @@ def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
     unlit: list[Pixels] = []
     seen_ns = 0
     for pair in pairs:
-        bright = [image[inside].copy() for image in pair.lit]
-        dark = [image[inside].copy() for image in pair.unlit]
-        for one, other in zip(bright, dark):
-            mark_dead(one, other, frame.saturation, pair.noise)
-        lit += bright
-        unlit += dark
+        for image in pair.lit:
+            lit.append(image[inside].copy())
+        for image in pair.unlit:
+            dark = image[inside].copy()
+            mark_dead(lit[len(unlit)], dark, frame.saturation, pair.noise)
+            unlit.append(dark)
         seen_ns += pair.frame.stamp_ns - begun_ns + pair.tau_ns
     seen_ns //= len(pairs)
     middle_line = 0.5 * (box.y0 + box.y1 - 1)

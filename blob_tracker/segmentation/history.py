@@ -69,7 +69,7 @@ class FrameHistory:
                 raise FrameError(f'the stamps jumped back by {late:.3f} s; starting afresh')
             kind = 'repeated' if late == 0.0 else f'{late:.3f} s older than the one before'
             raise FrameError(f'frame left out: its stamp is {kind}; stamps must grow')
-        if _geometry(frame) != _geometry(previous):
+        if not _alike(frame, previous):
             self._restart(frame)
             raise FrameError(
                 f'the frames changed from {_describe(previous)} to {_describe(frame)}; '
@@ -94,9 +94,12 @@ def _plain(frame: Frame) -> Frame:
     return replace(frame, image=np.array(frame.image, order='C'))
 
 
-def _geometry(frame: Frame) -> tuple[object, ...]:
-    """Return what two frames must share for their pixels to be comparable."""
-    return frame.image.shape, frame.image.dtype, frame.x0, frame.y0, frame.binning
+def _alike(one: Frame, other: Frame) -> bool:
+    """Tell whether the pixels of two frames are comparable."""
+    return (
+        one.image.shape == other.image.shape and one.image.dtype == other.image.dtype
+        and one.x0 == other.x0 and one.y0 == other.y0 and one.binning == other.binning
+    )
 
 
 def _describe(frame: Frame) -> str:

@@ -175,7 +175,6 @@ class InStep(Switching):
         watch, instants = self._watch, self._instants
         going_over = watch.add(stamp_ns / 1e9, lit, unlit)
         noise = light.noise * math.sqrt(0.5 * count)
-        side = 0
         there = unlit > LEAST_LIGHT_SIGMA * noise
         self._shift.add(here_y, there_y if there else None)
         if not there:
@@ -191,18 +190,17 @@ class InStep(Switching):
                 instants.add(
                     ahead / unit, max(deviation / unit, SUREST), interval * speed / unit
                 )
-            side = instants.side
         # Shared line by line, and no time between the lines is known: the pair as a whole tells.
         if self._shift.seen and frame.line_time_ns == 0:
             return light
         self._vx += SPEED_MEMORY * (vx - self._vx)
         self._vy += SPEED_MEMORY * (vy - self._vy)
-        if (going_over or side) and (
+        if (going_over or instants.side) and (
             0.5 * exposure * math.hypot(self._vx, self._vy) > MOVING_PX
             or unlit / (lit + unlit) + AHEAD_S * going_over > TOO_EVEN
         ):
             self._mode = HalfRate(
-                interval=interval, slower=side * going_over * exposure,
+                interval=interval, slower=instants.side * going_over * exposure,
                 max_pair_interval=self._max_interval, exposure=self._exposure,
             )
             self._mode.contrast(frame)

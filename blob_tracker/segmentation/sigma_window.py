@@ -38,10 +38,8 @@ def sigma_window(
         blob would not fit into `largest`.
 
     """
-    half_x, half_y = (
-        max(math.ceil(sigmas * sigma), SMALLEST_HALF_PX)
-        for sigma in (candidate.sigma_x, candidate.sigma_y)
-    )
+    half_x = max(math.ceil(sigmas * candidate.sigma_x), SMALLEST_HALF_PX)
+    half_y = max(math.ceil(sigmas * candidate.sigma_y), SMALLEST_HALF_PX)
     if max(half_x, half_y) > largest:
         return None
     return box_about(round(candidate.x), round(candidate.y), half_x, half_y, contrast.shape)
