@@ -42,6 +42,24 @@ REASONS = {
 
 
 @dataclass(frozen=True)
+class Beside:
+    """
+    A second light that flashes with the target.
+
+    Parameters
+    ----------
+    shift : (2,) array
+        From the target to it, window px.
+    excess : float
+        By how much the target is brighter, in standard deviations of that.
+
+    """
+
+    shift: NDArray[np.float64]
+    excess: float
+
+
+@dataclass(frozen=True)
 class Estimates:
     """
     Locations of N blobs in the coordinates of their windows (first pixel's centre at 0, 0).
@@ -65,6 +83,8 @@ class Estimates:
         Of few windows, by their index: what the user should know and do.
     evidence : dict
         Likewise: log weights of the models that were heard, by their names, see `choose`.
+    beside : dict
+        Likewise: the second light, where there is one.
     other_models : dict
         Of the windows that another model than the method's own explains: its log-likelihood, of
         lit and unlit pixels together, and how many parameters it has. What `chi2` says is of
@@ -85,6 +105,7 @@ class Estimates:
     lopsided: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
     warnings: dict[int, str] = field(default_factory=dict)
     evidence: dict[int, Mapping[str, float]] = field(default_factory=dict)
+    beside: dict[int, Beside] = field(default_factory=dict)
     other_models: dict[int, tuple[float, int]] = field(default_factory=dict)
 
     @classmethod

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
+from dataclasses import replace
 import math
 
-from blob_tracker.location.estimates import Estimates
+from blob_tracker.location.estimates import Beside, Estimates
 from blob_tracker.location.hypotheses import History, Motion
 from blob_tracker.location.suspicion import HEAD, LEANING
 from blob_tracker.types import Location, Window
@@ -26,7 +27,15 @@ SUMMED = 64  # flashes, over which a light's lopsidedness is summed
 LOPSIDED_FLASHES = 18.4
 NO_EVIDENCE: Mapping[str, float] = {}  # that the light is anything but one round pulse
 IMAGE_AXES = np.eye(2)
+SAME_SHIFT = 0.5  # of a shift, by which another one may be off and be the same
+LEAST_EXCESS = -20.0  # sum that chance makes of equal lights once in 3e3: its sigma is 5.7
 LEAST_WAY_PX = 1.0  # px from flash to flash, beyond which it is known where the light goes
+
+
+def _is_near(shift: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
+    """Tell whether two shifts are one, either way round."""
+    apart = min(np.hypot(*(shift - other)), np.hypot(*(shift + other)))
+    return bool(apart < SAME_SHIFT * np.hypot(*other))
 
 
 class _Lean:
@@ -70,17 +79,22 @@ class FlashMemory:
         self._unlike: deque[float] = deque(maxlen=REMEMBERED - 1)  # from one flash to the next
         self._noise: deque[float] = deque(maxlen=REMEMBERED)  # of the light, over it
         self._evidence: deque[Mapping[str, float]] = deque(maxlen=REMEMBERED)
+        self._beside: Beside | None = None  # in sensor px
         self._lopsided = _Lean()  # along x and y
         self._trailing = _Lean()  # along the light's way, and across it
 
     def add(
-        self, location: Location, evidence: Mapping[str, float], *, alike: bool = True
+        self, location: Location, evidence: Mapping[str, float], *, alike: bool = True,
+        beside: Beside | None = None,
     ) -> None:
         """
         Take the next flash: where and how bright it was, and which models spoke for it.
 
-        How bright it was counts where it was seen as in the other flashes (`alike`).
+        How bright it was counts where it was seen as in the other flashes (`alike`). The shift to
+        a light `beside` it is in px of the sensor.
         """
+        if beside is not None:
+            self._remember(beside)
         self._places.append((location.stamp_ns, location.x, location.y))
         self._evidence.append(evidence)
         if location.saturated or not alike:
@@ -94,7 +108,26 @@ class FlashMemory:
     def history(self, window: Window) -> History:
         """Return what the last flashes say of the next one."""
         evidence = [each for each in self._evidence if each]
-        return History(self._motion(window), self._even, evidence)
+        beside = self._beside
+        if beside is not None:
+            beside = replace(beside, shift=beside.shift / window.binning)
+        return History(self._motion(window), self._even, evidence, beside)
+
+    def _remember(self, beside: Beside) -> None:
+        """Add the light beside the target, of whichever of the two that was taken for it."""
+        known = self._beside
+        if known is None or not _is_near(beside.shift, known.shift):
+            self._beside = beside
+            return
+        shift = beside.shift
+        excess = (1.0 - 1.0 / SUMMED) * known.excess
+        if shift @ known.shift < 0.0:
+            excess, shift = excess - beside.excess, -shift
+        else:
+            excess += beside.excess
+        # Of two equal ones the first stays the target.
+        wrong = excess < LEAST_EXCESS
+        self._beside = Beside(-shift, -excess) if wrong else Beside(shift, excess)
 
     @property
     def _even(self) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import functools
 import math
 
-from blob_tracker.location.estimates import Failure
+from blob_tracker.location.estimates import Beside, Failure
 from blob_tracker.location.noise import pixel_variance
 from blob_tracker.location.texture_field import log_likelihood_of_texture
 from blob_tracker.types import SensorNoise
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 FALSE_ALARM = (12.8, 2.7)
 UNHEARD = -5.0  # log weight of a model in a flash that did not speak for it, but for another one
 LEAST_BELIEF = -10.0
+TWO_LIGHTS = 'two_lights'  # the model that has a second light
 
 
 @dataclass(frozen=True)
@@ -77,29 +78,42 @@ class History:
     evidence : sequence of mappings
         Of each flash in which alternatives were heard: their log weights less that of the best, by
         their names.
+    beside : Beside or None
+        The second light that flashed with it.
 
     """
 
     motion: Motion | None = None
     even: bool = False
     evidence: Sequence[Mapping[str, float]] = ()
+    beside: Beside | None = None
 
-    def belief(self, model: str) -> float:
+    def belief(self, model: str, rarity: float = 0.0) -> float:
         """
-        Return the log weight of a model beforehand, 0 at most.
+        Return the log weight of a model beforehand.
 
         It is the sum of those of the last flashes, less that of the model that was the likeliest
-        over all of them. A light may become another one: what its pixels themselves say by more
-        than LEAST_BELIEF outdoes it.
+        over all of them, and less its rarity: that one is rare once, not in each flash, and what
+        it was ahead by has paid for it. A light may become another one: what its pixels
+        themselves say by more than LEAST_BELIEF outdoes it.
         """
-        names = {name for each in self.evidence for name in each}
-        if not names:
-            return 0.0
+        ahead = self._ahead(model)
+        if ahead <= 0.0:
+            return max(ahead, LEAST_BELIEF) - rarity
+        return min(max(ahead + LEAST_BELIEF, 0.0), -LEAST_BELIEF, rarity) - rarity
+
+    def is_certain(self, model: str) -> bool:
+        """Tell whether the last flashes speak for one model alone."""
+        return self._ahead(model) > -LEAST_BELIEF
+
+    def _ahead(self, model: str) -> float:
+        """Return by how much of the log weight the last flashes speak for a model."""
+        names = {name for each in self.evidence for name in each} | {model}
         totals = {
-            name: sum(each.get(name, UNHEARD) for each in self.evidence)
-            for name in names | {model}
+            name: sum(each.get(name, UNHEARD) for each in self.evidence) for name in names
         }
-        return max(totals[model] - max(totals.values()), LEAST_BELIEF)
+        own = totals.pop(model)
+        return own - max(totals.values(), default=own)
 
 
 UNKNOWN = History()
@@ -196,6 +210,8 @@ class Fit:
         Whether the light is to one side of the place.
     evidence : mapping of str to float
         Of the models that were heard: their log weights by these pixels, less that of the best.
+    beside : Beside or None
+        The second light, of a model that has one.
 
     """
 
@@ -216,6 +232,7 @@ class Fit:
     rarity: float = 0.0
     lopsided: bool = False
     evidence: Mapping[str, float] = field(default_factory=dict)
+    beside: Beside | None = None
 
 
 def choose(
@@ -253,7 +270,7 @@ def choose(
         return base
     values = np.array([
         fit.log_likelihood - 0.5 * fit.parameters * math.log(pixels)
-        + history.belief(fit.model) - fit.rarity
+        + history.belief(fit.model, fit.rarity)
         for fit in heard
     ])
     # What one flash adds to many is its likelihood, less what a parameter gains from noise
@@ -261,7 +278,7 @@ def choose(
     # each of them.
     told = np.array([fit.log_likelihood - fit.parameters for fit in heard])
     evidence = {fit.model: float(value) for fit, value in zip(heard, told - told.max())}
-    best = replace(heard[int(values.argmax())], evidence=evidence)
+    best = _with_hidden_light(replace(heard[int(values.argmax())], evidence=evidence), history)
     placed = np.array([fit.failure == Failure.NONE for fit in heard])
     if best.failure != Failure.NONE or placed.sum() < 2:
         return best
@@ -273,3 +290,13 @@ def choose(
     covariance = np.einsum('n,ni,nj->ij', weights, apart, apart)
     covariance += sum(weight * fit.covariance for weight, fit in zip(weights, heard))
     return replace(best, x=float(mean[0]), y=float(mean[1]), covariance=covariance)
+
+
+def _with_hidden_light(fit: Fit, history: History) -> Fit:
+    """Return a fit that has one light for two with the doubt which of them is where."""
+    beside = history.beside
+    if beside is None or fit.beside is not None or not history.is_certain(TWO_LIGHTS):
+        return fit
+    return replace(
+        fit, covariance=fit.covariance + np.outer(beside.shift, beside.shift) / 4.0
+    )

@@ -123,7 +123,10 @@ class Locator:
                     location, covariance=location.covariance + doubt, warning=LOPSIDED_LIGHT
                 )
         alike = _shines_as_ever(window)
-        memory.add(location, found.evidence.get(0, NO_EVIDENCE), alike=alike)
+        beside = found.beside.get(0)
+        if beside is not None:
+            beside = replace(beside, shift=beside.shift * window.binning)
+        memory.add(location, found.evidence.get(0, NO_EVIDENCE), alike=alike, beside=beside)
         flicker = memory.flicker if alike else 0.0
         if self._remembers and flicker > 0.0 and not location.warning:
             location = _with_uneven_rows(location, window, noise, flicker)

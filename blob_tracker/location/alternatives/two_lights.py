@@ -6,6 +6,7 @@ from dataclasses import replace
 import math
 
 from blob_tracker.location.doubt import doubted
+from blob_tracker.location.estimates import Beside
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.light_moments import light_moments
 from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
@@ -18,6 +19,7 @@ import numpy as np
 NEAREST = 1.0  # sigma: nearer ones are one
 FAINTEST = 0.05  # of the brighter one: less is no light of its own
 EQUAL = 0.8  # of the brighter one: above it either may be the target
+ALIKE = 0.5  # of it: above it the last flashes tell better which one is brighter
 SLOWEST = 120  # steps
 RARER = 6.0  # of the log-likelihood, times its chi2 squared: rarer beforehand than a streak
 EIGHTHS = (
@@ -32,8 +34,8 @@ def two_lights(pair: Pair, base: Fit) -> Fit | None:
 
         lit = b + A P(x) + A' P(x')
 
-    The brighter one is the target; of two that are about as bright, the one that is nearer to
-    where the target should be, if that is known.
+    The brighter one is the target, in the last flashes together; of two that are about as bright
+    in the first one, that which is nearer to where the target should be, if that is known.
     """
     if pair.unlit is None:
         return None  # what stands behind the target may be the second light
@@ -49,7 +51,7 @@ def two_lights(pair: Pair, base: Fit) -> Fit | None:
     distance = math.hypot(theta[SHIFT_X], theta[SHIFT_Y])
     if part < FAINTEST or distance < NEAREST * theta[SIGMA]:
         return None
-    if part > EQUAL and _other_is_expected(pair, theta):
+    if _is_exchanged(pair, theta, part):
         best = _exchanged(best)
         theta = best.theta
         part = theta[GHOST] / theta[AMPLITUDE]
@@ -60,7 +62,8 @@ def two_lights(pair: Pair, base: Fit) -> Fit | None:
         f'{EIGHTHS[eighth]} the target, flashes with it: a reflection?',
     )
     return replace(
-        fit, rarity=RARER * max(left.chi2, 1.0) ** 2, lopsided=bool(part < EQUAL)
+        fit, rarity=RARER * max(left.chi2, 1.0) ** 2, lopsided=bool(part < EQUAL),
+        beside=Beside(theta[[SHIFT_X, SHIFT_Y]], _excess(best)),
     )
 
 
@@ -99,12 +102,24 @@ def _fit(pair: Pair, start: Floats) -> Optimum | None:
     return _exchanged(best)
 
 
-def _other_is_expected(pair: Pair, theta: Floats) -> bool:
-    """Return whether the target should be where the second light is."""
-    if pair.motion is None or pair.motion.place is None:
+def _excess(fit: Optimum) -> float:
+    """Return by how many standard deviations the first light is brighter than the second."""
+    levels = [AMPLITUDE, GHOST]
+    (first, both), (_, second) = fit.covariance[np.ix_(levels, levels)]
+    variance = max(float(first + second - 2.0 * both), 1e-12)
+    return float((fit.theta[AMPLITUDE] - fit.theta[GHOST]) / math.sqrt(variance))
+
+
+def _is_exchanged(pair: Pair, theta: Floats, part: float) -> bool:
+    """Return whether the target is the second light, which is a `part` as bright."""
+    beside = pair.history.beside
+    shift = theta[[SHIFT_X, SHIFT_Y]]
+    if beside is not None and part > ALIKE:
+        return bool(shift @ beside.shift < 0.0)
+    if part <= EQUAL or pair.motion is None or pair.motion.place is None:
         return False
     away = theta[[X, Y]] - pair.motion.place
-    return bool(np.hypot(*(away + theta[[SHIFT_X, SHIFT_Y]])) < np.hypot(*away))
+    return bool(np.hypot(*(away + shift)) < np.hypot(*away))
 
 
 def _exchanged(fit: Optimum) -> Optimum:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from blob_tracker.location.alternatives.two_lights import two_lights
 from blob_tracker.location.hypotheses import History, Motion, Pair
+from blob_tracker.location.locator import Locator
 from blob_tracker.location.pair_model import one_pulse, to_fit
 from blob_tracker.simulation import expose
+from blob_tracker.types import Window
 import numpy as np
 import pytest
 from support.lights import BACKGROUND, located, NOISE, pulse
@@ -48,3 +50,32 @@ def test_of_two_equal_ones_the_expected_one_is_the_target(expected: int) -> None
     assert fit is not None
     # Five of its standard deviations, of 0.03 px.
     assert np.hypot(*(np.array([fit.x, fit.y]) - places[expected])) < 0.15
+
+
+@pytest.mark.parametrize('distance, part', [(3.5, 0.8), (5.0, 0.3), (4.0, 1.0)])
+def test_the_target_stays_the_same_of_the_two(distance: float, part: float) -> None:
+    """
+    Though noise makes now the one brighter, now the other, and the light is anywhere.
+
+    Together the flashes tell which one is brighter; of equal ones it stays the first.
+    """
+    random = np.random.default_rng(21)
+    locator = Locator()
+    chosen = []
+    for index in range(70):
+        x, y = 9.5 + random.uniform(-1.0, 1.0, 2)
+        places = np.array([[x, y], [x, y] + distance * DIRECTION])
+        lit = BACKGROUND + pulse((21, 21), *places[0]) + part * pulse((21, 21), *places[1])
+        location = locator.locate(
+            Window(
+                expose(lit, NOISE, random), expose(np.full(lit.shape, BACKGROUND), NOISE, random),
+                0, 0, round(index * 1e9 / 30), 255,
+            ),
+            noise=NOISE,
+        )
+        away = np.hypot(*(np.array([location.x, location.y]) - places).T)
+        # Five standard deviations of 0.04 px.
+        assert away.min() < 0.2
+        chosen.append(int(away.argmin()))
+    assert len(set(chosen[10:])) == 1
+    assert part == 1.0 or chosen[-1] == 0
