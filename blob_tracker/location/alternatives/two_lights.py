@@ -68,7 +68,7 @@ def two_lights(pair: Pair, base: Fit) -> Fit | None:
 
 
 def _first_guesses(pair: Pair, base: Fit) -> list[Floats]:
-    """Return where the fit begins: two alike along the light, and one that is left over."""
+    """Return where the fit begins: two alike along the light, one that is left over, the last."""
     light = light_moments(pair)
     half = math.sqrt(max(light.along**2 - light.across**2, 0.25)) * light.direction
     sigma = max(0.9 * light.across, 0.5)
@@ -86,7 +86,12 @@ def _first_guesses(pair: Pair, base: Fit) -> list[Floats]:
         x, y, light.peak, light.background, sigma, other_x - x, other_y - y,
         max(float(left[int(other_y), int(other_x)]), 0.1 * light.peak),
     ])
-    return [alike, over]
+    beside = pair.history.beside
+    if beside is None:
+        return [alike, over]
+    again = over.copy()
+    again[[SHIFT_X, SHIFT_Y]] = beside.shift
+    return [alike, over, again]
 
 
 def _fit(pair: Pair, start: Floats) -> Optimum | None:
