@@ -14,7 +14,6 @@ from blob_tracker import location, segmentation, tracking
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import EffectivePsf, Learned, Locator, method_options, METHODS
-from blob_tracker.location.interpolated import doubted
 from blob_tracker.location.noise_check import NoiseCheck
 from blob_tracker.segmentation import Expectation, FieldSegmenter, FrameError, Segmenter
 from blob_tracker.tracking import Track, Tracker, TrackingError, update_or_restart
@@ -100,7 +99,7 @@ def window_to_bearing(
     noise: SensorNoise,
     line_jitter: LineJitter | None = None,
     light: str = '',
-    interpolated: bool = False,
+    check: NoiseCheck | None = None,
 ) -> tuple[Location, Bearing]:
     """
     Locate the blob of a window, take the jitter of its line off, and turn it into an angle.
@@ -119,8 +118,8 @@ def window_to_bearing(
         Offsets of the lines of an analogue grabber.
     light : str
         Name of the light.
-    interpolated : bool
-        Whether the pixels were interpolated from a colour mosaic, as `NoiseCheck` tells.
+    check : NoiseCheck, optional
+        Has seen the last windows of the light, and doubts this one by them.
 
     Returns
     -------
@@ -140,8 +139,8 @@ def window_to_bearing(
 
     """
     location = locator.locate(window, noise=noise, light=light)
-    if interpolated:
-        location = doubted(location, window.binning)
+    if check is not None:
+        location = check.doubted(window, location)
     if line_jitter is not None:
         line_jitter.check_height(camera_model.height)
         location = line_jitter.corrected(location, gain=noise.gain, looks=window.looks)
@@ -300,7 +299,7 @@ class Pipeline:
             noise=check.noise,
             line_jitter=self.line_jitter,
             light=light,
-            interpolated=check.interpolated,
+            check=check,
         )
         check.add(window, location)
         self.warning = location.warning or check.warning

@@ -9,7 +9,6 @@ import re
 
 from benchmarks.world.bound import bound
 from benchmarks.world.situation import Floats, FULL_SCALE, RATE, Shot, Situation
-from blob_tracker.location.interpolated import doubted
 from blob_tracker.location.locator import Locator
 from blob_tracker.location.noise_check import NoiseCheck
 from blob_tracker.segmentation import FrameError, Segmenter
@@ -118,8 +117,7 @@ def _look(
         reason = segmenter.reason
         if window is not None:
             location = locator.locate(window, noise=noise.noise)
-            if noise.interpolated:
-                location = doubted(location, window.binning)
+            location = noise.doubted(window, location)
             noise.add(window, location)
     except (FrameError, LocationError) as error:
         reason = str(error)

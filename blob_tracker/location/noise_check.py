@@ -6,6 +6,8 @@ from dataclasses import replace
 from math import hypot, inf, log, sqrt
 from typing import NamedTuple
 
+from blob_tracker.location.interpolated import doubted
+from blob_tracker.location.moving_texture import MovingTexture
 from blob_tracker.location.noise import noise_in_words, pixel_variance
 from blob_tracker.location.pulse import integrated_profile
 from blob_tracker.types import Location, SensorNoise, Window
@@ -72,6 +74,10 @@ class NoiseCheck:
     the measured noise used: a right configuration is left as it is, bit for bit. All comes from
     windows in their order, so that a bag has the same numbers in one process and in three.
 
+    Noise that is alike in neighbouring pixels tells that the picture was interpolated from a
+    colour mosaic; and the unlit pixels tell whether the texture behind the light moves
+    (`MovingTexture`). Both are in the covariance that `doubted` returns.
+
     Parameters
     ----------
     configured : SensorNoise
@@ -83,8 +89,6 @@ class NoiseCheck:
         To be used for the next window.
     warning : str
         What is wrong and what to set; '' where the configured noise is right, or not tested yet.
-    interpolated : bool
-        Whether the picture was interpolated from a colour mosaic, see `interpolated.doubted`.
 
     """
 
@@ -92,7 +96,8 @@ class NoiseCheck:
         self.configured = configured
         self.noise = configured
         self.warning = ''
-        self.interpolated = False
+        self._interpolated = False
+        self._texture = MovingTexture()
         self._last: _Seen | None = None
         # dof, and dof times level and variance; products of neighbours and their count; of the
         # light's pixels 1 - h, and that times level and variance.
@@ -104,6 +109,12 @@ class NoiseCheck:
         """Hold another noise against what was seen so far."""
         self.configured = noise
         self._judge()
+
+    def doubted(self, window: Window, location: Location) -> Location:
+        """Return the location of a window with the doubt of what the last ones have shown."""
+        if self._interpolated:
+            location = doubted(location, window.binning)
+        return self._texture.doubted(location)
 
     def add(self, window: Window, location: Location) -> None:
         """
@@ -119,6 +130,7 @@ class NoiseCheck:
         """
         if window.unlit is None:
             return
+        self._texture.add(window, location, self.noise)
         self._compressed = window.added_noise > 0.0  # what that does to a place is known
         unlit = np.asarray(window.unlit, dtype=float)
         across, down = window.binning
@@ -149,8 +161,8 @@ class NoiseCheck:
 
     def _judge(self) -> None:
         """Say whether the configured noise is that of the windows, and which one is."""
-        self.noise, self.warning = self.configured, ''
-        self.interpolated = False
+        self.noise, self.warning = self.configured, self._texture.warning
+        self._interpolated = False
         dof = self._sums[0]
         if dof < LEAST_ALIKE_DOF:
             return
@@ -159,8 +171,10 @@ class NoiseCheck:
             return
         alike = float(self._sums[3] / (self._sums[4] * variance))
         if abs(alike) > CORRELATED:
-            self.interpolated = alike > INTERPOLATED and not self._compressed
-            if self.interpolated:
+            self._interpolated = (
+                alike > INTERPOLATED and not self._compressed and not self._texture.warning
+            )
+            if self._interpolated:
                 self.warning = (
                     f'the noise of neighbouring pixels is alike (correlation {alike:.2f}): the '
                     'picture was interpolated from a colour mosaic, or smoothed, and a narrow '

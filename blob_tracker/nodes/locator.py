@@ -232,7 +232,7 @@ class LocatorNode(Node):
                 noise=noise,
                 line_jitter=self._line_jitter,
                 light=light,
-                interpolated=check.interpolated,
+                check=check,
             )
         except MessageError as error:
             self._health.fault(ERROR, f'{target_topic(light)}/window: {error}')

@@ -42,13 +42,12 @@ def test_a_red_light_keeps_its_covariance(sigma: float) -> None:
             location = locate(window, noise=check.noise)
         except LocationError:
             continue
-        if check.interpolated:
-            location = doubted(location, window.binning)
+        location = check.doubted(window, location)
         check.add(window, location)
         if index >= 20:
             error = np.array([location.x - x, location.y - y])
             squares.append(error @ np.linalg.solve(location.covariance, error))
-    assert check.interpolated
+    assert 'interpolated from a colour mosaic' in check.warning
     assert len(squares) > 200
     # The error depends on the phase: it is no Gaussian, and its mean square is true to a half.
     assert 1.0 < np.mean(squares) < 3.2
@@ -65,8 +64,9 @@ def test_a_grey_camera_is_none() -> None:
             for mean in (BACKGROUND + light, np.full(RED.shape, BACKGROUND))
         )
         window = Window(lit, unlit, 0, 0, round(index * 1e9 / 30), 255)
-        check.add(window, locate(window, noise=NOISE))
-        assert not check.interpolated
+        location = locate(window, noise=NOISE)
+        assert check.doubted(window, location) is location
+        check.add(window, location)
 
 
 def test_binned_pixels_have_a_binned_pitch() -> None:
