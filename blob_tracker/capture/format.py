@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 import errno
 
 from blob_tracker.capture import videodev2
 from blob_tracker.capture.controls import Ioctl
 from blob_tracker.capture.errors import CaptureError
+from blob_tracker.capture.fields import FieldStream, LEAST_LINES
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 from blob_tracker.capture.pixel_formats.pixel_format import Decoder, PixelData, PixelFormat
-from blob_tracker.types import Pixels
+from blob_tracker.types import BAYER, Pixels
 import numpy as np
 from numpy.typing import NDArray
 
@@ -41,6 +42,8 @@ class StreamFormat:
         Sensor pixels per pixel of the picture, along both axes.
     quantisation : function or None
         From the data of a compressed picture to the steps of its luma.
+    fields : FieldStream
+        What a buffer is of a picture.
 
     """
 
@@ -54,6 +57,7 @@ class StreamFormat:
     layout: str = 'grey'
     binning: int = 1
     quantisation: Callable[[PixelData], NDArray[np.uint16]] | None = None
+    fields: FieldStream = field(default_factory=lambda: FieldStream('none', 0))
 
     def picture(self, data: PixelData) -> Pixels:
         """
@@ -70,7 +74,7 @@ class StreamFormat:
 
 def set_format(
     call: Ioctl, device: str, buffer_type: int, width: int, height: int, pixel_format: str,
-    channel: str = 'luma',
+    channel: str = 'luma', field_order: str = '', standard_lines: int = 0,
 ) -> StreamFormat:
     """
     Set a device to a size and a pixel format.
@@ -92,6 +96,10 @@ def set_format(
     channel : str
         'luma', or else all colours are read: 'auto' where the format has any, a colour's name
         where they must be there.
+    field_order : str
+        One of `fields.CHOICES`.
+    standard_lines : int
+        Of the video standard of the signal, 525 or 625; 0 where there is none.
 
     Raises
     ------
@@ -110,7 +118,7 @@ def set_format(
     pix.width = width or pix.width
     pix.height = height or pix.height
     pix.pixelformat = videodev2.fourcc(name)
-    pix.field = videodev2.FIELD_NONE
+    pix.field = videodev2.FIELDS.index(field_order or 'none')
     # How far apart lines are is the driver's choice.
     if several:
         for plane in pix.plane_fmt:
@@ -118,7 +126,14 @@ def set_format(
     else:
         pix.bytesperline = 0
     asked = f'{pix.width}x{pix.height}'
-    call(videodev2.S_FMT, wanted)
+    try:
+        call(videodev2.S_FMT, wanted)
+    except OSError as error:
+        if error.errno != errno.EINVAL or field_order:
+            raise
+        # Some drivers of interlaced video refuse whole pictures in place of giving others.
+        pix.field = videodev2.FIELDS.index('any')
+        call(videodev2.S_FMT, wanted)
     # A size that nobody asked for is that of the pixel format before, which this one may not have.
     if (width and pix.width != width) or (height and pix.height != height):
         sizes = offered_sizes(call, name)
@@ -130,10 +145,7 @@ def set_format(
         raise CaptureError(
             f'{device}: the driver gives {videodev2.fourcc_name(pix.pixelformat)} at '
             f'{width}x{height} instead of {name}; choose another size or format')
-    if pix.field != videodev2.FIELD_NONE:
-        raise CaptureError(
-            f'{device}: the driver gives interlaced fields at {width}x{height}; choose a '
-            'size or input with whole (progressive) pictures')
+    fields = _fields(device, pix.field, field_order, width, height, standard_lines)
     plane = pix.plane_fmt[0] if several else pix
     read_as = PIXEL_FORMATS[name]
     if pix.quantization == videodev2.QUANTIZATION_LIM_RANGE and read_as.limited_range is not None:
@@ -147,9 +159,13 @@ def set_format(
     if channel != 'luma' and read_as.colours is not None:
         decoder, layout, binning = read_as.colours, read_as.layout, 1
         saturation = read_as.colour_saturation
+    if fields.interlaced and (layout in BAYER or binning > 1):
+        raise CaptureError(
+            f'{device}: the driver gives {name} in fields, and the lines of a mosaic are none; '
+            'set pixel_format to a grey format or YUV, or the source to progressive pictures')
     found = StreamFormat(
         buffer_type, name, width, height, plane.bytesperline, saturation, decoder, layout,
-        binning, read_as.quantisation)
+        binning, read_as.quantisation, fields)
     if not read_as.compressed:
         try:  # now, with a sentence, what would spoil every frame
             found.picture(bytes(plane.sizeimage))
@@ -158,6 +174,31 @@ def set_format(
                 f'{device}: its {name} at {width}x{height} cannot be read: {error}; choose '
                 'another size or format') from error
     return found
+
+
+def _fields(
+    device: str, given: int, wanted: str, width: int, height: int, standard_lines: int
+) -> FieldStream:
+    """Return what buffers hold, of a field order that the driver gives."""
+    name = videodev2.FIELDS[given] if given < len(videodev2.FIELDS) else str(given)
+    if name == 'any':  # against the rules; so do drivers that know no fields
+        name = 'none'
+    # The driver may leave to the video standard what who asks knows.
+    told = name == 'interlaced' and wanted.startswith(name)
+    if wanted and name != wanted and not told:
+        gives = 'whole pictures' if name == 'none' else name
+        raise CaptureError(
+            f'{device}: fields is {wanted} and the driver gives {gives} at {width}x{height}; '
+            'leave it empty to take that')
+    try:
+        fields = FieldStream(wanted if told else name, height, standard_lines)
+    except ValueError as error:
+        raise CaptureError(f'{device}: the driver gives pictures in an unknown order of fields: '
+                           f'{error}') from error
+    if fields.interlaced and height * fields.lines_per_line < LEAST_LINES:
+        raise CaptureError(
+            f'{device}: pictures of {height} lines have no fields; choose a larger size')
+    return fields
 
 
 def _saturation(pixel_format: PixelFormat, quantization: int, colorspace: int) -> int:

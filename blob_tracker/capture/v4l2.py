@@ -20,6 +20,7 @@ from blob_tracker.capture.control_events import ControlEvents
 from blob_tracker.capture.controls import Control, ControlError
 from blob_tracker.capture.device import buffer_type, busy, driver, open_capture_device
 from blob_tracker.capture.errors import CaptureError, NoFrameError
+from blob_tracker.capture.fields import fields as dealt_out, FieldStream
 from blob_tracker.capture.format import set_format
 from blob_tracker.capture.frame_rate import set_frame_rate
 from blob_tracker.capture.selection import sensor_region
@@ -30,6 +31,7 @@ from blob_tracker.capture.stamps import (
 from blob_tracker.types import Frame
 
 Result = TypeVar('Result')
+UNKNOWN_PICTURE_RATE = 25.0  # pictures/s, of interlaced ones whose driver tells none
 
 
 class V4l2Camera:
@@ -42,7 +44,11 @@ class V4l2Camera:
     counted in `drops`: after a stall of the reader the first frame is a new one, and a reader that
     is too slow never falls further behind than that.
 
-    An HDMI or SDI input is set to the timings of its signal first.
+    An HDMI or SDI input is set to the timings of its signal first, an analogue one to the standard
+    of its signal where the driver tells.
+
+    Of interlaced pictures each field is a frame, with a stamp and a place of its own: see
+    `blob_tracker.capture.fields`.
 
     Parameters
     ----------
@@ -55,7 +61,8 @@ class V4l2Camera:
         is one of these and not compressed. Otherwise it takes the first of these that the device
         offers, a compressed one only where there is no other.
     frame_rate : float
-        Frames/s; 0 leaves it as the driver has it. The driver takes the nearest it can.
+        Frames/s, of interlaced pictures fields/s; 0 leaves it as the driver has it. The driver
+        takes the nearest it can.
     buffers : int
         Kernel buffers, 2 to 32.
     exposure_time : float or None
@@ -73,16 +80,24 @@ class V4l2Camera:
     channel : str
         'luma' gives grey frames; 'auto' those with all the colours that the pixel format has for
         each pixel; 'red', 'green' and 'blue' the same where it has any.
+    fields : str
+        How interlaced pictures are asked for, one of `blob_tracker.capture.fields.CHOICES`; ''
+        takes whole pictures where the driver has them, and otherwise what it gives. An order
+        counts for a driver that leaves it to the video standard, too.
 
     Attributes
     ----------
     width, height : int
-        Size that the driver gives, px; the luma of a Bayer format is half as wide and high.
+        Size that the driver gives, px; the luma of a Bayer format is half as wide and high, a
+        field of an interlaced picture less than half as high.
     sensor_size : (int, int)
         Width and height of the full, unbinned sensor, px, as far as the driver tells; otherwise
         those of its pictures. `Frame.x0`, `y0` and `binning` are the place in it.
     frame_rate : float
-        Frames/s, as the driver gives it; 0 where it does not say.
+        Frames/s, as the driver gives it, of interlaced pictures fields/s; 0 where it does not say.
+    pixel_aspect : float
+        Height of a pixel of the full sensor by its width, as far as the driver tells: lines of an
+        analogue camera are sampled at a rate of their own.
     pixel_format : str
         Four-character code in use.
     saturation : int
@@ -107,6 +122,8 @@ class V4l2Camera:
     error_frames = 0
     sequence = -1
     control_changes = 0
+    _dealt: tuple[Frame, ...] = ()  # fields of the last picture that nobody has read yet
+    _last_field_ns = 0  # of the second field of a picture, monotonic
 
     def __init__(
         self,
@@ -121,6 +138,7 @@ class V4l2Camera:
         line_time: float | None = 0.0,
         prepare: Callable[[V4l2Camera], None] = lambda camera: None,
         channel: str = 'luma',
+        fields: str = '',
     ) -> None:
         if not 2 <= buffers <= 32:
             raise CaptureError(f'buffers is {buffers}; it must be 2 to 32')
@@ -144,16 +162,21 @@ class V4l2Camera:
             self._signal.lock(device)
             self._format = set_format(
                 self._call, device, buffer_type(self._fd), width, height, pixel_format,
-                channel)
+                channel, fields, self._signal.lines)
             self.pixel_format = self._format.pixel_format
             self.saturation = self._format.saturation
             self.width, self.height = self._format.width, self._format.height
-            self._region = sensor_region(self._call, device, self.width, self.height)
+            self._region = sensor_region(
+                self._call, device, self.width, self.height, self.fields.lines_per_line)
             self.sensor_size = self._region.sensor_size
+            self.pixel_aspect = self._signal.pixel_aspect(*self.sensor_size)
             across, down = self._region.binning
             self._binning = across * self._format.binning, down * self._format.binning
-            self.frame_rate = set_frame_rate(
-                self._call, self._format.buffer_type, frame_rate, self._signal.frame_rate)
+            # Drivers count pictures.
+            per_picture = self.fields.per_picture
+            self.frame_rate = per_picture * set_frame_rate(
+                self._call, self._format.buffer_type, frame_rate / per_picture,
+                self._signal.frame_rate)
             prepare(self)
             step = 'give its buffers'
             self._buffer_flags = map_buffers(
@@ -164,9 +187,11 @@ class V4l2Camera:
             self._exposure = ExposureControls(
                 self._call, known, self.width * self._format.binning,
                 self.height * self._format.binning,
-                Exposure(_ns(exposure_time), _ns(readout_time)))
-            self._middle = MidExposure(
-                source_of(self._buffer_flags, driver(self._fd)), self._exposure.read())
+                Exposure(
+                    _ns(exposure_time),
+                    _ns(self._signal.readout_time if readout_time is None else readout_time)))
+            self._source = source_of(self._buffer_flags, driver(self._fd))
+            self._middle = MidExposure(self._source, self._exposure.read())
             self._call(videodev2.STREAMON, ctypes.c_int32(self._format.buffer_type))
             self._streaming = True
         except OSError as error:
@@ -211,22 +236,19 @@ class V4l2Camera:
 
         """
         self._check_open()
-        deadline = time.monotonic() + timeout
-        waited = False
-        spoilt_before = self.error_frames
-        while True:
-            buffer = self._dequeue()
-            if buffer is None:
-                self._wait(deadline, timeout, self.error_frames - spoilt_before)
-                waited = True
-                continue
-            try:
-                # What read had to wait for is new, however slow the way from the sensor is.
-                frame = self._frame(buffer) if waited or not self._stale(buffer) else None
-            finally:
-                self._queue(buffer)
-            if frame is not None:
-                return frame
+        age = (time.monotonic_ns() - self._last_field_ns) / 1e9
+        if self._dealt and 0.0 < self.longest_wait < age:
+            self.drops += len(self._dealt)
+            self._dealt = ()
+        if not self._dealt:
+            self._dealt = self._next_picture(timeout)
+        frame, self._dealt = self._dealt[0], self._dealt[1:]
+        return frame
+
+    @property
+    def fields(self) -> FieldStream:
+        """Return what the driver's buffers hold of a picture; as a str in words."""
+        return self._format.fields
 
     @property
     def stamp_place(self) -> str:
@@ -369,6 +391,25 @@ class V4l2Camera:
 
     # --- streaming ---
 
+    def _next_picture(self, timeout: float) -> tuple[Frame, ...]:
+        """Return the frames in the next buffer."""
+        deadline = time.monotonic() + timeout
+        waited = False
+        spoilt_before = self.error_frames
+        while True:
+            buffer = self._dequeue()
+            if buffer is None:
+                self._wait(deadline, timeout, self.error_frames - spoilt_before)
+                waited = True
+                continue
+            try:
+                # What read had to wait for is new, however slow the way from the sensor is.
+                frames = self._frames(buffer) if waited or not self._stale(buffer) else ()
+            finally:
+                self._queue(buffer)
+            if frames:
+                return frames
+
     def _dequeue(self) -> videodev2.Buffer | None:
         """Return the oldest buffer that the driver has filled, None where there is none."""
         buffer = empty_buffer(self._format.buffer_type)
@@ -414,11 +455,11 @@ class V4l2Camera:
         age = (time.monotonic_ns() - _stamp_ns(buffer)) / 1e9
         return 0.0 < self.longest_wait < age
 
-    def _frame(self, buffer: videodev2.Buffer) -> Frame | None:
-        """Return the picture in a buffer and count the frames lost before it; None if spoilt."""
+    def _frames(self, buffer: videodev2.Buffer) -> tuple[Frame, ...]:
+        """Return the frames in a buffer and count those lost before it; none if it is spoilt."""
         if buffer.flags & videodev2.BUF_FLAG_ERROR:
             self.error_frames += 1
-            return None
+            return ()
         begin, end = 0, buffer.bytesused
         if buffer.type == videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE:
             begin, end = buffer.m.planes[0].data_offset, buffer.m.planes[0].bytesused
@@ -429,19 +470,46 @@ class V4l2Camera:
             steps = None if quantisation is None else quantisation(filled)
         except ValueError:
             self.error_frames += 1
-            return None  # cut short
+            return ()  # cut short
         finally:
             filled.release()
         stamp_ns = _stamp_ns(buffer)
-        self._count(buffer.sequence, stamp_ns)
+        self._count(self.fields.number(buffer.sequence, buffer.field), stamp_ns)
         self._follow_controls()
-        middle_ns = self._middle.middle(stamp_ns, time.monotonic_ns())
+        middle_ns = self._of_first_field(self._middle.middle(stamp_ns, time.monotonic_ns()))
         line_time_ns = self._line_time_ns()
-        later_ns = of_first_line(line_time_ns, image.shape[0], self._format.binning)
-        return Frame(
+        lines = image.shape[0] // self.fields.per_buffer
+        later_ns = of_first_line(line_time_ns, lines, self._format.binning)
+        frame = Frame(
             image, self._clock.from_monotonic(middle_ns) + later_ns, self.saturation,
             self._region.x0, self._region.y0, self._binning, self._format.layout,
             quantisation=steps, exposure_ns=self._middle.time_ns, line_time_ns=line_time_ns)
+        return self._deal_out(frame, buffer.field) if self.fields.interlaced else (frame,)
+
+    def _of_first_field(self, middle_ns: int) -> int:
+        """Return the middle of the exposure of the field that was taken first, monotonic ns."""
+        if self.fields.per_buffer == 2:
+            if self._source == 'transfer end':
+                middle_ns -= self._field_ns  # that was the second
+            # A transfer's end may be noticed late: the fields keep their order.
+            middle_ns = max(middle_ns, self._last_field_ns + 1)
+            self._last_field_ns = middle_ns + self._field_ns
+        return middle_ns
+
+    def _deal_out(self, picture: Frame, field: int) -> tuple[Frame, ...]:
+        """Return the fields in a buffer, each with its stamp."""
+        try:
+            order = self.fields.order(field)
+        except ValueError as error:
+            raise CaptureError(
+                f'{self.device}: {error}; set fields to interlaced, top or bottom') from error
+        return dealt_out(picture, order, 2 * self._field_ns)
+
+    @property
+    def _field_ns(self) -> int:
+        """Return how long a field takes, ns."""
+        rate = self.frame_rate / self.fields.per_picture or UNKNOWN_PICTURE_RATE
+        return round(0.5e9 / rate)
 
     def _line_time_ns(self) -> float:
         """Return the line time of the last frame, ns; 0 where it is not known."""
@@ -467,7 +535,7 @@ class V4l2Camera:
             # The first frame, or a driver that starts its count again.
             self._first = (sequence, stamp_ns)
         else:
-            self.drops += step - 1
+            self.drops += self.fields.per_buffer * (step - 1)
             number, begin_ns = self._first
             # The mean, as the stamps of single frames jitter on a busy machine.
             self._interval_ns = (stamp_ns - begin_ns) // ((sequence - number) & 0xffffffff)

@@ -14,6 +14,7 @@ from typing import Any
 
 import blob_tracker
 from blob_tracker.capture import CaptureError, videodev2
+from blob_tracker.capture.fields import FieldStream
 from blob_tracker.commands.doctor import cameras, compiled, discovery, examined, installation
 from blob_tracker.commands.doctor import log_folder, profile, python, security, shared_memory
 from blob_tracker.commands.doctor.finding import error, Finding, Level, ok, warn
@@ -471,14 +472,19 @@ def test_camera_that_may_not_be_opened(tmp_path: Path, monkeypatch: pytest.Monke
          'sudo usermod -aG video')
 
 
-@pytest.mark.parametrize('drops, level', [(0, Level.OK), (3, Level.WARN)])
+@pytest.mark.parametrize('drops, level, order, words', [
+    (0, Level.OK, 'none', ''), (3, Level.WARN, 'none', ''),
+    (0, Level.OK, 'seq_tb', ', fields top before bottom, one above the other'),
+])
 def test_frames_of_a_camera(
-    drops: int, level: Level, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    drops: int, level: Level, order: str, words: str, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Their size, rate and brightness, after what the device says of itself."""
 
     class Stream:
         width, height, pixel_format, saturation = 640, 480, 'YUYV', 235
+        fields = FieldStream(order, 480)
         stamp_ns = 0
 
         def __init__(self, path: str) -> None:
@@ -499,7 +505,7 @@ def test_frames_of_a_camera(
     device, stream = cameras.check_stream(f'{devices(tmp_path)}/video2')
     assert device.level is Level.OK
     assert stream.level is level
-    assert f'640x480 YUYV at 25.0 frames/s, {drops} lost' in stream.message
+    assert f'640x480 YUYV{words} at 25.0 frames/s, {drops} lost' in stream.message
     assert 'the brightest pixel 99 of 235 DN' in stream.message
 
 

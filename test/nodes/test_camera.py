@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from math import nan
 from pathlib import Path
 import time
@@ -12,6 +13,7 @@ from typing import Any
 from blob_tracker.camera import CameraModel
 from blob_tracker.capture import CaptureError, NoFrameError
 from blob_tracker.nodes import camera as nodes_camera
+from blob_tracker.ros.endpoints.frame_topics import FrameTopics
 from blob_tracker.types import Frame
 import cv2
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -170,10 +172,12 @@ class FakeStream:
     width, height, frame_rate, device = 8, 6, 29.97, '/dev/fake'
     stamp_place, pixel_format, saturation, sensor_size = 'somewhere', 'GREY', 255, (8, 6)
     drops, error_frames, overruns, exposure_time = 3, 5, 0, None
-    control_changes, tells_changes = 0, True
+    control_changes, tells_changes, pixel_aspect = 0, True, 1.0
+    fields: object = 'none, whole pictures'
     line_time: float | None = 0.0
     read_time: float | None = 1.25e-5
     frames = 0
+    kinds: tuple[tuple[int, tuple[int, int]], ...] = ((0, (1, 1)),)  # y0 and binning, in turn
     error: Exception = OSError(5, 'Input/output error')
     opened: list[float] = []
 
@@ -192,7 +196,9 @@ class FakeStream:
         """Return a frame or raise."""
         if self.frames:
             self.frames -= 1
-            return Frame(np.zeros((6, 8), np.uint8), time.time_ns(), 255)
+            y0, binning = self.kinds[self.frames % len(self.kinds)]
+            image = np.zeros(((7 - binning[1]) // binning[1], 8), np.uint8)
+            return Frame(image, time.time_ns(), 255, y0=y0, binning=binning)
         raise self.error
 
 
@@ -277,3 +283,21 @@ def test_the_line_time_is_told_and_where_it_is_from(
                  frames=10**6, line_time=line_time)
     assert found.values['line time'].startswith(shown)
     assert any('rolling_shutter is on' in each for each in found.words) == warned
+
+
+def test_each_field_has_a_camera_info_of_its_own(
+    told: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Top and bottom take turns; pixels of an analogue camera are not square."""
+    published: list[tuple[Frame, CameraInfo]] = []
+    monkeypatch.setattr(
+        FrameTopics, 'publish',
+        lambda self, frame, info, frame_id: published.append((frame, copy(info)))
+    )
+    found = told(lambda now: len(published) > 4, '-p', 'field_of_view:=40.0', frames=10**6,
+                 kinds=((0, (1, 2)), (1, (1, 2))), pixel_aspect=0.5, fields='top before bottom')
+    assert found.values['fields'] == 'top before bottom'
+    for frame, info in published:
+        assert (info.roi.y_offset, info.binning_x, info.binning_y) == (frame.y0, 1, 2)
+        assert info.roi.height == 2 * len(frame.image)
+        assert info.k[4] == 2.0 * info.k[0]

@@ -142,8 +142,10 @@ def check_stream(path: str) -> Iterator[Finding]:
         yield error('camera', str(fault))
         return
     rate = 1e9 * count / (last.stamp_ns - first.stamp_ns)
+    interlaced = f', fields {camera.fields}' if camera.fields.interlaced else ''
     words = (
-        f'{path}: {camera.width}x{camera.height} {camera.pixel_format} at {rate:.1f} frames/s, '
+        f'{path}: {camera.width}x{camera.height} {camera.pixel_format}{interlaced} at {rate:.1f} '
+        'frames/s, '
         f'{camera.drops} lost, the brightest pixel {last.image.max()} of {camera.saturation} DN'
     )
     if camera.drops:
