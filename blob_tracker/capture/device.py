@@ -12,6 +12,7 @@ import stat
 
 from blob_tracker.capture import videodev2
 from blob_tracker.capture.errors import CaptureError
+from blob_tracker.capture.refusals import busy, LOOPBACK, no_writer
 
 CAPTURES = videodev2.CAP_VIDEO_CAPTURE | videodev2.CAP_VIDEO_CAPTURE_MPLANE
 
@@ -152,12 +153,6 @@ def _why_not_open(path: str, error: OSError) -> str:
     return f'{path}: cannot be opened: {error.strerror}; {_there_are()}'
 
 
-def busy(path: str) -> str:
-    """Return the sentence for a device that another program streams from."""
-    return (f'{path}: the device is busy: another program streams from it; end that program '
-            f"('fuser -v {path}' names it)")
-
-
 def _no_permission(path: str) -> str:
     try:
         status = os.stat(path)
@@ -210,6 +205,8 @@ def _check_captures(path: str, fd: int) -> None:
             raise CaptureError(_not_v4l2(path)) from error
         raise CaptureError(f'{path}: cannot be queried: {error.strerror}') from error
     if not flags & CAPTURES:
+        if driver(fd) == LOOPBACK:  # exclusive_caps: an output until somebody writes
+            raise CaptureError(no_writer(path))
         raise CaptureError(
             f'{path}: this is {kind(flags)}, not a capture device; {_there_are()}')
     if not flags & videodev2.CAP_STREAMING:

@@ -141,6 +141,10 @@ def set_format(
             f'{device}: {asked} is not offered; the driver gives '
             f'{pix.width}x{pix.height} instead' + (f', and has {sizes}' if sizes else ''))
     width, height = pix.width, pix.height
+    if not (width and height):
+        raise CaptureError(
+            f'{device}: the driver gives pictures of {width}x{height}: there is no signal, or no '
+            'program that writes into it; start that first')
     if pix.pixelformat != videodev2.fourcc(name):
         raise CaptureError(
             f'{device}: the driver gives {videodev2.fourcc_name(pix.pixelformat)} at '
@@ -219,6 +223,10 @@ def _chosen(call: Ioctl, device: str, buffer_type: int, wanted: str, current: st
     usable = sorted(
         (name for name in offered if name in PIXEL_FORMATS),
         key=lambda name: PIXEL_FORMATS[name].compressed)  # else in the device's own order
+    if not offered:
+        raise CaptureError(
+            f'{device}: it offers no pixel format at all: there is no signal, or no program that '
+            'writes into it; start that first')
     if not usable:
         raise CaptureError(
             f'{device}: none of its pixel formats ({", ".join(offered)}) can be decoded; '

@@ -14,15 +14,16 @@ from types import TracebackType
 from typing import TypeVar
 
 from blob_tracker.capture import controls, videodev2
-from blob_tracker.capture.buffers import empty_buffer, map_buffers
+from blob_tracker.capture.buffers import empty_buffer, map_buffers, stamp_of, told_stamp
 from blob_tracker.capture.clock import RealtimeClock
 from blob_tracker.capture.control_events import ControlEvents
 from blob_tracker.capture.controls import Control, ControlError
-from blob_tracker.capture.device import buffer_type, busy, driver, open_capture_device
+from blob_tracker.capture.device import buffer_type, driver, open_capture_device
 from blob_tracker.capture.errors import CaptureError, NoFrameError
 from blob_tracker.capture.fields import fields as dealt_out, FieldStream
 from blob_tracker.capture.format import set_format
 from blob_tracker.capture.frame_rate import set_frame_rate
+from blob_tracker.capture.refusals import LOOPBACK, no_writer, refusal, Step, unplugged
 from blob_tracker.capture.selection import sensor_region
 from blob_tracker.capture.signal import Signal
 from blob_tracker.capture.stamps import (
@@ -122,6 +123,7 @@ class V4l2Camera:
     error_frames = 0
     sequence = -1
     control_changes = 0
+    _driver = ''
     _dealt: tuple[Frame, ...] = ()  # fields of the last picture that nobody has read yet
     _last_field_ns = 0  # of the second field of a picture, monotonic
 
@@ -156,8 +158,9 @@ class V4l2Camera:
         self._clock = RealtimeClock()
         self._open = threading.Lock()  # held by whom the device must not be closed under
         self._fd = open_capture_device(device)
-        step = 'take these settings'
+        step: Step = 'settings'
         try:
+            self._driver = driver(self._fd)
             self._signal = Signal(self._call)
             self._signal.lock(device)
             self._format = set_format(
@@ -178,10 +181,10 @@ class V4l2Camera:
                 self._call, self._format.buffer_type, frame_rate / per_picture,
                 self._signal.frame_rate)
             prepare(self)
-            step = 'give its buffers'
+            step = 'buffers'
             self._buffer_flags = map_buffers(
                 self._call, self._fd, device, self._format.buffer_type, buffers, self._memory)
-            step = 'begin to stream'
+            step = 'stream'
             known = controls.controls(self._call)
             self._events = ControlEvents(self._call, known.values())
             self._exposure = ExposureControls(
@@ -190,18 +193,13 @@ class V4l2Camera:
                 Exposure(
                     _ns(exposure_time),
                     _ns(self._signal.readout_time if readout_time is None else readout_time)))
-            self._source = source_of(self._buffer_flags, driver(self._fd))
+            self._source = source_of(self._buffer_flags, self._driver)
             self._middle = MidExposure(self._source, self._exposure.read())
             self._call(videodev2.STREAMON, ctypes.c_int32(self._format.buffer_type))
             self._streaming = True
         except OSError as error:
             self.close()
-            if error.errno == errno.EBUSY:
-                raise CaptureError(busy(device)) from error
-            if error.errno == errno.ENODEV:
-                raise CaptureError(self._unplugged()) from error
-            raise CaptureError(f'{device}: the driver does not {step}: {error.strerror}; open it '
-                               "again, and if that does not help see what 'dmesg' says") from error
+            raise CaptureError(refusal(device, self._driver, step, error)) from error
         except BaseException:
             self.close()
             raise
@@ -379,15 +377,12 @@ class V4l2Camera:
                 return action()
             except OSError as error:
                 if error.errno == errno.ENODEV:
-                    raise CaptureError(self._unplugged()) from error
+                    raise CaptureError(unplugged(self.device)) from error
                 raise CaptureError(
                     f'{self.device}: its controls cannot be queried: {error.strerror}') from error
 
     def _call(self, number: int, argument: object) -> None:
         videodev2.ioctl(self._fd, number, argument)
-
-    def _unplugged(self) -> str:
-        return f'{self.device}: the device is gone (unplugged?); connect it and open it again'
 
     # --- streaming ---
 
@@ -432,10 +427,10 @@ class V4l2Camera:
 
     def _lost(self, error: OSError) -> CaptureError:
         if error.errno == errno.ENODEV:
-            return CaptureError(self._unplugged())
+            return CaptureError(unplugged(self.device))
         return CaptureError(
             f'{self.device}: the driver stopped streaming: {error.strerror}'
-            f'{self._signal.trouble()}; open it again')
+            f'{self._trouble()}; open it again')
 
     def _wait(self, deadline: float, timeout: float, spoilt: int) -> None:
         ready = self._poll.poll(max(0.0, deadline - time.monotonic()) * 1e3)
@@ -444,15 +439,21 @@ class V4l2Camera:
             if spoilt:
                 pictures = '1 picture' if spoilt == 1 else f'{spoilt} pictures'
                 what = f'{pictures} came, all spoilt or cut short'
-            raise NoFrameError(f'{self.device}: {what}{self._signal.trouble()}')
+            raise NoFrameError(f'{self.device}: {what}{self._trouble()}')
         if not ready[0][1] & select.POLLIN:
             # An error alone; a driver that knows its number gives it with the next buffer.
             self._dequeue()
             raise CaptureError(f'{self.device}: the driver stopped streaming'
-                               f'{self._signal.trouble()}; open it again')
+                               f'{self._trouble()}; open it again')
+
+    def _trouble(self) -> str:
+        """Return ': ' and why a camera has gone quiet, or ''."""
+        if self._driver == LOOPBACK:
+            return ': the program that writes into this v4l2loopback device has stopped'
+        return self._signal.trouble()
 
     def _stale(self, buffer: videodev2.Buffer) -> bool:
-        age = (time.monotonic_ns() - _stamp_ns(buffer)) / 1e9
+        age = (time.monotonic_ns() - told_stamp(buffer)) / 1e9
         return 0.0 < self.longest_wait < age
 
     def _frames(self, buffer: videodev2.Buffer) -> tuple[Frame, ...]:
@@ -473,7 +474,7 @@ class V4l2Camera:
             return ()  # cut short
         finally:
             filled.release()
-        stamp_ns = _stamp_ns(buffer)
+        stamp_ns = stamp_of(buffer, self.device, time.monotonic_ns())
         self._count(self.fields.number(buffer.sequence, buffer.field), stamp_ns)
         self._follow_controls()
         middle_ns = self._of_first_field(self._middle.middle(stamp_ns, time.monotonic_ns()))
@@ -540,10 +541,6 @@ class V4l2Camera:
             # The mean, as the stamps of single frames jitter on a busy machine.
             self._interval_ns = (stamp_ns - begin_ns) // ((sequence - number) & 0xffffffff)
         self.sequence = sequence
-
-
-def _stamp_ns(buffer: videodev2.Buffer) -> int:
-    return buffer.timestamp.tv_sec * 1_000_000_000 + buffer.timestamp.tv_usec * 1000
 
 
 def _ns(seconds: float | None) -> int | None:

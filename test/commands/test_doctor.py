@@ -371,13 +371,16 @@ def test_log_folder(tmp_path: Path) -> None:
 class Webcam:
     """A driver that answers what the doctor asks."""
 
-    def __init__(self, capabilities: int, formats: dict[str, list[tuple[int, int]]]) -> None:
-        self.capabilities = capabilities
+    def __init__(
+        self, capabilities: int, formats: dict[str, list[tuple[int, int]]],
+        driver: bytes = b'uvcvideo',
+    ) -> None:
+        self.capabilities, self.driver = capabilities, driver
         self.formats = formats
 
     def __call__(self, fd: int, number: int, argument: Any) -> None:
         if number == videodev2.QUERYCAP:
-            argument.driver, argument.card = b'uvcvideo', b'HD Webcam'
+            argument.driver, argument.card = self.driver, b'HD Webcam'
             argument.bus_info, argument.capabilities = b'usb-0000:00:14.0-1', self.capabilities
             return
         assert number in (videodev2.ENUM_FMT, videodev2.ENUM_FRAMESIZES)  # nothing that changes it
@@ -435,6 +438,9 @@ def test_cameras_that_cannot_be_used(tmp_path: Path, monkeypatch: pytest.MonkeyP
          '--list-formats-ext')
     monkeypatch.setattr(videodev2, 'ioctl', Webcam(videodev2.CAP_META_CAPTURE, {}))
     told(cameras.check_cameras(folder, tmp_path), Level.OK, 'a metadata device, no pictures')
+    loopback = Webcam(videodev2.CAP_VIDEO_OUTPUT, {}, b'v4l2 loopback')
+    monkeypatch.setattr(videodev2, 'ioctl', loopback)
+    told(cameras.check_cameras(folder, tmp_path), Level.WARN, 'no program writes pictures')
 
 
 def test_camera_that_another_program_has(

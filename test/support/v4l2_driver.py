@@ -123,7 +123,7 @@ class Driver:
     def _g_fmt(self, argument: Any) -> None:
         pix = argument.pix
         pix.width, pix.height = self.size
-        pix.pixelformat = pix.pixelformat or videodev2.fourcc(self.formats[0])
+        pix.pixelformat = pix.pixelformat or videodev2.fourcc((*self.formats, 'GREY')[0])
         pix.bytesperline = 0
         pix.sizeimage = self.length
         pix.field = videodev2.FIELDS.index(self.field)

@@ -51,6 +51,7 @@ def check_camera(
         buffer_type, bus, capabilities, CAPTURES, driver, kind, open_device,
     )
     from blob_tracker.capture.format import offered_formats, offered_sizes
+    from blob_tracker.capture.refusals import LOOPBACK, no_writer
 
     try:
         fd = open_device(path)
@@ -60,6 +61,9 @@ def check_camera(
     try:
         flags, card = capabilities(fd)
         who = f'{path}: {card} ({driver(fd)}, {bus(fd)})'
+        if driver(fd) == LOOPBACK and not flags & CAPTURES:
+            yield warn('camera', no_writer(path))
+            return
         if not flags & CAPTURES or not flags & videodev2.CAP_STREAMING:
             yield ok('camera', f'{who}: {kind(flags)}, no pictures come from it')
             return
