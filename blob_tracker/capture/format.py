@@ -12,6 +12,7 @@ from blob_tracker.capture.errors import CaptureError
 from blob_tracker.capture.fields import FieldStream, LEAST_LINES
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 from blob_tracker.capture.pixel_formats.pixel_format import Decoder, PixelData, PixelFormat
+from blob_tracker.capture.pixel_formats.undecoded import advice
 from blob_tracker.types import BAYER, Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -218,7 +219,7 @@ def _saturation(pixel_format: PixelFormat, quantization: int, colorspace: int) -
 def _chosen(call: Ioctl, device: str, buffer_type: int, wanted: str, current: str) -> str:
     if wanted and wanted not in PIXEL_FORMATS:
         raise CaptureError(f'pixel_format {wanted!r} cannot be decoded; choose one of '
-                           + ', '.join(PIXEL_FORMATS))
+                           + ', '.join(PIXEL_FORMATS) + advice([wanted]))
     offered = offered_formats(call, buffer_type)
     usable = sorted(
         (name for name in offered if name in PIXEL_FORMATS),
@@ -230,7 +231,7 @@ def _chosen(call: Ioctl, device: str, buffer_type: int, wanted: str, current: st
     if not usable:
         raise CaptureError(
             f'{device}: none of its pixel formats ({", ".join(offered)}) can be decoded; '
-            f'one of {", ".join(PIXEL_FORMATS)} is needed')
+            f'one of {", ".join(PIXEL_FORMATS)} is needed{advice(offered)}')
     if wanted and wanted not in usable:
         raise CaptureError(
             f'{device}: pixel_format {wanted!r} is not offered; of the formats that this '

@@ -34,8 +34,8 @@ _AT: dict[tuple[Step, int], str] = {
         "either, or give it a port of another controller ('lsusb -t' shows which there are)",
     ('stream', errno.EPIPE):
         'the links or formats between its sensor and this device do not fit each other (media '
-        "controller); 'media-ctl -p' shows them: set the format of each pad, up to this device, to "
-        'the same size and to the code of pixel_format with media-ctl --set-v4l2',
+        "controller); 'media-ctl -p' shows them: set the format of each pad, up to this device, "
+        'to the same size and to the code of pixel_format with media-ctl --set-v4l2',
     ('stream', errno.ENOLINK):
         'no sensor is linked to it; enable the link with media-ctl --links '
         "('media-ctl -p' shows them), and check the cable of the sensor and its overlay or device "
@@ -79,8 +79,8 @@ def refusal(device: str, driver: str, step: Step, error: OSError) -> str:
     if words is None and code in _SILENT:
         words = _NO_ANSWER
     if words is None:
-        words = (f'the driver does not {_STEPS[step]}: {{reason}}; open it again, and if that does '
-                 "not help see what 'dmesg' says")
+        words = (f'the driver does not {_STEPS[step]}: {{reason}}; open it again, and if that '
+                 "does not help see what 'dmesg' says")
     return f'{device}: ' + words.format(device=device, reason=os.strerror(code))
 
 
@@ -98,8 +98,8 @@ def busy(device: str, chosen: bool = False) -> str:
 
     """
     has = ', or has chosen its format and keeps it open' if chosen else ''
-    return (f'{device}: the device is busy: another program streams from it{has}; end that program '
-            f"('fuser -v {device}' names it)")
+    return (f'{device}: the device is busy: another program streams from it{has}; end that '
+            f"program ('fuser -v {device}' names it)")
 
 
 def unplugged(device: str) -> str:

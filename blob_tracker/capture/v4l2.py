@@ -23,7 +23,8 @@ from blob_tracker.capture.errors import CaptureError, NoFrameError
 from blob_tracker.capture.fields import fields as dealt_out, FieldStream
 from blob_tracker.capture.format import set_format
 from blob_tracker.capture.frame_rate import set_frame_rate
-from blob_tracker.capture.refusals import LOOPBACK, no_writer, refusal, Step, unplugged
+from blob_tracker.capture.low_bits import FULL, LowBits
+from blob_tracker.capture.refusals import LOOPBACK, refusal, Step, unplugged
 from blob_tracker.capture.selection import sensor_region
 from blob_tracker.capture.signal import Signal
 from blob_tracker.capture.stamps import (
@@ -102,7 +103,8 @@ class V4l2Camera:
     pixel_format : str
         Four-character code in use.
     saturation : int
-        The DN at which its pixels are clipped.
+        The DN at which its pixels are clipped; of words of 16 bits by the pictures read so far
+        (`blob_tracker.capture.low_bits`).
     drops : int
         Frames lost between those read, from the gaps in the driver's numbers; error frames too.
     error_frames : int
@@ -168,6 +170,7 @@ class V4l2Camera:
                 channel, fields, self._signal.lines)
             self.pixel_format = self._format.pixel_format
             self.saturation = self._format.saturation
+            self._low_bits = LowBits(self._format.binning)
             self.width, self.height = self._format.width, self._format.height
             self._region = sensor_region(
                 self._call, device, self.width, self.height, self.fields.lines_per_line)
@@ -478,6 +481,8 @@ class V4l2Camera:
         self._count(self.fields.number(buffer.sequence, buffer.field), stamp_ns)
         self._follow_controls()
         middle_ns = self._of_first_field(self._middle.middle(stamp_ns, time.monotonic_ns()))
+        if self._format.saturation == FULL:
+            self.saturation = self._low_bits.saturation(image)
         line_time_ns = self._line_time_ns()
         lines = image.shape[0] // self.fields.per_buffer
         later_ns = of_first_line(line_time_ns, lines, self._format.binning)

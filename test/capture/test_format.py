@@ -10,7 +10,7 @@ from blob_tracker.capture.format import set_format, StreamFormat
 import numpy as np
 import pytest
 
-BYTES = {'YUYV': 2, 'UYVY': 2, 'RGB3': 3, 'MJPG': 1, 'H264': 1, 'RGGB': 1}  # of a pixel
+BYTES = {'YUYV': 2, 'UYVY': 2, 'RGB3': 3}  # of a pixel, where it is not one
 
 
 class Webcam:
@@ -58,7 +58,7 @@ class Webcam:
                 self.current = (name, *(size if size in known else known[0]))
             name, pix.width, pix.height = self.current
             pix.pixelformat = videodev2.fourcc(name)
-            pix.bytesperline = BYTES[name] * pix.width
+            pix.bytesperline = BYTES.get(name, 1) * pix.width
             pix.sizeimage = pix.bytesperline * pix.height
             pix.quantization = self.quantization
             if number == videodev2.S_FMT:
@@ -175,3 +175,17 @@ def test_fields_that_cannot_be_had_are_told():
         Webcam({'RGGB': [(720, 480)]}, ('RGGB', 720, 480), field='interlaced').negotiated()
     with pytest.raises(CaptureError, match='pictures of 2 lines have no fields'):
         Webcam({'UYVY': [(4, 2)]}, ('UYVY', 4, 2), field='interlaced').negotiated()
+
+
+@pytest.mark.parametrize(('names', 'words'), [
+    (['H264', 'HEVC'], '; H264, HEVC: video that is compressed over several pictures;'),
+    (['PC1B', 'PC1M'], '; PC1B, PC1M: raw that the camera interface of a Raspberry Pi 5 has'),
+    (['ip3y'], "; ip3y: packed raw of Intel's IPU3"),
+])
+def test_formats_that_are_not_decoded_are_known(names, words):
+    camera = Webcam({name: [(640, 480)] for name in names}, (names[0], 640, 480))
+    with pytest.raises(CaptureError) as error:
+        camera.negotiated()
+    assert words in str(error.value)
+    with pytest.raises(CaptureError, match=f"'{names[0]}' cannot be decoded"):
+        camera.negotiated(pixel_format=names[0])

@@ -27,7 +27,7 @@ CASES: list[tuple[Step, int, str]] = [
     ('stream', errno.EBUSY, 'another program streams from it; end that program'),
     ('stream', errno.EREMOTEIO, 'the camera does not answer (Remote I/O error)'),
     ('stream', errno.ENODEV, 'the device is gone (unplugged?)'),
-    ('stream', errno.EDOM, "the driver does not begin to stream: Numerical argument out of"),
+    ('stream', errno.EDOM, 'the driver does not begin to stream: Numerical argument out of'),
 ]
 
 
@@ -68,7 +68,7 @@ def test_a_loopback_without_a_writer_says_so(tmp_path, monkeypatch, number, code
 
 
 @pytest.mark.parametrize(('driver', 'words'), [
-    (Driver(name=LOOPBACK, formats=()), 'it offers no pixel format at all: there is no signal, or'),
+    (Driver(name=LOOPBACK, formats=()), 'it offers no pixel format at all: there is no signal'),
     (Driver(name=LOOPBACK, size=(0, 0)), 'pictures of 0x0: there is no signal, or no program'),
 ])
 def test_a_loopback_without_a_format_says_so(tmp_path, monkeypatch, driver, words):

@@ -135,6 +135,18 @@ def test_pictures_that_are_all_spoilt_are_told(spoilt, cut_short, words):
             camera.read(0.01)
 
 
+def test_words_of_a_sensor_of_fewer_bits_clip_below_full_scale(tmp_path, monkeypatch):
+    # 12 bits in the upper ones of Y16.
+    driver = Driver(formats=['Y16'])
+    image = (np.arange(64, dtype='<u2').reshape(8, 8) * 65) << 4
+    image[0, 0] = 4095 << 4
+    with driver.at(tmp_path / 'video0', monkeypatch) as device, V4l2Camera(device) as camera:
+        driver.filled = [(time.monotonic_ns(), 0, 'none', image.tobytes())]
+        frame = camera.read()
+    assert frame.saturation == camera.saturation == 65520
+    np.testing.assert_array_equal(frame.image, image)  # DN as they come
+
+
 # --- interlaced pictures ---
 
 LINES_625, LINES_525 = 0xff, 0xb000  # PAL and NTSC

@@ -51,6 +51,7 @@ def check_camera(
         buffer_type, bus, capabilities, CAPTURES, driver, kind, open_device,
     )
     from blob_tracker.capture.format import offered_formats, offered_sizes
+    from blob_tracker.capture.pixel_formats.undecoded import advice
     from blob_tracker.capture.refusals import LOOPBACK, no_writer
 
     try:
@@ -84,7 +85,7 @@ def check_camera(
         yield error(
             'camera',
             f'{who}: none of its pixel formats ({", ".join(formats) or "it lists none"}) can be '
-            f'read; one of {", ".join(PIXEL_FORMATS)} is needed',
+            f'read; one of {", ".join(PIXEL_FORMATS)} is needed{advice(formats)}',
             'see whether it has another mode or input',
             f'v4l2-ctl -d {path} --list-formats-ext',
         )
