@@ -22,7 +22,7 @@ from blob_tracker.capture.device import buffer_type, driver, open_capture_device
 from blob_tracker.capture.errors import CaptureError, NoFrameError
 from blob_tracker.capture.fields import fields as dealt_out, FieldStream
 from blob_tracker.capture.format import set_format
-from blob_tracker.capture.frame_rate import set_frame_rate
+from blob_tracker.capture.frame_rate import frame_interval, MeasuredRate, set_frame_rate
 from blob_tracker.capture.low_bits import FULL, LowBits
 from blob_tracker.capture.refusals import LOOPBACK, refusal, Step, unplugged
 from blob_tracker.capture.selection import sensor_region
@@ -63,8 +63,8 @@ class V4l2Camera:
         is one of these and not compressed. Otherwise it takes the first of these that the device
         offers, a compressed one only where there is no other.
     frame_rate : float
-        Frames/s, of interlaced pictures fields/s; 0 leaves it as the driver has it. The driver
-        takes the nearest it can.
+        Frames/s, of interlaced pictures fields/s; 0 leaves it as it was, whatever the driver does
+        to it when the format is set. The driver takes the nearest it can.
     buffers : int
         Kernel buffers, 2 to 32.
     exposure_time : float or None
@@ -155,6 +155,7 @@ class V4l2Camera:
         self._given_line_time = line_time
         self._first = (0, 0)  # sequence and stamp of the first frame
         self._interval_ns = 0
+        self._measured = MeasuredRate()
         self._memory: list[mmap.mmap] = []
         self._streaming = False
         self._clock = RealtimeClock()
@@ -165,8 +166,10 @@ class V4l2Camera:
             self._driver = driver(self._fd)
             self._signal = Signal(self._call)
             self._signal.lock(device)
+            kind = buffer_type(self._fd)
+            interval = frame_interval(self._call, kind)
             self._format = set_format(
-                self._call, device, buffer_type(self._fd), width, height, pixel_format,
+                self._call, device, kind, width, height, pixel_format,
                 channel, fields, self._signal.lines)
             self.pixel_format = self._format.pixel_format
             self.saturation = self._format.saturation
@@ -181,8 +184,7 @@ class V4l2Camera:
             # Drivers count pictures.
             per_picture = self.fields.per_picture
             self.frame_rate = per_picture * set_frame_rate(
-                self._call, self._format.buffer_type, frame_rate / per_picture,
-                self._signal.frame_rate)
+                self._call, kind, frame_rate / per_picture, self._signal.frame_rate, interval)
             prepare(self)
             step = 'buffers'
             self._buffer_flags = map_buffers(
@@ -285,6 +287,11 @@ class V4l2Camera:
     def tells_changes(self) -> bool:
         """Return whether `control_changes` counts: not all drivers tell."""
         return self._events.told
+
+    @property
+    def measured_rate(self) -> float:
+        """Return the frames/s by the driver's numbers and stamps; 0 while that is unknown."""
+        return self.fields.per_buffer * self._measured.rate
 
     @property
     def longest_wait(self) -> float:
@@ -546,6 +553,7 @@ class V4l2Camera:
             # The mean, as the stamps of single frames jitter on a busy machine.
             self._interval_ns = (stamp_ns - begin_ns) // ((sequence - number) & 0xffffffff)
         self.sequence = sequence
+        self._measured.add(sequence, stamp_ns)
 
 
 def _ns(seconds: float | None) -> int | None:

@@ -42,6 +42,7 @@ DEVICE = (
     'device', 'width', 'height', 'pixel_format', 'frame_rate', 'buffers', 'exposure_time',
     'readout_time', 'line_time', 'channel', 'fields',
 )
+RATE_TOLERANCE = 0.05  # of the rate that the driver grants
 FRAME_TIMEOUT_S = 0.1  # s: how soon the end of the node is noticed while no frame comes
 QUIET_S, LONGEST_SILENCE_S = 1.0, 10.0  # s without a frame: is told; opens the device again
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.5, 5.0  # s between attempts to open the device
@@ -294,9 +295,22 @@ class CameraNode(Node):
                 'one that the camera offers at this size and pixel_format (see v4l2-ctl '
                 '--list-formats-ext)',
             )
+        self._compare_rate(camera, rate or camera.frame_rate)
         for warning in self._controls.warnings:
             self._health.fault(WARN, warning)
         self._health.ok('streaming')
+
+    def _compare_rate(self, camera: V4l2Camera, promised: float) -> None:
+        """Warn where frames come at another rate than the driver grants."""
+        measured = camera.measured_rate
+        if measured and promised and abs(measured / promised - 1.0) > RATE_TOLERANCE:
+            self._health.fault(
+                WARN,
+                f'frames come at {measured:.4g} Hz by their stamps, and {promised:.4g} Hz were '
+                'granted: a long exposure slows a camera down, and a trigger or the program that '
+                'writes into v4l2loopback has its own rate; shorten the exposure, or set '
+                'frame_rate to the rate that comes',
+            )
 
     def _show_losses(self, camera: V4l2Camera, grabber: Grabber) -> None:
         self._health.show('drops', camera.drops)

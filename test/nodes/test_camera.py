@@ -175,6 +175,7 @@ class FakeStream:
     control_changes, tells_changes, pixel_aspect = 0, True, 1.0
     fields: object = 'none, whole pictures'
     line_time: float | None = 0.0
+    measured_rate = 0.0
     read_time: float | None = 1.25e-5
     frames = 0
     kinds: tuple[tuple[int, tuple[int, int]], ...] = ((0, (1, 1)),)  # y0 and binning, in turn
@@ -266,6 +267,20 @@ def test_another_frame_rate_than_asked_for_is_told(
                  and (now.values.get('frames', 0) > 3),
                  '-p', f'frame_rate:={asked}', frames=10**6)
     assert any(sentence in each for each in found.words) == warned
+
+
+@pytest.mark.parametrize('asked, measured, warned', [
+    ('0.0', 29.97, False), ('0.0', 28.7, False), ('0.0', 15.0, True), ('0.0', 0.0, False),
+    ('15.0', 15.0, False),  # who set it knows; that the driver says otherwise is told by itself
+])
+def test_another_rate_than_was_granted_is_told(
+    told: Callable[..., Any], asked: str, measured: float, warned: bool
+) -> None:
+    """By more than 5 %, as a long exposure does, or the writer of v4l2loopback."""
+    found = told(lambda now: any('not calibrated' in each for each in now.words)
+                 and (now.values.get('frames', 0) > 3),
+                 '-p', f'frame_rate:={asked}', frames=10**6, measured_rate=measured)
+    assert any('frames come at 15 Hz by their stamps' in each for each in found.words) == warned
 
 
 @pytest.mark.parametrize(('arguments', 'line_time', 'shown', 'warned'), [
