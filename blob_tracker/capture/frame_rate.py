@@ -51,8 +51,8 @@ def set_frame_rate(
     of_signal : float
         Frames/s of a video signal, where the driver does not tell; 0 without one.
     before : Fraction or None
-        `frame_interval` before the format was set, by which some drivers, as uvcvideo, fall back to
-        the rate that the format has by default; None where that is not known.
+        `frame_interval` before the format was set, by which some drivers, as uvcvideo, fall back
+        to the rate that the format has by default; None where that is not known.
 
     Raises
     ------
