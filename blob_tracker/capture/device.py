@@ -13,6 +13,7 @@ import stat
 from blob_tracker.capture import videodev2
 from blob_tracker.capture.errors import CaptureError
 from blob_tracker.capture.refusals import busy, LOOPBACK, no_writer
+from blob_tracker.capture.sensor import of_subdevice
 
 CAPTURES = videodev2.CAP_VIDEO_CAPTURE | videodev2.CAP_VIDEO_CAPTURE_MPLANE
 
@@ -182,7 +183,16 @@ def _group_name(gid: int) -> str:
 
 
 def _not_v4l2(path: str) -> str:
-    return f'{path}: this is not a V4L2 device; {_there_are()}'
+    subdevice = of_subdevice(path)
+    if subdevice is None:
+        return f'{path}: this is not a V4L2 device; {_there_are()}'
+    name, videos = subdevice
+    come = (
+        f'its pictures come from {" or ".join(videos)}: name that, its controls are found by '
+        'themselves' if videos else
+        "its link to a video device is not enabled: see 'media-ctl -p', and media-ctl --links"
+    )
+    return f'{path}: this is a subdevice, {name}; {come}'
 
 
 _KINDS = (

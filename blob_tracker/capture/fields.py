@@ -22,6 +22,7 @@ ORDERS: dict[str, tuple[tuple[int, ...], bool]] = {
 LINES_OF_525 = (480, 486)  # of a picture by the standard of 525 lines, which begins at the bottom
 LEAST_LINES = 4  # of a picture: its fields leave their last line out
 ALTERNATE = 'alternate'  # the fields of a picture come one after the other, each by itself
+SINGLE = (ALTERNATE, 'top', 'bottom')  # a buffer holds one field, and its lines are half as many
 # What the driver may be asked for; '' is a whole picture, or else as it gives them.
 CHOICES = ('', 'interlaced', *ORDERS, ALTERNATE)
 
@@ -145,8 +146,7 @@ class FieldStream:
         self.interlaced = self._order != 'none'
         self.per_buffer = kinds
         self.per_picture = 2 if self._order == ALTERNATE else kinds
-        single = self._order in (ALTERNATE, 'top', 'bottom')
-        self.lines_per_line = 2 if single else 1
+        self.lines_per_line = 2 if self._order in SINGLE else 1
         self._counts_pictures = False
         self._last: tuple[int, int] = -1, 0  # number and field of the last buffer
         self._second = 0  # the field that has the number of the one before

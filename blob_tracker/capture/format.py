@@ -9,7 +9,7 @@ import errno
 from blob_tracker.capture import videodev2
 from blob_tracker.capture.controls import Ioctl
 from blob_tracker.capture.errors import CaptureError
-from blob_tracker.capture.fields import FieldStream, LEAST_LINES
+from blob_tracker.capture.fields import FieldStream, LEAST_LINES, SINGLE
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 from blob_tracker.capture.pixel_formats.pixel_format import Decoder, PixelData, PixelFormat
 from blob_tracker.capture.pixel_formats.undecoded import advice
@@ -117,7 +117,7 @@ def set_format(
     name = _chosen(call, device, buffer_type, pixel_format,
                    videodev2.fourcc_name(pix.pixelformat))
     pix.width = width or pix.width
-    pix.height = height or pix.height
+    pix.height = height or _lines_now(pix, field_order)
     pix.pixelformat = videodev2.fourcc(name)
     pix.field = videodev2.FIELDS.index(field_order or 'none')
     # How far apart lines are is the driver's choice.
@@ -179,6 +179,17 @@ def set_format(
                 f'{device}: its {name} at {width}x{height} cannot be read: {error}; choose '
                 'another size or format') from error
     return found
+
+
+def _lines_now(
+    pix: videodev2.PixFormat | videodev2.PixFormatMplane, field_order: str
+) -> int:
+    """Return the lines that the device is set to, in pictures or fields as they are asked for."""
+    field = videodev2.FIELDS[pix.field] if pix.field < len(videodev2.FIELDS) else ''
+    lines = int(pix.height)
+    if (field in SINGLE) == (field_order in SINGLE):
+        return lines
+    return lines // 2 if field_order in SINGLE else 2 * lines
 
 
 def _fields(

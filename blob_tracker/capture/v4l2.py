@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 import ctypes
 import errno
+from functools import partial
 import mmap
 import os
 import select
@@ -17,7 +18,7 @@ from blob_tracker.capture import controls, videodev2
 from blob_tracker.capture.buffers import empty_buffer, map_buffers, stamp_of, told_stamp
 from blob_tracker.capture.clock import RealtimeClock
 from blob_tracker.capture.control_events import ControlEvents
-from blob_tracker.capture.controls import Control, ControlError
+from blob_tracker.capture.controls import Control, ControlError, Ioctl
 from blob_tracker.capture.device import buffer_type, driver, open_capture_device
 from blob_tracker.capture.errors import CaptureError, NoFrameError
 from blob_tracker.capture.fields import fields as dealt_out, FieldStream
@@ -26,6 +27,7 @@ from blob_tracker.capture.frame_rate import frame_interval, MeasuredRate, set_fr
 from blob_tracker.capture.low_bits import FULL, LowBits
 from blob_tracker.capture.refusals import LOOPBACK, refusal, Step, unplugged
 from blob_tracker.capture.selection import sensor_region
+from blob_tracker.capture.sensor import ControlRoute, of_video_device
 from blob_tracker.capture.signal import Signal
 from blob_tracker.capture.stamps import (
     Exposure, ExposureControls, MidExposure, of_first_line, source_of,
@@ -45,6 +47,9 @@ class V4l2Camera:
     there for longer than the ring is long (`buffers` times the frame interval) is left out and
     counted in `drops`: after a stall of the reader the first frame is a new one, and a reader that
     is too slow never falls further behind than that.
+
+    The controls are those of the device and, behind a media controller, of the sensor and the
+    other subdevices that feed it.
 
     An HDMI or SDI input is set to the timings of its signal first, an analogue one to the standard
     of its signal where the driver tells.
@@ -92,6 +97,8 @@ class V4l2Camera:
     width, height : int
         Size that the driver gives, px; the luma of a Bayer format is half as wide and high, a
         field of an interlaced picture less than half as high.
+    sensor : str
+        Name and subdevices of the sensor behind a media controller; '' without one.
     sensor_size : (int, int)
         Width and height of the full, unbinned sensor, px, as far as the driver tells; otherwise
         those of its pictures. `Frame.x0`, `y0` and `binning` are the place in it.
@@ -125,6 +132,8 @@ class V4l2Camera:
     error_frames = 0
     sequence = -1
     control_changes = 0
+    sensor = ''
+    _subdevices: tuple[int, ...] = ()
     _driver = ''
     _dealt: tuple[Frame, ...] = ()  # fields of the last picture that nobody has read yet
     _last_field_ns = 0  # of the second field of a picture, monotonic
@@ -160,10 +169,12 @@ class V4l2Camera:
         self._streaming = False
         self._clock = RealtimeClock()
         self._open = threading.Lock()  # held by whom the device must not be closed under
+        self._control_call: Ioctl = self._call
         self._fd = open_capture_device(device)
         step: Step = 'settings'
         try:
             self._driver = driver(self._fd)
+            self._find_sensor()
             self._signal = Signal(self._call)
             self._signal.lock(device)
             kind = buffer_type(self._fd)
@@ -190,10 +201,11 @@ class V4l2Camera:
             self._buffer_flags = map_buffers(
                 self._call, self._fd, device, self._format.buffer_type, buffers, self._memory)
             step = 'stream'
-            known = controls.controls(self._call)
-            self._events = ControlEvents(self._call, known.values())
+            known = controls.controls(self._control_call)
+            self.frame_rate = self.frame_rate or self._rate_of_blanking(known)
+            self._events = ControlEvents(self._control_call, known.values())
             self._exposure = ExposureControls(
-                self._call, known, self.width * self._format.binning,
+                self._control_call, known, self.width * self._format.binning,
                 self.height * self._format.binning,
                 Exposure(
                     _ns(exposure_time),
@@ -309,7 +321,7 @@ class V4l2Camera:
             The device is gone, or closed.
 
         """
-        return self._control(lambda: controls.controls(self._call))
+        return self._control(lambda: controls.controls(self._control_call))
 
     def get_control(self, name: str | Control) -> int | str:
         """
@@ -323,7 +335,8 @@ class V4l2Camera:
             The device is gone, or closed.
 
         """
-        return self._control(lambda: controls.get_control(self._call, self._named(name)))
+        return self._control(
+            lambda: controls.get_control(self._control_call, self._named(name)))
 
     def set_control(self, name: str | Control, value: int | bool | float | str) -> None:
         """
@@ -341,7 +354,7 @@ class V4l2Camera:
         """
         def change() -> None:
             control = self._named(name)
-            controls.set_control(self._call, control, value)
+            controls.set_control(self._control_call, control, value)
             if self._streaming and self._exposure.governed_by(control.number):
                 self._middle.changed(time.monotonic_ns(), self._exposure.read())
 
@@ -362,7 +375,8 @@ class V4l2Camera:
                 for memory in self._memory:
                     memory.close()
                 self._memory.clear()
-                os.close(self._fd)
+                for fd in (*self._subdevices, self._fd):
+                    os.close(fd)
                 self._fd = -1
 
     def _check_open(self) -> None:
@@ -372,7 +386,7 @@ class V4l2Camera:
     def _named(self, name: str | Control) -> Control:
         if isinstance(name, Control):
             return name
-        found = controls.controls(self._call)
+        found = controls.controls(self._control_call)
         if name not in found:
             there_are = ', '.join(sorted(found)) or 'none'
             raise ControlError(
@@ -393,6 +407,36 @@ class V4l2Camera:
 
     def _call(self, number: int, argument: object) -> None:
         videodev2.ioctl(self._fd, number, argument)
+
+    def _find_sensor(self) -> None:
+        """Open the subdevices that feed the device, for their controls."""
+        found = of_video_device(self._fd)
+        if found is None:
+            return
+        sensor, paths = found
+        refused = []
+        for path in paths:
+            try:
+                fd = os.open(path, os.O_RDWR | os.O_NONBLOCK | os.O_CLOEXEC)
+                self._subdevices += (fd,)
+            except OSError as error:
+                refused.append(f'{path} cannot be opened for its controls: {error.strerror}')
+        self.sensor = '; '.join([f'{sensor.name} ({", ".join(paths)})', *refused])
+        self._control_call = ControlRoute(
+            [self._call, *(partial(videodev2.ioctl, fd) for fd in self._subdevices)])
+
+    def _rate_of_blanking(self, known: Mapping[str, Control]) -> float:
+        """Return the frames/s of a sensor whose controls tell; 0 of any other."""
+        numbers = {control.number: control for control in known.values()}
+        try:
+            across, down, pixel_rate = (
+                int(controls.get_control(self._control_call, numbers[number]))
+                for number in (
+                    videodev2.CID_HBLANK, videodev2.CID_VBLANK, videodev2.CID_PIXEL_RATE)
+            )
+        except (KeyError, ControlError):
+            return 0.0
+        return pixel_rate / ((self.width + across) * (self.height + down))
 
     # --- streaming ---
 

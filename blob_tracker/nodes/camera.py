@@ -268,6 +268,8 @@ class CameraNode(Node):
         self._health.count('frames')
         self._show_losses(camera, grabber)
         self._watch_losses(camera, grabber)
+        if camera.sensor:
+            self._health.show('sensor', camera.sensor)
         self._health.show('exposure time', _exposure(camera))
         self._health.show('stamp', camera.stamp_place)
         self._health.show('fields', str(camera.fields))

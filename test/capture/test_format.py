@@ -40,7 +40,7 @@ class Webcam:
         self.sizes = sizes
         self.current = current
         self.quantization = quantization
-        self.field, self.fields = field, fields
+        self.field, self.fields, self.left_at = field, fields, 'none'
 
     def __call__(self, number: int, argument: Any) -> None:
         if number == videodev2.ENUM_FMT:
@@ -61,7 +61,9 @@ class Webcam:
             pix.bytesperline = BYTES.get(name, 1) * pix.width
             pix.sizeimage = pix.bytesperline * pix.height
             pix.quantization = self.quantization
-            if number == videodev2.S_FMT:
+            if number == videodev2.G_FMT:
+                pix.field = videodev2.FIELDS.index(self.left_at)
+            else:
                 asked = videodev2.FIELDS[pix.field]
                 if self.field == 'refused' and asked == 'none':
                     raise OSError(errno.EINVAL, 'Invalid argument')
@@ -164,6 +166,19 @@ def test_fields_are_taken_where_there_are_no_whole_pictures(field, fields, asked
 def test_the_standard_tells_which_field_is_first():
     found = Webcam(*GRABBER, field='interlaced').negotiated(standard_lines=625)
     assert str(found.fields) == 'top before bottom, line by line'
+
+
+@pytest.mark.parametrize(('left_at', 'asked', 'lines'), [
+    ('interlaced', 'top', 240), ('top', '', 960), ('top', 'alternate', 480),
+    ('interlaced', '', 480),
+])
+def test_a_field_has_half_of_the_lines_that_the_picture_had(left_at, asked, lines):
+    # Where nobody asks for a height: drivers count the lines of a buffer.
+    camera = Webcam(
+        {'UYVY': [(720, 480), (720, 240), (720, 960)]}, ('UYVY', 720, 480), field='interlaced',
+        fields=('top', 'alternate'))
+    camera.left_at = left_at
+    assert camera.negotiated(field_order=asked).height == lines
 
 
 def test_fields_that_cannot_be_had_are_told():

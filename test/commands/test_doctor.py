@@ -15,6 +15,7 @@ from typing import Any
 import blob_tracker
 from blob_tracker.capture import CaptureError, videodev2
 from blob_tracker.capture.fields import FieldStream
+from blob_tracker.capture.topology import Sensor
 from blob_tracker.commands.doctor import cameras, compiled, discovery, examined, installation
 from blob_tracker.commands.doctor import log_folder, profile, python, security, shared_memory
 from blob_tracker.commands.doctor.finding import error, Finding, Level, ok, warn
@@ -428,6 +429,18 @@ def test_camera_with_its_formats(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         f'{tmp_path}/video2: HD Webcam (uvcvideo, usb-0000:00:14.0-1), '
         f'{tmp_path}/v4l/by-id/usb-HD_Webcam: YUYV 640x480, 320x240',
     )
+
+
+def test_a_sensor_behind_a_media_controller_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the subdevice that has its controls."""
+    monkeypatch.setattr(videodev2, 'ioctl', Webcam(STREAMS, FORMATS, b'unicam'))
+    monkeypatch.setattr(
+        'blob_tracker.capture.sensor.of_video_device',
+        lambda fd: (Sensor('imx219 10-0010', ((81, 5),)), ['/dev/v4l-subdev0']))
+    found = one(cameras.check_cameras(devices(tmp_path), tmp_path / 'proc'))
+    assert ', sensor imx219 10-0010 (/dev/v4l-subdev0): YUYV' in found.message
 
 
 def test_cameras_that_cannot_be_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

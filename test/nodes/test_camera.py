@@ -176,6 +176,7 @@ class FakeStream:
     fields: object = 'none, whole pictures'
     line_time: float | None = 0.0
     measured_rate = 0.0
+    sensor = ''
     read_time: float | None = 1.25e-5
     frames = 0
     kinds: tuple[tuple[int, tuple[int, int]], ...] = ((0, (1, 1)),)  # y0 and binning, in turn

@@ -58,19 +58,21 @@ def seen(asked: str) -> dict[str, Any]:
     with V4l2Camera(CAPTURE, pixel_format='GREY', fields=asked) as camera:
         frames = [camera.read(NEXT_FRAME) for _ in range(2 * camera.fields.per_picture)]
     found['levels'] = [
-        [frame.y0, int(frame.image.min()), int(frame.image.max())] for frame in frames]
+        # The driver sends a signal for television sets in the first line.
+        [frame.y0, int(frame.image[1:].min()), int(frame.image[1:].max())] for frame in frames]
     return found
 
 
 def main(folder: Path) -> None:
     """Do all of it."""
     close_loop()
+    control(loop_video=0)  # else S-Video, to which nothing is sent, shows noise
     found = {}
     for name, (number, standard, asked) in CASES.items():
         v4l2_ctl(CAPTURE, f'--set-input={number}')
         v4l2_ctl(CAPTURE, f'--set-standard={standard}')
         found[name] = seen(asked)
-    control(test_pattern=0)
+    control(test_pattern=0, loop_video=1)
     v4l2_ctl(CAPTURE, '--set-input=0')
     (folder / 'fields.json').write_text(json.dumps(found, indent=1))
 

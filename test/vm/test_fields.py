@@ -65,10 +65,13 @@ def test_fields_are_in_the_order_of_time(case):
     (usual, _), = Counter(map(abs, found['shifts'])).most_common(1)
     assert usual == step
     if found['per_buffer'] == 2:
-        within = found['shifts'][::2]
-        assert len(set(within)) == 1 and abs(within[0]) == step
-        (between, _), = Counter(found['shifts'][1::2]).most_common(1)
-        assert between == within[0]
-        stamps = np.array(found['stamps'])
-        np.testing.assert_allclose(stamps[1::2] - stamps[::2], 1e9 / rate, atol=2)
+        # A machine that stalls lets the second field of a picture go: the stamps tell the pairs.
+        apart = np.diff(found['stamps'])
+        first = np.array(found['y0'][:-1]) == (1 if words.startswith('bottom') else 0)
+        pairs = first & (np.abs(apart - 1e9 / rate) <= 2)
+        shifts = np.array(found['shifts'])
+        assert pairs.sum() >= len(shifts) // 4
+        assert set(shifts[pairs]) == {shifts[pairs][0]} and abs(shifts[pairs][0]) == step
+        (between, _), = Counter(shifts[~pairs].tolist()).most_common(1)
+        assert between == shifts[pairs][0]
     assert np.all(np.diff(found['stamps']) > 0)

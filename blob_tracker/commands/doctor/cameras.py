@@ -53,6 +53,7 @@ def check_camera(
     from blob_tracker.capture.format import offered_formats, offered_sizes
     from blob_tracker.capture.pixel_formats.undecoded import advice
     from blob_tracker.capture.refusals import LOOPBACK, no_writer
+    from blob_tracker.capture.sensor import of_video_device
 
     try:
         fd = open_device(path)
@@ -70,6 +71,8 @@ def check_camera(
             return
         link = by_id(path, devices)
         who += f', {link}' if link else ''
+        behind = of_video_device(fd)
+        who += f', sensor {behind[0].name} ({", ".join(behind[1])})' if behind else ''
         call = partial(videodev2.ioctl, fd)
         formats = offered_formats(call, buffer_type(fd))
         usable = {name: offered_sizes(call, name) for name in formats if name in PIXEL_FORMATS}
