@@ -150,7 +150,7 @@ def _why_not_open(path: str, error: OSError) -> str:
         return (f'{path}: the system keeps this device from the program, as for a container: '
                 f'start the container with --device={path}')
     if error.errno == errno.EISDIR:
-        return _not_v4l2(path)
+        return not_v4l2(path)
     return f'{path}: cannot be opened: {error.strerror}; {_there_are()}'
 
 
@@ -182,7 +182,8 @@ def _group_name(gid: int) -> str:
         return str(gid)
 
 
-def _not_v4l2(path: str) -> str:
+def not_v4l2(path: str) -> str:
+    """Return the sentence for a path that is no video device; of a subdevice what it feeds."""
     subdevice = of_subdevice(path)
     if subdevice is None:
         return f'{path}: this is not a V4L2 device; {_there_are()}'
@@ -212,7 +213,7 @@ def _check_captures(path: str, fd: int) -> None:
         flags, _ = capabilities(fd)
     except OSError as error:
         if error.errno in (errno.ENOTTY, errno.EINVAL):
-            raise CaptureError(_not_v4l2(path)) from error
+            raise CaptureError(not_v4l2(path)) from error
         raise CaptureError(f'{path}: cannot be queried: {error.strerror}') from error
     if not flags & CAPTURES:
         if driver(fd) == LOOPBACK:  # exclusive_caps: an output until somebody writes

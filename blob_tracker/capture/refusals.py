@@ -26,8 +26,6 @@ _AT: dict[tuple[Step, int], str] = {
         'there is no memory for its buffers; lower width, height or buffers (on a Raspberry Pi or '
         'another small computer they come from the CMA: cma=256M on the command line of its '
         'kernel makes it larger)',
-    ('buffers', errno.EINVAL):
-        'the driver has no buffers that can be mapped into memory; use another driver',
     ('stream', errno.ENOSPC):
         'its USB bus has no bandwidth left, which another camera on the same hub or controller '
         'takes; choose a smaller width and height, a lower frame_rate or pixel_format MJPG for '

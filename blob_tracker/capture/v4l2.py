@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 import ctypes
 import errno
 from functools import partial
@@ -35,6 +35,7 @@ from blob_tracker.capture.stamps import (
 from blob_tracker.types import Frame
 
 Result = TypeVar('Result')
+BLANKING = (videodev2.CID_HBLANK, videodev2.CID_VBLANK, videodev2.CID_PIXEL_RATE)
 UNKNOWN_PICTURE_RATE = 25.0  # pictures/s, of interlaced ones whose driver tells none
 
 
@@ -135,6 +136,7 @@ class V4l2Camera:
     sensor = ''
     _subdevices: tuple[int, ...] = ()
     _driver = ''
+    _by_blanking = False
     _dealt: tuple[Frame, ...] = ()  # fields of the last picture that nobody has read yet
     _last_field_ns = 0  # of the second field of a picture, monotonic
 
@@ -202,7 +204,8 @@ class V4l2Camera:
                 self._call, self._fd, device, self._format.buffer_type, buffers, self._memory)
             step = 'stream'
             known = controls.controls(self._control_call)
-            self.frame_rate = self.frame_rate or self._rate_of_blanking(known)
+            self._by_blanking = not self.frame_rate
+            self._follow_blanking(BLANKING, known)
             self._events = ControlEvents(self._control_call, known.values())
             self._exposure = ExposureControls(
                 self._control_call, known, self.width * self._format.binning,
@@ -357,6 +360,9 @@ class V4l2Camera:
             controls.set_control(self._control_call, control, value)
             if self._streaming and self._exposure.governed_by(control.number):
                 self._middle.changed(time.monotonic_ns(), self._exposure.read())
+            if control.number in BLANKING:
+                self._follow_blanking(
+                    [control.number], controls.controls(self._control_call))
 
         self._control(change)
 
@@ -425,18 +431,19 @@ class V4l2Camera:
         self._control_call = ControlRoute(
             [self._call, *(partial(videodev2.ioctl, fd) for fd in self._subdevices)])
 
-    def _rate_of_blanking(self, known: Mapping[str, Control]) -> float:
-        """Return the frames/s of a sensor whose controls tell; 0 of any other."""
+    def _follow_blanking(self, changed: Iterable[int], known: Mapping[str, Control]) -> None:
+        """Take the frame rate from a sensor's controls, where the driver tells none."""
         numbers = {control.number: control for control in known.values()}
+        if not self._by_blanking or not set(BLANKING) & set(changed) & set(numbers):
+            return
         try:
             across, down, pixel_rate = (
                 int(controls.get_control(self._control_call, numbers[number]))
-                for number in (
-                    videodev2.CID_HBLANK, videodev2.CID_VBLANK, videodev2.CID_PIXEL_RATE)
+                for number in BLANKING
             )
         except (KeyError, ControlError):
-            return 0.0
-        return pixel_rate / ((self.width + across) * (self.height + down))
+            return
+        self.frame_rate = pixel_rate / ((self.width + across) * (self.height + down))
 
     # --- streaming ---
 

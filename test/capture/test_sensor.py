@@ -127,6 +127,8 @@ def test_line_time_exposure_and_rate_are_those_of_the_sensor(behind_a_controller
     assert camera.frame_rate == pytest.approx(60.3, abs=0.1)
     camera.set_control('exposure', 400)
     assert sensor.values[videodev2.CID_EXPOSURE] == 400
+    camera.set_control('vertical_blanking', VBLANK + 1822)  # twice as many lines
+    assert camera.frame_rate == pytest.approx(30.15, abs=0.1)
     driver.filled = [(time.monotonic_ns(), 0, 'none', bytes(1280 * 800))]
     frame = camera.read()
     assert frame.line_time_ns == pytest.approx(1e9 * line)

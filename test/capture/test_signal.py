@@ -77,3 +77,21 @@ def test_the_numbers_of_the_standards_are_the_kernels():
     # <linux/videodev2.h>: PAL, SECAM; NTSC-M, -M-JP, -M-KR, -443, PAL-M, PAL-60
     assert videodev2.STD_525_60 & videodev2.STD_625_50 == 0
     assert videodev2.STD_525_60 == 0x1000 | 0x2000 | 0x8000 | 0x4000 | 0x100 | 0x800
+
+
+def test_an_interlaced_digital_signal_has_the_rate_of_its_pictures():
+    # CTA-861 format 5, 1920x1080i60: blanking is that of each field.
+    def driver(number: int, argument: Any) -> None:
+        if number == videodev2.ENUMINPUT:
+            argument.capabilities = videodev2.IN_CAP_DV_TIMINGS
+        elif number == videodev2.QUERY_DV_TIMINGS:
+            bt = argument.bt
+            bt.width, bt.height, bt.interlaced, bt.pixelclock = 1920, 1080, 1, 74_250_000
+            bt.hfrontporch, bt.hsync, bt.hbackporch = 88, 44, 148
+            bt.vfrontporch, bt.vsync, bt.vbackporch = 2, 5, 15
+            bt.il_vfrontporch, bt.il_vsync, bt.il_vbackporch = 2, 5, 16
+
+    signal = Signal(driver)
+    signal.lock('/dev/video0')
+    assert signal.frame_rate == pytest.approx(30.0)
+    assert signal.lines == 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+import errno
 from functools import partial
 import os
 from pathlib import Path
@@ -48,7 +49,7 @@ def check_camera(
     """Look at one video device without streaming from it."""
     from blob_tracker.capture import CaptureError, PIXEL_FORMATS, videodev2
     from blob_tracker.capture.device import (
-        buffer_type, bus, capabilities, CAPTURES, driver, kind, open_device,
+        buffer_type, bus, capabilities, CAPTURES, driver, kind, not_v4l2, open_device,
     )
     from blob_tracker.capture.format import offered_formats, offered_sizes
     from blob_tracker.capture.pixel_formats.undecoded import advice
@@ -77,8 +78,9 @@ def check_camera(
         formats = offered_formats(call, buffer_type(fd))
         usable = {name: offered_sizes(call, name) for name in formats if name in PIXEL_FORMATS}
     except OSError as fault:
+        fails = fault.errno not in (errno.ENOTTY, errno.EINVAL)
         yield error(
-            'camera', f'{path}: this is not a V4L2 device, or it fails: {fault.strerror}',
+            'camera', f'{path}: it fails: {fault.strerror}' if fails else not_v4l2(path),
             'see which there are', 'v4l2-ctl --list-devices',
         )
         return
