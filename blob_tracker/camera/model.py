@@ -124,7 +124,9 @@ class CameraModel:
             raise CalibrationError(f'{path}: {error}') from None
 
     @classmethod
-    def from_field_of_view(cls, width: int, height: int, degrees: float) -> CameraModel:
+    def from_field_of_view(
+        cls, width: int, height: int, degrees: float, pixel_aspect: float = 1.0
+    ) -> CameraModel:
         """
         Return an ideal lens that sees this angle across the width, as a data sheet gives it.
 
@@ -136,6 +138,8 @@ class CameraModel:
             Size of the frames, px.
         degrees : float
             Horizontal field of view, above 0 and below 180.
+        pixel_aspect : float
+            Height of a pixel by its width.
 
         Raises
         ------
@@ -146,7 +150,9 @@ class CameraModel:
         if not 0.0 < degrees < 180.0:
             raise CalibrationError(f'the field of view is {degrees} degrees; it must be 0 to 180')
         focal_length = 0.5 * width / np.tan(0.5 * np.radians(degrees))
-        return cls(width, height, pinhole_matrix(focal_length, width, height))
+        matrix = pinhole_matrix(focal_length, width, height)
+        matrix[1, 1] /= pixel_aspect
+        return cls(width, height, matrix)
 
     @classmethod
     def from_data_sheet(

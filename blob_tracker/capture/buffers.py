@@ -8,6 +8,8 @@ from blob_tracker.capture import videodev2
 from blob_tracker.capture.controls import Ioctl
 from blob_tracker.capture.errors import CaptureError
 
+RECENT_NS = 10_000_000_000  # ns: no other clock agrees with the monotonic one by so much
+
 
 def map_buffers(
     call: Ioctl, fd: int, device: str, buffer_type: int, count: int,
@@ -34,7 +36,7 @@ def map_buffers(
     Raises
     ------
     CaptureError
-        The driver has too little memory, or stamps frames with another clock.
+        The driver has too little memory.
     OSError
         The device fails.
 
@@ -55,12 +57,47 @@ def map_buffers(
             length, offset = buffer.length, buffer.m.offset
         memory.append(mmap.mmap(fd, length, offset=offset))
         call(videodev2.QBUF, buffer)
-    flags = buffer.flags
-    if flags & videodev2.BUF_FLAG_TIMESTAMP_MASK != videodev2.BUF_FLAG_TIMESTAMP_MONOTONIC:
+    return int(buffer.flags)
+
+
+def stamp_of(buffer: videodev2.Buffer, device: str, now_ns: int) -> int:
+    """
+    Return the driver's stamp of a filled buffer, monotonic ns.
+
+    Some drivers do not say which clock a stamp is of, or hand on that of a program that writes
+    into them (v4l2loopback, from frame to frame as the writer has it): such a stamp is taken for
+    one of the monotonic clock where it is recent by it.
+
+    Parameters
+    ----------
+    buffer : Buffer
+        Filled.
+    device : str
+        What to call it.
+    now_ns : int
+        Monotonic, ns.
+
+    Raises
+    ------
+    CaptureError
+        The stamp is of another clock.
+
+    """
+    stamp_ns = told_stamp(buffer)
+    clock = buffer.flags & videodev2.BUF_FLAG_TIMESTAMP_MASK
+    if clock != videodev2.BUF_FLAG_TIMESTAMP_MONOTONIC and not (
+        -RECENT_NS < now_ns - stamp_ns < RECENT_NS
+    ):
         raise CaptureError(
-            f'{device}: its driver does not stamp frames with the monotonic clock, so '
-            'their time is unknown; use a driver that does')
-    return int(flags)
+            f'{device}: its frames are not stamped with the monotonic clock, so that their time '
+            'is unknown; use a driver that does, and have a program that writes into '
+            'v4l2loopback leave the stamps to it')
+    return stamp_ns
+
+
+def told_stamp(buffer: videodev2.Buffer) -> int:
+    """Return the driver's stamp of a filled buffer, ns of whichever clock."""
+    return int(buffer.timestamp.tv_sec * 1_000_000_000 + buffer.timestamp.tv_usec * 1000)
 
 
 def empty_buffer(buffer_type: int, index: int = 0) -> videodev2.Buffer:

@@ -12,6 +12,8 @@ import stat
 
 from blob_tracker.capture import videodev2
 from blob_tracker.capture.errors import CaptureError
+from blob_tracker.capture.refusals import busy, LOOPBACK, no_writer
+from blob_tracker.capture.sensor import of_subdevice
 
 CAPTURES = videodev2.CAP_VIDEO_CAPTURE | videodev2.CAP_VIDEO_CAPTURE_MPLANE
 
@@ -148,14 +150,8 @@ def _why_not_open(path: str, error: OSError) -> str:
         return (f'{path}: the system keeps this device from the program, as for a container: '
                 f'start the container with --device={path}')
     if error.errno == errno.EISDIR:
-        return _not_v4l2(path)
+        return not_v4l2(path)
     return f'{path}: cannot be opened: {error.strerror}; {_there_are()}'
-
-
-def busy(path: str) -> str:
-    """Return the sentence for a device that another program streams from."""
-    return (f'{path}: the device is busy: another program streams from it; end that program '
-            f"('fuser -v {path}' names it)")
 
 
 def _no_permission(path: str) -> str:
@@ -186,8 +182,18 @@ def _group_name(gid: int) -> str:
         return str(gid)
 
 
-def _not_v4l2(path: str) -> str:
-    return f'{path}: this is not a V4L2 device; {_there_are()}'
+def not_v4l2(path: str) -> str:
+    """Return the sentence for a path that is no video device; of a subdevice what it feeds."""
+    subdevice = of_subdevice(path)
+    if subdevice is None:
+        return f'{path}: this is not a V4L2 device; {_there_are()}'
+    name, videos = subdevice
+    come = (
+        f'its pictures come from {" or ".join(videos)}: name that, its controls are found by '
+        'themselves' if videos else
+        "its link to a video device is not enabled: see 'media-ctl -p', and media-ctl --links"
+    )
+    return f'{path}: this is a subdevice, {name}; {come}'
 
 
 _KINDS = (
@@ -207,9 +213,11 @@ def _check_captures(path: str, fd: int) -> None:
         flags, _ = capabilities(fd)
     except OSError as error:
         if error.errno in (errno.ENOTTY, errno.EINVAL):
-            raise CaptureError(_not_v4l2(path)) from error
+            raise CaptureError(not_v4l2(path)) from error
         raise CaptureError(f'{path}: cannot be queried: {error.strerror}') from error
     if not flags & CAPTURES:
+        if driver(fd) == LOOPBACK:  # exclusive_caps: an output until somebody writes
+            raise CaptureError(no_writer(path))
         raise CaptureError(
             f'{path}: this is {kind(flags)}, not a capture device; {_there_are()}')
     if not flags & videodev2.CAP_STREAMING:

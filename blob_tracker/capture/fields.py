@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from blob_tracker.capture import videodev2
 from blob_tracker.types import BAYER, Frame
 import numpy as np
 
@@ -19,9 +20,14 @@ ORDERS: dict[str, tuple[tuple[int, ...], bool]] = {
     'bottom': ((BOTTOM,), False),
 }
 LINES_OF_525 = (480, 486)  # of a picture by the standard of 525 lines, which begins at the bottom
+LEAST_LINES = 4  # of a picture: its fields leave their last line out
+ALTERNATE = 'alternate'  # the fields of a picture come one after the other, each by itself
+SINGLE = (ALTERNATE, 'top', 'bottom')  # a buffer holds one field, and its lines are half as many
+# What the driver may be asked for; '' is a whole picture, or else as it gives them.
+CHOICES = ('', 'interlaced', *ORDERS, ALTERNATE)
 
 
-def order_of(name: str, height: int) -> str:
+def order_of(name: str, height: int, lines: int = 0) -> str:
     """
     Return the key of `ORDERS` for a V4L2 field order.
 
@@ -32,6 +38,8 @@ def order_of(name: str, height: int) -> str:
         with 525 lines, top first with 625.
     height : int
         Lines of the picture.
+    lines : int
+        Those of the video standard, 525 or 625; 0 where it is not known, and `height` has to tell.
 
     Raises
     ------
@@ -40,7 +48,8 @@ def order_of(name: str, height: int) -> str:
 
     """
     if name == 'interlaced':
-        return 'interlaced_bt' if height in LINES_OF_525 else 'interlaced_tb'
+        of_525 = lines == 525 or (not lines and height in LINES_OF_525)
+        return 'interlaced_bt' if of_525 else 'interlaced_tb'
     if name not in ORDERS:
         raise ValueError(f"no field order '{name}'; there is interlaced, {', '.join(ORDERS)}")
     return name
@@ -83,7 +92,7 @@ def fields(frame: Frame, order: str, interval_ns: int) -> tuple[Frame, ...]:
     if frame.layout in BAYER or frame.mosaic is not None:
         raise ValueError('the lines of a Bayer mosaic are no fields; have the camera give grey')
     height = frame.image.shape[0]
-    if height < 4:
+    if height < LEAST_LINES:
         raise ValueError(f'a picture of {height} lines has no fields')
     kinds, woven = ORDERS[order_of(order, height)]
     dealt = []
@@ -102,3 +111,97 @@ def fields(frame: Frame, order: str, interval_ns: int) -> tuple[Frame, ...]:
             binning=(across, 2 * down),
         ))
     return tuple(dealt)
+
+
+class FieldStream:
+    """
+    The buffers of a stream as frames: whole pictures, or their fields.
+
+    Parameters
+    ----------
+    name : str
+        What the driver gives: 'none' (whole pictures), 'interlaced', `ALTERNATE` or one of
+        `ORDERS`.
+    height : int
+        Lines of a buffer.
+    lines : int
+        Of the video standard, see `order_of`.
+
+    Attributes
+    ----------
+    interlaced : bool
+        Whether buffers hold fields.
+    per_buffer : int
+        Frames in a buffer, 1 or 2.
+    per_picture : int
+        Frames of a picture: 2 where both fields come.
+    lines_per_line : int
+        Lines of the picture for one of a buffer: 2 where buffers hold single fields.
+
+    """
+
+    def __init__(self, name: str, height: int, lines: int = 0) -> None:
+        self._order = name if name in ('none', ALTERNATE) else order_of(name, height, lines)
+        kinds = {'none': 1, ALTERNATE: 1}.get(self._order) or len(ORDERS[self._order][0])
+        self.interlaced = self._order != 'none'
+        self.per_buffer = kinds
+        self.per_picture = 2 if self._order == ALTERNATE else kinds
+        self.lines_per_line = 2 if self._order in SINGLE else 1
+        self._counts_pictures = False
+        self._last: tuple[int, int] = -1, 0  # number and field of the last buffer
+        self._second = 0  # the field that has the number of the one before
+
+    def __str__(self) -> str:
+        """Return the order in words."""
+        if not self.interlaced:
+            return 'none, whole pictures'
+        if self._order == ALTERNATE:
+            return 'one after the other'
+        kinds, woven = ORDERS[self._order]
+        words = ('top', 'bottom')
+        if len(kinds) == 1:
+            return f'{words[kinds[0]]} alone'
+        lie = 'line by line' if woven else 'one above the other'
+        return f'{words[kinds[0]]} before {words[kinds[1]]}, {lie}'
+
+    def order(self, field: int) -> str:
+        """
+        Return the key of `ORDERS` for a buffer, 'none' for a whole picture.
+
+        Parameters
+        ----------
+        field : int
+            That of the buffer, which counts where fields alternate.
+
+        Raises
+        ------
+        ValueError
+            Fields alternate and the driver does not say which this is.
+
+        """
+        if self._order != ALTERNATE:
+            return self._order
+        name = videodev2.FIELDS[field] if field < len(videodev2.FIELDS) else str(field)
+        if name not in ('top', 'bottom'):
+            raise ValueError(f"the driver calls a field '{name}', not top or bottom")
+        return name
+
+    def number(self, sequence: int, field: int) -> int:
+        """
+        Return the number of a buffer in a count of buffers.
+
+        By the rules of V4L2 both fields of a picture have its number where they alternate; some
+        drivers count fields all the same. Two of one number tell which it is.
+
+        Parameters
+        ----------
+        sequence, field : int
+            As the driver gives them.
+
+        """
+        if self._order != ALTERNATE:
+            return sequence
+        if self._last[0] == sequence and self._last[1] != field:
+            self._counts_pictures, self._second = True, field
+        self._last = sequence, field
+        return 2 * sequence + (field == self._second) if self._counts_pictures else sequence

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 import threading
 import time
 from types import TracebackType
@@ -18,9 +19,11 @@ class Grabber:
     Reads a camera in a thread of its own; close it or use it in a `with`.
 
     The thread and the reader share one slot: a frame that nobody took is replaced by the next and
-    counted in `overruns`. So a reader that stalls finds a new frame, and the driver's ring never
-    runs full. A frame that waited for longer than the ring is long, as the driver went quiet
-    after it, is an overrun too. The reader is woken by the frame itself.
+    counted in `overruns`. It holds both fields of an interlaced picture, which come together, and
+    gives the older one first. The slot has room for the two fields of an interlaced picture, which
+    come together: the reader gets the older one first. So a reader that stalls finds a new frame,
+    and the driver's ring never runs full. A frame that waited for longer than the ring is long, as
+    the driver went quiet after it, is an overrun too. The reader is woken by the frame itself.
 
     A flash is seen in the difference of neighbours, which the reader tells by their stamps: a
     reader that is a little too slow loses single frames, and the pairs that they belong to. One
@@ -42,7 +45,7 @@ class Grabber:
     def __init__(self, camera: V4l2Camera) -> None:
         self.overruns = 0
         self._camera = camera
-        self._slot: Frame | None = None
+        self._slot: deque[Frame] = deque(maxlen=camera.fields.per_buffer)
         self._filled_at = 0.0
         self._error: BaseException | None = None
         self._silence: NoFrameError | None = None
@@ -80,15 +83,14 @@ class Grabber:
 
         """
         with self._changed:
-            if self._slot is not None and self._stale():
-                self._slot = None
-                self.overruns += 1
+            if self._slot and self._stale():
+                self.overruns += len(self._slot)
+                self._slot.clear()
             self._changed.wait_for(self._something, timeout)
             if self._stop:
                 raise CaptureError(f'{self._camera.device}: the grabber is closed')
-            frame, self._slot = self._slot, None
-            if frame is not None:
-                return frame
+            if self._slot:
+                return self._slot.popleft()
             if self._error is not None:
                 raise self._error
             raise self._silence or NoFrameError(
@@ -102,7 +104,7 @@ class Grabber:
         self._thread.join()
 
     def _something(self) -> bool:
-        return self._slot is not None or self._error is not None or self._stop
+        return bool(self._slot) or self._error is not None or self._stop
 
     def _stale(self) -> bool:
         return 0.0 < self._camera.longest_wait < time.monotonic() - self._filled_at
@@ -122,8 +124,8 @@ class Grabber:
                 return
             with self._changed:
                 self._silence = None
-                if self._slot is not None:
+                if len(self._slot) == self._slot.maxlen:
                     self.overruns += 1
-                self._slot = frame
+                self._slot.append(frame)
                 self._filled_at = time.monotonic()
                 self._changed.notify_all()

@@ -34,7 +34,9 @@ class SensorRegion:
     sensor_size: tuple[int, int]
 
 
-def sensor_region(call: Ioctl, device: str, width: int, height: int) -> SensorRegion:
+def sensor_region(
+    call: Ioctl, device: str, width: int, height: int, lines_per_line: int = 1
+) -> SensorRegion:
     """
     Return the region of the sensor that frames of a size show.
 
@@ -51,6 +53,9 @@ def sensor_region(call: Ioctl, device: str, width: int, height: int) -> SensorRe
         Its path, for what is said.
     width, height : int
         Size of the frames, px.
+    lines_per_line : int
+        Lines of the sensor's picture for one of a frame: 2 where it is a field alone, which is no
+        binning here.
 
     Raises
     ------
@@ -68,7 +73,8 @@ def sensor_region(call: Ioctl, device: str, width: int, height: int) -> SensorRe
     sensor = _selection(call, videodev2.SEL_TGT_CROP_DEFAULT)
     crop = _selection(call, videodev2.SEL_TGT_CROP)
     if not sensor or not crop:
-        return SensorRegion(0, 0, (1, 1), (width, height))
+        return SensorRegion(0, 0, (1, 1), (width, lines_per_line * height))
+    height *= lines_per_line
     left, top, crop_width, crop_height = crop
     x0, y0 = left - sensor[0], top - sensor[1]
     binning = crop_width // width, crop_height // height

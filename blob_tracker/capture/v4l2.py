@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 import ctypes
 import errno
+from functools import partial
 import mmap
 import os
 import select
@@ -14,15 +15,19 @@ from types import TracebackType
 from typing import TypeVar
 
 from blob_tracker.capture import controls, videodev2
-from blob_tracker.capture.buffers import empty_buffer, map_buffers
+from blob_tracker.capture.buffers import empty_buffer, map_buffers, stamp_of, told_stamp
 from blob_tracker.capture.clock import RealtimeClock
 from blob_tracker.capture.control_events import ControlEvents
-from blob_tracker.capture.controls import Control, ControlError
-from blob_tracker.capture.device import buffer_type, busy, driver, open_capture_device
+from blob_tracker.capture.controls import Control, ControlError, Ioctl
+from blob_tracker.capture.device import buffer_type, driver, open_capture_device
 from blob_tracker.capture.errors import CaptureError, NoFrameError
+from blob_tracker.capture.fields import fields as dealt_out, FieldStream
 from blob_tracker.capture.format import set_format
-from blob_tracker.capture.frame_rate import set_frame_rate
+from blob_tracker.capture.frame_rate import frame_interval, MeasuredRate, set_frame_rate
+from blob_tracker.capture.low_bits import FULL, LowBits
+from blob_tracker.capture.refusals import LOOPBACK, refusal, Step, unplugged
 from blob_tracker.capture.selection import sensor_region
+from blob_tracker.capture.sensor import ControlRoute, of_video_device
 from blob_tracker.capture.signal import Signal
 from blob_tracker.capture.stamps import (
     Exposure, ExposureControls, MidExposure, of_first_line, source_of,
@@ -30,6 +35,8 @@ from blob_tracker.capture.stamps import (
 from blob_tracker.types import Frame
 
 Result = TypeVar('Result')
+BLANKING = (videodev2.CID_HBLANK, videodev2.CID_VBLANK, videodev2.CID_PIXEL_RATE)
+UNKNOWN_PICTURE_RATE = 25.0  # pictures/s, of interlaced ones whose driver tells none
 
 
 class V4l2Camera:
@@ -42,7 +49,14 @@ class V4l2Camera:
     counted in `drops`: after a stall of the reader the first frame is a new one, and a reader that
     is too slow never falls further behind than that.
 
-    An HDMI or SDI input is set to the timings of its signal first.
+    The controls are those of the device and, behind a media controller, of the sensor and the
+    other subdevices that feed it.
+
+    An HDMI or SDI input is set to the timings of its signal first, an analogue one to the standard
+    of its signal where the driver tells.
+
+    Of interlaced pictures each field is a frame, with a stamp and a place of its own: see
+    `blob_tracker.capture.fields`.
 
     Parameters
     ----------
@@ -55,7 +69,8 @@ class V4l2Camera:
         is one of these and not compressed. Otherwise it takes the first of these that the device
         offers, a compressed one only where there is no other.
     frame_rate : float
-        Frames/s; 0 leaves it as the driver has it. The driver takes the nearest it can.
+        Frames/s, of interlaced pictures fields/s; 0 leaves it as it was, whatever the driver does
+        to it when the format is set. The driver takes the nearest it can.
     buffers : int
         Kernel buffers, 2 to 32.
     exposure_time : float or None
@@ -73,20 +88,31 @@ class V4l2Camera:
     channel : str
         'luma' gives grey frames; 'auto' those with all the colours that the pixel format has for
         each pixel; 'red', 'green' and 'blue' the same where it has any.
+    fields : str
+        How interlaced pictures are asked for, one of `blob_tracker.capture.fields.CHOICES`; ''
+        takes whole pictures where the driver has them, and otherwise what it gives. An order
+        counts for a driver that leaves it to the video standard, too.
 
     Attributes
     ----------
     width, height : int
-        Size that the driver gives, px; the luma of a Bayer format is half as wide and high.
+        Size that the driver gives, px; the luma of a Bayer format is half as wide and high, a
+        field of an interlaced picture less than half as high.
+    sensor : str
+        Name and subdevices of the sensor behind a media controller; '' without one.
     sensor_size : (int, int)
         Width and height of the full, unbinned sensor, px, as far as the driver tells; otherwise
         those of its pictures. `Frame.x0`, `y0` and `binning` are the place in it.
     frame_rate : float
-        Frames/s, as the driver gives it; 0 where it does not say.
+        Frames/s, as the driver gives it, of interlaced pictures fields/s; 0 where it does not say.
+    pixel_aspect : float
+        Height of a pixel of the full sensor by its width, as far as the driver tells: lines of an
+        analogue camera are sampled at a rate of their own.
     pixel_format : str
         Four-character code in use.
     saturation : int
-        The DN at which its pixels are clipped.
+        The DN at which its pixels are clipped; of words of 16 bits by the pictures read so far
+        (`blob_tracker.capture.low_bits`).
     drops : int
         Frames lost between those read, from the gaps in the driver's numbers; error frames too.
     error_frames : int
@@ -107,6 +133,12 @@ class V4l2Camera:
     error_frames = 0
     sequence = -1
     control_changes = 0
+    sensor = ''
+    _subdevices: tuple[int, ...] = ()
+    _driver = ''
+    _by_blanking = False
+    _dealt: tuple[Frame, ...] = ()  # fields of the last picture that nobody has read yet
+    _last_field_ns = 0  # of the second field of a picture, monotonic
 
     def __init__(
         self,
@@ -121,6 +153,7 @@ class V4l2Camera:
         line_time: float | None = 0.0,
         prepare: Callable[[V4l2Camera], None] = lambda camera: None,
         channel: str = 'luma',
+        fields: str = '',
     ) -> None:
         if not 2 <= buffers <= 32:
             raise CaptureError(f'buffers is {buffers}; it must be 2 to 32')
@@ -133,50 +166,60 @@ class V4l2Camera:
         self._given_line_time = line_time
         self._first = (0, 0)  # sequence and stamp of the first frame
         self._interval_ns = 0
+        self._measured = MeasuredRate()
         self._memory: list[mmap.mmap] = []
         self._streaming = False
         self._clock = RealtimeClock()
         self._open = threading.Lock()  # held by whom the device must not be closed under
+        self._control_call: Ioctl = self._call
         self._fd = open_capture_device(device)
-        step = 'take these settings'
+        step: Step = 'settings'
         try:
+            self._driver = driver(self._fd)
+            self._find_sensor()
             self._signal = Signal(self._call)
             self._signal.lock(device)
+            kind = buffer_type(self._fd)
+            interval = frame_interval(self._call, kind)
             self._format = set_format(
-                self._call, device, buffer_type(self._fd), width, height, pixel_format,
-                channel)
+                self._call, device, kind, width, height, pixel_format,
+                channel, fields, self._signal.lines)
             self.pixel_format = self._format.pixel_format
             self.saturation = self._format.saturation
+            self._low_bits = LowBits(self._format.binning)
             self.width, self.height = self._format.width, self._format.height
-            self._region = sensor_region(self._call, device, self.width, self.height)
+            self._region = sensor_region(
+                self._call, device, self.width, self.height, self.fields.lines_per_line)
             self.sensor_size = self._region.sensor_size
+            self.pixel_aspect = self._signal.pixel_aspect(*self.sensor_size)
             across, down = self._region.binning
             self._binning = across * self._format.binning, down * self._format.binning
-            self.frame_rate = set_frame_rate(
-                self._call, self._format.buffer_type, frame_rate, self._signal.frame_rate)
+            # Drivers count pictures.
+            per_picture = self.fields.per_picture
+            self.frame_rate = per_picture * set_frame_rate(
+                self._call, kind, frame_rate / per_picture, self._signal.frame_rate, interval)
             prepare(self)
-            step = 'give its buffers'
+            step = 'buffers'
             self._buffer_flags = map_buffers(
                 self._call, self._fd, device, self._format.buffer_type, buffers, self._memory)
-            step = 'begin to stream'
-            known = controls.controls(self._call)
-            self._events = ControlEvents(self._call, known.values())
+            step = 'stream'
+            known = controls.controls(self._control_call)
+            self._by_blanking = not self.frame_rate
+            self._follow_blanking(BLANKING, known)
+            self._events = ControlEvents(self._control_call, known.values())
             self._exposure = ExposureControls(
-                self._call, known, self.width * self._format.binning,
+                self._control_call, known, self.width * self._format.binning,
                 self.height * self._format.binning,
-                Exposure(_ns(exposure_time), _ns(readout_time)))
-            self._middle = MidExposure(
-                source_of(self._buffer_flags, driver(self._fd)), self._exposure.read())
+                Exposure(
+                    _ns(exposure_time),
+                    _ns(self._signal.readout_time if readout_time is None else readout_time)))
+            self._source = source_of(self._buffer_flags, self._driver)
+            self._middle = MidExposure(self._source, self._exposure.read())
             self._call(videodev2.STREAMON, ctypes.c_int32(self._format.buffer_type))
             self._streaming = True
         except OSError as error:
             self.close()
-            if error.errno == errno.EBUSY:
-                raise CaptureError(busy(device)) from error
-            if error.errno == errno.ENODEV:
-                raise CaptureError(self._unplugged()) from error
-            raise CaptureError(f'{device}: the driver does not {step}: {error.strerror}; open it '
-                               "again, and if that does not help see what 'dmesg' says") from error
+            raise CaptureError(refusal(device, self._driver, step, error)) from error
         except BaseException:
             self.close()
             raise
@@ -211,22 +254,19 @@ class V4l2Camera:
 
         """
         self._check_open()
-        deadline = time.monotonic() + timeout
-        waited = False
-        spoilt_before = self.error_frames
-        while True:
-            buffer = self._dequeue()
-            if buffer is None:
-                self._wait(deadline, timeout, self.error_frames - spoilt_before)
-                waited = True
-                continue
-            try:
-                # What read had to wait for is new, however slow the way from the sensor is.
-                frame = self._frame(buffer) if waited or not self._stale(buffer) else None
-            finally:
-                self._queue(buffer)
-            if frame is not None:
-                return frame
+        age = (time.monotonic_ns() - self._last_field_ns) / 1e9
+        if self._dealt and 0.0 < self.longest_wait < age:
+            self.drops += len(self._dealt)
+            self._dealt = ()
+        if not self._dealt:
+            self._dealt = self._next_picture(timeout)
+        frame, self._dealt = self._dealt[0], self._dealt[1:]
+        return frame
+
+    @property
+    def fields(self) -> FieldStream:
+        """Return what the driver's buffers hold of a picture; as a str in words."""
+        return self._format.fields
 
     @property
     def stamp_place(self) -> str:
@@ -264,6 +304,11 @@ class V4l2Camera:
         return self._events.told
 
     @property
+    def measured_rate(self) -> float:
+        """Return the frames/s by the driver's numbers and stamps; 0 while that is unknown."""
+        return self.fields.per_buffer * self._measured.rate
+
+    @property
     def longest_wait(self) -> float:
         """Return how long a frame may wait and still be new, s; 0 while that is unknown."""
         return len(self._memory) * self._interval_ns / 1e9
@@ -279,7 +324,7 @@ class V4l2Camera:
             The device is gone, or closed.
 
         """
-        return self._control(lambda: controls.controls(self._call))
+        return self._control(lambda: controls.controls(self._control_call))
 
     def get_control(self, name: str | Control) -> int | str:
         """
@@ -293,7 +338,8 @@ class V4l2Camera:
             The device is gone, or closed.
 
         """
-        return self._control(lambda: controls.get_control(self._call, self._named(name)))
+        return self._control(
+            lambda: controls.get_control(self._control_call, self._named(name)))
 
     def set_control(self, name: str | Control, value: int | bool | float | str) -> None:
         """
@@ -311,9 +357,12 @@ class V4l2Camera:
         """
         def change() -> None:
             control = self._named(name)
-            controls.set_control(self._call, control, value)
+            controls.set_control(self._control_call, control, value)
             if self._streaming and self._exposure.governed_by(control.number):
                 self._middle.changed(time.monotonic_ns(), self._exposure.read())
+            if control.number in BLANKING:
+                self._follow_blanking(
+                    [control.number], controls.controls(self._control_call))
 
         self._control(change)
 
@@ -332,7 +381,8 @@ class V4l2Camera:
                 for memory in self._memory:
                     memory.close()
                 self._memory.clear()
-                os.close(self._fd)
+                for fd in (*self._subdevices, self._fd):
+                    os.close(fd)
                 self._fd = -1
 
     def _check_open(self) -> None:
@@ -342,7 +392,7 @@ class V4l2Camera:
     def _named(self, name: str | Control) -> Control:
         if isinstance(name, Control):
             return name
-        found = controls.controls(self._call)
+        found = controls.controls(self._control_call)
         if name not in found:
             there_are = ', '.join(sorted(found)) or 'none'
             raise ControlError(
@@ -357,17 +407,64 @@ class V4l2Camera:
                 return action()
             except OSError as error:
                 if error.errno == errno.ENODEV:
-                    raise CaptureError(self._unplugged()) from error
+                    raise CaptureError(unplugged(self.device)) from error
                 raise CaptureError(
                     f'{self.device}: its controls cannot be queried: {error.strerror}') from error
 
     def _call(self, number: int, argument: object) -> None:
         videodev2.ioctl(self._fd, number, argument)
 
-    def _unplugged(self) -> str:
-        return f'{self.device}: the device is gone (unplugged?); connect it and open it again'
+    def _find_sensor(self) -> None:
+        """Open the subdevices that feed the device, for their controls."""
+        found = of_video_device(self._fd)
+        if found is None:
+            return
+        sensor, paths = found
+        refused = []
+        for path in paths:
+            try:
+                fd = os.open(path, os.O_RDWR | os.O_NONBLOCK | os.O_CLOEXEC)
+                self._subdevices += (fd,)
+            except OSError as error:
+                refused.append(f'{path} cannot be opened for its controls: {error.strerror}')
+        self.sensor = '; '.join([f'{sensor.name} ({", ".join(paths)})', *refused])
+        self._control_call = ControlRoute(
+            [self._call, *(partial(videodev2.ioctl, fd) for fd in self._subdevices)])
+
+    def _follow_blanking(self, changed: Iterable[int], known: Mapping[str, Control]) -> None:
+        """Take the frame rate from a sensor's controls, where the driver tells none."""
+        numbers = {control.number: control for control in known.values()}
+        if not self._by_blanking or not set(BLANKING) & set(changed) & set(numbers):
+            return
+        try:
+            across, down, pixel_rate = (
+                int(controls.get_control(self._control_call, numbers[number]))
+                for number in BLANKING
+            )
+        except (KeyError, ControlError):
+            return
+        self.frame_rate = pixel_rate / ((self.width + across) * (self.height + down))
 
     # --- streaming ---
+
+    def _next_picture(self, timeout: float) -> tuple[Frame, ...]:
+        """Return the frames in the next buffer."""
+        deadline = time.monotonic() + timeout
+        waited = False
+        spoilt_before = self.error_frames
+        while True:
+            buffer = self._dequeue()
+            if buffer is None:
+                self._wait(deadline, timeout, self.error_frames - spoilt_before)
+                waited = True
+                continue
+            try:
+                # What read had to wait for is new, however slow the way from the sensor is.
+                frames = self._frames(buffer) if waited or not self._stale(buffer) else ()
+            finally:
+                self._queue(buffer)
+            if frames:
+                return frames
 
     def _dequeue(self) -> videodev2.Buffer | None:
         """Return the oldest buffer that the driver has filled, None where there is none."""
@@ -391,10 +488,10 @@ class V4l2Camera:
 
     def _lost(self, error: OSError) -> CaptureError:
         if error.errno == errno.ENODEV:
-            return CaptureError(self._unplugged())
+            return CaptureError(unplugged(self.device))
         return CaptureError(
             f'{self.device}: the driver stopped streaming: {error.strerror}'
-            f'{self._signal.trouble()}; open it again')
+            f'{self._trouble()}; open it again')
 
     def _wait(self, deadline: float, timeout: float, spoilt: int) -> None:
         ready = self._poll.poll(max(0.0, deadline - time.monotonic()) * 1e3)
@@ -403,22 +500,28 @@ class V4l2Camera:
             if spoilt:
                 pictures = '1 picture' if spoilt == 1 else f'{spoilt} pictures'
                 what = f'{pictures} came, all spoilt or cut short'
-            raise NoFrameError(f'{self.device}: {what}{self._signal.trouble()}')
+            raise NoFrameError(f'{self.device}: {what}{self._trouble()}')
         if not ready[0][1] & select.POLLIN:
             # An error alone; a driver that knows its number gives it with the next buffer.
             self._dequeue()
             raise CaptureError(f'{self.device}: the driver stopped streaming'
-                               f'{self._signal.trouble()}; open it again')
+                               f'{self._trouble()}; open it again')
+
+    def _trouble(self) -> str:
+        """Return ': ' and why a camera has gone quiet, or ''."""
+        if self._driver == LOOPBACK:
+            return ': the program that writes into this v4l2loopback device has stopped'
+        return self._signal.trouble()
 
     def _stale(self, buffer: videodev2.Buffer) -> bool:
-        age = (time.monotonic_ns() - _stamp_ns(buffer)) / 1e9
+        age = (time.monotonic_ns() - told_stamp(buffer)) / 1e9
         return 0.0 < self.longest_wait < age
 
-    def _frame(self, buffer: videodev2.Buffer) -> Frame | None:
-        """Return the picture in a buffer and count the frames lost before it; None if spoilt."""
+    def _frames(self, buffer: videodev2.Buffer) -> tuple[Frame, ...]:
+        """Return the frames in a buffer and count those lost before it; none if it is spoilt."""
         if buffer.flags & videodev2.BUF_FLAG_ERROR:
             self.error_frames += 1
-            return None
+            return ()
         begin, end = 0, buffer.bytesused
         if buffer.type == videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE:
             begin, end = buffer.m.planes[0].data_offset, buffer.m.planes[0].bytesused
@@ -429,19 +532,48 @@ class V4l2Camera:
             steps = None if quantisation is None else quantisation(filled)
         except ValueError:
             self.error_frames += 1
-            return None  # cut short
+            return ()  # cut short
         finally:
             filled.release()
-        stamp_ns = _stamp_ns(buffer)
-        self._count(buffer.sequence, stamp_ns)
+        stamp_ns = stamp_of(buffer, self.device, time.monotonic_ns())
+        self._count(self.fields.number(buffer.sequence, buffer.field), stamp_ns)
         self._follow_controls()
-        middle_ns = self._middle.middle(stamp_ns, time.monotonic_ns())
+        middle_ns = self._of_first_field(self._middle.middle(stamp_ns, time.monotonic_ns()))
+        if self._format.saturation == FULL:
+            self.saturation = self._low_bits.saturation(image)
         line_time_ns = self._line_time_ns()
-        later_ns = of_first_line(line_time_ns, image.shape[0], self._format.binning)
-        return Frame(
+        lines = image.shape[0] // self.fields.per_buffer
+        later_ns = of_first_line(line_time_ns, lines, self._format.binning)
+        frame = Frame(
             image, self._clock.from_monotonic(middle_ns) + later_ns, self.saturation,
             self._region.x0, self._region.y0, self._binning, self._format.layout,
             quantisation=steps, exposure_ns=self._middle.time_ns, line_time_ns=line_time_ns)
+        return self._deal_out(frame, buffer.field) if self.fields.interlaced else (frame,)
+
+    def _of_first_field(self, middle_ns: int) -> int:
+        """Return the middle of the exposure of the field that was taken first, monotonic ns."""
+        if self.fields.per_buffer == 2:
+            if self._source == 'transfer end':
+                middle_ns -= self._field_ns  # that was the second
+            # A transfer's end may be noticed late: the fields keep their order.
+            middle_ns = max(middle_ns, self._last_field_ns + 1)
+            self._last_field_ns = middle_ns + self._field_ns
+        return middle_ns
+
+    def _deal_out(self, picture: Frame, field: int) -> tuple[Frame, ...]:
+        """Return the fields in a buffer, each with its stamp."""
+        try:
+            order = self.fields.order(field)
+        except ValueError as error:
+            raise CaptureError(
+                f'{self.device}: {error}; set fields to interlaced, top or bottom') from error
+        return dealt_out(picture, order, 2 * self._field_ns)
+
+    @property
+    def _field_ns(self) -> int:
+        """Return how long a field takes, ns."""
+        rate = self.frame_rate / self.fields.per_picture or UNKNOWN_PICTURE_RATE
+        return round(0.5e9 / rate)
 
     def _line_time_ns(self) -> float:
         """Return the line time of the last frame, ns; 0 where it is not known."""
@@ -467,15 +599,12 @@ class V4l2Camera:
             # The first frame, or a driver that starts its count again.
             self._first = (sequence, stamp_ns)
         else:
-            self.drops += step - 1
+            self.drops += self.fields.per_buffer * (step - 1)
             number, begin_ns = self._first
             # The mean, as the stamps of single frames jitter on a busy machine.
             self._interval_ns = (stamp_ns - begin_ns) // ((sequence - number) & 0xffffffff)
         self.sequence = sequence
-
-
-def _stamp_ns(buffer: videodev2.Buffer) -> int:
-    return buffer.timestamp.tv_sec * 1_000_000_000 + buffer.timestamp.tv_usec * 1000
+        self._measured.add(sequence, stamp_ns)
 
 
 def _ns(seconds: float | None) -> int | None:

@@ -28,7 +28,11 @@ CAP_DEVICE_CAPS = 0x80000000
 BUF_TYPE_VIDEO_CAPTURE = 1
 BUF_TYPE_VIDEO_CAPTURE_MPLANE = 9
 MEMORY_MMAP = 1
-FIELD_NONE = 1
+# v4l2_field by its number
+FIELDS = (
+    'any', 'none', 'top', 'bottom', 'interlaced', 'seq_tb', 'seq_bt', 'alternate',
+    'interlaced_tb', 'interlaced_bt',
+)
 FRMSIZE_TYPE_DISCRETE = 1
 FMT_FLAG_COMPRESSED = 0x0001
 COLORSPACE_JPEG = 7
@@ -52,11 +56,15 @@ BUF_FLAG_TSTAMP_SRC_SOE = 0x00010000
 
 # v4l2_input.capabilities and .status
 IN_CAP_DV_TIMINGS = 0x00000002
+IN_CAP_STD = 0x00000004
 IN_ST_NO_POWER = 0x00000001
 IN_ST_NO_SIGNAL = 0x00000002
 IN_ST_NO_H_LOCK = 0x00000100
 IN_ST_NO_SYNC = 0x00010000
 
+# v4l2_std_id: the video standards of 525 lines and 60 fields a second, and of 625 and 50
+STD_525_60 = 0x0000f900
+STD_625_50 = 0x00ff06ff
 
 # v4l2_query_ext_ctrl.id: the next control that is neither an array nor of a compound type
 CTRL_FLAG_NEXT_CTRL = 0x80000000
@@ -88,6 +96,7 @@ CID_AUTOGAIN = 0x00980912
 CID_GAIN = 0x00980913
 CID_EXPOSURE_AUTO = 0x009a0901
 CID_EXPOSURE_ABSOLUTE = 0x009a0902
+CID_VBLANK = 0x009e0901
 CID_HBLANK = 0x009e0902
 CID_ANALOGUE_GAIN = 0x009e0903
 CID_PIXEL_RATE = 0x009f0902
@@ -262,6 +271,12 @@ class Rect(ctypes.Structure):
     """v4l2_rect."""
 
     _fields_ = [('left', c_int32), ('top', c_int32), ('width', c_uint32), ('height', c_uint32)]
+
+
+class CropCap(ctypes.Structure):
+    """v4l2_cropcap; `pixelaspect` is the height of a pixel by its width, unscaled."""
+
+    _fields_ = [('type', c_uint32), ('bounds', Rect), ('defrect', Rect), ('pixelaspect', Fract)]
 
 
 class Selection(ctypes.Structure):
@@ -495,9 +510,13 @@ STREAMON = _ioc(_WRITE, 18, c_int32)
 STREAMOFF = _ioc(_WRITE, 19, c_int32)
 G_PARM = _ioc(_READ | _WRITE, 21, StreamParm)
 S_PARM = _ioc(_READ | _WRITE, 22, StreamParm)
+G_STD = _ioc(_READ, 23, c_uint64)
+S_STD = _ioc(_WRITE, 24, c_uint64)
 ENUMINPUT = _ioc(_READ | _WRITE, 26, Input)
 QUERYMENU = _ioc(_READ | _WRITE, 37, QueryMenu)
 G_INPUT = _ioc(_READ, 38, c_int32)
+CROPCAP = _ioc(_READ | _WRITE, 58, CropCap)
+QUERYSTD = _ioc(_READ, 63, c_uint64)
 G_EXT_CTRLS = _ioc(_READ | _WRITE, 71, ExtControls)
 S_EXT_CTRLS = _ioc(_READ | _WRITE, 72, ExtControls)
 ENUM_FRAMESIZES = _ioc(_READ | _WRITE, 74, FrameSizeEnum)

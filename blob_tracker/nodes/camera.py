@@ -40,8 +40,9 @@ from std_srvs.srv import Trigger
 # What the device is opened with: another value opens it again.
 DEVICE = (
     'device', 'width', 'height', 'pixel_format', 'frame_rate', 'buffers', 'exposure_time',
-    'readout_time', 'line_time', 'channel',
+    'readout_time', 'line_time', 'channel', 'fields',
 )
+RATE_TOLERANCE = 0.05  # of the rate that the driver grants
 FRAME_TIMEOUT_S = 0.1  # s: how soon the end of the node is noticed while no frame comes
 QUIET_S, LONGEST_SILENCE_S = 1.0, 10.0  # s without a frame: is told; opens the device again
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.5, 5.0  # s between attempts to open the device
@@ -73,9 +74,11 @@ class CameraNode(Node):
         values = declare(self, PARAMETERS, complete=False)
         self._settings: dict[str, Any] = {}
         self._sensor_size: tuple[int, int] | None = None
+        self._pixel_aspect = 1.0
         # Parameters and calibration; what was made of them is beside them.
         self._in_use: tuple[dict[str, Any], CameraModel | None]
-        self._info_of: tuple[Any, CameraInfo] = None, CameraInfo()
+        # What they were when these camera_infos were made, by the place and binning of the frame.
+        self._info_of: tuple[Any, dict[Any, CameraInfo]] = None, {}
         self._health = Health(
             self,
             'no frame arrives from the camera',
@@ -178,10 +181,12 @@ class CameraNode(Node):
         """Publish the newest frame until the settings change; search the exposure when asked."""
         self.get_logger().info(
             f'streaming {camera.width} x {camera.height} px at {camera.frame_rate:g} Hz '
-            f'from {camera.device}; stamps: {camera.stamp_place}; {camera.pixel_format} clips at '
-            f'{camera.saturation} DN: saturation of segmenter and locator'
+            f'from {camera.device}; fields: {camera.fields}; stamps: {camera.stamp_place}; '
+            f'{camera.pixel_format} clips at {camera.saturation} DN: saturation of segmenter and '
+            'locator'
         )
-        self._info_of = None, CameraInfo()
+        self._pixel_aspect = camera.pixel_aspect
+        self._info_of = None, {}
         self._lost = 0
         while not self._ends:
             self._publish_next(camera, grabber)
@@ -202,8 +207,11 @@ class CameraNode(Node):
         # Parameters and set_camera_info may change both at any time.
         in_use = values, model = self._in_use
         if self._info_of[0] is not in_use:
-            self._info_of = in_use, self._make_info(model, values['field_of_view'], frame)
-        info = self._info_of[1]
+            self._info_of = in_use, {}
+        infos, kind = self._info_of[1], (frame.y0, frame.binning)
+        if kind not in infos:
+            infos[kind] = self._make_info(model, values['field_of_view'], frame)
+        info = infos[kind]
         self._health.arrived(frame.stamp_ns)
         self._frames.publish(frame, info, values['frame_id'])
         self._health.left(frame.stamp_ns)
@@ -246,7 +254,9 @@ class CameraNode(Node):
         """Return the camera_info of frames such as this one."""
         assert self._sensor_size is not None
         if model is None and field_of_view > 0.0:
-            model = CameraModel.from_field_of_view(*self._sensor_size, field_of_view)
+            model = CameraModel.from_field_of_view(
+                *self._sensor_size, field_of_view, self._pixel_aspect
+            )
         height, width = frame.image.shape[:2]
         return from_camera_model(
             model, width, height, x0=frame.x0, y0=frame.y0, binning=frame.binning,
@@ -258,8 +268,11 @@ class CameraNode(Node):
         self._health.count('frames')
         self._show_losses(camera, grabber)
         self._watch_losses(camera, grabber)
+        if camera.sensor:
+            self._health.show('sensor', camera.sensor)
         self._health.show('exposure time', _exposure(camera))
         self._health.show('stamp', camera.stamp_place)
+        self._health.show('fields', str(camera.fields))
         self._health.show('line time', _line_time(camera, self._settings['line_time']))
         if camera.line_time is None:
             self._health.fault(
@@ -284,9 +297,22 @@ class CameraNode(Node):
                 'one that the camera offers at this size and pixel_format (see v4l2-ctl '
                 '--list-formats-ext)',
             )
+        self._compare_rate(camera, rate or camera.frame_rate)
         for warning in self._controls.warnings:
             self._health.fault(WARN, warning)
         self._health.ok('streaming')
+
+    def _compare_rate(self, camera: V4l2Camera, promised: float) -> None:
+        """Warn where frames come at another rate than the driver grants."""
+        measured = camera.measured_rate
+        if measured and promised and abs(measured / promised - 1.0) > RATE_TOLERANCE:
+            self._health.fault(
+                WARN,
+                f'frames come at {measured:.4g} Hz by their stamps, and {promised:.4g} Hz were '
+                'granted: a long exposure slows a camera down, and a trigger or the program that '
+                'writes into v4l2loopback has its own rate; shorten the exposure, or set '
+                'frame_rate to the rate that comes',
+            )
 
     def _show_losses(self, camera: V4l2Camera, grabber: Grabber) -> None:
         self._health.show('drops', camera.drops)

@@ -28,7 +28,8 @@ class Alternate:
     Parameters
     ----------
     max_pair_interval : float
-        Greatest time between the two frames of a pair, s.
+        Greatest time between the two frames of a pair, s; 0 as
+        `FrameHistory` has it.
     registration : str
         How the unlit frame is laid over the lit one, a key of `REGISTRATIONS`: for a camera that
         moves between the two. It is none for one that stands still.
@@ -47,7 +48,7 @@ class Alternate:
     def __init__(
         self,
         *,
-        max_pair_interval: float = 0.1,
+        max_pair_interval: float = 0.0,
         registration: str = 'none',
         gate_px: float = 24.0,
     ) -> None:

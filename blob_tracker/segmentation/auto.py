@@ -48,7 +48,7 @@ class Auto(Switching):
     def __init__(
         self,
         *,
-        max_pair_interval: float = 0.1,
+        max_pair_interval: float = 0.0,
         registration: str = 'none',
         gate_px: float = 24.0,
         exposure: float = 0.0,

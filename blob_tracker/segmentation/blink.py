@@ -44,7 +44,8 @@ class Blink(SingleFrames):
     Parameters
     ----------
     max_pair_interval : float
-        Greatest time from one frame to the next, s; a longer gap forgets all lights.
+        Greatest time from one frame to the next, s; a longer gap forgets all lights; 0 as
+        `FrameHistory` has it.
     codes : mapping of str to str
         Bits of each light by its name: '1101000'.
     frequencies : mapping of str to float
@@ -70,7 +71,7 @@ class Blink(SingleFrames):
         *,
         codes: Mapping[str, str] | None = None,
         frequencies: Mapping[str, float] | None = None,
-        max_pair_interval: float = 0.1,
+        max_pair_interval: float = 0.0,
         frames_per_bit: int = 1,
         bits_per_second: float = 0.0,
         duty: float = 0.5,
@@ -301,7 +302,7 @@ class Periodic(Blink):
         *,
         frequencies: Mapping[str, float] | None = None,
         frequency: float = 15.0,
-        max_pair_interval: float = 0.1,
+        max_pair_interval: float = 0.0,
         duty: float = 0.5,
         exposure: float = 0.0,
     ) -> None:
@@ -331,7 +332,7 @@ class HalfRate(Blink):
     """
 
     def __init__(
-        self, *, interval: float, slower: float = 0.0, max_pair_interval: float = 0.1,
+        self, *, interval: float, slower: float = 0.0, max_pair_interval: float = 0.0,
         exposure: float = 0.0,
     ) -> None:
         super().__init__(

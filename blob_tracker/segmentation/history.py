@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import replace
+from statistics import median
 
 from blob_tracker.types import Frame
 import numpy as np
+
+LEAST_INTERVAL_S = 0.1  # s: frames that are nearer may follow each other, whatever the rate
+LONGEST_INTERVAL = 1.5  # frame intervals: less than two, which a lost frame leaves
+INTERVALS, ENOUGH = 9, 3  # of the last frames: kept, and needed to know the frame rate
 
 
 class FrameError(ValueError):
@@ -22,13 +27,24 @@ class FrameHistory:
     length : int
         How many.
     max_interval : float
-        Greatest time from one frame to the next, s.
+        Greatest time from one frame to the next, s; 0 follows the frame rate: `LEAST_INTERVAL_S`,
+        or for a slower camera `LONGEST_INTERVAL` times the median of the last intervals.
 
     """
 
     def __init__(self, length: int, max_interval: float) -> None:
-        self.max_interval = max_interval
+        self._max_interval = max_interval
+        self._intervals: deque[float] = deque(maxlen=INTERVALS)
         self.frames: deque[Frame] = deque(maxlen=length)
+
+    @property
+    def max_interval(self) -> float:
+        """Return the greatest time from one frame to the next, s, as it is now."""
+        if self._max_interval:
+            return self._max_interval
+        if len(self._intervals) < ENOUGH:
+            return LEAST_INTERVAL_S
+        return max(LEAST_INTERVAL_S, LONGEST_INTERVAL * median(self._intervals))
 
     def push(self, frame: Frame) -> float | None:
         """
@@ -76,12 +92,14 @@ class FrameHistory:
                 'starting afresh'
             )
         interval = (frame.stamp_ns - previous.stamp_ns) / 1e9
+        self._intervals.append(interval)
         if interval > self.max_interval:
             self.frames.clear()
         self.frames.append(frame)
         return interval
 
     def _restart(self, frame: Frame) -> None:
+        self._intervals.clear()
         self.frames.clear()
         self.frames.append(frame)
 

@@ -50,7 +50,8 @@ class LockIn:
     Parameters
     ----------
     max_pair_interval : float
-        Greatest time from one frame to the next, s; a longer gap begins a new block.
+        Greatest time from one frame to the next, s; a longer gap begins a new block; 0 as
+        `FrameHistory` has it.
     frequency : float
         f, Hz; from 0.1 to 0.45 of the frame rate.
     duty : float
@@ -68,7 +69,7 @@ class LockIn:
     def __init__(
         self,
         *,
-        max_pair_interval: float = 0.1,
+        max_pair_interval: float = 0.0,
         frequency: float = 15.0,
         duty: float = 0.5,
         frames: int = 16,

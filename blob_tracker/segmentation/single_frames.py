@@ -25,7 +25,8 @@ class SingleFrames:
     Parameters
     ----------
     max_pair_interval : float
-        Greatest time from one frame to the next, s; a longer gap forgets all frames.
+        Greatest time from one frame to the next, s; a longer gap forgets all frames; 0 as
+        `FrameHistory` has it.
 
     """
 

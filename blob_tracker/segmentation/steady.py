@@ -28,7 +28,8 @@ class Steady:
     Parameters
     ----------
     max_pair_interval : float
-        How far the stamps may jump back before the frame counts as a fresh start, s.
+        How far the stamps may jump back before the frame counts as a fresh start, s; 0 as
+        `FrameHistory` has it.
 
     """
 
@@ -37,7 +38,7 @@ class Steady:
     warning = ''
     finding = ''
 
-    def __init__(self, *, max_pair_interval: float = 0.1) -> None:
+    def __init__(self, *, max_pair_interval: float = 0.0) -> None:
         self.reason = 'no frame yet'
         self._history = FrameHistory(1, max_pair_interval)
         self._nothing: Pixels = np.empty((0, 0), np.uint8)

@@ -22,7 +22,8 @@ class Watch(SingleFrames):
     Parameters
     ----------
     max_pair_interval : float
-        Greatest time from one frame to the next, s; a longer gap forgets all frames.
+        Greatest time from one frame to the next, s; a longer gap forgets all frames; 0 as
+        `FrameHistory` has it.
     exposure : float
         Of a frame, s; 0 where the frames tell, or nobody.
     most : int
@@ -33,7 +34,7 @@ class Watch(SingleFrames):
     locked = False
 
     def __init__(
-        self, *, max_pair_interval: float = 0.1, exposure: float = 0.0, most: int = MOST_FRAMES
+        self, *, max_pair_interval: float = 0.0, exposure: float = 0.0, most: int = MOST_FRAMES
     ) -> None:
         super().__init__(max_pair_interval)
         self._exposure, self._most = exposure, most

@@ -87,6 +87,13 @@ def test_field_of_view_of_the_thesis() -> None:
     assert edge == pytest.approx(-1e3 * np.radians(56.22 / 2))
 
 
+def test_pixels_of_an_analogue_camera_are_not_square() -> None:
+    """Those of PAL are wider than high: a degree is more of them down than across."""
+    model = CameraModel.from_field_of_view(720, 576, 40.0, 54 / 59)
+    assert model.matrix[1, 1] / model.matrix[0, 0] == pytest.approx(59 / 54)
+    assert model.angles(719.5, 287.5)[0] == pytest.approx(1e3 * np.radians(20.0))
+
+
 @pytest.mark.parametrize(
     'change, sentence',
     [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from blob_tracker.capture.fields import fields, order_of, ORDERS
+from blob_tracker.capture.fields import fields, FieldStream, order_of, ORDERS
 from blob_tracker.types import Frame
 import numpy as np
 import pytest
@@ -41,6 +41,10 @@ def test_the_order_is_that_of_the_video_standard() -> None:
     assert (order_of('interlaced', 480), order_of('interlaced', 576)) == (
         'interlaced_bt', 'interlaced_tb'
     )
+    # Which is known of a grabber, whatever the size that it scales to.
+    assert [order_of('interlaced', 240, lines) for lines in (525, 625)] == [
+        'interlaced_bt', 'interlaced_tb'
+    ]
     with pytest.raises(ValueError, match='there is interlaced, interlaced_tb'):
         order_of('woven', 480)
 
@@ -59,3 +63,22 @@ def test_the_planes_of_colours_are_dealt_out_too() -> None:
     colours = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
     top, bottom = fields(Frame(colours, 7, 255, layout='bgr'), 'interlaced_tb', INTERVAL_NS)
     assert (top.image.shape, bottom.image.shape) == ((3, WIDTH, 3), (3, WIDTH, 3))
+
+
+@pytest.mark.parametrize(('name', 'per_buffer', 'per_picture', 'lines_per_line', 'words'), [
+    ('none', 1, 1, 1, 'none, whole pictures'),
+    ('interlaced', 2, 2, 1, 'bottom before top, line by line'),
+    ('seq_tb', 2, 2, 1, 'top before bottom, one above the other'),
+    ('bottom', 1, 1, 2, 'bottom alone'),
+    ('alternate', 1, 2, 2, 'one after the other'),
+])
+def test_what_a_buffer_is_of_a_picture(
+    name: str, per_buffer: int, per_picture: int, lines_per_line: int, words: str
+) -> None:
+    """How many frames it holds, and how many a picture has."""
+    found = FieldStream(name, 480)
+    assert found.interlaced == (name != 'none')
+    assert (found.per_buffer, found.per_picture, found.lines_per_line) == (
+        per_buffer, per_picture, lines_per_line
+    )
+    assert str(found) == words

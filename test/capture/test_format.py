@@ -10,7 +10,7 @@ from blob_tracker.capture.format import set_format, StreamFormat
 import numpy as np
 import pytest
 
-BYTES = {'YUYV': 2, 'UYVY': 2, 'RGB3': 3, 'MJPG': 1, 'H264': 1}  # of a pixel
+BYTES = {'YUYV': 2, 'UYVY': 2, 'RGB3': 3}  # of a pixel, where it is not one
 
 
 class Webcam:
@@ -25,16 +25,22 @@ class Webcam:
         Pixel format, width and height as the device was left.
     quantization : int
         Range of the levels that it gives.
+    field : str
+        What it gives for any that it lacks.
+    fields : tuple of str
+        What it has.
 
     """
 
     def __init__(
         self, sizes: dict[str, list[tuple[int, int]]], current: tuple[str, int, int],
-        quantization: int = videodev2.QUANTIZATION_DEFAULT,
+        quantization: int = videodev2.QUANTIZATION_DEFAULT, field: str = 'none',
+        fields: tuple[str, ...] = (),
     ) -> None:
         self.sizes = sizes
         self.current = current
         self.quantization = quantization
+        self.field, self.fields, self.left_at = field, fields, 'none'
 
     def __call__(self, number: int, argument: Any) -> None:
         if number == videodev2.ENUM_FMT:
@@ -52,13 +58,25 @@ class Webcam:
                 self.current = (name, *(size if size in known else known[0]))
             name, pix.width, pix.height = self.current
             pix.pixelformat = videodev2.fourcc(name)
-            pix.bytesperline = BYTES[name] * pix.width
+            pix.bytesperline = BYTES.get(name, 1) * pix.width
             pix.sizeimage = pix.bytesperline * pix.height
             pix.quantization = self.quantization
+            if number == videodev2.G_FMT:
+                pix.field = videodev2.FIELDS.index(self.left_at)
+            else:
+                asked = videodev2.FIELDS[pix.field]
+                if self.field == 'refused' and asked == 'none':
+                    raise OSError(errno.EINVAL, 'Invalid argument')
+                given = asked if asked in self.fields else self.field
+                pix.field = videodev2.FIELDS.index(given.replace('refused', 'interlaced'))
 
-    def negotiated(self, width: int = 0, height: int = 0, pixel_format: str = '') -> StreamFormat:
+    def negotiated(
+        self, width: int = 0, height: int = 0, pixel_format: str = '', field_order: str = '',
+        standard_lines: int = 0,
+    ) -> StreamFormat:
         return set_format(
-            self, '/dev/video0', videodev2.BUF_TYPE_VIDEO_CAPTURE, width, height, pixel_format)
+            self, '/dev/video0', videodev2.BUF_TYPE_VIDEO_CAPTURE, width, height, pixel_format,
+            field_order=field_order, standard_lines=standard_lines)
 
 
 SIZES = {'MJPG': [(640, 480), (1920, 1080)], 'YUYV': [(640, 480), (320, 240)]}
@@ -125,3 +143,64 @@ def test_a_colour_of_a_format_without_is_refused():
     found = set_format(
         camera, '/dev/video0', videodev2.BUF_TYPE_VIDEO_CAPTURE, 0, 0, '', 'auto')
     assert found.layout == 'grey'
+
+
+GRABBER = {'UYVY': [(720, 480)]}, ('UYVY', 720, 480)
+
+
+@pytest.mark.parametrize(('field', 'fields', 'asked', 'words'), [
+    ('none', (), '', 'none, whole pictures'),
+    ('any', (), '', 'none, whole pictures'),  # of a driver that knows nothing of fields
+    ('interlaced', (), '', 'bottom before top, line by line'),
+    ('interlaced', (), 'interlaced_tb', 'top before bottom, line by line'),  # who asks knows
+    ('refused', (), '', 'bottom before top, line by line'),  # EINVAL for whole pictures
+    ('interlaced', ('top', 'alternate'), 'top', 'top alone'),
+    ('interlaced', ('top', 'alternate'), 'alternate', 'one after the other'),
+    ('seq_bt', (), '', 'bottom before top, one above the other'),
+])
+def test_fields_are_taken_where_there_are_no_whole_pictures(field, fields, asked, words):
+    found = Webcam(*GRABBER, field=field, fields=fields).negotiated(field_order=asked)
+    assert str(found.fields) == words
+
+
+def test_the_standard_tells_which_field_is_first():
+    found = Webcam(*GRABBER, field='interlaced').negotiated(standard_lines=625)
+    assert str(found.fields) == 'top before bottom, line by line'
+
+
+@pytest.mark.parametrize(('left_at', 'asked', 'lines'), [
+    ('interlaced', 'top', 240), ('top', '', 960), ('top', 'alternate', 480),
+    ('interlaced', '', 480),
+])
+def test_a_field_has_half_of_the_lines_that_the_picture_had(left_at, asked, lines):
+    # Where nobody asks for a height: drivers count the lines of a buffer.
+    camera = Webcam(
+        {'UYVY': [(720, 480), (720, 240), (720, 960)]}, ('UYVY', 720, 480), field='interlaced',
+        fields=('top', 'alternate'))
+    camera.left_at = left_at
+    assert camera.negotiated(field_order=asked).height == lines
+
+
+def test_fields_that_cannot_be_had_are_told():
+    with pytest.raises(CaptureError, match='fields is top and the driver gives interlaced at'):
+        Webcam(*GRABBER, field='interlaced').negotiated(field_order='top')
+    with pytest.raises(CaptureError, match='fields is top and the driver gives whole pictures'):
+        Webcam(*GRABBER).negotiated(field_order='top')
+    with pytest.raises(CaptureError, match='the lines of a mosaic are none; set pixel_format'):
+        Webcam({'RGGB': [(720, 480)]}, ('RGGB', 720, 480), field='interlaced').negotiated()
+    with pytest.raises(CaptureError, match='pictures of 2 lines have no fields'):
+        Webcam({'UYVY': [(4, 2)]}, ('UYVY', 4, 2), field='interlaced').negotiated()
+
+
+@pytest.mark.parametrize(('names', 'words'), [
+    (['H264', 'HEVC'], '; H264, HEVC: video that is compressed over several pictures;'),
+    (['PC1B', 'PC1M'], '; PC1B, PC1M: raw that the camera interface of a Raspberry Pi 5 has'),
+    (['ip3y'], "; ip3y: packed raw of Intel's IPU3"),
+])
+def test_formats_that_are_not_decoded_are_known(names, words):
+    camera = Webcam({name: [(640, 480)] for name in names}, (names[0], 640, 480))
+    with pytest.raises(CaptureError) as error:
+        camera.negotiated()
+    assert words in str(error.value)
+    with pytest.raises(CaptureError, match=f"'{names[0]}' cannot be decoded"):
+        camera.negotiated(pixel_format=names[0])

@@ -1,7 +1,11 @@
-"""Frame rates as fractions: what a driver is asked for."""
+"""Frame rates as fractions: what a driver is asked for, and what comes."""
+
+from fractions import Fraction
 
 from blob_tracker.capture import videodev2
-from blob_tracker.capture.frame_rate import set_frame_rate
+from blob_tracker.capture.frame_rate import (
+    ENOUGH, frame_interval, MeasuredRate, set_frame_rate,
+)
 import pytest
 
 
@@ -27,3 +31,54 @@ def test_a_frame_rate_is_asked_for_as_drivers_know_it(wanted, asked):
     given = set_frame_rate(driver.call, videodev2.BUF_TYPE_VIDEO_CAPTURE, wanted, 0.0)
     assert given == pytest.approx(wanted, abs=0.01)
     assert driver.asked == asked
+
+
+class Forgetful:
+    """A driver that a format takes back to 30 Hz, as uvcvideo."""
+
+    def __init__(self):
+        self.interval = Fraction(1, 15)
+        self.asked = 0
+
+    def call(self, number, argument):
+        argument.capability = videodev2.CAP_TIMEPERFRAME
+        interval = argument.timeperframe
+        if number == videodev2.S_PARM:
+            self.asked += 1
+            self.interval = Fraction(interval.numerator, interval.denominator)
+        interval.numerator, interval.denominator = self.interval.as_integer_ratio()
+
+
+KIND = videodev2.BUF_TYPE_VIDEO_CAPTURE
+
+
+def test_a_rate_that_somebody_chose_before_is_kept():
+    driver = Forgetful()
+    before = frame_interval(driver.call, KIND)
+    driver.interval = Fraction(1, 30)  # the format was set
+    assert set_frame_rate(driver.call, KIND, 0.0, 0.0, before) == 15.0
+    # Nothing is set that is so already: some drivers refuse, or stop, at each setting.
+    assert set_frame_rate(driver.call, KIND, 0.0, 0.0, before) == 15.0
+    assert set_frame_rate(driver.call, KIND, 15.0, 0.0, before) == 15.0
+    assert driver.asked == 1
+    assert set_frame_rate(driver.call, KIND, 20.0, 0.0, before) == 20.0
+
+
+def test_the_rate_is_measured_whatever_is_lost():
+    measured = MeasuredRate()
+    assert measured.rate == 0.0
+    for number in range(0, 3 * ENOUGH, 3):  # two of three do not come through
+        measured.add(number, 40_000_000 * number)
+        assert measured.rate in (0.0, pytest.approx(25.0))
+    assert measured.rate == pytest.approx(25.0)
+    measured.add(0, 0)  # the driver counts anew
+    assert measured.rate == 0.0
+
+
+def test_the_measured_rate_follows():
+    measured = MeasuredRate()
+    stamp_ns = 0
+    for number in range(300):
+        stamp_ns += 40_000_000 if number < 200 else 100_000_000
+        measured.add(number, stamp_ns)
+    assert measured.rate == pytest.approx(10.0)

@@ -6,6 +6,7 @@ import threading
 import time
 
 from blob_tracker.capture import CaptureError, Grabber, NoFrameError
+from blob_tracker.capture.fields import FieldStream
 from blob_tracker.types import Frame
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ class PipeCamera:
         self.out, self.into = os.pipe()
         self.drops = 0
         self.longest_wait = 0.0
+        self.fields = FieldStream('none', 2)
         self.taken = threading.Semaphore(0)
 
     def read(self, timeout):
@@ -71,6 +73,18 @@ def test_frames_come_in_order_each_once(camera):
         assert grabber.overruns == 0
         with pytest.raises(NoFrameError):
             grabber.newest(0.0)
+
+
+def test_both_fields_of_a_picture_wait_for_the_reader(camera):
+    # They come together; of two pictures the newer one is kept.
+    camera.fields = FieldStream('interlaced', 480)
+    with Grabber(camera) as grabber:
+        camera.send(1, 2)
+        assert [grabber.newest(10.0).stamp_ns for _ in range(2)] == [1, 2]
+        assert grabber.overruns == 0
+        camera.send(3, 4, 5, 6)
+        settled(grabber, 2)
+        assert [grabber.newest(10.0).stamp_ns for _ in range(2)] == [5, 6]
 
 
 def test_the_newest_frame_wins_and_the_others_are_counted(camera):

@@ -45,6 +45,18 @@ def test_the_place_counts_from_the_default_rectangle():
     assert region == SensorRegion(100, 50, (2, 1), (1920, 1080))
 
 
+@pytest.mark.parametrize(('rectangles', 'binning'), [
+    ({}, (1, 1)),
+    ({'crop': (0, 0, 720, 576), 'default': (0, 0, 720, 576), 'compose': (0, 0, 720, 288)}, (1, 1)),
+    ({'crop': (0, 0, 720, 576), 'default': (0, 0, 720, 576), 'compose': (0, 0, 360, 144)}, (2, 2)),
+])
+def test_a_field_is_half_of_the_lines_and_no_binning(rectangles, binning):
+    # Crops are in lines of the picture, what the driver fills in those of the field.
+    size = (720 // binning[0], 288 // binning[1])
+    region = sensor_region(driver(**rectangles), '/dev/video0', *size, lines_per_line=2)
+    assert region == SensorRegion(0, 0, binning, (720, 576))
+
+
 @pytest.mark.parametrize('crop', [(0, 16, 640, 480), (8, 15, 640, 480), (1608, 16, 640, 480)])
 def test_a_crop_beyond_the_sensor_is_refused(crop):
     with pytest.raises(CaptureError, match='reaches beyond the sensor of 1920x1080 at'):

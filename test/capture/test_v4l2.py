@@ -5,13 +5,16 @@ import mmap
 import os
 import select
 import tempfile
+import time
 
 from blob_tracker.capture import CaptureError, NoFrameError, V4l2Camera, videodev2
 from blob_tracker.capture.device import capture_devices
 from blob_tracker.capture.format import StreamFormat
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 from blob_tracker.capture.signal import Signal
+import numpy as np
 import pytest
+from support.v4l2_driver import Driver
 
 
 def message(device, **settings):
@@ -130,3 +133,97 @@ def test_pictures_that_are_all_spoilt_are_told(spoilt, cut_short, words):
         # Those were of that wait.
         with pytest.raises(NoFrameError, match='/dev/video0: no frame for 0.0 s'):
             camera.read(0.01)
+
+
+def test_words_of_a_sensor_of_fewer_bits_clip_below_full_scale(tmp_path, monkeypatch):
+    # 12 bits in the upper ones of Y16.
+    driver = Driver(formats=['Y16'])
+    image = (np.arange(64, dtype='<u2').reshape(8, 8) * 65) << 4
+    image[0, 0] = 4095 << 4
+    with driver.at(tmp_path / 'video0', monkeypatch) as device, V4l2Camera(device) as camera:
+        driver.filled = [(time.monotonic_ns(), 0, 'none', image.tobytes())]
+        frame = camera.read()
+    assert frame.saturation == camera.saturation == 65520
+    np.testing.assert_array_equal(frame.image, image)  # DN as they come
+
+
+# --- interlaced pictures ---
+
+LINES_625, LINES_525 = 0xff, 0xb000  # PAL and NTSC
+FIELD_NS = {LINES_625: 20_000_000, LINES_525: 1001 * 1_000_000_000 // 60_000}
+READOUT_NS = {  # of the lines of a field, by ITU-R BT.601
+    LINES_625: round(288 * 64e3), LINES_525: round(240 * 1001e9 / 30000 / 525)}
+WHOLE = np.repeat(np.arange(8, dtype=np.uint8)[:, None], 8, axis=1)  # lines of their numbers
+START = videodev2.BUF_FLAG_TIMESTAMP_MONOTONIC | videodev2.BUF_FLAG_TSTAMP_SRC_SOE
+
+
+def woven_stream(driver, count=3):
+    """Fill so many pictures from a while ago on; return their stamps."""
+    begin = time.monotonic_ns() // 1000 * 1000 - 10**8
+    stamps = [begin + 2 * each * FIELD_NS[driver.standard] // 1000 * 1000 for each in range(count)]
+    driver.filled = [
+        (stamp, 5 + each, driver.field, WHOLE.tobytes()) for each, stamp in enumerate(stamps)]
+    return stamps
+
+
+@pytest.mark.parametrize(('standard', 'first'), [(LINES_625, 0), (LINES_525, 1)])
+@pytest.mark.parametrize('flags', [START, videodev2.BUF_FLAG_TIMESTAMP_MONOTONIC])
+def test_the_fields_of_a_picture_are_frames(tmp_path, monkeypatch, standard, first, flags):
+    # NTSC begins at the bottom. A driver that stamps the end has stamped that of the second field.
+    driver = Driver(field='interlaced', standard=standard, flags=flags)
+    with driver.at(tmp_path / 'video0', monkeypatch) as device, V4l2Camera(
+            device, buffers=32) as camera:
+        stamps = woven_stream(driver)
+        frames = [camera.read() for _ in range(6)]
+    field_ns = FIELD_NS[standard]
+    assert camera.frame_rate == pytest.approx(1e9 / field_ns)
+    assert camera.sensor_size == (8, 8)
+    offset = frames[0].stamp_ns - stamps[0]
+    for index, frame in enumerate(frames):
+        kind = first if index % 2 == 0 else 1 - first
+        np.testing.assert_array_equal(frame.image, WHOLE[kind::2][:3])
+        assert (frame.y0, frame.binning) == (kind, (1, 2))
+        wanted = stamps[index // 2] + index % 2 * field_ns + offset
+        assert frame.stamp_ns == pytest.approx(wanted, abs=1e6)  # the clocks' bracket
+    before = time.time_ns() - time.monotonic_ns() - offset  # of the stamp
+    wanted = 0 if flags == START else field_ns + READOUT_NS[standard]
+    assert before == pytest.approx(wanted, abs=5e6)
+
+
+@pytest.mark.parametrize('counts_pictures', [True, False])
+def test_fields_that_come_one_by_one(tmp_path, monkeypatch, counts_pictures):
+    # Each buffer says which it holds. Drivers count pictures, and some fields.
+    driver = Driver(field='alternate', size=(8, 4), standard=LINES_625, flags=START)
+    with driver.at(tmp_path / 'video0', monkeypatch) as device, V4l2Camera(
+            device, buffers=32) as camera:
+        begin = time.monotonic_ns() // 1000 * 1000 - 3 * 10**8
+        driver.filled = [
+            (begin + index * FIELD_NS[LINES_625], index // 2 if counts_pictures else index,
+             ('top', 'bottom')[index % 2], WHOLE[index % 2::2].tobytes())
+            for index in range(12) if index != 7]
+        frames = [camera.read() for _ in range(11)]
+    assert camera.frame_rate == 50.0
+    assert camera.drops == 1
+    assert camera.sensor_size == (8, 8)
+    assert [frame.y0 for frame in frames] == [0, 1, 0, 1, 0, 1, 0, 0, 1, 0, 1]
+    assert all(frame.binning == (1, 2) and frame.image.shape == (3, 8) for frame in frames)
+    assert frames[-1].stamp_ns - frames[0].stamp_ns == pytest.approx(
+        11 * FIELD_NS[LINES_625], abs=1e6)
+
+
+def test_a_field_without_a_name_ends_the_stream(tmp_path, monkeypatch):
+    driver = Driver(field='alternate', size=(8, 4), standard=LINES_625)
+    with driver.at(tmp_path / 'video0', monkeypatch) as device, V4l2Camera(device) as camera:
+        driver.filled = [(time.monotonic_ns(), 0, 'alternate', WHOLE[::2].tobytes())]
+        with pytest.raises(CaptureError, match="the driver calls a field 'alternate', not top or"):
+            camera.read()
+
+
+def test_a_lost_picture_is_two_fields(tmp_path, monkeypatch):
+    driver = Driver(field='seq_tb', standard=LINES_625)
+    with driver.at(tmp_path / 'video0', monkeypatch) as device, V4l2Camera(device) as camera:
+        woven_stream(driver, 4)
+        del driver.filled[2]
+        frames = [camera.read() for _ in range(6)]
+    assert camera.drops == 2
+    assert np.all(np.diff([frame.stamp_ns for frame in frames]) > 0)

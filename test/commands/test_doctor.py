@@ -14,6 +14,8 @@ from typing import Any
 
 import blob_tracker
 from blob_tracker.capture import CaptureError, videodev2
+from blob_tracker.capture.fields import FieldStream
+from blob_tracker.capture.topology import Sensor
 from blob_tracker.commands.doctor import cameras, compiled, discovery, examined, installation
 from blob_tracker.commands.doctor import log_folder, profile, python, security, shared_memory
 from blob_tracker.commands.doctor.finding import error, Finding, Level, ok, warn
@@ -370,13 +372,16 @@ def test_log_folder(tmp_path: Path) -> None:
 class Webcam:
     """A driver that answers what the doctor asks."""
 
-    def __init__(self, capabilities: int, formats: dict[str, list[tuple[int, int]]]) -> None:
-        self.capabilities = capabilities
+    def __init__(
+        self, capabilities: int, formats: dict[str, list[tuple[int, int]]],
+        driver: bytes = b'uvcvideo',
+    ) -> None:
+        self.capabilities, self.driver = capabilities, driver
         self.formats = formats
 
     def __call__(self, fd: int, number: int, argument: Any) -> None:
         if number == videodev2.QUERYCAP:
-            argument.driver, argument.card = b'uvcvideo', b'HD Webcam'
+            argument.driver, argument.card = self.driver, b'HD Webcam'
             argument.bus_info, argument.capabilities = b'usb-0000:00:14.0-1', self.capabilities
             return
         assert number in (videodev2.ENUM_FMT, videodev2.ENUM_FRAMESIZES)  # nothing that changes it
@@ -426,6 +431,18 @@ def test_camera_with_its_formats(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     )
 
 
+def test_a_sensor_behind_a_media_controller_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the subdevice that has its controls."""
+    monkeypatch.setattr(videodev2, 'ioctl', Webcam(STREAMS, FORMATS, b'unicam'))
+    monkeypatch.setattr(
+        'blob_tracker.capture.sensor.of_video_device',
+        lambda fd: (Sensor('imx219 10-0010', ((81, 5),)), ['/dev/v4l-subdev0']))
+    found = one(cameras.check_cameras(devices(tmp_path), tmp_path / 'proc'))
+    assert ', sensor imx219 10-0010 (/dev/v4l-subdev0): YUYV' in found.message
+
+
 def test_cameras_that_cannot_be_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """No format that can be read; no camera at all, which many have beside them."""
     folder = devices(tmp_path)
@@ -434,6 +451,9 @@ def test_cameras_that_cannot_be_used(tmp_path: Path, monkeypatch: pytest.MonkeyP
          '--list-formats-ext')
     monkeypatch.setattr(videodev2, 'ioctl', Webcam(videodev2.CAP_META_CAPTURE, {}))
     told(cameras.check_cameras(folder, tmp_path), Level.OK, 'a metadata device, no pictures')
+    loopback = Webcam(videodev2.CAP_VIDEO_OUTPUT, {}, b'v4l2 loopback')
+    monkeypatch.setattr(videodev2, 'ioctl', loopback)
+    told(cameras.check_cameras(folder, tmp_path), Level.WARN, 'no program writes pictures')
 
 
 def test_camera_that_another_program_has(
@@ -471,14 +491,19 @@ def test_camera_that_may_not_be_opened(tmp_path: Path, monkeypatch: pytest.Monke
          'sudo usermod -aG video')
 
 
-@pytest.mark.parametrize('drops, level', [(0, Level.OK), (3, Level.WARN)])
+@pytest.mark.parametrize('drops, level, order, words', [
+    (0, Level.OK, 'none', ''), (3, Level.WARN, 'none', ''),
+    (0, Level.OK, 'seq_tb', ', fields top before bottom, one above the other'),
+])
 def test_frames_of_a_camera(
-    drops: int, level: Level, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    drops: int, level: Level, order: str, words: str, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Their size, rate and brightness, after what the device says of itself."""
 
     class Stream:
         width, height, pixel_format, saturation = 640, 480, 'YUYV', 235
+        fields = FieldStream(order, 480)
         stamp_ns = 0
 
         def __init__(self, path: str) -> None:
@@ -499,7 +524,7 @@ def test_frames_of_a_camera(
     device, stream = cameras.check_stream(f'{devices(tmp_path)}/video2')
     assert device.level is Level.OK
     assert stream.level is level
-    assert f'640x480 YUYV at 25.0 frames/s, {drops} lost' in stream.message
+    assert f'640x480 YUYV{words} at 25.0 frames/s, {drops} lost' in stream.message
     assert 'the brightest pixel 99 of 235 DN' in stream.message
 
 

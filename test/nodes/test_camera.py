@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from math import nan
 from pathlib import Path
 import time
@@ -12,6 +13,7 @@ from typing import Any
 from blob_tracker.camera import CameraModel
 from blob_tracker.capture import CaptureError, NoFrameError
 from blob_tracker.nodes import camera as nodes_camera
+from blob_tracker.ros.endpoints.frame_topics import FrameTopics
 from blob_tracker.types import Frame
 import cv2
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -170,10 +172,14 @@ class FakeStream:
     width, height, frame_rate, device = 8, 6, 29.97, '/dev/fake'
     stamp_place, pixel_format, saturation, sensor_size = 'somewhere', 'GREY', 255, (8, 6)
     drops, error_frames, overruns, exposure_time = 3, 5, 0, None
-    control_changes, tells_changes = 0, True
+    control_changes, tells_changes, pixel_aspect = 0, True, 1.0
+    fields: object = 'none, whole pictures'
     line_time: float | None = 0.0
+    measured_rate = 0.0
+    sensor = ''
     read_time: float | None = 1.25e-5
     frames = 0
+    kinds: tuple[tuple[int, tuple[int, int]], ...] = ((0, (1, 1)),)  # y0 and binning, in turn
     error: Exception = OSError(5, 'Input/output error')
     opened: list[float] = []
 
@@ -192,7 +198,9 @@ class FakeStream:
         """Return a frame or raise."""
         if self.frames:
             self.frames -= 1
-            return Frame(np.zeros((6, 8), np.uint8), time.time_ns(), 255)
+            y0, binning = self.kinds[self.frames % len(self.kinds)]
+            image = np.zeros(((7 - binning[1]) // binning[1], 8), np.uint8)
+            return Frame(image, time.time_ns(), 255, y0=y0, binning=binning)
         raise self.error
 
 
@@ -262,6 +270,20 @@ def test_another_frame_rate_than_asked_for_is_told(
     assert any(sentence in each for each in found.words) == warned
 
 
+@pytest.mark.parametrize('asked, measured, warned', [
+    ('0.0', 29.97, False), ('0.0', 28.7, False), ('0.0', 15.0, True), ('0.0', 0.0, False),
+    ('15.0', 15.0, False),  # who set it knows; that the driver says otherwise is told by itself
+])
+def test_another_rate_than_was_granted_is_told(
+    told: Callable[..., Any], asked: str, measured: float, warned: bool
+) -> None:
+    """By more than 5 %, as a long exposure does, or the writer of v4l2loopback."""
+    found = told(lambda now: any('not calibrated' in each for each in now.words)
+                 and (now.values.get('frames', 0) > 3),
+                 '-p', f'frame_rate:={asked}', frames=10**6, measured_rate=measured)
+    assert any('frames come at 15 Hz by their stamps' in each for each in found.words) == warned
+
+
 @pytest.mark.parametrize(('arguments', 'line_time', 'shown', 'warned'), [
     ((), 0.0, '0, a global shutter; the device reads a line in 12.5000 us', False),
     (('-p', 'line_time:=3.0e-05'), 3e-5, '30.0000 us, as line_time is set', False),
@@ -277,3 +299,21 @@ def test_the_line_time_is_told_and_where_it_is_from(
                  frames=10**6, line_time=line_time)
     assert found.values['line time'].startswith(shown)
     assert any('rolling_shutter is on' in each for each in found.words) == warned
+
+
+def test_each_field_has_a_camera_info_of_its_own(
+    told: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Top and bottom take turns; pixels of an analogue camera are not square."""
+    published: list[tuple[Frame, CameraInfo]] = []
+    monkeypatch.setattr(
+        FrameTopics, 'publish',
+        lambda self, frame, info, frame_id: published.append((frame, copy(info)))
+    )
+    found = told(lambda now: len(published) > 4, '-p', 'field_of_view:=40.0', frames=10**6,
+                 kinds=((0, (1, 2)), (1, (1, 2))), pixel_aspect=0.5, fields='top before bottom')
+    assert found.values['fields'] == 'top before bottom'
+    for frame, info in published:
+        assert (info.roi.y_offset, info.binning_x, info.binning_y) == (frame.y0, 1, 2)
+        assert info.roi.height == 2 * len(frame.image)
+        assert info.k[4] == 2.0 * info.k[0]

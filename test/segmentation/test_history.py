@@ -42,3 +42,28 @@ def test_what_cannot_follow_is_refused(frame: Frame, sentence: str, kept: int) -
     with pytest.raises(FrameError, match=sentence):
         history.push(frame)
     assert [each.stamp_ns for each in history.frames] == [kept]
+
+
+def test_the_longest_interval_follows_the_frame_rate() -> None:
+    """A camera of 4 Hz is known after three intervals; a lost frame and a pause still part."""
+    history = FrameHistory(2, 0.0)
+    stamps = [*range(0, 2000, 250), 2250, 7250, *range(7500, 9000, 250)]
+    kept = []
+    for stamp in stamps:
+        history.push(Frame(IMAGE, (stamp + 10_000) * MS, 255))
+        kept.append(len(history.frames))
+    assert kept == [1, 1, 1, *[2] * 5, 1, 1, *[2] * 6]
+    assert history.max_interval == pytest.approx(0.375)
+
+
+def test_a_fast_camera_may_lose_frames() -> None:
+    """0.1 s, as ever; and what is set holds for a slow one."""
+    history = FrameHistory(2, 0.0)
+    for stamp in (0, 16, 33, 50, 67, 150):
+        history.push(Frame(IMAGE, (stamp + 1000) * MS, 255))
+    assert len(history.frames) == 2
+    assert history.max_interval == 0.1
+    slow = FrameHistory(2, 0.05)
+    for stamp in range(0, 2000, 200):
+        slow.push(Frame(IMAGE, (stamp + 1000) * MS, 255))
+    assert len(slow.frames) == 1

@@ -143,6 +143,14 @@ def test_a_jump_back_with_another_size_starts_afresh() -> None:
     assert abs(truth.x - (window.x0 + (window.lit.shape[1] - 1) / 2)) <= 1.5
 
 
+def test_a_slow_camera_is_followed() -> None:
+    """Of 5 Hz: a flash in every other frame, from the first pair on whose rate is known."""
+    segmenter = Segmenter(flash=Alternate())
+    found = [segmenter.update(frame(index, at=12 * index)) for index in range(16)]
+    assert sum(window is not None for window in found) >= 4
+    assert 'apart' not in segmenter.reason
+
+
 def test_pairs_too_far_apart_are_not_compared() -> None:
     """max_pair_interval holds."""
     segmenter = Segmenter(flash=Alternate(max_pair_interval=0.05))

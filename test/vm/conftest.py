@@ -47,6 +47,7 @@ def guests(folder: Path) -> list[list[str]]:
         ['guest_capture.py', str(folder)],
         ['guest_formats.py', str(folder)],
         ['guest_controls.py', str(folder)],
+        ['guest_fields.py', str(folder)],
         ['guest_soak.py', str(folder), str(SOAK)],
         ['guest_track.py', str(folder), str(executable('camera').parent)],
         ['guest_node.py', str(folder), str(executable('camera').parent)],

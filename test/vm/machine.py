@@ -21,8 +21,9 @@ import time
 # Modules the guest needs beside those in Debian's kernel image itself.
 MODULES = ('virtio_pci', '9pnet_virtio', '9p', 'overlay', 'vivid')
 # Two devices with an HDMI input that loops from an HDMI output: /dev/video0 and /dev/video1, and
-# the same with multi-planar buffers: /dev/video2 and /dev/video3.
-VIVID = ('n_devs=2 node_types=0x101,0x101 num_inputs=1,1 input_types=0x3,0x3 num_outputs=1,1 '
+# the same with multi-planar buffers: /dev/video2 and /dev/video3. The first has a TV and an
+# S-Video input as well.
+VIVID = ('n_devs=2 node_types=0x101,0x101 num_inputs=3,1 input_types=0x27,0x3 num_outputs=1,1 '
          'output_types=0x1,0x1 multiplanar=1,2')
 TOOLS = {  # program -> Debian package
     'qemu-system-x86_64': 'qemu-system-x86',

@@ -11,7 +11,7 @@ from rcl_interfaces.msg import ParameterType
 pytestmark = pytest.mark.timeout(60, func_only=True)  # the boot is watched by itself
 OWN = {'device', 'width', 'height', 'pixel_format', 'frame_rate', 'buffers', 'exposure_time',
        'readout_time', 'frame_id', 'camera_name', 'camera_info_url', 'field_of_view', 'channel',
-       'line_time', 'rolling_shutter'}
+       'line_time', 'rolling_shutter', 'fields'}
 
 
 @pytest.fixture(scope='module')

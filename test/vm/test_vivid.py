@@ -117,8 +117,8 @@ def test_silence_is_told_and_does_not_end_the_camera(capture):
     ('format_unknown', "pixel_format 'GREI' cannot be decoded; choose one of "
                        + ', '.join(PIXEL_FORMATS)),
     ('size', '/dev/video0: 20000x240 is not offered; the driver gives 16384x240 instead'),
-    ('busy', '/dev/video0: the device is busy: another program streams from it; end that program '
-             "('fuser -v /dev/video0' names it)"),
+    ('busy', '/dev/video0: the device is busy: another program streams from it, or has chosen its '
+             "format and keeps it open; end that program ('fuser -v /dev/video0' names it)"),
     ('permission', '/dev/video0: permission denied: it belongs to root:video with mode 0660; run '
                    "'sudo usermod -aG video nobody' and log in again"),
     ('no_signal', '/dev/video0: input HDMI 0 has no signal: connect the source and switch it on'),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+import errno
 from functools import partial
 import os
 from pathlib import Path
@@ -48,9 +49,12 @@ def check_camera(
     """Look at one video device without streaming from it."""
     from blob_tracker.capture import CaptureError, PIXEL_FORMATS, videodev2
     from blob_tracker.capture.device import (
-        buffer_type, bus, capabilities, CAPTURES, driver, kind, open_device,
+        buffer_type, bus, capabilities, CAPTURES, driver, kind, not_v4l2, open_device,
     )
     from blob_tracker.capture.format import offered_formats, offered_sizes
+    from blob_tracker.capture.pixel_formats.undecoded import advice
+    from blob_tracker.capture.refusals import LOOPBACK, no_writer
+    from blob_tracker.capture.sensor import of_video_device
 
     try:
         fd = open_device(path)
@@ -60,17 +64,23 @@ def check_camera(
     try:
         flags, card = capabilities(fd)
         who = f'{path}: {card} ({driver(fd)}, {bus(fd)})'
+        if driver(fd) == LOOPBACK and not flags & CAPTURES:
+            yield warn('camera', no_writer(path))
+            return
         if not flags & CAPTURES or not flags & videodev2.CAP_STREAMING:
             yield ok('camera', f'{who}: {kind(flags)}, no pictures come from it')
             return
         link = by_id(path, devices)
         who += f', {link}' if link else ''
+        behind = of_video_device(fd)
+        who += f', sensor {behind[0].name} ({", ".join(behind[1])})' if behind else ''
         call = partial(videodev2.ioctl, fd)
         formats = offered_formats(call, buffer_type(fd))
         usable = {name: offered_sizes(call, name) for name in formats if name in PIXEL_FORMATS}
     except OSError as fault:
+        fails = fault.errno not in (errno.ENOTTY, errno.EINVAL)
         yield error(
-            'camera', f'{path}: this is not a V4L2 device, or it fails: {fault.strerror}',
+            'camera', f'{path}: it fails: {fault.strerror}' if fails else not_v4l2(path),
             'see which there are', 'v4l2-ctl --list-devices',
         )
         return
@@ -80,7 +90,7 @@ def check_camera(
         yield error(
             'camera',
             f'{who}: none of its pixel formats ({", ".join(formats) or "it lists none"}) can be '
-            f'read; one of {", ".join(PIXEL_FORMATS)} is needed',
+            f'read; one of {", ".join(PIXEL_FORMATS)} is needed{advice(formats)}',
             'see whether it has another mode or input',
             f'v4l2-ctl -d {path} --list-formats-ext',
         )
@@ -142,8 +152,10 @@ def check_stream(path: str) -> Iterator[Finding]:
         yield error('camera', str(fault))
         return
     rate = 1e9 * count / (last.stamp_ns - first.stamp_ns)
+    interlaced = f', fields {camera.fields}' if camera.fields.interlaced else ''
     words = (
-        f'{path}: {camera.width}x{camera.height} {camera.pixel_format} at {rate:.1f} frames/s, '
+        f'{path}: {camera.width}x{camera.height} {camera.pixel_format}{interlaced} at {rate:.1f} '
+        'frames/s, '
         f'{camera.drops} lost, the brightest pixel {last.image.max()} of {camera.saturation} DN'
     )
     if camera.drops:

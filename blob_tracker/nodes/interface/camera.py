@@ -1,6 +1,7 @@
 """What the camera node shows of itself."""
 
 from blob_tracker.capture import PIXEL_FORMATS
+from blob_tracker.capture.fields import CHOICES
 from blob_tracker.nodes.interface.channel import CAMERA_CHANNEL
 from blob_tracker.nodes.interface.line_time import CAMERA_LINE_TIME
 from blob_tracker.nodes.interface.topics import (
@@ -29,9 +30,17 @@ PARAMETERS = (
     ),
     CAMERA_CHANNEL,
     Parameter(
+        'fields',
+        '',
+        'How interlaced pictures are asked for, as V4L2 names it; empty takes whole pictures '
+        'where the driver has them. Each field is a frame. interlaced_tb or _bt also tells which '
+        'field is first, top or bottom, where the driver leaves that to the video standard.',
+        choices=CHOICES,
+    ),
+    Parameter(
         'frame_rate',
         0.0,
-        'Frames a second; 0 leaves the driver its own.',
+        'Frames a second, of interlaced pictures fields; 0 leaves the driver its own.',
         least=0.0,
         most=10000.0,
         unit='Hz',

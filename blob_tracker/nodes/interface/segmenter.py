@@ -41,10 +41,10 @@ PARAMETERS = (
     ),
     Parameter(
         'max_pair_interval',
-        0.1,
-        'Greatest time between the lit and the unlit frame. Raise it for cameras below 10 Hz, '
-        'lower it where the camera moves fast.',
-        least=0.001,
+        0.0,
+        'Greatest time between the lit and the unlit frame; lower it where the camera moves fast. '
+        '0: 0.1 s, or for a camera below 15 Hz one and a half of its frame intervals.',
+        least=0.0,
         most=10.0,
         unit='s',
     ),

@@ -45,6 +45,7 @@ from blob_tracker.segmentation import (
 )
 from blob_tracker.segmentation.channel import ChannelChoice
 from blob_tracker.segmentation.compression import standard_quantisation
+from blob_tracker.segmentation.history import LEAST_INTERVAL_S
 from blob_tracker.segmentation.lock_in import HIGHEST_FREQUENCY
 from blob_tracker.segmentation.picture import draw
 from blob_tracker.tracking import Track
@@ -198,7 +199,7 @@ class SegmenterNode(Node):
                 self._quantisation = quantisation
                 self._segmenter = segmenter
                 self._new_segmenter = lambda: FieldSegmenter(new_one)
-                self._late_ns = int(1e9 * values['max_pair_interval'])
+                self._late_ns = int(1e9 * (values['max_pair_interval'] or LEAST_INTERVAL_S))
                 self._saturation = values['saturation']
                 self._line_time_ns = 1e9 * values['line_time']
                 self._follow = follow

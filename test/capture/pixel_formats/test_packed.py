@@ -40,6 +40,16 @@ def test_samples(decode, name, bits, pack, width):
     np.testing.assert_array_equal(decoded, samples[:, :width])
 
 
+def test_fourteen_bits_as_the_kernels_table_has_them(decode):
+    # Documentation/userspace-api/media/v4l/pixfmt-yuv-luma.rst: Y'0[13:6] .. Y'3[13:6], then from
+    # the top Y'1[1:0] Y'0[5:0], Y'2[3:0] Y'1[5:2], Y'3[5:0] Y'2[5:4].
+    a, b, c, d = samples = 0x2a7b, 0x1c35, 0x0f6e, 0x3391
+    line = [
+        a >> 6, b >> 6, c >> 6, d >> 6, (b & 3) << 6 | a & 63, (c & 15) << 4 | b >> 2 & 15,
+        (d & 63) << 2 | c >> 4 & 3]
+    np.testing.assert_array_equal(decode('Y14P', np.array([line], np.uint8), 4, 1), [samples])
+
+
 def test_the_kernels_own_example():
     # Documentation/userspace-api/media/v4l/pixfmt-srggb10p.rst: the fifth byte holds, from its
     # top, the low bits of the fourth, third, second and first sample.
