@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from blob_tracker.kernel import Array
 from blob_tracker.segmentation.box import Box
@@ -147,7 +147,7 @@ def search(
     return SearchResult(judged, level, noise, strongest, reason)
 
 
-def _judged(row: list[float], followed: bool, min_snr: float) -> Candidate:
+def _judged(row: list[Any], followed: bool, min_snr: float) -> Candidate:
     """Return the candidate of a row of the table, with the reason where it is no target."""
     candidate = Candidate(*row)
     rejected = reject(candidate, followed, min_snr)
