@@ -154,7 +154,8 @@ class InStep(Switching):
         self._last = _Flash(here_x, here_y, stamp_ns)
         seconds = 0.0 if before is None else (stamp_ns - before.stamp_ns) / 1e9
         if before is None or not 0.0 < seconds < OUT_OF_SIGHT_S:
-            self._watch, self._instants = DriftWatch(), GhostInstants()
+            self._watch.forget()
+            self._instants.forget()
             return light
         interval = self._pairs.interval
         vx, vy = (here_x - before.x) / seconds, (here_y - before.y) / seconds
