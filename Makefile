@@ -16,6 +16,8 @@
 # make bench              beside other people's methods, 20 minutes, out/benchmarks
 #      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion, tracking,
 #                              capture, latency, world), less of it
+#      BENCH='latency --beside folder'   the nodes beside those of another source tree (a git
+#                              worktree of another commit), in turns: ratios; ten minutes
 #      BLOB_TRACKER_DATA=folder   where the real pixels are
 # make study              the thesis' tables and figures done again, out/studies/report.html
 #      STUDY='table_3_3 beyond --quick'   a part of them, less of it

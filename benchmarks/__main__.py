@@ -56,7 +56,7 @@ def main(arguments: list[str] | None = None) -> int:
     console.print(tables.settings(contenders, missing))
     sizes = QUICK if asked.quick else FULL
     with Progress(console=console, transient=True) as progress:
-        task = progress.add_task('', total=steps(parts, sizes))
+        task = progress.add_task('', total=steps(parts, sizes, asked.beside))
         report = measure(
             parts,
             contenders,
@@ -64,6 +64,7 @@ def main(arguments: list[str] | None = None) -> int:
             data,
             lambda what: progress.update(task, description=what, advance=1),
             asked.seed,
+            asked.beside,
         )
 
     names = [each.name for each in own + ours.texture_references()] + [
@@ -111,7 +112,16 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         '--seed', type=int, default=world.SEED, help='of the situations in the part world'
     )
+    parser.add_argument(
+        '--beside', type=Path, metavar='FOLDER', help='the part latency alone: the nodes of this '
+        'source tree and of that one in turns, and the ratios; the work tree of a commit, say'
+    )
     asked = parser.parse_args(arguments)
+    if asked.beside is not None:
+        if asked.parts != ['latency']:
+            parser.error('--beside is for the part latency alone')
+        if not (asked.beside / 'benchmarks' / 'latency').is_dir():
+            parser.error(f'{asked.beside} has no benchmarks/latency: it is no source tree')
     unknown = set(asked.parts) - set(PARTS)
     if unknown:
         parser.error(f'no part {", ".join(sorted(unknown))}; there is {", ".join(PARTS)}')

@@ -84,7 +84,7 @@ class Report:
     blink: list[BlinkRow] = field(default_factory=list)
 
 
-def steps(parts: Collection[str], sizes: Sizes) -> int:
+def steps(parts: Collection[str], sizes: Sizes, beside: Path | None = None) -> int:
     """Return how often `measure` reports what it is at."""
     each = {
         'accuracy': accuracy.steps() + bearing.steps(),
@@ -95,7 +95,7 @@ def steps(parts: Collection[str], sizes: Sizes) -> int:
         'motion': motion.steps(),
         'tracking': tracking.steps(),
         'capture': capture.steps(),
-        'latency': latency.steps(sizes.latency),
+        'latency': latency.steps(sizes.latency, beside),
         'world': world.steps(),
         'blink': blink.steps(),
     }
@@ -109,11 +109,13 @@ def measure(
     data: Path | None,
     tick: Callable[[str], None],
     seed: int = world.SEED,
+    beside: Path | None = None,
 ) -> Report:
     """
     Measure the parts that are named.
 
-    `data` is the folder of the real pixels, `seed` that of the situations outside the lab.
+    `data` is the folder of the real pixels, `seed` that of the situations outside the lab,
+    `beside` the source tree beside whose nodes those of this one are measured, if any.
     """
     report = Report()
     if 'accuracy' in parts:
@@ -139,7 +141,7 @@ def measure(
     if 'capture' in parts:
         report.capture.extend(capture.run(sizes.repeats, tick))
     if 'latency' in parts:
-        report = replace(report, latency=latency.run(sizes.latency, tick))
+        report = replace(report, latency=latency.run(sizes.latency, tick, beside))
     if 'world' in parts:
         report.world.extend(world.run(sizes.world, tick, seed))
     if 'blink' in parts:

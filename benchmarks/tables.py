@@ -10,7 +10,7 @@ from benchmarks.report import Report
 from benchmarks.speed import PAIRED
 from benchmarks.tables_of_finding import capture, detection, frames, lab, search
 from benchmarks.tables_of_locating import accuracy, bearing, bias, motion, peers, real, speed
-from benchmarks.tables_of_running import latency, tracking
+from benchmarks.tables_of_running import beside, latency, tracking
 from benchmarks.targets import against_peers, Target
 from benchmarks.world import baseline, tables as world_tables
 from rich.table import Table
@@ -46,6 +46,7 @@ def figures(report: Report, ours: Sequence[str]) -> list[Table]:
     tables += [motion(report.motion)] if report.motion else []
     tables += tracking(report.tracking) if report.tracking.rows else []
     tables += latency(report.latency) if report.latency.rows else []
+    tables += [beside(report.latency.beside)] if report.latency.beside else []
     tables += [world_tables.table(report.world, baseline.read())] if report.world else []
     tables += [blink_tables.table(report.blink)] if report.blink else []
     return tables

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import isnan, nan
 
-from benchmarks.latency.figures import Figures, HOP, NO_FRAME, SMALL, USUAL
+from benchmarks.latency.figures import Comparison, Figures, HOP, NO_FRAME, SMALL, USUAL
 from benchmarks.tracking import Figures as TrackingFigures, HORIZONS, RATE, SIGMA
 import numpy as np
 from rich.table import Table
@@ -50,6 +51,21 @@ def _three_hops(figures: Figures) -> float:
     hops = {row.size: float(np.median(row.medians)) for row in figures.rows if row.way == HOP}
     two = hops.get(USUAL, nan) + hops.get(SMALL, nan)
     return (two + hops.get(NO_FRAME, nan)) / two
+
+
+def beside(figures: Sequence[Comparison]) -> Table:
+    """Return what this source tree takes, what another one does, and the ratios."""
+    table = Table(
+        'figure', 'here', 'beside', 'here over beside',
+        title='The nodes beside those of another source tree',
+        caption='medians over the rounds, in which both take turns',
+    )
+    for each in figures:
+        table.add_row(
+            each.what, f'{each.own:.2f} {each.unit}', f'{each.other:.2f} {each.unit}',
+            f'{each.ratio:.2f}',
+        )
+    return table
 
 
 def tracking(figures: TrackingFigures) -> list[Table]:

@@ -10,7 +10,9 @@ where the callback of a plain rclpy subscriber begins; the first second of a str
 from __future__ import annotations
 
 from contextlib import ExitStack
+from pathlib import Path
 
+from benchmarks.latency.beside import compare, steps as steps_beside
 from benchmarks.latency.figures import (
     Figures, FULL, HOP, LARGE, NO_FRAME, ONE, pair, Plan, QUICK, row, SMALL, Start, Stream, THREE,
     USUAL,
@@ -20,13 +22,15 @@ from benchmarks.latency.nodes import first_bearing, hop, Nodes, Tick
 __all__ = ['Figures', 'FULL', 'hop', 'pair', 'Plan', 'QUICK', 'row', 'run', 'steps', 'Stream']
 
 
-def steps(plan: Plan) -> int:
+def steps(plan: Plan, beside: Path | None = None) -> int:
     """Return how many ticks `run` makes."""
-    return plan.starts + plan.rounds + 4
+    return plan.starts + plan.rounds + 4 if beside is None else steps_beside(plan)
 
 
-def run(plan: Plan, tick: Tick) -> Figures:
-    """Measure all."""
+def run(plan: Plan, tick: Tick, beside: Path | None = None) -> Figures:
+    """Measure all; or the nodes alone, beside those of another source tree."""
+    if beside is not None:
+        return Figures(beside=compare(beside, plan, tick))
     starts = []
     for index in range(plan.starts):
         tick(f'start-up {index + 1}')

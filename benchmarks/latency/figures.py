@@ -130,12 +130,36 @@ class Resident:
 
 
 @dataclass(frozen=True)
+class Comparison:
+    """
+    A figure of this source tree and of another one.
+
+    Parameters
+    ----------
+    what, unit : str
+        Which.
+    own, other : float
+        Medians over the rounds.
+    ratio : float
+        Median over the rounds of the one over the other.
+
+    """
+
+    what: str
+    unit: str
+    own: float
+    other: float
+    ratio: float
+
+
+@dataclass(frozen=True)
 class Figures:
-    """All that a run finds."""
+    """All that a run finds; only `beside` where two source trees are compared."""
 
     rows: list[Row] = field(default_factory=list)
     starts: list[Start] = field(default_factory=list)
     residents: list[Resident] = field(default_factory=list)
+    beside: list[Comparison] = field(default_factory=list)
 
 
 @dataclass
@@ -202,8 +226,8 @@ def row(
 ) -> Row:
     """Return the row of a way's rounds; `hops` are those of each bare hop, round by round."""
     came = np.concatenate([each.delays for each in streams])
-    medians = [_percentile(each, 50.0) for each in streams]
-    tails = [_percentile(each, 99.0) for each in streams]
+    medians = [percentile(each, 50.0) for each in streams]
+    tails = [percentile(each, 99.0) for each in streams]
     names = streams[0].busy
     return Row(
         way, size, rate, medians, tails,
@@ -216,7 +240,8 @@ def row(
     )
 
 
-def _percentile(each: Stream, percent: float) -> float:
+def percentile(each: Stream, percent: float) -> float:
+    """Return a percentile of a stream's delays, s; NaN where nothing came."""
     return float(np.percentile(each.delays, percent)) if len(each.delays) else nan
 
 
@@ -224,5 +249,5 @@ def _over(own: Sequence[float], hops: Sequence[Sequence[Stream]], percent: float
     """Return the median over the rounds of a figure over the sum of that of the hops."""
     if not hops:
         return nan
-    sums = [sum(_percentile(each, percent) for each in round_) for round_ in zip(*hops)]
+    sums = [sum(percentile(each, percent) for each in round_) for round_ in zip(*hops)]
     return median(figure / total for figure, total in zip(own, sums))

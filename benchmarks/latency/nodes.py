@@ -6,10 +6,11 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 import json
 from math import nan
+from pathlib import Path
 import time
 
 from benchmarks.latency.figures import ONE, pair, Resident, SMALL, Stream, THREE, USUAL, WARM_UP_S
-from benchmarks.latency.process import Process
+from benchmarks.latency.process import Process, ROOT
 import numpy as np
 
 Tick = Callable[[str], None]
@@ -29,21 +30,24 @@ class Nodes:
         Ends them.
     tick : callable
         Hears what is measured.
+    root : Path
+        The source tree that they are of.
 
     """
 
-    def __init__(self, stack: ExitStack, tick: Tick) -> None:
+    def __init__(self, stack: ExitStack, tick: Tick, root: Path = ROOT) -> None:
         self._tick = tick
         self._three = {
-            name: stack.enter_context(Process('node', name)) for name in ('segmenter', 'locator')
+            name: stack.enter_context(Process('node', name, root=root))
+            for name in ('segmenter', 'locator')
         }
         self._one = stack.enter_context(
-            Process('pipeline', '--ros-args', '-r', f'__ns:=/{NAMESPACE}')
+            Process('pipeline', '--ros-args', '-r', f'__ns:=/{NAMESPACE}', root=root)
         )
-        self._camera = stack.enter_context(_camera('camera', info=True, subscribers=1))
+        self._camera = stack.enter_context(_camera('camera', info=True, subscribers=1, root=root))
         self._camera.answer()
         self._listeners = {
-            way: stack.enter_context(Process('subscriber', 'bearing', topic))
+            way: stack.enter_context(Process('subscriber', 'bearing', topic, root=root))
             for way, topic in (
                 (THREE, 'target/bearing'), (ONE, f'{NAMESPACE}/target/bearing'),
             )
@@ -111,6 +115,11 @@ class Nodes:
         self._streams.append((began_ns, time.monotonic_ns()))
         return found
 
+    def proportional_memory(self, way: str) -> float:
+        """Return the memory of a way's nodes, their part of what they share with others, MB."""
+        processes = self._three.values() if way == THREE else [self._one]
+        return sum(each.proportional_memory() for each in processes)
+
     def end(self) -> list[Resident]:
         """End all nodes and return what they took."""
         for process in self._three.values():
@@ -163,21 +172,25 @@ def _arrived(subscriber: Process) -> Sequence[tuple[int, int]]:
     return subscriber.answer()
 
 
-def first_bearing(way: str) -> float:
+def first_bearing(way: str, root: Path = ROOT) -> float:
     """Return the seconds from the start of a way's nodes to the first bearing received."""
     with ExitStack() as stack:
-        subscriber = stack.enter_context(Process('subscriber', 'bearing', 'target/bearing'))
-        camera = stack.enter_context(_camera('camera', info=True, subscribers=0))
+        subscriber = stack.enter_context(
+            Process('subscriber', 'bearing', 'target/bearing', root=root)
+        )
+        camera = stack.enter_context(_camera('camera', info=True, subscribers=0, root=root))
         subscriber.answer()
         camera.answer()
         camera.ask(_request(USUAL, 60.0, 2.0 * LONGEST_START_S))
         subscriber.ask('first')
         began_ns = time.monotonic_ns()
         if way == THREE:
-            stack.enter_context(Process('node', 'segmenter'))
-            stack.enter_context(Process('node', 'locator'))
+            stack.enter_context(Process('node', 'segmenter', root=root))
+            stack.enter_context(Process('node', 'locator', root=root))
         else:
-            stack.enter_context(Process('node', 'pipeline', '--ros-args', '-p', 'source:=images'))
+            stack.enter_context(
+                Process('node', 'pipeline', '--ros-args', '-p', 'source:=images', root=root)
+            )
         try:
             _, at_ns = subscriber.answer(LONGEST_START_S)
         except TimeoutError:
@@ -185,10 +198,10 @@ def first_bearing(way: str) -> float:
     return (at_ns - began_ns) / 1e9
 
 
-def _camera(topic: str, *, info: bool, subscribers: int) -> Process:
+def _camera(topic: str, *, info: bool, subscribers: int, root: Path = ROOT) -> Process:
     """Start a camera; it says `[]` when so many have subscribed."""
     options = {'topic': topic, 'info': info, 'subscribers': subscribers}
-    return Process('camera', json.dumps(options))
+    return Process('camera', json.dumps(options), root=root)
 
 
 def _stream(

@@ -11,8 +11,6 @@ import sys
 from tempfile import TemporaryFile
 from typing import Any
 
-from blob_tracker.resources import config_path
-
 ROOT = Path(__file__).parents[2]
 EXIT = 10.0  # s
 PATIENCE = 60.0  # s
@@ -21,15 +19,19 @@ MB = 1e6
 LAST_WORDS = 2000  # bytes
 
 
-def environment() -> dict[str, str]:
-    """Return that of all processes of a run: a domain of its own, on this machine alone."""
+def environment(root: Path = ROOT) -> dict[str, str]:
+    """
+    Return that of all processes of a run: a domain of its own, on this machine alone.
+
+    `root` is the source tree that they are of; another one than this has another domain.
+    """
     return dict(
         os.environ,
         # Domains above 101 run into the ephemeral ports of Linux.
-        ROS_DOMAIN_ID=str(1 + os.getpid() % 101),
+        ROS_DOMAIN_ID=str(1 + (os.getpid() + (root != ROOT)) % 101),
         ROS_AUTOMATIC_DISCOVERY_RANGE='LOCALHOST',
-        FASTRTPS_DEFAULT_PROFILES_FILE=str(config_path('fastdds.xml')),
-        PYTHONPATH=os.pathsep.join([str(ROOT), os.environ.get('PYTHONPATH', '')]),
+        FASTRTPS_DEFAULT_PROFILES_FILE=str(root / 'config' / 'fastdds.xml'),
+        PYTHONPATH=os.pathsep.join([str(root), os.environ.get('PYTHONPATH', '')]),
     )
 
 
@@ -43,16 +45,19 @@ class Process:
         Its name.
     arguments : str
         Its command line.
+    root : Path
+        The source tree that it is of.
 
     """
 
-    def __init__(self, module: str, *arguments: str) -> None:
+    def __init__(self, module: str, *arguments: str, root: Path = ROOT) -> None:
         self._name = ' '.join((module, *arguments))
         self._words = TemporaryFile()
         self._popen = subprocess.Popen(
             [sys.executable, '-m', f'benchmarks.latency.{module}', *arguments],
-            env=environment(), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._words,
-            text=True,
+            # The folder it runs in comes before PYTHONPATH.
+            env=environment(root), cwd=root, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+            stderr=self._words, text=True,
         )
 
     def ask(self, request: object) -> None:
@@ -111,8 +116,12 @@ class Process:
         """Return that without the pages of files, which processes share, MB."""
         return self._status('VmRSS') - self._status('RssFile')
 
-    def _status(self, name: str) -> float:
-        status = Path(f'/proc/{self._popen.pid}/status').read_text()
+    def proportional_memory(self) -> float:
+        """Return its own memory and its part of what it shares with other processes, MB."""
+        return self._status('Pss', 'smaps_rollup')
+
+    def _status(self, name: str, file: str = 'status') -> float:
+        status = Path(f'/proc/{self._popen.pid}/{file}').read_text()
         (line,) = (line for line in status.splitlines() if line.startswith(f'{name}:'))
         return int(line.split()[1]) * 1024 / MB
 

@@ -11,7 +11,7 @@ from blob_tracker.blinking.patterns import LONGEST_BITS
 from blob_tracker.blinking.sampling import spread
 from blob_tracker.kernel import Array
 import numpy as np
-from scipy.optimize import least_squares
+import scipy  # which loads optimize, 25 MB, when it is first used
 
 SCATTER = 0.06  # of the full flux: scintillation, and what its envelope is off by
 OUTLIER = 4.0  # standard deviations, from which on a frame counts no more
@@ -356,7 +356,7 @@ def _best_fit(data: Data, start: Rhythm, exposure: float) -> Fitted:
         values, pattern = _packed(guess, middle, not exposure)
         low, high = _bounds(guess, values)
         values = np.clip(values, low + 1e-9, high - 1e-9)
-        fit = least_squares(
+        fit = scipy.optimize.least_squares(
             lambda some: _residuals(data, pattern(some[None])[1](clock)[0]), values,
             bounds=(low, high), loss='soft_l1', x_scale=0.1 * (high - low), diff_step=1e-4,
             max_nfev=30,

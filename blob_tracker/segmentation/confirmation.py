@@ -238,9 +238,7 @@ class Confirmation:
                     return found
         if not seen:
             return None
-        needed = 0
-        if len(seen) > 1 or seen[0][0].flashes < CERTAIN_FLASHES:
-            needed = self._scene.flashes_needed(shape)
+        needed: int | None = None  # not before it is asked for
         best: tuple[FlashTrack, Candidate] | None = None
         alone = self._frames <= FIRST_PAIRS and len(everything) == 1
         due = (
@@ -248,9 +246,10 @@ class Confirmation:
         )
         for track, candidate in seen:
             track.trusted = not track.out_of_step and (track.trusted or alone)
-            more = OUT_OF_STEP_FLASHES if track.out_of_step else 0
-            if not track.trusted and track.flashes < needed + more:
-                continue
+            if not track.trusted and track.flashes < CERTAIN_FLASHES:
+                needed = self._scene.flashes_needed(shape) if needed is None else needed
+                if track.flashes < needed + (OUT_OF_STEP_FLASHES if track.out_of_step else 0):
+                    continue
             if track is self._locked:
                 best = track, candidate
                 break

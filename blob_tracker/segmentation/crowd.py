@@ -94,16 +94,19 @@ class Crowd:
             MOST_FLASHES,
         )
 
+    @property
+    def is_crowd(self) -> bool:
+        """Whether more than one or two things light up in a frame and do not flash."""
+        return self.passing >= LEAST_CROWD
+
     def is_dense(self, shape: tuple[int, int], sigma: float) -> bool:
         """
-        Tell whether so much lights up all over the frame that something is near anywhere.
+        Tell whether a crowd lights up all over the frame, so that something is near anywhere.
 
         A light of such a sigma, px, would need more flashes than are always enough for what is
         clustered.
         """
         passing = self.passing
-        if passing < LEAST_CROWD:
-            return False
         per_px2 = math.pi / (shape[0] * shape[1])
         reach = FOLLOWED_GATE_FRACTION * self._gate_px + FLANK_SIGMA * sigma
         return _flashes_beyond_chance(

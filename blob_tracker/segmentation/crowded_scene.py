@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 import math
 
 from blob_tracker.segmentation.candidate import Candidate
@@ -47,7 +47,7 @@ class CrowdedScene:
         count = sum(not each.rejected for each in everything)
         self._crowd.add(self._clock.frame, count, count)
         if everything:
-            self.dense = self._crowd.is_dense(shape, _widest(everything))
+            self._judge(everything, shape)
 
     def add(self, seen: Sequence[tuple[FlashTrack, Candidate]], shape: tuple[int, int]) -> None:
         """Take what lit up in a whole frame of (h, w), each with its track."""
@@ -56,7 +56,11 @@ class CrowdedScene:
             sum(track.flashes == 1 and not track.out_of_step for track, _ in seen),
             sum(track.run < KNOWN_RUN for track, _ in seen),
         )
-        self.dense = self._crowd.is_dense(shape, _widest([each for _, each in seen]))
+        self._judge((each for _, each in seen), shape)
+
+    def _judge(self, lights: Iterable[Candidate], shape: tuple[int, int]) -> None:
+        """Tell whether the scene is dense, by the lights of a whole frame of (h, w)."""
+        self.dense = self._crowd.is_crowd and self._crowd.is_dense(shape, _widest(lights))
 
     def add_beside(
         self, everything: Sequence[Candidate], shape: tuple[int, int], size: int,
@@ -152,7 +156,7 @@ class CrowdedScene:
         )
 
 
-def _widest(lights: Sequence[Candidate]) -> float:
+def _widest(lights: Iterable[Candidate]) -> float:
     """Return the greatest sigma of those that are not rejected, px."""
     return max(
         (math.hypot(each.sigma_x, each.sigma_y) for each in lights if not each.rejected),

@@ -21,6 +21,7 @@ DECIDED, MOST_AGAINST = 12.0, 4.0
 # Mean of what is held against a true one: 0.5 of noise, and more as a few places are no light's.
 MOST_MEAN = 2.0
 LEAST_SIGMA = 5.0  # standard deviations of such a mean, by which it is another one
+NOTHING_KNOWN = 0.0, math.inf, -math.inf, math.inf, -math.inf  # before the first flash
 APERTURE, NEAR, FAR = 3.0, 4.0, 6.0  # sigma: of the light, and of the ring about it
 
 
@@ -41,11 +42,16 @@ class DriftWatch:
     """
 
     def __init__(self) -> None:
+        self._flashes = np.empty((SPANS[-1], 3))  # the last ones, in turn: time, lit, unlit
+        # Mean square of the change from flash to flash; then least and most of all means.
+        self._known = np.empty(5)
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin anew."""
         self.share = 0.0
         self._count = 0
-        self._flashes = np.zeros((SPANS[-1], 3))  # the last ones, in turn: time, lit, unlit
-        # Mean square of the change from flash to flash; then least and most of all means.
-        self._known = np.array([0.0, math.inf, -math.inf, math.inf, -math.inf])
+        self._known[:] = NOTHING_KNOWN
 
     def add(self, time: float, lit: float, unlit: float) -> float:
         """

@@ -76,15 +76,18 @@ class InStep(Switching):
         self._pairs = self._new_pairs()
         super().__init__(self._pairs)
         self._last: _Flash | None = None
-        self._begin_watch()
+        self._watch, self._instants, self._shift = DriftWatch(), GhostInstants(), LineShift()
+        self._vx = self._vy = 0.0  # px/s, of the last flashes
         self._missed = 0  # frames since the light was seen
         self._taken_up = False  # whether it has been seen since it is known to run free
         compile_blinking()  # or it would be waited for in the midst of tracking
 
-    def _begin_watch(self) -> None:
+    def _restart_watch(self) -> None:
         """Watch a light of which nothing is known."""
-        self._watch, self._instants, self._shift = DriftWatch(), GhostInstants(), LineShift()
-        self._vx = self._vy = 0.0  # px/s, of the last flashes
+        self._watch.forget()
+        self._instants.forget()
+        self._shift.forget()
+        self._vx = self._vy = 0.0
 
     def _new_pairs(self) -> Alternate:
         return Alternate(
@@ -164,7 +167,7 @@ class InStep(Switching):
         self._last = _Flash(here_x, here_y, stamp_ns)
         seconds = 0.0 if before is None else (stamp_ns - before.stamp_ns) / 1e9
         if before is None or not 0.0 < seconds < OUT_OF_SIGHT_S:
-            self._begin_watch()
+            self._restart_watch()
             return light
         interval = self._pairs.interval
         vx, vy = (here_x - before.x) / seconds, (here_y - before.y) / seconds

@@ -29,6 +29,10 @@ class LineShift:
     """
 
     def __init__(self) -> None:
+        self.forget()
+
+    def forget(self) -> None:
+        """Know nothing of the light."""
         self._places: deque[float] = deque(maxlen=3)  # of the last lit frames, px
         self._rows: deque[tuple[float, float, float]] = deque(maxlen=MOST_SHIFTS)
         self._count = 0

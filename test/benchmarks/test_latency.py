@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
+import subprocess
 from typing import Any
 
 from benchmarks import latency
+from benchmarks.latency import beside
 from benchmarks.latency.figures import (
     Figures, LARGE, ONE, Resident, Row, SMALL, Start, THREE, USUAL,
 )
-from benchmarks.latency.process import Process
+from benchmarks.latency.process import Process, ROOT
 from benchmarks.latency.source import draw
 from benchmarks.report import Report
+from benchmarks.tables_of_running import beside as beside_table
 from benchmarks.targets import judge
 import numpy as np
 import pytest
@@ -79,6 +83,45 @@ def test_targets() -> None:
         'start to first bearing',
     }
     assert judged['start to first bearing', THREE].met
+
+
+def test_two_source_trees_take_turns(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each comes first in every other round, and the ratios are those of the rounds."""
+    order: list[Path] = []
+
+    class Alike:
+        """Nodes of which those beside take twice as long, in rounds of their own."""
+
+        def __init__(self, _: object, tick: object, root: Path) -> None:
+            self._root, self._factor = root, 1 + (root != ROOT)
+            self._walks = 0
+
+        def walk(self, *_: object) -> latency.Stream:
+            order.append(self._root)
+            self._walks += 1
+            return _stream([self._factor * self._walks])
+
+        def proportional_memory(self, way: str) -> float:
+            return 100.0 * self._factor
+
+    def first_bearing(way: str, root: Path) -> float:
+        return 2.0 if root == ROOT else 4.0
+
+    compiled: list[Path] = []
+    monkeypatch.setattr(beside, 'Nodes', Alike)
+    monkeypatch.setattr(beside, 'first_bearing', first_bearing)
+    monkeypatch.setattr(subprocess, 'run', lambda *_, cwd, **__: compiled.append(cwd))
+    ticks: list[str] = []
+    plan = latency.Plan(rounds=2, seconds=1.0, starts=3)
+    other = ROOT.parent / 'other'
+    figures = latency.run(plan, ticks.append, other)
+    assert compiled == [ROOT, other]
+    assert order == [ROOT, other] * 3 + [other, ROOT] * 3
+    assert len(ticks) == latency.steps(plan, other)
+    # As much of a core, which is the number of its answers in these streams.
+    assert {each.ratio for each in figures.beside if each.unit != '%'} == {0.5}
+    assert not judge(Report(latency=figures), [])
+    assert beside_table(figures.beside).row_count == 13
 
 
 def test_the_light_flashes_in_step_and_never_jumps() -> None:

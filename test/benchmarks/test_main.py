@@ -84,3 +84,16 @@ def test_unknown_part(capsys: pytest.CaptureFixture[str]) -> None:
         'accuracy, speed, real, detection, search, motion, tracking, capture, latency, world'
     )
     assert f'no part sped; there is {parts}' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('arguments, why', [
+    (['speed', '--beside', '.'], 'for the part latency alone'),
+    (['latency', '--beside', '/nowhere'], 'no source tree'),
+])
+def test_what_cannot_be_beside(
+    arguments: list[str], why: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Refuse another part, and a folder without the benchmarks."""
+    with pytest.raises(SystemExit, match='2'):
+        __main__.main(arguments)
+    assert why in capsys.readouterr().err

@@ -42,7 +42,7 @@ def played(
         location = locate(window, noise=NOISE)
         error = np.array([location.x - x, location.y - y])
         for squares, each in ((before, location), (after, texture.doubted(location))):
-            squares.append(error @ np.linalg.solve(each.covariance, error))
+            squares.append(float(error @ np.linalg.solve(each.covariance, error)))
         texture.add(window, location, NOISE)
     return float(np.mean(before[60:])), float(np.mean(after[60:])), texture
 

@@ -37,7 +37,7 @@ def test_a_pulse_is_told_from_a_texture(pulse: float, texture: float, shown: boo
 
 
 def test_the_likelihood_of_a_texture_is_that_of_its_covariance() -> None:
-    """By determinant and inverse of the whole matrix, for the likeliest of all textures."""
+    """By the determinant and the inverse of the whole matrix, for the likeliest of them."""
     unlit = unlit_window(3.0, 0.0, 1)[:6, :5]
     variance = 1.5
     away = (unlit - unlit.mean()).ravel()

@@ -107,6 +107,16 @@ def test_what_fits_nothing_does_not_load_the_compiler(name: str) -> None:
     assert subprocess.run([sys.executable, '-c', code], check=False).returncode == 0
 
 
+def test_what_is_seldom_used_is_not_loaded_at_the_start() -> None:
+    """Not by any node: SciPy's optimizer takes a second, and 25 MB; each part as it is used."""
+    code = (
+        'import sys, blob_tracker.nodes.pipeline; '
+        'sys.exit(any(name in sys.modules for name in '
+        '("scipy.optimize", "scipy.special", "scipy.signal", "matplotlib")))'
+    )
+    assert subprocess.run([sys.executable, '-c', code], check=False).returncode == 0
+
+
 def test_wrong_ros_arguments_end_with_a_sentence(domain: int) -> None:
     """A parameter without a value is named."""
     with start('locator', domain, '-p', 'method') as process:

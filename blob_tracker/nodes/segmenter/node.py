@@ -123,13 +123,14 @@ class SegmenterNode(Node):
         self._camera = KnownCamera()
         self._noise = NoiseTopic(self, self._health)
         self._debug_image = DebugImage(self)
-        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._good_frame = self._steady.now()
+        self._good_frame_ns = time.monotonic_ns()
         self._change(values)()
         on_change(self, PARAMETERS, self._change)
         self._frames = FramePairs(self, 'camera', self._health, self._take) if listen else None
         self._clock_jumps = on_clock_jump(self, self._health, self._forget)
-        self.create_timer(CHECK_S, self._check_silence, clock=self._steady)
+        self.create_timer(
+            CHECK_S, self._check_silence, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
 
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Build what these parameters ask for; return what puts it into effect."""
@@ -279,7 +280,7 @@ class SegmenterNode(Node):
         except FrameError as error:
             self._health.fault(WARN, f'camera/image_raw: {error}')
             return
-        self._good_frame = self._steady.now()
+        self._good_frame_ns = time.monotonic_ns()
         for name, window in found.items():
             if self._deliver is not None:
                 self._deliver(Delivery((window, info), frame_id, name))
@@ -356,7 +357,7 @@ class SegmenterNode(Node):
 
     def _check_silence(self) -> None:
         """Say that the targets are out of view when no good frame has come for a while."""
-        if (self._steady.now() - self._good_frame).nanoseconds > 1e9 * SILENCE_S:
+        if time.monotonic_ns() - self._good_frame_ns > 1e9 * SILENCE_S:
             with self._lock:
                 for target in self._targets.values():
                     target.out_of_view()

@@ -35,7 +35,9 @@ class BearingTopics:
         self._ray = PoseWithCovarianceStamped()
 
     def publish(self, bearing: Bearing, location: Location, frame_id: str) -> None:
-        """Publish all three, the one that the servo waits for first."""
+        """Publish the bearing, which the servo waits for first, and what else is wanted."""
         self._bearings.publish(bearing_message(bearing, frame_id, self._bearing))
-        self._centroids.publish(centroid_message(location, frame_id, self._centroid))
-        self._rays.publish(ray_message(bearing, frame_id, self._ray))
+        if self._centroids.is_wanted:
+            self._centroids.publish(centroid_message(location, frame_id, self._centroid))
+        if self._rays.is_wanted:
+            self._rays.publish(ray_message(bearing, frame_id, self._ray))

@@ -54,7 +54,7 @@ class DebugImage:
             interest.
 
         """
-        if not self._publisher.get_subscription_count():
+        if not self._publisher.is_wanted:
             return
         now_ns = self._clock.now().nanoseconds
         if now_ns - self._drawn_ns >= 1e9 * pause:

@@ -66,7 +66,7 @@ class FrameTopics:
                     f'segmenter or locator failed with {type(error).__name__}: {error}; please '
                     'report it with the log',
                 )
-        if self._infos.get_subscription_count():
+        if self._infos.is_wanted:
             self._infos.publish(info)
-        if self._images.get_subscription_count():
+        if self._images.is_wanted:
             self._images.publish(from_frame(frame, frame_id, self._image))

@@ -63,6 +63,7 @@ class QuietPublisher(Publisher):
     def __init__(self, context: Context, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
         self._context = context
+        self._is_latched = self.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
 
     def publish(self, msg: Any) -> None:
         """Publish a message, if ROS is still there."""
@@ -71,6 +72,11 @@ class QuietPublisher(Publisher):
         except RuntimeError:  # of rclpy's C layer, whose type is not public
             if self._context.ok():
                 raise
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether anybody listens, or will be given the last messages once he does."""
+        return self._is_latched or self.get_subscription_count() > 0
 
     def get_subscription_count(self) -> int:
         """Return how many listen: nobody where ROS has ended."""
@@ -82,7 +88,7 @@ class QuietPublisher(Publisher):
             return 0
 
 
-def publisher(node: Node, kind: type, topic: str, qos: QoSProfile) -> Publisher:
+def publisher(node: Node, kind: type, topic: str, qos: QoSProfile) -> QuietPublisher:
     """
     Return a publisher whose profile the parameters qos_overrides.<topic>.publisher... change.
 
@@ -94,7 +100,7 @@ def publisher(node: Node, kind: type, topic: str, qos: QoSProfile) -> Publisher:
         Where one of them is wrong.
 
     """
-    return node.create_publisher(
+    quiet: QuietPublisher = node.create_publisher(
         kind,
         topic,
         copy(qos),  # rclpy writes the overrides of this topic into it
@@ -103,6 +109,7 @@ def publisher(node: Node, kind: type, topic: str, qos: QoSProfile) -> Publisher:
         event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
         publisher_class=partial(QuietPublisher, node.context),
     )
+    return quiet
 
 
 def subscription(

@@ -44,9 +44,9 @@ class WindowTopics:
 
     def publish(self, window: Window, frame_id: str, info: CameraInfo) -> None:
         """Publish the window while somebody subscribes, the camera_info first, as a frame's."""
-        if self._infos.get_subscription_count():
+        if self._infos.is_wanted:
             self._infos.publish(of_window(info, window, frame_id))
-        if self._windows.get_subscription_count():
+        if self._windows.is_wanted:
             self._windows.publish(from_window(window, frame_id))
 
     def visible(self, stamp_ns: int, seen: bool) -> bool:

@@ -51,6 +51,9 @@ def test_an_override_changes_its_topic_and_no_other(domain: int) -> None:
         assert others.qos_profile.depth == 10
         assert also.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT
         assert node.get_parameter('qos_overrides./frames.publisher.depth').value == 3
+        # Who comes later is given the last ones of what is latched: it is published to nobody.
+        assert frames.is_wanted
+        assert not publisher(node, Image, 'nobody', IMAGE_OUT).is_wanted
 
 
 @pytest.mark.parametrize('overrides, sentence', [
