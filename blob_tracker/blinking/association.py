@@ -63,8 +63,8 @@ def step(
 
     """
     for row in range(count):
-        predict(old.state[row], old.covariance[row], dt, room.matrix)
-        diffuse(tables.first, prior, old.weights[row], old.name[row])
+        predict(old.state[row], old.covariance[row], dt, old.agility[row], room.matrix)
+        diffuse(tables.first, prior, old.weights[row], old.name[row], old.wander[row])
     names = tables.first.size - 1
     owner = np.full(points.shape[0], UNNAMED)
     explained = np.zeros(points.shape[0], np.bool_)

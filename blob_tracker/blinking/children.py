@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from blob_tracker.blinking.motion import project
+from blob_tracker.blinking.motion import mahalanobis, project
 from blob_tracker.blinking.patterns import Tables
 from blob_tracker.blinking.phase import (
     expected_share, fill_hit, fill_miss, fill_outlook, fill_steps, judge_hit, judge_miss, Steps,
@@ -80,20 +80,13 @@ def explain(old: Tracks, row: int, points: Array, explained: NDArray[np.bool_]) 
     nearest, which = GATE, -1
     for each in range(points.shape[0]):
         point = points[each]
-        distance, _ = _apart(
+        distance, _ = mahalanobis(
             point[X] - x, point[Y] - y, xx + point[XX], xy + point[XY], yy + point[YY]
         )
         if distance < nearest:
             nearest, which = distance, each
     if which >= 0:
         explained[which] = True
-
-
-@kernel
-def _apart(dx: float, dy: float, xx: float, xy: float, yy: float) -> tuple[float, float]:
-    """Return the Mahalanobis distance squared, and the determinant."""
-    determinant = max(xx * yy - xy * xy, 1e-12)
-    return (yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy) / determinant, determinant
 
 
 @kernel
@@ -133,7 +126,7 @@ def bear(
         seen = math.log(judge_hit(outlook, likelihood, moments) / settings.density)
         if near:
             x, y, xx, xy, yy = project(state, covariance, moments[0])
-            distance, determinant = _apart(
+            distance, determinant = mahalanobis(
                 point[X] - x, point[Y] - y, xx + point[XX] + vx * vx * moments[1],
                 xy + point[XY] + vx * vy * moments[1], yy + point[YY] + vy * vy * moments[1],
             )
@@ -144,7 +137,7 @@ def bear(
                 born = _add(children, born, row, each, SMOOTH, old, gain, moments)
                 continue
         if turns:
-            distance, determinant = _apart(
+            distance, determinant = mahalanobis(
                 tx, ty, way * way + last[3] + point[XX], last[4] + point[XY],
                 way * way + last[5] + point[YY],
             )

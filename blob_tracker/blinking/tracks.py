@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from blob_tracker.blinking.motion import begin, correct, predict, project, STATE
+from blob_tracker.blinking.motion import (
+    begin, correct, learned_agility, mahalanobis, predict, project, STATE,
+)
 from blob_tracker.blinking.patterns import SHARE_LEVELS, Tables
 from blob_tracker.blinking.phase import (
-    fill_hit, fill_miss, LEAST_SCINTILLATION, OTHERS, refine, SCINTILLATION, Steps,
-    weigh_hit, weigh_miss,
+    fill_hit, fill_miss, learned_wander, LEAST_SCINTILLATION, OTHERS, refine, SCINTILLATION, Steps,
+    weigh_hit, weigh_miss, where,
 )
 from blob_tracker.kernel import Array, kernel
 import numpy as np
@@ -40,8 +42,12 @@ class Tracks(NamedTuple):
     ----------
     state, covariance : (n, 6) and (n, 6, 6) arrays
         See `motion`: px, frame intervals.
+    agility : (n,) array
+        Part of the variance of its manoeuvres that a light makes use of, see `motion`.
     weights : (n, cells + OTHERS) array
         See `phase`.
+    wander : (n,) array
+        Part of DIFFUSION that a light makes use of, see `phase`.
     full : (n, 3) array
         Flux of the light in a whole exposure, its standard deviation over it, and the variance
         over its square by which the flux changes from frame to frame.
@@ -65,7 +71,9 @@ class Tracks(NamedTuple):
 
     state: Array
     covariance: Array
+    agility: Array
     weights: Array
+    wander: Array
     full: Array
     score: Array
     deficit: Array
@@ -79,9 +87,9 @@ class Tracks(NamedTuple):
 def empty_tracks(count: int, cells: int) -> Tracks:
     """Return so many rows for patterns of so many cells."""
     return Tracks(
-        np.zeros((count, STATE)), np.zeros((count, STATE, STATE)),
-        np.zeros((count, cells + OTHERS)), np.zeros((count, 3)), np.zeros(count), np.zeros(count),
-        np.full(count, UNNAMED), np.zeros(count, np.int64), np.full((count, KEPT), -1),
+        np.zeros((count, STATE)), np.zeros((count, STATE, STATE)), np.ones(count),
+        np.zeros((count, cells + OTHERS)), np.ones(count), np.zeros((count, 3)), np.zeros(count),
+        np.zeros(count),         np.full(count, UNNAMED), np.zeros(count, np.int64), np.full((count, KEPT), -1),
         np.zeros((count, 6)), np.zeros((count, 6)),
     )
 
@@ -91,7 +99,9 @@ def copy_row(old: Tracks, row: int, new: Tracks, to: int) -> None:
     """Copy a row."""
     new.state[to] = old.state[row]
     new.covariance[to] = old.covariance[row]
+    new.agility[to] = old.agility[row]
     new.weights[to] = old.weights[row]
+    new.wander[to] = old.wander[row]
     new.full[to] = old.full[row]
     new.score[to] = old.score[row]
     new.deficit[to] = old.deficit[row]
@@ -112,6 +122,7 @@ def start_row(
         new.state[to], new.covariance[to], point[X], point[Y], point[XX], point[XY], point[YY],
         speed,
     )
+    new.agility[to] = new.wander[to] = 1.0
     new.full[to, 0], new.full[to, 1] = point[FLUX], FIRST_SPREAD
     new.full[to, 2] = SCINTILLATION**2
     new.weights[to] = prior
@@ -133,7 +144,10 @@ def miss_row(
 ) -> None:
     """Take note in a row that it was not seen, where so much of the exposure was expected."""
     fill_miss(new.full[to], least, likelihood)
-    weigh_miss(tables, on, new.weights[to], new.name[to], likelihood)
+    name = new.name[to]
+    about, mean, variance = _where(tables, new, to, -1)
+    weigh_miss(tables, on, new.weights[to], name, likelihood)
+    _learn_wander(tables, new, to, about, mean, variance)
     new.deficit[to] += gain
     new.now[to] = 0.0
     new.now[to, 0], new.now[to, 3] = -1.0, share
@@ -161,9 +175,12 @@ def hit_row(
             state, covariance, new.hit[to, 1], new.hit[to, 2], new.hit[to, 3] + anywhere,
             new.hit[to, 4], new.hit[to, 5] + anywhere, TURN_SPEED * speed + TURN_LEAST,
         )
-        predict(state, covariance, gap, work)
+        new.agility[to] = 1.0
+        predict(state, covariance, gap, 1.0, work)
     fill_hit(point[FLUX], point[FLUX_SIGMA], new.full[to], least, likelihood)
+    about, mean, variance = _where(tables, new, to, -1)
     weigh_hit(tables, on, new.weights[to], new.name[to], likelihood)
+    _learn_wander(tables, new, to, about, mean, variance)
     full = new.full[to]
     share = min(point[FLUX] / full[0], 1.0)
     share_sigma = np.sqrt(
@@ -173,15 +190,38 @@ def hit_row(
     _weigh_flux(full, point, moments)
     tau, spread = moments[0], moments[1]
     x, y, xx, xy, yy = project(state, covariance, tau)
-    correct(
-        state, covariance, tau, point[X] - x, point[Y] - y, xx + point[XX] + vx * vx * spread,
-        xy + point[XY] + vx * vy * spread, yy + point[YY] + vy * vy * spread, work,
+    dx, dy = point[X] - x, point[Y] - y
+    sxx, sxy = xx + point[XX] + vx * vx * spread, xy + point[XY] + vx * vy * spread
+    syy = yy + point[YY] + vy * vy * spread
+    new.agility[to] = learned_agility(
+        new.agility[to], mahalanobis(dx, dy, sxx, sxy, syy)[0], (xx + yy) / (sxx + syy)
     )
+    correct(state, covariance, tau, dx, dy, sxx, sxy, syy, work)
     new.deficit[to] = 0.0
     new.hits[to] += 1
     new.now[to, 1], new.now[to, 2] = tau, spread
     new.now[to, 3], new.now[to, 4], new.now[to, 5] = moments[2], moments[3], gain
     _note(new, to, index, number, clock)
+
+
+@kernel
+def _where(tables: Tables, new: Tracks, to: int, about: int) -> tuple[int, float, float]:
+    """Return what `where` does, of a light that has its name."""
+    if new.name[to] == UNNAMED:
+        return -1, 0.0, 0.0
+    return where(tables.first, new.weights[to], new.name[to], about)
+
+
+@kernel
+def _learn_wander(
+    tables: Tables, new: Tracks, to: int, about: int, mean: float, variance: float
+) -> None:
+    """Take note of how far the phase of a light with a name moved in a look."""
+    if about >= 0:
+        _, new_mean, new_variance = _where(tables, new, to, about)
+        new.wander[to] = learned_wander(
+            new.wander[to], mean, variance, new_mean, new_variance
+        )
 
 
 @kernel
