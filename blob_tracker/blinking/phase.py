@@ -22,7 +22,8 @@ STRANGE = 0.03  # of the hits have another flux: a second light beside it, a ref
 # To either side in a frame: of 16 cells a frame interval a clock that is off by 1 % crosses 0.16
 DIFFUSION = 0.1
 # Of that, what a light with a name makes use of: it is learned where the phase is known so well
-STEADIEST, LEARNED, KNOWN_CELLS = 1 / 32, 0.1, 4.0
+STEADIEST, LEARNED, KNOWN_CELLS = 1 / 32, 0.03, 4.0
+LEAST_TOLD = 1e-3  # of that variance, that a look tells at least
 NEAR_CELLS = 16  # to either side of the likeliest one: a frame interval
 MOST_ELSEWHERE = 0.1  # of the probability, farther away than that
 MOST_SURPRISE = 10.0  # times what the weights allow for
@@ -107,12 +108,11 @@ def learned_wander(
     In the mean the variance falls by the square of what the mean moves by: where it moves by less
     the phase drifts by less than it was said to.
     """
-    if not KNOWN_CELLS**2 > variance > new_variance:
-        return wander
     fall = variance - new_variance
+    if variance > KNOWN_CELLS**2 or fall < LEAST_TOLD * variance:
+        return wander
     surprise = min((new_mean - mean) ** 2 / fall, MOST_SURPRISE) - 1.0
-    learned = LEARNED * min(fall / variance, 1.0)
-    return min(max(wander * math.exp(learned * surprise), STEADIEST), 1.0)
+    return min(max(wander * math.exp(LEARNED * surprise), STEADIEST), 1.0)
 
 
 @kernel
@@ -132,7 +132,9 @@ def fill_hit(flux: float, flux_sigma: float, full: Array, least: float, out: Arr
     mean, spread = full[0], full[1] ** 2 + full[2]
     for level in range(SHARE_LEVELS + 1):
         expected = mean * level / SHARE_LEVELS
-        variance = flux_sigma**2 + expected**2 * spread + (NEAR_SHARE * mean) ** 2
+        variance = flux_sigma**2 + expected**2 * spread
+        if level < SHARE_LEVELS:  # an edge runs through it
+            variance += (NEAR_SHARE * mean) ** 2
         density = mean * math.exp(-0.5 * (flux - expected) ** 2 / variance) / math.sqrt(
             2.0 * math.pi * variance
         )
@@ -342,14 +344,14 @@ def refine(
                 total += weight
                 t1 += weight * tau
                 t2 += weight * tau * tau
-                noise += weight * slope * slope
+                noise += weight * slope * slope * share_sigma**2 * NEAR_SHARE**2 / near
                 s1 += weight * tables.share[place]
                 s2 += weight * (
                     tables.share[place] ** 2 + (NEAR_SHARE**2 if slope != 0.0 else 0.0)
                 )
     if total > UNLIKELY:
         moments[0] = t1 / total
-        moments[1] = max(t2 / total - moments[0] ** 2, 0.0) + noise / total * share_sigma**2
+        moments[1] = max(t2 / total - moments[0] ** 2, 0.0) + noise / total
         moments[2] = s1 / total
         moments[3] = max(s2 / total - moments[2] ** 2, 0.0)
     else:  # a flux that no phase explains: it was seen at any time

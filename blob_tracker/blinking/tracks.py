@@ -261,8 +261,8 @@ def _weigh_flux(full: Array, point: Array, moments: Array) -> None:
     full[0] = max(mean, 0.5 * flux)
     full[1] = np.sqrt(max(variance * (1.0 - gain * share), 0.0)) / full[0]
     if share > WHOLE and spread < (1.0 - WHOLE) ** 2:
-        changed = max((flux / full[0] - 1.0) ** 2, LEAST_SCINTILLATION**2)
-        full[2] += (changed - full[2]) / FLUX_FRAMES
+        changed = (flux / full[0] - 1.0) ** 2 - (point[FLUX_SIGMA] / full[0]) ** 2
+        full[2] = max(full[2] + (changed - full[2]) / FLUX_FRAMES, LEAST_SCINTILLATION**2)
 
 
 LEVELS = SHARE_LEVELS + 1
