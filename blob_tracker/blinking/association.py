@@ -200,6 +200,6 @@ def _grow(
     else:
         hit_row(
             new, to, points[point], point, number + point, children.kind[child], gain,
-            children.moments[child], tables, room.on, clock, settings.least, room.likelihood,
-            room.matrix,
+            children.moments[child], tables, room.on, clock, settings.least, settings.exposure,
+            room.likelihood, room.matrix,
         )

@@ -14,6 +14,7 @@ from blob_tracker.blinking.tracks import (
     FLUX, FLUX_SIGMA, MISS, SMOOTH, Tracks, TURN, TURN_LEAST, TURN_SPEED, UNNAMED, X, XX, XY, Y,
     YY,
 )
+from blob_tracker.blinking.turns import TURNS
 from blob_tracker.kernel import Array, kernel
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,6 @@ from numpy.typing import NDArray
 GATE = 18.4  # chi-square of two degrees of freedom that one in 10,000 exceeds
 TURN_GATE = 9.0  # the same of a turn: the spread is that of all directions
 COARSE = 5.0  # standard deviations in a look at the distance alone
-TURNS = 0.03  # of the frames have a turn
 TURN_HITS = 3  # a row has before it may turn: before it has no velocity
 OWNED = 6.0  # nats that a point is the less likely a turn's where a settled light explains it
 
@@ -42,6 +42,8 @@ class Settings(NamedTuple):
         For which a light without a name may be dark, frame intervals.
     lost : float
         For which one with a name may be unseen, frame intervals.
+    exposure : float
+        Of a frame, frame intervals.
 
     """
 
@@ -50,6 +52,7 @@ class Settings(NamedTuple):
     speed: float
     longest: float
     lost: float
+    exposure: float
 
 
 class Children(NamedTuple):

@@ -12,6 +12,7 @@ from blob_tracker.blinking.phase import (
     fill_hit, fill_miss, learned_wander, LEAST_SCINTILLATION, OTHERS, refine, SCINTILLATION, Steps,
     weigh_hit, weigh_miss, where,
 )
+from blob_tracker.blinking.turns import fill_bend
 from blob_tracker.kernel import Array, kernel
 import numpy as np
 from numpy.typing import NDArray
@@ -63,9 +64,10 @@ class Tracks(NamedTuple):
         Numbers of the last ones, the newest first; -1 where there is none.
     hit : (n, 6) array
         Of the last one: time, x, y and the variances xx, xy, yy of the filtered place.
-    now : (n, 6) array
-        Of this frame: index of its point or -1, tau and its variance, share and its variance, and
-        log likelihood ratio of the point over clutter.
+    now : (n, 9) array
+        Of this frame: index of its point or -1, tau and its variance, share and its variance,
+        log likelihood ratio of the point over clutter, and what a turn may have added to the
+        place: xx, xy, yy.
 
     """
 
@@ -89,8 +91,8 @@ def empty_tracks(count: int, cells: int) -> Tracks:
     return Tracks(
         np.zeros((count, STATE)), np.zeros((count, STATE, STATE)), np.ones(count),
         np.zeros((count, cells + OTHERS)), np.ones(count), np.zeros((count, 3)), np.zeros(count),
-        np.zeros(count),         np.full(count, UNNAMED), np.zeros(count, np.int64), np.full((count, KEPT), -1),
-        np.zeros((count, 6)), np.zeros((count, 6)),
+        np.zeros(count), np.full(count, UNNAMED), np.zeros(count, np.int64),
+        np.full((count, KEPT), -1), np.zeros((count, 6)), np.zeros((count, 9)),
     )
 
 
@@ -156,8 +158,8 @@ def miss_row(
 @kernel
 def hit_row(
     new: Tracks, to: int, point: Array, index: int, number: int, kind: int, gain: float,
-    moments: Array, tables: Tables, on: Steps, clock: float, least: float, likelihood: Array,
-    work: Array,
+    moments: Array, tables: Tables, on: Steps, clock: float, least: float, exposure: float,
+    likelihood: Array, work: Array,
 ) -> None:
     """
     Take note in a row of its point.
@@ -167,16 +169,16 @@ def hit_row(
     """
     state, covariance = new.state[to], new.covariance[to]
     vx, vy = state[2], state[3]
+    gap, speed = clock - new.hit[to, 0], np.sqrt(vx * vx + vy * vy)
+    # Where it would be if it had not turned; tau is known better below.
+    straight = project(state, covariance, moments[0])
     if kind == TURN:
-        gap = clock - new.hit[to, 0]
-        speed = np.sqrt(vx * vx + vy * vy)
         anywhere = (TURN_PLACE * speed * gap) ** 2
         begin(
             state, covariance, new.hit[to, 1], new.hit[to, 2], new.hit[to, 3] + anywhere,
             new.hit[to, 4], new.hit[to, 5] + anywhere, TURN_SPEED * speed + TURN_LEAST,
         )
-        new.agility[to] = 1.0
-        predict(state, covariance, gap, 1.0, work)
+        predict(state, covariance, gap, new.agility[to], work)
     fill_hit(point[FLUX], point[FLUX_SIGMA], new.full[to], least, likelihood)
     about, mean, variance = _where(tables, new, to, -1)
     weigh_hit(tables, on, new.weights[to], new.name[to], likelihood)
@@ -190,9 +192,16 @@ def hit_row(
     _weigh_flux(full, point, moments)
     tau, spread = moments[0], moments[1]
     x, y, xx, xy, yy = project(state, covariance, tau)
+    sxx, sxy = point[XX] + vx * vx * spread, point[XY] + vx * vy * spread
+    syy = point[YY] + vy * vy * spread
+    bend = new.now[to, 6:]
+    fill_bend(
+        point[X] - straight[0], point[Y] - straight[1],
+        0.5 * (straight[2] + straight[4] + sxx + syy), speed, 0.5 * exposure * moments[2], gap,
+        bend,
+    )
     dx, dy = point[X] - x, point[Y] - y
-    sxx, sxy = xx + point[XX] + vx * vx * spread, xy + point[XY] + vx * vy * spread
-    syy = yy + point[YY] + vy * vy * spread
+    sxx, sxy, syy = sxx + xx + bend[0], sxy + xy + bend[1], syy + yy + bend[2]
     new.agility[to] = learned_agility(
         new.agility[to], mahalanobis(dx, dy, sxx, sxy, syy)[0], (xx + yy) / (sxx + syy)
     )
