@@ -12,7 +12,7 @@ from blob_tracker.blinking.phase import (
     fill_hit, fill_miss, learned_wander, LEAST_SCINTILLATION, OTHERS, refine, SCINTILLATION, Steps,
     weigh_hit, weigh_miss, where,
 )
-from blob_tracker.blinking.turns import fill_bend
+from blob_tracker.blinking.turns import counted_turns, fill_bend, LEAST_TURNS
 from blob_tracker.kernel import Array, kernel
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,8 @@ class Tracks(NamedTuple):
         See `motion`: px, frame intervals.
     agility : (n,) array
         Part of the variance of its manoeuvres that a light makes use of, see `motion`.
+    turns : (n,) array
+        How many a light with a name makes in a frame interval, see `turns`.
     weights : (n, cells + OTHERS) array
         See `phase`.
     wander : (n,) array
@@ -74,6 +76,7 @@ class Tracks(NamedTuple):
     state: Array
     covariance: Array
     agility: Array
+    turns: Array
     weights: Array
     wander: Array
     full: Array
@@ -90,8 +93,8 @@ def empty_tracks(count: int, cells: int) -> Tracks:
     """Return so many rows for patterns of so many cells."""
     return Tracks(
         np.zeros((count, STATE)), np.zeros((count, STATE, STATE)), np.ones(count),
-        np.zeros((count, cells + OTHERS)), np.ones(count), np.zeros((count, 3)), np.zeros(count),
-        np.zeros(count), np.full(count, UNNAMED), np.zeros(count, np.int64),
+        np.full(count, LEAST_TURNS), np.zeros((count, cells + OTHERS)), np.ones(count),
+        np.zeros((count, 3)), np.zeros(count), np.zeros(count), np.full(count, UNNAMED), np.zeros(count, np.int64),
         np.full((count, KEPT), -1), np.zeros((count, 6)), np.zeros((count, 9)),
     )
 
@@ -102,6 +105,7 @@ def copy_row(old: Tracks, row: int, new: Tracks, to: int) -> None:
     new.state[to] = old.state[row]
     new.covariance[to] = old.covariance[row]
     new.agility[to] = old.agility[row]
+    new.turns[to] = old.turns[row]
     new.weights[to] = old.weights[row]
     new.wander[to] = old.wander[row]
     new.full[to] = old.full[row]
@@ -125,6 +129,7 @@ def start_row(
         speed,
     )
     new.agility[to] = new.wander[to] = 1.0
+    new.turns[to] = LEAST_TURNS
     new.full[to, 0], new.full[to, 1] = point[FLUX], FIRST_SPREAD
     new.full[to, 2] = SCINTILLATION**2
     new.weights[to] = prior
@@ -195,11 +200,13 @@ def hit_row(
     sxx, sxy = point[XX] + vx * vx * spread, point[XY] + vx * vy * spread
     syy = point[YY] + vy * vy * spread
     bend = new.now[to, 6:]
-    fill_bend(
+    turned = fill_bend(
         point[X] - straight[0], point[Y] - straight[1],
         0.5 * (straight[2] + straight[4] + sxx + syy), speed, 0.5 * exposure * moments[2], gap,
-        bend,
+        new.turns[to], bend,
     )
+    if new.name[to] != UNNAMED:
+        new.turns[to] = counted_turns(new.turns[to], 1.0 if kind == TURN else turned, gap)
     dx, dy = point[X] - x, point[Y] - y
     sxx, sxy, syy = sxx + xx + bend[0], sxy + xy + bend[1], syy + yy + bend[2]
     new.agility[to] = learned_agility(

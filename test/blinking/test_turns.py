@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from blob_tracker.blinking.turns import fill_bend, TURNS
+from blob_tracker.blinking.turns import counted_turns, fill_bend, LEAST_TURNS, TURNS
 import numpy as np
 import pytest
 
@@ -26,14 +26,16 @@ def test_the_covariance_is_that_of_turns_at_random(speed: float, sigma: float) -
     off = np.where(within, (HALF - np.abs(t)) ** 2 / (4 * HALF), 0.0)
     seen = moved[:, None] * changed + sigma * random.standard_normal((count, 2))
     told = np.empty((count, 3))
-    for (dx, dy), out in zip(seen, told):
-        fill_bend(dx, dy, sigma**2, speed, HALF, GAP, out)
+    probability = np.array([
+        fill_bend(dx, dy, sigma**2, speed, HALF, GAP, TURNS, out)
+        for (dx, dy), out in zip(seen, told)
+    ])
     square = ((off[:, None] * changed) ** 2).sum(axis=1)
     stated = told[:, 0] + told[:, 2]
     assert stated.mean() == pytest.approx(square.mean(), rel=0.2)
     large = np.hypot(*seen.T) > 5.0 * sigma
     assert stated[large].mean() == pytest.approx(square[large].mean(), rel=0.2)
-    assert stated[~turns].mean() < 0.05 * sigma**2
+    assert probability.mean() == pytest.approx(turns.mean(), rel=0.1)
 
 
 def test_the_middle_of_a_bent_streak_is_off_by_that() -> None:
@@ -44,6 +46,18 @@ def test_the_middle_of_a_bent_streak_is_off_by_that() -> None:
     assert middle == pytest.approx(speed * HALF / 4, rel=1e-3)
     out = np.empty(3)
     # What is known of it is between nothing and twice that innovation.
-    fill_bend(middle, 0.0, 0.02**2, speed, HALF, GAP, out)
+    fill_bend(middle, 0.0, 0.02**2, speed, HALF, GAP, LEAST_TURNS, out)
     assert 0.2 * middle < np.sqrt(out[0]) < 2.0 * middle
     assert out[2] < 0.05 * out[0]
+
+
+def test_turns_are_counted() -> None:
+    """One in 40 frames, of which every second shows the light, then none for 1,000."""
+    turns, mean = LEAST_TURNS, []
+    for index in range(1000):
+        turns = counted_turns(turns, float(index % 20 == 0), 2.0)
+        mean.append(turns)
+    assert np.mean(mean[500:]) == pytest.approx(1 / 40, rel=0.2)
+    for _ in range(500):
+        turns = counted_turns(turns, 0.0, 2.0)
+    assert turns == pytest.approx(LEAST_TURNS, rel=0.01)
