@@ -23,8 +23,10 @@ FIRST_SPREAD = 1.0  # of the flux: the first point may have been a small share o
 PHASE_KNOWN = 0.5  # probability of the patterns from which on their share tells the full flux
 FLUX_DRIFT = 0.003  # of the full flux in a hit: 1 m/s nearer at 10 m, 60 Hz
 WHOLE = 0.97  # of the exposure: from there on a change of the flux is the light's own
+MISSED = 0.5  # power of the improbability of a miss, by which a light's agility grows with it
 FLUX_FRAMES = 20.0  # over which that is averaged
 DOUBTFUL = 0.15  # of the full flux, to which it is known after a surprise
+ALIKE = 0.1  # of the full flux, by which two that are the same differ at most
 SURPRISE = 1.3  # of the full flux: what is brighter was taken for full while it was partly lit
 # A child's kind
 MISS, SMOOTH, TURN = 0, 1, 2
@@ -156,6 +158,8 @@ def miss_row(
     weigh_miss(tables, on, new.weights[to], name, likelihood)
     _learn_wander(tables, new, to, about, mean, variance)
     new.deficit[to] += gain
+    # Where it was due and is not it may do what it did not before.
+    new.agility[to] = min(new.agility[to] * np.exp(-MISSED * gain), 1.0)
     new.now[to] = 0.0
     new.now[to, 0], new.now[to, 3] = -1.0, share
 
@@ -257,16 +261,20 @@ def _weigh_flux(full: Array, point: Array, moments: Array) -> None:
     """
     Correct the full flux.
 
-    While the phase is not known it is the most that was seen, and uncertain; then the mean of a
-    Kalman filter that knows the share.
+    While the phase is not known it is the most that was seen, and uncertain until as much is seen
+    again: shares are of any size, and two that are alike are whole. Then it is the mean of a Kalman
+    filter that knows the share.
     """
     flux = point[FLUX]
     if flux > SURPRISE * full[0] and moments[4] >= PHASE_KNOWN and full[1] < DOUBTFUL:
         full[1] = DOUBTFUL  # something beside it, as long as it does not come again
         return
     if moments[4] < PHASE_KNOWN or flux > SURPRISE * full[0]:
+        if abs(flux - full[0]) < ALIKE * full[0]:
+            full[1] = max(0.5 * full[1], DOUBTFUL)
+        elif flux > full[0]:
+            full[1] = max(full[1], 0.5 * FIRST_SPREAD)
         full[0] = max(flux, full[0])
-        full[1] = max(full[1], 0.5 * FIRST_SPREAD)
         return
     share, spread = moments[2], moments[3]
     variance = (full[0] * full[1]) ** 2 + (FLUX_DRIFT * full[0]) ** 2
