@@ -26,6 +26,7 @@ WHOLE = 0.97  # of the exposure: from there on a change of the flux is the light
 MISSED = 0.5  # power of the improbability of a miss, by which a light's agility grows with it
 FLUX_FRAMES = 20.0  # over which that is averaged
 DOUBTFUL = 0.15  # of the full flux, to which it is known after a surprise
+BRIGHTER, BELIEVED = 1.15, 4.0  # times the full flux, and hits in a row that are: a surprise
 ALIKE = 0.1  # of the full flux, by which two that are the same differ at most
 SURPRISE = 1.3  # of the full flux: what is brighter was taken for full while it was partly lit
 # A child's kind
@@ -53,9 +54,10 @@ class Tracks(NamedTuple):
         See `phase`.
     wander : (n,) array
         Part of DIFFUSION that a light makes use of, see `phase`.
-    full : (n, 3) array
-        Flux of the light in a whole exposure, its standard deviation over it, and the variance
-        over its square by which the flux changes from frame to frame.
+    full : (n, 4) array
+        Flux of the light in a whole exposure, its standard deviation over it, the variance over
+        its square by which the flux changes from frame to frame, and how many of the last hits
+        were brighter.
     score : (n,) array
         Log likelihood ratio over clutter.
     deficit : (n,) array
@@ -96,8 +98,9 @@ def empty_tracks(count: int, cells: int) -> Tracks:
     return Tracks(
         np.zeros((count, STATE)), np.zeros((count, STATE, STATE)), np.ones(count),
         np.full(count, LEAST_TURNS), np.zeros((count, cells + OTHERS)), np.ones(count),
-        np.zeros((count, 3)), np.zeros(count), np.zeros(count), np.full(count, UNNAMED), np.zeros(count, np.int64),
-        np.full((count, KEPT), -1), np.zeros((count, 6)), np.zeros((count, 9)),
+        np.zeros((count, 4)), np.zeros(count), np.zeros(count), np.full(count, UNNAMED),
+        np.zeros(count, np.int64), np.full((count, KEPT), -1), np.zeros((count, 6)),
+        np.zeros((count, 9)),
     )
 
 
@@ -133,7 +136,7 @@ def start_row(
     new.agility[to] = new.wander[to] = 1.0
     new.turns[to] = LEAST_TURNS
     new.full[to, 0], new.full[to, 1] = point[FLUX], FIRST_SPREAD
-    new.full[to, 2] = SCINTILLATION**2
+    new.full[to, 2], new.full[to, 3] = SCINTILLATION**2, 0.0
     new.weights[to] = prior
     fill_hit(point[FLUX], point[FLUX_SIGMA], new.full[to], least, likelihood)
     weigh_hit(tables, on, new.weights[to], UNNAMED, likelihood)
@@ -166,15 +169,15 @@ def miss_row(
 
 @kernel
 def hit_row(
-    new: Tracks, to: int, point: Array, index: int, number: int, kind: int, gain: float,
-    moments: Array, tables: Tables, on: Steps, clock: float, least: float, exposure: float,
-    likelihood: Array, work: Array,
+    new: Tracks, to: int, point: Array, index: int, number: int, alone: bool, kind: int,
+    gain: float, moments: Array, tables: Tables, on: Steps, clock: float, least: float,
+    exposure: float, likelihood: Array, work: Array,
 ) -> None:
     """
     Take note in a row of its point.
 
     `moments` are those of `judge_hit` for it, and get the finer tau. Where it turned, its motion
-    begins anew at the last point.
+    begins anew at the last point. Where it may not be `alone`, the point's flux is not its own.
     """
     state, covariance = new.state[to], new.covariance[to]
     vx, vy = state[2], state[3]
@@ -197,8 +200,11 @@ def hit_row(
     share_sigma = np.sqrt(
         (point[FLUX_SIGMA] / full[0]) ** 2 + share * share * (full[1] ** 2 + full[2])
     )
+    if not alone:
+        share_sigma = 1.0
     refine(tables, on, new.weights[to], new.name[to], share, share_sigma, moments)
-    _weigh_flux(full, point, moments)
+    if alone:
+        _weigh_flux(full, point, moments)
     tau, spread = moments[0], moments[1]
     x, y, xx, xy, yy = project(state, covariance, tau)
     sxx, sxy = point[XX] + vx * vx * spread, point[XY] + vx * vy * spread
@@ -262,13 +268,16 @@ def _weigh_flux(full: Array, point: Array, moments: Array) -> None:
     Correct the full flux.
 
     While the phase is not known it is the most that was seen, and uncertain until as much is seen
-    again: shares are of any size, and two that are alike are whole. Then it is the mean of a Kalman
-    filter that knows the share.
+    again: shares are of any size, and two that are alike are whole. Then it is the mean of a
+    Kalman filter that knows the share.
     """
     flux = point[FLUX]
-    if flux > SURPRISE * full[0] and moments[4] >= PHASE_KNOWN and full[1] < DOUBTFUL:
-        full[1] = DOUBTFUL  # something beside it, as long as it does not come again
-        return
+    if flux > BRIGHTER * full[0] and moments[4] >= PHASE_KNOWN and full[1] < DOUBTFUL:
+        full[3] += 1.0
+        if full[3] < BELIEVED:
+            return  # something beside it
+        full[1] = DOUBTFUL
+    full[3] = 0.0
     if moments[4] < PHASE_KNOWN or flux > SURPRISE * full[0]:
         if abs(flux - full[0]) < ALIKE * full[0]:
             full[1] = max(0.5 * full[1], DOUBTFUL)

@@ -26,8 +26,8 @@ def fill_bend(
         m = (h - t)^2 / (4 h),  b = (h - |t|)^2 / (4 h)    within the exposure
         m = -t,                 b = 0                      before it
 
-    u is normal, with the speed as its standard deviation along each axis; t is even. The innovation
-    d = m u + noise weighs the instants, and tells u.
+    u is normal, with the speed as its standard deviation along each axis; t is even. The
+    innovation d = m u + noise weighs the instants, and tells u.
 
     Parameters
     ----------
