@@ -23,7 +23,7 @@ FIRST_SPREAD = 1.0  # of the flux: the first point may have been a small share o
 PHASE_KNOWN = 0.5  # probability of the patterns from which on their share tells the full flux
 FLUX_DRIFT = 0.003  # of the full flux in a hit: 1 m/s nearer at 10 m, 60 Hz
 WHOLE = 0.97  # of the exposure: from there on a change of the flux is the light's own
-MISSED = 0.5  # power of the improbability of a miss, by which a light's agility grows with it
+MISSED = 0.5  # a nat by which a miss is less likely than one in e: a growth of the agility
 FLUX_FRAMES = 20.0  # over which that is averaged
 DOUBTFUL = 0.15  # of the full flux, to which it is known after a surprise
 BRIGHTER, BELIEVED = 1.15, 4.0  # times the full flux, and hits in a row that are: a surprise
@@ -162,7 +162,7 @@ def miss_row(
     _learn_wander(tables, new, to, about, mean, variance)
     new.deficit[to] += gain
     # Where it was due and is not it may do what it did not before.
-    new.agility[to] = min(new.agility[to] * np.exp(-MISSED * gain), 1.0)
+    new.agility[to] = min(new.agility[to] * np.exp(MISSED * max(-gain - 1.0, 0.0)), 1.0)
     new.now[to] = 0.0
     new.now[to, 0], new.now[to, 3] = -1.0, share
 
@@ -210,12 +210,13 @@ def hit_row(
     sxx, sxy = point[XX] + vx * vx * spread, point[XY] + vx * vy * spread
     syy = point[YY] + vy * vy * spread
     bend = new.now[to, 6:]
-    turned = fill_bend(
-        point[X] - straight[0], point[Y] - straight[1],
-        0.5 * (straight[2] + straight[4] + sxx + syy), speed, 0.5 * exposure * moments[2], gap,
-        new.turns[to], bend,
-    )
+    bend[:] = 0.0
     if new.name[to] != UNNAMED:
+        turned = fill_bend(
+            point[X] - straight[0], point[Y] - straight[1],
+            0.5 * (straight[2] + straight[4] + sxx + syy), speed, 0.5 * exposure * moments[2],
+            gap, new.turns[to], bend,
+        )
         new.turns[to] = counted_turns(new.turns[to], 1.0 if kind == TURN else turned, gap)
     dx, dy = point[X] - x, point[Y] - y
     sxx, sxy, syy = sxx + xx + bend[0], sxy + xy + bend[1], syy + yy + bend[2]
