@@ -7,7 +7,7 @@ from blob_tracker.blinking.motion import predict
 from blob_tracker.blinking.patterns import Tables
 from blob_tracker.blinking.phase import diffuse, fill_steps
 from blob_tracker.blinking.tracks import (
-    copy_row, hit_row, miss_row, start_row, Tracks, UNNAMED, Y,
+    copy_row, hit_row, miss_row, SMOOTH, start_row, Tracks, UNNAMED, Y,
 )
 from blob_tracker.kernel import Array, kernel
 import numpy as np
@@ -63,8 +63,8 @@ def step(
 
     """
     for row in range(count):
-        predict(old.state[row], old.covariance[row], dt, room.matrix)
-        diffuse(tables.first, prior, old.weights[row], old.name[row])
+        predict(old.state[row], old.covariance[row], dt, old.agility[row], room.matrix)
+        diffuse(tables.first, prior, old.weights[row], old.name[row], old.wander[row])
     names = tables.first.size - 1
     owner = np.full(points.shape[0], UNNAMED)
     explained = np.zeros(points.shape[0], np.bool_)
@@ -79,6 +79,7 @@ def step(
                 children, born, room,
             )
     _claim(old, children, born, names, owner)
+    alone = _alone(old, children, born, points.shape[0])
     named = born
     for row in range(count):
         if old.name[row] == UNNAMED:
@@ -97,8 +98,8 @@ def step(
                 name = old.name[children.parent[child]]
                 if name != UNNAMED:
                     children.score[child] -= max(best[name] - HIGHEST_SCORE, 0.0)
-                _grow(old, new, filled, children, child, points, number, tables, clocks, line,
-                      clock, settings, room)
+                _grow(old, new, filled, children, child, points, number, alone, tables, clocks,
+                      line, clock, settings, room)
                 filled += 1
     for each in range(points.shape[0]):
         if owner[each] != UNNAMED:
@@ -139,6 +140,20 @@ def _claim(
             return
         owner[children.point[choice]] = whose
         done[whose] = True
+
+
+@kernel
+def _alone(
+    old: Tracks, children: Children, born: int, points: int
+) -> NDArray[np.bool_]:
+    """Tell of which points no two named lights may be: two that meet are one point."""
+    alone, whose = np.ones(points, np.bool_), np.full(points, UNNAMED)
+    for child in range(born):
+        point, name = children.point[child], old.name[children.parent[child]]
+        if point >= 0 and children.kind[child] == SMOOTH:
+            alone[point] &= whose[point] == UNNAMED or whose[point] == name
+            whose[point] = name
+    return alone
 
 
 @kernel
@@ -184,7 +199,8 @@ def _is_worth(
 @kernel
 def _grow(
     old: Tracks, new: Tracks, to: int, children: Children, child: int, points: Array, number: int,
-    tables: Tables, clocks: Array, line: float, clock: float, settings: Settings, room: Room,
+    alone: NDArray[np.bool_], tables: Tables, clocks: Array, line: float, clock: float,
+    settings: Settings, room: Room,
 ) -> None:
     """Make a child a row."""
     row, point, gain = children.parent[child], children.point[child], children.gain[child]
@@ -199,7 +215,7 @@ def _grow(
         )
     else:
         hit_row(
-            new, to, points[point], point, number + point, children.kind[child], gain,
-            children.moments[child], tables, room.on, clock, settings.least, room.likelihood,
-            room.matrix,
+            new, to, points[point], point, number + point, alone[point], children.kind[child],
+            gain, children.moments[child], tables, room.on, clock, settings.least,
+            settings.exposure, room.likelihood, room.matrix,
         )

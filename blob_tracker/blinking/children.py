@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from blob_tracker.blinking.motion import project
+from blob_tracker.blinking.motion import mahalanobis, project
 from blob_tracker.blinking.patterns import Tables
 from blob_tracker.blinking.phase import (
     expected_share, fill_hit, fill_miss, fill_outlook, fill_steps, judge_hit, judge_miss, Steps,
@@ -14,6 +14,7 @@ from blob_tracker.blinking.tracks import (
     FLUX, FLUX_SIGMA, MISS, SMOOTH, Tracks, TURN, TURN_LEAST, TURN_SPEED, UNNAMED, X, XX, XY, Y,
     YY,
 )
+from blob_tracker.blinking.turns import TURNS
 from blob_tracker.kernel import Array, kernel
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,6 @@ from numpy.typing import NDArray
 GATE = 18.4  # chi-square of two degrees of freedom that one in 10,000 exceeds
 TURN_GATE = 9.0  # the same of a turn: the spread is that of all directions
 COARSE = 5.0  # standard deviations in a look at the distance alone
-TURNS = 0.03  # of the frames have a turn
 TURN_HITS = 3  # a row has before it may turn: before it has no velocity
 OWNED = 6.0  # nats that a point is the less likely a turn's where a settled light explains it
 
@@ -42,6 +42,8 @@ class Settings(NamedTuple):
         For which a light without a name may be dark, frame intervals.
     lost : float
         For which one with a name may be unseen, frame intervals.
+    exposure : float
+        Of a frame, frame intervals.
 
     """
 
@@ -50,6 +52,7 @@ class Settings(NamedTuple):
     speed: float
     longest: float
     lost: float
+    exposure: float
 
 
 class Children(NamedTuple):
@@ -80,20 +83,13 @@ def explain(old: Tracks, row: int, points: Array, explained: NDArray[np.bool_]) 
     nearest, which = GATE, -1
     for each in range(points.shape[0]):
         point = points[each]
-        distance, _ = _apart(
+        distance, _ = mahalanobis(
             point[X] - x, point[Y] - y, xx + point[XX], xy + point[XY], yy + point[YY]
         )
         if distance < nearest:
             nearest, which = distance, each
     if which >= 0:
         explained[which] = True
-
-
-@kernel
-def _apart(dx: float, dy: float, xx: float, xy: float, yy: float) -> tuple[float, float]:
-    """Return the Mahalanobis distance squared, and the determinant."""
-    determinant = max(xx * yy - xy * xy, 1e-12)
-    return (yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy) / determinant, determinant
 
 
 @kernel
@@ -133,7 +129,7 @@ def bear(
         seen = math.log(judge_hit(outlook, likelihood, moments) / settings.density)
         if near:
             x, y, xx, xy, yy = project(state, covariance, moments[0])
-            distance, determinant = _apart(
+            distance, determinant = mahalanobis(
                 point[X] - x, point[Y] - y, xx + point[XX] + vx * vx * moments[1],
                 xy + point[XY] + vx * vy * moments[1], yy + point[YY] + vy * vy * moments[1],
             )
@@ -144,7 +140,7 @@ def bear(
                 born = _add(children, born, row, each, SMOOTH, old, gain, moments)
                 continue
         if turns:
-            distance, determinant = _apart(
+            distance, determinant = mahalanobis(
                 tx, ty, way * way + last[3] + point[XX], last[4] + point[XY],
                 way * way + last[5] + point[YY],
             )

@@ -10,6 +10,9 @@ STATE = 6  # x, y, their velocities, their accelerations
 MANOEUVRE = 15.0  # frame intervals for which an acceleration lasts
 STILL = 0.05  # px a frame interval squared: acceleration of what hardly moves
 REACH = 150.0  # px: a path of this reach at the speed v has accelerations of v^2 / REACH
+# Of the variance of its manoeuvres, what a light makes use of: it is learned
+CALMEST, LEARNED = 1 / 64, 0.1
+MOST_SURPRISE = 10.0  # times what the covariance allows for
 
 
 @kernel
@@ -23,16 +26,17 @@ def manoeuvre(vx: float, vy: float, ax: float, ay: float) -> float:
 
 
 @kernel
-def predict(state: Array, covariance: Array, dt: float, work: Array) -> None:
+def predict(state: Array, covariance: Array, dt: float, agility: float, work: Array) -> None:
     """
     Move a light on by dt.
 
     Per axis x, v, a with a' = -a / T + w (Singer, IEEE Trans. AES 6 (1970)), to the first order
     in dt / T but for the decay of a; w of the density 2 sigma_a^2 / T, where sigma_a grows with
     the square of the speed (what is quick turns in as much room as what is slow) and with a.
+    `agility` is the part of that which the light makes use of, see `learned_agility`.
     """
     keep = math.exp(-dt / MANOEUVRE)
-    density = 2.0 * manoeuvre(state[2], state[3], state[4], state[5]) / MANOEUVRE
+    density = 2.0 * agility * manoeuvre(state[2], state[3], state[4], state[5]) / MANOEUVRE
     half = 0.5 * dt * dt
     for i in range(2):
         state[i] += dt * state[2 + i] + half * state[4 + i]
@@ -62,6 +66,26 @@ def predict(state: Array, covariance: Array, dt: float, work: Array) -> None:
 
 
 @kernel
+def learned_agility(agility: float, distance: float, predicted: float) -> float:
+    """
+    Return the agility after an innovation.
+
+    Parameters
+    ----------
+    agility : float
+        The part of the variance of its manoeuvres that a light made use of up to now.
+    distance : float
+        d^T S^-1 d of the innovation: 2 in the mean where S is true (Mehra, Approaches to adaptive
+        filtering, IEEE Trans. AC 17 (1972)).
+    predicted : float
+        Part of S that is of the prediction, not of the noise of the point: what it tells of it.
+
+    """
+    surprise = min(0.5 * distance, MOST_SURPRISE) - 1.0
+    return min(max(agility * math.exp(LEARNED * predicted * surprise), CALMEST), 1.0)
+
+
+@kernel
 def project(
     state: Array, covariance: Array, tau: float
 ) -> tuple[float, float, float, float, float]:
@@ -78,6 +102,13 @@ def project(
             xy += h * covariance[2 * p, 2 * q + 1]
             yy += h * covariance[2 * p + 1, 2 * q + 1]
     return x, y, xx, xy, yy
+
+
+@kernel
+def mahalanobis(dx: float, dy: float, xx: float, xy: float, yy: float) -> tuple[float, float]:
+    """Return the Mahalanobis distance squared, and the determinant."""
+    determinant = max(xx * yy - xy * xy, 1e-12)
+    return (yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy) / determinant, determinant
 
 
 @kernel

@@ -139,7 +139,7 @@ def _choices(
     for row in range(number.size):
         if number[row] == NONE:
             continue
-        predict(state[row], covariance[row], dt, work)
+        predict(state[row], covariance[row], dt, 1.0, work)
         x, y, xx, xy, yy = project(state[row], covariance[row], 0.0)
         extra = BENT * BENT * (state[row, 2] ** 2 + state[row, 3] ** 2)
         for each in range(points.shape[0]):

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 CELLS_A_FRAME = 16  # phase cells in a frame interval: a step of 1/16 of it is 1 ms at 60 Hz
-SUB_CELLS = 2  # looks within a cell, at which share and time are tabulated
+SUB_CELLS = 2  # looks within a cell, over which share and time are tabulated
+IN_A_LOOK = 8  # phases of which a look is the mean
 LEAST_CELLS = 48  # of a period: a wave of few frames is followed as finely as a code
 LEAST_STEP = 1e-3  # of the share from look to look: of less the slope is not to be told
 LONGEST_BITS = 64  # of a code: the phase is looked for in all of it
@@ -138,7 +139,7 @@ def tables(patterns: Sequence[Pattern], interval: float, exposure: float) -> Tab
     for pattern in patterns:
         frames = pattern.frames or pattern.period / interval
         count = max(math.ceil(CELLS_A_FRAME * frames), LEAST_CELLS)
-        share, tau = look(pattern, count * SUB_CELLS, exposure)
+        share, tau = _means(*look(pattern, count * SUB_CELLS * IN_A_LOOK, exposure))
         first.append(first[-1] + count)
         rates.append(SUB_CELLS * count / frames)
         shares.append(share)
@@ -172,6 +173,12 @@ def look(pattern: Pattern, steps: int, exposure: float) -> tuple[Array, Array]:
     return share, tau
 
 
+def _means(share: Array, tau: Array) -> tuple[Array, Array]:
+    """Return share and time of looks, each the mean over its width, the time where it is lit."""
+    share, tau = share.reshape(-1, IN_A_LOOK), tau.reshape(-1, IN_A_LOOK)
+    return share.mean(axis=1), tau.sum(axis=1) / np.maximum((share > 0.0).sum(axis=1), 1)
+
+
 def _slopes(share: Array, tau: Array) -> Array:
     """
     Return d tau / d share at each look, from a neighbour that an edge of the light runs through.
@@ -181,7 +188,7 @@ def _slopes(share: Array, tau: Array) -> Array:
     slopes = np.zeros_like(share)
     for side in (1, -1):
         other, there = np.roll(share, side), np.roll(tau, side)
-        straight = (share > 0.0) & (other > 0.0) & (other < 1.0)
+        straight = (share > 0.0) & (share < 1.0) & (other > 0.0) & (other < 1.0)
         straight &= np.abs(other - share) > LEAST_STEP
         slopes[straight] = (there - tau)[straight] / (other - share)[straight]
     return slopes

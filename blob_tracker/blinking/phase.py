@@ -21,6 +21,12 @@ SCINTILLATION, LEAST_SCINTILLATION = 0.03, 0.005
 STRANGE = 0.03  # of the hits have another flux: a second light beside it, a reflection
 # To either side in a frame: of 16 cells a frame interval a clock that is off by 1 % crosses 0.16
 DIFFUSION = 0.1
+# Of that, what a light with a name makes use of: it is learned where the phase is known so well
+STEADIEST, LEARNED, KNOWN_CELLS = 1 / 32, 0.03, 4.0
+LEAST_TOLD = 1e-3  # of that variance, that a look tells at least
+NEAR_CELLS = 16  # to either side of the likeliest one: a frame interval
+MOST_ELSEWHERE = 0.1  # of the probability, farther away than that
+MOST_SURPRISE = 10.0  # times what the weights allow for
 DOUBT = 1e-3  # of the probability is dealt out afresh in each frame: a new start is possible
 UNLIKELY = 1e-5  # a weight that does not count where a mean is taken
 # Of share: rms of the width of a look, 1/16 of half a frame, and how far from it it speaks
@@ -41,12 +47,15 @@ def fill_prior(first: NDArray[np.int64], weights: Array) -> None:
 
 
 @kernel
-def diffuse(first: NDArray[np.int64], prior: Array, weights: Array, only: int) -> None:
+def diffuse(
+    first: NDArray[np.int64], prior: Array, weights: Array, only: int, wander: float
+) -> None:
     """
     Let the phases drift apart for a frame: no clock is exact.
 
     `only` is the pattern of a light that has its name, and -1 of others: here and below the cells
-    of other patterns are left alone, so that the cost does not grow with their number.
+    of other patterns are left alone, so that the cost does not grow with their number. `wander` is
+    the part of DIFFUSION that the light makes use of, see `learned_wander`.
     """
     for p in range(first.size - 1):
         begin, end = first[p], first[p + 1]
@@ -58,10 +67,52 @@ def diffuse(first: NDArray[np.int64], prior: Array, weights: Array, only: int) -
         for c in range(begin, end):
             here = weights[c]
             after = start if c == end - 1 else weights[c + 1]
-            weights[c] = here + DIFFUSION * (before + after - 2.0 * here)
+            weights[c] = here + wander * DIFFUSION * (before + after - 2.0 * here)
             before = here
     for c in range(first[-1], weights.size):
         weights[c] += DOUBT * (prior[c] - weights[c])
+
+
+@kernel
+def where(
+    first: NDArray[np.int64], weights: Array, pattern: int, about: int
+) -> tuple[int, float, float]:
+    """
+    Return the likeliest cell of a pattern, and mean and variance of the phase, cells from a cell.
+
+    That cell is `about`, or the likeliest one where it is -1. The variance is infinite where the
+    phase is elsewhere.
+    """
+    begin, end = first[pattern], first[pattern + 1]
+    if about < 0:
+        about = begin + int(np.argmax(weights[begin:end]))
+    total, s1, s2 = 0.0, 0.0, 0.0
+    count = end - begin
+    for away in range(-NEAR_CELLS, NEAR_CELLS + 1):
+        part = weights[begin + (about - begin + away) % count]
+        total += part
+        s1 += part * away
+        s2 += part * away * away
+    if total <= (1.0 - MOST_ELSEWHERE) * weights[begin:end].sum():
+        return about, 0.0, math.inf
+    return about, s1 / total, s2 / total - (s1 / total) ** 2
+
+
+@kernel
+def learned_wander(
+    wander: float, mean: float, variance: float, new_mean: float, new_variance: float
+) -> float:
+    """
+    Return the wander after a look, of which mean and variance of the phase are told before it.
+
+    In the mean the variance falls by the square of what the mean moves by: where it moves by less
+    the phase drifts by less than it was said to.
+    """
+    fall = variance - new_variance
+    if variance > KNOWN_CELLS**2 or fall < LEAST_TOLD * variance:
+        return wander
+    surprise = min((new_mean - mean) ** 2 / fall, MOST_SURPRISE) - 1.0
+    return min(max(wander * math.exp(LEARNED * surprise), STEADIEST), 1.0)
 
 
 @kernel
@@ -81,7 +132,9 @@ def fill_hit(flux: float, flux_sigma: float, full: Array, least: float, out: Arr
     mean, spread = full[0], full[1] ** 2 + full[2]
     for level in range(SHARE_LEVELS + 1):
         expected = mean * level / SHARE_LEVELS
-        variance = flux_sigma**2 + expected**2 * spread + (NEAR_SHARE * mean) ** 2
+        variance = flux_sigma**2 + expected**2 * spread
+        if level < SHARE_LEVELS:  # an edge runs through it
+            variance += (NEAR_SHARE * mean) ** 2
         density = mean * math.exp(-0.5 * (flux - expected) ** 2 / variance) / math.sqrt(
             2.0 * math.pi * variance
         )
@@ -291,14 +344,14 @@ def refine(
                 total += weight
                 t1 += weight * tau
                 t2 += weight * tau * tau
-                noise += weight * slope * slope
+                noise += weight * slope * slope * share_sigma**2 * NEAR_SHARE**2 / near
                 s1 += weight * tables.share[place]
                 s2 += weight * (
                     tables.share[place] ** 2 + (NEAR_SHARE**2 if slope != 0.0 else 0.0)
                 )
     if total > UNLIKELY:
         moments[0] = t1 / total
-        moments[1] = max(t2 / total - moments[0] ** 2, 0.0) + noise / total * share_sigma**2
+        moments[1] = max(t2 / total - moments[0] ** 2, 0.0) + noise / total
         moments[2] = s1 / total
         moments[3] = max(s2 / total - moments[2] ** 2, 0.0)
     else:  # a flux that no phase explains: it was seen at any time

@@ -50,6 +50,8 @@ class Lit(NamedTuple):
         Part of the exposure for which it was on.
     tau, tau_sigma : float
         When it was seen, from the middle of the exposure, s: its place at that time is x + v tau.
+    bend : (2, 2) array
+        Covariance that a turn within the exposure may have brought to the place, px^2.
 
     """
 
@@ -65,6 +67,7 @@ class Lit(NamedTuple):
     share: float
     tau: float
     tau_sigma: float
+    bend: NDArray[np.float64]
 
 
 class Known(NamedTuple):
@@ -196,7 +199,7 @@ class BlinkTracker:
             crowd = float(np.median(points[:, 5]))
         settings = Settings(
             max(self._clutter, LEAST_CLUTTER) / self._area, least_flux, FIRST_SPEED,
-            self._longest, LOST_S / self.interval,
+            self._longest, LOST_S / self.interval, self.exposure / self.interval,
         )
         old, new = self._tracks, self._spare
         count, unclaimed = step(
@@ -240,6 +243,7 @@ class BlinkTracker:
             float(state[4]) / second**2, float(state[5]) / second**2,
             tracks.covariance[row] * self._units, float(now[3]),
             0.0 if abs(tau) < IN_STEP * self.exposure else tau, math.sqrt(float(now[2])) * second,
+            np.array([[now[6], now[7]], [now[7], now[8]]]),
         )
 
 

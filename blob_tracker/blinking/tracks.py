@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from blob_tracker.blinking.motion import begin, correct, predict, project, STATE
+from blob_tracker.blinking.motion import (
+    begin, correct, learned_agility, mahalanobis, predict, project, STATE,
+)
 from blob_tracker.blinking.patterns import SHARE_LEVELS, Tables
 from blob_tracker.blinking.phase import (
-    fill_hit, fill_miss, LEAST_SCINTILLATION, OTHERS, refine, SCINTILLATION, Steps,
-    weigh_hit, weigh_miss,
+    fill_hit, fill_miss, learned_wander, LEAST_SCINTILLATION, OTHERS, refine, SCINTILLATION, Steps,
+    weigh_hit, weigh_miss, where,
 )
+from blob_tracker.blinking.turns import counted_turns, fill_bend, LEAST_TURNS
 from blob_tracker.kernel import Array, kernel
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +23,11 @@ FIRST_SPREAD = 1.0  # of the flux: the first point may have been a small share o
 PHASE_KNOWN = 0.5  # probability of the patterns from which on their share tells the full flux
 FLUX_DRIFT = 0.003  # of the full flux in a hit: 1 m/s nearer at 10 m, 60 Hz
 WHOLE = 0.97  # of the exposure: from there on a change of the flux is the light's own
+MISSED = 0.5  # a nat by which a miss is less likely than one in e: a growth of the agility
 FLUX_FRAMES = 20.0  # over which that is averaged
 DOUBTFUL = 0.15  # of the full flux, to which it is known after a surprise
+BRIGHTER, BELIEVED = 1.15, 4.0  # times the full flux, and hits in a row that are: a surprise
+ALIKE = 0.1  # of the full flux, by which two that are the same differ at most
 SURPRISE = 1.3  # of the full flux: what is brighter was taken for full while it was partly lit
 # A child's kind
 MISS, SMOOTH, TURN = 0, 1, 2
@@ -40,11 +46,18 @@ class Tracks(NamedTuple):
     ----------
     state, covariance : (n, 6) and (n, 6, 6) arrays
         See `motion`: px, frame intervals.
+    agility : (n,) array
+        Part of the variance of its manoeuvres that a light makes use of, see `motion`.
+    turns : (n,) array
+        How many a light with a name makes in a frame interval, see `turns`.
     weights : (n, cells + OTHERS) array
         See `phase`.
-    full : (n, 3) array
-        Flux of the light in a whole exposure, its standard deviation over it, and the variance
-        over its square by which the flux changes from frame to frame.
+    wander : (n,) array
+        Part of DIFFUSION that a light makes use of, see `phase`.
+    full : (n, 4) array
+        Flux of the light in a whole exposure, its standard deviation over it, the variance over
+        its square by which the flux changes from frame to frame, and how many of the last hits
+        were brighter.
     score : (n,) array
         Log likelihood ratio over clutter.
     deficit : (n,) array
@@ -57,15 +70,19 @@ class Tracks(NamedTuple):
         Numbers of the last ones, the newest first; -1 where there is none.
     hit : (n, 6) array
         Of the last one: time, x, y and the variances xx, xy, yy of the filtered place.
-    now : (n, 6) array
-        Of this frame: index of its point or -1, tau and its variance, share and its variance, and
-        log likelihood ratio of the point over clutter.
+    now : (n, 9) array
+        Of this frame: index of its point or -1, tau and its variance, share and its variance,
+        log likelihood ratio of the point over clutter, and what a turn may have added to the
+        place: xx, xy, yy.
 
     """
 
     state: Array
     covariance: Array
+    agility: Array
+    turns: Array
     weights: Array
+    wander: Array
     full: Array
     score: Array
     deficit: Array
@@ -79,10 +96,11 @@ class Tracks(NamedTuple):
 def empty_tracks(count: int, cells: int) -> Tracks:
     """Return so many rows for patterns of so many cells."""
     return Tracks(
-        np.zeros((count, STATE)), np.zeros((count, STATE, STATE)),
-        np.zeros((count, cells + OTHERS)), np.zeros((count, 3)), np.zeros(count), np.zeros(count),
-        np.full(count, UNNAMED), np.zeros(count, np.int64), np.full((count, KEPT), -1),
-        np.zeros((count, 6)), np.zeros((count, 6)),
+        np.zeros((count, STATE)), np.zeros((count, STATE, STATE)), np.ones(count),
+        np.full(count, LEAST_TURNS), np.zeros((count, cells + OTHERS)), np.ones(count),
+        np.zeros((count, 4)), np.zeros(count), np.zeros(count), np.full(count, UNNAMED),
+        np.zeros(count, np.int64), np.full((count, KEPT), -1), np.zeros((count, 6)),
+        np.zeros((count, 9)),
     )
 
 
@@ -91,7 +109,10 @@ def copy_row(old: Tracks, row: int, new: Tracks, to: int) -> None:
     """Copy a row."""
     new.state[to] = old.state[row]
     new.covariance[to] = old.covariance[row]
+    new.agility[to] = old.agility[row]
+    new.turns[to] = old.turns[row]
     new.weights[to] = old.weights[row]
+    new.wander[to] = old.wander[row]
     new.full[to] = old.full[row]
     new.score[to] = old.score[row]
     new.deficit[to] = old.deficit[row]
@@ -112,8 +133,10 @@ def start_row(
         new.state[to], new.covariance[to], point[X], point[Y], point[XX], point[XY], point[YY],
         speed,
     )
+    new.agility[to] = new.wander[to] = 1.0
+    new.turns[to] = LEAST_TURNS
     new.full[to, 0], new.full[to, 1] = point[FLUX], FIRST_SPREAD
-    new.full[to, 2] = SCINTILLATION**2
+    new.full[to, 2], new.full[to, 3] = SCINTILLATION**2, 0.0
     new.weights[to] = prior
     fill_hit(point[FLUX], point[FLUX_SIGMA], new.full[to], least, likelihood)
     weigh_hit(tables, on, new.weights[to], UNNAMED, likelihood)
@@ -133,55 +156,99 @@ def miss_row(
 ) -> None:
     """Take note in a row that it was not seen, where so much of the exposure was expected."""
     fill_miss(new.full[to], least, likelihood)
-    weigh_miss(tables, on, new.weights[to], new.name[to], likelihood)
+    name = new.name[to]
+    about, mean, variance = _where(tables, new, to, -1)
+    weigh_miss(tables, on, new.weights[to], name, likelihood)
+    _learn_wander(tables, new, to, about, mean, variance)
     new.deficit[to] += gain
+    # Where it was due and is not it may do what it did not before.
+    new.agility[to] = min(new.agility[to] * np.exp(MISSED * max(-gain - 1.0, 0.0)), 1.0)
     new.now[to] = 0.0
     new.now[to, 0], new.now[to, 3] = -1.0, share
 
 
 @kernel
 def hit_row(
-    new: Tracks, to: int, point: Array, index: int, number: int, kind: int, gain: float,
-    moments: Array, tables: Tables, on: Steps, clock: float, least: float, likelihood: Array,
-    work: Array,
+    new: Tracks, to: int, point: Array, index: int, number: int, alone: bool, kind: int,
+    gain: float, moments: Array, tables: Tables, on: Steps, clock: float, least: float,
+    exposure: float, likelihood: Array, work: Array,
 ) -> None:
     """
     Take note in a row of its point.
 
     `moments` are those of `judge_hit` for it, and get the finer tau. Where it turned, its motion
-    begins anew at the last point.
+    begins anew at the last point. Where it may not be `alone`, the point's flux is not its own.
     """
     state, covariance = new.state[to], new.covariance[to]
     vx, vy = state[2], state[3]
+    gap, speed = clock - new.hit[to, 0], np.sqrt(vx * vx + vy * vy)
+    # Where it would be if it had not turned; tau is known better below.
+    straight = project(state, covariance, moments[0])
     if kind == TURN:
-        gap = clock - new.hit[to, 0]
-        speed = np.sqrt(vx * vx + vy * vy)
         anywhere = (TURN_PLACE * speed * gap) ** 2
         begin(
             state, covariance, new.hit[to, 1], new.hit[to, 2], new.hit[to, 3] + anywhere,
             new.hit[to, 4], new.hit[to, 5] + anywhere, TURN_SPEED * speed + TURN_LEAST,
         )
-        predict(state, covariance, gap, work)
+        predict(state, covariance, gap, new.agility[to], work)
     fill_hit(point[FLUX], point[FLUX_SIGMA], new.full[to], least, likelihood)
+    about, mean, variance = _where(tables, new, to, -1)
     weigh_hit(tables, on, new.weights[to], new.name[to], likelihood)
+    _learn_wander(tables, new, to, about, mean, variance)
     full = new.full[to]
     share = min(point[FLUX] / full[0], 1.0)
     share_sigma = np.sqrt(
         (point[FLUX_SIGMA] / full[0]) ** 2 + share * share * (full[1] ** 2 + full[2])
     )
+    if not alone:
+        share_sigma = 1.0
     refine(tables, on, new.weights[to], new.name[to], share, share_sigma, moments)
-    _weigh_flux(full, point, moments)
+    if alone:
+        _weigh_flux(full, point, moments)
     tau, spread = moments[0], moments[1]
     x, y, xx, xy, yy = project(state, covariance, tau)
-    correct(
-        state, covariance, tau, point[X] - x, point[Y] - y, xx + point[XX] + vx * vx * spread,
-        xy + point[XY] + vx * vy * spread, yy + point[YY] + vy * vy * spread, work,
+    sxx, sxy = point[XX] + vx * vx * spread, point[XY] + vx * vy * spread
+    syy = point[YY] + vy * vy * spread
+    bend = new.now[to, 6:]
+    bend[:] = 0.0
+    if new.name[to] != UNNAMED:
+        turned = fill_bend(
+            point[X] - straight[0], point[Y] - straight[1],
+            0.5 * (straight[2] + straight[4] + sxx + syy), speed, 0.5 * exposure * moments[2],
+            gap, new.turns[to], bend,
+        )
+        new.turns[to] = counted_turns(new.turns[to], 1.0 if kind == TURN else turned, gap)
+    dx, dy = point[X] - x, point[Y] - y
+    sxx, sxy, syy = sxx + xx + bend[0], sxy + xy + bend[1], syy + yy + bend[2]
+    new.agility[to] = learned_agility(
+        new.agility[to], mahalanobis(dx, dy, sxx, sxy, syy)[0], (xx + yy) / (sxx + syy)
     )
+    correct(state, covariance, tau, dx, dy, sxx, sxy, syy, work)
     new.deficit[to] = 0.0
     new.hits[to] += 1
     new.now[to, 1], new.now[to, 2] = tau, spread
     new.now[to, 3], new.now[to, 4], new.now[to, 5] = moments[2], moments[3], gain
     _note(new, to, index, number, clock)
+
+
+@kernel
+def _where(tables: Tables, new: Tracks, to: int, about: int) -> tuple[int, float, float]:
+    """Return what `where` does, of a light that has its name."""
+    if new.name[to] == UNNAMED:
+        return -1, 0.0, 0.0
+    return where(tables.first, new.weights[to], new.name[to], about)
+
+
+@kernel
+def _learn_wander(
+    tables: Tables, new: Tracks, to: int, about: int, mean: float, variance: float
+) -> None:
+    """Take note of how far the phase of a light with a name moved in a look."""
+    if about >= 0:
+        _, new_mean, new_variance = _where(tables, new, to, about)
+        new.wander[to] = learned_wander(
+            new.wander[to], mean, variance, new_mean, new_variance
+        )
 
 
 @kernel
@@ -201,16 +268,23 @@ def _weigh_flux(full: Array, point: Array, moments: Array) -> None:
     """
     Correct the full flux.
 
-    While the phase is not known it is the most that was seen, and uncertain; then the mean of a
+    While the phase is not known it is the most that was seen, and uncertain until as much is seen
+    again: shares are of any size, and two that are alike are whole. Then it is the mean of a
     Kalman filter that knows the share.
     """
     flux = point[FLUX]
-    if flux > SURPRISE * full[0] and moments[4] >= PHASE_KNOWN and full[1] < DOUBTFUL:
-        full[1] = DOUBTFUL  # something beside it, as long as it does not come again
-        return
+    if flux > BRIGHTER * full[0] and moments[4] >= PHASE_KNOWN and full[1] < DOUBTFUL:
+        full[3] += 1.0
+        if full[3] < BELIEVED:
+            return  # something beside it
+        full[1] = DOUBTFUL
+    full[3] = 0.0
     if moments[4] < PHASE_KNOWN or flux > SURPRISE * full[0]:
+        if abs(flux - full[0]) < ALIKE * full[0]:
+            full[1] = max(0.5 * full[1], DOUBTFUL)
+        elif flux > full[0]:
+            full[1] = max(full[1], 0.5 * FIRST_SPREAD)
         full[0] = max(flux, full[0])
-        full[1] = max(full[1], 0.5 * FIRST_SPREAD)
         return
     share, spread = moments[2], moments[3]
     variance = (full[0] * full[1]) ** 2 + (FLUX_DRIFT * full[0]) ** 2
@@ -221,8 +295,8 @@ def _weigh_flux(full: Array, point: Array, moments: Array) -> None:
     full[0] = max(mean, 0.5 * flux)
     full[1] = np.sqrt(max(variance * (1.0 - gain * share), 0.0)) / full[0]
     if share > WHOLE and spread < (1.0 - WHOLE) ** 2:
-        changed = max((flux / full[0] - 1.0) ** 2, LEAST_SCINTILLATION**2)
-        full[2] += (changed - full[2]) / FLUX_FRAMES
+        changed = (flux / full[0] - 1.0) ** 2 - (point[FLUX_SIGMA] / full[0]) ** 2
+        full[2] = max(full[2] + (changed - full[2]) / FLUX_FRAMES, LEAST_SCINTILLATION**2)
 
 
 LEVELS = SHARE_LEVELS + 1

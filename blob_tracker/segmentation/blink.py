@@ -211,9 +211,10 @@ def _at_its_instant(
     speed = math.hypot(light.vx, light.vy)
     sigma = lit * math.sqrt(0.5 * (spread[2, 2] + spread[3, 3]))
     bend, late = lit**2 / 24.0, light.tau_sigma**2
-    xx = light.vx**2 * late + bend**2 * spread[4, 4]
-    xy = light.vx * light.vy * late + bend**2 * spread[4, 5]
-    yy = light.vy**2 * late + bend**2 * spread[5, 5] + drawn_sigma**2
+    (xx, xy), (_, yy) = light.bend
+    xx += light.vx**2 * late + bend**2 * spread[4, 4]
+    xy += light.vx * light.vy * late + bend**2 * spread[4, 5]
+    yy += light.vy**2 * late + bend**2 * spread[5, 5] + drawn_sigma**2
     reach = BESIDE * candidate.sigma_major + 0.5 * lit * speed
     own = max(each.flux for each in known if each.name == light.name)
     for other in known:

@@ -15,8 +15,8 @@ import numpy as np
 # Standard deviations of a pixel, texture among them, that a light stands above them
 LEAST_PEAK_SIGMA = 5.0
 APERTURE = 3.5  # sigma of a blob within which its light is summed
-PLACE_FRACTION = 0.05  # of its sigma, by which a blob's centre is off beside its noise
-LEAST_PLACE_PX = 0.05  # px: of the centre of any blob
+PLACE_FRACTION = 0.02  # of its sigma, by which a blob's centre is off beside its noise
+LEAST_PLACE_PX = 0.02  # px: of the centre of any blob
 
 
 def points(
@@ -30,7 +30,7 @@ def points(
             contrast.lit, contrast.unlit, each.x, each.y, each.sigma_x, each.sigma_y,
             each.correlation, each.background / contrast.unit,
         )
-        part = PLACE_FRACTION**2 + 1.0 / max(each.snr, 1.0) ** 2
+        part = PLACE_FRACTION**2 + 2.0 / max(each.snr, 1.0) ** 2
         xx = each.sigma_x**2 * part + LEAST_PLACE_PX**2
         yy = each.sigma_y**2 * part + LEAST_PLACE_PX**2
         xy = each.correlation * each.sigma_x * each.sigma_y * part

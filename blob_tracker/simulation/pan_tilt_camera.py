@@ -16,6 +16,7 @@ from blob_tracker.simulation.profiles import Gaussian, Profile
 from blob_tracker.simulation.sensor import Sensor
 from blob_tracker.simulation.trailing_edge import peaked
 from blob_tracker.simulation.wall import textured_wall
+from blob_tracker.simulation.waveforms import mean_over, Waveform
 from blob_tracker.types import Frame
 import cv2
 import numpy as np
@@ -135,7 +136,7 @@ class PanTiltCamera:
                 time = first + self.sensor.row_time * min(max(row, 0.0), self.region[1] - 1.0)
         return time
 
-    def frame(self, index: int, first: float, joints: Turned, *, lit: bool) -> Frame:
+    def frame(self, index: int, first: float, joints: Turned, *, lit: bool | Waveform) -> Frame:
         """
         Take a picture.
 
@@ -147,8 +148,8 @@ class PanTiltCamera:
             Middle of the exposure of its first row, s.
         joints : callable
             From times (n,) in s, of the whole exposure, to pan and tilt (n, 2), rad.
-        lit : bool
-            Whether the light is on.
+        lit : bool or Waveform
+            Whether the light is on; or how it blinks, in parts of its amplitude.
 
         Returns
         -------
@@ -163,14 +164,18 @@ class PanTiltCamera:
         turned = joints(times)
         places = self.model.project(self.rays(times, turned))
         picture = self._shore(middle, turned[PARTS // 2], places[PARTS // 2])
-        if lit:
+        parts = (
+            mean_over(lit, times, self.exposure / PARTS) if callable(lit)
+            else np.full(PARTS, float(lit))
+        )
+        if parts.any():
             random = np.random.Generator(np.random.SFC64([self.seed, index, 1]))
             lines = jittering_offsets(
                 self.chain.offsets()[top:top + height], random, per_line=self.chain.per_line,
                 per_frame=self.chain.per_frame,
             )
-            for x, y in places.tolist():
-                self._add(picture, x - left, y - top, lines)
+            for (x, y), part in zip(places.tolist(), parts.tolist()):
+                self._add(picture, x - left, y - top, part, lines)
         if self.chain.trailing_edge is not None:
             picture = peaked(picture, self.chain.trailing_edge).astype(np.float32)
         pixels = self.sensor.expose(picture, NoiseBank(self.seed, index))
@@ -180,16 +185,16 @@ class PanTiltCamera:
         )
 
     def _add(
-        self, picture: NDArray[np.float32], x: float, y: float, lines: Array
+        self, picture: NDArray[np.float32], x: float, y: float, lit: float, lines: Array
     ) -> None:
-        """Add a part of an exposure to the picture; each line sees it at its own offset."""
+        """Add a part of an exposure, lit for so much of it; each line sees it at its own offset."""
         if not (np.isfinite(x) and np.isfinite(y)):
             return
         half = ceil(self.profile.reach * self.sigma)
         left, top = max(round(x) - half, 0), max(round(y) - half, 0)
         part = picture[top:max(round(y) + half + 1, 0), left:max(round(x) + half + 1, 0)]
         if part.size:
-            part += (self.amplitude / PARTS * self.profile.over_pixels(
+            part += (lit * self.amplitude / PARTS * self.profile.over_pixels(
                 (part.shape[0], part.shape[1]), x - left + lines[top:top + len(part)], y - top,
                 self.sigma, sqrt(self.sensor.fill_factor),
             )).astype(np.float32)

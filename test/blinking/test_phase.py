@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from blob_tracker.blinking.patterns import code, SUB_CELLS, Tables, tables
 from blob_tracker.blinking.phase import (
-    diffuse, expected_share, fill_hit, fill_miss, fill_outlook, fill_prior, OTHERS, refine,
-    weigh_hit, weigh_miss,
+    diffuse, expected_share, fill_hit, fill_miss, fill_outlook, fill_prior, learned_wander, OTHERS,
+    refine, STEADIEST, weigh_hit, weigh_miss, where,
 )
 from blob_tracker.blinking.tracks import LEVELS
 import numpy as np
@@ -40,7 +40,7 @@ def followed(
         part = ((index / RATE + offsets) * (1 + rate_error) / PATTERNS[0].period + 0.3) % 1.0
         on = np.any([(a <= part) & (part < b) for a, b in PATTERNS[0].edges], axis=0)
         share = float(on.mean())
-        diffuse(table.first, prior, weights, -1)
+        diffuse(table.first, prior, weights, -1, 1.0)
         steps = looks(table, float(index))
         if share > 0.1:
             flux = 1000.0 * share * (1.0 + 0.01 * random.standard_normal())
@@ -81,3 +81,28 @@ def test_what_is_to_come_has_the_probability_of_its_cells() -> None:
     assert expected_share(outlook) == pytest.approx(
         duty * outlook[0].sum() + outlook[3, 1] + 0.5 * outlook[3, 0], abs=0.01
     )
+
+
+@pytest.mark.parametrize('steadily, least, most', [(0.0, STEADIEST, 0.2), (0.15, 0.4, 1.0)])
+def test_a_clock_that_is_kept_is_trusted(steadily: float, least: float, most: float) -> None:
+    """Of phases that are measured to a cell, and go on by so many cells a frame."""
+    table = tables(PATTERNS[:1], 1 / RATE, 0.5 / RATE)
+    cells = int(table.first[-1])
+    random = np.random.default_rng(5)
+    prior = np.zeros(cells + OTHERS)
+    fill_prior(table.first, prior)
+    weights, wander, found = prior.copy(), 1.0, []
+    for index in range(600):
+        diffuse(table.first, prior, weights, 0, wander)
+        about, mean, variance = where(table.first, weights, 0, -1)
+        if index % 3 == 0:
+            phase = (20.0 + steadily * index + random.standard_normal()) % cells
+            away = (np.arange(cells) - phase + cells / 2) % cells - cells / 2
+            weights[:cells] *= np.exp(-0.5 * away**2)
+            weights[cells:] = 0.0
+            weights /= weights.sum()
+            wander = learned_wander(
+                wander, mean, variance, *where(table.first, weights, 0, about)[1:]
+            )
+        found.append(wander)
+    assert least <= np.median(found[300:]) <= most

@@ -156,3 +156,42 @@ def test_a_lost_name_is_inherited() -> None:
             found.append((index, bool(lit)))
     assert all(seen for index, seen in found if 20 <= index < 60 or 66 <= index < 80)
     assert all(seen for index, seen in found if index >= 101)
+
+
+def test_a_light_that_passes_another_is_as_bright_as_before() -> None:
+    """One that is on once in three frames; for three of them its point has a second one's light."""
+    pattern = [code('a', '100', 59.7)]
+    tracker = BlinkTracker(pattern, interval=1 / RATE, exposure=EXPOSURE, shape=SHAPE)
+    shares = []
+    for index in range(150):
+        part = ((index + np.arange(-0.25, 0.25, 0.005)) / RATE / pattern[0].period + 0.1) % 1.0
+        share = float((part < 1 / 3).mean())
+        both = 1.65 if 90 <= index < 96 else 1.25 if 96 <= index < 99 else 1.0
+        points = np.array(
+            [[100.0 + index, 200.0, 0.0025, 0.0, 0.0025, share * both * FULL, 5.0]] * (share > 0.1)
+        ).reshape(-1, 7)
+        lit = tracker.update(points, round(1e9 * index / RATE), 0.05 * FULL)
+        shares += [(each.share, share) for each in lit if index >= 100]
+    told, true = np.array(shares).T
+    assert len(told) > 15
+    # To a look's width.
+    np.testing.assert_allclose(told, true, atol=0.04)
+
+
+def test_what_was_taken_for_a_light_at_random_has_its_name_again() -> None:
+    """At first it is seen now and then for 30 frames; then within 15 by its code."""
+    random = np.random.default_rng(6)
+    pattern = codes(59.7)
+    tracker = BlinkTracker(pattern, interval=1 / RATE, exposure=EXPOSURE, shape=SHAPE)
+    named = []
+    for index in range(60):
+        part = ((index + np.arange(-0.25, 0.25, 0.005)) / RATE / pattern[0].period + 0.1) % 1.0
+        share = float(np.any([(a <= part) & (part < b) for a, b in pattern[0].edges], axis=0).mean())
+        if index < 30:
+            share = float(random.uniform() < 0.5)
+        points = np.array(
+            [[100.0, 200.0, 0.0025, 0.0, 0.0025, share * FULL, 5.0]] * (share > 0.1)
+        ).reshape(-1, 7)
+        lit = tracker.update(points, round(1e9 * index / RATE), 0.05 * FULL)
+        named += [index for each in lit if each.name == 'c0' and index >= 30]
+    assert named and named[0] < 45

@@ -93,3 +93,18 @@ def test_the_shore_turns_with_the_light() -> None:
              for k in range(4)]
     assert int(np.argmax(alike)) == 1
     assert alike[1] > 0.8
+
+
+def test_a_light_that_is_switched_within_the_exposure_is_where_it_was_then() -> None:
+    """On in the last quarter of 20 ms at 0.5 rad/s: to the left by 3/8 of what it moves meanwhile."""
+    one = camera((0.0, 0.0, 0.0), yaw_rate=0.5)
+    joints = np.zeros((5, 2))
+    whole, part = (
+        one.frame(0, 0.5, lambda times: joints, lit=lit).image.astype(float) - 1000.0
+        for lit in (True, lambda times: (times > 0.505).astype(float))
+    )
+    # Parts of an exposure are drawn where their middles are, the one that is partly lit too.
+    assert part.sum() == pytest.approx(0.25 * whole.sum(), rel=0.02)
+    columns = np.arange(whole.shape[1])
+    apart = (part @ columns).sum() / part.sum() - (whole @ columns).sum() / whole.sum()
+    assert apart == pytest.approx(-0.375 * 0.02 * 0.5 * MODEL.matrix[0, 0], abs=0.15)

@@ -12,11 +12,12 @@ from blob_tracker.camera import CameraModel, LensError
 from blob_tracker.capture.fields import fields
 from blob_tracker.location import locate
 from blob_tracker.segmentation import (
-    FieldSegmenter, FrameError, Segmenter, threshold_by_name,
+    FieldSegmenter, flash_by_name, FrameError, Segmenter, threshold_by_name,
 )
 from blob_tracker.simulation.pan_tilt import PanTilt
 from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera
 from blob_tracker.simulation.sensor import Sensor
+from blob_tracker.simulation.waveforms import periodic
 from blob_tracker.studies.beyond.servo_laws import LAWS
 from blob_tracker.studies.beyond.servo_scenario import Array, Boresight, Finder, Scenario
 from blob_tracker.types import Bearing, Frame, LocationError
@@ -24,6 +25,7 @@ from blob_tracker.units import MRAD
 import numpy as np
 
 START_NS = 10**9  # stamp of the time 0: ns count from there
+PHASE = 0.1  # of its period, that a light which runs free has at the time 0
 
 
 class History(NamedTuple):
@@ -114,8 +116,9 @@ class Loop:
         )
 
     def _new_segmenter(self) -> Segmenter:
+        free = self.scenario.frequency
         return Segmenter(
-            threshold=threshold_by_name(self.finder.threshold, sigmas=3.0, extension=2)
+            flash=flash_by_name('periodic', frequency=free) if free else None, threshold=threshold_by_name(self.finder.threshold, sigmas=3.0, extension=2)
         )
 
     def run(self) -> History:
@@ -150,7 +153,10 @@ class Loop:
         first = time - self.scenario.readout - 0.5 * self.scenario.exposure
         interlaced = self.scenario.interlaced
         lit = (index // 2 if interlaced else index) % 2 == 0
-        frame = self.camera.frame(index, first, self.pan_tilt.at, lit=lit)
+        free = self.scenario.frequency * (1.0 + self.scenario.clock_error)
+        frame = self.camera.frame(
+            index, first, self.pan_tilt.at, lit=periodic(free, 0.5, PHASE) if free else lit
+        )
         if interlaced:
             kind = index % 2
             field = replace(frame, image=frame.image[kind::2])

@@ -51,6 +51,9 @@ class Scenario:
         Whether the tracker is told of it.
     interlaced : bool
         Whether the camera gives fields at `rate`, the light in step with pictures of two.
+    frequency, clock_error : float
+        Of a light that runs free and is on for half of the time, Hz, as the tracker knows it, and
+        what its clock is off by, as a part; a frequency of 0: in step with the frames, by wire.
     latency : float
         From the middle of the exposure, of its first line, until the bearing is there: half the
         exposure, read-out (one frame), transfer and computing, s.
@@ -91,6 +94,8 @@ class Scenario:
     readout: float = 0.0
     readout_known: bool = True
     interlaced: bool = False
+    frequency: float = 0.0
+    clock_error: float = 0.0
     latency: float = 0.025
     sigma: float = 1.0
     amplitude: float = 150.0
