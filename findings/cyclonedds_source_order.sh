@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # A DDS reader that orders samples by their time stamps drops those that come too late.
 #
-# Expected: DestinationOrder.BySourceTimestamp with History.KeepAll and reliable delivery sorts: what
-# is taken is in the order of the stamps, and all of it is there.
+# Expected: DestinationOrder.BySourceTimestamp with History.KeepAll and reliable delivery sorts:
+# what is taken is in the order of the stamps, and all of it is there.
 # Happens: a sample that is older than the newest one so far is left out, though nothing has been
 # taken yet. The standard allows it: the order holds for what is delivered.
 # Matters: of two cameras, or of one whose stamps were corrected backwards, samples are missing
