@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Every second line of a picture has another sky in astropy than those lines had before.
 #
-# Expected: the WCS of frame[::2, ::2] gives pixel (10, 10) the direction that pixel (20, 20) has in
-# the frame: it is that pixel.
+# Expected: the WCS of frame[::2, ::2] gives pixel (10, 10) the direction that pixel (20, 20) has
+# in the frame: it is that pixel.
 # Happens: a step in a slice counts as binning: the new pixel is taken for the mean of 2 x 2 old
 # ones, whose centre lies half an old pixel further.
 # Matters: the fields of an interlaced camera, or the lines of one that skips, are taken this

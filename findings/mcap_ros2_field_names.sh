@@ -3,8 +3,8 @@
 #
 # Expected: a message is a dictionary by its definition; a name that is not in it, or a matrix with
 # too few numbers, is an error.
-# Happens: names that are not known are dropped, those that are missing become 0 or empty, and short
-# arrays are filled with zeros. K, D, R and P were the names of ROS 1.
+# Happens: names that are not known are dropped, those that are missing become 0 or empty, and
+# short arrays are filled with zeros. K, D, R and P were the names of ROS 1.
 # Matters: the bag is valid and has a camera matrix of zeros, which by convention means that the
 # camera was not calibrated. Covariances of six numbers for 36 pass likewise.
 #

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A lens of 180 degrees: cv2.fisheye.undistortPoints gives wrong rays at its rim, and no sign of it.
+# cv2.fisheye.undistortPoints gives wrong rays at the rim of a wide lens, and no sign of it.
 #
 # Expected: the inverse of the fisheye model as far as the lens sees, or (-1e6, -1e6), its mark for
 # a point that has no solution.

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# pymap3d gives a bearing of exactly 0 for a direction that is less than a milliradian off the axis.
+# pymap3d gives a bearing of exactly 0 for a direction less than a milliradian off the axis.
 #
 # Expected: enu2aer of a unit vector is its azimuth and elevation; a direction has no length, and a
 # vector of 1 m is as good as one of 1 km.

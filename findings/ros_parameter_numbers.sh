@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # ROS 2 reads the parameter 0101 as 65, 0108 as 108.0, y as true and 0x1p3 as 8.0.
 #
-# Expected: 0101 and 0108 are both numbers or both text, by YAML 1.1 octal and text, by YAML 1.2 101
-# and 108; y is a letter.
+# Expected: 0101 and 0108 are of one type, and the second is 108 if it is a number at all; y is a
+# letter.
 # Happens: rcl tries C's strtol with any base, then strtod, for whatever is not in quotes. So a
 # number with a leading zero is octal if its digits allow it, and else decimal and a double; C's
 # hexadecimal floats, nan and infinity without a dot are numbers; y, n, on and off are booleans.

@@ -23,7 +23,7 @@ from rosbags.typesys import get_typestore, Stores
 
 PIXELS = np.array([[0, 100, 1000, 4095]], np.uint16)
 types = get_typestore(Stores.ROS2_JAZZY).types
-Image, CompressedImage = (types[f'sensor_msgs/msg/{name}'] for name in ('Image', 'CompressedImage'))
+Image, CompressedImage = types['sensor_msgs/msg/Image'], types['sensor_msgs/msg/CompressedImage']
 header = types['std_msgs/msg/Header'](types['builtin_interfaces/msg/Time'](1, 0), 'camera')
 
 raw = Image(header, 1, 4, 'mono16', 0, 8, np.frombuffer(PIXELS.tobytes(), np.uint8))
