@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import ast
 from collections.abc import Iterator
+import os
 from pathlib import Path
 import re
 import shlex
@@ -19,7 +20,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = [
     ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', ROOT / 'DEVELOPING.md',
-    ROOT / 'config' / 'security' / 'README.md',
+    ROOT / 'config' / 'security' / 'README.md', ROOT / 'findings' / 'README.md',
     *sorted((ROOT / 'docs').glob('*.md')),
 ]
 HOLE = None  # in a sentence of the code: what is put in when it is said
@@ -144,6 +145,17 @@ def test_links_lead_somewhere() -> None:
             target = (path.parent / place) if place else path
             assert target.exists(), f'{path.name}: {link}'
             assert not heading or heading in _headings(target), f'{path.name}: {link}'
+
+
+def test_findings_are_listed_and_can_be_run() -> None:
+    """Each once; they are not run here, which takes a quarter of an hour and a network."""
+    scripts = sorted((ROOT / 'findings').glob('*.sh'))
+    listed = re.findall(r'^\| `(\w+)` \|', (ROOT / 'findings' / 'README.md').read_text(), re.M)
+    assert listed == [script.stem for script in scripts]
+    for script in scripts:
+        assert os.access(script, os.X_OK), script.name
+        for part in ('# Expected: ', '# Happens: ', '# Matters: ', 'set -euo pipefail', 'trap '):
+            assert f'\n{part}' in script.read_text(), f'{script.name} has no line {part}'
 
 
 def _headings(path: Path) -> set[str]:
