@@ -67,7 +67,9 @@ def test_places_are_true_at_the_stamps_of_the_fields(
                 continue
             assert window.binning == (1, 2)
             found = locator.locate(window, noise=NOISE)
-            assert found.stamp_ns == field.stamp_ns
+            # That of a light with a code by its phase, which is known to a hundredth of a frame.
+            slack_ns = INTERVAL_NS // 100 if mode == 'coded' else 0
+            assert abs(found.stamp_ns - field.stamp_ns) <= slack_ns
             x, y = place(found.stamp_ns / 1e9)
             errors.append([found.x - x, found.y - y])
             covariances.append(found.covariance)
