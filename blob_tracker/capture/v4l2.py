@@ -21,6 +21,7 @@ from blob_tracker.capture.controls import Control, ControlError
 from blob_tracker.capture.device import buffer_type, busy, driver, open_capture_device
 from blob_tracker.capture.errors import CaptureError, NoFrameError
 from blob_tracker.capture.format import set_format
+from blob_tracker.capture.frame_count import FrameCount
 from blob_tracker.capture.frame_rate import set_frame_rate
 from blob_tracker.capture.selection import sensor_region
 from blob_tracker.capture.signal import Signal
@@ -88,7 +89,7 @@ class V4l2Camera:
     saturation : int
         The DN at which its pixels are clipped.
     drops : int
-        Frames lost between those read, from the gaps in the driver's numbers; error frames too.
+        Frames lost between those read, error frames too; see `frame_count.FrameCount`.
     error_frames : int
         Pictures that the driver marked as spoilt or that were cut short.
     sequence : int
@@ -103,7 +104,6 @@ class V4l2Camera:
 
     """
 
-    drops = 0
     error_frames = 0
     sequence = -1
     control_changes = 0
@@ -131,8 +131,7 @@ class V4l2Camera:
             raise CaptureError(f'line_time is {line_time} s; it must be finite')
         self.device = device
         self._given_line_time = line_time
-        self._first = (0, 0)  # sequence and stamp of the first frame
-        self._interval_ns = 0
+        self._silent: dict[int, int] = {}  # controls that do not answer
         self._memory: list[mmap.mmap] = []
         self._streaming = False
         self._clock = RealtimeClock()
@@ -159,7 +158,7 @@ class V4l2Camera:
             self._buffer_flags = map_buffers(
                 self._call, self._fd, device, self._format.buffer_type, buffers, self._memory)
             step = 'begin to stream'
-            known = controls.controls(self._call)
+            known = controls.controls(self._call, self._silent)
             self._events = ControlEvents(self._call, known.values())
             self._exposure = ExposureControls(
                 self._call, known, self.width * self._format.binning,
@@ -167,6 +166,7 @@ class V4l2Camera:
                 Exposure(_ns(exposure_time), _ns(readout_time)))
             self._middle = MidExposure(
                 source_of(self._buffer_flags, driver(self._fd)), self._exposure.read())
+            self._count = FrameCount(numbered=driver(self._fd) != 'uvcvideo')
             self._call(videodev2.STREAMON, ctypes.c_int32(self._format.buffer_type))
             self._streaming = True
         except OSError as error:
@@ -229,6 +229,11 @@ class V4l2Camera:
                 return frame
 
     @property
+    def drops(self) -> int:
+        """Return how many frames were lost between those read, error frames too."""
+        return self._count.lost
+
+    @property
     def stamp_place(self) -> str:
         """Return in words the instant that a frame's stamp names, with the controls as set."""
         return self._middle.place
@@ -266,7 +271,7 @@ class V4l2Camera:
     @property
     def longest_wait(self) -> float:
         """Return how long a frame may wait and still be new, s; 0 while that is unknown."""
-        return len(self._memory) * self._interval_ns / 1e9
+        return len(self._memory) * self._count.interval_ns / 1e9
 
     @property
     def controls(self) -> dict[str, Control]:
@@ -279,7 +284,7 @@ class V4l2Camera:
             The device is gone, or closed.
 
         """
-        return self._control(lambda: controls.controls(self._call))
+        return self._control(lambda: controls.controls(self._call, self._silent))
 
     def get_control(self, name: str | Control) -> int | str:
         """
@@ -342,7 +347,7 @@ class V4l2Camera:
     def _named(self, name: str | Control) -> Control:
         if isinstance(name, Control):
             return name
-        found = controls.controls(self._call)
+        found = controls.controls(self._call, self._silent)
         if name not in found:
             there_are = ', '.join(sorted(found)) or 'none'
             raise ControlError(
@@ -411,7 +416,7 @@ class V4l2Camera:
                                f'{self._signal.trouble()}; open it again')
 
     def _stale(self, buffer: videodev2.Buffer) -> bool:
-        age = (time.monotonic_ns() - _stamp_ns(buffer)) / 1e9
+        age = (time.monotonic_ns() - self._stamp_ns(buffer)) / 1e9
         return 0.0 < self.longest_wait < age
 
     def _frame(self, buffer: videodev2.Buffer) -> Frame | None:
@@ -432,8 +437,9 @@ class V4l2Camera:
             return None  # cut short
         finally:
             filled.release()
-        stamp_ns = _stamp_ns(buffer)
-        self._count(buffer.sequence, stamp_ns)
+        stamp_ns = self._stamp_ns(buffer)
+        self.sequence = buffer.sequence
+        self._count.came(buffer.sequence, stamp_ns)
         self._follow_controls()
         middle_ns = self._middle.middle(stamp_ns, time.monotonic_ns())
         line_time_ns = self._line_time_ns()
@@ -460,22 +466,10 @@ class V4l2Camera:
             except OSError as error:
                 raise self._lost(error) from error
 
-    def _count(self, sequence: int, stamp_ns: int) -> None:
-        """Count the frames lost before this one and keep the mean interval of frames."""
-        step = (sequence - self.sequence) & 0xffffffff  # the driver's number has 32 bits
-        if self.sequence < 0 or not 0 < step < 0x80000000:
-            # The first frame, or a driver that starts its count again.
-            self._first = (sequence, stamp_ns)
-        else:
-            self.drops += step - 1
-            number, begin_ns = self._first
-            # The mean, as the stamps of single frames jitter on a busy machine.
-            self._interval_ns = (stamp_ns - begin_ns) // ((sequence - number) & 0xffffffff)
-        self.sequence = sequence
-
-
-def _stamp_ns(buffer: videodev2.Buffer) -> int:
-    return buffer.timestamp.tv_sec * 1_000_000_000 + buffer.timestamp.tv_usec * 1000
+    def _stamp_ns(self, buffer: videodev2.Buffer) -> int:
+        """Return the stamp, monotonic ns."""
+        stamp_ns = int(buffer.timestamp.tv_sec) * 1_000_000_000 + buffer.timestamp.tv_usec * 1000
+        return self._clock.monotonic(stamp_ns)
 
 
 def _ns(seconds: float | None) -> int | None:
