@@ -42,6 +42,19 @@ def test_stamps_tell_where_the_numbers_do_not(jitter_ns, step):
     assert count.interval_ns == pytest.approx(INTERVAL, rel=0.05)
 
 
+def test_frames_that_a_busy_machine_stamps_late_are_not_lost():
+    stamps = np.arange(200.0)
+    stamps[[20, 50, 51, 90]] += [1.3, 2.6, 1.7, 0.9]
+    assert counted(range(200), np.maximum.accumulate(stamps), numbered=False).lost == 0
+
+
+@pytest.mark.parametrize('rate', [0.98, 1.02])
+def test_an_interval_that_is_a_little_off_adds_up_to_nothing(rate):
+    # Half of the intervals are those of a camera that alternates between two.
+    stamps = np.cumsum(np.where(np.arange(400) % 3 == 0, 2.0 - rate, rate))
+    assert counted(range(400), stamps, numbered=False).lost <= 1
+
+
 def test_a_camera_that_takes_longer_in_the_dark_loses_few():
     stamps = np.cumsum([1] * 30 + [2] * 30)
     # Those until the median follows.
