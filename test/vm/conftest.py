@@ -19,7 +19,7 @@ import pytest
 from support.slowness import slowness
 from vm import machine
 from vm.hdmi_loop import SLOW_SIGNAL
-from vm.scene import CX, CY, flashing_scene, FX, FY, packed_yuyv, Scene
+from vm.scene import blinking_frames, CX, CY, flashing_scene, FX, FY, packed_yuyv, Scene
 
 HERE = Path(__file__).parent
 CACHE = HERE.parents[1] / '.cache/vm'
@@ -31,7 +31,7 @@ SOAK = float(os.environ.get('SOAK_SECONDS', 20))
 # In the order in which they run.
 GUESTS = (
     'guest_capture', 'guest_formats', 'guest_controls', 'guest_soak', 'guest_webcam',
-    'guest_track', 'guest_node',
+    'guest_blink', 'guest_track', 'guest_node',
 )
 CAMERA_INFO = f"""\
 image_width: {SLOW_SIGNAL[0]}
@@ -62,6 +62,7 @@ def results(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
         pytest.skip(reason)
     folder = tmp_path_factory.mktemp('vivid')
     scene.frames.tofile(folder / 'scene.grey')
+    blinking_frames().tofile(folder / 'blink.grey')
     packed_yuyv(scene.frames).tofile(folder / 'scene.yuyv')
     (folder / 'camera_info.yaml').write_text(CAMERA_INFO)
     environment = {
