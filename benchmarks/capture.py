@@ -22,6 +22,7 @@ from blob_tracker.capture import Grabber, V4l2Camera, videodev2
 from blob_tracker.capture.clock import RealtimeClock
 from blob_tracker.capture.control_events import ControlEvents
 from blob_tracker.capture.format import StreamFormat
+from blob_tracker.capture.frame_count import FrameCount
 from blob_tracker.capture.frame_rate import MeasuredRate
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 from blob_tracker.capture.selection import SensorRegion
@@ -71,8 +72,8 @@ class PipeCamera(V4l2Camera):
         self.width, self.height = width, height
         self._fd, self._filled = os.pipe()
         os.set_blocking(self._fd, False)
-        self._first, self._interval_ns = (0, 0), 0
-        self._measured = MeasuredRate()
+        self._arrived = self._passed_over = 0
+        self._measured, self._count = MeasuredRate(), FrameCount(numbered=True)
         self._streaming = False
         self._open = threading.Lock()
         self._clock = RealtimeClock()

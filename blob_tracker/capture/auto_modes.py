@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from blob_tracker.capture import videodev2
 from blob_tracker.capture.controls import Control
 
+EXPOSURE_AUTO = videodev2.CID_EXPOSURE_AUTO
+EXPOSURES = videodev2.CID_EXPOSURE, videodev2.CID_EXPOSURE_ABSOLUTE
 # The kernel's number of the control -> the value with which nothing moves by itself.
 _OFF = {
-    0x009a0901: 1,  # V4L2_CID_EXPOSURE_AUTO: V4L2_EXPOSURE_MANUAL
+    EXPOSURE_AUTO: 1,  # V4L2_EXPOSURE_MANUAL
     0x009a0903: 0,  # V4L2_CID_EXPOSURE_AUTO_PRIORITY: the frame rate is not lowered in the dark
     0x009a0918: 0,  # V4L2_CID_ISO_SENSITIVITY_AUTO: V4L2_ISO_SENSITIVITY_MANUAL
     0x00980912: 0,  # V4L2_CID_AUTOGAIN
@@ -74,6 +77,14 @@ def still_on(controls: Mapping[str, Control], values: Mapping[str, int | str]) -
             f"'{name}' is {_spelled(control, value)}{meaning}: the camera changes its exposure by "
             f'itself, and lit and unlit frames do not compare; {remedy}'
         )
+    if EXPOSURE_AUTO not in {control.number for control in controls.values()}:
+        found |= {
+            name: f"'{name}' is inactive: a mode that the camera does not tell of governs it, and "
+                  "lit and unlit frames may not compare; use a camera whose 'auto_exposure' can "
+                  'be read'
+            for name, control in controls.items()
+            if control.number in EXPOSURES and control.inactive
+        }
     return found
 
 

@@ -11,6 +11,7 @@ import time
 STEP_NS = 1_000_000
 STEP_BRACKETS = 4  # a reading is wrong by half its bracket at most; so is the one before
 MAX_SLEW = 500e-6
+FAR_AHEAD_NS = 60_000_000_000
 
 
 class RealtimeClock:
@@ -51,6 +52,16 @@ class RealtimeClock:
         self._offset += error
         self._measured_at = measured_at
         return monotonic_ns + self._offset
+
+    def monotonic(self, stamp_ns: int) -> int:
+        """
+        Return a driver's stamp, ns, in monotonic time.
+
+        With its option `clock=CLOCK_REALTIME` uvcvideo stamps in real time, and its buffers say
+        monotonic all the same. Such a stamp is years ahead.
+        """
+        ahead_ns = stamp_ns - self._monotonic()
+        return stamp_ns if ahead_ns < FAR_AHEAD_NS else stamp_ns - self._offset
 
     def _measure(self, readings: int = 5) -> tuple[int, int, int]:
         """Return the tightest of several readings: (monotonic time, offset, bracket), ns."""

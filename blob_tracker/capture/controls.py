@@ -30,7 +30,7 @@ _KINDS: Mapping[int, Kind] = MappingProxyType({
 })
 # First numbers of the classes of controls that webcams have: user and camera controls.
 _CLASS_BASES = (0x00980900, 0x009a0900)
-_STEPS_OVER = 16
+_STEPS_OVER = 32  # more than between the numbers of two that webcams have
 
 
 class ControlError(CaptureError):
@@ -87,7 +87,7 @@ def spelled(label: str) -> str:
     return re.sub('[^a-z0-9]+', '_', label.lower()).strip('_')
 
 
-def controls(ioctl: Ioctl) -> dict[str, Control]:
+def controls(ioctl: Ioctl, silent: dict[int, int] | None = None) -> dict[str, Control]:
     """
     Return all controls of a device in its own order: name -> control.
 
@@ -98,6 +98,9 @@ def controls(ioctl: Ioctl) -> dict[str, Control]:
     ----------
     ioctl : function
         (number, argument) -> None: calls the driver, as `videodev2.ioctl` does, on the device.
+    silent : dict of int to int, optional
+        Remembers from call to call the controls that do not answer, each of which costs seconds:
+        the number of the one before -> its own.
 
     Raises
     ------
@@ -106,7 +109,7 @@ def controls(ioctl: Ioctl) -> dict[str, Control]:
 
     """
     found: dict[str, Control] = {}
-    for query in _queries(ioctl):
+    for query in _queries(ioctl, {} if silent is None else silent):
         control = _described(ioctl, query)
         if control.name in found:  # drivers may give a text twice; the number tells them apart
             control = _described(ioctl, query, f'{control.name}_{control.number:08x}')
@@ -181,11 +184,11 @@ def set_control(ioctl: Ioctl, control: Control, value: int | bool | float | str)
 # --- what there is ---
 
 
-def _queries(ioctl: Ioctl) -> Iterator[videodev2.QueryExtCtrl]:
+def _queries(ioctl: Ioctl, silent: dict[int, int]) -> Iterator[videodev2.QueryExtCtrl]:
     """Yield the driver's description of each control that has one of the kinds."""
     last = 0
     while True:
-        query = _next(ioctl, last)
+        query = _next(ioctl, last, silent)
         if query is None or query.id <= last:
             return  # a driver that does not know the flag gives the same one for ever
         last = query.id
@@ -193,24 +196,47 @@ def _queries(ioctl: Ioctl) -> Iterator[videodev2.QueryExtCtrl]:
             yield query
 
 
-def _next(ioctl: Ioctl, last: int) -> videodev2.QueryExtCtrl | None:
+def _next(ioctl: Ioctl, last: int, silent: dict[int, int]) -> videodev2.QueryExtCtrl | None:
     """Return the driver's description of the next control that it can describe, if any."""
-    # A webcam may fail to answer for one control (EIO, EPIPE). Its number is unknown:
-    # it lies a little behind the one before it, or behind the first number of a class.
-    for start in (last, *(base for base in _CLASS_BASES if base > last)):
-        for number in range(start, start + _STEPS_OVER + 1):
-            query = videodev2.QueryExtCtrl(id=number | videodev2.CTRL_FLAG_NEXT_CTRL)
-            try:
-                ioctl(videodev2.QUERY_EXT_CTRL, query)
-            except OSError as error:
-                if error.errno == errno.ENODEV:
-                    raise
-                # No more; no controls at all; one that makes each try wait, at opening.
-                if error.errno in (errno.EINVAL, errno.ENOTTY, errno.ETIMEDOUT):
-                    return None
-            else:
+    while True:
+        while last in silent:
+            last = silent[last]
+        query = videodev2.QueryExtCtrl(id=last | videodev2.CTRL_FLAG_NEXT_CTRL)
+        # A webcam may fail to answer for one control (EIO, EPIPE, after seconds ETIMEDOUT).
+        failed = _failure(ioctl, query)
+        if not failed:
+            return query
+        if failed in (errno.EINVAL, errno.ENOTTY):
+            return None  # no more; no controls at all
+        for number in _numbers_behind(last):
+            query = videodev2.QueryExtCtrl(id=number)
+            failed = _failure(ioctl, query)
+            if not failed:
                 return query
-    return None
+            if failed != errno.EINVAL:
+                break
+        else:
+            return None
+        if failed == errno.ETIMEDOUT:
+            silent[last] = number
+        last = number
+
+
+def _numbers_behind(last: int) -> Iterator[int]:
+    """Yield the numbers that a webcam's next control may have."""
+    for first in (last + 1, *(base for base in _CLASS_BASES if base > last)):
+        yield from range(first, first + _STEPS_OVER)
+
+
+def _failure(ioctl: Ioctl, query: videodev2.QueryExtCtrl) -> int:
+    """Let the driver describe a control; return the error's number, 0 where it does."""
+    try:
+        ioctl(videodev2.QUERY_EXT_CTRL, query)
+    except OSError as error:
+        if error.errno == errno.ENODEV:
+            raise
+        return error.errno or errno.EIO
+    return 0
 
 
 def _described(ioctl: Ioctl, query: videodev2.QueryExtCtrl, name: str = '') -> Control:

@@ -7,8 +7,9 @@ What a driver stamps is one of three instants, and its flags do not tell all of 
 - the end of the frame's transfer: no such flag (EOF), most drivers;
 - the start of the transfer: `uvcvideo`, which sets the flag of the first. It takes the time when
   the first data of a frame arrive, which a sensor can only send once it has exposed its first
-  line. (Its module option `hwtimestamps=1` makes it compute the start of the exposure from the
-  camera's own clock; the flag is true then.)
+  line; of a camera that sends headers without data meanwhile, the time when the frame before
+  ended. (Its module option `hwtimestamps=1` makes it compute the start of the exposure from the
+  camera's own clock, where the camera tells that: the flag is true then, and else it is not.)
 
 `vivid` has a picture ready when its frame begins, and stamps it with an end that is still to come
 (0.9 of the interval later). No light arrives after it is read: such stamps are cut at the time
@@ -20,6 +21,7 @@ exposed first.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,8 +31,11 @@ from typing import Literal
 from blob_tracker.capture import videodev2
 from blob_tracker.capture.controls import Control, ControlError, get_control, Ioctl
 
-Source = Literal['exposure start', 'transfer start', 'transfer end']
+Source = Literal['exposure start', 'camera clock', 'transfer start', 'transfer end']
 
+SHARES = 20  # frames whose transfer is looked at; a busy reader takes some of them up late
+LONGEST_TRANSFER = 0.8  # of the interval of frames
+FROM_THE_START = 'exposure start', 'camera clock'
 EXPOSURE_UNIT_NS = 100_000  # of V4L2_CID_EXPOSURE_ABSOLUTE
 AUTOMATIC = (0, 3)  # V4L2_EXPOSURE_AUTO and _APERTURE_PRIORITY: the camera chooses the time
 WATCHED = (videodev2.CID_EXPOSURE, videodev2.CID_EXPOSURE_ABSOLUTE, videodev2.CID_EXPOSURE_AUTO,
@@ -65,8 +70,8 @@ def source_of(buffer_flags: int, driver: str) -> Source:
     marked = buffer_flags & videodev2.BUF_FLAG_TSTAMP_SRC_MASK
     if marked != videodev2.BUF_FLAG_TSTAMP_SRC_SOE:
         return 'transfer end'
-    if driver == 'uvcvideo' and not _hardware_stamps():
-        return 'transfer start'
+    if driver == 'uvcvideo':
+        return 'camera clock' if _hardware_stamps() else 'transfer start'
     return 'exposure start'
 
 
@@ -77,18 +82,34 @@ def _hardware_stamps() -> bool:
         return False
 
 
-def place(source: Source, exposure: Exposure) -> str:
-    """Return in words the instant that a stamp names, after all that is known is applied."""
+def place(source: Source, exposure: Exposure, *, pauses: bool = True) -> str:
+    """
+    Return in words the instant that a stamp names, after all that is known is applied.
+
+    Parameters
+    ----------
+    source : str
+        The instant that is stamped.
+    exposure : Exposure
+        As it is set.
+    pauses : bool
+        Whether nothing is sent between frames, as far as the stamps tell.
+
+    """
+    if source == 'transfer start' and not pauses:
+        return ('start of the transfer, or the end of that before, as the camera seems to send '
+                'without a pause')
     after = {
         'exposure start': '',
+        'camera clock': ', if the camera sends its own time, else near the start of the transfer',
         'transfer start': ', as far as the camera sends it at once',
         'transfer end': '' if exposure.readout_ns is not None else
         ', later by the time of the readout, which is unknown and taken as 0',
     }[source]
     if exposure.time_ns is not None:
         return 'middle of the exposure' + after
-    if source == 'exposure start':
-        return 'start of the exposure, whose length is unknown'
+    if source in FROM_THE_START:
+        return f'start of the exposure, whose length is unknown{after}'
     return f'end of the exposure, whose length is unknown{after}'
 
 
@@ -139,12 +160,14 @@ class MidExposure:
         self._source = source
         self._changes = [(0, exposure)]  # (since, exposure), the oldest is in use
         self._last_ns = 0
+        self._stamp_ns = 0
+        self._shares: deque[float] = deque(maxlen=SHARES)
         self._lock = threading.Lock()
 
     @property
     def place(self) -> str:
         """Return in words the instant that stamps name."""
-        return place(self._source, self.exposure)
+        return place(self._source, self.exposure, pauses=self._pauses())
 
     @property
     def exposure(self) -> Exposure:
@@ -186,13 +209,26 @@ class MidExposure:
                 if begin >= since:
                     break
             del self._changes[:index]
+        if 0 < self._stamp_ns < stamp_ns:
+            self._shares.append((read_ns - stamp_ns) / (stamp_ns - self._stamp_ns))
+        self._stamp_ns = stamp_ns
         self._last_ns = max(self._last_ns + 1, min(middle, read_ns))
         return self._last_ns
+
+    def _pauses(self) -> bool:
+        """
+        Return whether there are pauses between frames.
+
+        Of a camera that fills them with headers uvcvideo stamps the first header: as the frame
+        before has ended, a whole interval before the frame is read.
+        """
+        shares = sorted(self._shares)
+        return len(shares) < SHARES or shares[SHARES // 4] < LONGEST_TRANSFER
 
     def _exposed(self, stamp_ns: int, exposure: Exposure) -> tuple[int, int]:
         """Return the start and the middle of an exposure, monotonic ns."""
         time_ns = exposure.time_ns or 0
-        if self._source == 'exposure start':
+        if self._source in FROM_THE_START:
             begin = stamp_ns
         elif self._source == 'transfer start':
             begin = stamp_ns - time_ns
@@ -270,13 +306,19 @@ class ExposureControls:
         return self._line_ns() if videodev2.CID_EXPOSURE in self._controls else None
 
     def _time_ns(self, line_ns: float | None) -> int | None:
-        if self._value(videodev2.CID_EXPOSURE_AUTO) in AUTOMATIC:
+        if self._value(videodev2.CID_EXPOSURE_AUTO) in AUTOMATIC or self._governed():
             return None
         units = self._value(videodev2.CID_EXPOSURE_ABSOLUTE)
         if units is not None:
             return units * EXPOSURE_UNIT_NS
         lines = self._value(videodev2.CID_EXPOSURE)
         return None if lines is None or line_ns is None else round(lines * line_ns)
+
+    def _governed(self) -> bool:
+        """Return whether a mode that the device does not tell of chooses the exposure time."""
+        return videodev2.CID_EXPOSURE_AUTO not in self._controls and any(
+            control.inactive for number, control in self._controls.items()
+            if number in (videodev2.CID_EXPOSURE, videodev2.CID_EXPOSURE_ABSOLUTE))
 
     def _line_ns(self) -> float | None:
         blanking = self._value(videodev2.CID_HBLANK)

@@ -23,6 +23,7 @@ from blob_tracker.capture.device import buffer_type, driver, open_capture_device
 from blob_tracker.capture.errors import CaptureError, NoFrameError
 from blob_tracker.capture.fields import fields as dealt_out, FieldStream
 from blob_tracker.capture.format import set_format
+from blob_tracker.capture.frame_count import FrameCount
 from blob_tracker.capture.frame_rate import frame_interval, MeasuredRate, set_frame_rate
 from blob_tracker.capture.low_bits import FULL, LowBits
 from blob_tracker.capture.refusals import LOOPBACK, refusal, Step, unplugged
@@ -114,7 +115,7 @@ class V4l2Camera:
         The DN at which its pixels are clipped; of words of 16 bits by the pictures read so far
         (`blob_tracker.capture.low_bits`).
     drops : int
-        Frames lost between those read, from the gaps in the driver's numbers; error frames too.
+        Frames lost between those read, error frames too; see `frame_count.FrameCount`.
     error_frames : int
         Pictures that the driver marked as spoilt or that were cut short.
     sequence : int
@@ -129,7 +130,6 @@ class V4l2Camera:
 
     """
 
-    drops = 0
     error_frames = 0
     sequence = -1
     control_changes = 0
@@ -164,9 +164,10 @@ class V4l2Camera:
             raise CaptureError(f'line_time is {line_time} s; it must be finite')
         self.device = device
         self._given_line_time = line_time
-        self._first = (0, 0)  # sequence and stamp of the first frame
-        self._interval_ns = 0
+        self._arrived = 0  # pictures that were read
+        self._passed_over = 0  # fields that were read and are too old
         self._measured = MeasuredRate()
+        self._silent: dict[int, int] = {}  # controls that do not answer
         self._memory: list[mmap.mmap] = []
         self._streaming = False
         self._clock = RealtimeClock()
@@ -203,7 +204,7 @@ class V4l2Camera:
             self._buffer_flags = map_buffers(
                 self._call, self._fd, device, self._format.buffer_type, buffers, self._memory)
             step = 'stream'
-            known = controls.controls(self._control_call)
+            known = controls.controls(self._control_call, self._silent)
             self._by_blanking = not self.frame_rate
             self._follow_blanking(BLANKING, known)
             self._events = ControlEvents(self._control_call, known.values())
@@ -215,6 +216,7 @@ class V4l2Camera:
                     _ns(self._signal.readout_time if readout_time is None else readout_time)))
             self._source = source_of(self._buffer_flags, self._driver)
             self._middle = MidExposure(self._source, self._exposure.read())
+            self._count = FrameCount(numbered=self._driver != 'uvcvideo')
             self._call(videodev2.STREAMON, ctypes.c_int32(self._format.buffer_type))
             self._streaming = True
         except OSError as error:
@@ -256,7 +258,7 @@ class V4l2Camera:
         self._check_open()
         age = (time.monotonic_ns() - self._last_field_ns) / 1e9
         if self._dealt and 0.0 < self.longest_wait < age:
-            self.drops += len(self._dealt)
+            self._passed_over += len(self._dealt)
             self._dealt = ()
         if not self._dealt:
             self._dealt = self._next_picture(timeout)
@@ -267,6 +269,11 @@ class V4l2Camera:
     def fields(self) -> FieldStream:
         """Return what the driver's buffers hold of a picture; as a str in words."""
         return self._format.fields
+
+    @property
+    def drops(self) -> int:
+        """Return how many frames were lost between those read, error frames too."""
+        return self.fields.per_buffer * self._count.lost + self._passed_over
 
     @property
     def stamp_place(self) -> str:
@@ -311,7 +318,7 @@ class V4l2Camera:
     @property
     def longest_wait(self) -> float:
         """Return how long a frame may wait and still be new, s; 0 while that is unknown."""
-        return len(self._memory) * self._interval_ns / 1e9
+        return len(self._memory) * self._count.interval_ns / 1e9
 
     @property
     def controls(self) -> dict[str, Control]:
@@ -324,7 +331,7 @@ class V4l2Camera:
             The device is gone, or closed.
 
         """
-        return self._control(lambda: controls.controls(self._control_call))
+        return self._control(lambda: controls.controls(self._control_call, self._silent))
 
     def get_control(self, name: str | Control) -> int | str:
         """
@@ -392,7 +399,7 @@ class V4l2Camera:
     def _named(self, name: str | Control) -> Control:
         if isinstance(name, Control):
             return name
-        found = controls.controls(self._control_call)
+        found = controls.controls(self._control_call, self._silent)
         if name not in found:
             there_are = ', '.join(sorted(found)) or 'none'
             raise ControlError(
@@ -514,7 +521,7 @@ class V4l2Camera:
         return self._signal.trouble()
 
     def _stale(self, buffer: videodev2.Buffer) -> bool:
-        age = (time.monotonic_ns() - told_stamp(buffer)) / 1e9
+        age = (time.monotonic_ns() - self._clock.monotonic(told_stamp(buffer))) / 1e9
         return 0.0 < self.longest_wait < age
 
     def _frames(self, buffer: videodev2.Buffer) -> tuple[Frame, ...]:
@@ -535,8 +542,11 @@ class V4l2Camera:
             return ()  # cut short
         finally:
             filled.release()
-        stamp_ns = stamp_of(buffer, self.device, time.monotonic_ns())
-        self._count(self.fields.number(buffer.sequence, buffer.field), stamp_ns)
+        stamp_ns = self._clock.monotonic(stamp_of(buffer, self.device, time.monotonic_ns()))
+        self.sequence = self.fields.number(buffer.sequence, buffer.field)
+        self._count.came(self.sequence, stamp_ns)
+        self._arrived += 1
+        self._measured.add(self._arrived + self._count.lost, stamp_ns)
         self._follow_controls()
         middle_ns = self._of_first_field(self._middle.middle(stamp_ns, time.monotonic_ns()))
         if self._format.saturation == FULL:
@@ -591,20 +601,6 @@ class V4l2Camera:
                 self._middle.changed(max(since), self._exposure.read())
             except OSError as error:
                 raise self._lost(error) from error
-
-    def _count(self, sequence: int, stamp_ns: int) -> None:
-        """Count the frames lost before this one and keep the mean interval of frames."""
-        step = (sequence - self.sequence) & 0xffffffff  # the driver's number has 32 bits
-        if self.sequence < 0 or not 0 < step < 0x80000000:
-            # The first frame, or a driver that starts its count again.
-            self._first = (sequence, stamp_ns)
-        else:
-            self.drops += self.fields.per_buffer * (step - 1)
-            number, begin_ns = self._first
-            # The mean, as the stamps of single frames jitter on a busy machine.
-            self._interval_ns = (stamp_ns - begin_ns) // ((sequence - number) & 0xffffffff)
-        self.sequence = sequence
-        self._measured.add(sequence, stamp_ns)
 
 
 def _ns(seconds: float | None) -> int | None:

@@ -42,6 +42,15 @@ def test_offset_is_exact_for_steady_clocks():
         assert error(clock, clocks) == 0
 
 
+def test_a_stamp_in_real_time_is_one_of_the_same_instant():
+    clocks = Clocks()
+    clock = RealtimeClock(clocks.monotonic, clocks.realtime)
+    stamp = clocks.now
+    assert clock.monotonic(stamp) == stamp
+    assert clock.monotonic(stamp + SECOND) == stamp + SECOND  # vivid's end of a frame
+    assert clock.monotonic(stamp + BOOT) == stamp
+
+
 def test_one_interrupted_reading_does_no_harm():
     clocks = Clocks()
     delays = iter([100, 100, 9_000_000] + [100] * 1000)  # 9 ms between realtime and monotonic

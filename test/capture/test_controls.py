@@ -95,6 +95,7 @@ class Webcam:
         self.broken = broken
         self.error = error
         self.broken_item = broken_item
+        self.failures = 0
 
     def __call__(self, number, argument):
         if number == videodev2.QUERYMENU:
@@ -102,12 +103,13 @@ class Webcam:
                 raise OSError(self.error, 'its text')
             argument.item.name = b'Item %d' % argument.index
             return
-        assert argument.id & videodev2.CTRL_FLAG_NEXT_CTRL
-        last = argument.id & ~videodev2.CTRL_FLAG_NEXT_CTRL
-        following = min((known for known in self.numbers if known > last), default=None)
-        if following is None:
+        asked = argument.id & ~videodev2.CTRL_FLAG_NEXT_CTRL
+        least = asked + 1 if asked != argument.id else asked
+        following = min((known for known in self.numbers if known >= least), default=None)
+        if following is None or asked == argument.id != following:
             raise OSError(errno.EINVAL, 'Invalid argument')
         if following in self.broken:
+            self.failures += 1
             raise OSError(self.error, 'its text')
         argument.id = following
         argument.name = b'%x' % following
@@ -119,7 +121,7 @@ class Webcam:
 WEBCAM = (0x980001, 0x980900, 0x980902, 0x98091c, 0x9a0901, 0x9a0902)
 
 
-@pytest.mark.parametrize('error', [errno.EIO, errno.EPIPE])
+@pytest.mark.parametrize('error', [errno.EIO, errno.EPIPE, errno.ETIMEDOUT])
 @pytest.mark.parametrize('broken', [(number,) for number in WEBCAM[1:3] + WEBCAM[4:]]
                          + [WEBCAM[1:3], WEBCAM[:2]])
 def test_a_broken_control_is_left_out_alone(broken, error):
@@ -128,9 +130,15 @@ def test_a_broken_control_is_left_out_alone(broken, error):
         number for number in WEBCAM if number not in broken]
 
 
-def test_a_control_that_makes_each_try_wait_ends_the_list():
-    found = controls.controls(Webcam(WEBCAM, WEBCAM[3:4], errno.ETIMEDOUT))
-    assert [control.number for control in found.values()] == list(WEBCAM[:3])
+@pytest.mark.parametrize('broken', [WEBCAM[3:4], WEBCAM[1:3], WEBCAM[3:5], WEBCAM[5:]])
+def test_a_control_that_makes_each_try_wait_hides_no_other_and_is_not_asked_again(broken):
+    webcam = Webcam(WEBCAM, broken, errno.ETIMEDOUT)
+    silent: dict[int, int] = {}
+    answering = [number for number in WEBCAM if number not in broken]
+    for _ in range(3):
+        found = controls.controls(webcam, silent)
+        assert [control.number for control in found.values()] == answering
+    assert webcam.failures == 2 * len(broken)
 
 
 def test_a_driver_whose_controls_are_all_broken_has_none():

@@ -34,12 +34,15 @@ def test_without_exposure_the_stamp_is_the_drivers(source):
     ('transfer end', 5 * MS, 'middle of the exposure'),
     ('transfer end', None, 'middle of the exposure, later by the time of the readout, which is '
                            'unknown and taken as 0'),
+    ('camera clock', None, 'middle of the exposure, if the camera sends its own time, else near '
+                           'the start of the transfer'),
     ('transfer start', None, 'middle of the exposure, as far as the camera sends it at once'),
 ])
 def test_place_in_words(source, readout_ns, words):
     assert place(source, Exposure(8 * MS, readout_ns)) == words
     assert place(source, Exposure(None, readout_ns)).split(',')[0] == (
-        'start of the exposure' if source == 'exposure start' else 'end of the exposure')
+        'start of the exposure' if source in ('exposure start', 'camera clock') else
+        'end of the exposure')
 
 
 @pytest.mark.parametrize('source', ['exposure start', 'transfer start', 'transfer end'])
@@ -59,6 +62,17 @@ def test_a_change_holds_from_the_first_exposure_that_begins_after_it(source):
                  'transfer end': begin + time_ns + readout}[source]
         assert middles.middle(stamp, LATER) == begin + time_ns // 2, number
         assert middles.time_ns == time_ns
+
+
+@pytest.mark.parametrize(('transfer', 'middle'), [(0.3, True), (0.99, False)])
+def test_a_stamp_a_whole_interval_before_its_frame_is_not_the_middle(transfer, middle):
+    interval = 33 * MS
+    stamps = MidExposure('transfer start', Exposure(8 * MS))
+    for frame in range(1, 40):
+        late = 30 * MS if frame % 5 == 0 else 0  # a busy reader
+        stamps.middle(frame * interval, frame * interval + round(transfer * interval) + late)
+    assert stamps.place.startswith('middle of the exposure') is middle
+    assert ('without a pause' in stamps.place) is not middle
 
 
 def test_a_frame_begun_before_the_change_keeps_the_old_exposure():
@@ -91,7 +105,7 @@ def test_order_is_kept_whatever_comes(source):
     (0, 'vivid', None, 'transfer end'),
     (SOE, 'uvcvideo', None, 'transfer start'),
     (SOE, 'uvcvideo', '0\n', 'transfer start'),
-    (SOE, 'uvcvideo', '1\n', 'exposure start'),
+    (SOE, 'uvcvideo', '1\n', 'camera clock'),
 ])
 def test_what_a_driver_stamps(flags, driver, hardware, source, tmp_path, monkeypatch):
     option = tmp_path / 'hwtimestamps'
@@ -120,7 +134,9 @@ class Driver:
     def controls(self):
         return {str(number): Control(
             number, str(number), '', 'integer64' if number == videodev2.CID_PIXEL_RATE
-            else 'integer', 0, 2**40, 1, 0, {}, False, False, False) for number in self.values}
+            else 'integer', 0, 2**40, 1, 0, {}, False, self.inactive, False) for number in self.values}
+
+    inactive = False
 
     def exposure(self, otherwise=Exposure()):
         return ExposureControls(self, self.controls, 1280, 800, otherwise).read()
@@ -138,6 +154,13 @@ def test_an_automatic_exposure_is_unknown(automatic):
                      videodev2.CID_EXPOSURE_AUTO: automatic})
     assert driver.exposure() == Exposure(None, None)
     assert driver.exposure(Exposure(4 * MS)) == Exposure(4 * MS, None)
+
+
+def test_an_exposure_that_an_unknown_mode_governs_is_unknown():
+    driver = Driver({videodev2.CID_EXPOSURE_ABSOLUTE: 157})
+    assert driver.exposure().time_ns == 15_700_000
+    driver.inactive = True
+    assert driver.exposure().time_ns is None
 
 
 def test_exposure_in_lines_gives_the_readout_too():

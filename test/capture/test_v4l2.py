@@ -8,8 +8,10 @@ import tempfile
 import time
 
 from blob_tracker.capture import CaptureError, NoFrameError, V4l2Camera, videodev2
+from blob_tracker.capture.clock import RealtimeClock
 from blob_tracker.capture.device import capture_devices
 from blob_tracker.capture.format import StreamFormat
+from blob_tracker.capture.frame_count import FrameCount
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 from blob_tracker.capture.signal import Signal
 import numpy as np
@@ -98,7 +100,7 @@ class Spoiling(V4l2Camera):
         self.error_frames = 0
         self._flags = [videodev2.BUF_FLAG_ERROR] * spoilt + [0] * cut_short
         self._memory = [mmap.mmap(-1, 64)]
-        self._interval_ns = 0
+        self._count, self._clock = FrameCount(numbered=True), RealtimeClock()
         self._format = StreamFormat(
             videodev2.BUF_TYPE_VIDEO_CAPTURE, 'GREY', 8, 8, 8, 255, PIXEL_FORMATS['GREY'].luma)
         self._signal = Signal(self._call)

@@ -1,8 +1,8 @@
 """
-One boot of a virtual machine with the kernel's `vivid` driver for all tests of this folder.
+One boot of a virtual machine with the kernel's V4L2 drivers for all tests of this folder.
 
 The guest scripts run one after the other, and the tests look at what they wrote down. To add one:
-its file and its line in `guests`. Without the programs for a virtual machine the tests are
+its file and its name in `GUESTS`. Without the programs for a virtual machine the tests are
 skipped, except where CI is set: there they have to run.
 """
 
@@ -16,11 +16,10 @@ import sys
 
 from blob_tracker.resources import config_path
 import pytest
-from support.processes import executable
 from support.slowness import slowness
 from vm import machine
-from vm.hdmi_loop import SIGNAL
-from vm.scene import CX, CY, flashing_scene, FX, FY, packed_yuyv, Scene
+from vm.hdmi_loop import SLOW_SIGNAL
+from vm.scene import blinking_frames, CX, CY, flashing_scene, FX, FY, packed_yuyv, Scene
 
 HERE = Path(__file__).parent
 CACHE = HERE.parents[1] / '.cache/vm'
@@ -29,9 +28,14 @@ CACHE = HERE.parents[1] / '.cache/vm'
 SILENCE = 240.0
 # s of streaming at full rate; make soak gives it 300
 SOAK = float(os.environ.get('SOAK_SECONDS', 20))
+# In the order in which they run.
+GUESTS = (
+    'guest_capture', 'guest_formats', 'guest_controls', 'guest_fields', 'guest_soak',
+    'guest_webcam', 'guest_blink', 'guest_track', 'guest_node',
+)
 CAMERA_INFO = f"""\
-image_width: {SIGNAL[0]}
-image_height: {SIGNAL[1]}
+image_width: {SLOW_SIGNAL[0]}
+image_height: {SLOW_SIGNAL[1]}
 camera_name: vivid
 distortion_model: plumb_bob
 camera_matrix: {{rows: 3, cols: 3, data: [{FX}, 0, {CX}, 0, {FY}, {CY}, 0, 0, 1]}}
@@ -39,19 +43,6 @@ distortion_coefficients: {{rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}}
 rectification_matrix: {{rows: 3, cols: 3, data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}}
 projection_matrix: {{rows: 3, cols: 4, data: [{FX}, 0, {CX}, 0, 0, {FY}, {CY}, 0, 0, 0, 1, 0]}}
 """
-
-
-def guests(folder: Path) -> list[list[str]]:
-    """Return the guest scripts with their arguments, in the order in which they run."""
-    return [
-        ['guest_capture.py', str(folder)],
-        ['guest_formats.py', str(folder)],
-        ['guest_controls.py', str(folder)],
-        ['guest_fields.py', str(folder)],
-        ['guest_soak.py', str(folder), str(SOAK)],
-        ['guest_track.py', str(folder), str(executable('camera').parent)],
-        ['guest_node.py', str(folder), str(executable('camera').parent)],
-    ]
 
 
 @pytest.fixture(scope='session')
@@ -71,6 +62,7 @@ def results(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
         pytest.skip(reason)
     folder = tmp_path_factory.mktemp('vivid')
     scene.frames.tofile(folder / 'scene.grey')
+    blinking_frames().tofile(folder / 'blink.grey')
     packed_yuyv(scene.frames).tofile(folder / 'scene.yuyv')
     (folder / 'camera_info.yaml').write_text(CAMERA_INFO)
     environment = {
@@ -84,16 +76,15 @@ def results(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
         ),
         'HOME': '/run',
         'OMP_NUM_THREADS': '1',
+        'SOAK_SECONDS': str(SOAK),
         'SLOWNESS': f'{slowness():.2f}',
         'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
         'FASTRTPS_DEFAULT_PROFILES_FILE': str(config_path('fastdds.xml')),
     }
     # The emulated processor would compile for minutes: compile for any x86-64 out here instead.
-    fits = {
-        'NUMBA_CPU_NAME': 'generic',
-        'NUMBA_CPU_FEATURES': '',
-        'NUMBA_CACHE_DIR': str(CACHE / 'numba'),
-    }
+    fits = {'NUMBA_CPU_NAME': 'generic', 'NUMBA_CPU_FEATURES': ''}
+    if not fits.items() <= os.environ.items():
+        fits['NUMBA_CACHE_DIR'] = str(CACHE / 'numba')  # the package's are for this processor
     compile_kernels = (
         'from blob_tracker.pipeline import compile_ahead; compile_ahead(["maximum_likelihood"])'
     )
@@ -102,7 +93,6 @@ def results(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
     environment |= fits
     commands = [f'export {name}={shlex.quote(value)}' for name, value in environment.items()]
-    for script, *arguments in guests(folder):
-        commands.append(shlex.join([sys.executable, str(HERE / script), *arguments]))
+    commands.append(shlex.join([sys.executable, '-m', 'vm.guest', str(folder), *GUESTS]))
     machine.run(machine.build(CACHE), commands, folder, lambda: SILENCE * slowness() + SOAK)
     return folder

@@ -1,8 +1,7 @@
 """
 Runs in the guest: let V4l2Camera meet the driver, and write down what came of it.
 
-Usage: guest_capture.py FOLDER
-FOLDER holds scene.grey and scene.yuyv, and gets capture.json.
+The folder holds scene.grey and scene.yuyv, and gets capture.json.
 """
 
 from __future__ import annotations
@@ -14,7 +13,6 @@ import json
 import os
 from pathlib import Path
 import struct
-import sys
 import time
 from typing import Any
 
@@ -168,7 +166,3 @@ def main(folder: Path) -> None:
     found['losses'] = losses()
     found['sentences'] = sentences()
     (folder / 'capture.json').write_text(json.dumps(found, indent=1))
-
-
-if __name__ == '__main__':
-    main(Path(sys.argv[1]))

@@ -1,8 +1,7 @@
 """
 Runs in the guest: every control, every injected error, stamps and the grabber, on the driver.
 
-Usage: guest_controls.py FOLDER
-FOLDER gets controls.json.
+The folder gets controls.json.
 """
 
 from __future__ import annotations
@@ -14,7 +13,6 @@ from functools import partial
 import json
 from pathlib import Path
 import subprocess
-import sys
 import time
 from typing import Any
 
@@ -315,7 +313,3 @@ def main(folder: Path) -> None:
         found[name]['took_s'] = time.monotonic() - began
     control(loop_video=1)
     (folder / 'controls.json').write_text(json.dumps(found, indent=1))
-
-
-if __name__ == '__main__':
-    main(Path(sys.argv[1]))

@@ -1,15 +1,13 @@
 """
 Runs in the guest: the fields of the driver's TV and S-Video inputs.
 
-Usage: guest_fields.py FOLDER
-FOLDER gets fields.json.
+The folder gets fields.json.
 """
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
-import sys
 from typing import Any
 
 from blob_tracker.capture import V4l2Camera
@@ -75,7 +73,3 @@ def main(folder: Path) -> None:
     control(test_pattern=0, loop_video=1)
     v4l2_ctl(CAPTURE, '--set-input=0')
     (folder / 'fields.json').write_text(json.dumps(found, indent=1))
-
-
-if __name__ == '__main__':
-    main(Path(sys.argv[1]))

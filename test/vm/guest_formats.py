@@ -1,8 +1,7 @@
 """
 Runs in the guest: play random pixels in many formats, and compare what V4l2Camera makes of them.
 
-Usage: guest_formats.py FOLDER
-FOLDER gets formats.json. What is right is worked out here, sample by sample from the kernel's
+The folder gets formats.json. What is right is worked out here, sample by sample from the kernel's
 description of each format, without the package's decoders.
 """
 
@@ -12,7 +11,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 import json
 from pathlib import Path
-import sys
 import time
 from typing import Any
 
@@ -218,7 +216,3 @@ def main(folder: Path) -> None:
         found['padded'] = played('GREY', PLANAR, 320, 240, grey)
     found['selections'] = selections()
     (folder / 'formats.json').write_text(json.dumps(found, indent=1))
-
-
-if __name__ == '__main__':
-    main(Path(sys.argv[1]))

@@ -1,20 +1,17 @@
 """
 Runs in the guest: the camera node on the driver, its parameters, services and diagnostics.
 
-Usage: guest_node.py FOLDER NODES
-FOLDER gets node.json and a log of each node; NODES is the folder of the installed executables.
+The folder gets node.json and a log of each node.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 import json
-import os
 from pathlib import Path
 import re
 import signal
 import subprocess
-import sys
 import time
 from typing import Any
 
@@ -28,6 +25,7 @@ from rclpy.parameter import Parameter, parameter_value_to_python
 from sensor_msgs.msg import CameraInfo, Image
 from sensor_msgs.srv import SetCameraInfo
 from std_srvs.srv import Trigger
+from vm.fork import Fork, node
 from vm.hdmi_loop import CAPTURE, close_loop, control, HEIGHT, SIGNAL, SLOWNESS, v4l2_ctl, WIDTH
 
 SPARE = '/dev/video2'  # for nodes that are not meant to run for long
@@ -102,16 +100,15 @@ class Probe(Node):
                 self.statuses.append((status.level[0], status.message, values))
 
 
-def start(folder: Path, nodes: Path, log: str, **parameters: Any) -> subprocess.Popen[bytes]:
+def start(folder: Path, log: str, **parameters: Any) -> Fork:
     """Start a camera node in a namespace of its log's name, `node` in none."""
-    command = [str(nodes / 'camera'), '--ros-args']
+    arguments = ['--ros-args']
     if log != 'node':
-        command += ['-r', f'__ns:=/{log}']
+        arguments += ['-r', f'__ns:=/{log}']
     for name, value in parameters.items():
-        command += ['-p', f'{name}:={value}']
-    with (folder / f'{log}.log').open('wb') as output:
-        return subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT,
-                                env=os.environ | {'ROS_HOME': str(folder / 'ros_home')})
+        arguments += ['-p', f'{name}:={value}']
+    action = node('camera', *arguments, ROS_HOME=str(folder / 'ros_home'))
+    return Fork(action, folder / f'{log}.log').begin()
 
 
 def listed() -> list[str]:
@@ -216,15 +213,15 @@ def unplugged(probe: Probe) -> dict[str, Any]:
     return found
 
 
-def main(folder: Path, nodes: Path) -> None:
+def main(folder: Path) -> None:
     """Do all of it."""
     close_loop()
     control(gain_automatic=1, contrast=128)
-    node = start(folder, nodes, 'node', device=CAPTURE, width=WIDTH, height=HEIGHT,
-                 pixel_format='GREY', contrast=99)
+    running = start(folder, 'node', device=CAPTURE, width=WIDTH, height=HEIGHT,
+                    pixel_format='GREY', contrast=99)
     wrong = {
-        'misspelt': start(folder, nodes, 'misspelt', device=SPARE, brigthness=5),
-        'refused': start(folder, nodes, 'refused', device=SPARE, brightness=256),
+        'misspelt': start(folder, 'misspelt', device=SPARE, brigthness=5),
+        'refused': start(folder, 'refused', device=SPARE, brightness=256),
     }
     rclpy.init()
     probe = Probe()
@@ -236,12 +233,8 @@ def main(folder: Path, nodes: Path) -> None:
     found['diagnostics'] = probe.statuses[-1]
     for name, process in wrong.items():
         found[name] = process.wait(STARTUP)
-    node.send_signal(signal.SIGINT)
-    found['exit'] = node.wait(20)
+    running.send_signal(signal.SIGINT)
+    found['exit'] = running.wait(20)
     (folder / 'node.json').write_text(json.dumps(found, indent=1))
     probe.destroy_node()
     rclpy.try_shutdown()
-
-
-if __name__ == '__main__':
-    main(Path(sys.argv[1]), Path(sys.argv[2]))

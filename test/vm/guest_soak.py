@@ -1,8 +1,7 @@
 """
 Runs in the guest: stream at full rate for long, and look at what grows meanwhile.
 
-Usage: guest_soak.py FOLDER SECONDS
-FOLDER gets soak.json.
+The folder gets soak.json.
 """
 
 from __future__ import annotations
@@ -10,7 +9,6 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
-import sys
 import time
 from typing import Any
 
@@ -20,6 +18,7 @@ from vm.hdmi_loop import CAPTURE, close_loop, control, HEIGHT, NEXT_FRAME, SLOWN
 
 SETTINGS: dict[str, Any] = {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT,
                             'pixel_format': 'GREY', 'buffers': 4}
+SECONDS = float(os.environ['SOAK_SECONDS'])
 BEGIN = 5.0  # s until the interpreter and its allocator have what they need
 EVERY = 1.0  # s
 LONGEST = 999  # ms, and above
@@ -85,15 +84,11 @@ def reopen(count: int = 10) -> dict[str, Any]:
     return {'before': before, 'after': held()}
 
 
-def main(folder: Path, seconds: float) -> None:
+def main(folder: Path) -> None:
     """Do all of it."""
     close_loop()
     control(loop_video=0)
-    found = stream(seconds)
+    found = stream(SECONDS)
     found['reopened'] = reopen()
     control(loop_video=1)
     (folder / 'soak.json').write_text(json.dumps(found, indent=1))
-
-
-if __name__ == '__main__':
-    main(Path(sys.argv[1]), float(sys.argv[2]))

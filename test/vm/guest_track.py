@@ -1,19 +1,16 @@
 """
 Runs in the guest: camera, segmenter and locator look at the playing scene; what they say is kept.
 
-Usage: guest_track.py FOLDER NODES
-FOLDER holds scene.grey and camera_info.yaml, and gets track.json and a log of each process; NODES
-is the folder of the installed executables. First the nodes are three processes, then one. That
-one's camera is unplugged and plugged in again, and from then on both ends of the loop lose frames.
+The folder holds scene.grey and camera_info.yaml, and gets track.json and a log of each process.
+First the nodes are three processes, then one. That one's camera is unplugged and plugged in again,
+and from then on both ends of the loop lose frames.
 """
 
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 import signal
-import subprocess
 import sys
 import time
 from typing import Any
@@ -23,20 +20,24 @@ from geometry_msgs.msg import PointStamped, Vector3Stamped
 import rclpy
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
+from vm.fork import Fork, node
 from vm.hdmi_loop import (
-    CAPTURE, close_loop, HEIGHT, OUTPUT, playing, SLOWNESS, v4l2_ctl, wait_for, WIDTH,
+    CAPTURE, close_loop, HEIGHT, OUTPUT, playing, SLOW_FRAME_RATE, SLOW_TIMINGS, SLOWNESS,
+    v4l2_ctl, wait_for, WIDTH,
 )
+from vm.scene import NOISE
 
-COUNT = 60  # bearings of the three processes and of the one: all lit places four times
-STARTUP = 90.0 * SLOWNESS  # s until the first bearing: four Pythons on two emulated processors
+COUNT = 30  # bearings of the three processes and of the one: all lit places twice
+STARTUP = 90.0 * SLOWNESS  # s until the first bearing; ten on a quiet machine
 END = 40.0 * SLOWNESS  # s; two on a quiet machine
 LAST_WORDS = 2.0 * SLOWNESS  # s in which the last messages of processes that have ended are taken
 LONGEST = 100.0 * SLOWNESS  # s for each half; 5 s are enough on a quiet machine
 PARAMETERS: dict[str, dict[str, object]] = {
     'camera': {'device': CAPTURE, 'width': WIDTH, 'height': HEIGHT, 'pixel_format': 'GREY'},
     # The light goes up to 26 px from one flash to the next, twice that where one is lost.
-    'segmenter': {'gate': 60.0},
-    'locator': {},
+    'segmenter': {'gate': 60.0, 'max_pair_interval': 2.4 / SLOW_FRAME_RATE},
+    # Under another noise each pulse is a misfit, and all that it might be is tried.
+    'locator': {'noise.gain': NOISE.gain, 'noise.read_noise': NOISE.read_noise},
 }
 
 
@@ -75,20 +76,15 @@ class Recorder(Node):
                 self.complaints.add(f'{status.name}: {status.message}')
 
 
-def start(
-    name: str, parameters: dict[str, object], folder: Path, nodes: Path
-) -> subprocess.Popen[bytes]:
-    """Start an executable, with its log."""
-    command = [str(nodes / name), '--ros-args']
+def prepare(name: str, parameters: dict[str, object], folder: Path) -> Fork:
+    """Return the process of a node, with its log, that is still to begin."""
+    arguments = ['--ros-args']
     for key, value in parameters.items():
-        command += ['-p', f'{key}:={value}']
-    with (folder / f'{name}.log').open('wb') as log:
-        return subprocess.Popen(
-            command, stdout=log, stderr=subprocess.STDOUT,
-            env=os.environ | {'PYTHONFAULTHANDLER': '1'})
+        arguments += ['-p', f'{key}:={value}']
+    return Fork(node(name, *arguments), folder / f'{name}.log')
 
 
-def end(processes: dict[str, subprocess.Popen[bytes]]) -> dict[str, Any]:
+def end(processes: dict[str, Fork]) -> dict[str, Any]:
     """End processes together; return their exit codes and the seconds that they took."""
     began = time.monotonic()
     for process in processes.values():
@@ -96,8 +92,8 @@ def end(processes: dict[str, subprocess.Popen[bytes]]) -> dict[str, Any]:
     found = {}
     for name, process in processes.items():
         try:
-            code: int | str = process.wait(timeout=END)
-        except subprocess.TimeoutExpired:
+            code: int | str = process.wait(END)
+        except TimeoutError:
             process.send_signal(signal.SIGABRT)  # its log gets the stack of every thread
             process.wait()
             code = f'aborted after {END:.0f} s'
@@ -118,27 +114,27 @@ def record(recorder: Recorder) -> dict[str, Any]:
     return {'seconds': wait(recorder, COUNT, LONGEST), **recorder.take()}
 
 
-def main(folder: Path, nodes: Path) -> None:
+def main(folder: Path) -> None:
     """Do all of it."""
-    close_loop()
+    close_loop(timings=SLOW_TIMINGS)
     found: dict[str, Any] = {'count': COUNT}
     scene = folder / 'scene.grey'
     parameters = {name: dict(values) for name, values in PARAMETERS.items()}
     parameters['camera']['camera_info_url'] = f'file://{folder}/camera_info.yaml'
+    processes = {name: prepare(name, values, folder) for name, values in parameters.items()}
+    together = {name: value for values in parameters.values() for name, value in values.items()}
+    pipeline = {'pipeline': prepare('pipeline', together, folder)}
     with playing(scene, 'GREY'):
-        processes = {
-            name: start(name, values, folder, nodes) for name, values in parameters.items()}
+        for process in processes.values():
+            process.begin()
         rclpy.init()
         recorder = Recorder()
         found['startup'] = wait(recorder, 1, STARTUP)
         found['clean'] = record(recorder)
         found['exits'] = end(processes)
-        together: dict[str, object] = {}
-        for values in parameters.values():
-            together |= values
         wait(recorder, sys.maxsize, LAST_WORDS)
         recorder.take()
-        processes = {'pipeline': start('pipeline', together, folder, nodes)}
+        pipeline['pipeline'].begin()
         found['startup of the pipeline'] = wait(recorder, 1, STARTUP)
         v4l2_ctl(CAPTURE, '-c', 'disconnect=1')
     wait_for(OUTPUT)
@@ -147,12 +143,8 @@ def main(folder: Path, nodes: Path) -> None:
         for device in (OUTPUT, CAPTURE):
             v4l2_ctl(device, '-c', 'percentage_of_dropped_buffers=15')
         found['lossy'] = record(recorder)
-        found['exits'] |= end(processes)
+        found['exits'] |= end(pipeline)
     found['complaints'] = sorted(recorder.complaints)
     (folder / 'track.json').write_text(json.dumps(found, indent=1))
     recorder.destroy_node()
     rclpy.try_shutdown()
-
-
-if __name__ == '__main__':
-    main(Path(sys.argv[1]), Path(sys.argv[2]))

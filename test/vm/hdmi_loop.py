@@ -10,14 +10,25 @@ import shutil
 import subprocess
 import time
 
+from blob_tracker.capture import videodev2
+
+BT_STD_CEA861, BT_STD_CVT = 1, 4
 CAPTURE, OUTPUT = '/dev/video0', '/dev/video1'
 WIDTH, HEIGHT = 320, 240
 SIGNAL = 1280, 720  # px
 # CTA-861 format 60, 1280x720p24: the slowest there is, for the sake of the emulated processors.
 # Without its scalers the driver sends and takes the top left WIDTH x HEIGHT of it.
-TIMINGS = ('width=1280,height=720,interlaced=0,polarities=3,pixelclock=59400000,'
-           'hfp=1760,hs=40,hbp=220,vfp=5,vs=5,vbp=20')
+TIMINGS = videodev2.BtTimings(
+    width=1280, height=720, polarities=3, pixelclock=59_400_000, hfrontporch=1760, hsync=40,
+    hbackporch=220, vfrontporch=5, vsync=5, vbackporch=20, standards=BT_STD_CEA861)
 FRAME_RATE = 24.0
+# CVT with reduced blanking, slow enough for a tracker on emulated processors. The driver works
+# the pixel clock out again each time, in steps of 250 kHz: this one stays.
+SLOW_SIGNAL = 2560, 1600  # px
+SLOW_TIMINGS = videodev2.BtTimings(
+    width=2560, height=1600, polarities=2, pixelclock=17_000_000, hfrontporch=48, hsync=32,
+    hbackporch=80, vfrontporch=3, vsync=6, vbackporch=7, standards=BT_STD_CVT, flags=1)
+SLOW_FRAME_RATE = 17e6 / (2720 * 1616)  # 3.9
 # Of the host, as `support.slowness` has it: all limits of the guest are stretched by it.
 SLOWNESS = float(os.environ.get('SLOWNESS', 1.0))
 NEXT_FRAME = 5.0 * SLOWNESS  # s; a twenty-fourth on a quiet machine
@@ -47,15 +58,28 @@ def wait_for(device: str, longest: float = 40.0 * SLOWNESS) -> None:
             time.sleep(0.1)
 
 
-def close_loop(capture: str = CAPTURE, output: str = OUTPUT) -> None:
+def close_loop(
+    capture: str = CAPTURE, output: str = OUTPUT, timings: videodev2.BtTimings = TIMINGS
+) -> None:
     """Give both ends the same timings and join them; vivid writes no text into the picture."""
     for device in (output, capture):
-        v4l2_ctl(device, f'--set-dv-bt-timings={TIMINGS}')
+        with open(device, 'rb', buffering=0) as file:
+            videodev2.ioctl(file.fileno(), videodev2.S_DV_TIMINGS, videodev2.DvTimings(bt=timings))
     v4l2_ctl(output, '-c', 'enable_output_scaler=0')
     # Stamps at the start of the frame: those at its end lie 0.9 frames ahead of the delivery,
     # as vivid has the picture ready when the frame begins.
     control(
         capture, enable_capture_scaler=0, loop_video=1, osd_text_mode=2, timestamp_source=1)
+
+
+def take_format(pixel_format: str, output: str, width: int, height: int) -> None:
+    """Set what an output device is given."""
+    # The driver keeps the region of an earlier, smaller picture.
+    region = f'left=0,top=0,width={width},height={height}'
+    v4l2_ctl(output, f'--set-fmt-video-out=width={width},height={height},'
+                     f'pixelformat={pixel_format}',
+             f'--set-selection-output=target=compose,{region}',
+             f'--set-selection-output=target=crop,{region}')
 
 
 @contextmanager
@@ -69,12 +93,7 @@ def playing(
     """
     # A copy in memory, as the folder may be the host's.
     copy = shutil.copy(scene, '/run')
-    # The driver keeps the region of an earlier, smaller picture.
-    region = f'left=0,top=0,width={width},height={height}'
-    v4l2_ctl(output, f'--set-fmt-video-out=width={width},height={height},'
-                     f'pixelformat={pixel_format}',
-             f'--set-selection-output=target=compose,{region}',
-             f'--set-selection-output=target=crop,{region}')
+    take_format(pixel_format, output, width, height)
     player = subprocess.Popen(
         ['v4l2-ctl', '-d', output, '--stream-out-mmap=4', f'--stream-from={copy}',
          '--stream-loop'], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

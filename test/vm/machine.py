@@ -1,5 +1,5 @@
 """
-A machine with a V4L2 driver: Debian's kernel with `vivid`, booted under QEMU in emulation.
+A machine with V4L2 drivers: Debian's kernel with `vivid` and `uvcvideo`, booted under QEMU.
 
 The guest sees the host's root read-only under an overlay in memory, at the same paths: it runs
 this very Python and this very package. One folder, `results`, is writable and stays.
@@ -19,7 +19,7 @@ import subprocess
 import time
 
 # Modules the guest needs beside those in Debian's kernel image itself.
-MODULES = ('virtio_pci', '9pnet_virtio', '9p', 'overlay', 'vivid')
+MODULES = ('virtio_pci', '9pnet_virtio', '9p', 'overlay', 'vivid', 'vhci-hcd', 'uvcvideo')
 # Two devices with an HDMI input that loops from an HDMI output: /dev/video0 and /dev/video1, and
 # the same with multi-planar buffers: /dev/video2 and /dev/video3. The first has a TV and an
 # S-Video input as well.

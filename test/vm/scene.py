@@ -1,20 +1,22 @@
 """
-The flashing scene that is played into the driver's HDMI loop, with its truth.
+The scenes that are played into the driver's HDMI loop, with their truth.
 
-Light on in every even frame; still, textured background; sensor noise. The path is closed and
-the count of frames even, so that a player may repeat it for ever.
+A light that is on in every even frame, and two that blink by clocks of their own; still, textured
+background; sensor noise. The paths are closed, and a file holds whole periods of all, so that a
+player may repeat it for ever.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from blob_tracker.simulation import Light, Scene as Simulated, Sensor, waveforms_of
 from blob_tracker.simulation.light import pixel_integrated_gaussian
 from blob_tracker.simulation.sensor import expose
 from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
-from vm.hdmi_loop import HEIGHT, WIDTH
+from vm.hdmi_loop import HEIGHT, SLOW_FRAME_RATE, WIDTH
 
 FRAMES = 30
 SIGMA = 2.0  # px
@@ -25,6 +27,13 @@ CENTRE = np.array([162.4, 116.8])  # px: the path crosses all four quadrants of 
 RADII = np.array([61.3, 44.7])  # px
 # The camera that looks at it, px: nothing equal, nothing in the middle.
 FX, FY, CX, CY = 411.0, 397.0, 165.2, 113.7
+# Of the lights that blink: bits of 1.2 frames and a wave of 4.2.
+BLINK_FRAMES = 168  # 20 codes, 40 periods of the wave, once along the paths at 2 px a frame
+CODE, BITS_PER_SECOND, FREQUENCY = '1101000', SLOW_FRAME_RATE / 1.2, SLOW_FRAME_RATE / 4.2
+LIGHTS = 'coded', 'free'
+EXPOSURE = 0.5 / SLOW_FRAME_RATE  # s
+PAUSE = 4.5 / SLOW_FRAME_RATE  # s, from which on the lights are looked for anew
+BLINK_WIDTH, BLINK_HEIGHT = 160, 120  # px
 
 
 @dataclass(frozen=True)
@@ -61,6 +70,36 @@ def flashing_scene(seed: int = 2) -> Scene:
             mean = mean + AMPLITUDE * pulse
         frames[index] = expose(mean, NOISE, random)
     return Scene(frames, lit)
+
+
+def blinking_lights() -> dict[str, Light]:
+    """Return the coded light and the one that runs free, far from each other."""
+    waveforms = waveforms_of(
+        'coded', codes={'coded': CODE}, bits_per_second=BITS_PER_SECOND,
+        frequencies={'free': FREQUENCY},
+    )
+    return {
+        name: Light(
+            x, y, SIGMA, AMPLITUDE, waveforms[name], 24.0, 14.0,
+            period=BLINK_FRAMES / SLOW_FRAME_RATE, start=start,
+        )
+        for name, x, y, start in (('coded', 40.3, 62.6, 0.0), ('free', 117.8, 57.2, 0.3))
+    }
+
+
+def blinking_scene() -> Simulated:
+    """Return both, exposed for half of the time between frames."""
+    return Simulated(
+        elements=tuple(blinking_lights().values()), width=BLINK_WIDTH, height=BLINK_HEIGHT,
+        rate=SLOW_FRAME_RATE, background=BACKGROUND, texture=4.0, sensor=Sensor(NOISE),
+        streaks=True, seed=3,
+    )
+
+
+def blinking_frames() -> NDArray[np.uint8]:
+    """Return the (n, h, w) frames of it."""
+    scene = blinking_scene()
+    return np.array([scene.frame(index) for index in range(BLINK_FRAMES)], np.uint8)
 
 
 def packed_yuyv(luma: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -173,8 +173,8 @@ def test_every_bearing_is_that_of_a_lit_place(half, track, scene):
     index, offset = nearest(places, scene.lit)
     assert np.abs(offset).max() < TOLERANCE
     # The light was seen all along its path. Where the machine is so busy that bearings come at
-    # random, 60 of them leave one place in the average out, and five never.
-    assert len(set(index)) > len(scene.lit) - 5
+    # random, 30 of them leave two places in the average out, and six once in a thousand times.
+    assert len(set(index)) > len(scene.lit) - 6
     assert np.all(zero == 0.0)
 
 

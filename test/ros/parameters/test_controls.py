@@ -160,6 +160,17 @@ def test_a_frame_rate_that_only_an_automatic_exposure_lowers_is_not_told() -> No
 EXPOSURE = replace(
     GAIN, number=0x00980911, name='exposure', label='Exposure', minimum=1, maximum=1000, step=1,
 )
+
+
+def test_an_exposure_that_a_hidden_mode_governs_is_told() -> None:
+    """A webcam may fail to tell of its auto_exposure."""
+    assert not still_on({'exposure': EXPOSURE}, {'exposure': 5})
+    governed = {'exposure': replace(EXPOSURE, inactive=True)}
+    assert "'exposure' is inactive: a mode" in still_on(governed, {'exposure': 5})['exposure']
+    governed['auto_exposure'] = AUTO_EXPOSURE
+    assert list(still_on(governed, {'exposure': 5, 'auto_exposure': 3})) == ['auto_exposure']
+
+
 BLANKING = replace(
     GAIN, number=0x009e0901, name='vertical_blanking', label='Vertical Blanking', minimum=10,
     maximum=10000, step=1,
