@@ -118,7 +118,8 @@ class Loop:
     def _new_segmenter(self) -> Segmenter:
         free = self.scenario.frequency
         return Segmenter(
-            flash=flash_by_name('periodic', frequency=free) if free else None, threshold=threshold_by_name(self.finder.threshold, sigmas=3.0, extension=2)
+            flash=flash_by_name('periodic', frequency=free) if free else None,
+            threshold=threshold_by_name(self.finder.threshold, sigmas=3.0, extension=2),
         )
 
     def run(self) -> History:
