@@ -159,7 +159,7 @@ def test_a_lost_name_is_inherited() -> None:
 
 
 def test_a_light_that_passes_another_is_as_bright_as_before() -> None:
-    """One that is on once in three frames; for three of them its point has a second one's light."""
+    """One that is on once in three frames; three of its points have a second light in them."""
     pattern = [code('a', '100', 59.7)]
     tracker = BlinkTracker(pattern, interval=1 / RATE, exposure=EXPOSURE, shape=SHAPE)
     shares = []
