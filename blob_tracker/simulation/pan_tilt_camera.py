@@ -187,7 +187,7 @@ class PanTiltCamera:
     def _add(
         self, picture: NDArray[np.float32], x: float, y: float, lit: float, lines: Array
     ) -> None:
-        """Add a part of an exposure, lit for `lit` of it; a line sees it at its own offset."""
+        """Add a part of an exposure, lit for so much of it; each line sees it at its offset."""
         if not (np.isfinite(x) and np.isfinite(y)):
             return
         half = ceil(self.profile.reach * self.sigma)

@@ -159,7 +159,7 @@ def test_a_lost_name_is_inherited() -> None:
 
 
 def test_a_light_that_passes_another_is_as_bright_as_before() -> None:
-    """One that is on once in three frames; for three of them its point has a second one's light."""
+    """One that is on once in three frames; three of its points have a second light in them."""
     pattern = [code('a', '100', 59.7)]
     tracker = BlinkTracker(pattern, interval=1 / RATE, exposure=EXPOSURE, shape=SHAPE)
     shares = []
@@ -186,7 +186,8 @@ def test_what_was_taken_for_a_light_at_random_has_its_name_again() -> None:
     named = []
     for index in range(60):
         part = ((index + np.arange(-0.25, 0.25, 0.005)) / RATE / pattern[0].period + 0.1) % 1.0
-        share = float(np.any([(a <= part) & (part < b) for a, b in pattern[0].edges], axis=0).mean())
+        on = np.any([(a <= part) & (part < b) for a, b in pattern[0].edges], axis=0)
+        share = float(on.mean())
         if index < 30:
             share = float(random.uniform() < 0.5)
         points = np.array(

@@ -96,7 +96,7 @@ def test_the_shore_turns_with_the_light() -> None:
 
 
 def test_a_light_that_is_switched_within_the_exposure_is_where_it_was_then() -> None:
-    """On in the last quarter of 20 ms at 0.5 rad/s: to the left by 3/8 of what it moves meanwhile."""
+    """On in the last quarter of 20 ms at 0.5 rad/s: to the left by 3/8 of its way."""
     one = camera((0.0, 0.0, 0.0), yaw_rate=0.5)
     joints = np.zeros((5, 2))
     whole, part = (

@@ -214,9 +214,19 @@ def test_each_source_can_be_taken_out() -> None:
 
 
 def test_the_study_concludes() -> None:
-    """From one short ride of each kind: what it says is what the rides gave."""
-    cases = [{**case, 'duration': 1.6} for case in STUDY.cases(True)]
-    results = [(case, measure(case)) for case in cases]
+    """
+    From one short ride of each kind: what it says is what the rides gave.
+
+    Cameras are compared over 3.5 s: half a second has some five errors that are independent.
+    """
+    cases = [
+        case if case['kind'] == 'shutter' else {**case, 'duration': 1.6}
+        for case in STUDY.cases(True)
+    ]
+    results = [
+        (case, measured(STUDY, case)[0] if case['kind'] == 'shutter' else measure(case))
+        for case in cases
+    ]
     findings = STUDY.conclude(results)
     assert {table.name for table in findings.tables} == {
         'servo', 'servo_sizes', 'servo_budget', 'servo_shutters', 'servo_step',
