@@ -3,7 +3,7 @@
 #
 # Expected: the number of a frame has 16 bits and wraps as such numbers do, so that the frames lost
 # are (new - old - 1) % 65536.
-# Happens: 0 means "no frame" in GigE Vision, and is left out.
+# Happens: 0 is reserved where GigE Vision counts in 16 bits, and is left out.
 # Matters: one lost frame is counted that never was, every 18 minutes at 60 Hz, and what follows
 # frames by their number (lit, unlit, lit) is out of step from there on.
 #

@@ -4,9 +4,8 @@
 # Expected: the grey level divided and rounded, the same for every pixel of the same value.
 # Happens: pixels of one value become two neighbouring ones, in a pattern of 8 x 8 that is the same
 # in each frame, without any option that asks for it. `-sws_dither none` turns it off.
-# Matters: the pattern is as good as fixed-pattern noise of half a grey level: in the photon
-# transfer of such a film it looks like read noise and has no temporal part, and a difference of
-# two frames loses what the pattern hid.
+# Matters: it is a fixed pattern of half a grey level that no sensor made. The variance over the
+# pixels of such a film is that of the pattern, and a faint light sits on it.
 #
 # ffmpeg n9.0.2 of imageio-ffmpeg 0.8.1, 64 x 64 pixels of 1000 of 4095, which is 62.27 of 255:
 #   62: 2816 pixels, 63: 1280 pixels; without dither 63: 4096 pixels

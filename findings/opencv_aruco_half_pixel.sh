@@ -9,11 +9,11 @@
 # that was calibrated with any other detector of OpenCV; no residual shows it.
 #
 # OpenCV 4.14.0, mean error of the centre over 40 places of a tag of 96 px:
-#   NONE: +0.01, +0.05 px
-#   SUBPIX: -0.00, +0.01 px
-#   CONTOUR: -0.00, -0.00 px
-#   APRILTAG: +0.49, +0.49 px
-# and of pupil-apriltags 1.0.4.post11: +0.48, +0.48 px
+#   NONE: +0.02, +0.01 px
+#   SUBPIX: -0.01, +0.00 px
+#   CONTOUR: -0.01, +0.01 px
+#   APRILTAG: +0.48, +0.52 px
+#   pupil-apriltags 1.0.4.post11: +0.47, +0.45 px
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -27,7 +27,7 @@ from pupil_apriltags import Detector
 
 DICTIONARY = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36h11)
 TAG = cv2.aruco.generateImageMarker(DICTIONARY, 3, 8)
-FINER = 8  # samples per pixel and axis
+FINER = 4  # samples per pixel and axis
 METHODS = ('NONE', 'SUBPIX', 'CONTOUR', 'APRILTAG')
 
 

@@ -3,8 +3,8 @@
 #
 # Expected: a writer that was opened for 8 bits refuses a frame of uint16, as it refuses one of
 # floats by an exception, or scales it.
-# Happens: the check lets both depths pass. The bytes are written as pixels: of each pixel the lower
-# and then the upper byte, so that half a row fills the width.
+# Happens: it is accepted, and its bytes are written as pixels: of each pixel the lower and then
+# the upper byte, so that half a row fills the width.
 # Matters: the film of a 12-bit camera plays and looks noisy; every light is at twice its column.
 # VIDEOWRITER_PROP_DEPTH = cv2.CV_16U is what such a writer needs.
 #

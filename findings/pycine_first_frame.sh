@@ -2,7 +2,7 @@
 # pycine, asked for the first frame of a Phantom film by its number, gives the last one.
 #
 # Expected: read_frames(start_frame_cine=n) starts with the frame that Phantom's own software calls
-# n, as its page says; FirstImageNo is the first of the file.
+# n, as its documentation says; FirstImageNo is the first of the file.
 # Happens: the number is counted from 0 and taken as counted from 1. Films start a frame too early,
 # and in front of the first lies, as in any list of Python, the last. 0 is taken for "not given".
 # Matters: the trigger is at frame 0: the flash that was filmed seems to come a frame late.

@@ -4,7 +4,7 @@
 # Expected: declare_parameter('lights', []) declares a list; its type is that of the first value it
 # is given, or there is an error that asks for one.
 # Happens: an empty list counts as bytes, as nothing in it is not a byte, and the type is fixed
-# then: names, numbers and even other empty lists of text are refused from there on.
+# then: names are refused from there on.
 # Matters: a node that starts with no lights can never be told any. It takes
 # ParameterDescriptor(type=PARAMETER_STRING_ARRAY), or Parameter.Type.STRING_ARRAY for the value.
 #
