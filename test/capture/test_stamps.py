@@ -134,7 +134,8 @@ class Driver:
     def controls(self):
         return {str(number): Control(
             number, str(number), '', 'integer64' if number == videodev2.CID_PIXEL_RATE
-            else 'integer', 0, 2**40, 1, 0, {}, False, self.inactive, False) for number in self.values}
+            else 'integer', 0, 2**40, 1, 0, {}, False, self.inactive, False)
+            for number in self.values}
 
     inactive = False
 

@@ -13,7 +13,10 @@ from blob_tracker.types import Pixels
 import cv2
 import numpy as np
 
-VIDEOS = ('.avi', '.m4v', '.mkv', '.mov', '.mp4', '.webm')
+VIDEOS = (
+    '.avi', '.h264', '.m4v', '.mkv', '.mov', '.mp4', '.mpeg', '.mpg', '.mts', '.ts', '.webm',
+    '.wmv',
+)
 SUFFIXES = ('.bmp', '.jpeg', '.jpg', '.pgm', '.png', '.tif', '.tiff')
 
 
@@ -193,14 +196,25 @@ def _opened(path: Path) -> Iterator[cv2.VideoCapture]:
         video.release()
 
 
-def _of_video(path: Path) -> Iterator[tuple[str, float, Pixels]]:
+def _of_video(path: Path) -> Iterator[tuple[str, float | None, Pixels]]:
     with _opened(path) as video:
+        index, last, step = 0, 0.0, 0.0
         while True:
             there, pixels = video.read()
             if not there:
                 return
-            seconds = video.get(cv2.CAP_PROP_POS_MSEC) / 1e3  # of the frame that was read
-            yield f'{seconds:.3f} s', seconds, _luma(np.asarray(pixels, dtype=np.uint8))
+            told = video.get(cv2.CAP_PROP_POS_MSEC) / 1e3  # of the frame that was read
+            seconds: float | None = told
+            if index and told == 0.0:
+                # OpenCV 4.14 has no time for raw streams, nor for the last frames of H.264 in AVI.
+                seconds = last + step if step else None
+            elif index:
+                step = told - last
+            if seconds is not None:
+                last = seconds
+            name = f'frame {index}' if seconds is None else f'{seconds:.3f} s'
+            yield name, seconds, _luma(np.asarray(pixels, dtype=np.uint8))
+            index += 1
 
 
 def _bag_count(bag: Path, topic: str) -> int:

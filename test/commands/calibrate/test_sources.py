@@ -1,0 +1,54 @@
+"""The stamps of a video, of which OpenCV does not tell all."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from pathlib import Path
+
+from blob_tracker.commands.calibrate.sources import stamped_frames
+import cv2
+import numpy as np
+import pytest
+
+
+class VideoOfTimes:
+    """Stands in for OpenCV's reader; its frames have these times, ms."""
+
+    times: tuple[float, ...] = ()
+
+    def __init__(self, _: str) -> None:
+        self.read_so_far = 0
+
+    def isOpened(self) -> bool:  # noqa: N802
+        """Say that there is a video."""
+        return True
+
+    def read(self) -> tuple[bool, np.ndarray]:
+        """Return the next frame."""
+        self.read_so_far += 1
+        return self.read_so_far <= len(self.times), np.zeros((2, 2), dtype=np.uint8)
+
+    def get(self, _: int) -> float:
+        """Return the time of the frame that was read."""
+        return self.times[self.read_so_far - 1]
+
+    def release(self) -> None:
+        """Do nothing."""
+
+
+@pytest.mark.parametrize(('suffix', 'times', 'stamps'), [
+    ('.mp4', (0.0, 40.0, 80.0), [0.0, 0.04, 0.08]),
+    ('.avi', (0.0, 40.0, 80.0, 0.0, 0.0), [0.0, 0.04, 0.08, 0.12, 0.16]),
+    ('.h264', (0.0, 0.0, 0.0), [0.0, None, None]),
+])
+def test_what_opencv_has_no_time_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str, times: tuple[float, ...],
+    stamps: list[float | None],
+) -> None:
+    """Goes on at the pace of those before; where none has one, none is made up."""
+    monkeypatch.setattr(VideoOfTimes, 'times', times)
+    monkeypatch.setattr(cv2, 'VideoCapture', VideoOfTimes)
+    path = tmp_path / f'light{suffix}'
+    path.touch()
+    arguments = Namespace(source=str(path), count=None, seconds=None, topic='')
+    assert [seconds for _, seconds, _ in stamped_frames(arguments)] == pytest.approx(stamps)
