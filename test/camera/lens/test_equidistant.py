@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 from blob_tracker.camera import LensError
+from blob_tracker.camera.lens.equidistant import image, slopes
 from hypothesis import given, settings, strategies
 import numpy as np
 import pytest
@@ -92,3 +93,19 @@ def test_straight_up_has_no_azimuth() -> None:
     _, elevation, derivative = model.angles(0.0, -np.pi / 2)
     assert elevation == pytest.approx(500.0 * np.pi)
     assert abs(derivative[0, 0]) > 1e12  # mrad/px: the azimuth's covariance says that it is none
+
+
+@pytest.mark.parametrize('k1', [0.1, 0.0, -0.05])
+def test_the_rays_of_many_places_at_once(k1: float) -> None:
+    """As `image` has them, up to the rim; what is behind the lens is all but aside."""
+    matrix = np.array([[300.0, 0.0, 640.0], [0.0, 320.0, 480.0], [0.0, 0.0, 1.0]])
+    coefficients = np.array([k1, 0.0, 0.0, 0.0])
+    theta = np.radians([0.0, 20.0, 75.0, 80.0, 85.0, 89.0])
+    rays = np.stack([0.6 * np.sin(theta), -0.8 * np.sin(theta), np.cos(theta)], axis=1)
+    places = image(rays, tuple(coefficients)) * (300.0, 320.0) + (640.0, 480.0)
+    assert slopes(places, matrix, coefficients) == pytest.approx(
+        rays[:, :2] / rays[:, 2:], rel=1e-9, abs=1e-12
+    )
+    theta = np.radians(95.0)
+    behind = image(np.array([[np.sin(theta), 0.0, np.cos(theta)]]), tuple(coefficients))
+    assert slopes(behind * 300.0 + (640.0, 480.0), matrix, coefficients)[0, 0] > 1e5
