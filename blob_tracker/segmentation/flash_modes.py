@@ -42,11 +42,19 @@ def flash_by_name(mode: str, **options: object) -> Flash:
     Raises
     ------
     ValueError
-        Where there is no such mode, or one of its options cannot be.
+        Where there is no such mode, or one of its options is invalid.
+    TypeError
+        An option is that of none of the modes.
 
     """
     if mode not in FLASH_MODES:
         raise ValueError(f"no flash mode '{mode}'; there is {', '.join(FLASH_MODES)}")
+    every = {name for each in FLASH_MODES.values() for name in signature(each).parameters}
+    unknown = sorted(options.keys() - every)
+    if unknown:
+        raise TypeError(
+            f'no flash mode has {", ".join(unknown)}; there is {", ".join(sorted(every))}'
+        )
     create = FLASH_MODES[mode]
     known = signature(create).parameters
     return create(**{name: value for name, value in options.items() if name in known})

@@ -26,6 +26,12 @@ def test_every_mode_is_made_from_the_same_options(mode: str) -> None:
     assert flash.reason == 'no frame yet'
 
 
+def test_an_option_of_no_mode_is_named() -> None:
+    """With those that there are: one that is misspelt must not be left out."""
+    with pytest.raises(TypeError, match='no flash mode has max_interval; there is bits_per_second, '):
+        flash_by_name('alternate', max_interval=0.1)
+
+
 def test_an_unknown_mode_is_named() -> None:
     """With those that there are."""
     with pytest.raises(ValueError, match="no flash mode 'disco'; there is alternate, "):
