@@ -198,9 +198,10 @@ class InStep(Switching):
             return light
         self._vx += SPEED_MEMORY * (vx - self._vx)
         self._vy += SPEED_MEMORY * (vy - self._vy)
+        unlit_part = unlit / max(lit + unlit, 1e-9)
         if (going_over or instants.side) and (
             0.5 * exposure * math.hypot(self._vx, self._vy) > MOVING_PX
-            or unlit / (lit + unlit) + AHEAD_S * going_over > TOO_EVEN
+            or unlit_part + AHEAD_S * going_over > TOO_EVEN
         ):
             self._mode = HalfRate(
                 interval=interval, slower=instants.side * going_over * exposure,
