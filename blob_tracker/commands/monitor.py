@@ -60,7 +60,7 @@ class Monitor(Node):
                 self.create_subscription(kind, topic, partial(callback, light), RESULT)
 
     def forget(self) -> None:
-        """Begin afresh."""
+        """Restart: know nothing of what came before."""
         self.frames.clear()
         self.stamps.clear()
         for light in self.lights.values():

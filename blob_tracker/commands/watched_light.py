@@ -92,7 +92,7 @@ class WatchedLight:
         self.truths: dict[int, tuple[float, float]] = {}
 
     def forget(self) -> None:
-        """Begin afresh."""
+        """Restart: know nothing of what came before."""
         self.latencies.clear()
         self.arrivals.clear()
         for kept in (self.centroids, self.covariances, self.truths):
