@@ -267,6 +267,11 @@ class Window:
         if self.looks < 1:
             raise ValueError(f'a window is the sum of {self.looks} frames; it must be 1 or more')
 
+    def to_window(self, x: float, y: float) -> tuple[float, float]:
+        """Return a position on the full, unbinned sensor, px, as one in the window's pixels."""
+        across, down = self.binning
+        return (x - self.x0 + 0.5) / across - 0.5, (y - self.y0 + 0.5) / down - 0.5
+
 
 @dataclass(frozen=True)
 class Location:

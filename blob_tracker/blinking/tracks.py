@@ -161,7 +161,7 @@ def miss_row(
     weigh_miss(tables, on, new.weights[to], name, likelihood)
     _learn_wander(tables, new, to, about, mean, variance)
     new.deficit[to] += gain
-    # Where it was due and is not it may do what it did not before.
+    # A light that is missing when it is due may have started to manoeuvre.
     new.agility[to] = min(new.agility[to] * np.exp(MISSED * max(-gain - 1.0, 0.0)), 1.0)
     new.now[to] = 0.0
     new.now[to, 0], new.now[to, 3] = -1.0, share
@@ -176,13 +176,13 @@ def hit_row(
     """
     Take note in a row of its point.
 
-    `moments` are those of `judge_hit` for it, and get the finer tau. Where it turned, its motion
-    begins anew at the last point. Where it may not be `alone`, the point's flux is not its own.
+    `moments` are those of `judge_hit` for it, and get the finer tau. If it turned, its motion
+    restarts at the last point. If it may not be `alone`, the point's flux is not its own.
     """
     state, covariance = new.state[to], new.covariance[to]
     vx, vy = state[2], state[3]
     gap, speed = clock - new.hit[to, 0], np.sqrt(vx * vx + vy * vy)
-    # Where it would be if it had not turned; tau is known better below.
+    # The position without a turn; tau is known better below.
     straight = project(state, covariance, moments[0])
     if kind == TURN:
         anywhere = (TURN_PLACE * speed * gap) ** 2

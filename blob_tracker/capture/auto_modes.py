@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from blob_tracker.capture import videodev2
 from blob_tracker.capture.controls import Control
@@ -77,15 +77,21 @@ def still_on(controls: Mapping[str, Control], values: Mapping[str, int | str]) -
             f"'{name}' is {_spelled(control, value)}{meaning}: the camera changes its exposure by "
             f'itself, and lit and unlit frames do not compare; {remedy}'
         )
-    if EXPOSURE_AUTO not in {control.number for control in controls.values()}:
-        found |= {
-            name: f"'{name}' is inactive: a mode that the camera does not tell of governs it, and "
-                  "lit and unlit frames may not compare; use a camera whose 'auto_exposure' can "
-                  'be read'
-            for name, control in controls.items()
-            if control.number in EXPOSURES and control.inactive
-        }
+    found |= {
+        control.name: f"'{control.name}' is inactive: a mode that the camera does not tell of "
+                      'governs it, and lit and unlit frames may not compare; use a camera whose '
+                      "'auto_exposure' can be read"
+        for control in governed_exposures(controls.values())
+    }
     return found
+
+
+def governed_exposures(controls: Iterable[Control]) -> list[Control]:
+    """Return the exposure times that a mode chooses of which the device does not tell."""
+    known = {control.number: control for control in controls}
+    if EXPOSURE_AUTO in known:
+        return []
+    return [known[number] for number in EXPOSURES if number in known and known[number].inactive]
 
 
 def _spelled(control: Control, value: int) -> str:

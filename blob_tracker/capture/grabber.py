@@ -20,10 +20,9 @@ class Grabber:
 
     The thread and the reader share one slot: a frame that nobody took is replaced by the next and
     counted in `overruns`. It holds both fields of an interlaced picture, which come together, and
-    gives the older one first. The slot has room for the two fields of an interlaced picture, which
-    come together: the reader gets the older one first. So a reader that stalls finds a new frame,
-    and the driver's ring never runs full. A frame that waited for longer than the ring is long, as
-    the driver went quiet after it, is an overrun too. The reader is woken by the frame itself.
+    gives the older one first. So a reader that stalls finds a new frame, and the driver's ring
+    never runs full. A frame that waited for longer than the ring is long, as the driver went quiet
+    after it, is an overrun too. The reader is woken by the frame itself.
 
     A flash is seen in the difference of neighbours, which the reader tells by their stamps: a
     reader that is a little too slow loses single frames, and the pairs that they belong to. One

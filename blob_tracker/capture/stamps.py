@@ -29,6 +29,7 @@ import threading
 from typing import Literal
 
 from blob_tracker.capture import videodev2
+from blob_tracker.capture.auto_modes import governed_exposures
 from blob_tracker.capture.controls import Control, ControlError, get_control, Ioctl
 
 Source = Literal['exposure start', 'camera clock', 'transfer start', 'transfer end']
@@ -306,19 +307,14 @@ class ExposureControls:
         return self._line_ns() if videodev2.CID_EXPOSURE in self._controls else None
 
     def _time_ns(self, line_ns: float | None) -> int | None:
-        if self._value(videodev2.CID_EXPOSURE_AUTO) in AUTOMATIC or self._governed():
+        automatic = self._value(videodev2.CID_EXPOSURE_AUTO) in AUTOMATIC
+        if automatic or governed_exposures(self._controls.values()):
             return None
         units = self._value(videodev2.CID_EXPOSURE_ABSOLUTE)
         if units is not None:
             return units * EXPOSURE_UNIT_NS
         lines = self._value(videodev2.CID_EXPOSURE)
         return None if lines is None or line_ns is None else round(lines * line_ns)
-
-    def _governed(self) -> bool:
-        """Return whether a mode that the device does not tell of chooses the exposure time."""
-        return videodev2.CID_EXPOSURE_AUTO not in self._controls and any(
-            control.inactive for number, control in self._controls.items()
-            if number in (videodev2.CID_EXPOSURE, videodev2.CID_EXPOSURE_ABSOLUTE))
 
     def _line_ns(self) -> float | None:
         blanking = self._value(videodev2.CID_HBLANK)

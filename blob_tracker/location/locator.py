@@ -162,12 +162,10 @@ def _with_uneven_rows(
     saturation = math.inf if window.saturation is None else window.saturation - level
     lit = np.asarray(window.lit, dtype=float) - level
     pair = Pair(lit, None, replace(noise, black_level=0.0), saturation)
-    across, down = window.binning
-    x = (location.x - window.x0 + 0.5) / across - 0.5
-    y = (location.y - window.y0 + 0.5) / down - 0.5
+    x, y = window.to_window(location.x, location.y)
     covariance = location.covariance.copy()
     level_of_fit = replace(location, background=location.background - level)
-    covariance[1, 1] += down**2 * variance_of_uneven_rows(pair, level_of_fit, x, y)
+    covariance[1, 1] += window.binning[1] ** 2 * variance_of_uneven_rows(pair, level_of_fit, x, y)
     return replace(
         location,
         covariance=covariance,

@@ -85,10 +85,9 @@ class MovingTexture:
         lit, unlit = (np.asarray(each, dtype=float) for each in (window.lit, window.unlit))
         limit = math.inf if window.saturation is None else window.saturation
         usable = (lit < limit) & (unlit < limit)
-        across, down = window.binning
         rows, columns = np.indices(lit.shape)
-        x = columns - ((location.x - window.x0 + 0.5) / across - 0.5)
-        y = rows - ((location.y - window.y0 + 0.5) / down - 0.5)
+        middle_x, middle_y = window.to_window(location.x, location.y)
+        x, y = columns - middle_x, rows - middle_y
         squares = (x**2 + y**2) / location.sigma**2
         about = usable & (squares > REACH**2)
         count = int(about.sum())

@@ -134,8 +134,7 @@ class NoiseCheck:
         self._compressed = window.added_noise > 0.0  # what that does to a place is known
         unlit = np.asarray(window.unlit, dtype=float)
         across, down = window.binning
-        x = (location.x - window.x0 + 0.5) / across - 0.5
-        y = (location.y - window.y0 + 0.5) / down - 0.5
+        x, y = window.to_window(location.x, location.y)
         left, top = window.x0 // across, window.y0 // down
         before = self._last
         self._last = _Seen(
