@@ -4,10 +4,11 @@ The camera from views of a board: focal lengths, principal point, distortion, an
 OpenCV finds the parameters that make the sum of squared distances between the points and their
 projections least (Zhang, IEEE Trans. PAMI 22 (2000) 1330). Their covariance is
 
-    Cov = s^2 (J^T J)^-1,   s^2 = sum of squared residuals / (2 N - parameters)
+    Cov = k s^2 (J^T J)^-1,   s^2 = sum of squared residuals / (2 N - parameters)
 
 with J the derivative of all projections by all parameters, the poses of the board included, which
-are then left out. OpenCV's own standard deviations are the same in 4.14 and 5.0, and sqrt(2) or
+are then left out, and k >= 1 the growth where the errors of a view hang together
+(`view_scatter`). OpenCV's own standard deviations are the same in 4.14 and 5.0, and sqrt(2) or
 more too large in 4.6, that of Ubuntu 24.04; it never tells the correlations.
 """
 
@@ -18,8 +19,9 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from blob_tracker.calibration.boards import View
-from blob_tracker.calibration.bundle import adjust, Bundle, information, project, residuals
+from blob_tracker.calibration.bundle import adjust, Bundle, parts, project, residuals
 from blob_tracker.calibration.dot_centres import centre_offsets
+from blob_tracker.calibration.view_scatter import variance_growth
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.lens import LENSES
 import cv2
@@ -62,6 +64,8 @@ class BoardCalibration:
         Of the board in each view: rotation vector, rad, and place of its origin, mm.
     left_out : tuple of (View, float)
         Views that do not fit the others, with their rms, px.
+    growth : float
+        Of the covariance, as the errors of the points of a view hang together; 1 if they do not.
 
     """
 
@@ -75,6 +79,7 @@ class BoardCalibration:
     rotations: Array
     translations: Array
     left_out: tuple[tuple[View, float], ...] = ()
+    growth: float = 1.0
 
     @property
     def values(self) -> Array:
@@ -242,14 +247,16 @@ def _fitted(views: Sequence[View], distortion_model: str, name: str) -> BoardCal
     except (cv2.error, CalibrationError, np.linalg.LinAlgError):
         raise CalibrationError(fault) from None
     left = residuals(views, bundle)
-    normal = information(views, bundle) + np.diag(prior)
+    information, pulls = parts(views, bundle)
+    normal = information.sum(axis=0) + np.diag(prior)
     scale = np.sqrt(np.diag(normal))
     if not np.isfinite(normal).all() or (scale == 0.0).any() or not _all_in_front(views, bundle):
         raise CalibrationError(fault)
     squares = _squares(left)
     # Scaled: focal lengths in px and coefficients of r^6 differ by many powers of ten.
     inverse = np.linalg.pinv(normal / np.outer(scale, scale), rcond=1e-15, hermitian=True)
-    covariance = squares / freedom * inverse / np.outer(scale, scale)
+    growth = variance_growth(information, pulls, squares / freedom)
+    covariance = growth * squares / freedom * inverse / np.outer(scale, scale)
     return BoardCalibration(
         model=bundle.model,
         names=names,
@@ -260,6 +267,7 @@ def _fitted(views: Sequence[View], distortion_model: str, name: str) -> BoardCal
         residuals=tuple(left),
         rotations=bundle.rotations,
         translations=bundle.translations,
+        growth=growth,
     )
 
 

@@ -91,13 +91,29 @@ def residuals(views: Sequence[View], bundle: Bundle) -> list[Array]:
     return [view.places - places for view, (places, _, _) in _projections(views, bundle)]
 
 
-def information(views: Sequence[View], bundle: Bundle) -> Array:
-    """Return S, (n, n): what the views tell of the parameters, at a sigma of 1 px."""
-    total = np.zeros((len(bundle.parameters),) * 2)
-    for _, (_, by_camera, by_pose) in _projections(views, bundle):
+def parts(views: Sequence[View], bundle: Bundle) -> tuple[Array, Array]:
+    """
+    Return what each view tells of the parameters, its pose apart.
+
+    Parameters
+    ----------
+    views : sequence of View
+        Points and places, M views.
+    bundle : Bundle
+        About which the projections are linear.
+
+    Returns
+    -------
+    (M, n, n) array, (M, n) array
+        The terms of S at a sigma of 1 px, and of S d: how each view pulls the parameters.
+
+    """
+    information, pulls = [], []
+    for view, (places, by_camera, by_pose) in _projections(views, bundle):
         beyond = by_camera - by_pose @ np.linalg.lstsq(by_pose, by_camera, rcond=None)[0]
-        total += beyond.T @ beyond
-    return total
+        information.append(beyond.T @ beyond)
+        pulls.append(beyond.T @ (view.places - places).ravel())
+    return np.array(information), np.array(pulls)
 
 
 def adjust(views: Sequence[View], bundle: Bundle, prior: Array) -> Bundle:

@@ -218,6 +218,38 @@ def test_sigma_is_that_of_the_corners() -> None:
     assert found.sigma == pytest.approx(SIGMA, rel=4.0 / np.sqrt(2.0 * freedom))
 
 
+def bent(random: np.random.Generator, true: CameraModel, count: int) -> list[View]:
+    """Return views in each of which the board is bent anew, 0.2 mm in 100, as paper is."""
+    seen: list[View] = []
+    for pose in poses(random, CHESSBOARD, true, count=count):
+        y, x = np.divmod(np.arange(54), 9)
+        points = 25.0 * np.column_stack([x, y]).astype(float)
+        across, down = ((points - points.mean(axis=0)) / 100.0).T
+        bend = random.normal(0.0, 0.2, 3)
+        moved = np.column_stack(
+            [bend[0] * across**2 + bend[1] * across * down, bend[2] * down**2]
+        )
+        places = BoardScene(printed(CHESSBOARD), true).truth(points + moved, pose)
+        places = places + random.normal(0.0, 0.05, places.shape)
+        seen.append(View(points, places, (true.width, true.height), f'view {len(seen)}'))
+    return seen
+
+
+def test_sigmas_hold_where_the_errors_of_a_view_hang_together() -> None:
+    """Points that move together tell less: their number alone makes sigmas four times too small."""
+    random = np.random.default_rng(31)
+    chi, without = [], []
+    for _ in range(12):
+        true = camera(random)
+        found = calibrate_board(bent(random, true, 12))
+        chi.append(distances(found, true)[0])
+        without.append(chi[-1] * found.growth)
+    low, high = chi2.ppf([0.001, 0.999], 4 * 12)
+    # The growth is known to a tenth or two from 12 views, which widens the bounds by as much.
+    assert 0.8 * low < np.sum(chi) < 1.2 * high
+    assert np.sum(without) > 5.0 * high  # measured 12 to 16 times
+
+
 def test_two_views_are_too_few() -> None:
     """Says how many it takes."""
     random = np.random.default_rng(27)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from blob_tracker.calibration.boards.board import check_grid, eight_bits, grid, rectangle, View
+from blob_tracker.calibration.boards.regularity import roughness
 from blob_tracker.calibration.boards.saddle import place_saddles
 from blob_tracker.types import Pixels
 import cv2
@@ -22,6 +23,9 @@ RADIUS = 0.3  # of the distance to the next corner: what the fit looks at
 class Chessboard:
     """
     A chessboard, found by OpenCV, its corners placed by `place_saddles`.
+
+    Where a picture is aliased or its squares have few pixels, those of OpenCV's sector detector
+    (Duda & Frese, BMVC 2018) may lie more evenly, and are taken.
 
     Parameters
     ----------
@@ -58,6 +62,7 @@ class Chessboard:
         size = (self.columns, self.rows)
         greys = eight_bits(image)
         found, corners = cv2.findChessboardCornersSB(greys, size)
+        precise = found
         if not found:  # of small squares it misses one board in a hundred, which the older finds
             found, corners = cv2.findChessboardCorners(greys, size, flags=OLDER)
         if not found:  # slower
@@ -68,13 +73,17 @@ class Chessboard:
         along, down = np.gradient(places, axis=1), np.gradient(places, axis=0)
         edges = np.stack([np.arctan2(step[..., 1], step[..., 0]) for step in (along, down)], -1)
         nearest = min(np.hypot(step[..., 0], step[..., 1]).min() for step in (along, down))
-        places, placed = place_saddles(
+        saddles, placed = place_saddles(
             image, places.reshape(-1, 2), edges.reshape(-1, 2), RADIUS * nearest
         )
+        if precise and max(size) > 3 and roughness(places) < roughness(
+            saddles.reshape(places.shape)
+        ):
+            saddles, placed = places.reshape(-1, 2), np.ones(len(saddles), dtype=bool)
         if not placed.any():
             return None
         height, width = image.shape
-        return View(self._points()[placed], places[placed], (width, height), name)
+        return View(self._points()[placed], saddles[placed], (width, height), name)
 
     def _points(self) -> NDArray[np.float64]:
         return grid(self.columns, self.rows, self.square)

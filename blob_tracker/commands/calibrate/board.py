@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections import Counter
 from datetime import datetime, timezone
 from pathlib import Path
 import shlex
@@ -15,6 +16,7 @@ from blob_tracker.calibration.board_views import BoardViews
 from blob_tracker.calibration.boards import (
     Board, BoardError, CharucoBoard, Chessboard, DotGrid, View,
 )
+from blob_tracker.calibration.boards.regularity import is_even
 from blob_tracker.camera import CalibrationError, LensError, write_calibration
 from blob_tracker.camera.lens import LENSES
 from blob_tracker.commands.calibrate.report import UsageError, WORTHLESS
@@ -39,6 +41,10 @@ PARTS = {  # of width and height
     'bottom right corner': (1.0, 1.0),
 }
 TELLING_VIEWS = 4  # from which on the progress tells what is missing
+DOUBTFUL_PX = 0.5  # rms; a flat board, a fixed lens and sharp pictures have 0.02 to 0.3
+WRONG_PX = 2.0  # rms beyond which the camera found is none
+HANGS_TOGETHER = 4.0  # growth of the covariance that is told of: twice the sigmas
+MISCOUNTED = 'are --columns and --rows its own (of a chessboard the inner corners)?'
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -100,10 +106,16 @@ def main(arguments: argparse.Namespace) -> None:
         raise UsageError(
             f'--picture is {arguments.picture}; it must end in one of {", ".join(SUFFIXES)}'
         )
-    views = _views(arguments, board)
-    found = calibrate_board(views, arguments.model, arguments.name)
+    views = _of_one_size(_views(arguments, board))
     console = Console()
+    with console.status('fitting the camera'):
+        found = calibrate_board(views, arguments.model, arguments.name)
     _report(console, found)
+    if found.rms > WRONG_PX:
+        raise CalibrationError(
+            f'the points lie {found.rms:.1f} px from where any camera would see them: nothing is '
+            f'written; {MISCOUNTED} Is the board stiff, and --model the lens\'s kind?'
+        )
     relative = float((found.sigmas[:2] / found.values[:2]).max())
     if relative > WORTHLESS:
         raise CalibrationError(
@@ -129,6 +141,7 @@ def _board(arguments: argparse.Namespace) -> Board:
 def _views(arguments: argparse.Namespace, board: Board) -> list[View]:
     """Return the views of the board in a folder: all; of a stream: those that differ."""
     every: list[View] = []
+    uneven: list[str] = []
     choice = None if is_folder(arguments) else BoardViews(board)
     seen: tuple[str, Pixels] | None = None
     without: list[str] = []
@@ -151,6 +164,9 @@ def _views(arguments: argparse.Namespace, board: Board) -> list[View]:
                 view = board.find(image, name)
                 if view is None:
                     without.append(name)
+                elif not is_even(view):
+                    uneven.append(name)
+                    view = None
                 if choice is None:
                     every += [] if view is None else [view]
                 elif choice.offer(view):
@@ -170,15 +186,35 @@ def _views(arguments: argparse.Namespace, board: Board) -> list[View]:
             if not (live and len(every) >= LEAST_VIEWS):
                 raise
             print(f'{error}; calibrating with what came before', file=sys.stderr)
+    if len(uneven) > len(every):
+        raise CalibrationError(
+            f'the points found in {len(uneven)} images, {uneven[0]} for one, do not lie like those '
+            f'of a {board.description}: {MISCOUNTED}'
+        )
     if not every:
         raise SourceError(_not_found(arguments, board, seen))
     if without and choice is None:
         print(
-            f'no {board.description} in {len(without)} of {len(without) + len(every)} images: '
-            + ', '.join(without),
+            f'no {board.description} in {len(without)} of {count} images: ' + ', '.join(without),
             file=sys.stderr,
         )
+    if uneven:
+        print(f'left out, as the points found are no even grid: {", ".join(uneven)}', file=sys.stderr)
     return every
+
+
+def _of_one_size(views: list[View]) -> list[View]:
+    """Return the views of the size that most have, and name the others."""
+    (size, _), = Counter(view.size for view in views).most_common(1)
+    others = [view for view in views if view.size != size]
+    if others:
+        print(
+            f'left out, as their size is not {size[0]} x {size[1]} px: ' + ', '.join(
+                f'{view.name} ({view.size[0]} x {view.size[1]})' for view in others
+            ),
+            file=sys.stderr,
+        )
+    return [view for view in views if view.size == size]
 
 
 def _hint(views: list[View], model: str) -> str:
@@ -241,6 +277,19 @@ def _report(console: Console, found: BoardCalibration) -> None:
         f'points; one coordinate of a point has a sigma of {found.sigma:.4f} px',
         highlight=False,
     )
+    if found.rms > DOUBTFUL_PX:
+        console.print(
+            f'[yellow]doubtful:[/yellow] {found.rms:.2f} px is much: a board that is bent, a lens '
+            'that focuses by itself, blurred pictures, or a lens that needs another --model',
+            highlight=False,
+        )
+    if found.growth > HANGS_TOGETHER:
+        console.print(
+            f'[yellow]doubtful:[/yellow] the errors of the points of one image hang together, and '
+            f'the sigmas are {np.sqrt(found.growth):.1f} times what independent points would give: '
+            'a board that is bent, a lens that focuses by itself, or blurred pictures',
+            highlight=False,
+        )
     for view, rms in found.left_out:
         console.print(
             f'[yellow]left out:[/yellow] {view.name}, whose rms of {rms:.3f} px is beyond three '

@@ -182,11 +182,44 @@ def test_a_topic_without_images_says_what_there_is(tmp_path: Path, domain: int) 
     assert 'Traceback' not in process.output
 
 
-def mixed(folder: Path, images: list[Pixels]) -> None:
-    """Write images of two sizes."""
-    save(folder, images[:5])
+def test_an_image_of_another_size_is_left_out_with_a_word(
+    chess, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One that someone cropped does not shut the folder."""
+    true, images = chess
+    folder = save(tmp_path / 'images', images)
     wider = cv2.copyMakeBorder(images[5], 0, 0, 20, 20, cv2.BORDER_REPLICATE)
     cv2.imwrite(str(folder / 'wider.png'), wider)
+    assert calibrate(folder, tmp_path, *CHESS) == 0
+    errors = capsys.readouterr().err
+    assert 'left out, as their size is not 320 x 240 px: wider.png (360 x 240)' in errors
+    assert_found(tmp_path, true)
+
+
+@pytest.mark.parametrize('columns, rows', [(4, 3), (5, 4)])
+def test_a_board_that_was_counted_wrong_is_refused(
+    chess, tmp_path: Path, capsys: pytest.CaptureFixture[str], columns: int, rows: int
+) -> None:
+    """The detector makes a grid of whatever corners it finds; no camera comes of it."""
+    options = ['--kind', 'chessboard', '--columns', str(columns), '--rows', str(rows),
+               '--square', '25']
+    assert calibrate(save(tmp_path / 'images', chess[1][:6]), tmp_path, *options) == 1
+    assert 'are --columns and --rows its own' in capsys.readouterr().err
+    assert not (tmp_path / 'camera_info.yaml').exists()
+
+
+def test_bent_boards_are_doubted(
+    chess, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Sigmas that had to grow, and a scatter that no sharp picture of a flat board has."""
+    def doubtful(*arguments) -> BoardCalibration:
+        return replace(calibrate_board(*arguments), growth=9.0, rms=0.8)
+
+    monkeypatch.setattr(board_command, 'calibrate_board', doubtful)
+    assert calibrate(save(tmp_path / 'images', chess[1]), tmp_path, *CHESS) == 0
+    words = ' '.join(capsys.readouterr().out.split())
+    assert 'the sigmas are 3.0 times what independent points would give' in words
+    assert '0.80 px is much' in words
 
 
 def unreadable(folder: Path, images: list[Pixels]) -> None:
@@ -198,7 +231,6 @@ def unreadable(folder: Path, images: list[Pixels]) -> None:
 @pytest.mark.parametrize(
     'prepare, options, code, sentence',
     [
-        (mixed, CHESS, 1, '5 of 320 x 240 px (view0.png), 1 of 360 x 240 px (wider.png)'),
         (unreadable, CHESS, 1, 'view1.png is not an image that can be read'),
         (lambda folder, _: folder.mkdir(), CHESS, 1, 'holds no images'),
         (lambda folder, images: save(folder, images[:2]), CHESS, 1, 'it takes 3 at the very'),
