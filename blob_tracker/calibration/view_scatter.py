@@ -2,16 +2,16 @@
 By how much the errors of one view's points hang together.
 
 A bent board, blur or a lens that focuses anew move all points of a view at once, so that they tell
-less of the camera than as many independent points. Each view v has its part S_v of the information
-and its pull g_v on the parameters (`bundle.parts`), which add up to S and to zero. If the errors of
-points are independent, of variance s^2, the pulls scatter as
+less of the camera than as many independent points. Each view v has its part S_v of the
+information and its pull g_v on the parameters (`bundle.parts`), which add up to S and to zero. If
+the errors of points are independent, of variance s^2, the pulls scatter as
 
     E g_v^T S^-1 g_v = s^2 tr(S_v S^-1 - S_v S^-1 S_v S^-1)
 
 The ratio of both sums is what the covariance of the parameters is too small by: the variance of a
 sandwich clustered by view (Liang & Zeger, Biometrika 73 (1986) 13), of one scale for all
 parameters. A sandwich of its own for each pair of them is singular with fewer views than
-parameters; on seven public sets of board pictures it was no nearer to what halves of a set differ by.
+parameters; on seven public sets of pictures it was no nearer to what two halves of a set differ by.
 """
 
 from __future__ import annotations

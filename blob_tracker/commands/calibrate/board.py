@@ -114,7 +114,7 @@ def main(arguments: argparse.Namespace) -> None:
     if found.rms > WRONG_PX:
         raise CalibrationError(
             f'the points lie {found.rms:.1f} px from where any camera would see them: nothing is '
-            f'written; {MISCOUNTED} Is the board stiff, and --model the lens\'s kind?'
+            f"written; {MISCOUNTED} Is the board stiff, and --model the lens's kind?"
         )
     relative = float((found.sigmas[:2] / found.values[:2]).max())
     if relative > WORTHLESS:
@@ -188,8 +188,8 @@ def _views(arguments: argparse.Namespace, board: Board) -> list[View]:
             print(f'{error}; calibrating with what came before', file=sys.stderr)
     if len(uneven) > len(every):
         raise CalibrationError(
-            f'the points found in {len(uneven)} images, {uneven[0]} for one, do not lie like those '
-            f'of a {board.description}: {MISCOUNTED}'
+            f'the points found in {len(uneven)} images, {uneven[0]} for one, do not lie like '
+            f'those of a {board.description}: {MISCOUNTED}'
         )
     if not every:
         raise SourceError(_not_found(arguments, board, seen))
@@ -199,7 +199,8 @@ def _views(arguments: argparse.Namespace, board: Board) -> list[View]:
             file=sys.stderr,
         )
     if uneven:
-        print(f'left out, as the points found are no even grid: {", ".join(uneven)}', file=sys.stderr)
+        names = ', '.join(uneven)
+        print(f'left out, as the points found are no even grid: {names}', file=sys.stderr)
     return every
 
 
@@ -286,8 +287,8 @@ def _report(console: Console, found: BoardCalibration) -> None:
     if found.growth > HANGS_TOGETHER:
         console.print(
             f'[yellow]doubtful:[/yellow] the errors of the points of one image hang together, and '
-            f'the sigmas are {np.sqrt(found.growth):.1f} times what independent points would give: '
-            'a board that is bent, a lens that focuses by itself, or blurred pictures',
+            f'the sigmas are {np.sqrt(found.growth):.1f} times what independent points would '
+            'give: a board that is bent, a lens that focuses by itself, or blurred pictures',
             highlight=False,
         )
     for view, rms in found.left_out:
