@@ -11,7 +11,7 @@ the errors of points are independent, of variance s^2, the pulls scatter as
 The ratio of both sums is what the covariance of the parameters is too small by: the variance of a
 sandwich clustered by view (Liang & Zeger, Biometrika 73 (1986) 13), of one scale for all
 parameters. A sandwich of its own for each pair of them is singular with fewer views than
-parameters; on seven public sets of pictures it was no nearer to what two halves of a set differ by.
+parameters; on seven public sets of pictures it was no nearer to what halves of a set differ by.
 """
 
 from __future__ import annotations

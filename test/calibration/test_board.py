@@ -236,7 +236,7 @@ def bent(random: np.random.Generator, true: CameraModel, count: int) -> list[Vie
 
 
 def test_sigmas_hold_where_the_errors_of_a_view_hang_together() -> None:
-    """Points that move together tell less: their number alone makes sigmas four times too small."""
+    """Points that move together tell less: their number alone makes sigmas too small by four."""
     random = np.random.default_rng(31)
     chi, without = [], []
     for _ in range(12):
