@@ -38,19 +38,22 @@ class ServoClient(Node):
         self.home_after = self.declare_parameter('home_after', 3.0).value  # s: then go to 0, 0
         self.angle = np.zeros(2)  # rad: pan, tilt
         self.visible = False
-        self.stamp = -np.inf  # s, of the last bearing
+        self.stamp = -np.inf  # s, of the last bearing that was followed
+        self.heard = -np.inf  # s: when the last bearing came, whatever its stamp is
         # A JointState names its joints, and drivers of pan/tilt units (flir_ptu) take it.
         self.commands = self.create_publisher(JointState, 'joint_command', 10)
         held = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         known, bearing = 'target/visible', 'target/bearing'
         if self.predicted:
             known, bearing = 'target/tracked', 'target/bearing_predicted'
+            self.create_subscription(Vector3Stamped, 'target/bearing', self.hear, 10)
         self.create_subscription(Bool, known, self.see, held)
         self.create_subscription(Vector3Stamped, bearing, self.follow, 10)
         self.create_timer(PERIOD, self.go_home)
 
     def follow(self, bearing: Vector3Stamped) -> None:
         """Turn by a part of the bearing, or to what is predicted, unless old or no number."""
+        self.hear(bearing)
         stamp = bearing.header.stamp.sec + 1e-9 * bearing.header.stamp.nanosec
         angle = np.array([bearing.vector.x, bearing.vector.y])  # mrad
         age = self.now() - stamp
@@ -66,13 +69,17 @@ class ServoClient(Node):
                 step = np.sign(self.gain) * 1e-3 * angle - self.angle
             self.turn(step, elapsed)
 
+    def hear(self, _: Vector3Stamped) -> None:
+        """Know that the target is in view, even if its bearings cannot be followed."""
+        self.heard = self.now()
+
     def see(self, visible: Bool) -> None:
         """Hold still from the moment that the target is lost: nothing but this flag changes."""
         self.visible = visible.data
 
     def go_home(self) -> None:
-        """Go back to 0, 0 when the target has not been seen for long."""
-        if self.now() - self.stamp > self.home_after:
+        """Go back to 0, 0 when the target has not been seen for long; else hold still."""
+        if self.now() - self.heard > self.home_after:
             self.turn(-self.angle, PERIOD)
 
     def turn(self, step: NDArray[np.float64], elapsed: float) -> None:

@@ -37,6 +37,10 @@ class PanTilt:
     def __init__(self, node: Probe, bearing: str, visible: str) -> None:
         self._node = node
         self._bearings = node.create_publisher(Vector3Stamped, f'target/{bearing}', RESULT)
+        self._located = (
+            self._bearings if bearing == 'bearing'
+            else node.create_publisher(Vector3Stamped, 'target/bearing', RESULT)
+        )
         self._visible = node.create_publisher(Bool, f'target/{visible}', STATE)
         self._clock = node.create_publisher(Clock, '/clock', RESULT)
         self._events = node.record(ParameterEvent, '/parameter_events')
@@ -44,7 +48,7 @@ class PanTilt:
         self.now_ns = 1_700_000_000_000_000_000
         node.spin_until(lambda: all(
             publisher.get_subscription_count()
-            for publisher in (self._bearings, self._visible, self._clock)
+            for publisher in (self._bearings, self._located, self._visible, self._clock)
         ))
         node.spin_until(lambda: node.count_publishers('joint_command'))
         node.spin_until(self._has_the_time)
@@ -76,6 +80,13 @@ class PanTilt:
         message.header.stamp = from_ns(self.now_ns - age_ns)
         message.vector.x, message.vector.y = x, y
         self._bearings.publish(message)
+
+    def in_view(self, ahead_ns: int) -> None:
+        """Let a frame pass with a bearing on target/bearing whose stamp is ahead."""
+        message = Vector3Stamped()
+        message.header.stamp = from_ns(self.now_ns + ahead_ns)
+        self._located.publish(message)
+        self.wait(FRAME_NS)
 
     def turned(self, count: int) -> None:
         """Wait for that many commands in all."""
@@ -179,6 +190,23 @@ def test_it_holds_still_while_the_target_is_lost_and_then_goes_home(domain: int)
         # At the speed limit, a step each 20 ms: then there, and nothing more to say.
         home = [[away[0] + 20.0, 0.0], [0.0, 0.0]]
         assert pan_tilt.angles[3:] == pytest.approx(np.array(home))
+
+
+@pytest.mark.parametrize('predicted', [False, True])
+def test_it_holds_still_while_bearings_of_another_clock_come(
+    predicted: bool, domain: int
+) -> None:
+    """Stamps of TAI, 37 s ahead: the target is in view, and going home would lose it."""
+    with servo(domain, f'predicted:={str(predicted).lower()}') as pan_tilt:
+        pan_tilt.lock(20.0, 10.0)
+        if predicted:
+            pan_tilt.show(False)  # by the tracker, which predicts nothing then
+        for _ in range(HOME_AFTER_NS // FRAME_NS + 10):
+            pan_tilt.in_view(37_000_000_000)
+        pan_tilt.quiet()
+        assert len(pan_tilt.commands) == 1
+        pan_tilt.wait(HOME_AFTER_NS + 5 * FRAME_NS)
+        assert pan_tilt.angles[-1] == pytest.approx([0.0, 0.0])
 
 
 def test_what_is_no_number_never_moves_it(domain: int) -> None:

@@ -70,6 +70,22 @@ PARAMETERS = (
         unit='mrad',
     ),
     Parameter(
+        'stamp_offset',
+        0.0,
+        'How far the clock of the stamps is ahead of the one of this computer; it is taken off. '
+        'The diagnostics have it: 37 for TAI.',
+        least=-1e10,
+        most=1e10,
+        unit='s',
+    ),
+    Parameter(
+        'stamp_offset_auto',
+        False,
+        'Measure the offset, and again when it changes: exactly for TAI, GPS time and the time '
+        'since the computer was started; else by the bearings that come soonest, as if they came '
+        'at once.',
+    ),
+    Parameter(
         'servo_delay',
         0.0,
         'From the moment at which a prediction is published to that at which the servo is there: '

@@ -136,7 +136,8 @@ class LightTrack:
             self._topics.publish(track, frame_id)
         self.predict(ahead_ns)
         self._health.left(bearing.stamp_ns)
-        self._health.ok('target tracked')
+        tracked = self._prediction is not None
+        self._health.ok('target tracked' if tracked else f'no prediction: {self._tracker.reason}')
 
     def predict(self, ahead_ns: int) -> None:
         """Publish where the light will be in so many ns, or that this is not known."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from functools import partial
 import sys
 from threading import Lock
@@ -15,6 +16,7 @@ from blob_tracker.nodes.tracker.platform import Platform
 from blob_tracker.ros.diagnostics.clock_jumps import on_clock_jump
 from blob_tracker.ros.diagnostics.connections import Connections
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
+from blob_tracker.ros.diagnostics.stamp_clock import StampClock
 from blob_tracker.ros.endpoints.delivery import Delivery
 from blob_tracker.ros.endpoints.names import lights_from_text, target_topic
 from blob_tracker.ros.endpoints.qos import RESULT, subscription
@@ -74,6 +76,7 @@ class TrackerNode(Node):
         self._rays: dict[str, Subscription] = {}
         self._filter: dict[str, Any] = {}
         self._new_tracker: Callable[[], Tracker]
+        self._judged = True  # whether it is said what is wrong with the stamps that came
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         # Of the ROS clock: where time is simulated and pauses, no prediction is due.
         self._timer = self.create_timer(1.0 / SLOWEST, self._predict)
@@ -114,6 +117,11 @@ class TrackerNode(Node):
                 if self._listen:
                     self._follow(lights)
                 self._ahead_ns = int(1e9 * values['servo_delay'])
+                self._stamp_clock = StampClock(
+                    values['stamp_offset'],
+                    auto=values['stamp_offset_auto'],
+                    latest=values['coast'] - values['servo_delay'],
+                )
                 self._set_rate(values['prediction_rate'])
                 if self._platform.angles is None:
                     self._looks.cancel()
@@ -175,9 +183,19 @@ class TrackerNode(Node):
         """
         came_ns = time.monotonic_ns()
         with self._lock:
+            stamp_ns = self._by_this_clock(delivery.item.stamp_ns)
+            if stamp_ns != delivery.item.stamp_ns:
+                delivery = replace(delivery, item=replace(delivery.item, stamp_ns=stamp_ns))
+            self._judged = False
             if delivery.light in self._lights:
                 self._lights[delivery.light].take(delivery, self._ahead_ns)
-        self._health.arrived(delivery.item.stamp_ns, came_ns)
+        self._health.arrived(stamp_ns, came_ns)
+
+    def _by_this_clock(self, stamp_ns: int) -> int:
+        """Return a stamp without the offset of its clock; simulated time is that of the stamps."""
+        if self.get_clock().ros_time_is_active:
+            return stamp_ns
+        return self._stamp_clock.corrected(stamp_ns, time.time_ns())
 
     def _release(self) -> None:
         """Filter the bearings that need not wait any longer; the lock is held."""
@@ -234,6 +252,10 @@ class TrackerNode(Node):
     def _describe(self) -> None:
         """Show in the diagnostics how the lights are tracked."""
         with self._lock:
+            self._health.show('stamp offset (s)', f'{self._stamp_clock.taken:.3f}')
+            if not self._judged and self._stamp_clock.fault:
+                self._health.fault(WARN, self._stamp_clock.fault)
+            self._judged = True
             self._platform.describe()
             for light in self._lights.values():
                 light.describe()

@@ -10,6 +10,7 @@ from threading import Lock
 import time
 
 from blob_tracker.ros.diagnostics.load import Load
+from blob_tracker.ros.diagnostics.stamp_clock import name_clock
 from blob_tracker.ros.diagnostics.timing import Figures, plausible, Timing, UsualRate
 from blob_tracker.ros.endpoints.qos import publisher, RESULT
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -224,7 +225,10 @@ class Health:
             return 'unknown: simulated time stands still between two ticks'
         if math.isnan(age):
             return 'unknown: there was nothing in the last 10 s'
-        return f'{age:.2f}' if plausible(age) else 'unknown: the stamps are of another clock'
+        if plausible(age):
+            return f'{age:.2f}'
+        name, _ = name_clock(-1e-3 * age)
+        return f'unknown: the stamps are of another clock ({name})'
 
     def _watch(self, figures: Figures) -> None:
         """Warn where the rate fell, and of results that come in fits and starts."""

@@ -79,7 +79,7 @@ def test_rate_age_and_latency_are_shown(domain: int) -> None:
         for _ in range(200):
             health.arrived(0)
         values = shown(node, heard)
-        assert values['age p50 (ms)'] == 'unknown: the stamps are of another clock'
+        assert values['age p50 (ms)'].startswith('unknown: the stamps are of another clock (')
         assert float(values['latency p50 (ms)']) < 35.0
         node.set_parameters([Parameter('use_sim_time', value=True)])
         assert shown(node, heard)['latency p50 (ms)'].startswith('unknown: simulated time')
