@@ -92,12 +92,12 @@ class StampClock:
 
     @property
     def taken(self) -> float:
-        """What is taken off the stamps, s."""
+        """Return what is taken off the stamps, s."""
         return 1e-9 * self._taken_ns
 
     @property
     def fault(self) -> str:
-        """What is wrong with the stamps that are left, and what to do; empty where nothing is."""
+        """Return what is wrong with the stamps that are left, and what to do; empty if nothing is."""
         if not self._offsets:
             return ''
         offset = statistics.median(self._offsets)
