@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 import signal
 from typing import TypeVar
 
@@ -85,9 +85,11 @@ def in_words(arguments: argparse.Namespace) -> str:
     return ' or '.join(limits)
 
 
-def until_interrupt(stream: Iterator[Each]) -> Iterator[Each]:
+def until_interrupt(
+    stream: Iterator[Each], interrupted: Callable[[], None] = lambda: None
+) -> Iterator[Each]:
     """
-    Yield what a stream has until Ctrl-C; a second one is Python's again.
+    Yield what a stream has until Ctrl-C, which is told; a second one is Python's again.
 
     While a frame is waited for, it ends the waiting; work on one that came is finished first.
     """
@@ -97,6 +99,7 @@ def until_interrupt(stream: Iterator[Each]) -> Iterator[Each]:
     def end(*_: object) -> None:
         nonlocal ended
         ended = True
+        interrupted()
         signal.signal(signal.SIGINT, before)
         if waiting:
             raise KeyboardInterrupt
