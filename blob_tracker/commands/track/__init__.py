@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -11,7 +10,9 @@ import shlex
 import sys
 from typing import Any
 
+from blob_tracker import location, segmentation
 from blob_tracker.camera import CalibrationError, CameraModel
+from blob_tracker.commands import INSTALL_ROS
 from blob_tracker.commands.calibrate.report import check_out, tell_of, UsageError
 from blob_tracker.commands.sources import (
     add_source, is_live, is_topic, open_source, Source, SourceError, SourceFrame, unstamped,
@@ -23,17 +24,12 @@ from blob_tracker.commands.track.options import add_options, values_of
 from blob_tracker.commands.track.outcome import Summary
 from blob_tracker.commands.track.picture import draw_track
 from blob_tracker.commands.track.table import Table
-from blob_tracker.pipeline import compile_ahead
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.parameters.url import to_path
 import numpy as np
 from rich.console import Console
 
 INTERRUPTED = 130  # exit code, as of a shell command that Ctrl-C ended
-NO_MESSAGES = (
-    '--to bag writes messages of ROS, which are not installed: python3 -m pip install '
-    '"ros-jazzy-rclpy[fastrtps]" ros-jazzy-common-interfaces, or leave it out for a table'
-)
 MOST_WARNINGS = 5
 
 
@@ -100,8 +96,9 @@ def _track(arguments: argparse.Namespace) -> int:
     source = open_source(arguments, calibrated=model is None and not values['field_of_view'])
     if not source.stamps:
         raise UsageError(unstamped(arguments))
-    with console.status('loading the fits; the first time compiles them for half a minute'):
-        compile_ahead([values['method']])
+    with console.status('loading the fits; the first time compiles them, for a minute or two'):
+        location.compile_ahead([values['method']])
+        segmentation.compile_ahead()
     frames, first = _peeked(source)
     size = sensor_size(first.frame)
     if model is None and values['field_of_view']:
@@ -160,7 +157,10 @@ def _table(arguments: argparse.Namespace, out: Path) -> Any:
     try:
         from blob_tracker.commands.track.bag import Bag
     except ImportError:
-        raise UsageError(NO_MESSAGES) from None
+        raise UsageError(
+            f'--to bag writes messages of ROS, which are not installed: {INSTALL_ROS}; or leave '
+            'it out, for a table'
+        ) from None
     return Bag(out)
 
 
@@ -211,9 +211,9 @@ def _report(console: Console, summary: Summary, chain: Chain) -> None:
         console.print(words, markup=False, highlight=False, soft_wrap=True)
     if chain.finding:
         console.print(f'found: {chain.finding}', markup=False, highlight=False, soft_wrap=True)
-    for warning, count in Counter(chain.warnings).most_common(MOST_WARNINGS):
+    for warning, count in chain.warnings[:MOST_WARNINGS]:
         console.print(
-            f'- {warning} (in {count} of the frames)', markup=False, highlight=False,
+            f'- {warning} ({count} times)', markup=False, highlight=False,
             soft_wrap=True,
         )
 

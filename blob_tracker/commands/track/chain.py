@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+import re
 from typing import Any
 
 from blob_tracker.camera import CalibrationError, CameraModel
@@ -37,9 +38,6 @@ class Chain:
     ----------
     note : str
         What of the parameters cannot be used; '' where all can.
-    warnings : dict of str to int
-        What is not as it should be, and in how many frames.
-
     Raises
     ------
     ParameterError
@@ -81,7 +79,12 @@ class Chain:
         self._line_time_ns = 1e9 * values['line_time']
         quality = values['jpeg_quality']
         self._quantisation = standard_quantisation(quality) if quality else None
-        self.warnings: dict[str, int] = {}
+        self._warned: dict[str, tuple[str, int]] = {}
+
+    @property
+    def warnings(self) -> list[tuple[str, int]]:
+        """Say what is not as it should be, and how often; the most frequent first."""
+        return sorted(self._warned.values(), key=lambda each: -each[1])
 
     @property
     def finding(self) -> str:
@@ -113,7 +116,9 @@ class Chain:
 
     def _warn(self, warning: str) -> None:
         if warning:
-            self.warnings[warning] = self.warnings.get(warning, 0) + 1
+            kind = re.sub(r'[\d.]+', '', warning)  # the same with other figures is the same
+            first, count = self._warned.get(kind, (warning, 0))
+            self._warned[kind] = first, count + 1
 
 
 def sensor_size(frame: Frame) -> tuple[int, int]:

@@ -32,8 +32,7 @@ def recorded_info(bag: Path, topic: str) -> Any | None:
 
     """
     with opened(bag) as reader:
-        connections = _connections(reader, {info_topic(topic): CAMERA_INFO})
-        for connection, _, data in reader.messages(connections):
+        for connection, _, data in _messages(reader, {info_topic(topic): CAMERA_INFO}):
             return reader.deserialize(data, connection.msgtype)
     return None
 
@@ -71,7 +70,7 @@ def recorded_frames(
     images: dict[int, tuple[Any, int]] = {}  # by the stamp, with the time of recording
     infos: dict[int, Any] = {}
     with opened(bag) as reader:
-        for connection, recorded_ns, data in reader.messages(_connections(reader, wanted)):
+        for connection, recorded_ns, data in _messages(reader, wanted):
             message: Any = reader.deserialize(data, connection.msgtype)
             stamp_ns = to_ns(message.header.stamp)
             if connection.msgtype == CAMERA_INFO:
@@ -89,12 +88,14 @@ def recorded_frames(
                     del waiting[next(iter(waiting))]
 
 
-def _connections(reader: Any, wanted: dict[str, str]) -> list[Any]:
-    """Return the connections of these topics and types."""
-    return [
+def _messages(reader: Any, wanted: dict[str, str]) -> Iterator[tuple[Any, int, bytes]]:
+    """Yield the messages of these topics and types."""
+    connections = [
         each for each in reader.connections
         if wanted.get(each.topic.strip('/')) == each.msgtype and each.msgcount
     ]
+    if connections:  # of none rosbags 0.11 gives all
+        yield from reader.messages(connections)
 
 
 def _frame(bag: Path, image: Any, info: Any | None, recorded_ns: int) -> Frame:
