@@ -160,7 +160,7 @@ def test_a_bag_of_bearings_and_a_video_of_what_was_seen(tmp_path: Path) -> None:
     expected = [of_row(row) for row in placed(tmp_path / 't.csv')]
     with AnyReader([out]) as reader:
         assert set(reader.topics) == {'/target/bearing', '/target/centroid', '/target/ray'}
-        said = [
+        said: list[Any] = [
             reader.deserialize(data, connection.msgtype)
             for connection, _, data in reader.messages(
                 [each for each in reader.connections if each.topic == '/target/bearing']
