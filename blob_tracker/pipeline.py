@@ -318,7 +318,7 @@ class Pipeline:
             self._locator.learn(light)
 
     def _bearing(self, light: str, window: Window) -> tuple[Location, Bearing]:
-        """Return place and bearing of a window's blob, and hold the noise of its pixels against what it is."""
+        """Return where a window's blob is, and hold the noise of its pixels against what it is."""
         if light not in self._noise_checks:
             self._noise_checks[light] = NoiseCheck(self._noise)
         check = self._noise_checks[light]

@@ -8,17 +8,17 @@ from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 _PACKED = {'AA': (4, 5), 'CC': (2, 3), 'EE': (4, 7)}
 _LINES = {  # of the first plane
     'Y10P': (4, 5), 'Y10B': (4, 5), 'Y12P': (2, 3), 'Y14P': (4, 7),
-    **{name: (1, 1) for name in ('GREY', 'GRBG', 'GBRG', 'RGGB', 'BA81')},
-    **{name: (1, 3) for name in ('RGB3', 'BGR3')},
+    **dict.fromkeys(('GREY', 'GRBG', 'GBRG', 'RGGB', 'BA81'), (1, 1)),
+    **dict.fromkeys(('RGB3', 'BGR3'), (1, 3)),
     **{name: (1, 4) for name in PIXEL_FORMATS if name[:2] in ('AB', 'XB', 'AR', 'XR', 'RA', 'RX')},
-    **{name: (1, 4) for name in ('BGR4', 'RGB4', 'BA24', 'BX24')},
+    **dict.fromkeys(('BGR4', 'RGB4', 'BA24', 'BX24'), (1, 4)),
     **{name: _PACKED[name[2:]] for name in PIXEL_FORMATS if name[2:] in _PACKED},
 }
 # All planes of planar YUV over that of the luma, in halves.
 _HALVES = {
-    **{name: 3 for name in ('NV12', 'NV21', 'YU12', 'YV12', 'NM12', 'NM21', 'YM12', 'YM21')},
-    **{name: 4 for name in ('NV16', 'NV61', '422P', 'NM16', 'NM61', 'YM16', 'YM61')},
-    **{name: 6 for name in ('NV24', 'NV42', 'YM24', 'YM42')},
+    **dict.fromkeys(('NV12', 'NV21', 'YU12', 'YV12', 'NM12', 'NM21', 'YM12', 'YM21'), 3),
+    **dict.fromkeys(('NV16', 'NV61', '422P', 'NM16', 'NM61', 'YM16', 'YM61'), 4),
+    **dict.fromkeys(('NV24', 'NV42', 'YM24', 'YM42'), 6),
 }
 
 

@@ -16,8 +16,8 @@ from blob_tracker.calibration.flash import (
 )
 from blob_tracker.calibration.flash_picture import draw_flash
 from blob_tracker.commands.calibrate.report import check_out, tell_of, UsageError
-from blob_tracker.commands.sources.shown_frames import shown_frames
 from blob_tracker.commands.sources import add_source, SourceError, unstamped
+from blob_tracker.commands.sources.shown_frames import shown_frames
 from blob_tracker.segmentation import compile_ahead, FrameError, Segmenter
 from blob_tracker.segmentation.watch import Watch
 from blob_tracker.types import Frame, Pixels

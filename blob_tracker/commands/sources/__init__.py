@@ -1,8 +1,8 @@
 """
 Where frames come from: one place that opens them, for `track` and for all calibrations.
 
-A folder of images, a TIFF, a FITS, a video, a raw dump, a bag, a camera, or a topic of a live node:
-one file for each, by its library. `open_source` finds the one.
+A folder of images, a TIFF, a FITS, a video, a raw dump, a bag, a camera, or a topic of a live
+node: one file for each, by its library. `open_source` finds the one.
 """
 
 from __future__ import annotations

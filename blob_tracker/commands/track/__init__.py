@@ -13,7 +13,7 @@ from typing import Any
 from blob_tracker import location, segmentation
 from blob_tracker.camera import CalibrationError, CameraModel
 from blob_tracker.commands import INSTALL_ROS
-from blob_tracker.commands.calibrate.report import check_out, tell_of, UsageError
+from blob_tracker.commands.calibrate.report import check_out, UsageError
 from blob_tracker.commands.sources import (
     add_source, is_live, is_topic, open_source, Source, SourceError, SourceFrame, unstamped,
 )

@@ -38,6 +38,7 @@ class Chain:
     ----------
     note : str
         What of the parameters cannot be used; '' where all can.
+
     Raises
     ------
     ParameterError

@@ -1,4 +1,4 @@
-"""`track` from end to end: its numbers are those of `Pipeline`, and nothing wrong is a traceback."""
+"""`track` from end to end: its numbers are those of `Pipeline`; what is wrong is a sentence."""
 
 from __future__ import annotations
 
