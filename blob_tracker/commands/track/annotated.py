@@ -21,7 +21,7 @@ import numpy as np
 NARROWEST_PX, WIDEST_PX, HIGHEST_PX = 480, 1280, 960  # px: small frames grow, large ones shrink
 LINES = 4  # of text below the frame
 TRAIL = 120  # places that stay in sight
-MARK_PX = 9  # px: arms of the cross
+MARK_PX = 12  # px: radius of the ring about the light
 DIMMEST_WHITE_DN = 32.0
 RATES = 1.0, 120.0  # Hz, of the video
 UNKNOWN_RATE = 25.0  # Hz
@@ -103,7 +103,7 @@ class Video:
         for each in outcomes:
             if each.location is not None:
                 place = _pixel(frame, each.location.x, each.location.y, scale)
-                cv2.drawMarker(shown, place, FOUND, cv2.MARKER_CROSS, 2 * MARK_PX, 1)
+                cv2.circle(shown, place, MARK_PX, FOUND, 1, cv2.LINE_AA)
                 if each.light:
                     write(
                         shown, each.light, place[0] + MARK_PX, place[1] - LINE_PX, FOUND,

@@ -177,7 +177,7 @@ def test_a_bag_of_bearings_and_a_video_of_what_was_seen(tmp_path: Path) -> None:
         pictures.append(read[1])
     assert len(pictures) == 20 and video.get(cv2.CAP_PROP_FPS) == pytest.approx(30.0)
     blue, green, red = (pictures[2][..., channel].astype(int) for channel in range(3))
-    assert np.count_nonzero((green > 150) & (red < 140) & (blue < 140)) > 20  # the cross
+    assert np.count_nonzero((green > 150) & (red < 140) & (blue < 140)) > 20  # the ring
 
 
 def test_ctrl_c_keeps_what_is_done(
