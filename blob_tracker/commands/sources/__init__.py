@@ -94,7 +94,8 @@ def is_folder(arguments: argparse.Namespace) -> bool:
 
 def is_topic(arguments: argparse.Namespace) -> bool:
     """Tell whether SOURCE is the name of a topic: there is no such file."""
-    return not Path(arguments.source).exists()
+    path = Path(arguments.source)
+    return not (path.exists() or is_device(path))
 
 
 def is_live(arguments: argparse.Namespace) -> bool:

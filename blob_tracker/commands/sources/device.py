@@ -12,8 +12,8 @@ PATIENCE_S = 10.0  # s without a frame: there will be none
 
 
 def is_device(path: Path) -> bool:
-    """Tell whether a path is that of a device, or a link to one."""
-    return path.is_char_device()
+    """Tell whether a path is that of a device, or a link to one; also of one that is not there."""
+    return path.is_char_device() or (path.parts[:2] == ('/', 'dev') and not path.exists())
 
 
 def open_device(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 from blob_tracker.ros.endpoints.recording import IMAGE, opened, RecordingError
@@ -33,7 +34,7 @@ def recorded_info(bag: Path, topic: str) -> Any | None:
     """
     with opened(bag) as reader:
         for connection, _, data in _messages(reader, {info_topic(topic): CAMERA_INFO}):
-            return reader.deserialize(data, connection.msgtype)
+            return _todays(reader.deserialize(data, connection.msgtype))
     return None
 
 
@@ -74,7 +75,7 @@ def recorded_frames(
             message: Any = reader.deserialize(data, connection.msgtype)
             stamp_ns = to_ns(message.header.stamp)
             if connection.msgtype == CAMERA_INFO:
-                infos[stamp_ns] = message
+                infos[stamp_ns] = _todays(message)
             elif paired:
                 images[stamp_ns] = message, recorded_ns
             else:
@@ -96,6 +97,13 @@ def _messages(reader: Any, wanted: dict[str, str]) -> Iterator[tuple[Any, int, b
     ]
     if connections:  # of none rosbags 0.11 gives all
         yield from reader.messages(connections)
+
+
+def _todays(info: Any) -> Any:
+    """Return a camera_info with the names of ROS 2; ROS 1 has K, D, R and P."""
+    if hasattr(info, 'k'):
+        return info
+    return SimpleNamespace(**{name.lower(): value for name, value in vars(info).items()})
 
 
 def _frame(bag: Path, image: Any, info: Any | None, recorded_ns: int) -> Frame:

@@ -7,10 +7,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 import sys
 
+from blob_tracker.capture import NoFrameError
 from blob_tracker.colour import grey_pixels
 from blob_tracker.commands.sources import (
     add_source, grey_frames, is_folder, is_live, is_topic, open_source, SourceError,
 )
+from blob_tracker.types import Frame
 import cv2
 import numpy as np
 import pytest
@@ -144,6 +146,55 @@ def test_count_and_kind() -> None:
     assert not (is_folder(bag) or is_live(bag) or is_topic(bag))
     assert is_folder(arguments(BAG.parent)) and is_live(arguments('camera/image_raw'))
     assert is_live(arguments('/dev/null')) and not is_topic(arguments('/dev/null'))
+
+
+class PlayedCamera:
+    """Stands in for a camera and its grabber: frames, then silence."""
+
+    def __init__(self, *settings: object, **_: object) -> None:
+        self.settings = settings
+        self._stamps = iter((10**9, 2 * 10**9))
+
+    def __enter__(self) -> PlayedCamera:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+    def newest(self, timeout: float) -> Frame:
+        """Return the next frame, while there is one."""
+        try:
+            return Frame(FRAMES[0], next(self._stamps), 255)
+        except StopIteration:
+            raise NoFrameError(f'no frame for {timeout:.1f} s') from None
+
+
+def test_a_camera_is_taken_until_it_is_silent(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With its own stamps, in the format and at the rate that are asked for."""
+    opened: list[PlayedCamera] = []
+
+    def camera(*settings: object, **options: object) -> PlayedCamera:
+        opened.append(PlayedCamera(*settings, **options))
+        return opened[-1]
+
+    monkeypatch.setattr('blob_tracker.commands.sources.device.V4l2Camera', camera)
+    monkeypatch.setattr('blob_tracker.commands.sources.device.Grabber', lambda camera: camera)
+    source = open_source(arguments(
+        '/dev/null', '--pixel-format', 'Y12', '--size', '640x480', '--frame-rate', 50
+    ))
+    assert opened[0].settings == ('/dev/null', 640, 480, 'Y12', 50.0)
+    frames = iter(source.frames)
+    found = [next(frames), next(frames)]
+    assert [each.name for each in found] == ['0.000 s', '1.000 s']
+    assert [each.frame.stamp_ns for each in found] == [10**9, 2 * 10**9]
+    with pytest.raises(SourceError, match='no frame for 10.0 s'):
+        next(frames)
+
+
+def test_a_device_that_is_not_there_is_no_topic() -> None:
+    """The sentence is that of the camera node."""
+    with pytest.raises(SourceError, match='/dev/video987: there is no such device'):
+        open_source(arguments('/dev/video987'))
 
 
 @pytest.mark.parametrize(('name', 'words', 'sentence'), [
