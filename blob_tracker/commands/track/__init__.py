@@ -30,7 +30,7 @@ import numpy as np
 from rich.console import Console
 
 INTERRUPTED = 130  # exit code, as of a shell command that Ctrl-C ended
-MOST_WARNINGS = 5
+MOST_WARNINGS, MOST_REASONS = 5, 3  # that are said
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -199,19 +199,19 @@ def _notes(arguments: argparse.Namespace, source: Source, chain: Chain) -> Itera
 
 def _report(console: Console, summary: Summary, chain: Chain) -> None:
     """Print what was found."""
-    for light, path in summary.paths.items():
-        spread = np.sqrt(np.diagonal(path.covariances, axis1=1, axis2=2))
+    for light, trail in summary.trails.items():
+        spread = np.sqrt(np.diagonal(trail.covariances, axis1=1, axis2=2))
         words = (
-            f'{light or "light"}: {len(path.stamps)} places in {len(summary.frames)} frames, '
+            f'{light or "light"}: {len(trail.stamps)} places in {len(summary.frames)} frames, '
             f'median sigma {np.median(spread):.2g} {"mrad" if summary.angles else "px"}'
         )
-        found = path.scatter()
+        found = trail.scatter()
         if found is not None:
             words += f', scatter / sigma {found.ratio:.2f} +- {found.error:.2f}'
         console.print(words, markup=False, highlight=False, soft_wrap=True)
     if chain.finding:
         console.print(f'found: {chain.finding}', markup=False, highlight=False, soft_wrap=True)
-    for warning, count in chain.warnings[:MOST_WARNINGS]:
+    for warning, count in chain.warnings.most()[:MOST_WARNINGS]:
         console.print(
             f'- {warning} ({count} times)', markup=False, highlight=False,
             soft_wrap=True,
@@ -235,10 +235,11 @@ def _tell(
 
 def _why_none(arguments: argparse.Namespace, summary: Summary) -> str:
     """Say why no light was placed, and what to try."""
-    reasons = summary.reasons.most_common(1)
-    most = f'; in {reasons[0][1]} of them: {reasons[0][0]}' if reasons else ''
+    most = ''.join(
+        f'\n- {reason} ({count} times)' for reason, count in summary.reasons.most()[:MOST_REASONS]
+    )
     return (
-        f'no light was placed in {len(summary.frames)} frames{most}. Is flash.mode right? '
-        f'python3 -m blob_tracker calibrate flash {shlex.quote(arguments.source)} tells how the '
-        'lights blink'
+        f'no light was placed in {len(summary.frames)} frames. Is flash.mode right? python3 -m '
+        f'blob_tracker calibrate flash {shlex.quote(arguments.source)} tells how the lights '
+        f'blink{most}'
     )

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-import re
 from typing import Any
 
 from blob_tracker.camera import CalibrationError, CameraModel
-from blob_tracker.commands.track.outcome import Outcome
+from blob_tracker.commands.track.outcome import Outcome, Sentences
+from blob_tracker.location import method_options
 from blob_tracker.pipeline import Pipeline
 from blob_tracker.ros.messages.clipping import clipping_frame
 from blob_tracker.ros.parameters.rooms import flash_of, line_jitter_of, pulse_of, segmenter_of
@@ -38,6 +38,8 @@ class Chain:
     ----------
     note : str
         What of the parameters cannot be used; '' where all can.
+    warnings : Sentences
+        What is not as it should be.
 
     Raises
     ------
@@ -61,31 +63,30 @@ class Chain:
         else:
             _check_size(camera_model, frame)
         if pulse is not None:
-            pulse.check_size(camera_model.width, camera_model.height)
+            try:
+                pulse.check_size(camera_model.width, camera_model.height)
+            except CalibrationError as error:  # the Gaussian goes on, as in the node
+                pulse, self.note = None, str(error)
         with about('method'):
-            self._pipeline = Pipeline(
-                camera_model,
-                noise=SensorNoise(
-                    values['noise.gain'], values['noise.read_noise'], values['noise.black_level']
-                ),
-                method=values['method'],
-                elliptical=values['elliptical'],
-                segmenter=FieldSegmenter(lambda: new_segmenter(
-                    flash=new_flash(), channel=ChannelChoice(values['channel'])
-                )),
-                line_jitter=line_jitter_of(values['line_jitter_url']),
-                pulse=None if pulse is None else pulse.learned.pulse,
-            )
+            method_options(values['method'], elliptical=values['elliptical'])
+        self._pipeline = Pipeline(
+            camera_model,
+            noise=SensorNoise(
+                values['noise.gain'], values['noise.read_noise'], values['noise.black_level']
+            ),
+            method=values['method'],
+            elliptical=values['elliptical'],
+            segmenter=FieldSegmenter(lambda: new_segmenter(
+                flash=new_flash(), channel=ChannelChoice(values['channel'])
+            )),
+            line_jitter=line_jitter_of(values['line_jitter_url']),
+            pulse=None if pulse is None else pulse.learned.pulse,
+        )
         self._saturation = values['saturation']
         self._line_time_ns = 1e9 * values['line_time']
         quality = values['jpeg_quality']
         self._quantisation = standard_quantisation(quality) if quality else None
-        self._warned: dict[str, tuple[str, int]] = {}
-
-    @property
-    def warnings(self) -> list[tuple[str, int]]:
-        """Say what is not as it should be, and how often; the most frequent first."""
-        return sorted(self._warned.values(), key=lambda each: -each[1])
+        self.warnings = Sentences()
 
     @property
     def finding(self) -> str:
@@ -97,11 +98,11 @@ class Chain:
         there = False
         for light, location, bearing in self._pipeline.placed(self._prepared(frame)):
             there = True
-            self._warn(self._pipeline.warning)
+            self.warnings.add(self._pipeline.warning)
             yield Outcome(name, frame, light, location, bearing if self.angles else None)
         segmenter = self._pipeline.segmenter
         for warning in segmenter.warnings:
-            self._warn(warning)
+            self.warnings.add(warning)
         if not there:
             yield Outcome(name, frame, reason=segmenter.reason)
 
@@ -114,12 +115,6 @@ class Chain:
         if frame.quantisation is None and self._quantisation is not None:
             frame = replace(frame, quantisation=self._quantisation)
         return frame
-
-    def _warn(self, warning: str) -> None:
-        if warning:
-            kind = re.sub(r'[\d.]+', '', warning)  # the same with other figures is the same
-            first, count = self._warned.get(kind, (warning, 0))
-            self._warned[kind] = first, count + 1
 
 
 def sensor_size(frame: Frame) -> tuple[int, int]:

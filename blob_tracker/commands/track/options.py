@@ -55,16 +55,17 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         'be given several times, the later one wins',
     )
     group = parser.add_argument_group(
-        'parameters of the nodes segmenter and locator', 'What they do, and why, is in '
-        'config/tracker.yaml; an option wins over a file.',
+        'parameters of the nodes segmenter and locator', 'More on each is in '
+        'config/tracker.yaml. An option wins over a file.',
     )
     for name, parameter in PARAMETERS.items():
         if name in OF_CALIBRATION:
             continue
-        allowed = parameter.limits.replace('%', '%%')
+        what = parameter.description.partition('. ')[0].rstrip('.')
+        allowed = f'{parameter.limits}; ' if parameter.limits else ''
         group.add_argument(
             f'--{name}', dest=name, type=_reader(name), metavar=_metavar(parameter),
-            help=f'{allowed} (default {parameter.value})' if allowed else None,
+            help=f'{what} ({allowed}default {parameter.value})'.replace('%', '%%'),
         )
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass, field
+import re
 
 from blob_tracker.location.scatter import Scatter, scatter
 from blob_tracker.types import Bearing, Frame, Location
@@ -47,7 +47,7 @@ class Outcome:
 
 
 @dataclass
-class Path:
+class Trail:
     """
     The places of a light, in their order.
 
@@ -74,6 +74,24 @@ class Path:
         )
 
 
+class Sentences:
+    """Sentences and how often each was said; the same with other figures is the same."""
+
+    def __init__(self) -> None:
+        self._said: dict[str, tuple[str, int]] = {}
+
+    def add(self, sentence: str) -> None:
+        """Take one; none where it is empty."""
+        if sentence:
+            kind = re.sub(r'[\d.]+', '', sentence)
+            first, count = self._said.get(kind, (sentence, 0))
+            self._said[kind] = first, count + 1
+
+    def most(self) -> list[tuple[str, int]]:
+        """Return each as it was said first, the most frequent ahead."""
+        return sorted(self._said.values(), key=lambda each: -each[1])
+
+
 class Summary:
     """
     All outcomes together.
@@ -84,35 +102,35 @@ class Summary:
         Whether the places are angles, mrad; else they are px.
     frames : list of int
         Stamps of the frames, ns.
-    paths : dict of str to Path
+    trails : dict of str to Trail
         By the name of the light.
-    reasons : Counter
-        Why there was no location, with the number of frames.
+    reasons : Sentences
+        Why there was no location.
 
     """
 
     def __init__(self, angles: bool) -> None:
         self.angles = angles
         self.frames: list[int] = []
-        self.paths: dict[str, Path] = {}
-        self.reasons: Counter[str] = Counter()
+        self.trails: dict[str, Trail] = {}
+        self.reasons = Sentences()
 
     @property
     def placed(self) -> int:
         """Return how many places there are, of all lights."""
-        return sum(len(path.stamps) for path in self.paths.values())
+        return sum(len(trail.stamps) for trail in self.trails.values())
 
     def add(self, outcome: Outcome) -> None:
         """Take what came of a frame."""
         location, bearing = outcome.location, outcome.bearing
         if location is None:
-            self.reasons[outcome.reason] += 1
+            self.reasons.add(outcome.reason)
             return
-        path = self.paths.setdefault(outcome.light, Path())
-        path.stamps.append(location.stamp_ns)
+        trail = self.trails.setdefault(outcome.light, Trail())
+        trail.stamps.append(location.stamp_ns)
         if self.angles and bearing is not None:
-            path.places.append((bearing.azimuth, bearing.elevation))
-            path.covariances.append(bearing.covariance)
+            trail.places.append((bearing.azimuth, bearing.elevation))
+            trail.covariances.append(bearing.covariance)
         else:
-            path.places.append((location.x, location.y))
-            path.covariances.append(location.covariance)
+            trail.places.append((location.x, location.y))
+            trail.covariances.append(location.covariance)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path as File
+from pathlib import Path
 
-from blob_tracker.commands.track.outcome import Path, Summary
+from blob_tracker.commands.track.outcome import Summary, Trail
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 import numpy as np
@@ -20,7 +20,7 @@ SLICES = 60  # of the time, at most
 ROOM = 1.3  # of the height of what is drawn, for the legend
 
 
-def draw_track(path: File, summary: Summary, size: tuple[int, int]) -> None:
+def draw_track(path: Path, summary: Summary, size: tuple[int, int]) -> None:
     """
     Write the picture.
 
@@ -44,9 +44,9 @@ def draw_track(path: File, summary: Summary, size: tuple[int, int]) -> None:
 
 def _draw_path(axes: Axes, summary: Summary, size: tuple[int, int]) -> None:
     """Draw where the lights were, in angles as one looks at them, or in the frame."""
-    for (light, path), colour in zip(summary.paths.items(), _colours(summary)):
-        places = np.array(path.places)
-        apart = np.diff(path.stamps)
+    for (light, trail), colour in zip(summary.trails.items(), _colours(summary)):
+        places = np.array(trail.places)
+        apart = np.diff(trail.stamps)
         usual = np.median(apart) if len(apart) else 0.0
         for part in np.split(places, np.flatnonzero(apart > BREAK * usual) + 1):
             axes.plot(*part.T, color=colour, linewidth=0.8, alpha=0.5)
@@ -70,9 +70,9 @@ def _draw_scatter(axes: Axes, summary: Summary) -> None:
     """Draw the differences of neighbours over the sigma that the covariances give them."""
     grid = np.linspace(-WIDEST, WIDEST, 300)
     bins = np.linspace(-WIDEST, WIDEST, BINS)
-    for (light, path), colour in zip(summary.paths.items(), _colours(summary)):
-        values = normalised_differences(path)
-        found = path.scatter()
+    for (light, trail), colour in zip(summary.trails.items(), _colours(summary)):
+        values = normalised_differences(trail)
+        found = trail.scatter()
         if not values.size or found is None:
             continue
         axes.hist(
@@ -104,8 +104,8 @@ def _draw_rate(axes: Axes, summary: Summary) -> None:
     axes.stairs(
         np.histogram(frames, edges)[0] / width, edges, color='#2c3e50', label='frames'
     )
-    for (light, path), colour in zip(summary.paths.items(), _colours(summary)):
-        places = np.clip((np.array(path.stamps) - first) / 1e9, 0.0, length)
+    for (light, trail), colour in zip(summary.trails.items(), _colours(summary)):
+        places = np.clip((np.array(trail.stamps) - first) / 1e9, 0.0, length)
         axes.stairs(
             np.histogram(places, edges)[0] / width, edges, color=colour, linewidth=1.6,
             label=light or 'light',
@@ -121,14 +121,14 @@ def _make_room(axes: Axes) -> None:
     axes.legend(loc='upper right', ncols=2)
 
 
-def normalised_differences(path: Path) -> NDArray[np.float64]:
+def normalised_differences(trail: Trail) -> NDArray[np.float64]:
     """
     Return the fourth divided differences of both coordinates over their sigmas.
 
     As in `blob_tracker.location.scatter`: free of the motion, standard normal where the
     covariances are true. Those across a gap are left out.
     """
-    stamps = np.array(path.stamps, dtype=np.int64)
+    stamps = np.array(trail.stamps, dtype=np.int64)
     apart = np.diff(stamps)
     if len(stamps) < FEWEST or not (apart > 0).any():
         return np.zeros(0)
@@ -139,11 +139,11 @@ def normalised_differences(path: Path) -> NDArray[np.float64]:
     rows, times = (each[((steps > 0.0) & (steps <= GAP)).all(axis=1)] for each in (rows, times))
     between = times[:, :, None] - times[:, None, :] + np.eye(FEWEST)
     weights = 1.0 / between.prod(axis=2)
-    differences = np.einsum('ik,ikp->ip', weights, np.array(path.places)[rows])
-    covariances = np.array(path.covariances)[rows]
+    differences = np.einsum('ik,ikp->ip', weights, np.array(trail.places)[rows])
+    covariances = np.array(trail.covariances)[rows]
     variances = np.einsum('ik,ikpp->ip', weights**2, covariances)
     return np.asarray((differences / np.sqrt(variances)).ravel())
 
 
 def _colours(summary: Summary) -> list[str]:
-    return [COLOURS[index % len(COLOURS)] for index in range(len(summary.paths))]
+    return [COLOURS[index % len(COLOURS)] for index in range(len(summary.trails))]

@@ -218,7 +218,8 @@ def test_no_light_is_said_with_the_reason(
     source = folder(tmp_path / 'f', FRAMES[1:2] * 4)
     assert run(source, '--frame-rate', RATE, '--out', tmp_path / 't.csv') == 1
     said = capsys.readouterr().err
-    assert 'no light was placed in 4 frames; in' in said and 'calibrate flash' in said
+    assert 'no light was placed in 4 frames. Is flash.mode right?' in said
+    assert 'calibrate flash' in said and 'waiting for a second frame (1 times)' in said
 
 
 @pytest.mark.parametrize(('words', 'code', 'sentence'), [
