@@ -1,12 +1,16 @@
-"""The command line: python3 -m blob_tracker COMMAND, which `COMMANDS` lists."""
+"""The commands of blob_tracker; each has its own --help."""
 
 from __future__ import annotations
 
 import argparse
 from importlib import import_module
+from pathlib import Path
 import sys
 from types import ModuleType
 
+from blob_tracker.commands import INSTALL_ROS
+
+DEFAULT_CALL = 'python3 -m blob_tracker'
 # Each is a module of `commands/` with `add_arguments` and `main`, imported only when it runs.
 COMMANDS = {
     'calibrate': 'measure a camera: lens, noise, line jitter',
@@ -15,6 +19,7 @@ COMMANDS = {
     'optics': 'what a lens sees and resolves, by its data sheet',
     'replay': 'publish the messages of a bag, without ros2 bag',
     'study': "do the thesis' tables and figures again",
+    'track': 'from frames to bearings: of a video, images, a bag or a camera',
 }
 
 
@@ -38,7 +43,8 @@ def main(arguments: list[str] | None = None) -> int:
         Exit code: 0 done, 1 failed, 2 called wrongly.
 
     """
-    parser = argparse.ArgumentParser(prog='python3 -m blob_tracker', description=__doc__)
+    called = 'blob_tracker' if Path(sys.argv[0]).name == 'blob_tracker' else DEFAULT_CALL
+    parser = argparse.ArgumentParser(prog=called, description=__doc__)
     commands = parser.add_subparsers(dest='command', metavar='COMMAND', required=True)
     words = sys.argv[1:] if arguments is None else arguments
     if '--ros-args' in words:  # what follows is rclpy's, remappings say, which reads it itself
@@ -46,9 +52,21 @@ def main(arguments: list[str] | None = None) -> int:
     for name, summary in COMMANDS.items():
         subparser = commands.add_parser(name, help=summary, description=summary)
         if words[:1] == [name]:  # only the command that runs is imported, with all it needs
-            command(name).add_arguments(subparser)
+            try:
+                command(name).add_arguments(subparser)
+            except ModuleNotFoundError as error:
+                print(_missing(name, error), file=sys.stderr)
+                return 1
     parsed = parser.parse_args(words)
     return int(command(parsed.command).main(parsed))
+
+
+def _missing(name: str, error: ModuleNotFoundError) -> str:
+    """Say what a command needs that is not there; all but ROS comes with the package."""
+    module = str(error.name).partition('.')[0]
+    if module == 'blob_tracker':
+        raise error
+    return f'{name} needs ROS 2, and {module} of it is not installed: {INSTALL_ROS}'
 
 
 if __name__ == '__main__':

@@ -35,6 +35,8 @@ TESTS = {
     'capture/picture.py': ['capture/test_picture.py'],
     'capture/pixel_formats/jpeg.py': ['capture/pixel_formats/test_jpeg.py'],
     'capture/pixel_formats/rgb.py': ['capture/pixel_formats/test_rgb.py'],
+    'commands/sources/video.py': ['commands/sources/test_video.py'],
+    'commands/track/annotated.py': ['commands/track/test_annotated.py'],
     'colour.py': ['test_colour.py'],
     'drawing.py': ['test_drawing.py'],
     'location/picture.py': ['location/test_picture.py'],
@@ -59,7 +61,7 @@ TESTS = {
     'simulation/wall.py': ['simulation/test_pan_tilt_camera.py'],
 }
 # They read and write image files by the name: every version does.
-FILES_ALONE = {'commands/calibrate/board.py', 'commands/calibrate/sources.py'}
+FILES_ALONE = {'commands/calibrate/board.py', 'commands/sources/folder.py'}
 
 
 def test_each_file_that_calls_opencv_is_listed() -> None:

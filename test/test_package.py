@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import ast
+from email.message import Message
+from email.parser import Parser
 import os
 from pathlib import Path
+import re
+import shutil
 import subprocess
 import sys
+from typing import Any
+from zipfile import ZipFile
 
 from ament_index_python.packages import get_package_share_directory, get_packages_with_prefixes
 import blob_tracker
+from blob_tracker.commands.doctor.python import OPTIONAL, REQUIRED
 from blob_tracker.nodes import NODES
 from catkin_pkg.package import parse_package
 from support.processes import executable
@@ -32,7 +39,28 @@ KEYS = {
 }
 # What is imported only where it is asked for, by the extra of setup.py that brings it: rosdep has
 # no key for these.
-EXTRAS = {'distributed': 'cluster'}
+EXTRAS = {'astropy': 'files', 'distributed': 'cluster', 'tifffile': 'files'}
+# What pip calls the others that it has.
+WHEELS = {'cv2': 'opencv-python-headless', 'yaml': 'PyYAML'}
+
+
+def in_setup(name: str) -> Any:
+    """Return a constant of setup.py."""
+    for node in ast.parse((ROOT / 'setup.py').read_text()).body:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == name:
+            return ast.literal_eval(node.value)
+    raise AssertionError(f'setup.py has no {name}')
+
+
+def names(requirements: list[str]) -> set[str]:
+    """Return the names of requirements, without their versions."""
+    return {re.split(r'[=<>;\[]', each)[0].strip() for each in requirements}
+
+
+def pinned(file: str) -> set[str]:
+    """Return the names in a file of pinned requirements."""
+    lines = (ROOT / file).read_text().splitlines()
+    return names([line for line in lines if line and line[0] not in '#-'])
 
 
 def test_package_xml_is_format_3_with_keys_that_exist() -> None:
@@ -60,8 +88,43 @@ def test_every_import_is_declared() -> None:
                 used.add(str(node.module).split('.')[0])
     foreign = used - set(sys.stdlib_module_names) - {'blob_tracker'} - set(EXTRAS)
     assert {KEYS.get(name, name) for name in foreign} <= declared
-    setup = (ROOT / 'setup.py').read_text()
-    assert all(f"'{extra}': ['{name}']" in setup for name, extra in EXTRAS.items())
+    extras = in_setup('EXTRAS')
+    assert all(name in names(extras[extra]) for name, extra in EXTRAS.items())
+
+
+def test_pip_rosdep_and_doctor_know_the_same_libraries() -> None:
+    """What setup.py tells pip is what package.xml tells rosdep, pinned, and no more."""
+    dependencies = names(in_setup('DEPENDENCIES'))
+    assert dependencies == {WHEELS.get(name, name) for name in KEYS}
+    assert dependencies == {wheel for wheel, *_ in (REQUIRED | OPTIONAL).values()}
+    assert dependencies <= pinned('requirements.txt')
+    extras = in_setup('EXTRAS')
+    assert {name for each in extras.values() for name in names(each)} <= pinned(
+        'requirements/test.txt'
+    )
+
+
+def test_a_wheel_is_whole(tmp_path: Path) -> None:
+    """It has the configuration, asks for the libraries, and has one command, `blob_tracker`."""
+    ours = shutil.ignore_patterns('.*', '__pycache__', 'test', 'build', 'install', 'log', 'out')
+    source = tmp_path / 'source'
+    shutil.copytree(ROOT, source, ignore=ours)
+    subprocess.run(
+        [sys.executable, '-W', 'ignore', 'setup.py', '--quiet', 'bdist_wheel', '-d', tmp_path],
+        cwd=source, check=True, capture_output=True,
+    )
+    wheel, = tmp_path.glob('*.whl')
+    with ZipFile(wheel) as archive:
+        inside = archive.namelist()
+        info = next(each for each in inside if each.endswith('.dist-info/METADATA'))
+        metadata: Message = Parser().parsestr(archive.read(info).decode())
+        commands = archive.read(info.replace('METADATA', 'entry_points.txt')).decode()
+    assert {'blob_tracker/config/tracker.yaml', 'blob_tracker/pipeline.py'} <= set(inside)
+    assert commands.split() == ['[console_scripts]', 'blob_tracker', '=',
+                                'blob_tracker.__main__:main']
+    asked = [each for each in metadata.get_all('Requires-Dist') if 'extra ==' not in each]
+    assert names(asked) == names(in_setup('DEPENDENCIES'))
+    assert set(metadata.get_all('Provides-Extra')) == set(in_setup('EXTRAS'))
 
 
 def test_colcon_sees_an_ament_python_package() -> None:

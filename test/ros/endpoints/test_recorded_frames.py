@@ -1,0 +1,88 @@
+"""Frames of bags: each image with the camera_info of its stamp, whichever comes first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from blob_tracker.ros.endpoints import recorded_frames as module
+from blob_tracker.ros.endpoints.recorded_frames import (
+    info_topic, recorded_frames, recorded_info,
+)
+from blob_tracker.ros.messages.camera_info import to_camera_model
+import numpy as np
+import pytest
+from rosbags.highlevel import AnyReader
+from rosbags.rosbag1 import Writer
+from rosbags.typesys import get_typestore, Stores
+
+TOPIC = 'front/image_raw'
+SECOND_NS = 10**9
+STORE = get_typestore(Stores.ROS1_NOETIC)
+
+
+def write(path: Path, order: str) -> Path:
+    """Write images (i) and camera_infos (c) of the stamps 1, 2, 3 ... s, each as it comes."""
+    types = STORE.types
+    of_kind: dict[str, Any] = {}
+    seen = {'i': 0, 'c': 0}
+    region = types['sensor_msgs/msg/RegionOfInterest'](2, 4, 2, 6, False)
+    with Writer(path) as writer:
+        for kind, topic, name in (
+            ('i', TOPIC, 'sensor_msgs/msg/Image'),
+            ('c', info_topic(TOPIC), 'sensor_msgs/msg/CameraInfo'),
+        ):
+            of_kind[kind] = writer.add_connection(f'/{topic}', name, typestore=STORE)
+        for index, kind in enumerate(order):
+            seen[kind] += 1
+            stamp = types['builtin_interfaces/msg/Time'](seen[kind], 0)
+            header = types['std_msgs/msg/Header'](index, stamp, 'front')
+            name = of_kind[kind].msgtype
+            if kind == 'i':
+                pixels = np.full(12, seen[kind], np.uint8)
+                message = types[name](header, 2, 6, 'mono8', 0, 6, pixels)
+            else:
+                message = types[name](
+                    header, 20, 30, 'plumb_bob', np.zeros(5), np.diag([9.0, 9.0, 1.0]).ravel(),
+                    np.eye(3).ravel(), np.zeros(12), 1, 1, region,
+                )
+            writer.write(of_kind[kind], index, STORE.serialize_ros1(message, name))
+    return path
+
+
+@pytest.fixture
+def any_bag(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Open a bag of ROS 1 as it is."""
+    @contextmanager
+    def opened(bag: Path) -> Iterator[AnyReader]:
+        with AnyReader([bag]) as reader:
+            yield reader
+
+    monkeypatch.setattr(module, 'opened', opened)
+
+
+@pytest.mark.parametrize(('order', 'stamps'), [
+    ('icic', [1, 2]), ('ciic', [1, 2]), ('iicc', [1, 2]), ('iiic', [1]), ('ii', []),
+])
+def test_an_image_comes_with_its_camera_info(
+    tmp_path: Path, any_bag: None, order: str, stamps: list[int]
+) -> None:
+    """In any order; one that has none is left out, and crop and binning are its own."""
+    bag = write(tmp_path / 'r.bag', order)
+    found = list(recorded_frames(bag, TOPIC, paired=True))
+    assert [frame.stamp_ns for frame, _ in found] == [each * SECOND_NS for each in stamps]
+    for frame, info in found:
+        assert (frame.x0, frame.y0, frame.image[0, 0]) == (2, 4, frame.stamp_ns // SECOND_NS)
+        assert to_camera_model(info).matrix[0, 0] == 9.0
+
+
+def test_without_the_camera_info_they_are_whole_pictures(tmp_path: Path, any_bag: None) -> None:
+    """All of them; and there is none to be found."""
+    bag = write(tmp_path / 'r.bag', 'iii')
+    found = list(recorded_frames(bag, TOPIC, paired=False))
+    assert len(found) == 3 and all(info is None for _, info in found)
+    assert (found[0][0].x0, found[0][0].image.shape) == (0, (2, 6))
+    assert recorded_info(bag, TOPIC) is None
+    assert recorded_info(write(tmp_path / 's.bag', 'ic'), TOPIC).width == 30
