@@ -1,11 +1,36 @@
-"""The ament_python build of blob_tracker."""
+"""
+The build of blob_tracker: by colcon (ament_python), and by pip for machines without ROS.
+
+What is needed without ROS stands here, and nowhere else: package.xml, requirements and `doctor`
+are held against it by test/test_package.py.
+"""
 
 from glob import glob
 from runpy import run_path
+import sys
 
 from setuptools import find_packages, setup
 
 NAME = 'blob_tracker'
+# The oldest versions are those of Ubuntu 24.04.
+DEPENDENCIES = [
+    'PyYAML>=6.0',
+    'matplotlib>=3.6',
+    'numba>=0.58',
+    'numpy>=1.26',
+    'opencv-python-headless>=4.6',
+    'rich>=13.7',
+    'rosbags>=0.10',
+    'scipy>=1.11',
+]
+EXTRAS = {
+    'cluster': ['distributed'],
+    'files': ['astropy>=6.1', 'tifffile>=2024.1'],  # FITS and TIFF, for track and calibrate
+    'test': ['pytest', 'pytest-timeout', 'hypothesis'],
+}
+# A wheel has one command of its own name. The nodes are executables of ROS, in a folder that only
+# `ros2 run` looks into; beside other people's programs a `camera` would be in the way.
+FOR_PIP = not {'bdist_wheel', 'dist_info', 'editable_wheel'}.isdisjoint(sys.argv)
 
 setup(
     name=NAME,
@@ -22,15 +47,16 @@ setup(
         (f'share/{NAME}/launch', glob('launch/*.launch.py')),
         (f'share/{NAME}/examples', glob('examples/*.py')),
     ],
-    install_requires=['setuptools'],
-    extras_require={'test': ['pytest'], 'cluster': ['distributed']},
+    python_requires='>=3.10',
+    install_requires=DEPENDENCIES,
+    extras_require=EXTRAS,
     zip_safe=True,
     maintainer='blob_tracker maintainers',
     maintainer_email='maintainers@blob-tracker.example',
     description='Tracks a flashing light and publishes its bearing with its covariance',
     license='Apache-2.0',
     entry_points={
-        'console_scripts': [
+        'console_scripts': [f'{NAME} = {NAME}.__main__:main'] if FOR_PIP else [
             f'{node} = {NAME}.nodes.start:{node}'
             for node in run_path(f'{NAME}/nodes/__init__.py')['NODES']
         ],

@@ -15,6 +15,7 @@ COMMANDS = {
     'optics': 'what a lens sees and resolves, by its data sheet',
     'replay': 'publish the messages of a bag, without ros2 bag',
     'study': "do the thesis' tables and figures again",
+    'track': 'from frames to bearings: of a video, images, a bag or a camera',
 }
 
 

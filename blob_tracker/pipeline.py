@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from math import isfinite
+from typing import NamedTuple
 
 from blob_tracker import location, segmentation, tracking
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
@@ -147,6 +148,26 @@ def window_to_bearing(
     return location, camera_model.bearing(location)
 
 
+class Placed(NamedTuple):
+    """
+    A light that was seen in a frame, and where.
+
+    Parameters
+    ----------
+    light : str
+        Its name; '' of one without.
+    location : Location
+        px of the full frame.
+    bearing : Bearing
+        mrad.
+
+    """
+
+    light: str
+    location: Location
+    bearing: Bearing
+
+
 class Pipeline:
     """
     Track flashing lights, frame by frame in the caller's thread.
@@ -270,25 +291,34 @@ class Pipeline:
     def named(self, frames: Iterable[Frame]) -> Iterator[tuple[str, Bearing]]:
         """Yield the name of a light with each of its bearings, else as `run` does."""
         for frame in frames:
-            self._check_size(frame)
-            try:
-                sightings = self.segmenter.sightings(frame, self._expected(frame))
-            except FrameError as error:
-                self.segmenter.reason = str(error)  # silence, never a wrong angle
-                continue
-            for light, window in sightings:
-                try:
-                    bearing = self._bearing(light, window)
-                except (LocationError, LensError) as error:
-                    self.segmenter.reason = str(error)
-                    continue
-                if not light:
-                    self._track(bearing)
+            for light, _, bearing in self.placed(frame):
                 yield light, bearing
-                self._locator.learn(light)
 
-    def _bearing(self, light: str, window: Window) -> Bearing:
-        """Return the bearing of a window, and hold the noise of its pixels against what it is."""
+    def placed(self, frame: Frame) -> Iterator[Placed]:
+        """
+        Yield the lights that the next frame shows, each with its place in the picture.
+
+        Where there is none, `segmenter.reason` tells why; errors are those of `run`.
+        """
+        self._check_size(frame)
+        try:
+            sightings = self.segmenter.sightings(frame, self._expected(frame))
+        except FrameError as error:
+            self.segmenter.reason = str(error)  # silence, never a wrong angle
+            return
+        for light, window in sightings:
+            try:
+                location, bearing = self._bearing(light, window)
+            except (LocationError, LensError) as error:
+                self.segmenter.reason = str(error)
+                continue
+            if not light:
+                self._track(bearing)
+            yield Placed(light, location, bearing)
+            self._locator.learn(light)
+
+    def _bearing(self, light: str, window: Window) -> tuple[Location, Bearing]:
+        """Return place and bearing of a window's blob, and hold the noise of its pixels against what it is."""
         if light not in self._noise_checks:
             self._noise_checks[light] = NoiseCheck(self._noise)
         check = self._noise_checks[light]
@@ -303,7 +333,7 @@ class Pipeline:
         )
         check.add(window, location)
         self.warning = location.warning or check.warning
-        return bearing
+        return location, bearing
 
     def _expected(self, frame: Frame) -> Expectation | None:
         """Return where the tracker expects the target in a frame."""

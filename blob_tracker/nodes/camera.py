@@ -25,8 +25,9 @@ from blob_tracker.ros.endpoints.frame_topics import FrameTopics
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.camera_info import from_camera_model, to_camera_model
 from blob_tracker.ros.parameters.controls import ControlParameters
-from blob_tracker.ros.parameters.declaration import about, declare, on_change, undeclared
+from blob_tracker.ros.parameters.declaration import declare, on_change, undeclared
 from blob_tracker.ros.parameters.url import DEFAULT_CALIBRATION_URL, to_path
+from blob_tracker.ros.parameters.values import about
 from blob_tracker.ros.process import run
 from blob_tracker.types import Frame
 import rclpy

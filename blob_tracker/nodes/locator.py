@@ -13,7 +13,6 @@ from typing import Any
 
 from blob_tracker.calibration.pulse_file import PulseFile
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
-from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import compile_ahead, Learned, Locator, method_options
 from blob_tracker.location.noise import noise_in_words, variance_ratio
 from blob_tracker.location.noise_check import NoiseCheck
@@ -35,7 +34,8 @@ from blob_tracker.ros.messages.camera_info import KnownCamera
 from blob_tracker.ros.messages.clipping import clipping_window
 from blob_tracker.ros.messages.image import to_window
 from blob_tracker.ros.messages.target import to_noise
-from blob_tracker.ros.parameters.declaration import about, declare, on_change
+from blob_tracker.ros.parameters.declaration import declare, on_change
+from blob_tracker.ros.parameters.rooms import line_jitter_of, pulse_of
 from blob_tracker.ros.parameters.url import to_path
 from blob_tracker.ros.process import run, say
 from blob_tracker.types import Bearing, Location, LocationError, SensorNoise, Window
@@ -49,7 +49,6 @@ PLACES = 240  # of which the scatter is told to 5 %: the last 8 s at 30 Hz
 # Ratio of the scatter of the places to their sigmas, or of the pixels' variance to their noise's:
 # half more is more than calibrations differ by.
 SUSPICIOUS = 1.5
-LONGEST = 400  # characters of a reason
 DIFFERENT = 1.5  # ratio of two variances; what is measured has sigmas far below that
 
 
@@ -112,8 +111,8 @@ class LocatorNode(Node):
         noise = SensorNoise(
             values['noise.gain'], values['noise.read_noise'], values['noise.black_level']
         )
-        line_jitter = _line_jitter(values['line_jitter_url'])
-        pulse, no_pulse = _pulse(values['pulse_url'], method)
+        line_jitter = line_jitter_of(values['line_jitter_url'])
+        pulse, no_pulse = pulse_of(values['pulse_url'], method)
         keep_at = _new_file(values['pulse_url']) if values['pulse.learn'] else None
         if keep_at is not None:
             no_pulse = ''  # it is still to be learned
@@ -387,14 +386,6 @@ class LocatorNode(Node):
             )
 
 
-def _line_jitter(url: str) -> LineJitter | None:
-    """Return the line jitter of the parameter; None where it is empty."""
-    if not url:
-        return None
-    with about('line_jitter_url'):
-        return LineJitter.from_yaml(to_path(url))
-
-
 def _new_file(url: str) -> Path | None:
     """Return where a pulse is to be written; None where there is a file, or no place for one."""
     try:
@@ -402,20 +393,6 @@ def _new_file(url: str) -> Path | None:
         return None if path is None or path.exists() else path
     except (ParameterError, OSError):  # no such scheme; a name that is too long for the disk
         return None
-
-
-def _pulse(url: str, method: str) -> tuple[PulseFile | None, str]:
-    """Return the pulse of the parameter, or None and why it is not used."""
-    if not url:
-        return None, ''
-    try:
-        file = PulseFile.from_yaml(to_path(url))
-        method_options(method, pulse=file.learned.pulse)
-    except ValueError as error:  # CalibrationError and ParameterError are two of them
-        reason = str(error)
-        # It is said with every bearing: a name of any length must not be.
-        return None, reason if len(reason) < LONGEST else f'{reason[:LONGEST // 2]} ...'
-    return file, ''
 
 
 def compile_default() -> None:

@@ -13,7 +13,8 @@ import sys
 from blob_tracker.nodes import camera, locator, segmenter, simulator, tracker
 from blob_tracker.nodes.interface import interface_of
 from blob_tracker.nodes.interface.pipeline import CHAIN, PARAMETERS, SOURCES
-from blob_tracker.ros.parameters.declaration import declare, given, unknown
+from blob_tracker.ros.parameters.declaration import declare, given
+from blob_tracker.ros.parameters.values import unknown
 from blob_tracker.ros.process import run
 from rclpy.node import Node
 

@@ -26,7 +26,8 @@ from blob_tracker.ros.messages.imu import NO_DATA
 from blob_tracker.ros.messages.joint_states import to_angle
 from blob_tracker.ros.messages.stamp import from_ns
 from blob_tracker.ros.messages.target import bearing_message, centroid_message
-from blob_tracker.ros.parameters.declaration import about, declare, on_change
+from blob_tracker.ros.parameters.declaration import declare, on_change
+from blob_tracker.ros.parameters.values import about
 from blob_tracker.ros.process import run
 from blob_tracker.simulation import (
     blinking_lights, flashing_light, PROFILES, Scene, Sensor, Truth, truth_of, waveforms_of,

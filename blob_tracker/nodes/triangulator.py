@@ -19,7 +19,8 @@ from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.imu import turn_of
 from blob_tracker.ros.messages.position import point_message, pose_message
 from blob_tracker.ros.messages.target import to_bearing
-from blob_tracker.ros.parameters.declaration import about, declare, on_change
+from blob_tracker.ros.parameters.declaration import declare, on_change
+from blob_tracker.ros.parameters.values import about
 from blob_tracker.ros.process import run
 from blob_tracker.tracking import (
     CameraPose, Position, Simultaneous, triangulate, TriangulationError,

@@ -8,10 +8,11 @@ from pathlib import Path
 from blob_tracker.calibration.pulse_file import PulseFile
 from blob_tracker.camera import CameraModel
 from blob_tracker.location import EffectivePsf, Learned
-from blob_tracker.nodes.locator import _new_file, _pulse
+from blob_tracker.nodes.locator import _new_file
 from blob_tracker.ros.endpoints.qos import IMAGE_OUT
 from blob_tracker.ros.messages.camera_info import from_camera_model, of_window
 from blob_tracker.ros.messages.image import from_window
+from blob_tracker.ros.parameters.rooms import pulse_of
 from blob_tracker.types import SensorNoise, Window
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PointStamped
@@ -75,9 +76,9 @@ def test_a_file_is_a_pulse(tmp_path: Path) -> None:
     """By path or URL; an empty parameter is none, and no fault."""
     written = write(tmp_path / 'pulse.yaml')
     for url in (str(written), f'file://{written}'):
-        pulse, reason = _pulse(url, METHOD)
+        pulse, reason = pulse_of(url, METHOD)
         assert pulse is not None and not reason
-    assert _pulse('', METHOD) == (None, '')
+    assert pulse_of('', METHOD) == (None, '')
 
 
 def test_only_a_file_that_is_not_there_yet_is_written(tmp_path: Path) -> None:
@@ -99,7 +100,7 @@ def test_what_cannot_be_used_is_a_sentence(
     tmp_path: Path, url: str | None, method: str, sentence: str
 ) -> None:
     """The node goes on without it."""
-    pulse, reason = _pulse(url or str(write(tmp_path / 'pulse.yaml')), method)
+    pulse, reason = pulse_of(url or str(write(tmp_path / 'pulse.yaml')), method)
     assert pulse is None
     assert sentence in reason
 

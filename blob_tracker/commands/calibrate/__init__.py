@@ -8,7 +8,7 @@ import sys
 from types import ModuleType
 
 from blob_tracker.commands.calibrate.report import UsageError
-from blob_tracker.commands.calibrate.sources import SourceError
+from blob_tracker.commands.sources import SourceError
 
 CALIBRATIONS: dict[str, str] = {
     'board': 'lens, from images of a chessboard, a ChArUco board or a grid of dots',

@@ -20,8 +20,8 @@ from blob_tracker.calibration.boards.regularity import is_even
 from blob_tracker.camera import CalibrationError, LensError, write_calibration
 from blob_tracker.camera.lens import LENSES
 from blob_tracker.commands.calibrate.report import UsageError, WORTHLESS
-from blob_tracker.commands.calibrate.sources import (
-    add_source, expected, frames, is_folder, is_live, SourceError,
+from blob_tracker.commands.sources import (
+    add_source, grey_frames, is_folder, is_live, open_source, SourceError,
 )
 from blob_tracker.types import Pixels
 import cv2
@@ -151,7 +151,8 @@ def _views(arguments: argparse.Namespace, board: Board) -> list[View]:
         console=Console(stderr=True),
     ) as progress:
         live = is_live(arguments)
-        total = arguments.views if live else expected(arguments)
+        source = open_source(arguments)
+        total = arguments.views if live else source.count
         task = progress.add_task('looking for the board', total=total, hint='')
         if live:
             progress.console.print(
@@ -159,7 +160,7 @@ def _views(arguments: argparse.Namespace, board: Board) -> list[View]:
                 'corners; Ctrl-C ends it.', highlight=False,
             )
         try:
-            for count, (name, image) in enumerate(frames(arguments), start=1):
+            for count, (name, _, image) in enumerate(grey_frames(source), start=1):
                 seen = name, image
                 view = board.find(image, name)
                 if view is None:

@@ -16,8 +16,8 @@ from blob_tracker.calibration.flash import (
 )
 from blob_tracker.calibration.flash_picture import draw_flash
 from blob_tracker.commands.calibrate.report import check_out, tell_of, UsageError
-from blob_tracker.commands.calibrate.shown_frames import shown_frames
-from blob_tracker.commands.calibrate.sources import add_source, is_folder, SourceError
+from blob_tracker.commands.sources.shown_frames import shown_frames
+from blob_tracker.commands.sources import add_source, SourceError, unstamped
 from blob_tracker.segmentation import compile_ahead, FrameError, Segmenter
 from blob_tracker.segmentation.watch import Watch
 from blob_tracker.types import Frame, Pixels
@@ -35,10 +35,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     add_source(parser, 'lights that blink, before a camera that stands still')
     parser.add_argument(
-        '--rate', type=float, metavar='HZ',
-        help='frames a second, where the source has no stamps, or wrong ones',
-    )
-    parser.add_argument(
         '--exposure', type=float, default=0.0, metavar='S',
         help='of a frame, s: with it more frequencies are told from their aliases (unknown)',
     )
@@ -54,10 +50,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(arguments: argparse.Namespace) -> None:
     """Look for what blinks; nothing is a failure."""
     check_out(arguments.out, '.png')
-    if is_folder(arguments) and arguments.rate is None:
-        raise UsageError('images of a folder have no stamps: give their rate, --rate 60')
-    if arguments.rate is not None and not arguments.rate > 0.0:
-        raise UsageError(f'--rate is {arguments.rate:g} Hz; it must be above 0')
     if not 0.0 <= arguments.exposure < 1.0:
         raise UsageError(
             f'--exposure is {arguments.exposure:g} s; it must be 0 to 1 s: 0.005, say'
@@ -81,13 +73,9 @@ def _watch(arguments: argparse.Namespace, console: Console) -> tuple[Watch, Pixe
     compile_ahead()
     series = longest = _Series(arguments.exposure)
     begun, watched = 1, 0.0
-    for index, (_, seconds, pixels) in enumerate(
-        shown_frames(arguments, console, 'watching', live_seconds=LIVE_S)
-    ):
-        if arguments.rate is not None:
-            seconds = index / arguments.rate
+    for _, seconds, pixels in shown_frames(arguments, console, 'watching', live_seconds=LIVE_S):
         if seconds is None:
-            raise SourceError(f'{arguments.source} has no stamps: give its rate, --rate 60')
+            raise SourceError(unstamped(arguments))
         full = arguments.saturation or int(np.iinfo(pixels.dtype).max)
         frame = Frame(pixels, round(1e9 * seconds), full)
         if series.is_ended_by(frame):

@@ -11,8 +11,8 @@ from blob_tracker.calibration.line_jitter import LineJitterMeasurement, measure_
 from blob_tracker.calibration.line_jitter_picture import draw_line_jitter
 from blob_tracker.camera import CalibrationError
 from blob_tracker.commands.calibrate.report import check_out, results_table, row, tell_of
-from blob_tracker.commands.calibrate.shown_frames import shown_frames
-from blob_tracker.commands.calibrate.sources import add_source
+from blob_tracker.commands.sources.shown_frames import shown_frames
+from blob_tracker.commands.sources import add_source
 from blob_tracker.types import Pixels
 import numpy as np
 from rich.console import Console

@@ -10,8 +10,8 @@ from blob_tracker.calibration.line_time import (
 )
 from blob_tracker.calibration.line_time_picture import draw_line_time
 from blob_tracker.commands.calibrate.report import check_out, results_table, row, tell_of
-from blob_tracker.commands.calibrate.shown_frames import shown_frames
-from blob_tracker.commands.calibrate.sources import add_source
+from blob_tracker.commands.sources.shown_frames import shown_frames
+from blob_tracker.commands.sources import add_source
 from rich.console import Console
 
 FAILURES = (LineTimeError,)

@@ -18,7 +18,7 @@ from blob_tracker.commands.calibrate.noise_report import (
     print_photon_transfer, rows_of_noise, write_parameters,
 )
 from blob_tracker.commands.calibrate.report import check_out, UsageError
-from blob_tracker.commands.calibrate.sources import add_source
+from blob_tracker.commands.sources import add_source
 import numpy as np
 from rich.console import Console
 from rich.table import Table

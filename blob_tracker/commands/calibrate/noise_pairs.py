@@ -10,8 +10,8 @@ from pathlib import Path
 
 from blob_tracker.calibration.frame_pair import Pair, pair_of, PhotonTransferError
 from blob_tracker.calibration.temporal_correlation import Succession
-from blob_tracker.commands.calibrate.shown_frames import shown_frames
-from blob_tracker.commands.calibrate.sources import is_folder, is_live, SourceError
+from blob_tracker.commands.sources.shown_frames import shown_frames
+from blob_tracker.commands.sources import is_folder, is_live, SourceError
 from blob_tracker.types import Pixels
 from rich.console import Console
 

@@ -11,8 +11,8 @@ from blob_tracker.camera import CalibrationError
 from blob_tracker.commands.calibrate.report import (
     check_out, results_table, row, tell_of, UsageError,
 )
-from blob_tracker.commands.calibrate.shown_frames import shown_frames
-from blob_tracker.commands.calibrate.sources import add_source, SourceError
+from blob_tracker.commands.sources.shown_frames import shown_frames
+from blob_tracker.commands.sources import add_source, SourceError
 from blob_tracker.location import learn_pulse, Learned, locate_batch
 from blob_tracker.location.noise import pixel_variance
 from blob_tracker.location.pulse_learner import stacked

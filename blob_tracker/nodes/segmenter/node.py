@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import replace
-from functools import partial
 import sys
 from threading import Lock
 import time
 from typing import Any
 
-from blob_tracker.flash_text import codes_from_text, frequencies_from_text
 from blob_tracker.nodes.interface.segmenter import PARAMETERS
 from blob_tracker.nodes.segmenter.last_detections import LastDetections
 from blob_tracker.nodes.segmenter.noise_topic import NoiseTopic
@@ -22,15 +20,15 @@ from blob_tracker.ros.diagnostics.losses import Losses, StampGaps
 from blob_tracker.ros.endpoints.debug_image import DebugImage
 from blob_tracker.ros.endpoints.delivery import Deliver, Delivery
 from blob_tracker.ros.endpoints.latest_track import LatestTrack
-from blob_tracker.ros.endpoints.names import check_light, target_topic
+from blob_tracker.ros.endpoints.names import target_topic
 from blob_tracker.ros.endpoints.pairing import FramePairs
 from blob_tracker.ros.endpoints.window_topics import WindowTopics
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.camera_info import KnownCamera
 from blob_tracker.ros.messages.clipping import clipping_frame
 from blob_tracker.ros.messages.image import to_frame
-from blob_tracker.ros.parameters.declaration import about, declare, on_change
-from blob_tracker.ros.parameters.mask import read_mask
+from blob_tracker.ros.parameters.declaration import declare, on_change
+from blob_tracker.ros.parameters.rooms import flash_of, flash_values, segmenter_of
 from blob_tracker.ros.process import run, say
 from blob_tracker.segmentation import (
     compile_ahead,
@@ -38,10 +36,8 @@ from blob_tracker.segmentation import (
     Expectation,
     exposure_fault,
     FieldSegmenter,
-    flash_by_name,
     FrameError,
     Segmenter,
-    threshold_by_name,
 )
 from blob_tracker.segmentation.channel import ChannelChoice
 from blob_tracker.segmentation.compression import standard_quantisation
@@ -56,8 +52,6 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 
-# What makes another flash mode of them; all else leaves a light that is followed as it is.
-FLASH = ('max_pair_interval', 'registration', 'gate')
 # s from one picture to the next. Frames with a window have the first call, those with a candidate
 # the second: at a fixed pace every picture could be of an unlit frame.
 WITH_WINDOW_S, WITH_CANDIDATE_S, WITH_NOTHING_S = 0.1, 0.2, 0.3
@@ -134,36 +128,9 @@ class SegmenterNode(Node):
 
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Build what these parameters ask for; return what puts it into effect."""
-        asked = {
-            name: value
-            for name, value in values.items()
-            if name.startswith('flash.') or name in FLASH
-        }
-        with about('flash'):
-            codes = codes_from_text(values['flash.codes'])
-            frequencies = frequencies_from_text(values['flash.frequencies'])
-            for name in (*codes, *frequencies):
-                check_light(name)
-            options = {name.removeprefix('flash.'): value for name, value in asked.items()}
-            options['gate_px'] = options.pop('gate')
-            new_flash = partial(
-                flash_by_name, **options | {'codes': codes, 'frequencies': frequencies}
-            )
-            new_flash()  # or it says what cannot be
-        with about('mask_url'):
-            mask = read_mask(values['mask_url'])
-        new_segmenter = partial(
-            Segmenter,
-            threshold=threshold_by_name(
-                values['threshold.method'],
-                sigmas=values['threshold.sigmas'],
-                extension=values['threshold.extension'],
-            ),
-            min_snr=values['min_snr'],
-            max_blob=values['max_blob'],
-            looks=values['looks'],
-            mask=mask,
-        )
+        asked = flash_values(values)
+        new_flash, lights = flash_of(values)
+        new_segmenter = segmenter_of(values)
         same_flash, same_channel = (
             self._asked is not None and self._asked[k] == each
             for k, each in enumerate((asked, values['channel']))
@@ -184,8 +151,6 @@ class SegmenterNode(Node):
         })
         quality = values['jpeg_quality']
         quantisation = standard_quantisation(quality) if quality else None
-        named = {'coded': (*codes, *frequencies), 'periodic': tuple(frequencies)}
-        lights = named.get(values['flash.mode']) or ('',)
         for name in lights:
             if name not in self._topics:
                 self._topics[name] = WindowTopics(self, target_topic(name))

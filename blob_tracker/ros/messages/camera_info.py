@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from copy import copy
+from typing import TYPE_CHECKING
 
 from blob_tracker.camera import CalibrationError, CameraModel
 from blob_tracker.camera.lens import todays_name
@@ -10,8 +11,9 @@ from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.stamp import from_ns
 from blob_tracker.types import Window
 import numpy as np
-from sensor_msgs.msg import CameraInfo, RegionOfInterest
-from std_msgs.msg import Header
+
+if TYPE_CHECKING:  # those of a bag are read where no ROS is installed, too
+    from sensor_msgs.msg import CameraInfo
 
 
 class KnownCamera:
@@ -110,6 +112,8 @@ def from_camera_model(
         be wrong.
 
     """
+    from sensor_msgs.msg import CameraInfo
+
     region = width * binning[0], height * binning[1]
     if sensor_size is None:
         sensor_size = x0 + region[0], y0 + region[1]
@@ -140,6 +144,9 @@ def stamped(info: CameraInfo, stamp_ns: int, frame_id: str) -> CameraInfo:
 
 def of_window(info: CameraInfo, window: Window, frame_id: str) -> CameraInfo:
     """Return a frame's camera_info with the window's place, in full-resolution px (REP 104)."""
+    from sensor_msgs.msg import RegionOfInterest
+    from std_msgs.msg import Header
+
     height, width = window.lit.shape
     whole = copy(info)  # the frame's own stays as it is: a camera fills it again
     whole.roi = RegionOfInterest(

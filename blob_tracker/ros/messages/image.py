@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import replace
+from typing import Any, TYPE_CHECKING
 
 from blob_tracker.colour import grey_pixels
 from blob_tracker.ros.errors import MessageError
@@ -12,7 +13,9 @@ from blob_tracker.ros.messages.stamp import from_ns, SECOND_NS, to_ns
 from blob_tracker.types import BAYER, Frame, Glimpse, Pixels, PLANES, Window
 import numpy as np
 from numpy.typing import NDArray
-from sensor_msgs.msg import CameraInfo, Image
+
+if TYPE_CHECKING:  # those of a bag are read where no ROS is installed, too
+    from sensor_msgs.msg import CameraInfo, Image
 
 # encoding: (type of a pixel, channels)
 _FRAMES = {
@@ -65,17 +68,20 @@ def to_frame(image: Image, info: CameraInfo) -> Frame:
         says which and what would be right.
 
     """
-    pixels, layout = _coloured(image)
+    frame = to_whole_frame(image)
     _check_region(image, info)
-    return Frame(
-        image=pixels,
-        layout=layout,
-        stamp_ns=_stamp_ns(image),
-        saturation=int(np.iinfo(pixels.dtype).max),
+    return replace(
+        frame,
         x0=int(info.roi.x_offset),
         y0=int(info.roi.y_offset),
         binning=_binning(info),
     )
+
+
+def to_whole_frame(image: Image) -> Frame:
+    """Return the frame of an image without a camera_info: neither cropped nor binned."""
+    pixels, layout = _coloured(image)
+    return Frame(pixels, _stamp_ns(image), int(np.iinfo(pixels.dtype).max), layout=layout)
 
 
 def to_window(image: Image, info: CameraInfo) -> Window:
@@ -214,7 +220,10 @@ def from_pixels(
         The message that was given, or a new one.
 
     """
-    message = Image() if message is None else message
+    if message is None:
+        from sensor_msgs.msg import Image
+
+        message = Image()
     bits = 8 * pixels.dtype.itemsize
     message.header.stamp = from_ns(stamp_ns)
     message.header.frame_id = frame_id

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from builtin_interfaces.msg import Time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:  # those of a bag are read where no ROS is installed, too
+    from builtin_interfaces.msg import Time
 
 SECOND_NS = 1_000_000_000  # ns
 
@@ -14,5 +17,7 @@ def to_ns(stamp: Time) -> int:
 
 def from_ns(stamp_ns: int) -> Time:
     """Return the message of a stamp in ns."""
+    from builtin_interfaces.msg import Time
+
     sec, nanosec = divmod(stamp_ns, SECOND_NS)
     return Time(sec=sec, nanosec=nanosec)

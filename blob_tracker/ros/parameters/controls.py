@@ -13,7 +13,7 @@ from blob_tracker.capture.exposure import adjust_exposure, put_back
 from blob_tracker.capture.exposure_search import Outcome
 from blob_tracker.ros.diagnostics.health import Health
 from blob_tracker.ros.errors import ParameterError
-from blob_tracker.ros.parameters.declaration import unknown
+from blob_tracker.ros.parameters.values import unknown
 from blob_tracker.types import Frame
 from rcl_interfaces.msg import (
     IntegerRange, ParameterDescriptor, ParameterType, SetParametersResult,

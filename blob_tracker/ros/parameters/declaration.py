@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from contextlib import contextmanager
-from difflib import get_close_matches
+from collections.abc import Callable, Collection, Sequence
 from typing import Any
 
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.interface import Parameter
+from blob_tracker.ros.parameters.values import not_allowed, unknown
 from rcl_interfaces.msg import (
     FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult,
 )
@@ -98,7 +97,7 @@ def on_change(
         try:
             for name, value in ours.items():
                 if declared[name].choices and value not in declared[name].choices:
-                    raise _not_allowed(declared[name], value)
+                    raise not_allowed(declared[name], value)
             agreed.append(change(values))
         except ParameterError as error:
             return SetParametersResult(successful=False, reason=str(error))
@@ -112,15 +111,6 @@ def on_change(
 
     node.add_on_set_parameters_callback(check)
     node.add_post_set_parameters_callback(carry_out)
-
-
-@contextmanager
-def about(name: str) -> Iterator[None]:
-    """Raise what is wrong with a value as a ParameterError that names the parameter."""
-    try:
-        yield
-    except (OSError, ValueError) as error:
-        raise ParameterError(f"parameter '{name}': {error}") from None
 
 
 def undeclared(node: Node, elsewhere: Collection[str] = ()) -> dict[str, Any]:
@@ -140,14 +130,6 @@ def given(node: Node) -> dict[str, Any]:
         for name, parameter in node._parameter_overrides.items()
         if not name.startswith('qos_overrides.')
     }
-
-
-def unknown(name: str, names: Iterable[str]) -> ParameterError:
-    """Return the error for the name of a parameter that is none of these."""
-    names = list(names)
-    near = get_close_matches(name, names, n=1)
-    hint = f"did you mean '{near[0]}'?" if near else f'there is {", ".join(names)}'
-    return ParameterError(f"no parameter '{name}'; {hint}")
 
 
 def _descriptor(parameter: Parameter) -> ParameterDescriptor:
@@ -172,16 +154,4 @@ def _descriptor(parameter: Parameter) -> ParameterDescriptor:
 
 def _rejected(node: Node, parameter: Parameter) -> ParameterError:
     """Return the error for the value that start-up gave to a parameter."""
-    return _not_allowed(parameter, node._parameter_overrides[parameter.name].value)
-
-
-def _not_allowed(parameter: Parameter, value: Any) -> ParameterError:
-    """Return the error for a value that a parameter may not have."""
-    hint = ''
-    if isinstance(value, int) and isinstance(parameter.default, float):
-        hint = f'; write {value}.0'
-    elif isinstance(parameter.default, str) and not isinstance(value, str):
-        hint = "; in YAML put it in quotes, '...': without them 00010111 is the number 4169"
-    return ParameterError(
-        f"parameter '{parameter.name}' is {value!r:.200}; it must be {parameter.allowed}{hint}"
-    )
+    return not_allowed(parameter, node._parameter_overrides[parameter.name].value)

@@ -6,7 +6,6 @@ import os
 from pathlib import Path
 import re
 
-from ament_index_python.packages import get_package_share_directory, PackageNotFoundError
 from blob_tracker.ros.errors import ParameterError
 
 # Where camera_info_manager keeps a calibration that was given no other place.
@@ -58,7 +57,10 @@ def to_path(url: str, camera_name: str = 'camera') -> Path:
     if scheme == 'package':
         name, _, inside = rest.partition('/')
         try:
+            from ament_index_python.packages import get_package_share_directory
+
             return Path(get_package_share_directory(name)) / inside
-        except (PackageNotFoundError, ValueError, OSError):  # OSError: no package is, at all
+        # ImportError: there is no ROS. KeyError: no package of that name. OSError: none at all.
+        except (ImportError, KeyError, ValueError, OSError):
             raise ParameterError(f"{url}: no package '{name}' is installed") from None
     raise ParameterError(f'{url}: write a path, file:// or package://, not {scheme}://')

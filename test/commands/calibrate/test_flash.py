@@ -7,7 +7,9 @@ from pathlib import Path
 import re
 
 from blob_tracker.__main__ import main
+from blob_tracker.commands.sources import Source, SourceFrame
 from blob_tracker.simulation import always, coded, Light, periodic, Scene
+from blob_tracker.types import Frame
 import cv2
 import numpy as np
 import pytest
@@ -52,7 +54,7 @@ def test_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Both lights are listed, drawn, and written with what tracks them; codes stay text."""
     source = folder(tmp_path / 'frames', 120, *TWO)
     out = tmp_path / 'flash.yaml'
-    assert run(source, '--rate', RATE, '--exposure', 0.5 / RATE, '--out', out) == 0
+    assert run(source, '--frame-rate', RATE, '--exposure', 0.5 / RATE, '--out', out) == 0
     found = parameters(out)
     assert found['flash.mode'] == 'coded'
     assert found['flash.codes'] in ('light_1:1101000', 'light_2:1101000')
@@ -97,12 +99,13 @@ def test_gaps(
     stamps[100:] += 2.0
     stamps[60] = stamps[58]
 
-    def stamped(_: object, **__: object) -> Iterator[tuple[str, float, np.ndarray]]:
-        for stamp, frame in zip(stamps, frames(150, TWO[0])):
-            yield '', float(stamp), frame
-
-    monkeypatch.setattr('blob_tracker.commands.calibrate.shown_frames.stamped_frames', stamped)
-    monkeypatch.setattr('blob_tracker.commands.calibrate.shown_frames.expected', lambda _: 150)
+    source = Source([
+        SourceFrame('', Frame(frame, round(1e9 * stamp), 255), True)
+        for stamp, frame in zip(stamps, frames(150, TWO[0]))
+    ])
+    monkeypatch.setattr(
+        'blob_tracker.commands.sources.shown_frames.open_source', lambda *_, **__: source
+    )
     assert run(tmp_path / 'light.mp4', '--out', tmp_path / 'flash.yaml') == 0
     told = capsys.readouterr()
     words = ' '.join(told.out.split())
@@ -114,7 +117,7 @@ def test_gaps(
 def test_nothing_blinks(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A lamp that is always on is no light; how long to record is said."""
     source = folder(tmp_path / 'frames', 30, Light(30.2, 30.7, 2.0, 120.0, always))
-    assert run(source, '--rate', RATE, '--out', tmp_path / 'flash.yaml') == 1
+    assert run(source, '--frame-rate', RATE, '--out', tmp_path / 'flash.yaml') == 1
     assert 'nothing blinks in 0.5 s; record 3 s' in capsys.readouterr().err
     assert not (tmp_path / 'flash.yaml').exists()
 
@@ -122,7 +125,7 @@ def test_nothing_blinks(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
 def test_too_short(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """It is listed, with the length that would do; nothing is written."""
     source = folder(tmp_path / 'frames', 12, TWO[1])
-    assert run(source, '--rate', RATE, '--out', tmp_path / 'flash.yaml') == 0
+    assert run(source, '--frame-rate', RATE, '--out', tmp_path / 'flash.yaml') == 0
     printed = ' '.join(capsys.readouterr().out.split())
     assert 'its pattern did not come twice: record' in printed
     assert 'none of these can be tracked' in printed
@@ -130,10 +133,8 @@ def test_too_short(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize('words, sentence', [
-    ((), 'images of a folder have no stamps: give their rate, --rate 60'),
-    (('--rate', '0'), '--rate is 0 Hz; it must be above 0'),
-    (('--rate', '60', '--exposure', '8'), '--exposure is 8 s; it must be 0 to 1 s'),
-    (('--rate', '60', '--out', 'flash.png'), 'is the name of the picture beside it'),
+    (('--exposure', '8'), '--exposure is 8 s; it must be 0 to 1 s'),
+    (('--out', 'flash.png'), 'is the name of the picture beside it'),
 ])
 def test_wrong_options(
     tmp_path: Path, words: tuple[str, ...], sentence: str, capsys: pytest.CaptureFixture[str]
@@ -141,6 +142,13 @@ def test_wrong_options(
     """Before anything is read."""
     assert run(tmp_path, *words) == 2
     assert sentence in capsys.readouterr().err
+
+
+def test_no_stamps(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Images have none; what gives them some is said."""
+    source = folder(tmp_path / 'frames', 1, TWO[0])
+    assert run(source, '--out', tmp_path / 'flash.yaml') == 1
+    assert 'have no stamps: give their rate, --frame-rate 60' in capsys.readouterr().err
 
 
 def test_a_video_that_is_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

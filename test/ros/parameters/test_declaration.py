@@ -7,7 +7,8 @@ from typing import Any
 
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.interface import Parameter
-from blob_tracker.ros.parameters.declaration import declare, on_change, undeclared, unknown
+from blob_tracker.ros.parameters.declaration import declare, on_change, undeclared
+from blob_tracker.ros.parameters.values import unknown
 import pytest
 import rclpy
 from rclpy.context import Context

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from argparse import Namespace
 from pathlib import Path
 
-from blob_tracker.commands.calibrate.sources import stamped_frames
+from blob_tracker.commands.sources import grey_frames
+from blob_tracker.commands.sources.video import open_video
 import cv2
 import numpy as np
 import pytest
@@ -50,5 +50,5 @@ def test_what_opencv_has_no_time_for(
     monkeypatch.setattr(cv2, 'VideoCapture', VideoOfTimes)
     path = tmp_path / f'light{suffix}'
     path.touch()
-    arguments = Namespace(source=str(path), count=None, seconds=None, topic='')
-    assert [seconds for _, seconds, _ in stamped_frames(arguments)] == pytest.approx(stamps)
+    found = [seconds for _, seconds, _ in grey_frames(open_video(path))]
+    assert found == pytest.approx(stamps)

@@ -5,23 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 from signal import default_int_handler, getsignal, raise_signal, SIGINT
 
-from blob_tracker.commands.calibrate.shown_frames import _until_interrupt, StampedFrame
-import numpy as np
+from blob_tracker.commands.sources.shown_frames import until_interrupt
 import pytest
 
 
 def test_the_first_ctrl_c_ends_a_stream_wherever_it_comes() -> None:
     """While a frame is waited for, or worked on; the second is Python's again."""
-    image = np.zeros((4, 4), dtype=np.uint8)
-
-    def waits() -> Iterator[StampedFrame]:
-        yield '1', 0.0, image
+    def waits() -> Iterator[str]:
+        yield '1'
         raise_signal(SIGINT)
-        yield '2', 0.1, image
+        yield '2'
 
-    assert [name for name, *_ in _until_interrupt(waits())] == ['1']
+    assert list(until_interrupt(waits())) == ['1']
     worked = []
-    for name, *_ in _until_interrupt((str(each), None, image) for each in range(9)):
+    for name in until_interrupt(str(each) for each in range(9)):
         if name == '2':
             raise_signal(SIGINT)
             with pytest.raises(KeyboardInterrupt):

@@ -1,0 +1,80 @@
+"""The images of a bag."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from blob_tracker.commands.sources.source import Source, SourceError, SourceFrame
+from blob_tracker.ros.endpoints.recorded_frames import (
+    info_topic, recorded_frames, recorded_info,
+)
+from blob_tracker.ros.endpoints.recording import recorded_count, RecordingError
+from blob_tracker.ros.errors import MessageError
+from blob_tracker.ros.messages.camera_info import KnownCamera
+
+
+def is_bag(path: Path) -> bool:
+    """Tell whether a path is that of a bag: a folder, or one of its files."""
+    return (path / 'metadata.yaml').is_file() or path.suffix in ('.mcap', '.db3', '.bag')
+
+
+def open_bag(bag: Path, topic: str, *, calibrated: bool) -> Source:
+    """
+    Open a bag.
+
+    Parameters
+    ----------
+    bag : Path
+        The bag.
+    topic : str
+        Of the images.
+    calibrated : bool
+        Whether its camera_info is wanted: frames that have none are then left out, as the nodes
+        leave them out, where the bag has any at all.
+
+    Raises
+    ------
+    SourceError
+        It cannot be read, or has no such images.
+
+    """
+    camera = KnownCamera()
+    try:
+        count = recorded_count(bag, topic)
+        info = recorded_info(bag, topic) if calibrated else None
+    except RecordingError as error:
+        raise SourceError(str(error)) from None
+    model, uncalibrated = None, f'the bag has no messages on {info_topic(topic)}'
+    if info is not None:
+        try:
+            model, uncalibrated = camera.model(info), ''
+        except MessageError as error:
+            uncalibrated = str(error)
+    check = None if model is None else (lambda info: camera.model(info) is model)
+    return Source(
+        _frames(bag, topic, info is not None, check), count, 'the bag', model, uncalibrated
+    )
+
+
+def _frames(
+    bag: Path, topic: str, paired: bool, same: Callable[[object], bool] | None
+) -> Iterator[SourceFrame]:
+    first_ns: int | None = None
+    try:
+        for frame, info in recorded_frames(bag, topic, paired=paired):
+            first_ns = frame.stamp_ns if first_ns is None else first_ns
+            name = f'{(frame.stamp_ns - first_ns) / 1e9:.3f} s'
+            if same is not None and not same(info):
+                raise SourceError(
+                    f'{bag}: the calibration in {info_topic(topic)} is another one from {name} '
+                    'on; part the bag there'
+                )
+            yield SourceFrame(name, frame, True)
+        if first_ns is None and paired:
+            raise SourceError(
+                f'{bag}: no image has a message on {info_topic(topic)} with its stamp; give the '
+                'calibration with --camera-info'
+            )
+    except (RecordingError, MessageError) as error:
+        raise SourceError(str(error)) from None

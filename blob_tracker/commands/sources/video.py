@@ -1,0 +1,52 @@
+"""The frames of a video, by OpenCV."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from blob_tracker.commands.sources.source import frame_of, Source, SourceError, SourceFrame
+import cv2
+import numpy as np
+
+SUFFIXES = (
+    '.avi', '.h264', '.m4v', '.mjpeg', '.mjpg', '.mkv', '.mov', '.mp4', '.mpeg', '.mpg', '.mts',
+    '.ts', '.webm', '.wmv',
+)
+
+
+def open_video(path: Path) -> Source:
+    """Open a video; its colours are blue, green and red."""
+    video = cv2.VideoCapture(str(path))
+    if not video.isOpened():
+        raise SourceError(f'{path} is not a video that OpenCV can read; convert it to MJPEG')
+    count = int(video.get(cv2.CAP_PROP_FRAME_COUNT))
+    return Source(_frames(video), count if count > 0 else None, 'the video')
+
+
+def _frames(video: cv2.VideoCapture) -> Iterator[SourceFrame]:
+    """Yield the frames; those for which there is no time go on at the pace of those before."""
+    index, last, step = 0, 0.0, 0.0
+    try:
+        while True:
+            there, pixels = video.read()
+            if not there:
+                return
+            told = video.get(cv2.CAP_PROP_POS_MSEC) / 1e3  # of the frame that was read
+            seconds: float | None = told
+            if index and told == 0.0:
+                # OpenCV 4.14 has no time for raw streams, nor for the last frames of H.264 in AVI.
+                seconds = last + step if step else None
+            elif index:
+                step = told - last
+            if seconds is not None:
+                last = seconds
+            name = f'frame {index}' if seconds is None else f'{seconds:.3f} s'
+            pixels = np.asarray(pixels)
+            yield frame_of(
+                pixels, name, None if seconds is None else round(1e9 * seconds),
+                'bgr' if pixels.ndim == 3 else '',
+            )
+            index += 1
+    finally:
+        video.release()

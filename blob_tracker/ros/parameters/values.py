@@ -1,0 +1,51 @@
+"""Values of parameters: what may be one, and what is said of one that may not. No ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from difflib import get_close_matches
+from typing import Any
+
+from blob_tracker.ros.errors import ParameterError
+from blob_tracker.ros.interface import Parameter
+
+
+@contextmanager
+def about(name: str) -> Iterator[None]:
+    """Raise what is wrong with a value as a ParameterError that names the parameter."""
+    try:
+        yield
+    except (OSError, ValueError) as error:
+        raise ParameterError(f"parameter '{name}': {error}") from None
+
+
+def check(parameter: Parameter, value: Any) -> None:
+    """Raise ParameterError where a parameter may not have a value, as a node refuses it."""
+    allowed = type(value) is type(parameter.default)
+    if allowed and parameter.choices:
+        allowed = value in parameter.choices
+    elif allowed and parameter.least is not None and parameter.most is not None:
+        allowed = parameter.least <= value <= parameter.most
+    if not allowed:
+        raise not_allowed(parameter, value)
+
+
+def unknown(name: str, names: Iterable[str]) -> ParameterError:
+    """Return the error for the name of a parameter that is none of these."""
+    names = list(names)
+    near = get_close_matches(name, names, n=1)
+    hint = f"did you mean '{near[0]}'?" if near else f'there is {", ".join(names)}'
+    return ParameterError(f"no parameter '{name}'; {hint}")
+
+
+def not_allowed(parameter: Parameter, value: Any) -> ParameterError:
+    """Return the error for a value that a parameter may not have."""
+    hint = ''
+    if isinstance(value, int) and isinstance(parameter.default, float):
+        hint = f'; write {value}.0'
+    elif isinstance(parameter.default, str) and not isinstance(value, str):
+        hint = "; in YAML put it in quotes, '...': without them 00010111 is the number 4169"
+    return ParameterError(
+        f"parameter '{parameter.name}' is {value!r:.200}; it must be {parameter.allowed}{hint}"
+    )
