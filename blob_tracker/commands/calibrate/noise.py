@@ -11,9 +11,8 @@ from blob_tracker.calibration.noise_level_function import NoiseLevelFunction
 from blob_tracker.calibration.photon_transfer import clipped_level, photon_transfer
 from blob_tracker.calibration.photon_transfer_picture import draw_noise_line
 from blob_tracker.calibration.temporal_correlation import Succession
-from blob_tracker.commands.calibrate.noise_pairs import (
-    frames_of, in_twos, INDEX, pairs_of, watched,
-)
+from blob_tracker.commands.calibrate.frame_index import INDEX
+from blob_tracker.commands.calibrate.noise_pairs import frames_of, in_twos, pairs_of, watched
 from blob_tracker.commands.calibrate.noise_report import (
     print_photon_transfer, rows_of_noise, write_parameters,
 )
@@ -31,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         'Photon transfer (EMVA 1288): gain, read noise, saturation and non-uniformity from pairs '
         f'of frames. SOURCE is a folder with an {INDEX} (file,kind,exposure_ns,photons_per_pixel; '
-        'kind is bright or dark); or a folder of bright frames, sorted in pairs, with --dark; or '
+        'kind is bright or dark) or a descriptor of EMVA 1288; or a folder of bright frames, sorted in pairs, with --dark; or '
         'a bag or topic in which the light goes up in steps, dark first, each held for three '
         'frames or more; or, with --scene, anything recorded with a camera that stands still.'
     )

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterable, Iterator
-import csv
 from math import inf
 from pathlib import Path
 
 from blob_tracker.calibration.frame_pair import Pair, pair_of, PhotonTransferError
 from blob_tracker.calibration.temporal_correlation import Succession
-from blob_tracker.commands.sources import is_folder, is_live, SourceError
-from blob_tracker.commands.sources.shown_frames import shown_frames
+from blob_tracker.commands.calibrate.frame_index import find_index, INDEX, Light, read_index
+from blob_tracker.commands.sources import grey_frames, is_folder, is_live, SourceError
+from blob_tracker.commands.sources.folder import open_images
+from blob_tracker.commands.sources.shown_frames import shown_frames, with_bar
 from blob_tracker.types import Pixels
 from rich.console import Console
 
-INDEX = 'index.csv'
-KINDS = ('bright', 'dark')
 SAME = 0.05  # of the mean, and 5 DN, by which the two frames of a pair may differ in light
 STEP = 0.02  # of the mean, and 1 DN, beyond which a stream of frames shows another step
 LIVE_S = 60.0
@@ -47,13 +46,14 @@ def pairs_of(
         )
         console.print(f'{len(pairs)} pairs; the darkest step is taken for the dark one')
         return pairs
-    if not (folder / INDEX).is_file():
+    index = find_index(folder)
+    if index is None:
         raise SourceError(
-            f'{folder} has no {INDEX}; write one (file,kind,exposure_ns,photons_per_pixel), give '
-            'the dark frames of these bright ones with --dark FOLDER, or say --scene if they '
-            'show a still scene'
+            f'{folder} has no {INDEX}; write one (file,kind,exposure_ns,photons_per_pixel) or a '
+            'descriptor of EMVA 1288, give the dark frames of these bright ones with --dark '
+            'FOLDER, or say --scene if they show a still scene'
         )
-    return _indexed(arguments, folder / INDEX, console, succession)
+    return _indexed(arguments, index, console, succession)
 
 
 def watched(
@@ -143,68 +143,27 @@ def _indexed(
     arguments: argparse.Namespace, index: Path, console: Console, succession: Succession
 ) -> list[Pair]:
     """Return the pairs of a folder by its index."""
-    try:
-        # Spreadsheets begin UTF-8 with a byte order mark.
-        with index.open(newline='', encoding='utf-8-sig') as file:
-            reader = csv.DictReader(file)
-            rows = list(reader)
-            columns = reader.fieldnames or []
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise PhotonTransferError(
-            f'{index} cannot be read: {error}; save it as CSV in UTF-8'
-        ) from None
-    if not {'file', 'kind'} <= set(columns):
-        raise PhotonTransferError(
-            f'{index} has the columns {", ".join(columns) or "(none)"}; it must have file and '
-            'kind, and may have exposure_ns and photons_per_pixel'
-        )
-    for row in rows:
-        if row['kind'] not in KINDS:
-            raise PhotonTransferError(
-                f"{index}: the kind of {row['file']} is '{row['kind']}'; it must be bright or dark"
-            )
-    bright = [row for row in rows if row['kind'] == 'bright']
+    lights = read_index(index)
+    bright = [light for light in lights.values() if light.kind == 'bright']
     # Of time and photons the one that tells the levels apart.
-    varied = [
-        name for name in ('exposure_ns', 'photons_per_pixel')
-        if name in columns and len({row[name] for row in bright}) > 1
-    ]
-    groups: dict[tuple[str, str, str], list[Pixels]] = {}
-    where = {
-        row['file']: (
-            row['kind'], row.get('exposure_ns') or '', row.get('photons_per_pixel') or ''
-        )
-        for row in rows
-    }
-    pairs, seen = [], set()
-    for name, image in frames_of(arguments, console):
-        if name not in where:
+    photons = len({light.exposure_ns for light in bright}) < 2
+    source = open_images(list(lights))
+    stream = grey_frames(source, interpolate=False)
+    held: dict[Light, Pixels] = {}
+    pairs = []
+    for light, (_, _, image) in zip(lights.values(), with_bar(
+        stream, source, arguments, console, f'frames of {index}'
+    )):
+        succession.add(image, light)
+        if light not in held:
+            held[light] = image
             continue
-        seen.add(name)
-        key = where[name]
-        succession.add(image, key)
-        group = groups.setdefault(key, [])
-        group.append(image)
-        if len(group) == 2:
-            column = (varied or [''])[0]
-            value = {'exposure_ns': key[1], 'photons_per_pixel': key[2]}.get(column, '')
-            try:
-                exposure = float(value) if value else None
-            except ValueError:
-                raise PhotonTransferError(
-                    f"{index}: {column} of {name} is '{value}'; it must be a number"
-                ) from None
-            pairs.append(
-                _pair((group[0], group[1]), dark=key[0] == 'dark', exposure=exposure)
-            )
-            group.clear()
-    missing = sorted(set(where) - seen)
-    if missing:
-        raise PhotonTransferError(f'{index} names {missing[0]}, which is not in the folder')
-    for (kind, exposure_ns, photons), left in groups.items():
-        if left:
-            light = exposure_ns and f' at {exposure_ns} ns' or photons and f' at {photons} photons'
-            raise PhotonTransferError(
-                f'{index}: the number of {kind} frames{light} is odd; each light needs two frames'
-            )
+        pairs.append(_pair(
+            (held.pop(light), image), dark=light.kind == 'dark',
+            exposure=light.photons if photons else light.exposure_ns,
+        ))
+    for light in held:
+        raise PhotonTransferError(
+            f'{index}: the number of {light.words} is odd; each light needs two frames'
+        )
     return pairs

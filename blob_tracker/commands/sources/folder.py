@@ -35,16 +35,30 @@ def open_folder(folder: Path) -> Source:
         first = open_fits(fits[0])
         # Most such folders have a plane in each file, and nobody waits for all to be opened.
         return Source(_of_fits(fits), (first.count or 1) * len(files), first.stamps)
+    return open_images(files)
+
+
+def open_images(files: Sequence[Path]) -> Source:
+    """
+    Open images; each page of a TIFF is one.
+
+    Raises
+    ------
+    SourceError
+        On the way, of one that cannot be read.
+
+    """
     pages = {file: cv2.imcount(str(file)) for file in files if file.suffix.lower() in TIFFS}
     return Source(_of_images(files, pages), sum(max(pages.get(file, 1), 1) for file in files))
 
 
 def _files(folder: Path) -> list[Path]:
-    """Return the image files of a folder, view2 before view10."""
+    """Return the image files of a folder, view2 before view10, and none that is hidden."""
     if not folder.is_dir():
         raise SourceError(f'{folder} is a file; give the folder that holds the images')
     files = [
-        file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES or is_fits(file)
+        file for file in folder.iterdir()
+        if not file.name.startswith('.') and (file.suffix.lower() in SUFFIXES or is_fits(file))
     ]
     if not files:
         raise SourceError(f'{folder} holds no images ({" ".join(SUFFIXES)} .fits) and is no bag')
