@@ -10,6 +10,8 @@ from threading import Lock
 import time
 from typing import Any
 
+from blob_tracker.camera import CalibrationError
+from blob_tracker.camera.response import Response
 from blob_tracker.flash_text import codes_from_text, frequencies_from_text
 from blob_tracker.nodes.interface.segmenter import PARAMETERS
 from blob_tracker.nodes.segmenter.last_detections import LastDetections
@@ -31,6 +33,7 @@ from blob_tracker.ros.messages.clipping import clipping_frame
 from blob_tracker.ros.messages.image import to_frame
 from blob_tracker.ros.parameters.declaration import about, declare, on_change
 from blob_tracker.ros.parameters.mask import read_mask
+from blob_tracker.ros.parameters.response import read_response
 from blob_tracker.ros.process import run, say
 from blob_tracker.segmentation import (
     compile_ahead,
@@ -114,6 +117,7 @@ class SegmenterNode(Node):
         self._asked: tuple[dict[str, Any], str] | None = None  # of flash, and of the channel
         self._segmenter: FieldSegmenter
         self._quantisation: NDArray[np.uint16] | None = None
+        self._response: Response | None = None
         self._new_segmenter: Callable[[], FieldSegmenter]
         self._newest_ns = -1  # of the stamps
         self._topics: dict[str, WindowTopics] = {}  # of all lights that there ever were
@@ -152,6 +156,7 @@ class SegmenterNode(Node):
             new_flash()  # or it says what cannot be
         with about('mask_url'):
             mask = read_mask(values['mask_url'])
+        response = read_response(values['response_url'])
         new_segmenter = partial(
             Segmenter,
             threshold=threshold_by_name(
@@ -201,7 +206,7 @@ class SegmenterNode(Node):
                 self._segmenter = segmenter
                 self._new_segmenter = lambda: FieldSegmenter(new_one)
                 self._late_ns = int(1e9 * (values['max_pair_interval'] or LEAST_INTERVAL_S))
-                self._saturation = values['saturation']
+                self._saturation, self._response = values['saturation'], response
                 self._line_time_ns = 1e9 * values['line_time']
                 self._follow = follow
                 self._set_lights(lights, _lost_after_ns(values))
@@ -251,7 +256,10 @@ class SegmenterNode(Node):
         frame, info = delivery.item
         with self._lock:
             clipped = clipping_frame(frame, self._saturation)
-            if frame.saturation < clipped.saturation:
+            limit = clipped.saturation
+            if self._response is not None:
+                limit = min(limit, self._response.saturation)
+            if frame.saturation < limit:
                 self._health.fault(
                     WARN,
                     f'the camera clips at {frame.saturation} DN; set saturation to that in '
@@ -265,7 +273,19 @@ class SegmenterNode(Node):
         self._health.arrived(frame.stamp_ns, came_ns)
         self._losses.add(self._gaps.missing(frame.stamp_ns))
 
-    def _segment(self, frame: Frame, info: CameraInfo, frame_id: str) -> None:
+    def _linear(self, frame: Frame, info: CameraInfo) -> Frame:
+        """Return a frame in linear DN where the camera's response is known."""
+        if self._response is None:
+            return frame
+        try:
+            self._response.check_size(int(info.width), int(info.height))
+            return self._response.linear_frame(frame)
+        except CalibrationError as error:
+            self._health.fault(WARN, f'response_url: {error}; its pixels are taken for linear')
+            return frame
+
+    def _segment(self, raw: Frame, info: CameraInfo, frame_id: str) -> None:
+        frame = self._linear(raw, info)
         late_ns = self._newest_ns - frame.stamp_ns
         if late_ns > self._late_ns:
             self._health.fault(
@@ -303,7 +323,7 @@ class SegmenterNode(Node):
         if seen:
             self._health.ok('target in view')
         elif not any(visible):
-            self._say_why(frame)
+            self._say_why(raw)
         if detections:
             self._debug_image.offer(
                 lambda: draw(detections), frame.stamp_ns, frame_id, _pause(detections)
