@@ -17,7 +17,9 @@ from blob_tracker.calibration.flash import (
 from blob_tracker.calibration.flash_picture import draw_flash
 from blob_tracker.commands.calibrate.report import check_out, tell_of, UsageError
 from blob_tracker.commands.calibrate.shown_frames import shown_frames
-from blob_tracker.commands.calibrate.sources import add_source, is_folder, SourceError
+from blob_tracker.commands.calibrate.sources import (
+    add_source, clipping_level, is_folder, SourceError,
+)
 from blob_tracker.segmentation import compile_ahead, FrameError, Segmenter
 from blob_tracker.segmentation.watch import Watch
 from blob_tracker.types import Frame, Pixels
@@ -88,7 +90,7 @@ def _watch(arguments: argparse.Namespace, console: Console) -> tuple[Watch, Pixe
             seconds = index / arguments.rate
         if seconds is None:
             raise SourceError(f'{arguments.source} has no stamps: give its rate, --rate 60')
-        full = arguments.saturation or int(np.iinfo(pixels.dtype).max)
+        full = clipping_level(arguments, pixels)
         frame = Frame(pixels, round(1e9 * seconds), full)
         if series.is_ended_by(frame):
             begun, watched = begun + 1, watched + series.seconds

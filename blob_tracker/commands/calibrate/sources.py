@@ -9,6 +9,8 @@ from pathlib import Path
 import re
 import time
 
+from blob_tracker.camera import CalibrationError
+from blob_tracker.camera.response import Response
 from blob_tracker.types import Pixels
 import cv2
 import numpy as np
@@ -24,7 +26,9 @@ class SourceError(ValueError):
     """A source without usable images; the message says what is wrong and what would be right."""
 
 
-def add_source(parser: argparse.ArgumentParser, what: str) -> None:
+def add_source(
+    parser: argparse.ArgumentParser, what: str, *, response: bool = True
+) -> None:
     """
     Declare SOURCE and the options that go with it.
 
@@ -34,6 +38,8 @@ def add_source(parser: argparse.ArgumentParser, what: str) -> None:
         Of the calibration.
     what : str
         What the images show, for the help: 'a board in many poses'.
+    response : bool
+        Whether they may be made linear first.
 
     """
     parser.add_argument(
@@ -49,6 +55,13 @@ def add_source(parser: argparse.ArgumentParser, what: str) -> None:
     parser.add_argument(
         '--seconds', type=_positive_float, help='listen to a topic for so long at most'
     )
+    if response:
+        parser.add_argument(
+            '--response', type=Path, metavar='FILE',
+            help='make the pixels linear by it first: what calibrate response wrote',
+        )
+    else:
+        parser.set_defaults(response=None)
 
 
 def is_folder(arguments: argparse.Namespace) -> bool:
@@ -138,10 +151,36 @@ def stamped_frames(
         stream = _of_video(path)
     else:
         stream = _of_folder(path)
-    for index, frame in enumerate(stream, start=1):
-        yield frame
+    response = response_of(arguments)
+    for index, (name, seconds, pixels) in enumerate(stream, start=1):
+        if response is not None:
+            try:
+                response.check_size(pixels.shape[1], pixels.shape[0])
+                response.check(8 * pixels.itemsize, response.saturation)
+            except CalibrationError as error:
+                raise SourceError(str(error)) from None
+            pixels = response.linear_pixels(pixels)
+        yield name, seconds, pixels
         if index == arguments.count:
             return
+
+
+def response_of(arguments: argparse.Namespace) -> Response | None:
+    """Return the response that makes the frames linear; None where they stay as they are."""
+    if arguments.response is None:
+        return None
+    try:
+        return Response.from_yaml(arguments.response)
+    except CalibrationError as error:
+        raise SourceError(str(error)) from None
+
+
+def clipping_level(arguments: argparse.Namespace, pixels: Pixels) -> int:
+    """Return the DN at which a frame's pixels are clipped, by --saturation, in raw DN."""
+    response = response_of(arguments)
+    if response is not None:
+        return response.linear_saturation(arguments.saturation or response.saturation)
+    return arguments.saturation or int(np.iinfo(pixels.dtype).max)
 
 
 def _is_video(path: Path) -> bool:
