@@ -99,16 +99,17 @@ def measured(
         raw, linear = variances_of(pairs, response)
         if linear.shape[1] > 2 and np.ptp(linear[0]) > 0.0:
             line = fit_noise_line(*linear)
-        worst = max((_correlation(*each, response.saturation) for each in pairs), key=abs)
-        if worst < -CORRELATED:
+        # A camera that does it does it at every level.
+        alike = float(np.median([_correlation(*each, response.saturation) for each in pairs]))
+        if alike < -CORRELATED:
             warnings.append(
-                f"neighbours' noise is correlated ({worst:+.2f}): the camera sharpens. That moves "
+                f"neighbours' noise is correlated ({alike:+.2f}): the camera sharpens. That moves "
                 'no light, but draws a dark ring about it, which no response undoes: switch '
                 'sharpness off'
             )
-        elif worst > CORRELATED:
+        elif alike > CORRELATED:
             warnings.append(
-                f"neighbours' noise is correlated ({worst:+.2f}): the frames were compressed, "
+                f"neighbours' noise is correlated ({alike:+.2f}): the frames were compressed, "
                 'demosaiced or cleared of noise, and their variance is not that of a pixel'
             )
     return ResponseMeasurement(

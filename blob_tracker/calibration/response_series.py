@@ -149,9 +149,15 @@ def measure_response(
             'each exposure is the same multiple of the one before: a ripple of that period is not '
             'seen by them; take evenly spaced times (2, 4, 6, 8 ...) rather than doubled ones'
         )
+    black_sigma = scale * sqrt(fit.covariance[NODES, NODES])
+    if shots[0].exposure > 0.0 and black_sigma > scale:
+        warnings.append(
+            'the level without light is known to a few DN only: take a frame with the cap on as '
+            'well, of exposure 0'
+        )
     pairs = [each for each in shots if len(each.frames) > 1]
     return measured(
-        response, (scale * fit.black, scale * sqrt(fit.covariance[NODES, NODES])),
+        response, (scale * fit.black, black_sigma),
         tiles.levels[tiles.usable], fit.off,
         [(each.frames[0], each.frames[1]) for each in pairs], warnings,
     )
@@ -307,7 +313,7 @@ def _fit(tiles: Tiles, full: int) -> _Fit:
         left = weighted - seen[:, None] * (share / norm[:, None])[rows]
         q, triangle = np.linalg.qr(np.concatenate([left, prior]))
         lower = np.concatenate([np.full(NODES, LEAST_SLOPE), [0.0], np.full(shots, -0.5)])
-        darkest = float(_integral(np.array([levels.min()]), full)[0] @ slopes)
+        darkest = float(_integral(np.array([levels.min() + 1.0]), full)[0] @ slopes)
         upper = np.concatenate([np.full(NODES, np.inf), [max(darkest, 1.0)], np.full(shots, 0.5)])
         found = scipy.optimize.lsq_linear(
             triangle[:, :-1], triangle[:, -1], bounds=(lower, upper), method='bvls'
