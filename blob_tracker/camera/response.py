@@ -184,11 +184,16 @@ class Response:
         curve = scipy.interpolate.PchipInterpolator(self.levels, self.linear)
         return np.rint(curve(raw)).astype(np.uint16)
 
-    def slope(self, linear: float) -> float:
-        """Return h' at a level: linear DN in a raw one, for a level in linear DN."""
-        raw = np.interp(linear, self.table, np.arange(self.table.size))
+    @cached_property
+    def raw_steps(self) -> NDArray[np.float64]:
+        """Return the (2, n) linear DN of each raw one, and h' there: linear DN in a raw one."""
         curve = scipy.interpolate.PchipInterpolator(self.levels, self.linear)
-        return float(curve(min(raw, self.saturation), 1))
+        raw = np.arange(self.saturation + 1)
+        return np.stack([curve(raw), curve(raw, 1)])
+
+    def slope(self, linear: float) -> float:
+        """Return h' at a level in linear DN."""
+        return float(np.interp(linear, *self.raw_steps))
 
     def linear_pixels(self, pixels: Pixels) -> NDArray[np.uint16]:
         """
@@ -236,7 +241,7 @@ class Response:
             raw, layout = np.ascontiguousarray(raw[..., 0]), 'grey'
         return replace(
             frame, image=self.linear_pixels(raw), layout=layout,
-            saturation=self.linear_saturation(frame.saturation),
+            saturation=self.linear_saturation(frame.saturation), raw_steps=self.raw_steps,
         )
 
     def linear_window(self, window: Window) -> Window:

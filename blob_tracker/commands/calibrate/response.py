@@ -75,9 +75,10 @@ def main(arguments: argparse.Namespace) -> None:
     shots = shots_of(arguments, console, arguments.exposures)
     names = {'camera': arguments.camera, 'pixel_format': arguments.pixel_format}
     if arguments.flats:
+        flats, dark = _flats(arguments, console, shots)
         measurement = response_of_flats(
-            *_flats(arguments, console, shots), saturation=arguments.saturation,
-            read_noise=arguments.read_noise, **names,
+            flats, dark=dark, saturation=arguments.saturation, read_noise=arguments.read_noise,
+            **names,
         )
     elif any(isnan(each.exposure) for each in shots):
         raise UsageError(

@@ -50,5 +50,5 @@ def test_what_opencv_has_no_time_for(
     monkeypatch.setattr(cv2, 'VideoCapture', VideoOfTimes)
     path = tmp_path / f'light{suffix}'
     path.touch()
-    arguments = Namespace(source=str(path), count=None, seconds=None, topic='')
+    arguments = Namespace(source=str(path), count=None, seconds=None, topic='', response=None)
     assert [seconds for _, seconds, _ in stamped_frames(arguments)] == pytest.approx(stamps)
