@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from blob_tracker.camera.yaml_file import CalibrationError, content_of, write_content
-from blob_tracker.types import Frame, Pixels, Window
+from blob_tracker.types import Frame, Window
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -128,12 +129,11 @@ class Response:
                     f'it is a response of version {version}, and this program reads {VERSION}: '
                     'measure it again'
                 )
+            levels, linear, sigma = (np.array(content[name], dtype=float) for name in _CURVES)
+            camera, pixel_format, method = (str(content[name])[:LONGEST] for name in _NAMES)
             return cls(
-                *(np.array(content[name], dtype=float) for name in _CURVES),
-                width=int(content['image_width']),
-                height=int(content['image_height']),
-                bits=int(content['bits']),
-                **{name: str(content[name])[:LONGEST] for name in _NAMES},
+                levels, linear, sigma, int(content['image_width']), int(content['image_height']),
+                int(content['bits']), camera, pixel_format, method,
             )
 
     def to_yaml(self, path: str | Path, comments: Sequence[str] = ()) -> None:
@@ -195,7 +195,7 @@ class Response:
         """Return h' at a level in linear DN."""
         return float(np.interp(linear, *self.raw_steps))
 
-    def linear_pixels(self, pixels: Pixels) -> NDArray[np.uint16]:
+    def linear_pixels(self, pixels: NDArray[Any]) -> NDArray[np.uint16]:
         """
         Return the linear DN of raw pixels.
 

@@ -20,7 +20,7 @@ RAW = np.arange(256, dtype=np.uint8)
 
 def test_the_table_is_the_curve() -> None:
     """Between knots every 5 DN to half a linear DN, a thirtieth of a raw one at full scale."""
-    np.testing.assert_allclose(RESPONSE.table, FINENESS * light_of(RAW), atol=1.0)
+    np.testing.assert_allclose(RESPONSE.table.astype(float), FINENESS * light_of(RAW), atol=1.0)
     assert RESPONSE.table[-1] == linear_full_scale(255) == 16 * 255
     raw = 150.0
     slope = FINENESS * light_of(raw) / raw / GAMMA
@@ -100,7 +100,7 @@ def test_another_camera_is_refused() -> None:
 def test_what_cannot_be_is_named(changes: dict[str, Any], reason: str) -> None:
     """At once, and not with the first frame."""
     levels = np.array([0.0, 100.0, 255.0])
-    values = {'levels': levels, 'linear': levels, 'sigma': np.zeros(3), 'width': 4, 'height': 4}
+    values: dict[str, Any] = {'levels': levels, 'linear': levels, 'sigma': np.zeros(3), 'width': 4, 'height': 4}
     with pytest.raises(CalibrationError, match=reason):
         Response(**values | changes)
 

@@ -17,9 +17,9 @@ WIDTH, HEIGHT = 128, 96  # px
 FINENESS = 16.0  # linear DN in a DN of 255
 
 
-def light_of(raw: NDArray[np.float64] | float) -> NDArray[np.float64]:
+def light_of(raw: NDArray[np.generic] | float) -> NDArray[np.float64]:
     """Return the light for raw DN, in DN of 255."""
-    return np.asarray(255.0 * (np.asarray(raw) / 255.0) ** (1.0 / GAMMA))
+    return np.asarray(255.0 * (np.asarray(raw, dtype=float) / 255.0) ** (1.0 / GAMMA))
 
 
 def gamma_response(width: int = WIDTH, height: int = HEIGHT) -> Response:
@@ -41,8 +41,10 @@ def linear_noise() -> SensorNoise:
 def gamma_scene(peak: float, background: float, *, moving: bool = False) -> Scene:
     """Return a flashing light whose raw peak and background are these, DN."""
     dark = float(light_of(background))
-    reach = {'reach_x': 20.0, 'reach_y': 12.0} if moving else {}
-    light = Light(64.3, 48.2, 1.5, float(light_of(peak)) - dark, in_step(60.0), **reach)
+    light = Light(
+        64.3, 48.2, 1.5, float(light_of(peak)) - dark, in_step(60.0),
+        reach_x=20.0 if moving else 0.0, reach_y=12.0 if moving else 0.0,
+    )
     return Scene(
         width=WIDTH, height=HEIGHT, background=dark, target=light, texture=0.0,
         sensor=Sensor(NOISE, gamma=GAMMA),

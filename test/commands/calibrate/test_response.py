@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 import csv
 from pathlib import Path
 
@@ -66,7 +65,9 @@ def test_file_and_picture_are_written(response: Path) -> None:
     assert response.with_suffix('.png').stat().st_size > 10_000
 
 
-def test_what_to_copy_is_printed(folder: Path, tmp_path: Path, capsys: Callable) -> None:
+def test_what_to_copy_is_printed(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """The same from --exposures as from an index; the noise is that of linear pixels."""
     out = tmp_path / 'response.yaml'
     times = ','.join(map(str, TIMES))
