@@ -19,7 +19,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from support.gamma import (
-    FINENESS, gamma_response, gamma_scene, HEIGHT, light_of, linear_noise, NOISE as NOISE_8_BIT, WIDTH,
+    FINENESS, gamma_response, gamma_scene, HEIGHT, light_of, linear_noise,
+    NOISE as NOISE_8_BIT, WIDTH,
 )
 from support.pulses import BACKGROUND, drawn, NOISE, PEAK, shots
 

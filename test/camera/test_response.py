@@ -100,7 +100,8 @@ def test_another_camera_is_refused() -> None:
 def test_what_cannot_be_is_named(changes: dict[str, Any], reason: str) -> None:
     """At once, and not with the first frame."""
     levels = np.array([0.0, 100.0, 255.0])
-    values: dict[str, Any] = {'levels': levels, 'linear': levels, 'sigma': np.zeros(3), 'width': 4, 'height': 4}
+    values: dict[str, Any] = {'levels': levels, 'linear': levels, 'sigma': np.zeros(3)}
+    values |= {'width': 4, 'height': 4}
     with pytest.raises(CalibrationError, match=reason):
         Response(**values | changes)
 

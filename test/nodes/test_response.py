@@ -9,16 +9,21 @@ from typing import Any
 from blob_tracker import CameraModel, Frame, Pipeline
 from blob_tracker.nodes.locator import LocatorNode
 from blob_tracker.nodes.segmenter import SegmenterNode
+from blob_tracker.nodes.segmenter.noise_topic import NoiseTopic
 from blob_tracker.ros.diagnostics.health import Health
 from blob_tracker.ros.endpoints.delivery import Delivery
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.messages.camera_info import from_camera_model, of_window
 from blob_tracker.ros.messages.image import from_window, to_window
 from blob_tracker.types import Bearing, Window
+import numpy as np
 import pytest
 import rclpy
+from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo
-from support.gamma import gamma_response, gamma_scene, HEIGHT, linear_noise, WIDTH
+from support.gamma import (
+    gamma_response, gamma_scene, HEIGHT, linear_noise, seen, still_scene, WIDTH,
+)
 
 FRAMES = 20
 
@@ -142,3 +147,25 @@ def test_a_file_that_is_not_there_ends_the_start(domain: int) -> None:
     """With a sentence: misspelt, it would be a camera without a response."""
     with pytest.raises(ParameterError, match="'response_url': cannot read the response /no.yaml"):
         next(chain(domain, {'response_url': '/no.yaml'}))
+
+
+def test_a_measured_noise_that_is_that_of_no_linear_sensor(
+    said: list[str], domain: int
+) -> None:
+    """With noise.measure, from whole frames: gamma is named, and no noise is published."""
+    random = np.random.default_rng(12)
+    light = 6.0 * still_scene(240, 320)
+    rclpy.init(domain_id=domain)
+    try:
+        node = Node('measuring')
+        noises = NoiseTopic(node, Health(node, ''))
+        noises.enable(True)
+        for k in range(4):
+            first, second = (seen('rec709', light, random) for _ in range(2))
+            frame = Frame(second, 2 * 10**9 * (k + 1), 255)
+            noises.measure((first, second), frame, 'optical')
+        node.destroy_node()
+    finally:
+        rclpy.shutdown()
+    assert said and said[-1].startswith('noise.measure: the variance of the pixels falls over')
+    assert 'set response_url' in said[-1]

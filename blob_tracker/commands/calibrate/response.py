@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--dark', metavar='FOLDER', help='two dark frames, for --flats')
     parser.add_argument(
         '--read-noise', type=float, default=READ_NOISE_E, metavar='E',
-        help="of the sensor, electrons, by its data sheet: for --flats (%(default)s)",
+        help='of the sensor, electrons, by its data sheet: for --flats (%(default)s)',
     )
     parser.add_argument(
         '--saturation', type=int, metavar='DN', help='level of a clipped pixel, where it is known'

@@ -49,7 +49,8 @@ def run(*words: object) -> int:
 def response(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the file that the command makes of the folder."""
     out = tmp_path_factory.mktemp('out') / 'response.yaml'
-    assert run('response', folder, '--camera', 'front', '--pixel-format', 'YUYV', '--out', out) == 0
+    names = ('--camera', 'front', '--pixel-format', 'YUYV')
+    assert run('response', folder, *names, '--out', out) == 0
     return out
 
 
