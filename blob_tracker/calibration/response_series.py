@@ -26,8 +26,8 @@ FEWEST_TILES = 40
 FEWEST_EXPOSURES = 3  # two leave every curve whose ripples have the period of their ratio
 LEAST_RANGE = 2.0  # of the longest exposure over the shortest
 LEAST_SPAN = 0.5  # of the levels up to saturation that the tiles have to cover
-STEPS = 10  # of Gauss and Newton; after 6 it stands still to a thousandth
-TILE_DN = 0.25  # DN: noise of a pixel over 16 of them
+STEPS = 6  # of Gauss and Newton; after 4 it stands still
+TILE_DN = 0.25  # DN, at least: noise of a pixel over 16 of them
 LEAST_SLOPE = 0.003  # of the mean: g has an inverse
 EXPOSURE_SIGMA = 0.01  # relative: what the times of cameras and the light of lamps are true to
 LEAST_RISE = 0.004  # of full scale, from one exposure to the next
@@ -92,13 +92,15 @@ def measure_response(
         h(d_pj) - b = E_p t_j
 
     (Mitsunaga and Nayar, CVPR 1999; Debevec and Malik, SIGGRAPH 1997, take the logarithm, which
-    has no place for the level b of no light). The slope h' is linear between 17 nodes and
-    nowhere below 0; for any h the E_p follow, so that h and b are the solution of linear least
-    squares with bounds. A point weighs 1 / h'^2, in raw DN all are equally good, and the weights
-    follow the slope. Where there are no points the slope goes on straight.
+    has no place for the level b of no light). The slope h' is linear between 25 nodes and
+    nowhere below 0. Slope, b, E_p and what each exposure is off by are those that leave the least
+    squares of d - g(E t + b) in raw DN, by Gauss and Newton: as least squares of h itself they
+    would be biased, since the noisy levels are on both sides. Where there are no points
+    the slope goes on straight.
 
-    The standard deviation is that of the jackknife over the exposures: it has in it what the
-    exposures' times, the lamp and the noise are off by.
+    The covariance is the inverse of the information. It has in it that exposures, of the camera
+    and of the lamp, are true to 1 % only: without it nothing tells a power of h with the same power
+    of the times from h.
 
     Parameters
     ----------
@@ -297,9 +299,13 @@ def _fit(tiles: Tiles, full: int) -> _Fit:
     prior = _prior(full, shots)
     slopes, gains, black = np.ones(NODES), np.zeros(shots), 0.0
     on_curve, light = levels, np.zeros(levels.size)
-    for step in range(STEPS):
+    deviation = TILE_DN
+    # The middle one of all patches in the darkest exposure: single ones have noise.
+    first = np.searchsorted(rows, np.arange(count))  # point of each patch, which has two or more
+    darkest = np.array([np.median(levels[columns == columns.min()])])
+    for _ in range(STEPS):
         slope = np.maximum(_slopes_at(on_curve, full) @ slopes, LEAST_SLOPE)
-        weight = 1.0 / (slope * TILE_DN)
+        weight = 1.0 / (slope * deviation)
         design = np.zeros((levels.size, NODES + 1 + shots))
         design[:, :NODES], design[:, NODES] = _integral(on_curve, full), -1.0
         design[np.arange(levels.size), NODES + 1 + columns] = -light
@@ -308,13 +314,12 @@ def _fit(tiles: Tiles, full: int) -> _Fit:
         norm = np.maximum(np.bincount(rows, seen**2, count), 1e-30)
         weighted = weight[:, None] * np.column_stack([design, known])
         # What each patch's own light takes out of its points.
-        share = np.zeros((count, weighted.shape[1]))
-        np.add.at(share, rows, seen[:, None] * weighted)
+        share = np.add.reduceat(seen[:, None] * weighted, first)
         left = weighted - seen[:, None] * (share / norm[:, None])[rows]
         q, triangle = np.linalg.qr(np.concatenate([left, prior]))
         lower = np.concatenate([np.full(NODES, LEAST_SLOPE), [0.0], np.full(shots, -0.5)])
-        darkest = float(_integral(np.array([levels.min() + 1.0]), full)[0] @ slopes)
-        upper = np.concatenate([np.full(NODES, np.inf), [max(darkest, 1.0)], np.full(shots, 0.5)])
+        highest = float(_integral(darkest, full)[0] @ slopes)  # that no light may have
+        upper = np.concatenate([np.full(NODES, np.inf), [highest], np.full(shots, 0.5)])
         found = scipy.optimize.lsq_linear(
             triangle[:, :-1], triangle[:, -1], bounds=(lower, upper), method='bvls'
         ).x
@@ -325,16 +330,13 @@ def _fit(tiles: Tiles, full: int) -> _Fit:
         gains = found[NODES + 1:]
         light = radiance[rows] * times
         curve = _integral(fine, full) @ slopes
-        if step > 0:
-            on_curve = np.interp(black + light * (1.0 + gains[columns]), curve, fine)
-    off = levels - on_curve
+        on_curve = np.interp(black + light * (1.0 + gains[columns]), curve, fine)
+        deviation = max(float(np.std(levels - on_curve)), TILE_DN)
     free = (found > lower) & (found < upper)
     covariance = np.zeros((found.size, found.size))
     inverse = np.linalg.pinv(triangle[:, :-1][:, free])
-    # Patches that are further off than their noise tell less.
-    grown = max(float(np.square(off / TILE_DN).mean()), 1.0)
-    covariance[np.ix_(free, free)] = grown * inverse @ inverse.T
-    return _Fit(slopes, black, gains, covariance[:NODES + 1, :NODES + 1], off)
+    covariance[np.ix_(free, free)] = inverse @ inverse.T
+    return _Fit(slopes, black, gains, covariance[:NODES + 1, :NODES + 1], levels - on_curve)
 
 
 def _prior(full: int, shots: int) -> Array:

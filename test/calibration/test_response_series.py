@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 from blob_tracker.calibration.response_measurement import ResponseError, ResponseMeasurement
 from blob_tracker.calibration.response_series import measure_response, Shot
@@ -25,7 +26,7 @@ def series(curve: str) -> list[Shot]:
     return [shot(time, [seen(curve, time * scene, random) for _ in range(2)]) for time in TIMES]
 
 
-def shot(time: float, frames: Sequence[NDArray[np.uint8]]) -> Shot:
+def shot(time: float, frames: Sequence[NDArray[np.unsignedinteger[Any]]]) -> Shot:
     """Return an exposure."""
     return Shot(time, np.mean(frames, axis=0, dtype=np.float32), tuple(frames[:2]))
 
@@ -81,6 +82,32 @@ def test_the_noise_of_linear_pixels_is_that_of_the_sensor(curve: str) -> None:
     level, variance, _ = found.variances
     dark, bright = variance[level < 80.0].mean(), variance[level > 160.0].mean()
     assert bool(bright < dark) is (curve == 'rec709')
+
+
+def test_a_camera_of_12_bits() -> None:
+    """With a pedestal and far more noise than a DN: to 6 DN of 4095, the noise of a patch."""
+    random = np.random.default_rng(12)
+    scene = still_scene(240, 320) / 255.0
+
+    def curve(light: NDArray[np.float64]) -> NDArray[np.float64]:
+        power = 1.099 * np.clip(light, 1e-9, 1.0) ** 0.45 - 0.099
+        return np.asarray(64.0 + 4031.0 * np.where(light < 0.018, 4.5 * light, power))
+
+    def frame(light: NDArray[np.float64]) -> NDArray[np.uint16]:
+        noise = np.sqrt(light / 8000.0 + (6.0 / 8000.0) ** 2)
+        signal = light + noise * random.standard_normal(light.shape)
+        return np.clip(np.rint(curve(signal)), 0, 4095).astype(np.uint16)
+
+    times = (0.0, 1.0, 2.0, 4.0, 6.0, 9.0, 13.0, 18.0, 25.0)
+    found = measure_response([shot(t, [frame(t * scene) for _ in range(2)]) for t in times])
+    response, black = found.response, found.black_level[0]
+    assert (response.bits, response.saturation) == (16, 4095)
+    fine = np.linspace(-0.01, 1.0, 100_001)
+    light = np.interp(response.levels, curve(fine), fine)
+    above = response.linear[-1] - black
+    slope = np.gradient(response.linear, response.levels) / above
+    off = ((response.linear - black) / above - light) / slope
+    assert np.abs(off[response.levels > 200.0]).max() < 6.0
 
 
 def test_doubled_exposures_are_spoken_of() -> None:
