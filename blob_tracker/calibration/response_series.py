@@ -99,8 +99,8 @@ def measure_response(
     the slope goes on straight.
 
     The covariance is the inverse of the information. It has in it that exposures, of the camera
-    and of the lamp, are true to 1 % only: without it nothing tells a power of h with the same power
-    of the times from h.
+    and of the lamp, are true to 1 % only: a power of h with the same power of the times is told
+    from h by nothing else.
 
     Parameters
     ----------
