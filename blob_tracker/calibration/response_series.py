@@ -302,7 +302,7 @@ def _fit(tiles: Tiles, full: int) -> _Fit:
     deviation = TILE_DN
     # The middle one of all patches in the darkest exposure: single ones have noise.
     first = np.searchsorted(rows, np.arange(count))  # point of each patch, which has two or more
-    darkest = np.array([np.median(levels[columns == columns.min()])])
+    darkest = np.array([np.median(levels[columns == columns.min()]) + 1.0])
     for _ in range(STEPS):
         slope = np.maximum(_slopes_at(on_curve, full) @ slopes, LEAST_SLOPE)
         weight = 1.0 / (slope * deviation)
