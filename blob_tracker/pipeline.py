@@ -14,6 +14,7 @@ from typing import NamedTuple
 from blob_tracker import location, segmentation, tracking
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
 from blob_tracker.camera.line_jitter import LineJitter
+from blob_tracker.camera.response import Response
 from blob_tracker.location import EffectivePsf, Learned, Locator, method_options, METHODS
 from blob_tracker.location.noise_check import NoiseCheck
 from blob_tracker.segmentation import Expectation, FieldSegmenter, FrameError, Segmenter
@@ -189,6 +190,10 @@ class Pipeline:
         the last frame gave no bearing.
     line_jitter : LineJitter, optional
         Offsets of the lines of an analogue grabber, to be taken off each location.
+    response : Response, optional
+        Of a camera whose pixels are not proportional to the light, as `calibrate response`
+        measures it: frames are made linear as they come, and `noise`, `pulse` and the DN of all
+        that is found are those of linear pixels.
     pulse : EffectivePsf, optional
         Learned pulse to fit in place of the Gaussian, see `learn_pulse`.
     learn : bool
@@ -211,7 +216,8 @@ class Pipeline:
     ValueError
         Where there is no such method, or it has no elliptical form or takes no pulse.
     CalibrationError
-        Where the line jitter is for a picture of another height.
+        Where the line jitter is for a picture of another height, or the response for one of
+        another size.
 
     """
 
@@ -224,16 +230,20 @@ class Pipeline:
         elliptical: bool = False,
         segmenter: Segmenter | FieldSegmenter | None = None,
         line_jitter: LineJitter | None = None,
+        response: Response | None = None,
         pulse: EffectivePsf | None = None,
         learn: bool = False,
         tracker: Tracker | None = None,
     ) -> None:
         if line_jitter is not None:
             line_jitter.check_height(camera_model.height)
+        if response is not None:
+            response.check_size(camera_model.width, camera_model.height)
         self.camera_model = camera_model
         self.method = method
         self.segmenter: Segmenter | FieldSegmenter = segmenter or FieldSegmenter(Segmenter)
         self.line_jitter = line_jitter
+        self.response = response
         self.tracker = tracker
         self.warning = ''
         self._locator = Locator(
@@ -282,7 +292,8 @@ class Pipeline:
         Raises
         ------
         CalibrationError
-            Where a frame is larger than the picture that was calibrated.
+            Where a frame is larger than the picture that was calibrated, or its pixels are not
+            those that the response is for.
 
         """
         for _, bearing in self.named(frames):
@@ -301,6 +312,8 @@ class Pipeline:
         Where there is none, `segmenter.reason` tells why; errors are those of `run`.
         """
         self._check_size(frame)
+        if self.response is not None:
+            frame = self.response.linear_frame(frame)
         try:
             sightings = self.segmenter.sightings(frame, self._expected(frame))
         except FrameError as error:

@@ -115,7 +115,9 @@ class Frame:
         The samples of which a grey image is the sum, cell by cell.
     quantisation : (8, 8) array or None
         Steps in which a JPEG keeps the luma's cosine coefficients, DN, by row and column; None
-        of a picture that was not compressed.
+        of a picture that was not compressed. Of the raw pixels, also where they were made linear.
+    raw_steps : (2, n) array or None
+        Of pixels that were made linear: levels, and how much of them a raw DN is there, DN.
     exposure_ns : int
         How long it was exposed, ns; 0 where that is not known.
     line_time_ns : float
@@ -135,6 +137,7 @@ class Frame:
     channel: str = ''
     mosaic: Mosaic | None = None
     quantisation: NDArray[np.generic] | None = None
+    raw_steps: NDArray[np.float64] | None = None
     exposure_ns: int = 0
     line_time_ns: float = 0.0
 

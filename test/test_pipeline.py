@@ -9,6 +9,7 @@ from blob_tracker import CameraModel, Frame, Pipeline, SensorNoise
 from blob_tracker.camera import CalibrationError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import locate, Locator
+from blob_tracker.location.limits import cramer_rao_bound
 from blob_tracker.pipeline import expectation, expectation_in, window_to_bearing
 from blob_tracker.resources import config_path
 from blob_tracker.simulation import flashing_light, in_step, Light, Scene, Sensor
@@ -17,6 +18,10 @@ from blob_tracker.types import Bearing, Location, Window
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from support.gamma import (
+    FINENESS, gamma_response, gamma_scene, HEIGHT, light_of, linear_noise,
+    NOISE as NOISE_8_BIT, WIDTH,
+)
 from support.pulses import BACKGROUND, drawn, NOISE, PEAK, shots
 
 FRAMES = 240
@@ -304,3 +309,44 @@ def test_it_learns_the_pulse_while_it_tracks() -> None:
     assert 400 < len(bearings) < 640
     assert pipeline.learned is not None and pipeline.learned.gain > 1.0
     assert pipeline.learning.startswith('learned from 300 windows')
+
+
+@pytest.mark.parametrize(('peak', 'background'), [(100.0, 60.0), (200.0, 20.0)])
+def test_a_camera_with_gamma(peak: float, background: float) -> None:
+    """With its response the rms is that of the bound and the NEES right; without neither is."""
+    scene = gamma_scene(peak, background, moving=True)
+    model = CameraModel.from_field_of_view(WIDTH, HEIGHT, 50.0)
+    noise = linear_noise()
+    dark = FINENESS * float(light_of(background))
+    bound = cramer_rao_bound(
+        (25, 25), x=12.2, y=12.3, sigma=1.5, background=dark,
+        amplitude=FINENESS * float(light_of(peak)) - dark, noise=noise,
+    )
+    ratios, nees = {}, {}
+    for response in (None, gamma_response()):
+        frames = (Frame(scene.frame(k), scene.stamp_ns(k), 255) for k in range(400))
+        pipeline = Pipeline(model, noise=noise if response else NOISE_8_BIT, response=response)
+        errors, chi2 = [], []
+        for bearing in pipeline.run(frames):
+            truth = scene.truth(round((bearing.stamp_ns - scene.stamp_ns(0)) * 60 / 1e9))
+            azimuth, elevation, derivative = model.angles(truth.x, truth.y)
+            error = np.array([bearing.azimuth - azimuth, bearing.elevation - elevation])
+            chi2.append(error @ np.linalg.solve(bearing.covariance, error))
+            errors.append(np.linalg.solve(derivative, error))
+        with_it = response is not None
+        ratios[with_it] = float(np.sqrt(np.square(errors).mean() / (0.5 * np.trace(bound))))
+        nees[with_it] = float(np.mean(chi2))
+        assert bool(pipeline.warning) is not with_it
+    # 400 coordinates tell a ratio to 4 %, 200 chi-squares of 2 degrees their mean to 0.14.
+    assert ratios[True] < 1.16 and ratios[True] < 0.97 * ratios[False]
+    assert 1.4 < nees[True] < 2.8
+
+
+def test_a_response_of_another_camera() -> None:
+    """It is refused before the first frame, or with it."""
+    model = CameraModel.from_field_of_view(160, 120, 50.0)
+    with pytest.raises(CalibrationError, match='of a camera with 128 x 96 px'):
+        Pipeline(model, noise=NOISE_8_BIT, response=gamma_response())
+    pipeline = Pipeline(model, noise=NOISE_8_BIT, response=gamma_response(160, 120))
+    with pytest.raises(CalibrationError, match='8 bits and these have 16'):
+        list(pipeline.run([Frame(np.zeros((120, 160), np.uint16), 1, 65535)]))

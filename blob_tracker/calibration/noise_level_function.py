@@ -26,6 +26,11 @@ MISSED = 0.3  # of what two orders more change in a derivative, at the finest th
 CLEAR = 2.5  # standard deviations that the extremes of a tile keep from 0 DN and saturation
 GROUPS = 6  # of level, whose medians show which tiles of a pair stand out
 FEWEST = 2 * GROUPS  # tiles of a pair: fewer are no majority to trust
+FEWEST_LEVELS = 5  # bins, of which a curve is told
+WIDE = 0.15  # of saturation, over which they must reach
+FALLS = 0.1  # of the variance, by which it may fall towards the bright end
+BENT = 0.5  # of the mean slope, by which it may change from the dark end to the bright one
+CERTAIN = 5.0  # standard deviations of either
 LEAST_DOF = 10_000  # differences in all: 20 tiles, before a word is said
 
 Array = NDArray[np.float64]
@@ -87,6 +92,9 @@ class NoiseLevelFunction:
     ----------
     reason : str
         Why there is no line; empty where there is one.
+    curved : str
+        How the variance bends over the level as that of no linear sensor does, and what to do;
+        empty where it does not, or nobody knows.
 
     """
 
@@ -94,6 +102,7 @@ class NoiseLevelFunction:
         self.memory = memory
         self.tiles = tiles
         self.reason = 'no pair of unlit frames yet'
+        self.curved = ''
         self._last_ns: int | None = None
         self._dtype: object = None
         self._saturation = 0
@@ -195,6 +204,10 @@ class NoiseLevelFunction:
             )
             return None
         level, variance, scatter = level[shows], variance[shows], scatter[shows]
+        self.curved = _curved(level, variance, scatter, self._saturation)
+        if self.curved:
+            self.reason = self.curved
+            return None
         if np.ptp(level) > 0.0:
             found = fit_noise_line(level, variance, scatter)
             if found.separates:
@@ -208,6 +221,31 @@ class NoiseLevelFunction:
             f'{at:.0f} DN is {height:.2f} +- {1.0 / sqrt(precision.sum()):.2f} DN^2'
         )
         return None
+
+
+def _curved(level: Array, variance: Array, scatter: Array, saturation: int) -> str:
+    """Say how a variance bends over the level; '' where that of a linear sensor may be so."""
+    if level.size < FEWEST_LEVELS or np.ptp(level) < WIDE * saturation:
+        return ''
+    x = (level - level[0]) / np.ptp(level)
+    design = np.stack([np.ones_like(x), x, x**2], axis=1)
+    # A point that is low by chance must not weigh more: the weights are those of the mean.
+    weights = 1.0 / (scatter * np.average(variance, weights=1.0 / scatter) ** 2)
+    covariance = np.linalg.pinv(design.T @ (weights[:, None] * design))
+    foot, slope, bend = covariance @ design.T @ (weights * variance)
+    change, change_row = slope + bend, np.array([0.0, 1.0, 1.0])
+    falls = -change > max(FALLS * foot, CERTAIN * sqrt(change_row @ covariance @ change_row))
+    bends = abs(bend) > max(BENT * abs(change), CERTAIN * sqrt(covariance[2, 2]))
+    if not (falls or bends):
+        return ''
+    return (
+        f'the variance of the pixels {"falls" if falls else "bends"} over the level, '
+        f'{foot:.2f} DN^2 at {level[0]:.0f} DN, {foot + 0.5 * slope + 0.25 * bend:.2f} at '
+        f'{0.5 * (level[0] + level[-1]):.0f} and {foot + change:.2f} at {level[-1]:.0f}, as that '
+        'of no linear sensor does: the camera applies a gamma curve, or takes out noise. Set its '
+        'gamma control to linear (100 of most webcams: v4l2-ctl --list-ctrls), or measure the '
+        'curve (python3 -m blob_tracker calibrate response) and set response_url'
+    )
 
 
 def _bins(levels: Array, saturation: int) -> NDArray[np.int64]:

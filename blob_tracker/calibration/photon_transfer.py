@@ -161,7 +161,8 @@ def photon_transfer(pairs: Sequence[Pair], saturation: int | None = None) -> Pho
             f'the variance does not grow with the level: {variances[levels.argmin()]:.2f} DN^2 at '
             f'{levels.min():.0f} DN above black, {variances[levels.argmax()]:.2f} DN^2 at '
             f'{levels.max():.0f} DN; a camera that applies a gamma curve or takes out noise has '
-            'no photon transfer, switch that off'
+            'no photon transfer: switch that off, or measure the curve first (calibrate response) '
+            'and give it with --response'
         )
     standard = system_gain(bright, darks if black_of else [])
     if not line.fits:
@@ -309,7 +310,8 @@ def _of_the_line(
         if abs(bend) > BENT * abs(slope) and not line.fits:
             warnings.append(
                 f'the transfer curve bends: its slope changes by {2.0 * bend / slope:+.0%} over '
-                'the range. The camera is not linear (gamma?) or takes out noise'
+                'the range. The camera takes out noise, or is not linear (gamma): see calibrate '
+                'response'
             )
     return warnings
 

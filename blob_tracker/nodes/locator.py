@@ -13,6 +13,7 @@ from typing import Any
 
 from blob_tracker.calibration.pulse_file import PulseFile
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
+from blob_tracker.camera.response import Response
 from blob_tracker.location import compile_ahead, Learned, Locator, method_options
 from blob_tracker.location.noise import noise_in_words, variance_ratio
 from blob_tracker.location.noise_check import NoiseCheck
@@ -35,7 +36,7 @@ from blob_tracker.ros.messages.clipping import clipping_window
 from blob_tracker.ros.messages.image import to_window
 from blob_tracker.ros.messages.target import to_noise
 from blob_tracker.ros.parameters.declaration import declare, on_change
-from blob_tracker.ros.parameters.rooms import line_jitter_of, pulse_of
+from blob_tracker.ros.parameters.rooms import line_jitter_of, pulse_of, response_of
 from blob_tracker.ros.parameters.url import to_path
 from blob_tracker.ros.process import run, say
 from blob_tracker.types import Bearing, Location, LocationError, SensorNoise, Window
@@ -93,6 +94,8 @@ class LocatorNode(Node):
         self._windows: dict[str, FramePairs] = {}
         self._keep_at: Path | None = None  # of the pulse that is learned first
         self._not_kept = ''
+        self._response: Response | None = None
+        self._not_linear = ''
         self._measurements: Subscription | None = None
         self._measurement: SensorNoise | None = None
         self._change(values)()
@@ -112,6 +115,7 @@ class LocatorNode(Node):
             values['noise.gain'], values['noise.read_noise'], values['noise.black_level']
         )
         line_jitter = line_jitter_of(values['line_jitter_url'])
+        response = response_of(values['response_url'])
         pulse, no_pulse = pulse_of(values['pulse_url'], method)
         keep_at = _new_file(values['pulse_url']) if values['pulse.learn'] else None
         if keep_at is not None:
@@ -127,7 +131,8 @@ class LocatorNode(Node):
                 self._line_time_ns = 1e9 * values['line_time']
                 self._configured = self._noise = noise
                 self._noise_checks.clear()
-                self._line_jitter = line_jitter
+                self._line_jitter, self._response = line_jitter, response
+                self._not_linear = ''
                 self._pulse, self._no_pulse = pulse, no_pulse
                 self._places.clear()  # the next ones are placed in another way
                 if self._listen:
@@ -217,7 +222,7 @@ class LocatorNode(Node):
         try:
             camera_model = self._camera.model(info)
             self._fit_pulse(camera_model)
-            window = clipping_window(window, self._saturation, self._looks)
+            window = clipping_window(window, self._clipped_at(window, info), self._looks)
             if self._line_time_ns:
                 window = replace(window, line_time_ns=self._line_time_ns)
             if light not in self._noise_checks:
@@ -262,6 +267,8 @@ class LocatorNode(Node):
         if light not in self._places:
             self._places[light] = RecentPlaces(PLACES)
         self._places[light].add(location)
+        if self._not_linear:
+            self._health.fault(WARN, f'response_url: {self._not_linear}')
         if self._no_pulse:
             self._health.fault(WARN, f'pulse_url: {self._no_pulse}; the Gaussian is fitted')
         elif self._not_kept:
@@ -273,6 +280,24 @@ class LocatorNode(Node):
             window.stamp_ns,
             frame_id,
         )
+
+    def _clipped_at(self, window: Window, info: CameraInfo) -> int:
+        """Return the level at which a window's pixels are clipped, DN; 0 for full scale."""
+        if self._response is None:
+            return self._saturation
+        self._not_linear = ''
+        try:
+            self._response.check_size(int(info.width), int(info.height))
+        except CalibrationError as error:
+            self._not_linear = f'{error}; its pixels are taken for linear'
+            return self._saturation
+        if window.lit.dtype == np.uint8:
+            self._not_linear = (
+                'the windows hold raw pixels and are taken for linear; give the segmenter the '
+                'same response_url, or see its diagnostics'
+            )
+            return self._saturation
+        return self._response.linear_saturation(self._saturation or self._response.saturation)
 
     def _fit_pulse(self, camera_model: CameraModel) -> None:
         """Have the locator fit the learned pulse if it was learned with this camera."""

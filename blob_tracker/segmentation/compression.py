@@ -30,7 +30,10 @@ _STANDARD = np.array([
 ])
 
 
-def compression_noise(quantisation: NDArray[Any] | None, candidate: Candidate) -> float:
+def compression_noise(
+    quantisation: NDArray[Any] | None, candidate: Candidate,
+    raw_steps: NDArray[np.float64] | None = None,
+) -> float:
     """
     Return the standard deviation of a white noise that moves the blob as the rounding does.
 
@@ -49,6 +52,9 @@ def compression_noise(quantisation: NDArray[Any] | None, candidate: Candidate) -
         Steps q, DN, by row and column; None of a picture that was not compressed.
     candidate : Candidate
         The blob; the first block begins at the frame's first pixel.
+    raw_steps : (2, n) array or None
+        Of pixels that were made linear, see `Frame`: the rounding is as large as it is half way
+        up the blob, where its slope is.
 
     Returns
     -------
@@ -58,12 +64,15 @@ def compression_noise(quantisation: NDArray[Any] | None, candidate: Candidate) -
     """
     if quantisation is None:
         return 0.0
-    steps = np.asarray(quantisation, dtype=float) ** 2 / 12.0
+    raw_step = 1.0
+    if raw_steps is not None:
+        raw_step = float(np.interp(candidate.background + 0.5 * candidate.amplitude, *raw_steps))
+    steps = (raw_step * np.asarray(quantisation, dtype=float)) ** 2 / 12.0
     across, slope_x = _coefficients(candidate.x, candidate.sigma_x)
     down, slope_y = _coefficients(candidate.y, candidate.sigma_y)
     # (blocks down, blocks across, rows, columns)
     pulse = candidate.amplitude * np.einsum('ai,bj->abij', down, across)
-    error = np.minimum(steps, pulse**2 + 1.0 / 12.0)
+    error = np.minimum(steps, pulse**2 + raw_step**2 / 12.0)
     variance = 0.0
     for y, x in ((down, slope_x), (slope_y, across)):
         weight = np.einsum('ai,bj->abij', y**2, x**2)

@@ -130,7 +130,7 @@ def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
     binning, sites, line_ns = frame.binning, None, frame.line_time_ns
     first_ns = begun_ns = pairs[0].frame.stamp_ns
     x0, y0 = frame.x0 + binning[0] * box.x0, frame.y0 + binning[1] * box.y0
-    added_noise = compression_noise(frame.quantisation, candidate)
+    added_noise = compression_noise(frame.quantisation, candidate, frame.raw_steps)
     saturation = frame.sample_saturation
     if frame.mosaic is not None:
         binning = binning[0] // 2, binning[1] // 2

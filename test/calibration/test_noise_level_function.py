@@ -17,6 +17,7 @@ from blob_tracker.types import Bearing, SensorNoise
 import cv2
 import numpy as np
 import pytest
+from support.gamma import seen, still_scene
 
 DRAWS = 100
 BOUND = 1.96 * 2.0 / np.sqrt(DRAWS)  # 95 % of means of chi-square with 2 degrees of freedom
@@ -295,3 +296,20 @@ def test_the_covariance_is_true_with_a_pedestal() -> None:
     told, count = tracked_nees('multi_gaussian_lm', NOISE, online=True, black_level=64.0)
     assert count >= 300
     assert abs(told - 2.0) < 1.96 * 2.0 / np.sqrt(count)  # 95 % of means
+
+
+@pytest.mark.parametrize(('curve', 'gain', 'told'), [
+    ('rec709', 20.0, True), ('rec709', 5.0, True), ('limited', 20.0, False),
+    ('limited', 200.0, False),
+])
+def test_a_gamma_curve_is_told(curve: str, gain: float, told: bool) -> None:
+    """With what to do; of a linear sensor it is not, however little its variance grows."""
+    random = np.random.default_rng(11)
+    light = 6.0 * still_scene(240, 320)
+    measured = NoiseLevelFunction()
+    for k in range(4):
+        pair = [seen(curve, light, random, SensorNoise(gain, 0.7)) for _ in range(2)]
+        measured.add(pair[0], pair[1], 255, 10**9 * (k + 1))
+    assert (measured.line() is None) is told, measured.reason
+    assert ('applies a gamma curve' in measured.curved) is told
+    assert ('calibrate response' in measured.reason) is told

@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 import pytest
 from support.filtered_flashes import BACKGROUND, digitised, flashes, Floats, judge
+from support.gamma import GAMMA, gamma_response, linear_noise
 
 
 def encoded(pixels: np.ndarray, quality: int) -> bytes:
@@ -65,3 +66,23 @@ def test_the_standard_table_is_that_of_the_encoder(quality: int) -> None:
     """The one of OpenCV is libjpeg's."""
     written = luma_quantisation(encoded(np.zeros((16, 16), np.uint8), quality))
     np.testing.assert_array_equal(standard_quantisation(quality), written)
+
+
+def test_the_covariance_is_true_of_a_camera_with_gamma() -> None:
+    """The rounding is that of raw DN, and the pixels are linear: so are webcams' pictures."""
+    response = gamma_response(640, 480)
+
+    def develop(light: Floats, random: np.random.Generator) -> Frame:
+        mean = BACKGROUND + light
+        noisy = mean + np.sqrt(mean / 20.0 + 0.09) * random.standard_normal(mean.shape)
+        raw = 255.0 * (np.clip(noisy, 0.0, 255.0) / 255.0) ** GAMMA
+        file = encoded(np.rint(raw).astype(np.uint8), 80)
+        pixels = cv2.imdecode(np.frombuffer(file, np.uint8), cv2.IMREAD_GRAYSCALE)
+        frame = Frame(pixels.astype(np.uint8), 0, 255, quantisation=luma_quantisation(file))
+        return response.linear_frame(frame)
+
+    found, nees, _ = judge(
+        Segmenter(), flashes(420, 1.5, 100.0, develop, seed=3), noise=linear_noise()
+    )
+    assert found >= 0.95
+    assert 1.4 < nees < 2.8

@@ -52,7 +52,8 @@ def flashes(
 
 
 def judge(
-    segmenter: Segmenter, frames: Iterator[tuple[Frame, Floats | None]]
+    segmenter: Segmenter, frames: Iterator[tuple[Frame, Floats | None]],
+    noise: SensorNoise = NOISE,
 ) -> tuple[float, float, Floats]:
     """Return the share of flashes that were found, their NEES, and the mean error, px."""
     lit, squares, errors = 0, [], []
@@ -62,7 +63,7 @@ def judge(
             continue
         lit += place is not None
         try:
-            found = None if window is None else locate(window, noise=NOISE)
+            found = None if window is None else locate(window, noise=noise)
         except LocationError:
             found = None
         if found is not None:

@@ -17,6 +17,7 @@ CALIBRATIONS: dict[str, str] = {
     'line_time': 'how fast a rolling shutter reads its lines, from the bands of a lamp',
     'noise': 'gain, read noise and saturation: photon transfer',
     'pulse': "the blob's shape: lens, focus and light, from its own flashes",
+    'response': 'gamma and the like: what the pixels make of light',
     'slide': 'pixels per millimetre, from a camera on a slide',
     'turn': "focal length and principal point, from the servo's own steps",
 }

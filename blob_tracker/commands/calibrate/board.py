@@ -23,6 +23,7 @@ from blob_tracker.commands.calibrate.report import UsageError, WORTHLESS
 from blob_tracker.commands.sources import (
     add_source, grey_frames, is_folder, is_live, open_source, SourceError,
 )
+from blob_tracker.commands.sources.response import response_of
 from blob_tracker.types import Pixels
 import cv2
 import numpy as np
@@ -160,7 +161,9 @@ def _views(arguments: argparse.Namespace, board: Board) -> list[View]:
                 'corners; Ctrl-C ends it.', highlight=False,
             )
         try:
-            for count, (name, _, image) in enumerate(grey_frames(source), start=1):
+            for count, (name, _, image) in enumerate(
+                grey_frames(source, response=response_of(arguments)), start=1
+            ):
                 seen = name, image
                 view = board.find(image, name)
                 if view is None:

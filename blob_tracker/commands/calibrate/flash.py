@@ -17,6 +17,7 @@ from blob_tracker.calibration.flash import (
 from blob_tracker.calibration.flash_picture import draw_flash
 from blob_tracker.commands.calibrate.report import check_out, tell_of, UsageError
 from blob_tracker.commands.sources import add_source, SourceError, unstamped
+from blob_tracker.commands.sources.response import clipping_level
 from blob_tracker.commands.sources.shown_frames import shown_frames
 from blob_tracker.segmentation import compile_ahead, FrameError, Segmenter
 from blob_tracker.segmentation.watch import Watch
@@ -76,7 +77,7 @@ def _watch(arguments: argparse.Namespace, console: Console) -> tuple[Watch, Pixe
     for _, seconds, pixels in shown_frames(arguments, console, 'watching', live_seconds=LIVE_S):
         if seconds is None:
             raise SourceError(unstamped(arguments))
-        full = arguments.saturation or int(np.iinfo(pixels.dtype).max)
+        full = clipping_level(arguments, pixels)
         frame = Frame(pixels, round(1e9 * seconds), full)
         if series.is_ended_by(frame):
             begun, watched = begun + 1, watched + series.seconds

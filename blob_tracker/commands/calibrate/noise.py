@@ -18,6 +18,7 @@ from blob_tracker.commands.calibrate.noise_report import (
 )
 from blob_tracker.commands.calibrate.report import check_out, UsageError
 from blob_tracker.commands.sources import add_source
+from blob_tracker.commands.sources.response import response_of
 import numpy as np
 from rich.console import Console
 from rich.table import Table
@@ -54,6 +55,11 @@ def main(arguments: argparse.Namespace) -> None:
     if arguments.scene and arguments.dark:
         raise UsageError('--scene needs no dark frames; leave out --dark')
     check_out(arguments.out, '.png')
+    response = response_of(arguments)
+    if response is not None:
+        arguments.saturation = response.linear_saturation(
+            arguments.saturation or response.saturation
+        )
     if arguments.scene:
         _scene(arguments)
     else:

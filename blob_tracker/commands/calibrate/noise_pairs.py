@@ -12,6 +12,7 @@ from blob_tracker.calibration.temporal_correlation import Succession
 from blob_tracker.commands.calibrate.frame_index import find_index, INDEX, Light, read_index
 from blob_tracker.commands.sources import grey_frames, is_folder, is_live, SourceError
 from blob_tracker.commands.sources.folder import open_images
+from blob_tracker.commands.sources.response import response_of
 from blob_tracker.commands.sources.shown_frames import shown_frames, with_bar
 from blob_tracker.types import Pixels
 from rich.console import Console
@@ -148,7 +149,7 @@ def _indexed(
     # Of time and photons the one that tells the levels apart.
     photons = len({light.exposure_ns for light in bright}) < 2
     source = open_images(list(lights))
-    stream = grey_frames(source, interpolate=False)
+    stream = grey_frames(source, interpolate=False, response=response_of(arguments))
     held: dict[Light, Pixels] = {}
     pairs = []
     for light, (_, _, image) in zip(lights.values(), with_bar(

@@ -10,6 +10,7 @@ import shlex
 
 from blob_tracker.calibration.noise_line import NoiseLine
 from blob_tracker.calibration.photon_transfer import PhotonTransfer
+from blob_tracker.commands.sources.response import response_of
 from blob_tracker.types import SensorNoise
 import numpy as np
 from rich.console import Console
@@ -93,6 +94,12 @@ def write_parameters(
     for warning in warnings:
         console.print(f'[yellow]Note:[/yellow] {warning}', highlight=False)
     out: Path = arguments.out
+    response = response_of(arguments)
+    url = ''
+    if response is not None:
+        # The nodes are told in raw DN.
+        saturation = int(np.searchsorted(response.table, saturation))
+        url = f'    response_url: {Path(arguments.response).resolve().as_uri()}\n'
     sigma = np.sqrt(np.diag(line.noise_covariance))
     words = 'overwritten' if out.exists() else 'written'
     out.write_text(
@@ -105,9 +112,9 @@ def write_parameters(
         f'    noise.gain: {noise.gain:.6f}\n'
         f'    noise.read_noise: {noise.read_noise:.6f}\n'
         f'    noise.black_level: {noise.black_level:.6f}\n'
-        f'    saturation: {saturation}\n'
+        f'    saturation: {saturation}\n{url}'
         '\n/**/segmenter:\n  ros__parameters:\n'
-        f'    saturation: {saturation}\n'
+        f'    saturation: {saturation}\n{url}'
     )
     console.print(f'{out} {words}, the transfer curve is {out.with_suffix(".png")}; use it with')
     console.print(

@@ -12,6 +12,7 @@ from blob_tracker.commands.calibrate.report import (
     check_out, results_table, row, tell_of, UsageError,
 )
 from blob_tracker.commands.sources import add_source, SourceError
+from blob_tracker.commands.sources.response import clipping_level
 from blob_tracker.commands.sources.shown_frames import shown_frames
 from blob_tracker.location import learn_pulse, Learned, locate_batch
 from blob_tracker.location.noise import pixel_variance
@@ -99,7 +100,7 @@ def _windows(
         arguments, console, 'finding the flashes', live_frames=LIVE_FRAMES
     )):
         height, width = pixels.shape
-        full = arguments.saturation or int(np.iinfo(pixels.dtype).max)
+        full = clipping_level(arguments, pixels)
         stamp_ns = index * INTERVAL_NS if seconds is None else round(1e9 * seconds)
         try:
             window = segmenter.update(Frame(pixels, stamp_ns, full))

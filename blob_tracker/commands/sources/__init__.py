@@ -14,12 +14,14 @@ from itertools import islice
 from pathlib import Path
 import time
 
+from blob_tracker.camera.response import Response
 from blob_tracker.colour import grey_pixels
 from blob_tracker.commands.sources import fits, tiff, video
 from blob_tracker.commands.sources.bag import is_bag, open_bag
 from blob_tracker.commands.sources.device import is_device, open_device
 from blob_tracker.commands.sources.folder import open_folder, SUFFIXES
 from blob_tracker.commands.sources.raw import open_raw
+from blob_tracker.commands.sources.response import add_response, linear_pixels
 from blob_tracker.commands.sources.source import Source, SourceError, SourceFrame
 from blob_tracker.commands.sources.topic import open_topic
 from blob_tracker.types import Pixels
@@ -39,7 +41,9 @@ UNREAD = {
 }
 
 
-def add_source(parser: argparse.ArgumentParser, what: str, *, topics: bool = True) -> None:
+def add_source(
+    parser: argparse.ArgumentParser, what: str, *, topics: bool = True, response: bool = True
+) -> None:
     """
     Declare SOURCE and the options that go with it.
 
@@ -51,6 +55,8 @@ def add_source(parser: argparse.ArgumentParser, what: str, *, topics: bool = Tru
         What the images show, for the help: 'a board in many poses'.
     topics : bool
         Whether it may be the topic of a live node.
+    response : bool
+        Whether its pixels may be made linear first, by --response.
 
     """
     live = ', a topic while the nodes run' if topics else ''
@@ -84,6 +90,10 @@ def add_source(parser: argparse.ArgumentParser, what: str, *, topics: bool = Tru
         '--stride', type=_positive_int, default=0, metavar='BYTES',
         help='from line to line of a raw dump, where lines are padded',
     )
+    if response:
+        add_response(parser)
+    else:
+        parser.set_defaults(response=None)
 
 
 def is_folder(arguments: argparse.Namespace) -> bool:
@@ -171,7 +181,7 @@ def unstamped(arguments: argparse.Namespace) -> str:
 
 
 def grey_frames(
-    source: Source, *, interpolate: bool = True
+    source: Source, *, interpolate: bool = True, response: Response | None = None
 ) -> Iterator[tuple[str, float | None, Pixels]]:
     """
     Yield the frames of a source without their colours.
@@ -183,6 +193,8 @@ def grey_frames(
     interpolate : bool
         Whether the frames of a Bayer mosaic are interpolated to all pixels, for their places; else
         they are samples of one colour, for their noise.
+    response : Response, optional
+        Makes the pixels linear.
 
     Yields
     ------
@@ -201,9 +213,10 @@ def grey_frames(
         first_ns = frame.stamp_ns if first_ns is None else first_ns
         seconds = (frame.stamp_ns - first_ns) / 1e9 if stamped else None
         try:
-            yield name, seconds, grey_pixels(frame, interpolate=interpolate)
+            pixels = grey_pixels(frame, interpolate=interpolate)
         except ValueError as error:
             raise SourceError(f'{name}: {error}') from None
+        yield name, seconds, pixels if response is None else linear_pixels(pixels, response)
 
 
 def _evenly(frames: Iterable[SourceFrame], rate: float) -> Iterator[SourceFrame]:

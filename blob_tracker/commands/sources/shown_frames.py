@@ -8,6 +8,7 @@ import signal
 from typing import TypeVar
 
 from blob_tracker.commands.sources import grey_frames, is_live, open_source, Source
+from blob_tracker.commands.sources.response import response_of
 from blob_tracker.types import Pixels
 from rich.console import Console
 from rich.progress import track
@@ -59,7 +60,9 @@ def shown_frames(
     if is_live(arguments) and arguments.seconds is None and arguments.count is None:
         arguments.count, arguments.seconds = live_frames, live_seconds
     source = open_source(arguments, interpolate=interpolate)
-    stream = grey_frames(source, interpolate=interpolate)
+    stream = grey_frames(
+        source, interpolate=interpolate, response=response_of(arguments)
+    )
     if is_live(arguments):
         console.print(
             f'Listening to {arguments.source} for {in_words(arguments)}; Ctrl-C ends it earlier, '

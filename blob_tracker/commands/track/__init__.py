@@ -35,7 +35,7 @@ MOST_WARNINGS, MOST_REASONS = 5, 3  # that are said
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of `python3 -m blob_tracker track`."""
-    add_source(parser, 'a light', topics=False)
+    add_source(parser, 'a light', topics=False, response=False)
     parser.add_argument(
         '--to', choices=('csv', 'bag'), default='csv',
         help='a table, or a bag with target/bearing, target/centroid and target/ray (%(default)s)',

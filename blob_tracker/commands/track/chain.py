@@ -11,7 +11,9 @@ from blob_tracker.commands.track.outcome import Outcome, Sentences
 from blob_tracker.location import method_options
 from blob_tracker.pipeline import Pipeline
 from blob_tracker.ros.messages.clipping import clipping_frame
-from blob_tracker.ros.parameters.rooms import flash_of, line_jitter_of, pulse_of, segmenter_of
+from blob_tracker.ros.parameters.rooms import (
+    flash_of, line_jitter_of, pulse_of, response_of, segmenter_of,
+)
 from blob_tracker.ros.parameters.values import about
 from blob_tracker.segmentation import FieldSegmenter
 from blob_tracker.segmentation.channel import ChannelChoice

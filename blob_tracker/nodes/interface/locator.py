@@ -2,6 +2,7 @@
 
 from blob_tracker.location import METHODS
 from blob_tracker.nodes.interface.line_time import LINE_TIME
+from blob_tracker.nodes.interface.response import RESPONSE
 from blob_tracker.nodes.interface.saturation import SATURATION
 from blob_tracker.nodes.interface.topics import (
     BEARING, CENTROID, DIAGNOSTICS, NOISE, RAY, WINDOW_IMAGE, WINDOW_INFO, WINDOW_PICTURE,
@@ -64,6 +65,7 @@ PARAMETERS = (
         most=256,
     ),
     SATURATION,
+    RESPONSE,
     LINE_TIME,
     Parameter(
         'line_jitter_url',

@@ -3,6 +3,7 @@
 from blob_tracker.nodes.interface.channel import SEGMENTER_CHANNEL
 from blob_tracker.nodes.interface.flash import FLASH
 from blob_tracker.nodes.interface.line_time import LINE_TIME
+from blob_tracker.nodes.interface.response import RESPONSE
 from blob_tracker.nodes.interface.saturation import SATURATION
 from blob_tracker.nodes.interface.topics import (
     CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, NOISE, SEGMENTER_PICTURE, TRACK, VISIBLE,
@@ -118,6 +119,7 @@ PARAMETERS = (
         'file:// or package:// URL. Empty searches everywhere.',
     ),
     SATURATION,
+    RESPONSE,
     Parameter(
         'noise.measure',
         False,

@@ -15,9 +15,10 @@ CAMERA_INFO = Topic(
 WINDOW_IMAGE = Topic(
     'target/window/image_raw',
     'sensor_msgs/Image',
-    "8UC2 or 16UC2: the target's pixels lit and unlit, raw; 16UC2 also for sums of frames; "
-    '1 channel for a steady light; a third one where not all pixels see the light, or JPEG added '
-    'noise; a fourth one of a light that blinks and moves (docs/segmentation.md)',
+    "8UC2 or 16UC2: the target's pixels lit and unlit, raw; 16UC2 also for sums of frames "
+    'and for linear DN (response_url); 1 channel for a steady light; a third one where not all '
+    'pixels see the light, or JPEG added noise; a fourth one of a light that blinks and moves '
+    '(docs/segmentation.md)',
 )
 WINDOW_INFO = Topic(
     'target/window/camera_info',

@@ -9,6 +9,8 @@ from threading import Lock
 import time
 from typing import Any
 
+from blob_tracker.camera import CalibrationError
+from blob_tracker.camera.response import Response
 from blob_tracker.nodes.interface.segmenter import PARAMETERS
 from blob_tracker.nodes.segmenter.last_detections import LastDetections
 from blob_tracker.nodes.segmenter.noise_topic import NoiseTopic
@@ -28,7 +30,9 @@ from blob_tracker.ros.messages.camera_info import KnownCamera
 from blob_tracker.ros.messages.clipping import clipping_frame
 from blob_tracker.ros.messages.image import to_frame
 from blob_tracker.ros.parameters.declaration import declare, on_change
-from blob_tracker.ros.parameters.rooms import flash_of, flash_values, segmenter_of
+from blob_tracker.ros.parameters.rooms import (
+    flash_of, flash_values, response_of, segmenter_of,
+)
 from blob_tracker.ros.process import run, say
 from blob_tracker.segmentation import (
     compile_ahead,
@@ -108,6 +112,7 @@ class SegmenterNode(Node):
         self._asked: tuple[dict[str, Any], str] | None = None  # of flash, and of the channel
         self._segmenter: FieldSegmenter
         self._quantisation: NDArray[np.uint16] | None = None
+        self._response: Response | None = None
         self._new_segmenter: Callable[[], FieldSegmenter]
         self._newest_ns = -1  # of the stamps
         self._topics: dict[str, WindowTopics] = {}  # of all lights that there ever were
@@ -131,6 +136,7 @@ class SegmenterNode(Node):
         asked = flash_values(values)
         new_flash, lights = flash_of(values)
         new_segmenter = segmenter_of(values)
+        response = response_of(values['response_url'])
         same_flash, same_channel = (
             self._asked is not None and self._asked[k] == each
             for k, each in enumerate((asked, values['channel']))
@@ -166,7 +172,7 @@ class SegmenterNode(Node):
                 self._segmenter = segmenter
                 self._new_segmenter = lambda: FieldSegmenter(new_one)
                 self._late_ns = int(1e9 * (values['max_pair_interval'] or LEAST_INTERVAL_S))
-                self._saturation = values['saturation']
+                self._saturation, self._response = values['saturation'], response
                 self._line_time_ns = 1e9 * values['line_time']
                 self._follow = follow
                 self._set_lights(lights, _lost_after_ns(values))
@@ -216,7 +222,10 @@ class SegmenterNode(Node):
         frame, info = delivery.item
         with self._lock:
             clipped = clipping_frame(frame, self._saturation)
-            if frame.saturation < clipped.saturation:
+            limit = clipped.saturation
+            if self._response is not None:
+                limit = min(limit, self._response.saturation)
+            if frame.saturation < limit:
                 self._health.fault(
                     WARN,
                     f'the camera clips at {frame.saturation} DN; set saturation to that in '
@@ -230,7 +239,19 @@ class SegmenterNode(Node):
         self._health.arrived(frame.stamp_ns, came_ns)
         self._losses.add(self._gaps.missing(frame.stamp_ns))
 
-    def _segment(self, frame: Frame, info: CameraInfo, frame_id: str) -> None:
+    def _linear(self, frame: Frame, info: CameraInfo) -> Frame:
+        """Return a frame in linear DN where the camera's response is known."""
+        if self._response is None:
+            return frame
+        try:
+            self._response.check_size(int(info.width), int(info.height))
+            return self._response.linear_frame(frame)
+        except CalibrationError as error:
+            self._health.fault(WARN, f'response_url: {error}; its pixels are taken for linear')
+            return frame
+
+    def _segment(self, raw: Frame, info: CameraInfo, frame_id: str) -> None:
+        frame = self._linear(raw, info)
         late_ns = self._newest_ns - frame.stamp_ns
         if late_ns > self._late_ns:
             self._health.fault(
@@ -268,7 +289,7 @@ class SegmenterNode(Node):
         if seen:
             self._health.ok('target in view')
         elif not any(visible):
-            self._say_why(frame)
+            self._say_why(raw)
         if detections:
             self._debug_image.offer(
                 lambda: draw(detections), frame.stamp_ns, frame_id, _pause(detections)

@@ -52,6 +52,8 @@ class NoiseTopic:
             self._health.fault(WARN, f'noise.measure: {error}')
             return
         line = self._measured.line()
+        if self._measured.curved:
+            self._health.fault(WARN, f'noise.measure: {self._measured.curved}')
         gain = read_noise = black_level = f'unknown: {self._measured.reason}'
         if line is not None:
             noise = line.noise

@@ -8,6 +8,7 @@ from typing import Any
 
 from blob_tracker.calibration.pulse_file import PulseFile
 from blob_tracker.camera.line_jitter import LineJitter
+from blob_tracker.camera.response import Response
 from blob_tracker.flash_text import codes_from_text, frequencies_from_text
 from blob_tracker.location import method_options
 from blob_tracker.ros.endpoints.names import check_light
@@ -88,6 +89,14 @@ def line_jitter_of(url: str) -> LineJitter | None:
         return None
     with about('line_jitter_url'):
         return LineJitter.from_yaml(to_path(url))
+
+
+def response_of(url: str) -> Response | None:
+    """Return the response of the parameter `response_url`; None of a linear camera, for ''."""
+    if not url:
+        return None
+    with about('response_url'):
+        return Response.from_yaml(to_path(url))
 
 
 def pulse_of(url: str, method: str) -> tuple[PulseFile | None, str]:

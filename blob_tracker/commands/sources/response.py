@@ -1,0 +1,48 @@
+"""The camera's response, by which frames are made linear before they are measured."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from blob_tracker.camera import CalibrationError
+from blob_tracker.camera.response import Response
+from blob_tracker.commands.sources.source import SourceError
+from blob_tracker.types import Pixels
+import numpy as np
+
+
+def add_response(parser: argparse.ArgumentParser) -> None:
+    """Declare the option."""
+    parser.add_argument(
+        '--response', type=Path, metavar='FILE',
+        help='make the pixels linear by it first: what calibrate response wrote',
+    )
+
+
+def response_of(arguments: argparse.Namespace) -> Response | None:
+    """Return the response that makes the frames linear; None where they stay as they are."""
+    if arguments.response is None:
+        return None
+    try:
+        return Response.from_yaml(arguments.response)
+    except CalibrationError as error:
+        raise SourceError(str(error)) from None
+
+
+def clipping_level(arguments: argparse.Namespace, pixels: Pixels) -> int:
+    """Return the DN at which a frame's pixels are clipped, by --saturation, in raw DN."""
+    response = response_of(arguments)
+    if response is not None:
+        return response.linear_saturation(arguments.saturation or response.saturation)
+    return arguments.saturation or int(np.iinfo(pixels.dtype).max)
+
+
+def linear_pixels(pixels: Pixels, response: Response) -> Pixels:
+    """Return pixels in linear DN, or raise SourceError where the response is of other ones."""
+    try:
+        response.check_size(pixels.shape[1], pixels.shape[0])
+        response.check(8 * pixels.itemsize, response.saturation)
+    except CalibrationError as error:
+        raise SourceError(str(error)) from None
+    return response.linear_pixels(pixels)
