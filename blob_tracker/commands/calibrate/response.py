@@ -54,7 +54,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--saturation', type=int, metavar='DN', help='level of a clipped pixel, where it is known'
     )
     parser.add_argument('--camera', default='', help='its name, for the file')
-    parser.add_argument('--pixel-format', default='', help='that it is set to, for the file')
     parser.add_argument(
         '--out', type=Path, default=Path('response.yaml'),
         help='for the parameter response_url of segmenter and locator (%(default)s); the picture '
