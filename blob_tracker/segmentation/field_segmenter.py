@@ -90,8 +90,7 @@ class FieldSegmenter:
 
     def sightings(self, frame: Frame, expected: Expectation | None = None) -> list[Sighting]:
         """Take the next frame; return the lights that it shows: see `Segmenter`."""
-        across, down = frame.binning
-        kind = frame.y0 // across % 2 if down == 2 * across else 0
+        kind = frame.field or 0
         if kind not in self.of_kind:
             self.of_kind[kind] = self._new_segmenter() if self.of_kind else self._last
         self._last = self.of_kind[kind]

@@ -22,6 +22,7 @@ def shown_frames(
     live_frames: int | None = None,
     live_seconds: float | None = None,
     interpolate: bool = True,
+    woven: bool = False,
 ) -> Iterator[StampedFrame]:
     """
     Yield the frames of SOURCE.
@@ -41,6 +42,8 @@ def shown_frames(
         The same as a time, s.
     interpolate : bool
         As in `frames`.
+    woven : bool
+        As in `stamped_frames`.
 
     Yields
     ------
@@ -58,7 +61,7 @@ def shown_frames(
     live = is_live(arguments)
     if live and arguments.seconds is None and arguments.count is None:
         arguments.count, arguments.seconds = live_frames, live_seconds
-    stream = stamped_frames(arguments, interpolate=interpolate)
+    stream = stamped_frames(arguments, interpolate=interpolate, woven=woven)
     if live:
         limits = [f'{arguments.seconds:g} s'] if arguments.seconds else []
         limits += [f'{arguments.count} frames'] if arguments.count else []

@@ -120,20 +120,21 @@ def frames(
 
 
 def stamped_frames(
-    arguments: argparse.Namespace, *, interpolate: bool = True
+    arguments: argparse.Namespace, *, interpolate: bool = True, woven: bool = False
 ) -> Iterator[tuple[str, float | None, Pixels]]:
     """
     Yield what `frames` does, with the stamp of each between name and pixels: s, or None.
 
     Arguments and errors are those of `frames`. A folder has no stamps; those of the others count
-    from the first image.
+    from the first image. With `woven` the fields that a camera node publishes one by one are put
+    together to pictures.
     """
     path = Path(arguments.source)
     stream: Iterator[tuple[str, float | None, Pixels]]
     if is_live(arguments):
-        stream = _of_topic(arguments.source, arguments.seconds, interpolate)
+        stream = _of_topic(arguments.source, arguments.seconds, interpolate, woven)
     elif _is_bag(path):
-        stream = _of_bag(path, arguments.topic, interpolate)
+        stream = _of_bag(path, arguments.topic, interpolate, woven)
     elif _is_video(path):
         stream = _of_video(path)
     else:
@@ -227,19 +228,21 @@ def _bag_count(bag: Path, topic: str) -> int:
 
 
 def _of_bag(
-    bag: Path, topic: str, interpolate: bool
+    bag: Path, topic: str, interpolate: bool, woven: bool
 ) -> Iterator[tuple[str, float, Pixels]]:
     from blob_tracker.ros.endpoints.recording import recorded_images, RecordingError
 
     try:
-        for seconds, pixels in recorded_images(bag, topic, interpolate=interpolate):
+        for seconds, pixels in recorded_images(
+            bag, topic, interpolate=interpolate, woven=woven
+        ):
             yield f'{seconds:.3f} s', seconds, pixels
     except RecordingError as error:
         raise SourceError(str(error)) from None
 
 
 def _of_topic(
-    topic: str, longest: float | None, interpolate: bool
+    topic: str, longest: float | None, interpolate: bool, woven: bool
 ) -> Iterator[tuple[str, float, Pixels]]:
     try:
         from blob_tracker.ros.endpoints.live_images import live_images, NoImagesError
@@ -250,7 +253,7 @@ def _of_topic(
 
     began = time.monotonic()
     try:
-        for seconds, pixels in live_images(topic, interpolate=interpolate):
+        for seconds, pixels in live_images(topic, interpolate=interpolate, woven=woven):
             yield f'{seconds:.3f} s', seconds, pixels
             if longest is not None and time.monotonic() - began >= longest:
                 return
