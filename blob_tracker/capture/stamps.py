@@ -9,7 +9,8 @@ What a driver stamps is one of three instants, and its flags do not tell all of 
   the first data of a frame arrive, which a sensor can only send once it has exposed its first
   line; of a camera that sends headers without data meanwhile, the time when the frame before
   ended. (Its module option `hwtimestamps=1` makes it compute the start of the exposure from the
-  camera's own clock, where the camera tells that: the flag is true then, and else it is not.)
+  camera's own clock, where the camera tells that: the flag is true then, and else it is not. Which
+  of the two it is, its metadata tell: `uvc_clock`.)
 
 `vivid` has a picture ready when its frame begins, and stamps it with an end that is still to come
 (0.9 of the interval later). No light arrives after it is read: such stamps are cut at the time
@@ -184,6 +185,11 @@ class MidExposure:
     def line_ns(self) -> float | None:
         """Return how long a line of the last frame took, ns; None where it is not known."""
         return self._changes[0][1].line_ns
+
+    def camera_clock(self, told: bool | None) -> None:
+        """Know whether the camera sends its own time, which is then that of the stamps."""
+        if self._source == 'camera clock' and told is not None:
+            self._source = 'exposure start' if told else 'transfer start'
 
     def changed(self, since_ns: int, exposure: Exposure) -> None:
         """Take another exposure for frames that begin at `since_ns`, monotonic, or later."""

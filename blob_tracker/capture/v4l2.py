@@ -33,6 +33,7 @@ from blob_tracker.capture.signal import Signal
 from blob_tracker.capture.stamps import (
     Exposure, ExposureControls, MidExposure, of_first_line, source_of,
 )
+from blob_tracker.capture.uvc_clock import UvcClock
 from blob_tracker.types import Frame
 
 
@@ -132,6 +133,7 @@ class V4l2Camera:
     sensor = ''
     _driver = ''
     _by_blanking = False
+    _uvc_clock: UvcClock | None = None
 
     def __init__(
         self,
@@ -209,6 +211,8 @@ class V4l2Camera:
             self._count = FrameCount(numbered=self._driver != 'uvcvideo')
             self._call(videodev2.STREAMON, ctypes.c_int32(self._format.buffer_type))
             self._streaming = True
+            if source == 'camera clock':
+                self._uvc_clock = UvcClock(self._fd)
         except OSError as error:
             self.close()
             raise CaptureError(refusal(device, self._driver, step, error)) from error
@@ -370,6 +374,8 @@ class V4l2Camera:
                 pass  # unplugged: there is nothing left to stop
             finally:
                 self._streaming = False
+                if self._uvc_clock is not None:
+                    self._uvc_clock.close()
                 for memory in self._memory:
                     memory.close()
                 self._memory.clear()
@@ -480,6 +486,9 @@ class V4l2Camera:
         self.sequence = self.fields.number(buffer.sequence, buffer.field)
         self._count.came(self.sequence, stamp_ns)
         self._follow_controls()
+        if self._uvc_clock is not None:
+            self._uvc_clock.look()
+            self._middle.camera_clock(self._uvc_clock.told)
         middle_ns = self._dealer.first_field_ns(
             self._middle.middle(stamp_ns, time.monotonic_ns()), self.frame_rate)
         if self._format.saturation == FULL:
