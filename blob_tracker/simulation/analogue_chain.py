@@ -47,10 +47,10 @@ class AnalogueChain:
     trailing_edge: TrailingEdge | None = None
     own_clock: bool = False
 
-    def offsets(self) -> NDArray[np.float64]:
-        """Return the mean offset of each of the (480,) lines of the picture, px."""
-        alone = line_offsets(LINES, between_fields=0.0)
-        second = self.between_fields * (np.arange(LINES) % 2)
+    def offsets(self, lines: int = LINES) -> NDArray[np.float64]:
+        """Return the mean offset of each of the (lines,) lines of the picture, px."""
+        alone = line_offsets(lines, between_fields=0.0)
+        second = self.between_fields * (np.arange(lines) % 2)
         return self.drift * alone + second
 
     def seen_at(self, x: ArrayLike) -> NDArray[np.float64]:
@@ -148,10 +148,10 @@ class AnalogueChain:
         """
         height, width = mean.shape
         offsets = jittering_offsets(
-            self.offsets()[first::2][:height], random, per_line=self.per_line,
+            self.offsets(2 * height)[first::2], random, per_line=self.per_line,
             per_frame=self.per_frame,
         )
-        lines = displaced_lines(mean, offsets)
+        lines = displaced_lines(mean, offsets) if offsets.any() else np.asarray(mean, float)
         if self.trailing_edge is not None:
             lines = peaked(lines, self.trailing_edge)
         if self.own_clock:

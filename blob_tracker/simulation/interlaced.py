@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from blob_tracker.capture.fields import ORDERS
-from blob_tracker.simulation.analogue_chain import AnalogueChain, LINES
+from blob_tracker.simulation.analogue_chain import AnalogueChain
 from blob_tracker.simulation.noise_bank import NoiseBank
 from blob_tracker.simulation.scene import Scene
 from blob_tracker.types import Frame, Pixels
@@ -34,7 +34,7 @@ class InterlacedCamera:
     Raises
     ------
     ValueError
-        Where the pictures have more lines than the chain, or there is no such order.
+        Where there is no such order.
 
     """
 
@@ -43,8 +43,6 @@ class InterlacedCamera:
     chain: AnalogueChain = AnalogueChain()
 
     def __post_init__(self) -> None:
-        if self.scene.height > LINES:
-            raise ValueError(f'a picture has {self.scene.height} lines; the chain has {LINES}')
         if not self.order.startswith('interlaced_') or self.order not in ORDERS:
             raise ValueError(f"the order is '{self.order}'; it is interlaced_tb or interlaced_bt")
 
