@@ -10,6 +10,7 @@ from pathlib import Path
 import time
 
 from blob_tracker.capture import NoFrameError, V4l2Camera
+from blob_tracker.types import Frame
 import numpy as np
 from vm.guest_fields import S_VIDEO
 from vm.hdmi_loop import CAPTURE, close_loop, NEXT_FRAME, OUTPUT, playing, SLOWNESS, v4l2_ctl
@@ -26,7 +27,7 @@ def main(folder: Path) -> None:
     v4l2_ctl(OUTPUT, '--set-standard=pal')
     v4l2_ctl(CAPTURE, f'--set-input={S_VIDEO}')
     v4l2_ctl(CAPTURE, '--set-standard=pal')
-    frames = []
+    frames: list[Frame] = []
     with playing(
         folder / 'analogue.grey', 'GREY', width=ANALOGUE_WIDTH, height=ANALOGUE_HEIGHT,
         field='interlaced',
