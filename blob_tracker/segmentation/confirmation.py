@@ -60,6 +60,9 @@ class Confirmation:
     of them is taken for it, for a second; and the one that is taken then is left for the target
     once that flashes again.
 
+    Where another view of the scene is told to follow its target at a place, as the other field of
+    interlaced pictures does, what lights up elsewhere is not taken, and not followed any more.
+
     A single light in the first frames, with nothing else, is trusted from its first flash on:
     nothing is known that speaks against it.
 

@@ -26,10 +26,12 @@ WITH_FIELDS = (
 
 
 class _Seen(NamedTuple):
-    """Where a kind has seen its light, px of the full sensor; in which field, and since which."""
+    """Where a kind has seen its light, px of the full sensor and px a field; when, since when."""
 
     x: float
     y: float
+    velocity_x: float
+    velocity_y: float
     field: int
     since: int
 
@@ -158,14 +160,15 @@ class FieldSegmenter:
 
     def _sighted(self, kind: int, window: Window) -> _Seen:
         """Return where a kind sees its light, and since when without a break."""
-        before = self._seen.get(kind)
-        lasted = before is not None and self._fields - before.field <= MOST_AGE
         height, width = window.lit.shape
+        x = window.x0 + 0.5 * (width * window.binning[0] - 1)
+        y = window.y0 + 0.5 * (height * window.binning[1] - 1)
+        before = self._seen.get(kind)
+        if before is None or self._fields - before.field > MOST_AGE:
+            return _Seen(x, y, 0.0, 0.0, self._fields, self._fields)
+        passed = self._fields - before.field
         return _Seen(
-            window.x0 + 0.5 * (width * window.binning[0] - 1),
-            window.y0 + 0.5 * (height * window.binning[1] - 1),
-            self._fields, before.since if before and lasted else self._fields,
-        )
+            x, y, (x - before.x) / passed, (y - before.y) / passed, self._fields, before.since)
 
     def _leading(self, kind: int, gate_px: float) -> Expectation | None:
         """Return where the other kind sees the light, where it has seen it for longer."""
@@ -174,4 +177,8 @@ class FieldSegmenter:
             return None
         if own is not None and self._fields - own.field <= MOST_AGE and own.since < other.since:
             return None
-        return Expectation(other.x, other.y, (gate_px / GATE_SIGMA) ** 2 * np.eye(2))
+        passed = self._fields - other.field
+        return Expectation(
+            other.x + passed * other.velocity_x, other.y + passed * other.velocity_y,
+            (gate_px / GATE_SIGMA) ** 2 * np.eye(2),
+        )

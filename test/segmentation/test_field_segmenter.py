@@ -179,3 +179,22 @@ def test_both_fields_follow_one_of_two_lights(phase: float) -> None:
     found = seen(lights, 44, FieldSegmenter(Segmenter), hidden=range(20, 23))
     assert len(found) >= 30 and {field.y0 for field, _ in found} == {0, 1}
     assert np.ptp([window.x0 for _, window in found]) < 6
+
+
+def test_a_fast_light_is_one_light() -> None:
+    """It goes as far from flash to flash as the gate is wide."""
+    wave = periodic(0.5 * RATE, 0.5, 0.125)
+    light = Light(80.0, 80.0, SIGMA, PEAK, wave, reach_x=70.0, reach_y=5.0, period=2.9)
+    found = seen([light], 44, FieldSegmenter(Segmenter))
+    alone = []
+    for kind in range(2):
+        segmenter = Segmenter()
+        camera = InterlacedCamera(Scene(
+            light, width=WIDTH, height=HEIGHT, rate=2.0 * RATE, exposure=0.1,
+            sensor=Sensor(NOISE)))
+        alone += [
+            segmenter.update(fields(camera.picture(index), 'interlaced_tb', INTERVAL_NS)[kind])
+            for index in range(44)
+        ]
+    # As many as if each kind went by itself.
+    assert len(found) >= sum(window is not None for window in alone) - 2 >= 30
