@@ -3,9 +3,9 @@ Whether a webcam sends its own time, by the metadata of its driver.
 
 With `hwtimestamps=1` uvcvideo stamps the start of the exposure from two times in the headers of
 the packets: PTS, the camera's clock at that instant, and SCR, the same clock beside the counter of
-the bus (USB Video Class 1.5, 2.4.3.3). Of a camera that leaves either out it stamps the first data
-of a frame, as without the option, and no flag of a buffer tells. The metadata node beside the video
-device has the headers (V4L2_META_FMT_UVC).
+the bus (USB Video Class 1.5, 2.4.3.3). Of a camera that leaves either out it stamps the first
+data of a frame, as without the option, and no flag of a buffer tells. The metadata node beside the
+video device has the headers (V4L2_META_FMT_UVC).
 """
 
 from __future__ import annotations

@@ -8,8 +8,7 @@ from pathlib import Path
 import struct
 import time
 
-from blob_tracker.capture import uvc_clock, V4l2Camera, videodev2
-from blob_tracker.capture import stamps as stamps_of_drivers
+from blob_tracker.capture import stamps, uvc_clock, V4l2Camera, videodev2
 from blob_tracker.capture.uvc_clock import sends_time, UvcClock
 import pytest
 from support.v4l2_driver import Driver
@@ -51,7 +50,7 @@ def test_the_stamps_are_what_the_metadata_tell(
     node, option = tmp_path / 'video1', tmp_path / 'hwtimestamps'
     node.write_bytes(bytes(32 * 4096))
     option.write_text('1\n')
-    monkeypatch.setattr(stamps_of_drivers, 'HARDWARE_STAMPS', option)
+    monkeypatch.setattr(stamps, 'HARDWARE_STAMPS', option)
     monkeypatch.setattr(uvc_clock, '_metadata_node', lambda fd: os.open(node, os.O_RDWR))
     start_of_exposure = videodev2.BUF_FLAG_TSTAMP_SRC_SOE | videodev2.BUF_FLAG_TIMESTAMP_MONOTONIC
     driver = Driver(name='uvcvideo', flags=start_of_exposure)

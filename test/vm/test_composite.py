@@ -11,7 +11,7 @@ from blob_tracker.types import Frame
 import numpy as np
 import pytest
 from vm.scene import (
-    ANALOGUE_HEIGHT, ANALOGUE_PICTURES, ANALOGUE_WIDTH, analogue_camera, NOISE,
+    analogue_camera, ANALOGUE_HEIGHT, ANALOGUE_PICTURES, ANALOGUE_WIDTH, NOISE,
 )
 
 pytestmark = pytest.mark.timeout(60, func_only=True)  # the boot is watched by itself

@@ -85,7 +85,8 @@ def test_a_webcam_that_sends_headers_while_it_waits_has_no_sure_stamp(found):
 ])
 def test_the_metadata_tell_whether_hwtimestamps_are(found, name, words):
     before, after = found[name]['places']
-    assert before.endswith('if the camera sends its own time, else near the start of the transfer')
+    assert before.endswith(
+        'if the camera sends its own time, else near the start of the transfer')
     assert after == words
 
 

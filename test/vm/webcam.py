@@ -329,7 +329,8 @@ class Webcam:
         """Return PTS, when this frame began, and SCR: now, and the number of the bus' frame."""
         assert self._began is not None
         began, now = (
-            int(CLOCK_HZ * each) & 0xffffffff for each in (self._began + self._frame * INTERVAL, at))
+            int(CLOCK_HZ * each) & 0xffffffff
+            for each in (self._began + self._frame * INTERVAL, at))
         return struct.pack('<IIH', began, now, int(at / MILLISECOND) & 0x7ff)
 
 
