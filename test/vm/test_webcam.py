@@ -79,8 +79,8 @@ def test_a_webcam_that_sends_headers_while_it_waits_has_no_sure_stamp(found):
 
 
 @pytest.mark.parametrize(('name', 'words'), [
-    ('without its time', 'end of the exposure, whose length is unknown, as far as the camera sends '
-     'it at once'),
+    ('without its time', 'end of the exposure, whose length is unknown, as far as the camera '
+     'sends it at once'),
     ('with its time', 'start of the exposure, whose length is unknown'),
 ])
 def test_the_metadata_tell_whether_hwtimestamps_are(found, name, words):
