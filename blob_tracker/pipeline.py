@@ -145,7 +145,9 @@ def window_to_bearing(
         location = check.doubted(window, location)
     if line_jitter is not None:
         line_jitter.check_height(camera_model.height)
-        location = line_jitter.corrected(location, gain=noise.gain, looks=window.looks)
+        location = line_jitter.corrected(
+            location, gain=noise.gain, looks=window.looks, field=window.field
+        )
     return location, camera_model.bearing(location)
 
 

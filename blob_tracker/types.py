@@ -90,6 +90,26 @@ class Mosaic:
     saturation: int
 
 
+def field_of(y0: int, binning: tuple[int, int]) -> int | None:
+    """
+    Return the field that lines are of: 0 at the top, 1 at the bottom, None of a whole picture.
+
+    A line of a field covers two of the picture, a column as many as ever (see
+    `blob_tracker.capture.fields`); a camera that sums lines looks like one that has the top field
+    alone.
+
+    Parameters
+    ----------
+    y0 : int
+        Place of the first line on the full, unbinned sensor, px.
+    binning : (int, int)
+        Sensor pixels per pixel along x and y.
+
+    """
+    across, down = binning
+    return y0 // across % 2 if down == 2 * across else None
+
+
 @dataclass(frozen=True)
 class Frame:
     """
@@ -155,6 +175,11 @@ class Frame:
             raise ValueError(f'a frame holds uint8 or uint16 DN, not {self.image.dtype}')
         if not isfinite(self.line_time_ns):
             raise ValueError(f'line_time_ns is {self.line_time_ns} ns; it must be finite')
+
+    @property
+    def field(self) -> int | None:
+        """Return which field of an interlaced picture it is, see `field_of`."""
+        return field_of(self.y0, self.binning)
 
     @property
     def samples(self) -> Pixels:
@@ -269,6 +294,11 @@ class Window:
     def __post_init__(self) -> None:
         if self.looks < 1:
             raise ValueError(f'a window is the sum of {self.looks} frames; it must be 1 or more')
+
+    @property
+    def field(self) -> int | None:
+        """Return of which field of an interlaced picture it is a part, see `field_of`."""
+        return field_of(self.y0, self.binning)
 
     def to_window(self, x: float, y: float) -> tuple[float, float]:
         """Return a position on the full, unbinned sensor, px, as one in the window's pixels."""

@@ -60,16 +60,18 @@ def measure_line_jitter(
     """
     Measure the offset of each line from frames of one still, straight, nearly vertical edge.
 
-    In each line k of each frame i the edge is placed to a fraction of a pixel (`edge_places`):
+    In each line k of each field i, which is the whole frame where the lines are not those of two
+    fields, the edge is placed to a fraction of a pixel (`edge_places`):
 
         x_ik = offset_k + edge_0 + slope k + shift_i + tilt_i k + jitter_ik + noise_ik
 
     shift_i and tilt_i, the camera's own trembling, are taken off by a straight line for each
-    frame; the mean over the frames, less its straight line, is the offset. A straight line over
-    the whole picture cannot be told from the inclination of the edge; it belongs to the camera
-    matrix. Lines of a frame beyond 5 standard deviations are left out; lines that stay out are
-    interpolated in their field. The scatter beyond the noise of the fits is the jitter from frame
-    to frame.
+    field, as the two of a picture are exposed one after the other; the mean over the frames, less
+    its straight line, is the offset. What the trembling leaves in the mean distance of the two
+    fields has a sigma of its own. A straight line over the whole picture cannot be told from the
+    inclination of the edge; it belongs to the camera matrix. Lines of a frame beyond 5 standard
+    deviations are left out; lines that stay out are interpolated in their field. The scatter
+    beyond the noise of the fits is the jitter from frame to frame.
 
     Parameters
     ----------
@@ -91,25 +93,29 @@ def measure_line_jitter(
     """
     found: list[NDArray[np.float64]] = []
     variances: list[NDArray[np.float64]] = []
-    width = 0.0
+    widths: list[float] = []
     for frame in frames:
         pixels = np.asarray(frame, dtype=float)
         if not found:
-            edge = find_edge(pixels)
+            edges = [find_edge(pixels[field::fields]) for field in range(fields)]
             shape = pixels.shape
         if pixels.shape != shape:
             raise EdgeError(
                 f'frame {len(found) + 1} is {pixels.shape[1]} x {pixels.shape[0]} px and the '
                 f'first {shape[1]} x {shape[0]} px; they must be of one camera'
             )
-        x, variance, width = edge_places(pixels, edge)
-        found.append(x)
-        variances.append(variance)
+        found.append(np.empty(shape[0]))
+        variances.append(np.empty(shape[0]))
+        widths = []
+        for field, edge in enumerate(edges):
+            part = slice(field, None, fields)
+            found[-1][part], variances[-1][part], width = edge_places(pixels[part], edge)
+            widths.append(width)
     if len(found) < LEAST_FRAMES:
         raise EdgeError(f'there are {len(found)} frames; line jitter needs {LEAST_FRAMES} or more')
     places, variance = np.array(found), np.array(variances)
-    offsets, residuals = _separate(places)
-    # A frame's straight line and a line's mean took away degrees of freedom from the residuals.
+    offsets, residuals, shifts = _separate(places, fields)
+    # A field's straight line and a line's mean took away degrees of freedom from the residuals.
     used = np.isfinite(residuals)
     counts = used.sum(axis=0)
     measured = (counts >= max(2, len(found) // 2)) & _unmarked(offsets, fields)
@@ -118,7 +124,7 @@ def measure_line_jitter(
             f'the edge is seen in {measured.sum()} lines only; it must run from top to bottom'
         )
     used &= measured
-    freedom = used.sum() - measured.sum() - 2 * len(found) + 2
+    freedom = used.sum() - measured.sum() - 2 * fields * (len(found) - 1)
     noise = float(variance[used].mean())
     scatter = float((residuals[used] ** 2).sum() / freedom)
     jitter = float(np.sqrt(max(scatter - noise, 0.0)))
@@ -130,11 +136,14 @@ def measure_line_jitter(
     slope, start = np.polyfit(lines[measured], offsets[measured], 1)
     offsets = offsets - start - slope * lines
     offsets, sigma = _interpolated(offsets, sigma, measured, fields)
+    apart = shifts[:, -1] - shifts[:, 0]  # of one field with itself: 0
     return LineJitterMeasurement(
-        jitter=LineJitter(offsets, sigma, jitter),
+        jitter=LineJitter(
+            offsets, sigma, jitter, float(apart.std(ddof=1) / np.sqrt(len(apart)))
+        ),
         measured=measured,
         places=places,
-        edge_sigma=width,
+        edge_sigma=float(np.mean(widths)),
         edge=(float(start), float(slope)),
         noise=float(np.sqrt(noise)),
         between_neighbours=_between_neighbours(residuals, scatter - noise, fields),
@@ -143,18 +152,35 @@ def measure_line_jitter(
 
 
 def _separate(
-    places: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the (h,) mean over frames and the (n, h) rest, NaN where it is out of all bounds."""
+    places: NDArray[np.float64], fields: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """
+    Part the places from frame to frame from what they have in common.
+
+    Returns
+    -------
+    mean : (h,) array
+        Over the frames, px.
+    rest : (n, h) array
+        px; NaN where it is out of all bounds.
+    shifts : (n, fields) array
+        Of each field as a whole from its mean, px.
+
+    """
     places = places.copy()
     lines = np.linspace(-1.0, 1.0, places.shape[1])
     mean = _mean(places)
     for _ in range(ROUNDS):
         residuals = places - mean
-        for residual in residuals:
-            seen = np.isfinite(residual)
-            if seen.sum() > 2:
-                residual -= np.polyval(np.polyfit(lines[seen], residual[seen], 1), lines)
+        shifts = np.zeros((len(places), fields))
+        for residual, shift in zip(residuals, shifts):
+            for field in range(fields):
+                part = slice(field, None, fields)
+                seen = np.isfinite(residual[part])
+                if seen.sum() > 2:
+                    line = np.polyfit(lines[part][seen], residual[part][seen], 1)
+                    residual[part] -= np.polyval(line, lines[part])
+                    shift[field] = line[1]
         seen = np.isfinite(residuals)
         if not seen.any():
             break
@@ -162,7 +188,7 @@ def _separate(
         out = np.abs(np.where(seen, residuals, 0.0)) > OUTLIER * max(deviation, 1e-9)
         places[out] = residuals[out] = np.nan
         mean = mean + _mean(residuals)
-    return mean, residuals - _mean(residuals)
+    return mean, residuals - _mean(residuals), shifts
 
 
 def _mean(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -32,6 +32,9 @@ class LineJitter:
         Standard deviation of the error of each offset, px.
     sigma_from_frame_to_frame : float
         Standard deviation of a line about its offset, independent from line to line, px.
+    sigma_between_fields : float
+        Standard deviation of the error that the distance of the two fields of an interlaced
+        picture has, alike for all their lines, px.
 
     Raises
     ------
@@ -43,6 +46,7 @@ class LineJitter:
     offsets: NDArray[np.float64]
     sigma: NDArray[np.float64]
     sigma_from_frame_to_frame: float
+    sigma_between_fields: float = 0.0
 
     def __post_init__(self) -> None:
         if self.offsets.ndim != 1 or len(self.offsets) == 0:
@@ -54,7 +58,8 @@ class LineJitter:
             )
         if not (np.abs(self.offsets) <= MOST).all():  # not true of NaN either
             raise CalibrationError(f'the offsets of lines must be within {MOST:g} px of 0')
-        spread = np.append(self.sigma, self.sigma_from_frame_to_frame)
+        spread = np.append(
+            self.sigma, [self.sigma_from_frame_to_frame, self.sigma_between_fields])
         if not ((spread >= 0.0) & (spread <= MOST)).all():
             raise CalibrationError(f'the sigmas of line jitter must be 0 to {MOST:g} px')
 
@@ -79,6 +84,7 @@ class LineJitter:
                 offsets=np.array(content['offsets'], dtype=float),
                 sigma=np.array(content['sigma'], dtype=float),
                 sigma_from_frame_to_frame=float(content['sigma_from_frame_to_frame']),
+                sigma_between_fields=float(content.get('sigma_between_fields', 0.0)),
             )
             jitter.check_height(int(content['image_height']))
             return jitter
@@ -103,6 +109,7 @@ class LineJitter:
         content = {
             'image_height': len(self.offsets),
             'sigma_from_frame_to_frame': round(self.sigma_from_frame_to_frame, 6),
+            'sigma_between_fields': round(self.sigma_between_fields, 6),
             'offsets': np.round(self.offsets, 6).tolist(),
             'sigma': np.round(self.sigma, 6).tolist(),
         }
@@ -115,7 +122,9 @@ class LineJitter:
                 f'the line jitter is for {len(self.offsets)} lines and the picture has {height}'
             )
 
-    def corrected(self, location: Location, *, gain: float, looks: int = 1) -> Location:
+    def corrected(
+        self, location: Location, *, gain: float, looks: int = 1, field: int | None = None
+    ) -> Location:
         """
         Take the offset of the blob's lines off its x.
 
@@ -129,7 +138,8 @@ class LineJitter:
         wider exp(-(k - y)^2 / 2 sigma^2). Here v = v_0 + (m - b) / gain, with v_0 from the SNR of
         the location. The variance of x grows by that of the weighted mean: offsets and jitter
         are independent from line to line, so that w has an effective number of lines
-        (sum w)^2 / sum w^2, sqrt(2 pi) sigma for constant noise.
+        (sum w)^2 / sum w^2, sqrt(2 pi) sigma for constant noise. A field has half of them: line k
+        of the picture, which is its own, covers k and k + 1 and lies half a line below k.
 
         Parameters
         ----------
@@ -139,6 +149,9 @@ class LineJitter:
             Electrons per DN, as it was located with.
         looks : int
             Frames that were summed in the window: the jitter from frame to frame averages out.
+        field : int or None
+            Which field of an interlaced picture the blob was seen in: 0 has the even lines, 1 the
+            odd ones. None of a whole picture.
 
         Returns
         -------
@@ -146,10 +159,15 @@ class LineJitter:
             With x and its variance changed.
 
         """
-        sigma = np.sqrt(location.sigma**2 + 1.0 / 12.0)  # a pixel is a box: its variance adds
-        top = max(int(np.floor(location.y - REACH * sigma)), 0)
-        lines = np.arange(top, min(int(location.y + REACH * sigma) + 2, len(self.offsets)))
-        down = np.exp(-0.5 * ((lines - location.y) / sigma) ** 2)
+        first, step = (0, 1) if field is None else (field, 2)
+        # In lines of the picture: a round light is an ellipse in those of a field, whose size is
+        # the geometric mean of its axes. A pixel is a box: its variance adds.
+        sigma = np.sqrt(step * location.sigma**2 + step**2 / 12.0)
+        lines = np.arange(first, len(self.offsets), step)
+        places = lines + 0.5 * (step - 1)
+        near = np.abs(places - location.y) < REACH * sigma + step
+        lines, places = lines[near], places[near]
+        down = np.exp(-0.5 * ((places - location.y) / sigma) ** 2)
         shot = location.amplitude / gain
         unlit = max((location.amplitude / location.snr) ** 2 - shot, 1.0 / 12.0)
         across = np.exp(-0.5 * _ACROSS**2)
@@ -159,6 +177,9 @@ class LineJitter:
         spread = self.sigma[lines] ** 2 + self.sigma_from_frame_to_frame**2 / looks
         covariance = location.covariance.copy()
         covariance[0, 0] += weights**2 @ spread
+        if field is not None:
+            # A straight line over all of them is in the middle between the two.
+            covariance[0, 0] += (0.5 * self.sigma_between_fields) ** 2
         return replace(
             location, x=location.x - float(weights @ self.offsets[lines]), covariance=covariance
         )

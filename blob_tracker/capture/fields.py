@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from blob_tracker.capture import videodev2
-from blob_tracker.types import BAYER, Frame
+from blob_tracker.types import BAYER, Frame, Pixels
 import numpy as np
 
 TOP, BOTTOM = 0, 1
@@ -20,6 +20,7 @@ ORDERS: dict[str, tuple[tuple[int, ...], bool]] = {
     'bottom': ((BOTTOM,), False),
 }
 LINES_OF_525 = (480, 486)  # of a picture by the standard of 525 lines, which begins at the bottom
+MOST_ALONE = 8  # fields of one kind in a row, after which no other kind is waited for
 LEAST_LINES = 4  # of a picture: its fields leave their last line out
 ALTERNATE = 'alternate'  # the fields of a picture come one after the other, each by itself
 SINGLE = (ALTERNATE, 'top', 'bottom')  # a buffer holds one field, and its lines are half as many
@@ -111,6 +112,70 @@ def fields(frame: Frame, order: str, interval_ns: int) -> tuple[Frame, ...]:
             binning=(across, 2 * down),
         ))
     return tuple(dealt)
+
+
+def woven(top: Pixels, bottom: Pixels, height: int) -> Pixels:
+    """
+    Put the fields of a picture between each other again.
+
+    Parameters
+    ----------
+    top, bottom : (h, w) arrays
+        Fields of `fields`.
+    height : int
+        Lines of the picture, 2 h or up to two more: those which the fields leave out are as the
+        next ones above them in their field.
+
+    Returns
+    -------
+    (height, w) array
+        The picture.
+
+    """
+    picture = np.empty((height, top.shape[1]), top.dtype)
+    for kind, field in enumerate((top, bottom)):
+        lines = picture[kind::2]
+        lines[:len(field)] = field
+        lines[len(field):] = field[-1]
+    return picture
+
+
+class Weaver:
+    """
+    Make pictures of the fields that come, for who needs no more than that the scene is at rest.
+
+    What is no field is given back as it is; so are fields, where only one kind of them comes.
+    """
+
+    def __init__(self) -> None:
+        self._waiting: dict[int, Pixels] = {}
+        self._alone = 0  # fields in a row that had no other beside them
+
+    def add(self, pixels: Pixels, field: int | None, height: int) -> Pixels | None:
+        """
+        Take the next one; return a picture, or None where its other field is still to come.
+
+        Parameters
+        ----------
+        pixels : (h, w) array
+            DN.
+        field : int or None
+            See `field_of`.
+        height : int
+            Lines of the whole sensor; those of the picture, unless it is a part of that.
+
+        """
+        if field is None:
+            return pixels
+        self._waiting[field] = pixels
+        if len(self._waiting) == 1:
+            self._alone += 1
+            return pixels if self._alone > MOST_ALONE else None
+        top, bottom = self._waiting[TOP], self._waiting[BOTTOM]
+        self._waiting.clear()
+        self._alone = 0
+        least = 2 * len(top)
+        return woven(top, bottom, height if 0 < height - least <= 2 else least)
 
 
 class FieldStream:

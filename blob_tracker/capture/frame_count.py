@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import deque
 import statistics
 
+from blob_tracker.capture.frame_rate import MeasuredRate
+
 # Of the intervals whose median is that of frames: fewer tell little, more are slow to follow a
 # camera that takes longer in the dark.
 FEWEST, MOST = 5, 15
@@ -42,9 +44,16 @@ class FrameCount:
 
     def __init__(self, numbered: bool) -> None:
         self._numbered = numbered
+        self._came = 0
+        self._measured = MeasuredRate()
         self._first = self._last = (-1, 0)  # number and stamp
         self._intervals: deque[int] = deque(maxlen=MOST)
         self._late: deque[float] = deque([0.0], maxlen=PATIENCE)  # intervals
+
+    @property
+    def rate(self) -> float:
+        """Return the frames/s, those that were lost too; 0 while that is unknown."""
+        return self._measured.rate
 
     def came(self, number: int, stamp_ns: int) -> None:
         """Take note of a frame, of the driver's number of 32 bits and its stamp."""
@@ -67,6 +76,8 @@ class FrameCount:
                 self._late.append(self._late[-1] + since_ns / max(1, self.interval_ns) - 1.0)
                 self._judge()
         self._last = (number, stamp_ns)
+        self._came += 1
+        self._measured.add(self._came + self.lost, stamp_ns)
 
     def _judge(self) -> None:
         """Count what all of the last frames are late by."""

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 import errno
 from fractions import Fraction
 
 from blob_tracker.capture import videodev2
-from blob_tracker.capture.controls import Ioctl
+from blob_tracker.capture.controls import Control, ControlError, get_control, Ioctl
 
 MEASURED_OVER = 64  # frames
+BLANKING = (videodev2.CID_HBLANK, videodev2.CID_VBLANK, videodev2.CID_PIXEL_RATE)
 ENOUGH = 20  # frames: a stamp that is late by half an interval is off by 3 % then
 
 
@@ -92,6 +94,33 @@ def _rate(wanted: float) -> Fraction:
     if wanted != round(wanted) and abs(wanted - broadcast) <= 0.01:
         return broadcast
     return Fraction(wanted).limit_denominator(1001)
+
+
+def blanking_rate(
+    call: Ioctl, known: Mapping[str, Control], width: int, height: int
+) -> float | None:
+    """
+    Return the frames/s of a sensor by its controls; None where it has not all of them.
+
+    It is pixel_rate / ((width + hblank) (height + vblank)).
+
+    Parameters
+    ----------
+    call : function
+        As that of `controls.controls`.
+    known : mapping of str to Control
+        The controls that there are.
+    width, height : int
+        The picture, px.
+
+    """
+    numbers = {control.number: control for control in known.values()}
+    try:
+        across, down, pixel_rate = (
+            int(get_control(call, numbers[number])) for number in BLANKING)
+    except (KeyError, ControlError):
+        return None
+    return pixel_rate / ((width + across) * (height + down))
 
 
 class MeasuredRate:

@@ -1,15 +1,18 @@
 """
 The driver's stamp of a frame -> the middle of its exposure.
 
-What a driver stamps is one of three instants, and its flags do not tell all of them apart:
+What a driver stamps is one of three instants, and its flags do not tell them apart:
 
 - the start of the exposure: V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
 - the end of the frame's transfer: no such flag (EOF), most drivers;
+- the start of the transfer, that of the first line, without a flag for it: `unicam` and `rp1-cfe`,
+  the receivers of a Raspberry Pi, in their interrupt at the start of a frame;
 - the start of the transfer: `uvcvideo`, which sets the flag of the first. It takes the time when
   the first data of a frame arrive, which a sensor can only send once it has exposed its first
   line; of a camera that sends headers without data meanwhile, the time when the frame before
   ended. (Its module option `hwtimestamps=1` makes it compute the start of the exposure from the
-  camera's own clock, where the camera tells that: the flag is true then, and else it is not.)
+  camera's own clock, where the camera tells that: the flag is true then, and else it is not. Which
+  of the two it is, its metadata tell: `uvc_clock`.)
 
 `vivid` has a picture ready when its frame begins, and stamps it with an end that is still to come
 (0.9 of the interval later). No light arrives after it is read: such stamps are cut at the time
@@ -32,11 +35,13 @@ from blob_tracker.capture import videodev2
 from blob_tracker.capture.auto_modes import governed_exposures
 from blob_tracker.capture.controls import Control, ControlError, get_control, Ioctl
 
-Source = Literal['exposure start', 'camera clock', 'transfer start', 'transfer end']
+Source = Literal[
+    'exposure start', 'camera clock', 'transfer start', 'frame start', 'transfer end']
 
 SHARES = 20  # frames whose transfer is looked at; a busy reader takes some of them up late
 LONGEST_TRANSFER = 0.8  # of the interval of frames
 FROM_THE_START = 'exposure start', 'camera clock'
+AT_THE_FIRST_LINE = 'unicam', 'rp1-cfe'  # drivers that stamp the start of the transfer
 EXPOSURE_UNIT_NS = 100_000  # of V4L2_CID_EXPOSURE_ABSOLUTE
 AUTOMATIC = (0, 3)  # V4L2_EXPOSURE_AUTO and _APERTURE_PRIORITY: the camera chooses the time
 WATCHED = (videodev2.CID_EXPOSURE, videodev2.CID_EXPOSURE_ABSOLUTE, videodev2.CID_EXPOSURE_AUTO,
@@ -68,6 +73,8 @@ class Exposure:
 
 def source_of(buffer_flags: int, driver: str) -> Source:
     """Return which instant a driver stamps."""
+    if driver in AT_THE_FIRST_LINE:
+        return 'frame start'
     marked = buffer_flags & videodev2.BUF_FLAG_TSTAMP_SRC_MASK
     if marked != videodev2.BUF_FLAG_TSTAMP_SRC_SOE:
         return 'transfer end'
@@ -102,6 +109,7 @@ def place(source: Source, exposure: Exposure, *, pauses: bool = True) -> str:
                 'without a pause')
     after = {
         'exposure start': '',
+        'frame start': '',
         'camera clock': ', if the camera sends its own time, else near the start of the transfer',
         'transfer start': ', as far as the camera sends it at once',
         'transfer end': '' if exposure.readout_ns is not None else
@@ -185,6 +193,11 @@ class MidExposure:
         """Return how long a line of the last frame took, ns; None where it is not known."""
         return self._changes[0][1].line_ns
 
+    def camera_clock(self, told: bool | None) -> None:
+        """Know whether the camera sends its own time, which is then that of the stamps."""
+        if self._source == 'camera clock' and told is not None:
+            self._source = 'exposure start' if told else 'transfer start'
+
     def changed(self, since_ns: int, exposure: Exposure) -> None:
         """Take another exposure for frames that begin at `since_ns`, monotonic, or later."""
         with self._lock:
@@ -231,7 +244,7 @@ class MidExposure:
         time_ns = exposure.time_ns or 0
         if self._source in FROM_THE_START:
             begin = stamp_ns
-        elif self._source == 'transfer start':
+        elif self._source in ('transfer start', 'frame start'):
             begin = stamp_ns - time_ns
         else:
             begin = stamp_ns - (exposure.readout_ns or 0) - time_ns

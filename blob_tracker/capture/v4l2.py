@@ -2,42 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 import ctypes
 import errno
-from functools import partial
 import mmap
 import os
 import select
-import threading
 import time
 from types import TracebackType
-from typing import TypeVar
 
 from blob_tracker.capture import controls, videodev2
 from blob_tracker.capture.buffers import empty_buffer, map_buffers, stamp_of, told_stamp
 from blob_tracker.capture.clock import RealtimeClock
 from blob_tracker.capture.control_events import ControlEvents
-from blob_tracker.capture.controls import Control, ControlError, Ioctl
+from blob_tracker.capture.controls import Control
 from blob_tracker.capture.device import buffer_type, driver, open_capture_device
+from blob_tracker.capture.device_controls import DeviceControls
 from blob_tracker.capture.errors import CaptureError, NoFrameError
-from blob_tracker.capture.fields import fields as dealt_out, FieldStream
+from blob_tracker.capture.field_dealer import FieldDealer
+from blob_tracker.capture.fields import FieldStream
 from blob_tracker.capture.format import set_format
 from blob_tracker.capture.frame_count import FrameCount
-from blob_tracker.capture.frame_rate import frame_interval, MeasuredRate, set_frame_rate
+from blob_tracker.capture.frame_rate import (
+    BLANKING, blanking_rate, frame_interval, set_frame_rate,
+)
 from blob_tracker.capture.low_bits import FULL, LowBits
 from blob_tracker.capture.refusals import LOOPBACK, refusal, Step, unplugged
 from blob_tracker.capture.selection import sensor_region
-from blob_tracker.capture.sensor import ControlRoute, of_video_device
 from blob_tracker.capture.signal import Signal
 from blob_tracker.capture.stamps import (
     Exposure, ExposureControls, MidExposure, of_first_line, source_of,
 )
+from blob_tracker.capture.uvc_clock import UvcClock
 from blob_tracker.types import Frame
-
-Result = TypeVar('Result')
-BLANKING = (videodev2.CID_HBLANK, videodev2.CID_VBLANK, videodev2.CID_PIXEL_RATE)
-UNKNOWN_PICTURE_RATE = 25.0  # pictures/s, of interlaced ones whose driver tells none
 
 
 class V4l2Camera:
@@ -134,11 +131,9 @@ class V4l2Camera:
     sequence = -1
     control_changes = 0
     sensor = ''
-    _subdevices: tuple[int, ...] = ()
     _driver = ''
     _by_blanking = False
-    _dealt: tuple[Frame, ...] = ()  # fields of the last picture that nobody has read yet
-    _last_field_ns = 0  # of the second field of a picture, monotonic
+    _uvc_clock: UvcClock | None = None
 
     def __init__(
         self,
@@ -164,20 +159,16 @@ class V4l2Camera:
             raise CaptureError(f'line_time is {line_time} s; it must be finite')
         self.device = device
         self._given_line_time = line_time
-        self._arrived = 0  # pictures that were read
-        self._passed_over = 0  # fields that were read and are too old
-        self._measured = MeasuredRate()
-        self._silent: dict[int, int] = {}  # controls that do not answer
         self._memory: list[mmap.mmap] = []
         self._streaming = False
         self._clock = RealtimeClock()
-        self._open = threading.Lock()  # held by whom the device must not be closed under
-        self._control_call: Ioctl = self._call
+        self._controls = DeviceControls(device, self._call)
         self._fd = open_capture_device(device)
         step: Step = 'settings'
         try:
             self._driver = driver(self._fd)
-            self._find_sensor()
+            self._controls.find_sensor(self._fd)
+            self.sensor = self._controls.sensor
             self._signal = Signal(self._call)
             self._signal.lock(device)
             kind = buffer_type(self._fd)
@@ -204,21 +195,24 @@ class V4l2Camera:
             self._buffer_flags = map_buffers(
                 self._call, self._fd, device, self._format.buffer_type, buffers, self._memory)
             step = 'stream'
-            known = controls.controls(self._control_call, self._silent)
+            known = self._controls.found()
             self._by_blanking = not self.frame_rate
-            self._follow_blanking(BLANKING, known)
-            self._events = ControlEvents(self._control_call, known.values())
+            self._follow_blanking(known)
+            self._events = ControlEvents(self._controls.call, known.values())
             self._exposure = ExposureControls(
-                self._control_call, known, self.width * self._format.binning,
+                self._controls.call, known, self.width * self._format.binning,
                 self.height * self._format.binning,
                 Exposure(
                     _ns(exposure_time),
                     _ns(self._signal.readout_time if readout_time is None else readout_time)))
-            self._source = source_of(self._buffer_flags, self._driver)
-            self._middle = MidExposure(self._source, self._exposure.read())
+            source = source_of(self._buffer_flags, self._driver)
+            self._middle = MidExposure(source, self._exposure.read())
+            self._dealer = FieldDealer(self.fields, stamps_end=source == 'transfer end')
             self._count = FrameCount(numbered=self._driver != 'uvcvideo')
             self._call(videodev2.STREAMON, ctypes.c_int32(self._format.buffer_type))
             self._streaming = True
+            if source == 'camera clock':
+                self._uvc_clock = UvcClock(self._fd)
         except OSError as error:
             self.close()
             raise CaptureError(refusal(device, self._driver, step, error)) from error
@@ -255,15 +249,11 @@ class V4l2Camera:
             The device is gone or has stopped; it has to be opened again.
 
         """
-        self._check_open()
-        age = (time.monotonic_ns() - self._last_field_ns) / 1e9
-        if self._dealt and 0.0 < self.longest_wait < age:
-            self._passed_over += len(self._dealt)
-            self._dealt = ()
-        if not self._dealt:
-            self._dealt = self._next_picture(timeout)
-        frame, self._dealt = self._dealt[0], self._dealt[1:]
-        return frame
+        self._controls.check_open()
+        self._dealer.drop_old(self.longest_wait)
+        if not self._dealer.waiting:
+            self._next_picture(timeout)
+        return self._dealer.waiting.popleft()
 
     @property
     def fields(self) -> FieldStream:
@@ -273,7 +263,7 @@ class V4l2Camera:
     @property
     def drops(self) -> int:
         """Return how many frames were lost between those read, error frames too."""
-        return self.fields.per_buffer * self._count.lost + self._passed_over
+        return self.fields.per_buffer * self._count.lost + self._dealer.passed_over
 
     @property
     def stamp_place(self) -> str:
@@ -302,7 +292,7 @@ class V4l2Camera:
     @property
     def exposure_unit(self) -> float | None:
         """Return one unit of the exposure control, s; None where it is unknown."""
-        unit_ns = self._control(self._exposure.unit_ns)
+        unit_ns = self._controls.guarded(self._exposure.unit_ns)
         return None if unit_ns is None else unit_ns / 1e9
 
     @property
@@ -313,7 +303,7 @@ class V4l2Camera:
     @property
     def measured_rate(self) -> float:
         """Return the frames/s by the driver's numbers and stamps; 0 while that is unknown."""
-        return self.fields.per_buffer * self._measured.rate
+        return self.fields.per_buffer * self._count.rate
 
     @property
     def longest_wait(self) -> float:
@@ -331,7 +321,7 @@ class V4l2Camera:
             The device is gone, or closed.
 
         """
-        return self._control(lambda: controls.controls(self._control_call, self._silent))
+        return self._controls.guarded(self._controls.found)
 
     def get_control(self, name: str | Control) -> int | str:
         """
@@ -345,8 +335,8 @@ class V4l2Camera:
             The device is gone, or closed.
 
         """
-        return self._control(
-            lambda: controls.get_control(self._control_call, self._named(name)))
+        return self._controls.guarded(
+            lambda: controls.get_control(self._controls.call, self._controls.named(name)))
 
     def set_control(self, name: str | Control, value: int | bool | float | str) -> None:
         """
@@ -363,20 +353,19 @@ class V4l2Camera:
 
         """
         def change() -> None:
-            control = self._named(name)
-            controls.set_control(self._control_call, control, value)
+            control = self._controls.named(name)
+            controls.set_control(self._controls.call, control, value)
             if self._streaming and self._exposure.governed_by(control.number):
                 self._middle.changed(time.monotonic_ns(), self._exposure.read())
             if control.number in BLANKING:
-                self._follow_blanking(
-                    [control.number], controls.controls(self._control_call))
+                self._follow_blanking(self._controls.found())
 
-        self._control(change)
+        self._controls.guarded(change)
 
     def close(self) -> None:
         """Stop streaming and give the device back; a second time does nothing."""
-        with self._open:
-            if self._fd < 0:
+        with self._controls.lock:
+            if self._controls.closed:
                 return
             try:
                 if self._streaming:
@@ -385,77 +374,28 @@ class V4l2Camera:
                 pass  # unplugged: there is nothing left to stop
             finally:
                 self._streaming = False
+                if self._uvc_clock is not None:
+                    self._uvc_clock.close()
                 for memory in self._memory:
                     memory.close()
                 self._memory.clear()
-                for fd in (*self._subdevices, self._fd):
-                    os.close(fd)
+                self._controls.close()
+                os.close(self._fd)
                 self._fd = -1
-
-    def _check_open(self) -> None:
-        if self._fd < 0:
-            raise CaptureError(f'{self.device}: the camera is closed; open it again')
-
-    def _named(self, name: str | Control) -> Control:
-        if isinstance(name, Control):
-            return name
-        found = controls.controls(self._control_call, self._silent)
-        if name not in found:
-            there_are = ', '.join(sorted(found)) or 'none'
-            raise ControlError(
-                f"there is no control '{name}'; the controls of {self.device} are {there_are}")
-        return found[name]
-
-    def _control(self, action: Callable[[], Result]) -> Result:
-        """Do something with a control while the device cannot be closed by another thread."""
-        with self._open:
-            self._check_open()
-            try:
-                return action()
-            except OSError as error:
-                if error.errno == errno.ENODEV:
-                    raise CaptureError(unplugged(self.device)) from error
-                raise CaptureError(
-                    f'{self.device}: its controls cannot be queried: {error.strerror}') from error
 
     def _call(self, number: int, argument: object) -> None:
         videodev2.ioctl(self._fd, number, argument)
 
-    def _find_sensor(self) -> None:
-        """Open the subdevices that feed the device, for their controls."""
-        found = of_video_device(self._fd)
-        if found is None:
-            return
-        sensor, paths = found
-        refused = []
-        for path in paths:
-            try:
-                fd = os.open(path, os.O_RDWR | os.O_NONBLOCK | os.O_CLOEXEC)
-                self._subdevices += (fd,)
-            except OSError as error:
-                refused.append(f'{path} cannot be opened for its controls: {error.strerror}')
-        self.sensor = '; '.join([f'{sensor.name} ({", ".join(paths)})', *refused])
-        self._control_call = ControlRoute(
-            [self._call, *(partial(videodev2.ioctl, fd) for fd in self._subdevices)])
-
-    def _follow_blanking(self, changed: Iterable[int], known: Mapping[str, Control]) -> None:
+    def _follow_blanking(self, known: Mapping[str, Control]) -> None:
         """Take the frame rate from a sensor's controls, where the driver tells none."""
-        numbers = {control.number: control for control in known.values()}
-        if not self._by_blanking or not set(BLANKING) & set(changed) & set(numbers):
-            return
-        try:
-            across, down, pixel_rate = (
-                int(controls.get_control(self._control_call, numbers[number]))
-                for number in BLANKING
-            )
-        except (KeyError, ControlError):
-            return
-        self.frame_rate = pixel_rate / ((self.width + across) * (self.height + down))
+        if self._by_blanking:
+            rate = blanking_rate(self._controls.call, known, self.width, self.height)
+            self.frame_rate = self.frame_rate if rate is None else rate
 
     # --- streaming ---
 
-    def _next_picture(self, timeout: float) -> tuple[Frame, ...]:
-        """Return the frames in the next buffer."""
+    def _next_picture(self, timeout: float) -> None:
+        """Deal out the frames in the next buffer."""
         deadline = time.monotonic() + timeout
         waited = False
         spoilt_before = self.error_frames
@@ -467,11 +407,11 @@ class V4l2Camera:
                 continue
             try:
                 # What read had to wait for is new, however slow the way from the sensor is.
-                frames = self._frames(buffer) if waited or not self._stale(buffer) else ()
+                taken = (waited or not self._stale(buffer)) and self._take(buffer)
             finally:
                 self._queue(buffer)
-            if frames:
-                return frames
+            if taken:
+                return
 
     def _dequeue(self) -> videodev2.Buffer | None:
         """Return the oldest buffer that the driver has filled, None where there is none."""
@@ -524,11 +464,11 @@ class V4l2Camera:
         age = (time.monotonic_ns() - self._clock.monotonic(told_stamp(buffer))) / 1e9
         return 0.0 < self.longest_wait < age
 
-    def _frames(self, buffer: videodev2.Buffer) -> tuple[Frame, ...]:
-        """Return the frames in a buffer and count those lost before it; none if it is spoilt."""
+    def _take(self, buffer: videodev2.Buffer) -> bool:
+        """Deal out a buffer and count those lost before it; return False if it is spoilt."""
         if buffer.flags & videodev2.BUF_FLAG_ERROR:
             self.error_frames += 1
-            return ()
+            return False
         begin, end = 0, buffer.bytesused
         if buffer.type == videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE:
             begin, end = buffer.m.planes[0].data_offset, buffer.m.planes[0].bytesused
@@ -539,16 +479,18 @@ class V4l2Camera:
             steps = None if quantisation is None else quantisation(filled)
         except ValueError:
             self.error_frames += 1
-            return ()  # cut short
+            return False  # cut short
         finally:
             filled.release()
         stamp_ns = self._clock.monotonic(stamp_of(buffer, self.device, time.monotonic_ns()))
         self.sequence = self.fields.number(buffer.sequence, buffer.field)
         self._count.came(self.sequence, stamp_ns)
-        self._arrived += 1
-        self._measured.add(self._arrived + self._count.lost, stamp_ns)
         self._follow_controls()
-        middle_ns = self._of_first_field(self._middle.middle(stamp_ns, time.monotonic_ns()))
+        if self._uvc_clock is not None:
+            self._uvc_clock.look()
+            self._middle.camera_clock(self._uvc_clock.told)
+        middle_ns = self._dealer.first_field_ns(
+            self._middle.middle(stamp_ns, time.monotonic_ns()), self.frame_rate)
         if self._format.saturation == FULL:
             self.saturation = self._low_bits.saturation(image)
         line_time_ns = self._line_time_ns()
@@ -558,32 +500,12 @@ class V4l2Camera:
             image, self._clock.from_monotonic(middle_ns) + later_ns, self.saturation,
             self._region.x0, self._region.y0, self._binning, self._format.layout,
             quantisation=steps, exposure_ns=self._middle.time_ns, line_time_ns=line_time_ns)
-        return self._deal_out(frame, buffer.field) if self.fields.interlaced else (frame,)
-
-    def _of_first_field(self, middle_ns: int) -> int:
-        """Return the middle of the exposure of the field that was taken first, monotonic ns."""
-        if self.fields.per_buffer == 2:
-            if self._source == 'transfer end':
-                middle_ns -= self._field_ns  # that was the second
-            # A transfer's end may be noticed late: the fields keep their order.
-            middle_ns = max(middle_ns, self._last_field_ns + 1)
-            self._last_field_ns = middle_ns + self._field_ns
-        return middle_ns
-
-    def _deal_out(self, picture: Frame, field: int) -> tuple[Frame, ...]:
-        """Return the fields in a buffer, each with its stamp."""
         try:
-            order = self.fields.order(field)
+            self._dealer.deal(frame, buffer.field, self.frame_rate)
         except ValueError as error:
             raise CaptureError(
                 f'{self.device}: {error}; set fields to interlaced, top or bottom') from error
-        return dealt_out(picture, order, 2 * self._field_ns)
-
-    @property
-    def _field_ns(self) -> int:
-        """Return how long a field takes, ns."""
-        rate = self.frame_rate / self.fields.per_picture or UNKNOWN_PICTURE_RATE
-        return round(0.5e9 / rate)
+        return True
 
     def _line_time_ns(self) -> float:
         """Return the line time of the last frame, ns; 0 where it is not known."""

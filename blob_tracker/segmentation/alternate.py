@@ -63,6 +63,7 @@ class Alternate:
         self._confirmation = Confirmation(gate_px)
         self._region = Box(0, 0, 0, 0)
         self._motion: NDArray[np.float64] | None = None  # of the camera since the last frame
+        self._agreed: Expectation | None = None
 
     @property
     def locked(self) -> bool:
@@ -87,6 +88,10 @@ class Alternate:
     def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
         """Take note of other lights that flash in step."""
         self._confirmation.survey(candidates, self._region)
+
+    def agree_with(self, place: Expectation | None) -> None:
+        """Say where another view follows the target, for the next frame: see `Confirmation`."""
+        self._agreed = place
 
     def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
         """
@@ -116,7 +121,8 @@ class Alternate:
             return None
         if expected is not None:
             expected = expected.in_frame(frame)
-        self._confirmation.push(frame.stamp_ns, expected, frame.image.shape)
+        agreed = None if self._agreed is None else self._agreed.in_frame(frame)
+        self._confirmation.push(frame.stamp_ns, expected, frame.image.shape, agreed)
         self.reason = ''
         if self._register is not None:
             unlit, lit = (each.image for each in self._history.frames)

@@ -70,6 +70,16 @@ class Auto(Switching):
         """Say what is wrong though the target may be there; empty where nothing is."""
         return self._mode.warning or self._warning
 
+    @property
+    def gate_px(self) -> float:
+        """Greatest way of the target from one flash to the next, px."""
+        return self._gate_px
+
+    def agree_with(self, place: Expectation | None) -> None:
+        """Say where another view follows the target, for the next frame: see `Confirmation`."""
+        if isinstance(self._mode, InStep):
+            self._mode.agree_with(place)
+
     def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
         """
         Take the next frame; return what the mode of the time compares.

@@ -60,6 +60,9 @@ class Confirmation:
     of them is taken for it, for a second; and the one that is taken then is left for the target
     once that flashes again.
 
+    Where another view of the scene is told to follow its target at a place, as the other field of
+    interlaced pictures does, what lights up elsewhere is not taken, and not followed any more.
+
     A single light in the first frames, with nothing else, is trusted from its first flash on:
     nothing is known that speaks against it.
 
@@ -85,6 +88,7 @@ class Confirmation:
         self._tracks: dict[int, FlashTrack] = {}  # by their identity
         self._locked: FlashTrack | None = None
         self._expected: Expectation | None = None
+        self._agreed: Expectation | None = None
         self._clock = FrameClock()
         self._frames = 0
         self._scene = CrowdedScene(gate_px, self._clock)
@@ -109,6 +113,7 @@ class Confirmation:
         stamp_ns: int,
         expected: Expectation | None = None,
         shape: tuple[int, int] = (0, 0),
+        agreed: Expectation | None = None,
     ) -> None:
         """
         Take the next frame; tracks that are too old end.
@@ -122,9 +127,13 @@ class Confirmation:
             or as wide as the frame is left aside, and any while no target is followed.
         shape : (int, int)
             Height and width of the frame, px.
+        agreed : Expectation, optional
+            Where another view of the scene follows its target, px of the frame: the same is taken
+            here, and none that is elsewhere.
 
         """
         self._clock.push(stamp_ns)
+        self._agreed = agreed
         self._frames += 1
         age = self._clock.age
         ended = [key for key, each in self._tracks.items() if age(each) > MAX_AGE_FRAMES]
@@ -230,6 +239,9 @@ class Confirmation:
         if not everything:
             return None
         seen = self._seen(everything, self._reaches())
+        if any(track is self._locked and self._elsewhere(each) for track, each in seen):
+            self._locked = self._target = None
+            self._companions.forget()
         if self._locked is None:
             self._scene.add(seen, shape)
             if self._scene.dense or len(everything) > FEW_LIGHTS:
@@ -253,9 +265,9 @@ class Confirmation:
             if track is self._locked:
                 best = track, candidate
                 break
-            if not due or self._is_waited_for(candidate):
+            if not due or self._elsewhere(candidate) or self._is_waited_for(candidate):
                 continue
-            if best is None or candidate.snr > best[1].snr:
+            if best is None or self._rank(candidate) > self._rank(best[1]):
                 best = track, candidate
         self._tracks |= {id(track): track for track, _ in seen}
         if best is not None:
@@ -263,6 +275,19 @@ class Confirmation:
             self._scene.forget()
         self._keep_the_best()
         return None if best is None else best[1]
+
+    def _rank(self, candidate: Candidate) -> float:
+        """Return what the target has most of: nearness to the place that is agreed, or SNR."""
+        if self._agreed is None:
+            return candidate.snr
+        return -math.hypot(candidate.x - self._agreed.x, candidate.y - self._agreed.y)
+
+    def _elsewhere(self, light: Candidate | FlashTrack) -> bool:
+        """Tell whether a light is another one than that which is agreed on."""
+        agreed = self._agreed
+        return agreed is not None and (
+            math.hypot(light.x - agreed.x, light.y - agreed.y) > agreed.gate_radius_px
+        )
 
     def _keep_the_best(self) -> None:
         """Forget the tracks that are beyond the number that is kept."""
@@ -426,7 +451,8 @@ class Confirmation:
             return
         brightest = max(others, key=lambda each: each.height)
         young = self._stands_in or self._locked_frames < SURVEY_FRAMES
-        if young and brightest.height > BRIGHTER_RATIO * locked.height:
+        brighter = brightest.height > BRIGHTER_RATIO * locked.height
+        if young and brighter and not self._elsewhere(brightest):
             others = [locked if each is brightest else each for each in others]
             self._locked = self._target = locked = brightest
             self._stands_in = False

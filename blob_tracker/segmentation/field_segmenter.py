@@ -3,12 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
+from blob_tracker.segmentation.auto import Auto
 from blob_tracker.segmentation.channel import ChannelChoice
 from blob_tracker.segmentation.detections import Detections
-from blob_tracker.segmentation.expectation import Expectation
+from blob_tracker.segmentation.expectation import Expectation, GATE_SIGMA
+from blob_tracker.segmentation.field_pairs import FieldPairs
+from blob_tracker.segmentation.history import FrameError
+from blob_tracker.segmentation.in_step import InStep
 from blob_tracker.segmentation.segmenter import Segmenter, Sighting
 from blob_tracker.types import Frame, Pixels, Window
+import numpy as np
+
+
+PATIENCE_FIELDS = 24  # without a light in either kind, before neighbours are compared
+MOST_AGE = 16  # fields, after which a light that was seen is not that of the other kind any more
+WITH_FIELDS = (
+    'on in every other field; the scene behind it is subtracted if it is on in both fields of '
+    'every other picture'
+)
+
+
+class _Seen(NamedTuple):
+    """Where a kind has seen its light, px of the full sensor and px a field; when, since when."""
+
+    x: float
+    y: float
+    velocity_x: float
+    velocity_y: float
+    field: int
+    since: int
 
 
 class FieldSegmenter:
@@ -19,7 +44,10 @@ class FieldSegmenter:
     the other: each kind, told by its binning and `y0`, has a segmenter of its own, which sees its
     fields at the rate of the pictures. A light in step with the pictures is on in both fields of
     one and off in those of the next, and gives two windows for each; one that runs free is seen by
-    either. One in step with the fields would be on in all of a kind, and does not flash in them.
+    either. One in step with the fields is on in all of a kind, and does not flash in them: where
+    neither kind has a light for a while, each field is compared with the one before it, too
+    (`FieldPairs`). Of several lights in step both kinds follow the one that either has seen for
+    longer.
 
     Parameters
     ----------
@@ -43,6 +71,10 @@ class FieldSegmenter:
         self.of_kind = dict(of_kind or {})
         # Also of no kind yet: of its frames nothing is known, but what it is set to.
         self._last = next(iter(self.of_kind.values()), None) or new_segmenter()
+        self._fruitless = 0  # fields in a row without a light in their kind
+        self._pairs: FieldPairs | None = None
+        self._fields = 0
+        self._seen: dict[int, _Seen] = {}
 
     @property
     def channel(self) -> ChannelChoice:
@@ -70,7 +102,9 @@ class FieldSegmenter:
 
     @property
     def finding(self) -> str:
-        """Return what the flash mode found out about the light, see `Segmenter`."""
+        """Return what was found out about the light, see `Segmenter`."""
+        if self._pairs is not None and self._pairs.locked:
+            return WITH_FIELDS
         return self._last.finding
 
     @property
@@ -90,9 +124,61 @@ class FieldSegmenter:
 
     def sightings(self, frame: Frame, expected: Expectation | None = None) -> list[Sighting]:
         """Take the next frame; return the lights that it shows: see `Segmenter`."""
-        across, down = frame.binning
-        kind = frame.y0 // across % 2 if down == 2 * across else 0
+        kind = frame.field
+        if kind is None:
+            return self._of(0).sightings(frame, expected)
+        segmenter = self._of(kind)
+        self._fields += 1
+        if isinstance(segmenter.flash, (InStep, Auto)):
+            segmenter.flash.agree_with(self._leading(kind, segmenter.flash.gate_px))
+        try:
+            found = segmenter.sightings(frame, expected)
+        except FrameError:
+            self._pairs = None
+            raise
+        if found:
+            self._seen[kind] = self._sighted(kind, found[0].window)
+        self._fruitless = 0 if found or segmenter.flash.locked else self._fruitless + 1
+        if self._fruitless <= PATIENCE_FIELDS or len(self.of_kind) < 2:
+            self._pairs = None
+            return found
+        if self._pairs is None:
+            self._pairs = FieldPairs(self._new_segmenter)
+        if not self._pairs.usable:
+            return found
+        found = self._pairs.sightings(frame, expected)
+        if found or self._pairs.locked:
+            self._last = self._pairs.segmenter(kind)
+        return found
+
+    def _of(self, kind: int) -> Segmenter:
+        """Return the segmenter of a kind, which sees the next frame."""
         if kind not in self.of_kind:
             self.of_kind[kind] = self._new_segmenter() if self.of_kind else self._last
         self._last = self.of_kind[kind]
-        return self._last.sightings(frame, expected)
+        return self._last
+
+    def _sighted(self, kind: int, window: Window) -> _Seen:
+        """Return where a kind sees its light, and since when without a break."""
+        height, width = window.lit.shape
+        x = window.x0 + 0.5 * (width * window.binning[0] - 1)
+        y = window.y0 + 0.5 * (height * window.binning[1] - 1)
+        before = self._seen.get(kind)
+        if before is None or self._fields - before.field > MOST_AGE:
+            return _Seen(x, y, 0.0, 0.0, self._fields, self._fields)
+        passed = self._fields - before.field
+        return _Seen(
+            x, y, (x - before.x) / passed, (y - before.y) / passed, self._fields, before.since)
+
+    def _leading(self, kind: int, gate_px: float) -> Expectation | None:
+        """Return where the other kind sees the light, where it has seen it for longer."""
+        own, other = self._seen.get(kind), self._seen.get(1 - kind)
+        if other is None or self._fields - other.field > MOST_AGE:
+            return None
+        if own is not None and self._fields - own.field <= MOST_AGE and own.since < other.since:
+            return None
+        passed = self._fields - other.field
+        return Expectation(
+            other.x + passed * other.velocity_x, other.y + passed * other.velocity_y,
+            (gate_px / GATE_SIGMA) ** 2 * np.eye(2),
+        )

@@ -108,6 +108,10 @@ class InStep(Switching):
             'by itself'
         )
 
+    def agree_with(self, place: Expectation | None) -> None:
+        """Say where another view follows the target, for the next frame: see `Confirmation`."""
+        self._pairs.agree_with(place)
+
     def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
         """
         Return the next frame and what it is compared with.

@@ -7,6 +7,7 @@ from blob_tracker.simulation.flashing_light import flashing_light
 from blob_tracker.simulation.flat_field import FlatField
 from blob_tracker.simulation.glints import Glints
 from blob_tracker.simulation.hot_pixels import HotPixels
+from blob_tracker.simulation.interlaced import InterlacedCamera
 from blob_tracker.simulation.light import pixel_integrated_gaussian
 from blob_tracker.simulation.optics import Optics, SpatialLight
 from blob_tracker.simulation.passing_object import PassingObject
@@ -30,6 +31,7 @@ __all__ = [
     'Gaussian',
     'Glints',
     'HotPixels',
+    'InterlacedCamera',
     'Light',
     'Measured',
     'Optics',

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 from blob_tracker.camera.trailing_edge import TrailingEdge
 from blob_tracker.simulation.frame_grabber import CELLS, grabbed, PIXELS
-from blob_tracker.simulation.line_jitter import jittering_offsets, line_offsets
+from blob_tracker.simulation.line_jitter import (
+    displaced_lines, jittering_offsets, line_offsets,
+)
 from blob_tracker.simulation.profiles import Profile
 from blob_tracker.simulation.trailing_edge import peaked
 import numpy as np
@@ -45,10 +47,10 @@ class AnalogueChain:
     trailing_edge: TrailingEdge | None = None
     own_clock: bool = False
 
-    def offsets(self) -> NDArray[np.float64]:
-        """Return the mean offset of each of the (480,) lines of the picture, px."""
-        alone = line_offsets(LINES, between_fields=0.0)
-        second = self.between_fields * (np.arange(LINES) % 2)
+    def offsets(self, lines: int = LINES) -> NDArray[np.float64]:
+        """Return the mean offset of each of the (lines,) lines of the picture, px."""
+        alone = line_offsets(lines, between_fields=0.0)
+        second = self.between_fields * (np.arange(lines) % 2)
         return self.drift * alone + second
 
     def seen_at(self, x: ArrayLike) -> NDArray[np.float64]:
@@ -122,3 +124,36 @@ class AnalogueChain:
         if self.own_clock:
             mean = grabbed(mean, first=left, count=count - 2)
         return mean[:, corner[0] - left:][:, :width]
+
+    def field(
+        self, mean: NDArray[np.floating], first: int, random: np.random.Generator
+    ) -> NDArray[np.float64]:
+        """
+        Carry the lines of a field, whole, to the grabber's converter; in the order of `window`.
+
+        Parameters
+        ----------
+        mean : (h, w) array
+            Mean signal of the cells, DN above black.
+        first : int
+            The first of its lines in the picture, of which it has every second one: 0 or 1.
+        random : Generator
+            Draws the jitter.
+
+        Returns
+        -------
+        (h, w) array
+            DN; what a line begins with counts as what was there before it.
+
+        """
+        height, width = mean.shape
+        offsets = jittering_offsets(
+            self.offsets(2 * height)[first::2], random, per_line=self.per_line,
+            per_frame=self.per_frame,
+        )
+        lines = displaced_lines(mean, offsets) if offsets.any() else np.asarray(mean, float)
+        if self.trailing_edge is not None:
+            lines = peaked(lines, self.trailing_edge)
+        if self.own_clock:
+            lines = grabbed(np.pad(lines, ((0, 0), (0, 1)), mode='edge'), first=0, count=width)
+        return lines

@@ -114,6 +114,28 @@ def test_the_two_fields_keep_their_own_offset() -> None:
     assert apart == pytest.approx(0.1, abs=0.006)
 
 
+def test_fields_that_tremble_by_themselves_jitter_no_more() -> None:
+    """They are taken one after the other; what is left in their distance is in its sigma."""
+    random = np.random.default_rng(11)
+    errors, remainders = [], []
+    for _ in range(30):
+        pictures = []
+        for _ in range(6):
+            places = LEANING + OFFSETS + REMAINDER_PX * random.standard_normal(HEIGHT)
+            for field in range(2):
+                places[field::2] += random.normal(0.0, 0.2)
+            pictures.append(
+                expose(draw_edge((HEIGHT, WIDTH), places, 1.1, 30.0, 200.0), NOISE, random))
+        jitter = measure_line_jitter(pictures).jitter
+        error = jitter.offsets - straightened(OFFSETS)
+        errors.append((error[1::2].mean() - error[::2].mean()) / jitter.sigma_between_fields)
+        remainders.append(jitter.sigma_from_frame_to_frame)
+    # n of them know it to 1 / sqrt(2 n 30), 0.7 %.
+    assert np.mean(remainders) == pytest.approx(REMAINDER_PX, rel=0.03)
+    # Student's t with 5 degrees of freedom: the mean of its square is 5/3, give or take 0.7.
+    assert 0.6 < np.mean(np.square(errors)) < 4.0
+
+
 def test_missing_and_marked_lines_are_interpolated_in_their_field() -> None:
     """A label over some lines and a notch in one; wild lines of single frames do no harm."""
     random = np.random.default_rng(6)

@@ -120,6 +120,31 @@ def test_at_the_border_the_lines_that_are_there_count(y: float) -> None:
     assert jitter.corrected(location(y=y), gain=40.0).x == pytest.approx(319.75)
 
 
+@pytest.mark.parametrize('field', [0, 1])
+def test_a_blob_in_a_field_is_of_its_lines_alone(field: int) -> None:
+    """The odd lines are half a pixel to the right; each field has half of a picture's lines."""
+    offsets = np.tile([0.0, 0.5], HEIGHT // 2)
+    jitter = LineJitter(offsets, np.zeros(HEIGHT), 0.1, sigma_between_fields=0.04)
+    whole = jitter.corrected(location(), gain=1e9)
+    # The geometric mean of the axes, in lines of the field along y.
+    of_field = location(sigma=2.0 / np.sqrt(2.0))
+    found = jitter.corrected(of_field, gain=1e9, field=field)
+    assert (whole.x, found.x) == pytest.approx((319.75, 320.0 - 0.5 * field), abs=1e-3)
+    variance, of_all = (
+        each.covariance[0, 0] - location().covariance[0, 0] for each in (found, whole))
+    # The lines' boxes are twice as high: a little less than twice the variance.
+    assert variance - 0.02**2 == pytest.approx(2.0 * of_all, rel=0.05)
+
+
+def test_files_of_before_know_of_no_error_between_fields(tmp_path: Path) -> None:
+    """It is taken as 0."""
+    path = tmp_path / 'line_jitter.yaml'
+    LineJitter(np.zeros(4), np.zeros(4), 0.05, 0.01).to_yaml(path)
+    assert LineJitter.from_yaml(path).sigma_between_fields == 0.01
+    path.write_text(path.read_text().replace('sigma_between_fields: 0.01\n', ''))
+    assert LineJitter.from_yaml(path).sigma_between_fields == 0.0
+
+
 def test_round_trip(tmp_path: Path) -> None:
     """Written and read to a millionth of a pixel, with comments."""
     random = np.random.default_rng(3)

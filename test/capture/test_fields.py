@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from blob_tracker.capture.fields import fields, FieldStream, order_of, ORDERS
+from blob_tracker.capture.fields import (
+    fields, FieldStream, MOST_ALONE, order_of, ORDERS, Weaver, woven,
+)
 from blob_tracker.types import Frame
 import numpy as np
 import pytest
@@ -82,3 +84,30 @@ def test_what_a_buffer_is_of_a_picture(
         per_buffer, per_picture, lines_per_line
     )
     assert str(found) == words
+
+
+@pytest.mark.parametrize('height', [8, 9])
+def test_woven_fields_are_the_picture(height: int) -> None:
+    """But for the last line of each field, which is the one above it."""
+    image = np.arange(5 * height, dtype=np.uint8).reshape(height, 5)
+    top, bottom = (each.image for each in fields(Frame(image, 0, 255), 'interlaced_tb', 2))
+    again = woven(top, bottom, height)
+    lines = 2 * len(top)
+    np.testing.assert_array_equal(again[:lines], image[:lines])
+    np.testing.assert_array_equal(again[lines:], image[lines - 2:height - 2])
+
+
+def test_a_weaver_waits_for_the_other_field() -> None:
+    """Whatever is lost; and not for ever, as of a camera that sums lines."""
+    top, bottom = np.zeros((3, 5), np.uint8), np.ones((3, 5), np.uint8)
+    weaver = Weaver()
+    assert weaver.add(top, None, 8) is top
+    assert [weaver.add(each, kind, 8) is None for each, kind in (
+        (bottom, 1), (bottom, 1), (top, 0), (top, 0), (bottom, 1),
+    )] == [True, True, False, True, False]
+    assert weaver.add(top, 0, 100) is None
+    picture = weaver.add(bottom, 1, 100)  # of a crop
+    assert picture is not None and picture.shape == (6, 5) and (picture[1::2] == 1).all()
+    for _ in range(MOST_ALONE):
+        assert weaver.add(top, 0, 8) is None
+    assert weaver.add(top, 0, 8) is top

@@ -59,3 +59,10 @@ def test_a_camera_that_takes_longer_in_the_dark_loses_few():
     stamps = np.cumsum([1] * 30 + [2] * 30)
     # Those until the median follows.
     assert counted(range(60), stamps, numbered=False).lost <= 8
+
+
+def test_the_rate_counts_what_was_lost():
+    count = FrameCount(numbered=True)
+    for number in range(0, 60, 2):
+        count.came(number, 20_000_000 * number)
+    assert count.lost == 29 and count.rate == pytest.approx(50.0)

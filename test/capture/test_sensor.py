@@ -7,7 +7,7 @@ import os
 import time
 from typing import Any
 
-from blob_tracker.capture import CaptureError, v4l2, V4l2Camera, videodev2
+from blob_tracker.capture import CaptureError, device_controls, V4l2Camera, videodev2
 from blob_tracker.capture.control_events import ControlEvents
 from blob_tracker.capture.controls import controls, get_control, set_control
 from blob_tracker.capture.device import open_capture_device
@@ -101,7 +101,7 @@ def behind_a_controller(tmp_path, monkeypatch):
     # Undone before the driver's own.
     with driver.at(tmp_path / 'video0', monkeypatch) as device, monkeypatch.context() as patch:
         patch.setattr(
-            v4l2, 'of_video_device',
+            device_controls, 'of_video_device',
             lambda fd: (Sensor('ov9281 10-0060', ((81, 5),)), [str(subdevice)]))
 
         def kernel(fd: int, number: int, argument: Any) -> None:

@@ -17,6 +17,7 @@ SOE = videodev2.BUF_FLAG_TSTAMP_SRC_SOE
     ('exposure start', None, 104 * MS),
     ('exposure start', 5 * MS, 104 * MS),
     ('transfer start', None, 96 * MS),
+    ('frame start', 5 * MS, 96 * MS),
     ('transfer end', None, 96 * MS),
     ('transfer end', 5 * MS, 91 * MS),
 ])
@@ -32,6 +33,7 @@ def test_without_exposure_the_stamp_is_the_drivers(source):
 @pytest.mark.parametrize(('source', 'readout_ns', 'words'), [
     ('exposure start', None, 'middle of the exposure'),
     ('transfer end', 5 * MS, 'middle of the exposure'),
+    ('frame start', 5 * MS, 'middle of the exposure'),
     ('transfer end', None, 'middle of the exposure, later by the time of the readout, which is '
                            'unknown and taken as 0'),
     ('camera clock', None, 'middle of the exposure, if the camera sends its own time, else near '
@@ -103,6 +105,8 @@ def test_order_is_kept_whatever_comes(source):
 @pytest.mark.parametrize(('flags', 'driver', 'hardware', 'source'), [
     (SOE, 'vivid', None, 'exposure start'),
     (0, 'vivid', None, 'transfer end'),
+    (0, 'unicam', None, 'frame start'),
+    (0, 'rp1-cfe', None, 'frame start'),
     (SOE, 'uvcvideo', None, 'transfer start'),
     (SOE, 'uvcvideo', '0\n', 'transfer start'),
     (SOE, 'uvcvideo', '1\n', 'camera clock'),
@@ -192,3 +196,13 @@ def test_lines_of_unknown_length_are_unknown():
 ])
 def test_when_the_first_line_is_exposed(line_time_ns, binning, later_ns):
     assert of_first_line(line_time_ns, 10, binning) == later_ns
+
+
+@pytest.mark.parametrize(('told', 'middle'), [(True, 104 * MS), (False, 96 * MS)])
+def test_a_camera_that_sends_its_time_is_stamped_by_it(told, middle):
+    stamps = MidExposure('camera clock', Exposure(8 * MS))
+    stamps.camera_clock(None)
+    assert 'if the camera sends its own time' in stamps.place
+    stamps.camera_clock(told)
+    assert 'if the camera' not in stamps.place
+    assert stamps.middle(100 * MS, LATER) == middle

@@ -10,6 +10,8 @@ import time
 from blob_tracker.capture import CaptureError, NoFrameError, V4l2Camera, videodev2
 from blob_tracker.capture.clock import RealtimeClock
 from blob_tracker.capture.device import capture_devices
+from blob_tracker.capture.device_controls import DeviceControls
+from blob_tracker.capture.field_dealer import FieldDealer
 from blob_tracker.capture.format import StreamFormat
 from blob_tracker.capture.frame_count import FrameCount
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
@@ -100,10 +102,12 @@ class Spoiling(V4l2Camera):
         self.error_frames = 0
         self._flags = [videodev2.BUF_FLAG_ERROR] * spoilt + [0] * cut_short
         self._memory = [mmap.mmap(-1, 64)]
+        self._controls = DeviceControls(self.device, self._call)
         self._count, self._clock = FrameCount(numbered=True), RealtimeClock()
         self._format = StreamFormat(
             videodev2.BUF_TYPE_VIDEO_CAPTURE, 'GREY', 8, 8, 8, 255, PIXEL_FORMATS['GREY'].luma)
         self._signal = Signal(self._call)
+        self._dealer = FieldDealer(self.fields, stamps_end=True)
         self._fd, self._into = os.pipe()  # nothing ever comes through it
         self._poll = select.poll()
         self._poll.register(self._fd, select.POLLIN)

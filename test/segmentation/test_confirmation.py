@@ -7,6 +7,7 @@ from collections.abc import Callable
 from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.confirmation import Confirmation, MAX_AGE_FRAMES
+from blob_tracker.segmentation.expectation import Expectation
 import numpy as np
 import pytest
 from support.contrasts import candidate_at
@@ -465,3 +466,19 @@ def test_no_dot_of_a_dense_grid_is_taken_where_the_target_is_missed() -> None:
             assert chosen.peak == target.peak
             found += 1
     assert found > 85
+
+
+def test_another_view_tells_which_of_two_lights_it_is() -> None:
+    """The fainter one; also where the other one was followed already."""
+    strong, faint = candidate_at(200, 100), candidate_at(260, 100, height=60.0)
+    there = Expectation(262.0, 101.0, 36.0 * np.eye(2))
+    for told_from in (0, 20):
+        camera = Camera()
+        found = []
+        for index in range(40):
+            camera.confirmation.push(
+                10**9 + index * STEP_NS, None, SHAPE, there if index >= told_from else None)
+            found.append(camera.confirmation.choose(
+                (strong, faint) if index % 2 == 0 else (), SHAPE))
+        assert strong not in found[told_from:]
+        assert found[30::2] == [faint] * 5

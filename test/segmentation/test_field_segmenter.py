@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 import math
 
 from blob_tracker.capture.fields import fields
@@ -10,8 +10,10 @@ from blob_tracker.location import Locator
 from blob_tracker.segmentation import (
     FieldSegmenter, flash_by_name, FrameError, Segmenter,
 )
-from blob_tracker.simulation import expose, pixel_integrated_gaussian
-from blob_tracker.types import Frame, SensorNoise
+from blob_tracker.simulation import (
+    expose, InterlacedCamera, Light, periodic, pixel_integrated_gaussian, Scene, Sensor,
+)
+from blob_tracker.types import Frame, SensorNoise, Window
 import numpy as np
 import pytest
 from support.flashes import nees
@@ -117,3 +119,82 @@ def test_another_crop_begins_afresh() -> None:
     assert segmenter.update(Frame(pixels, 0, 255)) is None
     with pytest.raises(FrameError, match='afresh'):
         segmenter.update(Frame(pixels, 10**7, 255, y0=20))
+
+
+def seen(
+    lights: Sequence[Light], count: int, segmenter: FieldSegmenter, hidden: range = range(0)
+) -> list[tuple[Frame, Window]]:
+    """Return the fields that show a light, with its window; while hidden there is none."""
+    found = []
+    for index in range(count):
+        first, *others = lights[1:] if index in hidden else lights
+        camera = InterlacedCamera(Scene(
+            first, elements=others, width=WIDTH, height=HEIGHT, rate=2.0 * RATE, exposure=0.1,
+            sensor=Sensor(NOISE)))
+        for field in fields(camera.picture(index), 'interlaced_tb', INTERVAL_NS):
+            window = segmenter.update(field)
+            if window is not None:
+                found.append((field, window))
+    return found
+
+
+@pytest.mark.parametrize('kind', [0, 1])
+@pytest.mark.parametrize('reach', [0.0, 40.0])
+def test_a_light_in_step_with_the_fields_is_found(kind: int, reach: float) -> None:
+    """It is on in all of one kind and off in the other; half of the fields have it."""
+    wave = periodic(RATE, 0.5, 0.25 + 0.5 * kind)
+    light = Light(80.3, 81.2, SIGMA, PEAK, wave, reach_x=reach, reach_y=reach)
+    segmenter, locator = FieldSegmenter(Segmenter), Locator()
+    found = seen([light], 50, segmenter)
+    # A second goes by before neighbours are compared, and three more fields confirm it.
+    assert len(found) >= 33 and {field.y0 for field, _ in found} == {kind}
+    assert 'every other field' in segmenter.finding
+    errors, covariances = [], []
+    for field, window in found:
+        location = locator.locate(window, noise=NOISE)
+        truth = light.spot((field.stamp_ns - 1e9) / 1e9)
+        errors.append([location.x - truth.x, location.y - truth.y])
+        covariances.append(location.covariance)
+    # The scene is not subtracted to the line: what that leaves is in the covariance, about.
+    assert 0.7 < nees(errors, covariances) < 2.0 + 8.0 / math.sqrt(len(errors))
+
+
+def test_what_stands_still_is_no_light_in_step_with_the_fields() -> None:
+    """Dots of half a line to a line and a half, each in one field more than in the other."""
+    random = np.random.default_rng(3)
+    places = random.uniform(15.0, 145.0, (3, 8, 2))
+    for sigma, each in zip((0.3, 0.6, 1.2), places):
+        lights = [Light(x, y, sigma, PEAK) for x, y in each.tolist()]
+        assert seen(lights, 30, FieldSegmenter(Segmenter)) == []
+
+
+@pytest.mark.parametrize('phase', [0.0, 0.5, 1.0])
+def test_both_fields_follow_one_of_two_lights(phase: float) -> None:
+    """A reflection of like height, at other places in the lines; the same after a dark while."""
+    wave = periodic(0.5 * RATE, 0.5, 0.125)
+    lights = [
+        Light(50.3, 60.2 + phase, SIGMA, PEAK, wave),
+        Light(100.3, 90.2 + 0.7 * phase, SIGMA, 0.99 * PEAK, wave),
+    ]
+    found = seen(lights, 44, FieldSegmenter(Segmenter), hidden=range(20, 23))
+    assert len(found) >= 30 and {field.y0 for field, _ in found} == {0, 1}
+    assert np.ptp([window.x0 for _, window in found]) < 6
+
+
+def test_a_fast_light_is_one_light() -> None:
+    """It goes as far from flash to flash as the gate is wide."""
+    wave = periodic(0.5 * RATE, 0.5, 0.125)
+    light = Light(80.0, 80.0, SIGMA, PEAK, wave, reach_x=70.0, reach_y=5.0, period=2.9)
+    found = seen([light], 44, FieldSegmenter(Segmenter))
+    alone = []
+    for kind in range(2):
+        segmenter = Segmenter()
+        camera = InterlacedCamera(Scene(
+            light, width=WIDTH, height=HEIGHT, rate=2.0 * RATE, exposure=0.1,
+            sensor=Sensor(NOISE)))
+        alone += [
+            segmenter.update(fields(camera.picture(index), 'interlaced_tb', INTERVAL_NS)[kind])
+            for index in range(44)
+        ]
+    # As many as if each kind went by itself.
+    assert len(found) >= sum(window is not None for window in alone) - 2 >= 30

@@ -19,7 +19,9 @@ import pytest
 from support.slowness import slowness
 from vm import machine
 from vm.hdmi_loop import SLOW_SIGNAL
-from vm.scene import blinking_frames, CX, CY, flashing_scene, FX, FY, packed_yuyv, Scene
+from vm.scene import (
+    analogue_frames, blinking_frames, CX, CY, flashing_scene, FX, FY, packed_yuyv, Scene,
+)
 
 HERE = Path(__file__).parent
 CACHE = HERE.parents[1] / '.cache/vm'
@@ -30,8 +32,8 @@ SILENCE = 240.0
 SOAK = float(os.environ.get('SOAK_SECONDS', 20))
 # In the order in which they run.
 GUESTS = (
-    'guest_capture', 'guest_formats', 'guest_controls', 'guest_fields', 'guest_soak',
-    'guest_webcam', 'guest_blink', 'guest_track', 'guest_node',
+    'guest_capture', 'guest_formats', 'guest_controls', 'guest_fields', 'guest_composite',
+    'guest_soak', 'guest_webcam', 'guest_blink', 'guest_track', 'guest_node',
 )
 CAMERA_INFO = f"""\
 image_width: {SLOW_SIGNAL[0]}
@@ -62,6 +64,7 @@ def results(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
         pytest.skip(reason)
     folder = tmp_path_factory.mktemp('vivid')
     scene.frames.tofile(folder / 'scene.grey')
+    analogue_frames().tofile(folder / 'analogue.grey')
     blinking_frames().tofile(folder / 'blink.grey')
     packed_yuyv(scene.frames).tofile(folder / 'scene.yuyv')
     (folder / 'camera_info.yaml').write_text(CAMERA_INFO)

@@ -45,8 +45,11 @@ SCENARIOS: dict[str, Faults] = {
     'stalled value': Faults(
         bulk=True, stalls=frozenset({(*webcam.EXPOSURE, webcam.GET_CUR)})),
     'silent': Faults(bulk=True, silent=every(*webcam.CONTRAST)),
+    'without its time': Faults(),
+    'with its time': Faults(clock=True),
     'no mode': Faults(bulk=True, stalls=frozenset({(*webcam.AUTO, webcam.GET_DEF)})),
 }
+HARDWARE_STAMPS = 'without its time', 'with its time'
 STREAMING = 'sound', 'bulk', 'lost', 'endless', 'chatter'
 
 
@@ -132,6 +135,21 @@ def in_real_time(device: str) -> list[float]:
         option.write_text(before)
 
 
+def by_its_own_clock(device: str) -> list[str]:
+    """Return what the stamps are said to be, before the first frame and after some."""
+    option = OPTIONS / 'hwtimestamps'
+    before = option.read_text()
+    option.write_text('1')
+    try:
+        with V4l2Camera(device, webcam.WIDTH, webcam.HEIGHT, 'YUYV') as camera:
+            places = [camera.stamp_place]
+            for _ in range(5):
+                camera.read(NEXT_FRAME)
+            return [*places, camera.stamp_place]
+    finally:
+        option.write_text(before)
+
+
 def unplugged(device: str, unplug: Callable[[], None]) -> str:
     """Return what is said of a webcam that is unplugged while it streams."""
     with V4l2Camera(device, webcam.WIDTH, webcam.HEIGHT, 'YUYV') as camera:
@@ -153,6 +171,9 @@ def main(folder: Path) -> None:
         with plugged(faults) as (device, unplug):
             found[name] = {'plugged_s': time.monotonic() - began, 'device': device}
             try:
+                if name in HARDWARE_STAMPS:
+                    found[name]['places'] = by_its_own_clock(device)
+                    continue
                 found[name] |= scenario(name, device)
             except CaptureError as error:
                 found[name]['error'] = str(error)

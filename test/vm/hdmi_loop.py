@@ -72,19 +72,22 @@ def close_loop(
         capture, enable_capture_scaler=0, loop_video=1, osd_text_mode=2, timestamp_source=1)
 
 
-def take_format(pixel_format: str, output: str, width: int, height: int) -> None:
+def take_format(
+    pixel_format: str, output: str, width: int, height: int, field: str = 'none'
+) -> None:
     """Set what an output device is given."""
     # The driver keeps the region of an earlier, smaller picture.
     region = f'left=0,top=0,width={width},height={height}'
     v4l2_ctl(output, f'--set-fmt-video-out=width={width},height={height},'
-                     f'pixelformat={pixel_format}',
+                     f'pixelformat={pixel_format},field={field}',
              f'--set-selection-output=target=compose,{region}',
              f'--set-selection-output=target=crop,{region}')
 
 
 @contextmanager
 def playing(
-    scene: Path, pixel_format: str, output: str = OUTPUT, width: int = WIDTH, height: int = HEIGHT
+    scene: Path, pixel_format: str, output: str = OUTPUT, width: int = WIDTH, height: int = HEIGHT,
+    field: str = 'none',
 ) -> Iterator[None]:
     """
     Play a raw file into the output device, again and again.
@@ -93,7 +96,7 @@ def playing(
     """
     # A copy in memory, as the folder may be the host's.
     copy = shutil.copy(scene, '/run')
-    take_format(pixel_format, output, width, height)
+    take_format(pixel_format, output, width, height, field)
     player = subprocess.Popen(
         ['v4l2-ctl', '-d', output, '--stream-out-mmap=4', f'--stream-from={copy}',
          '--stream-loop'], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

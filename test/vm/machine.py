@@ -22,8 +22,8 @@ import time
 MODULES = ('virtio_pci', '9pnet_virtio', '9p', 'overlay', 'vivid', 'vhci-hcd', 'uvcvideo')
 # Two devices with an HDMI input that loops from an HDMI output: /dev/video0 and /dev/video1, and
 # the same with multi-planar buffers: /dev/video2 and /dev/video3. The first has a TV and an
-# S-Video input as well.
-VIVID = ('n_devs=2 node_types=0x101,0x101 num_inputs=3,1 input_types=0x27,0x3 num_outputs=1,1 '
+# S-Video input as well, and an S-Video output.
+VIVID = ('n_devs=2 node_types=0x101,0x101 num_inputs=3,1 input_types=0x27,0x3 num_outputs=2,1 '
          'output_types=0x1,0x1 multiplanar=1,2')
 TOOLS = {  # program -> Debian package
     'qemu-system-x86_64': 'qemu-system-x86',

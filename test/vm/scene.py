@@ -10,7 +10,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from blob_tracker.simulation import Light, Scene as Simulated, Sensor, waveforms_of
+from blob_tracker.simulation import (
+    InterlacedCamera, Light, periodic, Scene as Simulated, Sensor, waveforms_of,
+)
 from blob_tracker.simulation.light import pixel_integrated_gaussian
 from blob_tracker.simulation.sensor import expose
 from blob_tracker.types import SensorNoise
@@ -34,6 +36,8 @@ LIGHTS = 'coded', 'free'
 EXPOSURE = 0.5 / SLOW_FRAME_RATE  # s
 PAUSE = 4.5 / SLOW_FRAME_RATE  # s, from which on the lights are looked for anew
 BLINK_WIDTH, BLINK_HEIGHT = 160, 120  # px
+# An analogue camera by the standard of 625 lines, whose pictures are played into S-Video.
+ANALOGUE_PICTURES, ANALOGUE_WIDTH, ANALOGUE_HEIGHT = 24, 720, 576
 
 
 @dataclass(frozen=True)
@@ -100,6 +104,23 @@ def blinking_frames() -> NDArray[np.uint8]:
     """Return the (n, h, w) frames of it."""
     scene = blinking_scene()
     return np.array([scene.frame(index) for index in range(BLINK_FRAMES)], np.uint8)
+
+
+def analogue_camera() -> InterlacedCamera:
+    """Return a camera before a light in step with its pictures, on a closed path."""
+    light = Light(
+        361.3, 283.6, SIGMA, AMPLITUDE, periodic(12.5, 0.5, 0.125), 60.0, 40.0,
+        period=ANALOGUE_PICTURES / 25.0)
+    return InterlacedCamera(Simulated(
+        light, width=ANALOGUE_WIDTH, height=ANALOGUE_HEIGHT, rate=50.0, exposure=0.1,
+        background=BACKGROUND, texture=2.0, sensor=Sensor(NOISE), seed=4))
+
+
+def analogue_frames() -> NDArray[np.uint8]:
+    """Return the (n, h, w) interlaced pictures that it takes."""
+    camera = analogue_camera()
+    return np.array(
+        [camera.picture(index).image for index in range(ANALOGUE_PICTURES)], np.uint8)
 
 
 def packed_yuyv(luma: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -78,6 +78,18 @@ def test_a_webcam_that_sends_headers_while_it_waits_has_no_sure_stamp(found):
         'pause')
 
 
+@pytest.mark.parametrize(('name', 'words'), [
+    ('without its time', 'end of the exposure, whose length is unknown, as far as the camera '
+     'sends it at once'),
+    ('with its time', 'start of the exposure, whose length is unknown'),
+])
+def test_the_metadata_tell_whether_hwtimestamps_are(found, name, words):
+    before, after = found[name]['places']
+    assert before.endswith(
+        'if the camera sends its own time, else near the start of the transfer')
+    assert after == words
+
+
 def test_stamps_in_real_time_are_taken_as_such(found):
     # Not cut at the reading, and no years: as old as the transfer is long, and what a busy machine
     # adds.

@@ -29,6 +29,7 @@ HEADER = struct.Struct('>5I28s')
 STALL, RESET = -32, -104  # -EPIPE, -ECONNRESET
 SET_CUR, GET_CUR, GET_MIN, GET_MAX, GET_RES, GET_LEN, GET_INFO, GET_DEF = 1, *range(0x81, 0x88)
 PACKET = 2048  # bytes
+CLOCK_HZ = 48_000_000  # of its own
 MILLISECOND = 1e-3  # s from packet to packet
 CAMERA, PROCESSING, OUTPUT = 1, 2, 3  # units
 CLASS, ISOCHRONOUS, BULK = 0x20, 5, 2
@@ -79,6 +80,8 @@ class Faults:
         No frame is marked as ended.
     chatter : bool
         Headers without data while it waits for the next frame.
+    clock : bool
+        No fault: its own time, PTS and SCR, in the first header of a frame.
     missing : collection of (int, int)
         Controls that it does not claim to have.
     stalls : collection of (unit, selector, request)
@@ -92,6 +95,7 @@ class Faults:
     lost: frozenset[int] = frozenset()
     endless: bool = False
     chatter: bool = False
+    clock: bool = False
     missing: frozenset[tuple[int, int]] = frozenset()
     stalls: frozenset[tuple[int, int, int]] = frozenset()
     silent: frozenset[tuple[int, int, int]] = frozenset()
@@ -124,7 +128,7 @@ def configuration(faults: Faults) -> bytes:
         _block(struct.pack('<BBBBHBHB', 0x24, 5, PROCESSING, CAMERA, 0, 2, processing, 0)),
         _block(struct.pack('<BBBHBBB', 0x24, 3, OUTPUT, 0x101, 0, PROCESSING, 0)),
     ))
-    control = _block(struct.pack('<BBHHIBB', 0x24, 1, 0x100, 13 + len(units), 48_000_000, 1, 1))
+    control = _block(struct.pack('<BBHHIBB', 0x24, 1, 0x100, 13 + len(units), CLOCK_HZ, 1, 1))
     ticks = round(1e7 * INTERVAL)
     formats = b''.join((
         _block(struct.pack('<BBBB16sBBBBBB', 0x24, 4, 1, 1,
@@ -311,12 +315,23 @@ class Webcam:
         if not self._left:
             # With the mark of the frame that is to come.
             return bytes([2, 0x80 | self._identity ^ 1]) if self._faults.chatter else b''
-        header = b'' if self._faults.bulk and not first else b'\2\0'
+        times = self._times(at) if first and self._faults.clock else b''
+        header = b'' if self._faults.bulk and not first else b'\2\0' + times
         part, self._left = self._left[:most - len(header)], self._left[most - len(header):]
         flags = 0x80 | self._identity
         if (self._faults.bulk or not self._left) and not self._faults.endless:
             flags |= 2
-        return (bytes([2, flags]) if header else b'') + part
+        if times:
+            flags |= 0b1100  # PTS and SCR
+        return (bytes([len(header), flags]) + times if header else b'') + part
+
+    def _times(self, at: float) -> bytes:
+        """Return PTS, when this frame began, and SCR: now, and the number of the bus' frame."""
+        assert self._began is not None
+        began, now = (
+            int(CLOCK_HZ * each) & 0xffffffff
+            for each in (self._began + self._frame * INTERVAL, at))
+        return struct.pack('<IIH', began, now, int(at / MILLISECOND) & 0x7ff)
 
 
 def picture(number: int) -> bytes:

@@ -10,7 +10,7 @@ from blob_tracker.calibration.edge import EdgeError
 from blob_tracker.calibration.line_jitter import LineJitterMeasurement, measure_line_jitter
 from blob_tracker.calibration.line_jitter_picture import draw_line_jitter
 from blob_tracker.camera import CalibrationError
-from blob_tracker.commands.calibrate.report import check_out, results_table, row, tell_of
+from blob_tracker.commands.calibrate.report import check_out, results_table, Row, row, tell_of
 from blob_tracker.commands.sources import add_source
 from blob_tracker.commands.sources.shown_frames import shown_frames
 from blob_tracker.types import Pixels
@@ -48,7 +48,7 @@ def main(arguments: argparse.Namespace) -> None:
     def pixels() -> Iterator[Pixels]:
         nonlocal width
         for _, _, frame in shown_frames(
-            arguments, console, 'placing the edge', live_frames=LIVE_FRAMES
+            arguments, console, 'placing the edge', live_frames=LIVE_FRAMES, woven=True
         ):
             width = frame.shape[1]
             yield frame
@@ -68,6 +68,15 @@ def main(arguments: argparse.Namespace) -> None:
     draw_line_jitter(picture, measurement)
 
 
+def _between(measurement: LineJitterMeasurement) -> list[Row]:
+    """Return the row of the distance between the two fields, where there are two."""
+    if measurement.fields == 1:
+        return []
+    offsets = measurement.jitter.offsets
+    apart = float(offsets[1::2].mean() - offsets[::2].mean())
+    return [row('odd lines less even', apart, measurement.jitter.sigma_between_fields, 'px')]
+
+
 def _report(console: Console, measurement: LineJitterMeasurement, width: int) -> None:
     """Print the table and what is to be said about it."""
     jitter = measurement.jitter
@@ -78,6 +87,7 @@ def _report(console: Console, measurement: LineJitterMeasurement, width: int) ->
         row('offsets, highest less lowest', float(np.ptp(jitter.offsets)), sigma, 'px'),
         row('offsets, rms', float(np.sqrt(np.mean(jitter.offsets**2))), sigma, 'px'),
         row('from frame to frame', jitter.sigma_from_frame_to_frame, None, 'px'),
+        *_between(measurement),
         row('noise of the edge in a line', measurement.noise, None, 'px'),
         row('blur of the edge', measurement.edge_sigma, None, 'px'),
         row('slope of the edge', slope, None, 'px/line'),

@@ -114,7 +114,8 @@ def is_live(arguments: argparse.Namespace) -> bool:
 
 
 def open_source(
-    arguments: argparse.Namespace, *, interpolate: bool = True, calibrated: bool = False
+    arguments: argparse.Namespace, *, interpolate: bool = True, calibrated: bool = False,
+    woven: bool = False,
 ) -> Source:
     """
     Open SOURCE.
@@ -127,6 +128,8 @@ def open_source(
         As in `grey_frames`, of a topic.
     calibrated : bool
         Whether the calibration is wanted that a bag has, see `open_bag`.
+    woven : bool
+        Whether the fields that a camera node publishes one by one are put together to pictures.
 
     Returns
     -------
@@ -142,11 +145,11 @@ def open_source(
     path, rate = Path(arguments.source), arguments.frame_rate
     name = path.name.lower()
     if is_topic(arguments):
-        source = open_topic(arguments.source, interpolate=interpolate)
+        source = open_topic(arguments.source, interpolate=interpolate, woven=woven)
     elif is_device(path):
         source = open_device(path, arguments.pixel_format, arguments.size, rate)
     elif is_bag(path):
-        source = open_bag(path, arguments.topic, calibrated=calibrated)
+        source = open_bag(path, arguments.topic, calibrated=calibrated, woven=woven)
     elif path.is_dir():
         source = open_folder(path)
     elif arguments.pixel_format:

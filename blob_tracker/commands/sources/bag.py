@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
+from blob_tracker.capture.fields import field_of, Weaver
 from blob_tracker.commands.sources.source import Source, SourceError, SourceFrame
 from blob_tracker.ros.endpoints.recorded_frames import (
     info_topic, recorded_frames, recorded_info,
@@ -12,6 +14,7 @@ from blob_tracker.ros.endpoints.recorded_frames import (
 from blob_tracker.ros.endpoints.recording import recorded_count, RecordingError
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.camera_info import KnownCamera
+from blob_tracker.ros.messages.image import field_and_height
 
 
 def is_bag(path: Path) -> bool:
@@ -19,7 +22,7 @@ def is_bag(path: Path) -> bool:
     return (path / 'metadata.yaml').is_file() or path.suffix in ('.mcap', '.db3', '.bag')
 
 
-def open_bag(bag: Path, topic: str, *, calibrated: bool) -> Source:
+def open_bag(bag: Path, topic: str, *, calibrated: bool, woven: bool) -> Source:
     """
     Open a bag.
 
@@ -32,6 +35,8 @@ def open_bag(bag: Path, topic: str, *, calibrated: bool) -> Source:
     calibrated : bool
         Whether its camera_info is wanted: frames that have none are then left out, as the nodes
         leave them out, where the bag has any at all.
+    woven : bool
+        Whether fields, of which the camera_info tells, are put together to pictures.
 
     Raises
     ------
@@ -42,9 +47,13 @@ def open_bag(bag: Path, topic: str, *, calibrated: bool) -> Source:
     camera = KnownCamera()
     try:
         count = recorded_count(bag, topic)
-        info = recorded_info(bag, topic) if calibrated else None
+        info = recorded_info(bag, topic) if calibrated or woven else None
     except RecordingError as error:
         raise SourceError(str(error)) from None
+    if woven:
+        fields = info is not None and field_and_height(info)[0] is not None
+        frames = _frames(bag, topic, fields, None)
+        return Source(_pictures(frames) if fields else frames, count, 'the bag')
     model, uncalibrated = None, f'the bag has no messages on {info_topic(topic)}'
     if info is not None:
         try:
@@ -55,6 +64,17 @@ def open_bag(bag: Path, topic: str, *, calibrated: bool) -> Source:
     return Source(
         _frames(bag, topic, info is not None, check), count, 'the bag', model, uncalibrated
     )
+
+
+def _pictures(fields: Iterator[SourceFrame]) -> Iterator[SourceFrame]:
+    """Yield the pictures of fields, each with the name and stamp of its later one."""
+    weaver = Weaver()
+    for name, frame, stamped in fields:
+        lines = frame.y0 + frame.image.shape[0] * frame.binning[1]
+        picture = weaver.add(frame.image, field_of(frame.y0, frame.binning), lines)
+        if picture is not None:
+            whole = replace(frame, image=picture, y0=0, binning=(1, 1))
+            yield SourceFrame(name, whole, stamped)
 
 
 def _frames(

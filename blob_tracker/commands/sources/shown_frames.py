@@ -24,6 +24,7 @@ def shown_frames(
     live_frames: int | None = None,
     live_seconds: float | None = None,
     interpolate: bool = True,
+    woven: bool = False,
 ) -> Iterator[tuple[str, float | None, Pixels]]:
     """
     Yield the frames of SOURCE without their colours.
@@ -43,6 +44,8 @@ def shown_frames(
         The same as a time, s.
     interpolate : bool
         As in `grey_frames`.
+    woven : bool
+        As in `open_source`.
 
     Yields
     ------
@@ -59,7 +62,7 @@ def shown_frames(
     """
     if is_live(arguments) and arguments.seconds is None and arguments.count is None:
         arguments.count, arguments.seconds = live_frames, live_seconds
-    source = open_source(arguments, interpolate=interpolate)
+    source = open_source(arguments, interpolate=interpolate, woven=woven)
     stream = grey_frames(
         source, interpolate=interpolate, response=response_of(arguments)
     )

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 import time
 
+from blob_tracker.capture.fields import Weaver
+from blob_tracker.ros.endpoints.pairing import info_topic, StampPairing
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.image import to_pixels
+from blob_tracker.ros.messages.image import field_and_height, to_pixels
 from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.ros.process import shut_down
 from blob_tracker.types import Pixels
@@ -14,7 +16,7 @@ import rclpy
 from rclpy.exceptions import InvalidTopicNameException
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import CameraInfo, Image
 
 PATIENCE_S = 10.0  # s without an image: what published it is not there
 LISTEN_S = 0.1  # s after which Ctrl-C is looked for
@@ -26,7 +28,9 @@ class NoImagesError(RuntimeError):
     """A topic on which no usable image comes; the message says what to look at."""
 
 
-def live_images(topic: str, *, interpolate: bool = True) -> Iterator[tuple[float, Pixels]]:
+def live_images(
+    topic: str, *, interpolate: bool = True, woven: bool = False
+) -> Iterator[tuple[float, Pixels]]:
     """
     Yield the images of a topic, always the newest, until the caller ends.
 
@@ -36,6 +40,9 @@ def live_images(topic: str, *, interpolate: bool = True) -> Iterator[tuple[float
         Name of the topic.
     interpolate : bool
         See `to_pixels`.
+    woven : bool
+        Whether the fields of interlaced pictures, of which the camera_info beside the images
+        tells, are put together.
 
     Yields
     ------
@@ -53,10 +60,22 @@ def live_images(topic: str, *, interpolate: bool = True) -> Iterator[tuple[float
     # Without handlers of rclpy's own Ctrl-C stays Python's, and the node outlives it.
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node('calibrate')
-    arrived: list[Image] = []
+    arrived: list[tuple[Image, CameraInfo | None]] = []
+    pairing = StampPairing(lambda image, info: arrived.append((image, info)))
+    weaver = Weaver()
+
+    def take(image: Image) -> None:
+        if woven and node.count_publishers(info_topic(topic)):
+            pairing.image(image)
+        else:
+            arrived.append((image, None))
+
     try:
         try:
-            node.create_subscription(Image, topic, arrived.append, NEWEST)
+            node.create_subscription(Image, topic, take, NEWEST)
+            if woven:
+                node.create_subscription(
+                    CameraInfo, info_topic(topic), pairing.camera_info, NEWEST)
         except InvalidTopicNameException:
             raise NoImagesError(f"'{topic}' is neither a folder nor the name of a topic") from None
         first_ns: int | None = None
@@ -75,15 +94,18 @@ def live_images(topic: str, *, interpolate: bool = True) -> Iterator[tuple[float
                         + (', '.join(there) or 'no topic: start the camera node')
                     )
                 continue
-            message = arrived.pop()
+            message, info = arrived.pop()
             stamp_ns = to_ns(message.header.stamp)
             first_ns = stamp_ns if first_ns is None else first_ns
             try:
                 pixels = to_pixels(message, interpolate=interpolate)
             except MessageError as error:
                 raise NoImagesError(f'{topic}: {error}') from None
-            yield (stamp_ns - first_ns) / 1e9, pixels
             waited_since = time.monotonic()
+            picture = weaver.add(pixels, *(field_and_height(info) if info else (None, 0)))
+            if picture is not None:
+                yield (stamp_ns - first_ns) / 1e9, picture
+                waited_since = time.monotonic()
     finally:
         node.destroy_node()
         shut_down()

@@ -19,6 +19,11 @@ DEPTH = 10  # messages that wait for their partner; the queue of either topic ho
 _Message = TypeVar('_Message', Image, CameraInfo)
 
 
+def info_topic(topic: str) -> str:
+    """Return where the camera_info of an image topic is: beside it."""
+    return ''.join([*topic.rpartition('/')[:2], 'camera_info'])
+
+
 class StampPairing:
     """
     Hand over an image and a camera_info as soon as both of one stamp are there.

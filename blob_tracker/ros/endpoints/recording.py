@@ -7,8 +7,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
+from blob_tracker.capture.fields import Weaver
+from blob_tracker.ros.endpoints.pairing import info_topic
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.image import to_pixels
+from blob_tracker.ros.messages.image import field_and_height, to_pixels
 from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.types import Pixels
 
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader
     from rosbags.interfaces import Connection
 
-IMAGE = 'sensor_msgs/msg/Image'
+IMAGE, INFO = 'sensor_msgs/msg/Image', 'sensor_msgs/msg/CameraInfo'
 # Ubuntu 24.04 has no package of it, and its pip refuses to install beside apt (PEP 668).
 NO_ROSBAGS = (
     'rosbags is not installed: python3 -m pip install --break-system-packages rosbags (in a '
@@ -29,7 +31,7 @@ class RecordingError(ValueError):
 
 
 def recorded_images(
-    bag: Path, topic: str, *, interpolate: bool = True
+    bag: Path, topic: str, *, interpolate: bool = True, woven: bool = False
 ) -> Iterator[tuple[float, Pixels]]:
     """
     Yield the images of a topic in the order in which they were recorded.
@@ -42,6 +44,9 @@ def recorded_images(
         Name of the topic; a slash in front does not matter.
     interpolate : bool
         See `to_pixels`.
+    woven : bool
+        Whether the fields of interlaced pictures, of which the camera_info beside the images
+        tells, are put together.
 
     Yields
     ------
@@ -57,15 +62,33 @@ def recorded_images(
     """
     with _opened(bag, topic) as (reader, connections):
         first_ns: int | None = None
+        kinds = _fields(reader, info_topic(topic)) if woven else {}
+        weaver = Weaver()
         for connection, recorded_ns, data in reader.messages(connections):
             image: Any = reader.deserialize(data, connection.msgtype)
             stamp_ns = to_ns(image.header.stamp) or recorded_ns
             first_ns = stamp_ns if first_ns is None else first_ns
             seconds = (stamp_ns - first_ns) / 1e9
             try:
-                yield seconds, to_pixels(image, interpolate=interpolate)
+                pixels = to_pixels(image, interpolate=interpolate)
             except MessageError as error:
                 raise RecordingError(f'{bag}, {topic} at {seconds:.3f} s: {error}') from None
+            picture = weaver.add(pixels, *kinds.get(to_ns(image.header.stamp), (None, 0)))
+            if picture is not None:
+                yield seconds, picture
+
+
+def _fields(reader: AnyReader, topic: str) -> dict[int, tuple[int | None, int]]:
+    """Return what `field_and_height` does of each camera_info, by its stamp, ns."""
+    infos = [
+        each for each in reader.connections
+        if each.msgtype == INFO and each.topic.strip('/') == topic.strip('/')
+    ]
+    messages: Any = (
+        reader.deserialize(data, connection.msgtype)
+        for connection, _, data in (reader.messages(infos) if infos else ())
+    )
+    return {to_ns(info.header.stamp): field_and_height(info) for info in messages}
 
 
 def recorded_count(bag: Path, topic: str) -> int:

@@ -10,7 +10,7 @@ from typing import Any, TYPE_CHECKING
 from blob_tracker.colour import grey_pixels
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.stamp import from_ns, SECOND_NS, to_ns
-from blob_tracker.types import BAYER, Frame, Glimpse, Pixels, PLANES, Window
+from blob_tracker.types import BAYER, field_of, Frame, Glimpse, Pixels, PLANES, Window
 import numpy as np
 from numpy.typing import NDArray
 
@@ -184,6 +184,11 @@ def to_pixels(image: Image, *, interpolate: bool = True) -> Pixels:
         return grey_pixels(frame, interpolate=interpolate)
     except ValueError as error:
         raise MessageError(str(error)) from None
+
+
+def field_and_height(info: CameraInfo) -> tuple[int | None, int]:
+    """Return which field an image is by its camera_info, see `field_of`, and the full height."""
+    return field_of(int(info.roi.y_offset), _binning(info)), int(info.height)
 
 
 def from_frame(frame: Frame, frame_id: str, message: Image | None = None) -> Image:

@@ -51,3 +51,29 @@ def test_what_is_no_bag_is_refused(tmp_path: Path) -> None:
     ):
         with pytest.raises(RecordingError, match=sentence), opened(bag):
             pass
+
+
+def test_fields_are_woven_where_it_is_asked_for(tmp_path: Path) -> None:
+    """By the camera_info beside the images; one that is missing leaves a field as it is."""
+    bag = tmp_path / 'fields'
+    types = get_typestore(Stores.ROS2_JAZZY)
+    names = {each.rpartition('/')[2]: kind for each, kind in types.types.items()}
+    with Writer(bag, version=8) as writer:
+        infos, images = (
+            writer.add_connection(f'front/{name}', f'sensor_msgs/msg/{kind}', typestore=types)
+            for name, kind in (('camera_info', 'CameraInfo'), ('image_raw', 'Image')))
+        for index in range(5):
+            header = names['Header'](names['Time'](1, 20_000_000 * index), 'optical')
+            image = names['Image'](header, 3, 2, 'mono8', 0, 2, PIXELS + index)
+            roi = names['RegionOfInterest'](0, index % 2, 6, 2, False)
+            info = names['CameraInfo'](
+                header, 8, 2, 'plumb_bob', np.zeros(5), np.zeros(9), np.zeros(9), np.zeros(12),
+                1, 2, roi)
+            for connection, message in ((infos, info), (images, image)):
+                data = types.serialize_cdr(message, connection.msgtype)
+                writer.write(connection, 10**9 + 20_000_000 * index, data)
+    assert len(list(recorded_images(bag, 'front/image_raw'))) == 5
+    pictures = list(recorded_images(bag, 'front/image_raw', woven=True))
+    assert [seconds for seconds, _ in pictures] == pytest.approx([0.02, 0.06])
+    assert pictures[0][1].tolist() == [
+        [0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [5, 6], [4, 5], [5, 6]]
