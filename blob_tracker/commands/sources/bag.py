@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from blob_tracker.capture.fields import field_of, Weaver
+from blob_tracker.capture.fields import Weaver
 from blob_tracker.commands.sources.source import Source, SourceError, SourceFrame
 from blob_tracker.ros.endpoints.recorded_frames import (
     info_topic, recorded_frames, recorded_info,
@@ -15,6 +15,7 @@ from blob_tracker.ros.endpoints.recording import recorded_count, RecordingError
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.camera_info import KnownCamera
 from blob_tracker.ros.messages.image import field_and_height
+from blob_tracker.types import field_of
 
 
 def is_bag(path: Path) -> bool:
@@ -51,9 +52,9 @@ def open_bag(bag: Path, topic: str, *, calibrated: bool, woven: bool) -> Source:
     except RecordingError as error:
         raise SourceError(str(error)) from None
     if woven:
-        fields = info is not None and field_and_height(info)[0] is not None
-        frames = _frames(bag, topic, fields, None)
-        return Source(_pictures(frames) if fields else frames, count, 'the bag')
+        field, height = field_and_height(info) if info is not None else (None, 0)
+        frames = _frames(bag, topic, field is not None, None)
+        return Source(frames if field is None else _pictures(frames, height), count, 'the bag')
     model, uncalibrated = None, f'the bag has no messages on {info_topic(topic)}'
     if info is not None:
         try:
@@ -66,12 +67,11 @@ def open_bag(bag: Path, topic: str, *, calibrated: bool, woven: bool) -> Source:
     )
 
 
-def _pictures(fields: Iterator[SourceFrame]) -> Iterator[SourceFrame]:
-    """Yield the pictures of fields, each with the name and stamp of its later one."""
+def _pictures(fields: Iterator[SourceFrame], height: int) -> Iterator[SourceFrame]:
+    """Yield the pictures of fields, of so many lines, with name and stamp of the later field."""
     weaver = Weaver()
     for name, frame, stamped in fields:
-        lines = frame.y0 + frame.image.shape[0] * frame.binning[1]
-        picture = weaver.add(frame.image, field_of(frame.y0, frame.binning), lines)
+        picture = weaver.add(frame.image, field_of(frame.y0, frame.binning), height)
         if picture is not None:
             whole = replace(frame, image=picture, y0=0, binning=(1, 1))
             yield SourceFrame(name, whole, stamped)
