@@ -12,7 +12,7 @@ from blob_tracker.location.estimates import Failure
 from blob_tracker.location.hypotheses import choose, Fit, History, Motion, Pair, Way
 from blob_tracker.location.pair_likelihood import Floats, Optimum
 from blob_tracker.location.pair_model import fill_one_pulse, no_pulse, one_pulse, to_fit
-from blob_tracker.location.prospects import is_promising
+from blob_tracker.location.prospects import promising
 from blob_tracker.location.suspicion import Suspicion
 from blob_tracker.location.unlit_pulse import shows_pulse
 from blob_tracker.types import SensorNoise
@@ -53,10 +53,11 @@ def _best(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
     base = None
     optimum = None if theta is None else one_pulse(pair, theta)
     if optimum is not None:
-        if suspicion == Suspicion.LOPSIDED and pair.usable.all() and not is_promising(
-            pair, optimum
-        ):
-            return None  # noise makes such a lean
+        if suspicion == Suspicion.LOPSIDED and pair.usable.all():
+            likely = promising(pair, optimum)
+            asked = [one for one in asked if one in likely]
+            if not asked:
+                return None  # noise makes such a lean
         base = to_fit(pair, optimum)
     if base is None:
         base = no_pulse(pair)
@@ -105,7 +106,7 @@ def compile_alternatives() -> None:
             base = to_fit(pair, optimum)
             sandwich(pair, optimum, fill_one_pulse)
             if pair.unlit is not None:
-                is_promising(pair, optimum)
+                promising(pair, optimum)
         for alternative in ALTERNATIVES:
             alternative(pair, base)
     shows_pulse(Pair(lit, unlit, noise, math.inf))
