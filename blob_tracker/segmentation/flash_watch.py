@@ -74,10 +74,10 @@ class FlashWatch:
 
     def forget(self) -> None:
         """Begin anew."""
-        self._drift.count[0] = 0
         self._drift.known[:] = NOTHING_KNOWN
-        forget_places(self._instants)
-        self._shift.counts[:] = 0
+        self._instants.against[:] = 0.0
+        for counts in (self._drift.counts, self._instants.counts, self._shift.counts):
+            counts[:] = 0
 
     def add(
         self,

@@ -74,7 +74,7 @@ class RepeatedFrames:
 
 @functools.cache
 def _sampled(shape: tuple[int, ...]) -> tuple[list[tuple[int, slice]], int]:
-    """Return the parts of rows that are looked at first, and how many changes in them are noise."""
+    """Return which parts of rows are looked at first, and how many changes there are noise."""
     height, width = shape[:2]
     left = max((width - ROW_PX) // 2, 0)
     middle = slice(left, left + ROW_PX)

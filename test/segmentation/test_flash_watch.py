@@ -19,22 +19,24 @@ def picture(random: np.random.Generator, x: float, part: float) -> np.ndarray:
     return np.rint(random.normal(mean, NOISE)).astype(np.uint8)
 
 
+def found(x: float) -> Candidate:
+    """Return what the segmenter found there: only its place, width and noise are asked for."""
+    blank = Candidate(*([0.0] * 19))
+    return blank._replace(x=x, y=30.0, sigma_major=SIGMA, sigma_minor=SIGMA, noise=1.0)
+
+
 def watched(parts: np.ndarray, late: float = 0.0) -> list[Seen]:
     """Return what is told of flashes of which such parts went over; `late` in exposures."""
     random = np.random.default_rng(2)
     watch = FlashWatch()
     before, told = (60.0 - 2.0 * INTERVAL * SPEED, 30.2), []
-    blank = dict.fromkeys(Candidate._fields[:19], 0.0)
     for index, part in enumerate(parts):
         x = 60.0 + 2.0 * index * INTERVAL * SPEED
         lit = picture(random, x + late * EXPOSURE * SPEED, 1.0 - part)
         unlit = picture(random, x - (INTERVAL + late * EXPOSURE) * SPEED, part)
-        light = Candidate(**{
-            **blank, 'x': x, 'y': 30.0, 'sigma_major': SIGMA, 'sigma_minor': SIGMA, 'noise': 1.0
-        })
         stamp = 2.0 * index * INTERVAL
         times = (stamp, 2.0 * INTERVAL, INTERVAL, EXPOSURE)
-        told.append(watch.add(lit, unlit, light, before, times))
+        told.append(watch.add(lit, unlit, found(x), before, times))
         before = told[-1].x, told[-1].y
     return told
 
@@ -64,10 +66,7 @@ def test_what_is_forgotten_is_not_told() -> None:
     """A watch that begins anew is as a new one."""
     random = np.random.default_rng(3)
     watch = FlashWatch()
-    blank = dict.fromkeys(Candidate._fields[:19], 0.0)
-    light = Candidate(**{
-        **blank, 'x': 60.0, 'y': 30.0, 'sigma_major': SIGMA, 'sigma_minor': SIGMA, 'noise': 1.0
-    })
+    light = found(60.0)
     lit, unlit = picture(random, 60.0, 0.8), picture(random, 60.0, 0.2)
 
     def run() -> list[Seen]:
