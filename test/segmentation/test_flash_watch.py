@@ -21,7 +21,7 @@ def picture(random: np.random.Generator, x: float, part: float) -> np.ndarray:
 
 def found(x: float) -> Candidate:
     """Return what the segmenter found there: only its place, width and noise are asked for."""
-    blank = Candidate(*([0.0] * 19))
+    blank = Candidate._make([0.0] * len(Candidate._fields))
     return blank._replace(x=x, y=30.0, sigma_major=SIGMA, sigma_minor=SIGMA, noise=1.0)
 
 
