@@ -12,6 +12,7 @@ from blob_tracker.location.estimates import Failure
 from blob_tracker.location.hypotheses import choose, Fit, History, Motion, Pair, Way
 from blob_tracker.location.pair_likelihood import Floats
 from blob_tracker.location.pair_model import fill_one_pulse, no_pulse, one_pulse, to_fit
+from blob_tracker.location.prospects import promising
 from blob_tracker.location.suspicion import Suspicion
 from blob_tracker.location.unlit_pulse import shows_pulse
 from blob_tracker.types import SensorNoise
@@ -46,9 +47,14 @@ def _best(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
     """Do so at the pair's own pitch."""
     if suspicion & IN_UNLIT and (pair.unlit is None or not shows_pulse(pair)):
         suspicion &= ELSEWHERE  # a texture, of which the base fit takes care
-    if not suspicion:
-        return None
+    if not suspicion or (suspicion == Suspicion.LOPSIDED and pair.unlit is None):
+        return None  # what leans may be behind it
     asked = [one for one, answers in ALTERNATIVES.items() if suspicion & answers]
+    if suspicion == Suspicion.LOPSIDED and theta is not None and pair.usable.all():
+        likely = promising(pair, theta)
+        asked = [one for one in asked if one in likely]
+        if not asked:
+            return None  # noise makes such a lean
     base = None
     optimum = None if theta is None else one_pulse(pair, theta)
     if optimum is not None:
@@ -99,6 +105,8 @@ def compile_alternatives() -> None:
         if optimum is not None:
             base = to_fit(pair, optimum)
             sandwich(pair, optimum, fill_one_pulse)
+            if pair.unlit is not None:
+                promising(pair, optimum.theta)
         for alternative in ALTERNATIVES:
             alternative(pair, base)
     shows_pulse(Pair(lit, unlit, noise, math.inf))

@@ -235,6 +235,28 @@ class Fit:
     beside: Beside | None = None
 
 
+def least_gain(parameters: int, rarity: float) -> float:
+    """
+    Return the gain from which on an alternative is heard, twice in log-likelihood.
+
+    Parameters
+    ----------
+    parameters : int
+        How many more it has than the base.
+    rarity : float
+        By how much of the log-likelihood it is rarer beforehand.
+
+    """
+    fixed, each = FALSE_ALARM
+    return fixed + each * max(parameters, 0) + 2.0 * rarity
+
+
+def is_heard(base: Fit, log_likelihood: float, parameters: int, rarity: float) -> bool:
+    """Tell whether a model of such a likelihood is heard beside the base, see `least_gain`."""
+    gain = 2.0 * (log_likelihood - base.log_likelihood)
+    return gain > least_gain(parameters - base.parameters, rarity)
+
+
 def choose(
     base: Fit, alternatives: Iterable[Fit], pixels: int, history: History = UNKNOWN
 ) -> Fit:
@@ -260,11 +282,9 @@ def choose(
         What the last flashes were.
 
     """
-    fixed, each = FALSE_ALARM
     heard = [
         fit for fit in alternatives
-        if 2.0 * (fit.log_likelihood - fit.rarity - base.log_likelihood)
-        > fixed + each * max(fit.parameters - base.parameters, 0)
+        if is_heard(base, fit.log_likelihood, fit.parameters, fit.rarity)
     ]
     if not heard:
         return base

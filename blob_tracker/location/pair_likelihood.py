@@ -126,40 +126,50 @@ def fill_equations(
     pixels: Array, means: Array, slopes: Array, usable: NDArray[np.bool_], shot: float,
     floor: float, texture: float, score: Array, fisher: Array,
 ) -> None:
-    """Fill the (p,) score and the (p, p) Fisher information."""
+    """
+    Fill the (p,) score and the (p, p) Fisher information.
+
+    With s the slopes of a pixel's two means, the weights 1 / V = w and the matrix of
+    `log_likelihood` it is s^T (diag(w) - T w w^T / (1 + T (w_1 + w_2))) s: the texture takes off
+    each window's slopes the mean of both, T / (1 + T (w_1 + w_2)) of the sum of w s.
+    """
     count, windows, height, width = slopes.shape
-    both = np.empty(count)
-    score[:] = 0.0
-    fisher[:] = 0.0
-    for j in range(height):
-        for i in range(width):
-            shared, residuals = 1.0, 0.0
-            both[:] = 0.0
-            for k in range(windows):
-                if not usable[k, j, i]:
-                    continue
-                weight = 1.0 / (max(means[k, j, i], 0.0) * shot + floor)
-                shared += texture * weight
-                residual = weight * (pixels[k, j, i] - means[k, j, i])
-                residuals += residual
-                for p in range(count):
-                    slope = slopes[p, k, j, i]
-                    if slope == 0.0:
-                        continue
-                    score[p] += slope * residual
-                    weighted = weight * slope
-                    both[p] += weighted
-                    for q in range(p + 1):
-                        fisher[p, q] += weighted * slopes[q, k, j, i]
-            if texture > 0.0:
-                part = texture / shared
-                for p in range(count):
-                    score[p] -= part * both[p] * residuals
-                    for q in range(p + 1):
-                        fisher[p, q] -= part * both[p] * both[q]
+    size = height * width
+    weight, residual = np.zeros((windows, size)), np.zeros((windows, size))
+    part = np.empty(size)
+    for n in range(size):
+        j, i = n // width, n % width
+        shared, both = 1.0, 0.0
+        for k in range(windows):
+            if usable[k, j, i]:
+                weight[k, n] = 1.0 / (max(means[k, j, i], 0.0) * shot + floor)
+                residual[k, n] = weight[k, n] * (pixels[k, j, i] - means[k, j, i])
+                shared += texture * weight[k, n]
+                both += residual[k, n]
+        part[n] = texture / shared
+        for k in range(windows):
+            residual[k, n] -= part[n] * weight[k, n] * both
+    flat = slopes.reshape(count, windows, size)
+    pull, mean = np.empty((windows, size)), np.empty(size)
     for p in range(count):
-        for q in range(p):
-            fisher[q, p] = fisher[p, q]
+        mean[:] = 0.0
+        if texture > 0.0:
+            for k in range(windows):
+                for n in range(size):
+                    mean[n] += part[n] * weight[k, n] * flat[p, k, n]
+        total = 0.0
+        for k in range(windows):
+            for n in range(size):
+                pull[k, n] = weight[k, n] * (flat[p, k, n] - mean[n])
+                total += flat[p, k, n] * residual[k, n]
+        score[p] = total
+        for q in range(p + 1):
+            total = 0.0
+            for k in range(windows):
+                for n in range(size):
+                    total += pull[k, n] * flat[q, k, n]
+            fisher[p, q] = total
+            fisher[q, p] = total
 
 
 class Climb(NamedTuple):

@@ -113,7 +113,7 @@ class Alternate:
             self.reason = 'waiting for a second frame'
             self._confirmation = Confirmation(self.gate_px)
             return None
-        if interval > self._history.max_interval:
+        if len(self._history.frames) < 2:
             self.reason = (
                 f'frames {interval:.3f} s apart; a pair may be at most '
                 f'{self._history.max_interval:.3f} s apart (max_pair_interval)'

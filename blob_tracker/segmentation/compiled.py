@@ -6,7 +6,8 @@ from blob_tracker.segmentation.blink import compile_blinking
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.chance import advance, FIELDS
 from blob_tracker.segmentation.contrast import Contrast
-from blob_tracker.segmentation.drift import DriftWatch, GhostInstants, light_at
+from blob_tracker.segmentation.drift import light_at
+from blob_tracker.segmentation.flash_watch import FlashWatch
 from blob_tracker.segmentation.search import search
 from blob_tracker.types import Frame
 import numpy as np
@@ -19,9 +20,9 @@ def compile_ahead() -> None:
         lit = unlit.copy()
         lit[7:10, 7:10] = 100
         frame = Frame(lit, 0, 255)
-        search(Contrast(lit, unlit, 255, frame, (lit,), (unlit,)), Box(0, 0, 16, 16), min_snr=7.0)
+        contrast = Contrast(lit, unlit, 255, frame, (lit,), (unlit,))
+        light = search(contrast, Box(0, 0, 16, 16), min_snr=7.0).candidates[0]
         light_at(lit, 8.0, 8.0, 1.0)
-    DriftWatch().add(0.0, 0.0, 0.0)
-    GhostInstants().add(0.0, 1.0, 1.0)
+        FlashWatch().add(lit, unlit, light, (8.0, 8.0), (1.0, 1.0, 0.5, 0.5))
     advance(np.empty((0, FIELDS)), np.empty((0, 7)), np.empty((0, 6)), 0.0, 1.0)
     compile_blinking()

@@ -237,36 +237,42 @@ def _fall(
     top, bottom = max(int(y - half_y), region[1]), min(int(y + half_y) + 1, region[3])
     step = 1 + int(max(half_x, half_y) / (3 * SAMPLES + 1))
     side = max(int(size / step), 2)
-    width = (right - left + step - 1) // step
-    columns = np.zeros(width, np.int32)  # sums over the last rows, as many as the square has
+    across, down = (right - left + step - 1) // step, (bottom - top + step - 1) // step
+    if min(across, down) < side:
+        return 0.0
+    # Indices that cannot be negative, and one plain loop a sum: what the compiler vectorizes.
+    rises = np.empty((down, across), np.int32)
+    for v in range(np.uint64(down)):
+        _fill_row(rises, v, lit, unlit, np.uint64(top) + v * np.uint64(step), left, step)
+    squares = np.empty(across - side + 1, np.int32)
     lowest = np.int32(2**30)
-    row = 0
-    for j in range(top, bottom, step):
-        _add_row(columns, lit[j], unlit[j], left, step, 1)
-        if row >= side:
-            before = j - side * step
-            _add_row(columns, lit[before], unlit[before], left, step, -1)
-        row += 1
-        if row < side:
-            continue
-        total = np.int32(0)
-        for i in range(width):
-            total += columns[i]
-            if i >= side:
-                total -= columns[i - side]
-            if i >= side - 1:
-                lowest = min(lowest, total)
-    return max(level - lowest / (side * side), 0.0) if lowest < 2**30 else 0.0
+    for v in range(np.uint64(down - side + 1)):
+        for k in range(np.uint64(1), np.uint64(side)):
+            for u in range(np.uint64(across)):
+                rises[v, u] += rises[v + k, u]
+        for u in range(np.uint64(squares.size)):
+            squares[u] = rises[v, u]
+        for k in range(np.uint64(1), np.uint64(side)):
+            for u in range(np.uint64(squares.size)):
+                squares[u] += rises[v, u + k]
+        for u in range(np.uint64(squares.size)):
+            lowest = min(lowest, squares[u])
+    return max(level - lowest / (side * side), 0.0)
 
 
 @kernel
-def _add_row(
-    columns: NDArray[np.int32], a: Pixels, b: Pixels, left: int, step: int, sign: int
+def _fill_row(
+    rises: NDArray[np.int32], v: int, lit: Pixels, unlit: Pixels, j: int, left: int, step: int
 ) -> None:
-    """Add a row of a - b, or take it away, every so many pixels."""
-    for i in range(np.uint64(columns.size)):
-        k = np.uint64(left) + i * np.uint64(step)
-        columns[i] += np.int32(sign * (np.int32(a[k]) - np.int32(b[k])))
+    """Fill in row v with row j of lit less unlit, every so many pixels."""
+    if step == 1:
+        for u in range(np.uint64(rises.shape[1])):
+            i = np.uint64(left) + u
+            rises[v, u] = np.int32(lit[j, i]) - np.int32(unlit[j, i])
+    else:
+        for u in range(np.uint64(rises.shape[1])):
+            i = np.uint64(left) + u * np.uint64(step)
+            rises[v, u] = np.int32(lit[j, i]) - np.int32(unlit[j, i])
 
 
 @kernel

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.types import Pixels
 import numpy as np
+from numpy.typing import NDArray
 
 # The last flashes over which a line is laid: a beat of a second is seen in the first, one of a
 # minute in the last.
@@ -21,60 +23,65 @@ DECIDED, MOST_AGAINST = 12.0, 4.0
 # Mean of what is held against a true one: 0.5 of noise, and more as a few places are no light's.
 MOST_MEAN = 2.0
 LEAST_SIGMA = 5.0  # standard deviations of such a mean, by which it is another one
-NOTHING_KNOWN = 0.0, math.inf, -math.inf, math.inf, -math.inf  # before the first flash
+NOTHING_KNOWN = np.array([0.0, math.inf, -math.inf, math.inf, -math.inf])  # of no flash
 APERTURE, NEAR, FAR = 3.0, 4.0, 6.0  # sigma: of the light, and of the ring about it
 
 
-class DriftWatch:
+class Drift(NamedTuple):
     """
-    Compare the light in the lit frames with that in the unlit ones, flash by flash.
+    The light in the lit frames and that in the unlit ones, flash by flash.
 
     Of a light that runs free near half the frame rate the one falls as the other rises, at an
     even rate. A lamp that it passes is in both, one that is switched on stays, and a light that
     recedes is in the lit frames alone.
 
-    Attributes
+    Parameters
     ----------
-    share : float
-        Part of the light that has gone over to the unlit frame, as it seems so far: what is both
-        missing in the one and new in the other, beyond the noise.
+    flashes : (n, 3) array
+        The last ones, in turn: time, s, and light in the lit and in the unlit frame, DN px^2.
+    known : (5,) array
+        Mean square of the change from flash to flash, then least and most of all means in the lit
+        frames and in the unlit ones.
+    counts : (1,) int64 array
+        How many flashes there were.
 
     """
 
-    def __init__(self) -> None:
-        self._flashes = np.empty((SPANS[-1], 3))  # the last ones, in turn: time, lit, unlit
-        # Mean square of the change from flash to flash; then least and most of all means.
-        self._known = np.empty(5)
-        self.forget()
+    flashes: Array
+    known: Array
+    counts: NDArray[np.int64]
 
-    def forget(self) -> None:
-        """Begin anew."""
-        self.share = 0.0
-        self._count = 0
-        self._known[:] = NOTHING_KNOWN
 
-    def add(self, time: float, lit: float, unlit: float) -> float:
-        """
-        Take a flash; return the part of the light that goes over in a second, 0 where none does.
-
-        Parameters
-        ----------
-        time : float
-            Its stamp, s.
-        lit, unlit : float
-            Light above its surroundings where it is and where it was a frame before, DN.
-
-        """
-        rate, self.share = _take_flash(self._flashes, self._known, self._count, time, lit, unlit)
-        self._count += 1
-        return rate
+def no_drift() -> Drift:
+    """Return the memory of a light of which nothing is known."""
+    return Drift(np.empty((SPANS[-1], 3)), NOTHING_KNOWN.copy(), np.zeros(1, np.int64))
 
 
 @kernel
-def _take_flash(
-    flashes: Array, known: Array, count: int, time: float, lit: float, unlit: float
-) -> tuple[float, float]:
-    """Add a flash to so many; return what of the light goes over, in a second and so far."""
+def take_flash(drift: Drift, time: float, lit: float, unlit: float) -> tuple[float, float]:
+    """
+    Take a flash.
+
+    Parameters
+    ----------
+    drift : Drift
+        Of the flashes before it; this one is added.
+    time : float
+        Its stamp, s.
+    lit, unlit : float
+        Light above its surroundings where it is and where it was a frame before, DN px^2.
+
+    Returns
+    -------
+    rate : float
+        Part of the light that goes over in a second, 0 where none does.
+    share : float
+        Part of it that has gone over to the unlit frame, as it seems so far: what is both missing
+        in the one and new in the other, beyond the noise.
+
+    """
+    flashes, known, counts = drift
+    count = counts[0]
     room = flashes.shape[0]
     if count > 0:
         before = flashes[(count - 1) % room, 1]
@@ -82,6 +89,7 @@ def _take_flash(
     here = flashes[count % room]
     here[0], here[1], here[2] = time, lit, unlit
     count += 1
+    counts[0] = count
     if count < SMOOTHED:
         return 0.0, 0.0
     lit, unlit = 0.0, 0.0
@@ -142,59 +150,75 @@ def _going_over(flashes: Array, count: int, span: int) -> float:
     return 0.5 * (rise - fall) / whole if fall * rise < 0.0 else 0.0
 
 
-class GhostInstants:
+class Instants(NamedTuple):
     """
-    Tell by where a moving light is in the unlit frame when within the exposure it was seen.
+    Where a moving light was in the unlit frames: when within the exposure it was seen.
 
     A light that is partly on in both frames of a pair was on at the end of the one exposure and
     at the start of the other, or the other way round: its two places are farther apart than its
     way from frame to frame, or less far, by its way in half an exposure. One that is never quite
     off is just as far; and where a filter mixes frames the place is that of the last flash.
 
-    Attributes
+    Parameters
     ----------
-    side : int
-        1 of a light that was on at the end of the lit exposure, -1 at its start; else 0.
+    against : (4,) array
+        Half chi-squares of its places: late, early, never off, filtered.
+    counts : (2,) int64 array
+        How many there are, and the side that they tell, see `take_place`.
 
     """
 
-    def __init__(self) -> None:
-        self._against = np.zeros(4)  # late, early, never off, filtered: half chi-squares
-        self.forget()
+    against: Array
+    counts: NDArray[np.int64]
 
-    def forget(self) -> None:
-        """Hold nothing against any of them."""
-        self.side = 0
-        self._places = 0  # that the sums are of
-        self._against[:] = 0.0
 
-    def add(self, ahead: float, deviation: float, frame: float) -> None:
-        """
-        Take a place.
-
-        Parameters
-        ----------
-        ahead : float
-            How far the light in the unlit frame is ahead of where it was in the middle of that, in
-            ways of half an exposure.
-        deviation : float
-            Standard deviation of that.
-        frame : float
-            Way from one frame to the next in the same unit.
-
-        """
-        self._places += 1
-        self.side = _take_place(self._against, self._places, ahead, deviation, frame)
+def no_instants() -> Instants:
+    """Return the memory of a light that holds nothing against any of them."""
+    return Instants(np.zeros(4), np.zeros(2, np.int64))
 
 
 @kernel
-def _take_place(
-    against: Array, places: int, ahead: float, deviation: float, frame: float
-) -> int:
-    """Add what one of so many places holds against each explanation; return the side."""
+def forget_places(instants: Instants) -> None:
+    """Hold nothing against any of them."""
+    instants.against[:] = 0.0
+    instants.counts[:] = 0
+
+
+@kernel
+def take_place(instants: Instants, ahead: float, deviation: float, frame: float) -> int:
+    """
+    Take a place.
+
+    Parameters
+    ----------
+    instants : Instants
+        Of the places before it; this one is added.
+    ahead : float
+        How far the light in the unlit frame is ahead of where it was in the middle of that, in
+        ways of half an exposure.
+    deviation : float
+        Standard deviation of that.
+    frame : float
+        Way from one frame to the next in the same unit.
+
+    Returns
+    -------
+    int
+        1 of a light that was on at the end of the lit exposure, -1 at its start; else 0.
+
+    """
+    against, counts = instants
+    counts[0] += 1
     for k, there in enumerate((-1.0, 1.0, 0.0, -frame)):
         # What nothing explains is held against none of them.
         against[k] += min(0.5 * ((ahead - there) / deviation) ** 2, MOST_AGAINST)
+    counts[1] = _side(against, counts[0])
+    return int(counts[1])
+
+
+@kernel
+def _side(against: Array, places: int) -> int:
+    """Return the side that what so many places hold against each explanation tells."""
     late, early, never_off, filtered = against
     least = min(late, early)
     if least + DECIDED > min(never_off, filtered, max(late, early)):
@@ -215,23 +239,31 @@ def light_at(
     """
     height, width = image.shape
     reach = FAR * sigma
-    total, across, down, count, level, around = 0.0, 0.0, 0.0, 0, 0.0, 0
+    aperture, near, far = (APERTURE * sigma) ** 2, (NEAR * sigma) ** 2, reach**2
+    total, across, down, level = 0.0, 0.0, 0.0, 0.0
+    pixels, around = 0.0, 0.0
     aside, below = 0.0, 0.0  # of the pixels themselves: the background has a centroid too
+    left, right = max(int(x - reach), 0), min(int(x + reach) + 2, width)
     for j in range(max(int(y - reach), 0), min(int(y + reach) + 2, height)):
-        for i in range(max(int(x - reach), 0), min(int(x + reach) + 2, width)):
-            distance = math.sqrt((i - x) ** 2 + (j - y) ** 2)
-            value = float(image[j, i])
-            if distance < APERTURE * sigma:
-                total += value
-                across += value * (i - x)
-                down += value * (j - y)
-                aside += i - x
-                below += j - y
-                count += 1
-            elif NEAR * sigma < distance < reach:
-                level += value
-                around += 1
-    if count == 0 or around == 0:
+        dy = j - y
+        row = np.uint64(j)
+        # Sums of products without a branch, which the compiler vectorizes.
+        for i in range(np.uint64(left), np.uint64(max(right, left))):
+            dx = np.int32(i) - x
+            square = dx * dx + dy * dy
+            value = float(image[row, i])
+            inside = 1.0 if square < aperture else 0.0
+            ring = 1.0 if near < square < far else 0.0
+            pixels += inside
+            total += inside * value
+            aside += inside * dx
+            below += inside * dy
+            across += inside * value * dx
+            down += inside * value * dy
+            around += ring
+            level += ring * value
+    count = int(pixels)
+    if count == 0 or around == 0.0:
         return 0.0, (x, y), 0
     level /= around
     total -= count * level

@@ -65,8 +65,9 @@ def partners_of(
     for index, candidate in enumerate(candidates):
         x, y = candidate.x, candidate.y
         for key, reach in reaches.items():
+            _, there_x, there_y, radius = reach
             # Most of a crowd is far away: told by the first of these.
-            if -reach[3] < x - reach[1] < reach[3] and -reach[3] < y - reach[2] < reach[3]:
+            if -radius < x - there_x < radius and -radius < y - there_y < radius:
                 offset_px = offset_px_of(reach, candidate)
                 if offset_px < math.inf and not (key == target and index in beside):
                     pairs.append((offset_px, index, key))

@@ -93,10 +93,14 @@ class FrameHistory:
             )
         interval = (frame.stamp_ns - previous.stamp_ns) / 1e9
         self._intervals.append(interval)
-        if interval > self.max_interval:
+        if self._is_gap(interval):
             self.frames.clear()
         self.frames.append(frame)
         return interval
+
+    def _is_gap(self, interval: float) -> bool:
+        """Tell whether a time is more than `max_interval`, which takes a median to know."""
+        return interval > (self._max_interval or LEAST_INTERVAL_S) and interval > self.max_interval
 
     def _restart(self, frame: Frame) -> None:
         self._intervals.clear()

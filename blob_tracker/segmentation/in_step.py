@@ -12,23 +12,17 @@ from blob_tracker.segmentation.blink import (
 )
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
-from blob_tracker.segmentation.drift import APERTURE, DriftWatch, GhostInstants, light_at
+from blob_tracker.segmentation.drift import light_at
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash_track import PERIOD_FRAMES
+from blob_tracker.segmentation.flash_watch import FlashWatch, Seen
 from blob_tracker.segmentation.history import FrameError
-from blob_tracker.segmentation.line_shift import LineShift
 from blob_tracker.segmentation.switching import Switching
 from blob_tracker.types import Frame, Glimpse
 import numpy as np
-from numpy.typing import NDArray
 
 PATIENCE_FRAMES = 90  # without the light, after which it is looked for in pairs again
 ROUND_WAY_PX = 0.3  # px, by which the way in an exposure may be off, by the two last places
-# px in half an exposure, and standard deviations of its light in the unlit frame, from which on
-# its place there tells when it was seen.
-LEAST_WAY_PX, LEAST_LIGHT_SIGMA = 0.15, 8.0
-BEND_PART = 0.1  # of its way from frame to frame, by which it may be off as its path bends
-SUREST = 0.25  # ways of half an exposure, to which a place is known at best
 # px in half an exposure, from which on it is not enough to know the light in step, and the part of
 # a resting one in the unlit frame, some time ahead, from which on there is too little contrast.
 MOVING_PX, TOO_EVEN, AHEAD_S = 0.1, 0.45, 0.25
@@ -50,7 +44,7 @@ class InStep(Switching):
 
     A light near half the frame rate that is not wired to the camera goes over from the one frame
     of a pair to the other: it is seen in the middle of a part of the exposure, and about half way
-    the pair has no contrast. From when `DriftWatch` sees it, the light is followed as one that
+    the pair has no contrast. From when `FlashWatch` sees it, the light is followed as one that
     blinks, each frame by itself.
 
     Parameters
@@ -76,7 +70,7 @@ class InStep(Switching):
         self._pairs = self._new_pairs()
         super().__init__(self._pairs)
         self._last: _Flash | None = None
-        self._watch, self._instants, self._shift = DriftWatch(), GhostInstants(), LineShift()
+        self._watch = FlashWatch()
         self._vx = self._vy = 0.0  # px/s, of the last flashes
         self._missed = 0  # frames since the light was seen
         self._taken_up = False  # whether it has been seen since it is known to run free
@@ -85,8 +79,6 @@ class InStep(Switching):
     def _restart_watch(self) -> None:
         """Watch a light of which nothing is known."""
         self._watch.forget()
-        self._instants.forget()
-        self._shift.forget()
         self._vx = self._vy = 0.0
 
     def _new_pairs(self) -> Alternate:
@@ -165,63 +157,44 @@ class InStep(Switching):
         """Watch whether the light drifts; return it with what that lets doubt of its instant."""
         frame, before = contrast.frame, self._last
         stamp_ns = frame.stamp_ns
-        sigma = math.sqrt(light.sigma_major * light.sigma_minor)
-        # In the lit frame alone: what is left in the unlit one draws the difference away from it.
-        lit, (here_x, here_y), _ = light_at(contrast.lit, light.x, light.y, sigma)
-        self._last = _Flash(here_x, here_y, stamp_ns)
-        seconds = 0.0 if before is None else (stamp_ns - before.stamp_ns) / 1e9
-        if before is None or not 0.0 < seconds < OUT_OF_SIGHT_S:
+        since = 0.0 if before is None else (stamp_ns - before.stamp_ns) / 1e9
+        if before is None or not 0.0 < since < OUT_OF_SIGHT_S:
+            sigma = math.sqrt(light.sigma_major * light.sigma_minor)
+            _, (x, y), _ = light_at(contrast.lit, light.x, light.y, sigma)
+            self._last = _Flash(x, y, stamp_ns)
             self._restart_watch()
             return light
         interval = self._pairs.interval
-        vx, vy = (here_x - before.x) / seconds, (here_y - before.y) / seconds
-        # Where it was in the frame before.
-        x, y = here_x - interval * vx, here_y - interval * vy
-        unlit, (there_x, there_y), count = light_at(contrast.unlit, x, y, sigma)
         exposure = self._exposure or frame.exposure_ns / 1e9 or UNKNOWN_EXPOSURE * interval
-        watch, instants = self._watch, self._instants
-        going_over = watch.add(stamp_ns / 1e9, lit, unlit)
-        noise = light.noise * math.sqrt(0.5 * count)
-        there = unlit > LEAST_LIGHT_SIGMA * noise
-        self._shift.add(here_y, there_y if there else None)
-        if not there:
-            instants.forget()  # it comes back on the other side
-        else:
-            speed = math.hypot(vx, vy)
-            unit = 0.5 * exposure * speed
-            if unit > LEAST_WAY_PX:
-                ahead = ((there_x - x) * vx + (there_y - y) * vy) / speed
-                deviation = math.hypot(
-                    0.5 * APERTURE * sigma * noise / unlit, BEND_PART * interval * speed
-                )
-                instants.add(
-                    ahead / unit, max(deviation / unit, SUREST), interval * speed / unit
-                )
+        seen = self._watch.add(
+            contrast.lit, contrast.unlit, light, (before.x, before.y),
+            (stamp_ns / 1e9, since, interval, exposure),
+        )
+        self._last = _Flash(seen.x, seen.y, stamp_ns)
         # Shared line by line, and no time between the lines is known: the pair as a whole tells.
-        if self._shift.seen and frame.line_time_ns == 0:
+        if seen.shifted and frame.line_time_ns == 0:
             return light
-        self._vx += SPEED_MEMORY * (vx - self._vx)
-        self._vy += SPEED_MEMORY * (vy - self._vy)
-        unlit_part = unlit / max(lit + unlit, 1e-9)
-        if (going_over or instants.side) and (
+        self._vx += SPEED_MEMORY * (seen.vx - self._vx)
+        self._vy += SPEED_MEMORY * (seen.vy - self._vy)
+        if (seen.going_over or seen.side) and (
             0.5 * exposure * math.hypot(self._vx, self._vy) > MOVING_PX
-            or unlit_part + AHEAD_S * going_over > TOO_EVEN
+            or seen.unlit + AHEAD_S * seen.going_over > TOO_EVEN
         ):
             self._mode = HalfRate(
-                interval=interval, slower=instants.side * going_over * exposure,
+                interval=interval, slower=seen.side * seen.going_over * exposure,
                 max_pair_interval=self._max_interval, exposure=self._exposure,
             )
             self._mode.contrast(frame)
             self._taken_up = False
-        if watch.share == 0.0:
+        if seen.share == 0.0:
             return light
-        return self._doubted(light, exposure, np.array([vx, vy]), frame.line_time_ns / 1e9)
+        return self._doubted(light, exposure, seen, frame.line_time_ns / 1e9)
 
     def _doubted(
-        self, light: Candidate, exposure: float, speed: NDArray[np.float64], line_time: float
+        self, light: Candidate, exposure: float, seen: Seen, line_time: float
     ) -> Candidate:
         """Return a light that seems to drift, with what is not known of its instant."""
-        over = self._watch.share
+        over, speed = seen.share, np.array([seen.vx, seen.vy])
         # It was on in the first part of the exposure, s, or in the last one; the speed is in px/s.
         late = 0.5 * over * exposure
         way = (1.0 - over) * exposure * speed

@@ -137,25 +137,33 @@ def brightest_square(
 ) -> tuple[int, int, float]:
     """Return the middle of the 3 x 3 pixels that rose most, and their mean rise, DN."""
     x0, y0, x1, y1 = region
-    width = x1 - x0
-    columns = np.zeros((3, width), np.int32)  # sums of a row, three rows in turn
+    # Sums of three pixels of a row, three rows in turn.
+    rows = np.zeros((3, max(x1 - x0 - 2, 0)), np.int32)
+    inside = np.uint64(rows.shape[1])
+    first, one, two = np.uint64(x0), np.uint64(1), np.uint64(2)
     best = np.int32(-(2**30))
     column, row = x0, y0
-    for j in range(y0, y1):
-        a, b = lit[j, x0:x1], unlit[j, x0:x1]
-        sums = columns[j % 3]
-        for i in range(1, width - 1):
-            sums[i] = (
-                np.int32(a[i - 1]) - np.int32(b[i - 1])
-                + np.int32(a[i]) - np.int32(b[i])
-                + np.int32(a[i + 1]) - np.int32(b[i + 1])
+    for j in range(np.uint64(y0), np.uint64(y1)):
+        turn = j % np.uint64(3)
+        for i in range(inside):
+            k = first + i
+            rows[turn, i] = (
+                np.int32(lit[j, k]) - np.int32(unlit[j, k])
+                + np.int32(lit[j, k + one]) - np.int32(unlit[j, k + one])
+                + np.int32(lit[j, k + two]) - np.int32(unlit[j, k + two])
             )
         if j < y0 + 2:
             continue
-        for i in range(1, width - 1):
-            total = columns[0, i] + columns[1, i] + columns[2, i]
-            if total > best and (mask.size == 0 or mask[j - 1, x0 + i] != 0):
-                best, column, row = total, x0 + i, j - 1
+        # Most rows hold none that is brighter: one look at each whole row tells.
+        greatest = best
+        for i in range(inside):
+            greatest = max(greatest, np.int32(rows[0, i] + rows[1, i] + rows[2, i]))
+        if greatest == best:
+            continue
+        for i in range(inside):
+            total = np.int32(rows[0, i] + rows[1, i] + rows[2, i])
+            if total > best and (mask.size == 0 or mask[j - one, first + one + i] != 0):
+                best, column, row = total, x0 + 1 + int(i), int(j) - 1
     return column, row, best / 9.0
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 from blob_tracker.types import Frame
@@ -50,14 +51,10 @@ class RepeatedFrames:
         ):
             self._noisy = False
             return False
-        height = frame.image.shape[0]
-        left = max((frame.image.shape[1] - ROW_PX) // 2, 0)
-        middle = slice(left, left + ROW_PX)
-        enough = changed = 0
-        for row in range(height // (2 * ROWS), height, height // ROWS or 1):
-            unlike = frame.image[row, middle] != last.image[row, middle]
-            enough = enough or math.ceil(LEAST_CHANGE * ROWS * unlike.size)
-            changed += np.count_nonzero(unlike)
+        changed = 0
+        rows, enough = _sampled(frame.image.shape)
+        for row in rows:
+            changed += np.count_nonzero(frame.image[row] != last.image[row])
             if changed >= enough:
                 break
         if changed > 0:
@@ -73,3 +70,16 @@ class RepeatedFrames:
             'than its stamps, or a driver that repeats what it had'
         )
         return True
+
+
+@functools.cache
+def _sampled(shape: tuple[int, ...]) -> tuple[list[tuple[int, slice]], int]:
+    """Return which parts of rows are looked at first, and how many changes there are noise."""
+    height, width = shape[:2]
+    left = max((width - ROW_PX) // 2, 0)
+    middle = slice(left, left + ROW_PX)
+    rows = [
+        (row, middle) for row in range(height // (2 * ROWS), height, height // ROWS or 1)
+    ]
+    samples = min(width, ROW_PX) * math.prod(shape[2:])
+    return rows, math.ceil(LEAST_CHANGE * ROWS * samples)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import Any, NamedTuple
 
@@ -103,7 +104,7 @@ def search(
             (region.x0, region.y0, region.x1, region.y1),
             mask,
             contrast.floor,
-            _threshold(region),
+            _threshold(region.size),
             min_snr,
             LARGEST_SIGMA_PX,
             contrast.saturation,
@@ -154,10 +155,11 @@ def _judged(row: list[Any], followed: bool, min_snr: float) -> Candidate:
     return candidate._replace(rejected=rejected) if rejected else candidate
 
 
-def _threshold(region: Box) -> float:
+@functools.lru_cache
+def _threshold(pixels: int) -> float:
     """
     Return the height of a peak, in standard deviations, that noise alone reaches once a search.
 
     Of n Gaussian deviates about one is above sqrt(2 ln(n / 12)) from n = 1000 to 3 million.
     """
-    return math.sqrt(2.0 * math.log(max(region.size, 500) / 12.0))
+    return math.sqrt(2.0 * math.log(max(pixels, 500) / 12.0))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from blob_tracker.segmentation.drift import DriftWatch, GhostInstants, light_at
+from blob_tracker.segmentation.drift import (
+    light_at, no_drift, no_instants, take_flash, take_place,
+)
 from blob_tracker.simulation import pixel_integrated_gaussian
 import numpy as np
 import pytest
@@ -14,9 +16,11 @@ NOISE = 10.0  # DN px^2, of a light of 1000
 def watched(lit: np.ndarray, unlit: np.ndarray) -> list[float]:
     """Return what is told flash by flash."""
     random = np.random.default_rng(5)
-    watch = DriftWatch()
+    drift = no_drift()
     return [
-        watch.add(index * INTERVAL, a + random.normal(0, NOISE), b + random.normal(0, NOISE))
+        take_flash(
+            drift, index * INTERVAL, a + random.normal(0, NOISE), b + random.normal(0, NOISE)
+        )[0]
         for index, (a, b) in enumerate(zip(lit, unlit))
     ]
 
@@ -50,24 +54,26 @@ def test_nothing_else_is_a_drift(lit: np.ndarray, unlit: np.ndarray) -> None:
 def test_the_share_that_went_over_is_what_both_say() -> None:
     """No more than noise until then; then a tenth to within three of its deviations."""
     random = np.random.default_rng(6)
-    watch = DriftWatch()
+    drift = no_drift()
     for index in range(40):
         over = 0.1 * (index >= 30)
-        watch.add(index * INTERVAL, 1000.0 * (1.0 - over) + random.normal(0, NOISE),
-                  1000.0 * over + random.normal(0, NOISE))
+        _, share = take_flash(
+            drift, index * INTERVAL, 1000.0 * (1.0 - over) + random.normal(0, NOISE),
+            1000.0 * over + random.normal(0, NOISE),
+        )
         if index < 30:
-            assert watch.share == 0.0
-    assert watch.share == pytest.approx(0.1, abs=0.04)
+            assert share == 0.0
+    assert share == pytest.approx(0.1, abs=0.04)
 
 
 @pytest.mark.parametrize('ahead, side', [(-1.0, 1), (1.0, -1), (0.0, 0), (-3.0, 0), (5.0, 0)])
 def test_the_ghost_tells_the_side(ahead: float, side: int) -> None:
     """Half an exposure behind or ahead; not where it is always on, filtered, or anything else."""
     random = np.random.default_rng(7)
-    instants = GhostInstants()
+    instants = no_instants()
     for _ in range(20):
-        instants.add(ahead + random.normal(0, 0.3), 0.3, 3.0)
-    assert instants.side == side
+        told = take_place(instants, ahead + random.normal(0, 0.3), 0.3, 3.0)
+    assert told == side
 
 
 def test_the_light_at_a_place() -> None:
@@ -93,8 +99,7 @@ def test_the_background_draws_the_light_nowhere(background: float) -> None:
 def test_texture_behind_the_light_tells_no_side() -> None:
     """Its places have nothing to do with the exposure: however many there are, no side is told."""
     random = np.random.default_rng(8)
-    instants = GhostInstants()
+    instants = no_instants()
     for _ in range(5000):
         # A little nearer to the side of the late, as the texture happens to be.
-        instants.add(random.normal(-2.0, 6.0), 0.3, 12.0)
-        assert instants.side == 0
+        assert take_place(instants, random.normal(-2.0, 6.0), 0.3, 12.0) == 0

@@ -6,7 +6,7 @@ from dataclasses import replace
 import math
 
 from blob_tracker.location.doubt import doubted
-from blob_tracker.location.hypotheses import Fit, Pair
+from blob_tracker.location.hypotheses import Fit, is_heard, Pair
 from blob_tracker.location.light_moments import light_moments
 from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
 from blob_tracker.location.pair_model import bounds, BRIGHTEST, SIGMA, X, Y
@@ -45,6 +45,8 @@ def glow(pair: Pair, base: Fit) -> Fit | None:
     level, slope = _at_the_light(theta, height, width)
     if level <= 0.0 or slope * theta[SIGMA] > STEEPEST * level:
         return None
+    if not is_heard(base, best.log_likelihood, best.parameters, RARER):
+        return None  # what its misfit does to the place need not be known
     fit, left = doubted(
         pair, best, fill_glow,
         f'the flash lights up haze or a wall about the light, by {level / pair.pitch**2:.0f} DN '

@@ -6,7 +6,7 @@ from dataclasses import replace
 import math
 
 from blob_tracker.location.doubt import doubted
-from blob_tracker.location.hypotheses import Fit, Pair
+from blob_tracker.location.hypotheses import Fit, is_heard, Pair
 from blob_tracker.location.pair_likelihood import climb, Floats
 from blob_tracker.location.pair_model import bounds, SIGMA
 from blob_tracker.location.shape_model import fill_tailed, PART, WAY_X, WAY_Y
@@ -45,6 +45,8 @@ def tailed(pair: Pair, base: Fit) -> Fit | None:
     way = math.hypot(theta[WAY_X], theta[WAY_Y])
     if not 0.0 < theta[PART] < MOST or way < SHORTEST * theta[SIGMA]:
         return None
+    if not is_heard(base, best.log_likelihood, best.parameters, RARER):
+        return None  # what its misfit does to the place need not be known
     fit, left = doubted(
         pair, best, fill_tailed,
         f'the light has a tail of {pair.pitch * way:.0f} px with {100.0 * theta[PART]:.0f} % of '

@@ -7,7 +7,7 @@ import math
 
 from blob_tracker.location.doubt import doubted
 from blob_tracker.location.estimates import Beside
-from blob_tracker.location.hypotheses import Fit, Pair
+from blob_tracker.location.hypotheses import Fit, is_heard, Pair
 from blob_tracker.location.light_moments import light_moments
 from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
 from blob_tracker.location.pair_model import (
@@ -56,6 +56,8 @@ def two_lights(pair: Pair, base: Fit) -> Fit | None:
         theta = best.theta
         part = theta[GHOST] / theta[AMPLITUDE]
     eighth = round(math.degrees(math.atan2(theta[SHIFT_Y], theta[SHIFT_X])) / 45.0) % 8
+    if not is_heard(base, best.log_likelihood, best.parameters, RARER):
+        return None  # what its misfit does to the place need not be known
     fit, left = doubted(
         pair, best, fill_two_lights,
         f'a second light, {part:.1f} as bright, {pair.pitch * distance:.1f} px '
