@@ -9,6 +9,7 @@ from pathlib import Path
 import re
 import time
 
+from blob_tracker.ros.bags import is_bag, RecordingError
 from blob_tracker.types import Pixels
 import cv2
 import numpy as np
@@ -39,11 +40,10 @@ def add_source(parser: argparse.ArgumentParser, what: str) -> None:
     parser.add_argument(
         'source',
         metavar='SOURCE',
-        help=f'images of {what}: a folder, a video, a rosbag2 folder, or a topic while the nodes '
-        'run',
+        help=f'images of {what}: a folder, a video, a bag, or a topic while the nodes run',
     )
     parser.add_argument(
-        '--topic', default='camera/image_raw', help='topic of the images in a bag (%(default)s)'
+        '--topic', help='topic of the images in a bag (camera/image_raw, or the only one)'
     )
     parser.add_argument('--count', type=_positive_int, help='take so many frames at most')
     parser.add_argument(
@@ -54,7 +54,7 @@ def add_source(parser: argparse.ArgumentParser, what: str) -> None:
 def is_folder(arguments: argparse.Namespace) -> bool:
     """Tell whether SOURCE is a folder of images, which someone chose, and no stream of them."""
     path = Path(arguments.source)
-    return path.exists() and not _is_bag(path) and not _is_video(path)
+    return path.exists() and not is_bag(path) and not _is_video(path)
 
 
 def is_live(arguments: argparse.Namespace) -> bool:
@@ -75,7 +75,7 @@ def expected(arguments: argparse.Namespace) -> int | None:
     path = Path(arguments.source)
     if is_live(arguments):
         there: int | None = None
-    elif _is_bag(path):
+    elif is_bag(path):
         there = _bag_count(path, arguments.topic)
     elif _is_video(path):
         with _opened(path) as video:
@@ -132,7 +132,7 @@ def stamped_frames(
     stream: Iterator[tuple[str, float | None, Pixels]]
     if is_live(arguments):
         stream = _of_topic(arguments.source, arguments.seconds, interpolate)
-    elif _is_bag(path):
+    elif is_bag(path):
         stream = _of_bag(path, arguments.topic, interpolate)
     elif _is_video(path):
         stream = _of_video(path)
@@ -146,10 +146,6 @@ def stamped_frames(
 
 def _is_video(path: Path) -> bool:
     return path.suffix.lower() in VIDEOS and path.is_file()
-
-
-def _is_bag(path: Path) -> bool:
-    return (path / 'metadata.yaml').is_file() or path.suffix in ('.mcap', '.db3')
 
 
 def _files(folder: Path) -> list[Path]:
@@ -217,8 +213,8 @@ def _of_video(path: Path) -> Iterator[tuple[str, float | None, Pixels]]:
             index += 1
 
 
-def _bag_count(bag: Path, topic: str) -> int:
-    from blob_tracker.ros.endpoints.recording import recorded_count, RecordingError
+def _bag_count(bag: Path, topic: str | None) -> int:
+    from blob_tracker.ros.endpoints.recording import recorded_count
 
     try:
         return recorded_count(bag, topic)
@@ -227,9 +223,9 @@ def _bag_count(bag: Path, topic: str) -> int:
 
 
 def _of_bag(
-    bag: Path, topic: str, interpolate: bool
+    bag: Path, topic: str | None, interpolate: bool
 ) -> Iterator[tuple[str, float, Pixels]]:
-    from blob_tracker.ros.endpoints.recording import recorded_images, RecordingError
+    from blob_tracker.ros.endpoints.recording import recorded_images
 
     try:
         for seconds, pixels in recorded_images(bag, topic, interpolate=interpolate):

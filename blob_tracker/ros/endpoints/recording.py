@@ -1,131 +1,152 @@
-"""The images of a rosbag2 bag, mcap or sqlite3."""
+"""The images of a bag, as they were recorded."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, TYPE_CHECKING
+import sys
 
+from blob_tracker.colour import grey_pixels
+from blob_tracker.ros.bags import Bag, opened, READABLE, RecordingError, Topic
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.image import to_pixels
+from blob_tracker.ros.messages.compressed_image import to_uncropped_frame as of_compressed
+from blob_tracker.ros.messages.image import to_uncropped_frame as of_image
 from blob_tracker.ros.messages.stamp import to_ns
-from blob_tracker.types import Pixels
+from blob_tracker.types import Frame, Pixels
 
-if TYPE_CHECKING:
-    from rosbags.highlevel import AnyReader
-    from rosbags.interfaces import Connection
-
-IMAGE = 'sensor_msgs/msg/Image'
-# Ubuntu 24.04 has no package of it, and its pip refuses to install beside apt (PEP 668).
-NO_ROSBAGS = (
-    'rosbags is not installed: python3 -m pip install --break-system-packages rosbags (in a '
-    'virtual environment without that option)'
-)
+# What makes a frame of a message, by its type.
+IMAGES = {
+    'sensor_msgs/msg/Image': of_image,
+    'sensor_msgs/msg/CompressedImage': of_compressed,
+}
+USUAL = 'camera/image_raw'  # the topic of the camera node
 
 
-class RecordingError(ValueError):
-    """A bag that holds no such images; the message says what is wrong and what would be right."""
+def _warn(sentence: str) -> None:
+    print(sentence, file=sys.stderr)
 
 
-def recorded_images(
-    bag: Path, topic: str, *, interpolate: bool = True
-) -> Iterator[tuple[float, Pixels]]:
+def recorded_frames(
+    path: Path, topic: str | None = None, *, warn: Callable[[str], None] = _warn
+) -> Iterator[Frame]:
     """
-    Yield the images of a topic in the order in which they were recorded.
+    Yield the frames of an image topic, of which none need be decoded before it is asked for.
 
     Parameters
     ----------
-    bag : Path
-        Folder of the bag.
-    topic : str
-        Name of the topic; a slash in front does not matter.
+    path : Path
+        The bag: a folder, or a file of it.
+    topic : str, optional
+        Name of the topic; a slash in front does not matter. Where it is left out it is
+        camera/image_raw or the only one.
+    warn : callable
+        Is told what is wrong with the bag, where it can be read nevertheless.
+
+    Yields
+    ------
+    Frame
+        In the order in which they were recorded, with the colours that they have. Its stamp is
+        that of the image, or the time at which it was recorded where it has none; it knows of no
+        crop and no binning, of which camera_info tells.
+
+    Raises
+    ------
+    RecordingError
+        Where the bag cannot be read, or has no images on that topic; after the last frame where
+        fewer or more came than the bag says that it has.
+
+    """
+    with opened(path) as bag:
+        if bag.remark:
+            warn(bag.remark)
+        chosen = image_topic(bag, topic)
+        first_ns: int | None = None
+        for message in bag.messages([chosen]):
+            image = bag.decoded(message)
+            first_ns = message.recorded_ns if first_ns is None else first_ns
+            try:
+                frame = IMAGES[chosen.kind](image)
+            except MessageError as error:
+                seconds = (message.recorded_ns - first_ns) / 1e9
+                raise RecordingError(
+                    f'{path}, {chosen.name} at {seconds:.3f} s: {error}') from None
+            if not to_ns(image.header.stamp):
+                frame = replace(frame, stamp_ns=message.recorded_ns)
+            yield frame
+
+
+def recorded_images(
+    path: Path, topic: str | None = None, *, interpolate: bool = True,
+    warn: Callable[[str], None] = _warn,
+) -> Iterator[tuple[float, Pixels]]:
+    """
+    Yield the images of a topic without their colours.
+
+    Parameters
+    ----------
+    path, topic, warn
+        As those of `recorded_frames`, which raises as this does.
     interpolate : bool
-        See `to_pixels`.
+        See `grey_pixels`.
 
     Yields
     ------
     float, (h, w) array
-        Stamp of the image, s since the first, or the time at which it was recorded where it has
-        none; and the pixels as `to_pixels` gives them.
-
-    Raises
-    ------
-    RecordingError
-        Where the bag cannot be read, or has no images on that topic.
+        Stamp of the image, s since the first, and its pixels as `grey_pixels` gives them.
 
     """
-    with _opened(bag, topic) as (reader, connections):
-        first_ns: int | None = None
-        for connection, recorded_ns, data in reader.messages(connections):
-            image: Any = reader.deserialize(data, connection.msgtype)
-            stamp_ns = to_ns(image.header.stamp) or recorded_ns
-            first_ns = stamp_ns if first_ns is None else first_ns
-            seconds = (stamp_ns - first_ns) / 1e9
-            try:
-                yield seconds, to_pixels(image, interpolate=interpolate)
-            except MessageError as error:
-                raise RecordingError(f'{bag}, {topic} at {seconds:.3f} s: {error}') from None
+    first_ns: int | None = None
+    for frame in recorded_frames(path, topic, warn=warn):
+        first_ns = frame.stamp_ns if first_ns is None else first_ns
+        try:
+            pixels = grey_pixels(frame, interpolate=interpolate)
+        except ValueError as error:
+            raise RecordingError(f'{path}: {error}') from None
+        yield (frame.stamp_ns - first_ns) / 1e9, pixels
 
 
-def recorded_count(bag: Path, topic: str) -> int:
+def recorded_count(path: Path, topic: str | None = None) -> int:
     """Return how many images `recorded_images` will yield; raises as it does."""
-    with _opened(bag, topic) as (_, connections):
-        return sum(connection.msgcount for connection in connections)
+    with opened(path) as bag:
+        return bag.topics[image_topic(bag, topic)]
 
 
-@contextmanager
-def _opened(bag: Path, topic: str) -> Iterator[tuple[AnyReader, list[Connection]]]:
-    """Open a bag and find the connections of an image topic."""
-    with opened(bag) as reader:
-        images = [each for each in reader.connections if each.msgtype == IMAGE and each.msgcount]
-        connections = [each for each in images if each.topic.strip('/') == topic.strip('/')]
-        if not connections:
-            there = ', '.join(sorted({each.topic for each in images}))
-            raise RecordingError(
-                f'{bag} has no images on {topic}'
-                + (f': set --topic to one of {there}' if there else ', nor on any other topic')
-            )
-        yield reader, connections
-
-
-@contextmanager
-def opened(bag: Path) -> Iterator[AnyReader]:
+def image_topic(bag: Bag, name: str | None = None) -> Topic:
     """
-    Open a bag of any distribution of ROS 2.
+    Return the topic of a bag whose images are meant.
 
     Parameters
     ----------
-    bag : Path
-        Folder of the bag.
-
-    Yields
-    ------
-    AnyReader
+    bag : Bag
         Open.
+    name : str, optional
+        As of `recorded_frames`. Compressed copies of an image's own topic do not count beside it.
 
     Raises
     ------
     RecordingError
-        Where the bag cannot be read.
+        Where there is none, or no one could tell which.
 
     """
-    try:
-        from rosbags.highlevel import AnyReader, AnyReaderError
-        from rosbags.typesys import get_typestore, Stores
-    except ImportError:
-        raise RecordingError(f'{NO_ROSBAGS}, or use `ros2 bag play`') from None
-    if not bag.exists():
-        raise RecordingError(f'there is no bag {bag}')
-    if bag.is_file() and bag.suffix == '.bag':
-        raise RecordingError(
-            f'{bag} is a bag of ROS 1; convert it: rosbags-convert --src {bag} '
-            f'--dst {bag.with_suffix("")}'
-        )
-    try:
-        # Bags of distributions before Jazzy do not tell their types.
-        reader = AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_JAZZY))
-        with reader:
-            yield reader
-    except (AnyReaderError, OSError) as error:
-        raise RecordingError(f'{bag} is not a bag that can be read: {error}') from None
+    there = {
+        topic.name.strip('/'): topic for topic, count in bag.topics.items()
+        if topic.kind in IMAGES and topic.encoding in READABLE and count
+    }
+    alone = [
+        each for each in there
+        if not any(each != other and each.startswith(f'{other}/') for other in there)
+    ]
+    wanted = (name or USUAL).strip('/')
+    if wanted in there:
+        return there[wanted]
+    if name is None and len(alone) == 1:
+        return there[alone[0]]
+    names = ', '.join(sorted(topic.name for topic in there.values()))
+    if not names:
+        what = f'{bag.path} has no images on any topic'
+    elif name is None:
+        what = f'{bag.path} has images on several topics'
+    else:
+        what = f'{bag.path} has no images on {name}'
+    raise RecordingError(what + (f': set --topic to one of {names}' if names else ''))

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 import sqlite3
 
-from blob_tracker.ros.endpoints.recording import opened, recorded_images, RecordingError
+from blob_tracker.ros.bags import opened, RecordingError
+from blob_tracker.ros.endpoints.recording import recorded_images
 import numpy as np
 import pytest
 from rosbags.rosbag2 import Writer
@@ -31,17 +32,6 @@ def test_a_bag_that_does_not_tell_its_types_is_read(tmp_path: Path) -> None:
         database.execute('DELETE FROM message_definitions')
     ((_, pixels),) = recorded_images(bag, '/camera')
     assert (pixels == PIXELS.reshape(2, 3)).all()
-
-
-def test_a_bag_of_ros_1_is_to_be_converted(tmp_path: Path) -> None:
-    """With the command that does it."""
-    bag = tmp_path / 'flight.bag'
-    bag.write_bytes(b'#ROSBAG V2.0\n')
-    with (
-        pytest.raises(RecordingError, match='bag of ROS 1; convert it: rosbags-convert --src'),
-        opened(bag),
-    ):
-        pass
 
 
 def test_what_is_no_bag_is_refused(tmp_path: Path) -> None:
