@@ -37,7 +37,7 @@ def read_basalt(content: dict[str, Any], camera: str) -> dict[str, Any]:
     if not isinstance(sizes, list) or len(sizes) <= index:
         raise CalibrationError(f'has no resolution of {name}')
     width, height = numbers(sizes[index], f'resolution of {name}', 2)
-    kind = str(entry.get('camera_type')) if isinstance(entry, dict) else ''
+    kind = str(entry.get('camera_type') or 'nameless') if isinstance(entry, dict) else 'nameless'
     if kind not in _MODELS:
         raise CalibrationError(
             f'has the camera type {kind}, which is not known; calibrate anew with one of '

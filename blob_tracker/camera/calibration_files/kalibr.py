@@ -29,7 +29,8 @@ def read_kalibr(content: dict[str, Any], camera: str) -> dict[str, Any]:
     for key in ('intrinsics', 'resolution'):
         if key not in entry:
             raise CalibrationError(f'has no {key} of {name}')
-    kind, bent = str(entry['camera_model']), str(entry.get('distortion_model', 'none'))
+    kind = str(entry['camera_model'] or 'nameless')
+    bent = str(entry.get('distortion_model') or 'none')
     if kind not in _MODELS:
         raise CalibrationError(
             f'has the camera model {kind}, which is not known; calibrate anew with '

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from blob_tracker.camera.calibration_files.values import matrix, number, numbers, whole
+from blob_tracker.camera.calibration_files.values import matrix, numbers, whole
 from blob_tracker.camera.lens import todays_name
 from blob_tracker.camera.lens.polynomial import COUNTS
 from blob_tracker.camera.yaml_file import CalibrationError
@@ -112,14 +112,15 @@ def _model(
     fisheye = content[found['fisheyemodel']] if 'fisheyemodel' in found else 0
     if str(fisheye).lower() in ('1', 'true'):
         return 'equidistant'
-    if 'distortionmodel' not in found:
+    named = str(content.get(found.get('distortionmodel', ''), '') or '')
+    if not named and count:
         if count == 4 and matrix_name not in ('camera_matrix', 'k', 'K'):
             remarks.append(
                 'its four coefficients are taken for k1 k2 p1 p2; those of a fish-eye need the '
                 'line distortion_model: equidistant'
             )
         return POLYNOMIALS[count > 5]
-    name = todays_name(str(content[found['distortionmodel']]))
+    name = todays_name(named)
     if name in POLYNOMIALS and count in COUNTS and count:
         usual = POLYNOMIALS[count > 5]
         if name != usual:
@@ -150,8 +151,8 @@ def read_region(
 
     """
     binning = (
-        max(int(number(content.get('binning_x', 0), 'binning_x')), 1),
-        max(int(number(content.get('binning_y', 0), 'binning_y')), 1),
+        max(whole(content.get('binning_x', 0), 'binning_x'), 1),
+        max(whole(content.get('binning_y', 0), 'binning_y'), 1),
     )
     roi = content.get('roi')
     roi = roi if isinstance(roi, dict) else {}

@@ -84,4 +84,8 @@ def _flat(entry: Any) -> list[Any]:
 
 
 def _shown(entry: Any) -> str:
+    if isinstance(entry, dict):
+        return 'named values'
+    if isinstance(entry, list):
+        return 'a list'
     return 'nothing' if entry is None else f'{entry!s:.40}'

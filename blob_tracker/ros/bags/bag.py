@@ -71,6 +71,7 @@ class Bag:
             for topic in found
         }
         flaws = [*metadata.flaws, *(flaw for each, _ in spans for flaw in each.flaws)]
+        self._flaws = frozenset(flaws)
         self.remark = ''
         if flaws:
             there = sum(sum(each.counts().values()) for each, _ in spans)
@@ -103,8 +104,9 @@ class Bag:
             f'{name}: {promised[name]} messages are promised and {count} came'
             for name, count in came.items() if promised.get(name, count) != count
         ]
-        if differing:
-            flaws = dict.fromkeys(flaw for each in self._files for flaw in each.flaws)
+        flaws = dict.fromkeys(flaw for each in self._files for flaw in each.flaws)
+        # What was not seen before it was read may hide messages of which nobody knows.
+        if differing or flaws.keys() - self._flaws:
             remedy = (
                 f'. To take what is there, move {NAME} away, or make it anew: `ros2 bag reindex`'
                 if (self.path / NAME).is_file() else ''
@@ -221,9 +223,14 @@ def _opened_file(path: Path, stack: ExitStack, flaws: list[str]) -> BagFile:
     if start.startswith(compression.ZSTD_MAGIC):
         folder = Path(stack.enter_context(TemporaryDirectory(prefix='bag_')))
         inner = folder / path.stem
-        if flaw := compression.decompress_file(path, inner):
+        flaw = compression.decompress_file(path, inner)
+        if flaw:
             flaws.append(f'{path.name}: {flaw}')
-        return _opened_file(inner, stack, flaws)
+        try:
+            return _opened_file(inner, stack, flaws)
+        except RecordingError as error:
+            raise RecordingError(f'{str(error).replace(str(inner), str(path))}{flaw and ": "}{flaw}'
+                                 ) from None
     file: BagFile
     if start.startswith(mcap_file.MAGIC):
         file = mcap_file.McapFile(path)

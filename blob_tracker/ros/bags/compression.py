@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-import shutil
 import struct
 
 from backports import zstd  # comes with rosbags, as lz4 does
 from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]
 
+BLOCK_BYTES = 1 << 20
 ZSTD_MAGIC = b'\x28\xb5\x2f\xfd'
 # What a damaged stream, or the head of a chunk before it, raises; KeyError: by an unknown method.
 DECOMPRESSION_FAULTS: tuple[type[Exception], ...] = (
-    zstd.ZstdError, RuntimeError, EOFError, KeyError, UnicodeDecodeError, struct.error)
+    zstd.ZstdError, RuntimeError, EOFError, KeyError, struct.error)
 _DECOMPRESSORS: dict[str, Callable[[bytes], bytes]] = {
     '': bytes,
     'lz4': lambda data: LZ4FrameDecompressor().decompress(data),
@@ -35,10 +35,17 @@ def decompressed(data: bytes, algorithm: str) -> bytes:
 
 def decompress_file(source: Path, target: Path) -> str:
     """Decompress a file of zstd as far as it goes; returns what is wrong with it, or ''."""
+    decompressor, begun = zstd.ZstdDecompressor(), False
     with source.open('rb') as compressed, target.open('wb') as file:
-        try:
-            with zstd.open(compressed, 'rb') as stream:
-                shutil.copyfileobj(stream, file)
-        except (zstd.ZstdError, EOFError):
-            return 'its compressed stream is cut or damaged'
-    return ''
+        while block := compressed.read(BLOCK_BYTES):
+            while block:
+                begun = True
+                try:
+                    file.write(decompressor.decompress(block))
+                except zstd.ZstdError:
+                    return 'its compressed stream is damaged'
+                block = b''
+                if decompressor.eof:  # another stream may follow
+                    block = decompressor.unused_data
+                    decompressor, begun = zstd.ZstdDecompressor(), False
+    return 'its compressed stream ends in the middle' if begun else ''

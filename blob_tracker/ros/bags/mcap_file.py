@@ -15,6 +15,7 @@ The format: https://mcap.dev/spec
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from contextlib import suppress
 import heapq
 from pathlib import Path
 import struct
@@ -135,7 +136,7 @@ class McapFile:
                     self._pieces.append(_of_index(body))
                 elif code == STATISTICS:
                     statistics = _statistics(body)
-        except (struct.error, UnicodeDecodeError):
+        except struct.error:
             statistics = None
         if statistics is not None:
             total, chunks, self._counts = statistics
@@ -221,7 +222,7 @@ class McapFile:
             _, length = _RECORD.unpack(self._file.read(_RECORD.size))
             _, _, size, crc = _CHUNK.unpack(self._file.read(_CHUNK.size))
             (letters,) = _LENGTH.unpack(self._file.read(_LENGTH.size))
-            compression = self._file.read(letters).decode()
+            compression = self._file.read(letters).decode(errors='replace')
             (stored,) = _SIZE.unpack(self._file.read(_SIZE.size))
             raw = decompressed(self._file.read(min(stored, self._size)), compression)
         except DECOMPRESSION_FAULTS:
@@ -238,7 +239,11 @@ class McapFile:
             self.flaws.append(flaw)
 
     def _learn(self, code: int, body: bytes) -> None:
-        """Read what a schema or a channel is."""
+        """Read what a schema or a channel is; one that is damaged names no topic."""
+        with suppress(struct.error):
+            self._learn_whole(code, body)
+
+    def _learn_whole(self, code: int, body: bytes) -> None:
         (number,) = struct.unpack_from('<H', body)
         if code == SCHEMA:
             name, place = _text(body, 2)
@@ -272,7 +277,7 @@ def _text(content: bytes, place: int) -> tuple[str, int]:
     """Return a text, and the place after it."""
     (length,) = struct.unpack_from('<I', content, place)
     end = place + 4 + length
-    return content[place + 4:end].decode(), end
+    return content[place + 4:end].decode(errors='replace'), end
 
 
 def _entries(content: bytes) -> dict[str, str]:

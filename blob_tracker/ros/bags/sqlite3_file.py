@@ -13,6 +13,7 @@ from blob_tracker.ros.bags.qos import profiles
 from blob_tracker.ros.bags.topic import Message, RecordingError, Topic
 
 MAGIC = b'SQLite format 3\0'
+FAULTS = (sqlite3.Error, UnicodeDecodeError)  # the latter where it quotes a damaged file
 
 
 class Sqlite3File:
@@ -25,9 +26,10 @@ class Sqlite3File:
         self._copies: TemporaryDirectory[str] | None = None
         self._made: Path | None = None  # by SQLite, beside the file, to read its log
         self._database = self._connected()
+        self._database.text_factory = _text  # damaged letters are no fault that shuts a bag
         try:
             self._topics = self._read_topics()
-        except sqlite3.Error as error:
+        except FAULTS as error:
             self.close()
             raise RecordingError(
                 f'{path} is no bag that can be read: {error}; copy it anew, or save what is left '
@@ -77,7 +79,7 @@ class Sqlite3File:
         """Yield the rows of a query, as far as the file is whole."""
         try:
             yield from self._database.execute(query, tuple(values))
-        except sqlite3.Error as error:
+        except FAULTS as error:
             if (flaw := str(error)) not in self.flaws:
                 self.flaws.append(flaw)
 
@@ -122,3 +124,7 @@ class Sqlite3File:
             for number, name, kind, encoding, written in self._database.execute(
                 f'SELECT id, name, type, serialization_format, {qos} FROM topics ORDER BY id')
         }
+
+
+def _text(letters: bytes) -> str:
+    return letters.decode(errors='replace')
