@@ -21,14 +21,13 @@ ROOT = Path(__file__).parents[1]
 KNOWN_KEYS = yaml.safe_load((Path(__file__).parent / 'rosdep_keys.yaml').read_text())
 # What the package imports, by the key that installs it.
 KEYS = {
-    'backports': 'python3-rosbags-pip',  # its zstd, which rosbags brings, and lz4
+    # rosbags brings apsw, zstd and lz4.
+    **dict.fromkeys(('apsw', 'backports', 'lz4', 'rosbags'), 'python3-rosbags-pip'),
     'cv2': 'python3-opencv',
-    'lz4': 'python3-rosbags-pip',
     'matplotlib': 'python3-matplotlib',
     'numba': 'python3-numba',
     'numpy': 'python3-numpy',
     'rich': 'python3-rich',
-    'rosbags': 'python3-rosbags-pip',
     'scipy': 'python3-scipy',
     'yaml': 'python3-yaml',
 }

@@ -10,21 +10,20 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager, ExitStack
 from dataclasses import replace
-from functools import cached_property
+from functools import lru_cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, TYPE_CHECKING
 
 from blob_tracker.ros.bags.metadata import files_of, Metadata, NAME, read_metadata, SUFFIXES
-from blob_tracker.ros.bags.topic import BagFile, CDR, Message, RecordingError, Topic
+from blob_tracker.ros.bags.topic import BagFile, CDR, Message, RecordingError, ROS1, Topic
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
 # Ubuntu 24.04 has no package of it, and its pip refuses to install beside apt (PEP 668).
 NO_ROSBAGS = (
-    'rosbags is not installed: python3 -m pip install --break-system-packages rosbags (in a '
-    'virtual environment without that option)'
+    'rosbags 0.11 or newer is not installed: python3 -m pip install --break-system-packages -U '
+    'rosbags (in a virtual environment without the first option)'
 )
 
 
@@ -120,7 +119,9 @@ class Bag:
         """Return a message of a type that ROS' common interfaces have, with its fields."""
         topic = message.topic
         try:
-            return self._typestore.deserialize_cdr(self.serialized(message), topic.kind)
+            if topic.encoding == ROS1:
+                return _typestore(ROS1).deserialize_ros1(message.data, topic.kind)
+            return _typestore(CDR).deserialize_cdr(message.data, topic.kind)
         except Exception as error:  # what a damaged message makes it raise comes from anywhere
             raise RecordingError(
                 f'{self.path}, {topic.name}: a message is no {topic.kind}: {error}') from None
@@ -131,7 +132,7 @@ class Bag:
         if topic.encoding == CDR:
             return message.data
         try:
-            return bytes(self._typestore.ros1_to_cdr(message.data, topic.kind))
+            return bytes(_typestore(CDR).ros1_to_cdr(message.data, topic.kind))
         except Exception as error:  # as above
             raise RecordingError(
                 f'{self.path}, {topic.name}: a message is no {topic.kind}: {error}') from None
@@ -150,12 +151,6 @@ class Bag:
         except DECOMPRESSION_FAULTS:
             raise RecordingError(
                 f'{self.path}, {message.topic.name}: a compressed message is damaged') from None
-
-    @cached_property
-    def _typestore(self) -> Typestore:
-        from rosbags.typesys import get_typestore, Stores
-
-        return get_typestore(Stores.ROS2_JAZZY)
 
 
 def is_bag(path: Path) -> bool:
@@ -189,7 +184,7 @@ def opened(path: Path) -> Iterator[Bag]:
     if not path.exists():
         raise RecordingError(f'there is no bag {path}')
     try:
-        import rosbags as _  # noqa: F401
+        from blob_tracker.ros.bags.any_file import opened_file
     except ImportError:
         raise RecordingError(f'{NO_ROSBAGS}, or use `ros2 bag play`') from None
     try:
@@ -202,7 +197,7 @@ def opened(path: Path) -> Iterator[Bag]:
             files: list[BagFile] = []
             for file in metadata.files:
                 try:
-                    files.append(_opened_file(file, stack, metadata.flaws))
+                    files.append(opened_file(file, stack, metadata.flaws))
                 except RecordingError as error:
                     if path.is_file() or len(metadata.files) == 1:
                         raise
@@ -214,35 +209,12 @@ def opened(path: Path) -> Iterator[Bag]:
         raise RecordingError(f'{path} is not a bag that can be read: {error}') from None
 
 
-def _opened_file(path: Path, stack: ExitStack, flaws: list[str]) -> BagFile:
-    """Open a file of a bag by what it begins with, for as long as the stack is."""
-    from blob_tracker.ros.bags import compression, mcap_file, ros1_file, sqlite3_file
+@lru_cache
+def _typestore(encoding: str) -> Typestore:
+    """Return the types of the common interfaces; it takes 0.1 s."""
+    from rosbags.typesys import get_typestore, Stores
 
-    with path.open('rb') as content:
-        start = content.read(16)
-    if start.startswith(compression.ZSTD_MAGIC):
-        folder = Path(stack.enter_context(TemporaryDirectory(prefix='bag_')))
-        inner = folder / path.stem
-        flaw = compression.decompress_file(path, inner)
-        if flaw:
-            flaws.append(f'{path.name}: {flaw}')
-        try:
-            return _opened_file(inner, stack, flaws)
-        except RecordingError as error:
-            raise RecordingError(f'{str(error).replace(str(inner), str(path))}{flaw and ": "}{flaw}'
-                                 ) from None
-    file: BagFile
-    if start.startswith(mcap_file.MAGIC):
-        file = mcap_file.McapFile(path)
-    elif start.startswith(sqlite3_file.MAGIC):
-        file = sqlite3_file.Sqlite3File(path)
-    elif start.startswith(ros1_file.MAGIC):
-        file = ros1_file.Ros1File(path)
-    else:
-        what = 'is empty' if not start else 'is neither mcap nor sqlite3 nor a bag of ROS 1'
-        raise RecordingError(f'{path} {what}')
-    stack.callback(file.close)
-    return file
+    return get_typestore(Stores.ROS1_NOETIC if encoding == ROS1 else Stores.ROS2_JAZZY)
 
 
 def _by_name(counts: Iterable[dict[Topic, int]]) -> dict[str, int]:

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from pathlib import Path
 import shutil
-import sqlite3
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import apsw  # comes with rosbags; a tenth faster than the standard library's
 from blob_tracker.ros.bags.qos import profiles
 from blob_tracker.ros.bags.topic import Message, RecordingError, Topic
 
 MAGIC = b'SQLite format 3\0'
-FAULTS = (sqlite3.Error, UnicodeDecodeError)  # the latter where it quotes a damaged file
+FAULTS = (apsw.Error, UnicodeDecodeError)  # the latter of the text in a damaged file
+READ = apsw.SQLITE_OPEN_READONLY | apsw.SQLITE_OPEN_URI
 
 
 class Sqlite3File:
@@ -26,7 +27,6 @@ class Sqlite3File:
         self._copies: TemporaryDirectory[str] | None = None
         self._made: Path | None = None  # by SQLite, beside the file, to read its log
         self._database = self._connected()
-        self._database.text_factory = _text  # damaged letters are no fault that shuts a bag
         try:
             self._topics = self._read_topics()
         except FAULTS as error:
@@ -47,6 +47,8 @@ class Sqlite3File:
         for number, count in rows:
             if number in self._topics:
                 found[self._topics[number]] += count
+            else:
+                self._flawed(f'{count} of its messages are of a topic that it does not name')
         return found
 
     def span(self) -> tuple[int, int] | None:
@@ -80,10 +82,13 @@ class Sqlite3File:
         try:
             yield from self._database.execute(query, tuple(values))
         except FAULTS as error:
-            if (flaw := str(error)) not in self.flaws:
-                self.flaws.append(flaw)
+            self._flawed(str(error))
 
-    def _connected(self) -> sqlite3.Connection:
+    def _flawed(self, flaw: str) -> None:
+        if flaw not in self.flaws:
+            self.flaws.append(flaw)
+
+    def _connected(self) -> apsw.Connection:
         """
         Open the database to be read.
 
@@ -98,21 +103,21 @@ class Sqlite3File:
         )
         if log is None and journal is None:
             # Without immutable SQLite wants to write beside a file that was once logged.
-            return sqlite3.connect(f'{address}?immutable=1', uri=True)
+            return apsw.Connection(f'{address}?immutable=1', flags=READ)
         if journal is None:
             index = Path(f'{self._path}-shm')
             self._made = None if index.exists() else index
-            database = sqlite3.connect(f'{address}?mode=ro', uri=True)
+            database = apsw.Connection(f'{address}?mode=ro', flags=READ)
             try:
                 database.execute('SELECT count(*) FROM sqlite_master').fetchone()
                 return database
-            except sqlite3.OperationalError:  # in a folder in which nothing can be written
+            except apsw.Error:  # in a folder in which nothing can be written
                 database.close()
         self._copies = TemporaryDirectory(prefix='bag_')
         for file in (self._path, log, journal):
             if file is not None:
                 shutil.copyfile(file, Path(self._copies.name, file.name))
-        return sqlite3.connect(Path(self._copies.name, self._path.name))
+        return apsw.Connection(str(Path(self._copies.name, self._path.name)))
 
     def _read_topics(self) -> dict[int, Topic]:
         columns = {row[1] for row in self._database.execute('PRAGMA table_info(topics)')}
@@ -124,7 +129,3 @@ class Sqlite3File:
             for number, name, kind, encoding, written in self._database.execute(
                 f'SELECT id, name, type, serialization_format, {qos} FROM topics ORDER BY id')
         }
-
-
-def _text(letters: bytes) -> str:
-    return letters.decode(errors='replace')

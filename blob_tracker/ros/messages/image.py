@@ -383,7 +383,9 @@ def _pixels(
         )
     rows = np.frombuffer(image.data, dtype=np.uint8).reshape(height, image.step)
     # A copy where needed: rows of 16 bits that begin at odd bytes cannot be looked at in place.
-    pixels = np.require(rows[:, :row], requirements='C' if image.step % dtype.itemsize else None)
+    pixels = rows[:, :row]
+    if image.step % dtype.itemsize:
+        pixels = np.ascontiguousarray(pixels)
     pixels = pixels.view(dtype)
     if channels > 1:
         pixels = pixels.reshape(height, image.width, channels)
