@@ -2,8 +2,8 @@
 An mcap file, by its index or, where it has none, by all of its records.
 
 A recorder that was killed leaves a file without its last part, index and all. The libraries
-refuse it (rosbags), or give the last message shortened as if it were whole (mcap). Here such a
-file is read to its last whole message, from a chunk that was cut as well.
+refuse it (rosbags), or lose the chunk that was cut (mcap). Here it is read to its last whole
+message, as are files without message indexes, or with messages out of order.
 
 What is decompressed at once is a piece: a chunk, or a megabyte of messages outside of chunks.
 Pieces are read in the order of their first messages and kept until no later one can begin before

@@ -10,8 +10,8 @@ import sys
 from blob_tracker.colour import grey_pixels
 from blob_tracker.ros.bags import Bag, opened, READABLE, RecordingError, Topic
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.compressed_image import to_uncropped_frame as of_compressed
-from blob_tracker.ros.messages.image import to_uncropped_frame as of_image
+from blob_tracker.ros.messages.compressed_image import to_whole_frame as of_compressed
+from blob_tracker.ros.messages.image import to_whole_frame as of_image
 from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.types import Frame, Pixels
 
@@ -27,11 +27,12 @@ def _warn(sentence: str) -> None:
     print(sentence, file=sys.stderr)
 
 
-def recorded_frames(
-    path: Path, topic: str | None = None, *, warn: Callable[[str], None] = _warn
-) -> Iterator[Frame]:
+def recorded_images(
+    path: Path, topic: str | None = None, *, interpolate: bool = True,
+    warn: Callable[[str], None] = _warn,
+) -> Iterator[tuple[float, Pixels]]:
     """
-    Yield the frames of an image topic, of which none need be decoded before it is asked for.
+    Yield the images of a topic in the order in which they were recorded, without their colours.
 
     Parameters
     ----------
@@ -40,64 +41,26 @@ def recorded_frames(
     topic : str, optional
         Name of the topic; a slash in front does not matter. Where it is left out it is
         camera/image_raw or the only one.
+    interpolate : bool
+        See `grey_pixels`.
     warn : callable
         Is told what is wrong with the bag, where it can be read nevertheless.
 
     Yields
     ------
-    Frame
-        In the order in which they were recorded, with the colours that they have. Its stamp is
-        that of the image, or the time at which it was recorded where it has none; it knows of no
-        crop and no binning, of which camera_info tells.
+    float, (h, w) array
+        Stamp of the image, s since the first, or the time at which it was recorded where it has
+        none; and its pixels as `grey_pixels` gives them.
 
     Raises
     ------
     RecordingError
-        Where the bag cannot be read, or has no images on that topic; after the last frame where
+        Where the bag cannot be read, or has no images on that topic; after the last image where
         fewer or more came than the bag says that it has.
 
     """
-    with opened(path) as bag:
-        if bag.remark:
-            warn(bag.remark)
-        chosen = image_topic(bag, topic)
-        first_ns: int | None = None
-        for message in bag.messages([chosen]):
-            image = bag.decoded(message)
-            first_ns = message.recorded_ns if first_ns is None else first_ns
-            try:
-                frame = IMAGES[chosen.kind](image)
-            except MessageError as error:
-                seconds = (message.recorded_ns - first_ns) / 1e9
-                raise RecordingError(
-                    f'{path}, {chosen.name} at {seconds:.3f} s: {error}') from None
-            if not to_ns(image.header.stamp):
-                frame = replace(frame, stamp_ns=message.recorded_ns)
-            yield frame
-
-
-def recorded_images(
-    path: Path, topic: str | None = None, *, interpolate: bool = True,
-    warn: Callable[[str], None] = _warn,
-) -> Iterator[tuple[float, Pixels]]:
-    """
-    Yield the images of a topic without their colours.
-
-    Parameters
-    ----------
-    path, topic, warn
-        As those of `recorded_frames`, which raises as this does.
-    interpolate : bool
-        See `grey_pixels`.
-
-    Yields
-    ------
-    float, (h, w) array
-        Stamp of the image, s since the first, and its pixels as `grey_pixels` gives them.
-
-    """
     first_ns: int | None = None
-    for frame in recorded_frames(path, topic, warn=warn):
+    for frame in _frames(path, topic, warn):
         first_ns = frame.stamp_ns if first_ns is None else first_ns
         try:
             pixels = grey_pixels(frame, interpolate=interpolate)
@@ -121,7 +84,7 @@ def image_topic(bag: Bag, name: str | None = None) -> Topic:
     bag : Bag
         Open.
     name : str, optional
-        As of `recorded_frames`. Compressed copies of an image's own topic do not count beside it.
+        As of `recorded_images`. Compressed copies of an image's own topic do not count beside it.
 
     Raises
     ------
@@ -150,3 +113,24 @@ def image_topic(bag: Bag, name: str | None = None) -> Topic:
     else:
         what = f'{bag.path} has no images on {name}'
     raise RecordingError(what + (f': set --topic to one of {names}' if names else ''))
+
+
+def _frames(path: Path, topic: str | None, warn: Callable[[str], None]) -> Iterator[Frame]:
+    """Yield the frames of an image topic, with the time of recording where one has no stamp."""
+    with opened(path) as bag:
+        if bag.remark:
+            warn(bag.remark)
+        chosen = image_topic(bag, topic)
+        first_ns: int | None = None
+        for message in bag.messages([chosen]):
+            image = bag.decoded(message)
+            first_ns = message.recorded_ns if first_ns is None else first_ns
+            try:
+                frame = IMAGES[chosen.kind](image)
+            except MessageError as error:
+                seconds = (message.recorded_ns - first_ns) / 1e9
+                raise RecordingError(
+                    f'{path}, {chosen.name} at {seconds:.3f} s: {error}') from None
+            if not to_ns(image.header.stamp):
+                frame = replace(frame, stamp_ns=message.recorded_ns)
+            yield frame

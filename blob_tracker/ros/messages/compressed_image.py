@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.types import BAYER, Frame
 import cv2
 import numpy as np
-from sensor_msgs.msg import CompressedImage
+
+if TYPE_CHECKING:  # those of a bag are read where no ROS is installed, too
+    from sensor_msgs.msg import CompressedImage
 
 PNG = b'\x89PNG'
 DEPTH_HEADER = 12  # bytes of compressed_depth_image_transport before its PNG
 _LAYOUTS = {1: 'grey', 3: 'bgr', 4: 'bgra'}  # of what OpenCV decodes, by its planes
 
 
-def to_uncropped_frame(message: CompressedImage) -> Frame:
+def to_whole_frame(message: CompressedImage) -> Frame:
     """
     Return the frame of a compressed image without its camera_info.
 

@@ -155,7 +155,7 @@ def _glimpse(fourth: Pixels) -> Glimpse:
     return glimpse
 
 
-def to_uncropped_frame(image: Image) -> Frame:
+def to_whole_frame(image: Image) -> Frame:
     """
     Return the frame of an image without its camera_info: as if it were of the whole sensor.
 
@@ -203,7 +203,7 @@ def to_pixels(image: Image, *, interpolate: bool = True) -> Pixels:
 
     """
     try:
-        return grey_pixels(to_uncropped_frame(image), interpolate=interpolate)
+        return grey_pixels(to_whole_frame(image), interpolate=interpolate)
     except ValueError as error:
         raise MessageError(str(error)) from None
 

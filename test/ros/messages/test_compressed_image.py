@@ -5,7 +5,7 @@ from __future__ import annotations
 from array import array
 
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.compressed_image import to_uncropped_frame
+from blob_tracker.ros.messages.compressed_image import to_whole_frame
 import cv2
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def encoded(content: np.ndarray, suffix: str = '.png') -> bytes:
 ])
 def test_pictures(form: str, content: np.ndarray, layout: str) -> None:
     """The planes tell of colours, the format of a mosaic."""
-    frame = to_uncropped_frame(message(encoded(content), form))
+    frame = to_whole_frame(message(encoded(content), form))
     assert frame.layout == layout
     assert frame.image.dtype == content.dtype
     np.testing.assert_array_equal(frame.image, content)
@@ -43,7 +43,7 @@ def test_pictures(form: str, content: np.ndarray, layout: str) -> None:
 def test_depth_has_a_header_of_its_own() -> None:
     """Twelve bytes before the PNG."""
     deep = GREY.astype(np.uint16) * 300
-    frame = to_uncropped_frame(message(bytes(12) + encoded(deep), '16UC1; compressedDepth png'))
+    frame = to_whole_frame(message(bytes(12) + encoded(deep), '16UC1; compressedDepth png'))
     np.testing.assert_array_equal(frame.image, deep)
 
 
@@ -55,4 +55,4 @@ def test_depth_has_a_header_of_its_own() -> None:
 def test_others_are_refused(data: bytes, form: str, sentence: str) -> None:
     """With what would be right."""
     with pytest.raises(MessageError, match=sentence):
-        to_uncropped_frame(message(data, form))
+        to_whole_frame(message(data, form))
