@@ -20,7 +20,7 @@ DEPENDENCIES = [
     'numpy>=1.26',
     'opencv-python-headless>=4.6',
     'rich>=13.7',
-    'rosbags>=0.10',
+    'rosbags>=0.11',
     'scipy>=1.11',
 ]
 EXTRAS = {

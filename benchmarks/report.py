@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from benchmarks import (
-    accuracy, bearing, blink, capture, detection, lab, latency, motion, real_frames, real_pixels,
-    search, speed, tracking, world,
+    accuracy, bearing, blink, capture, detection, files, lab, latency, motion, real_frames,
+    real_pixels, search, speed, tracking, world,
 )
 from benchmarks.accuracy import Bias, Row
 from benchmarks.bearing import Row as BearingRow
@@ -16,6 +16,7 @@ from benchmarks.blink import Row as BlinkRow
 from benchmarks.capture import Row as CaptureRow
 from benchmarks.contender import Contender
 from benchmarks.detection import Counts, Row as DetectionRow
+from benchmarks.files import Row as FileRow
 from benchmarks.lab import Row as LabRow
 from benchmarks.motion import Row as MotionRow
 from benchmarks.real_frames import Row as FrameRow
@@ -25,7 +26,7 @@ from benchmarks.speed import Pace
 from benchmarks.world import Row as WorldRow
 
 PARTS = ('accuracy', 'speed', 'real', 'detection', 'search', 'motion', 'tracking', 'capture',
-         'latency', 'world', 'blink')
+         'latency', 'world', 'blink', 'files')
 
 
 @dataclass(frozen=True)
@@ -82,6 +83,7 @@ class Report:
     latency: latency.Figures = latency.Figures()
     world: list[WorldRow] = field(default_factory=list)
     blink: list[BlinkRow] = field(default_factory=list)
+    files: list[FileRow] = field(default_factory=list)
 
 
 def steps(parts: Collection[str], sizes: Sizes, beside: Path | None = None) -> int:
@@ -98,6 +100,7 @@ def steps(parts: Collection[str], sizes: Sizes, beside: Path | None = None) -> i
         'latency': latency.steps(sizes.latency, beside),
         'world': world.steps(),
         'blink': blink.steps(),
+        'files': files.steps(),
     }
     return sum(each[part] for part in parts)
 
@@ -146,4 +149,6 @@ def measure(
         report.world.extend(world.run(sizes.world, tick, seed))
     if 'blink' in parts:
         report.blink.extend(blink.run(sizes.blink, tick))
+    if 'files' in parts:
+        report.files.extend(files.run(sizes.repeats, tick))
     return report

@@ -8,7 +8,7 @@ from benchmarks.blink import tables as blink_tables
 from benchmarks.contender import Contender
 from benchmarks.report import Report
 from benchmarks.speed import PAIRED
-from benchmarks.tables_of_finding import capture, detection, frames, lab, search
+from benchmarks.tables_of_finding import capture, detection, files, frames, lab, search
 from benchmarks.tables_of_locating import accuracy, bearing, bias, motion, peers, real, speed
 from benchmarks.tables_of_running import beside, latency, tracking
 from benchmarks.targets import against_peers, Target
@@ -49,6 +49,7 @@ def figures(report: Report, ours: Sequence[str]) -> list[Table]:
     tables += [beside(report.latency.beside)] if report.latency.beside else []
     tables += [world_tables.table(report.world, baseline.read())] if report.world else []
     tables += [blink_tables.table(report.blink)] if report.blink else []
+    tables += [files(report.files)] if report.files else []
     return tables
 
 

@@ -7,6 +7,7 @@ from math import isnan
 
 from benchmarks.capture import Row as CaptureRow
 from benchmarks.detection import ASKED_SNR, OURS, Row as DetectionRow, share, SNRS
+from benchmarks.files import Row as FileRow
 from benchmarks.finders import FINDERS
 from benchmarks.lab import Row as LabRow
 from benchmarks.real_frames import Row as FrameRow
@@ -81,6 +82,20 @@ def capture(rows: Sequence[CaptureRow]) -> Table:
         table.add_row(
             row.size, f'{row.seconds * 1e6:,.0f}', f'{row.reference * 1e6:,.0f}',
             f'{row.ratio:.2f}',
+        )
+    return table
+
+
+def files(rows: Sequence[FileRow]) -> Table:
+    """Return images a second from each kind of bag, beside the libraries by hand."""
+    table = Table(
+        'bag', 'images/s', 'rosbags and OpenCV by hand', 'ratio', 'grows by, MB',
+        title='Images of 640 x 480 from bags',
+    )
+    for row in rows:
+        table.add_row(
+            row.bag, f'{row.rate:,.0f}', f'{row.reference:,.0f}', f'{row.ratio:.2f}',
+            f'{row.memory:.1f}',
         )
     return table
 

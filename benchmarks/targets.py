@@ -12,6 +12,7 @@ from benchmarks.accuracy import Bias, Row, TARGET
 from benchmarks.bearing import Row as BearingRow
 from benchmarks.capture import Row as CaptureRow
 from benchmarks.detection import ASKED_SNR, OURS, Row as DetectionRow, share
+from benchmarks.files import Row as FileRow
 from benchmarks.lab import DEFAULT, Row as LabRow
 from benchmarks.latency.figures import Figures, LARGE, ONE, Row as LatencyRow, THREE, USUAL
 from benchmarks.motion import Row as MotionRow
@@ -109,6 +110,7 @@ def judge(report: Report, ours: Sequence[str]) -> list[Target]:
     judged += [_capture_target(report.capture)] if report.capture else []
     judged += latency_targets(report.latency) if report.latency.rows else []
     judged += [_world_target(report.world)] if report.world else []
+    judged += file_targets(report.files) if report.files else []
     if report.blink:
         judged += [Target(*each) for each in blink.limits(report.blink)]
     return judged
@@ -217,6 +219,17 @@ def _capture_target(rows: Sequence[CaptureRow]) -> Target:
         unit=' us',
         where=row.size,
     )
+
+
+def file_targets(rows: Sequence[FileRow]) -> list[Target]:
+    """Return the targets that reading bags decides."""
+    slowest, largest = min(rows, key=lambda row: row.ratio), max(rows, key=lambda row: row.memory)
+    return [
+        Target('images from a bag, of what the libraries give by hand', 0.9, slowest.ratio,
+               floor=True, where=slowest.bag),
+        Target('a process that reads a bag grows by', 10.0, largest.memory, unit=' MB',
+               where=largest.bag),
+    ]
 
 
 def latency_targets(figures: Figures) -> list[Target]:

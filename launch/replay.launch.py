@@ -28,7 +28,7 @@ STARTUP = '60'  # s that the nodes may take: the first start compiles the fits
 def generate_launch_description() -> LaunchDescription:
     """Return the arguments and what they start."""
     return LaunchDescription([
-        DeclareLaunchArgument('bag', description='folder of the bag, mcap or sqlite3'),
+        DeclareLaunchArgument('bag', description='the bag: its folder, or a file of it'),
         DeclareLaunchArgument(
             'rate', default_value='1.0', description='speed: 2 is twice as fast as recorded'
         ),

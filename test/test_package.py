@@ -28,12 +28,13 @@ ROOT = Path(__file__).parents[1]
 KNOWN_KEYS = yaml.safe_load((Path(__file__).parent / 'rosdep_keys.yaml').read_text())
 # What the package imports, by the key that installs it.
 KEYS = {
+    # rosbags brings apsw, zstd and lz4.
+    **dict.fromkeys(('apsw', 'backports', 'lz4', 'rosbags'), 'python3-rosbags-pip'),
     'cv2': 'python3-opencv',
     'matplotlib': 'python3-matplotlib',
     'numba': 'python3-numba',
     'numpy': 'python3-numpy',
     'rich': 'python3-rich',
-    'rosbags': 'python3-rosbags-pip',
     'scipy': 'python3-scipy',
     'yaml': 'python3-yaml',
 }

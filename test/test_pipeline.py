@@ -31,7 +31,7 @@ BUDGET = 0.05  # px rms, what the thesis wanted
 def test_every_lit_frame_is_placed_within_the_budget() -> None:
     """All pairs of four seconds are found, 0.05 px rms at most, and the NEES is near 2."""
     scene = flashing_light()
-    model = CameraModel.from_yaml(config_path('camera_info.yaml'))
+    model = CameraModel.from_file(config_path('camera_info.yaml'))
     frames = (Frame(scene.frame(k), 1 + round(k * 1e9 / 60), 255) for k in range(FRAMES))
     bearings = list(Pipeline(model, noise=scene.sensor.noise).run(frames))
     assert [round(bearing.stamp_ns * 60 / 1e9) for bearing in bearings] == [*range(2, FRAMES, 2)]

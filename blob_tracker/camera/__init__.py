@@ -1,5 +1,6 @@
 """Location -> Bearing: from pixels to milliradians."""
 
+from blob_tracker.camera.calibration_reader import read_calibration, Region
 from blob_tracker.camera.calibration_writer import write_calibration
 from blob_tracker.camera.data_sheet import DataSheet
 from blob_tracker.camera.lens import LensError
@@ -12,5 +13,7 @@ __all__ = [
     'DataSheet',
     'LensError',
     'pinhole_matrix',
+    'read_calibration',
+    'Region',
     'write_calibration',
 ]

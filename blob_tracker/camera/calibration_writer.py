@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from blob_tracker.camera.calibration_reader import Region
 from blob_tracker.camera.model import CameraModel
 from blob_tracker.camera.yaml_file import write_content
 import numpy as np
@@ -13,10 +14,11 @@ from numpy.typing import NDArray
 
 
 def write_calibration(
-    path: str | Path, model: CameraModel, comments: Sequence[str] = ()
+    path: str | Path, model: CameraModel, comments: Sequence[str] = (),
+    region: Region | None = None,
 ) -> None:
     """
-    Write a calibration file that `CameraModel.from_yaml` and ROS read back; see `write_content`.
+    Write a calibration file that `CameraModel.from_file` and ROS read back; see `write_content`.
 
     Parameters
     ----------
@@ -26,6 +28,8 @@ def write_calibration(
         The calibration.
     comments : sequence of str
         Lines put on top, each after a `# `: the standard deviations, say, and the command.
+    region : Region, optional
+        Of the images, where they are not the whole sensor.
 
     Raises
     ------
@@ -43,6 +47,15 @@ def write_calibration(
         'rectification_matrix': _entry(model.rectification_matrix),
         'projection_matrix': _entry(model.projection_matrix),
     }
+    if region is not None:
+        content |= {
+            'binning_x': region.binning[0],
+            'binning_y': region.binning[1],
+            'roi': {
+                'x_offset': region.x0, 'y_offset': region.y0, 'height': region.height,
+                'width': region.width, 'do_rectify': False,
+            },
+        }
     write_content(path, 'calibration', content, comments)
 
 

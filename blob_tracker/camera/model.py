@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import atan2, cos, hypot, inf, isfinite, nan, sin, sqrt
 from pathlib import Path
+import warnings
 
 from blob_tracker.camera.calibration_reader import read_calibration
 from blob_tracker.camera.lens import LensError, LENSES
@@ -97,14 +99,23 @@ class CameraModel:
             )
 
     @classmethod
-    def from_yaml(cls, path: str | Path) -> CameraModel:
+    def from_file(
+        cls, path: str | Path, *, camera: str = '', size: tuple[int, int] | None = None,
+        warn: Callable[[str], object] = warnings.warn,
+    ) -> CameraModel:
         """
-        Read a calibration file in the form of ROS' camera_calibration_parsers.
+        Read a calibration file of ROS or of another program.
 
         Parameters
         ----------
         path : str or Path
-            The YAML file.
+            In one of the forms that `read_calibration` knows.
+        camera : str
+            Name of the camera that is meant in a file of several.
+        size : (int, int), optional
+            Width and height, px, that count where the file has none.
+        warn : callable
+            Is told what ought to be known of the file, a sentence each time.
 
         Returns
         -------
@@ -114,14 +125,17 @@ class CameraModel:
         Raises
         ------
         CalibrationError
-            Where the file is missing, is not such YAML, or holds impossible values.
+            Where the file is missing, is in no such form, or holds impossible values.
 
         """
-        content = read_calibration(path)
+        found = read_calibration(path, camera=camera, size=size)
         try:
-            return cls(**content)
+            model = cls(**found.arguments)
         except CalibrationError as error:
             raise CalibrationError(f'{path}: {error}') from None
+        for remark in found.remarks:
+            warn(remark)
+        return model
 
     @classmethod
     def from_field_of_view(

@@ -38,10 +38,13 @@ def content_of(path: str | Path, what: str) -> Iterator[dict[str, Any]]:
         if Path(path).exists() and not Path(path).is_file():  # a device may be read for ever
             raise CalibrationError(f'cannot read the {what} {path}: it is no regular file')
         content = yaml.safe_load(Path(path).read_text(encoding='utf-8'))
-    except (OSError, UnicodeDecodeError) as error:
-        raise CalibrationError(f'cannot read the {what} {path}: {error}') from None
+    except OSError as error:
+        raise CalibrationError(
+            f'cannot read the {what} {path}: {error.strerror or error}') from None
+    except UnicodeDecodeError:
+        raise CalibrationError(f'{path} is not a {what}: it is no text in UTF-8') from None
     except yaml.YAMLError as error:
-        raise CalibrationError(f'{path} is not YAML: {error}') from None
+        raise CalibrationError(f'{path} is not YAML: {yaml_fault(error)}') from None
     if not isinstance(content, dict):
         raise CalibrationError(f'{path} is not a {what}: it holds no named values')
     try:
@@ -52,6 +55,13 @@ def content_of(path: str | Path, what: str) -> Iterator[dict[str, Any]]:
         raise CalibrationError(f'{path} has no {error.args[0]}') from None
     except (TypeError, ValueError) as error:
         raise CalibrationError(f'{path} holds a value of the wrong form: {error}') from None
+
+
+def yaml_fault(error: yaml.YAMLError) -> str:
+    """Return what is wrong with YAML in one line."""
+    mark = getattr(error, 'problem_mark', None)
+    problem = getattr(error, 'problem', None) or 'it has characters that YAML does not allow'
+    return problem if mark is None else f'line {mark.line + 1}, {problem}'
 
 
 def write_content(

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 import sys
 import time
-from typing import Any, TYPE_CHECKING
 
+from blob_tracker.ros.bags import Bag, opened, READABLE, RecordingError, Topic
 from blob_tracker.ros.endpoints.qos import RESULT
-from blob_tracker.ros.endpoints.recording import opened, RecordingError
 from blob_tracker.ros.messages.stamp import from_ns
 from blob_tracker.ros.process import shut_down
 import rclpy
@@ -22,10 +22,6 @@ from rich.console import Console
 from rich.progress import Progress
 from rosgraph_msgs.msg import Clock
 
-if TYPE_CHECKING:
-    from rosbags.highlevel import AnyReader
-    from rosbags.interfaces import Connection
-
 QUIET = 1.0  # s without a new subscriber: all that were starting have been found
 CLOCK_STEP_NS = 10_000_000  # /clock at 100 Hz of bag time, and with each message
 LONGEST_QUEUE = 1000  # messages of a topic
@@ -34,7 +30,7 @@ LAST_WORDS = 2.0  # s for the subscribers to acknowledge the last messages
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of `python3 -m blob_tracker replay`."""
-    parser.add_argument('bag', type=Path, help='folder of the bag')
+    parser.add_argument('bag', type=Path, help='the bag: its folder, or a file of it')
     parser.add_argument(
         '--rate', type=float, default=1.0, help='speed: 2 is twice as fast as recorded'
     )
@@ -65,28 +61,30 @@ def main(arguments: argparse.Namespace) -> int:
     Returns
     -------
     int
-        0 when all is published, 1 where the bag cannot be read or the nodes of `--nodes` do not
-        come, 2 for a wrong option, 130 after Ctrl-C.
+        0 when all is published, 1 where the bag cannot be read, has not what it promises, or the
+        nodes of `--nodes` do not come, 2 for a wrong option, 130 after Ctrl-C.
 
     """
     if not arguments.rate > 0.0:
         print(f'--rate is {arguments.rate}; it must be above 0', file=sys.stderr)
         return 2
     try:
-        with opened(arguments.bag) as reader:
-            topics = set(arguments.topics or reader.topics)
-            connections = [c for c in reader.connections if c.topic in topics]
-            if not any(connection.msgcount for connection in connections):
+        with opened(arguments.bag) as bag:
+            if bag.remark:
+                print(bag.remark, file=sys.stderr)
+            names = set(arguments.topics or [topic.name for topic in bag.topics])
+            topics = {topic: count for topic, count in bag.topics.items() if topic.name in names}
+            if not any(topics.values()):
                 print(
-                    f'{arguments.bag} holds no messages of {", ".join(sorted(topics))}; '
-                    f'its topics are {", ".join(sorted(reader.topics))}',
+                    f'{arguments.bag} holds no messages of {", ".join(sorted(names))}; '
+                    f'its topics are {", ".join(sorted(topic.name for topic in bag.topics))}',
                     file=sys.stderr,
                 )
                 return 1
             rclpy.init()
             node = rclpy.create_node('replay')
             try:
-                publishers = _advertise(node, connections)
+                publishers = _advertise(node, topics)
                 clock = node.create_publisher(Clock, '/clock', RESULT) if arguments.clock else None
                 missing = _await(
                     node, set(arguments.nodes), list(publishers.values()), arguments.wait
@@ -98,7 +96,7 @@ def main(arguments: argparse.Namespace) -> int:
                         file=sys.stderr,
                     )
                     return 1
-                _play(reader, connections, publishers, clock, arguments.rate)
+                _play(bag, topics, publishers, clock, arguments.rate)
                 return 0
             except (KeyboardInterrupt, ExternalShutdownException):
                 return 130
@@ -112,43 +110,46 @@ def main(arguments: argparse.Namespace) -> int:
         return 1
 
 
-def _advertise(node: Node, connections: list[Connection]) -> dict[int, Publisher]:
-    """Return a publisher for each connection of the bag, as it was offered when recorded."""
+def _advertise(node: Node, topics: Mapping[Topic, int]) -> dict[Topic, Publisher]:
+    """Return a publisher for each topic of the bag, as it was offered when recorded."""
     publishers = {}
-    for connection in connections:
-        package, *_, name = connection.msgtype.split('/')
+    for topic, count in topics.items():
+        package, *_, name = topic.kind.split('/')
         try:
+            if topic.encoding not in READABLE:
+                raise ImportError
             kind = getattr(import_module(f'{package}.msg'), name)
-        except (ImportError, AttributeError):
+        except (ImportError, AttributeError, ValueError):  # ValueError: a topic without a type
             print(
-                f'{connection.topic} is left out: {connection.msgtype} is not installed here',
+                f'{topic.name} is left out: {topic.kind or "its type"} is not installed here',
                 file=sys.stderr,
             )
             continue
-        publishers[connection.id] = node.create_publisher(
-            kind, connection.topic, _recorded_qos(connection)
-        )
+        publishers[topic] = node.create_publisher(kind, topic.name, _recorded_qos(topic, count))
     return publishers
 
 
-def _recorded_qos(connection: Connection) -> QoSProfile:
+def _recorded_qos(topic: Topic, count: int) -> QoSProfile:
     """Return the QoS that the bag remembers; reliable where it remembers none."""
-    offered: list[Any] = getattr(connection.ext, 'offered_qos_profiles', None) or []
-    if not offered:
+    if not topic.qos:
         return RESULT
-    keep_all = offered[0].history.name == 'KEEP_ALL'
+    # A number until Jazzy, a word since.
+    offered = {key: str(value).lower() for key, value in topic.qos[0].items()}
+    depth = offered.get('depth', '')
     return QoSProfile(
-        history=HistoryPolicy.KEEP_ALL if keep_all else HistoryPolicy.KEEP_LAST,
+        history=(
+            HistoryPolicy.KEEP_ALL if offered.get('history') in ('2', 'keep_all')
+            else HistoryPolicy.KEEP_LAST
+        ),
         # A subscriber is known here before it listens: what it asks for again must still be held.
-        depth=max(int(offered[0].depth), min(connection.msgcount, LONGEST_QUEUE)),
+        depth=max(int(depth) if depth.isdigit() else 1, min(count, LONGEST_QUEUE)),
         reliability=(
-            ReliabilityPolicy.BEST_EFFORT
-            if offered[0].reliability.name == 'BEST_EFFORT'
+            ReliabilityPolicy.BEST_EFFORT if offered.get('reliability') in ('2', 'best_effort')
             else ReliabilityPolicy.RELIABLE
         ),
         durability=(
             DurabilityPolicy.TRANSIENT_LOCAL
-            if offered[0].durability.name == 'TRANSIENT_LOCAL'
+            if offered.get('durability') in ('1', 'transient_local')
             else DurabilityPolicy.VOLATILE
         ),
     )
@@ -181,31 +182,40 @@ def _await(
 
 
 def _play(
-    reader: AnyReader,
-    connections: list[Connection],
-    publishers: dict[int, Publisher],
+    bag: Bag,
+    topics: Mapping[Topic, int],
+    publishers: dict[Topic, Publisher],
     clock: Publisher | None,
     rate: float,
 ) -> None:
     """Publish the serialized messages, each at its time."""
-    first_ns = reader.start_time
+    first_ns = bag.start_ns
     clock_ns = first_ns
     began = time.monotonic()
-    # The bar goes to the standard error: the standard output stays free for pipes.
-    with Progress(console=Console(stderr=True)) as progress:
-        total = sum(connection.msgcount for connection in connections)
-        task = progress.add_task('replay', total=total)
-        for connection, stamp_ns, data in reader.messages(connections):
-            while clock is not None and clock_ns < stamp_ns:
-                _sleep_until(began + (clock_ns - first_ns) / 1e9 / rate)
-                clock.publish(Clock(clock=from_ns(clock_ns)))
-                clock_ns += CLOCK_STEP_NS
-            _sleep_until(began + (stamp_ns - first_ns) / 1e9 / rate)
-            if clock is not None:
-                clock.publish(Clock(clock=from_ns(stamp_ns)))
-            if connection.id in publishers:
-                publishers[connection.id].publish(bytes(data))
-            progress.advance(task)
+    try:
+        # The bar goes to the standard error: the standard output stays free for pipes.
+        with Progress(console=Console(stderr=True)) as progress:
+            task = progress.add_task('replay', total=sum(topics.values()))
+            for message in bag.messages(topics):
+                stamp_ns = message.recorded_ns
+                while clock is not None and clock_ns < stamp_ns:
+                    _sleep_until(began + (clock_ns - first_ns) / 1e9 / rate)
+                    clock.publish(Clock(clock=from_ns(clock_ns)))
+                    clock_ns += CLOCK_STEP_NS
+                _sleep_until(began + (stamp_ns - first_ns) / 1e9 / rate)
+                if clock is not None:
+                    clock.publish(Clock(clock=from_ns(stamp_ns)))
+                if message.topic in publishers:
+                    publishers[message.topic].publish(bag.serialized(message))
+                progress.advance(task)
+    except RecordingError:  # what came before it arrives all the same
+        _let_arrive(publishers)
+        raise
+    _let_arrive(publishers)
+
+
+def _let_arrive(publishers: dict[Topic, Publisher]) -> None:
+    """Wait until the subscribers have the last messages, but not for ever."""
     for publisher in publishers.values():
         publisher.wait_for_all_acked(rclpy.duration.Duration(seconds=LAST_WORDS))
 

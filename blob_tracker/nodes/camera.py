@@ -112,7 +112,9 @@ class CameraNode(Node):
         url = values['camera_info_url']
         with about('camera_info_url'):
             calibration = to_path(url or DEFAULT_CALIBRATION_URL, values['camera_name'])
-            model = CameraModel.from_yaml(calibration) if url or calibration.exists() else None
+            model = None
+            if url or calibration.exists():
+                model = CameraModel.from_file(calibration, warn=self.get_logger().warning)
         device = {name: values[name] for name in DEVICE}
         for name in ('exposure_time', 'readout_time'):
             device[name] = device[name] or None

@@ -31,20 +31,20 @@ def test_broken_file_says_what_is_wrong(text: str | None, sentence: str, tmp_pat
         text = good.replace('[600.0, 0.0, 319.5,', '[600.0, 319.5,')
     path.write_text(text)
     with pytest.raises(CalibrationError, match=sentence) as caught:
-        CameraModel.from_yaml(path)
+        CameraModel.from_file(path)
     assert str(path) in str(caught.value)
 
 
 def test_missing_file_is_named() -> None:
     """The path that was tried is in the sentence."""
     with pytest.raises(CalibrationError, match='cannot read the calibration /no/such.yaml'):
-        CameraModel.from_yaml('/no/such.yaml')
+        CameraModel.from_file('/no/such.yaml')
 
 
 def test_a_device_is_not_read() -> None:
     """It may never end."""
     with pytest.raises(CalibrationError, match='/dev/zero: it is no regular file'):
-        CameraModel.from_yaml('/dev/zero')
+        CameraModel.from_file('/dev/zero')
 
 
 def test_impossible_value_names_the_file(tmp_path: Path) -> None:
@@ -53,7 +53,7 @@ def test_impossible_value_names_the_file(tmp_path: Path) -> None:
     good = config_path('camera_info.yaml').read_text()
     path.write_text(good.replace('[600.0, 0.0, 319.5,', '[0.0, 0.0, 319.5,'))
     with pytest.raises(CalibrationError, match='camera.yaml: the focal lengths are 0 and 600'):
-        CameraModel.from_yaml(path)
+        CameraModel.from_file(path)
 
 
 # What camera_calibration_parsers may put at the end; it says nothing of K.
@@ -73,7 +73,7 @@ def test_file_of_the_ros_calibrator_is_read(more: str, tmp_path: Path) -> None:
     """Every number of it, R and P included."""
     path = tmp_path / 'ost.yaml'
     path.write_text(OF_ROS + more)
-    model = CameraModel.from_yaml(path)
+    model = CameraModel.from_file(path)
     assert (model.width, model.height, model.name) == (640, 480, 'narrow_stereo')
     assert model.matrix.tolist() == [
         [504.10382, 0.0, 321.80917], [0.0, 505.91447, 240.34672], [0.0, 0.0, 1.0]
@@ -91,7 +91,7 @@ def test_what_ros_can_do_without_may_be_missing(name: str, tmp_path: Path) -> No
     del content[name]
     path = tmp_path / 'camera.yaml'
     path.write_text(yaml.safe_dump(content))
-    model = CameraModel.from_yaml(path)
+    model = CameraModel.from_file(path)
     if name == 'camera_name':
         assert model.name == 'camera'
     assert model.distortion_model == 'plumb_bob'
@@ -117,7 +117,7 @@ def test_coefficients_of_each_number(
     content['distortion_coefficients'] = {'rows': rows, 'cols': columns, 'data': values}
     path = tmp_path / 'camera.yaml'
     path.write_text(yaml.safe_dump(content))
-    read = CameraModel.from_yaml(path)
+    read = CameraModel.from_file(path)
     assert read.distortion.tolist() == values
     # Some releases of ROS' calibrator call it fisheye; nothing else in ROS does.
     assert read.distortion_model == model.replace('fisheye', 'equidistant')

@@ -34,7 +34,7 @@ def test_written_file_is_read_back(name: str, tmp_path: Path) -> None:
     model = explicit(dataclasses.replace(MODELS[name], name='north_mast'))
     path = tmp_path / 'a' / 'b' / 'camera.yaml'
     write_calibration(path, model, ['focal length 600.1 +- 0.2 px', 'two\nlines', ''])
-    check_same(CameraModel.from_yaml(path), model)
+    check_same(CameraModel.from_file(path), model)
     lines = path.read_text().splitlines()
     assert lines[:5] == ['# focal length 600.1 +- 0.2 px', '# two', '# lines', '#',
                          'image_width: 640']
@@ -61,7 +61,7 @@ def test_every_digit_is_kept(
     )
     path = tmp_path_factory.mktemp('digits') / 'camera.yaml'
     write_calibration(path, model)
-    check_same(CameraModel.from_yaml(path), model)
+    check_same(CameraModel.from_file(path), model)
     # Plain numbers for every YAML reader: PyYAML takes 1e-05, without a point, for a word.
     data = yaml.safe_load(path.read_text())['distortion_coefficients']['data']
     assert all(isinstance(value, float) for value in data)
@@ -74,7 +74,7 @@ def test_file_is_replaced_and_its_link_kept(tmp_path: Path) -> None:
     link.symlink_to(path)
     write_calibration(link, PINHOLE)
     assert link.is_symlink()
-    check_same(CameraModel.from_yaml(path), explicit(PINHOLE))
+    check_same(CameraModel.from_file(path), explicit(PINHOLE))
     (tmp_path / 'new').touch()
     assert path.stat().st_mode == (tmp_path / 'new').stat().st_mode
 

@@ -144,7 +144,7 @@ def test_pixel_without_a_ray_is_refused() -> None:
 
 def test_sample_calibration_is_read() -> None:
     """The file that is shipped is the simulated camera."""
-    model = CameraModel.from_yaml(config_path('camera_info.yaml'))
+    model = CameraModel.from_file(config_path('camera_info.yaml'))
     assert (model.width, model.height, model.name) == (640, 480, 'simulated')
     np.testing.assert_array_equal(model.matrix, PINHOLE.matrix)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+import shutil
 
 from blob_tracker.resources import config_path
 from blob_tracker.ros.messages.stamp import to_ns
@@ -138,4 +139,28 @@ def test_wrong_use_says_what_is_wrong(
     with start_replay(Path(arguments[0]), domain, *arguments[1:]) as replay:
         assert replay.wait() == code
     assert sentence in replay.output
+    assert 'Traceback' not in replay.output
+
+
+def test_a_killed_bag_is_played_to_its_end(domain: int, tmp_path: Path) -> None:
+    """With a word on what is there; nothing was promised, and nothing is missed."""
+    bag = tmp_path / 'killed'
+    bag.mkdir()
+    content = (BAGS / 'flash_mcap' / 'flash_mcap.mcap').read_bytes()
+    (bag / 'killed_0.mcap').write_bytes(content[:-60_000])
+    with start_replay(bag, domain, '--rate', '50', '--wait', '0.2') as replay:
+        assert replay.wait() == 0, replay.output
+    assert 'it has no metadata.yaml; it ends in the middle of a record' in replay.output
+    assert '164 messages of 1.800 s are there' in replay.output
+
+
+def test_a_bag_that_has_not_what_it_promises_ends_with_1(domain: int, tmp_path: Path) -> None:
+    """After all that is there was played."""
+    bag = tmp_path / 'edited'
+    shutil.copytree(BAGS / 'flash_sqlite3', bag)
+    metadata = bag / 'metadata.yaml'
+    metadata.write_text(metadata.read_text().replace('message_count: 59', 'message_count: 60'))
+    with start_replay(bag, domain, '--rate', '50', '--wait', '0.2') as replay:
+        assert replay.wait() == 1, replay.output
+    assert '/camera/image_raw: 60 messages are promised and 59 came' in replay.output
     assert 'Traceback' not in replay.output

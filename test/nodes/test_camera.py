@@ -94,7 +94,7 @@ def test_a_calibration_is_stored_where_the_next_start_finds_it(
         answer = set_camera_info(node, camera_info())
         assert (answer.success, answer.status_message) == (True, f'stored in {path} and in use')
         assert list(ros_home.rglob('*.yaml')) == [path]
-    model = CameraModel.from_yaml(path)
+    model = CameraModel.from_file(path)
     assert model.name == 'left'
     assert (model.width, model.height) == (640, 480)
     assert model.matrix.ravel().tolist() == camera_info().k.tolist()

@@ -37,6 +37,20 @@ EQUIDISTANT = dataclasses.replace(
     distortion=np.array([0.02, -0.004, 0.001, -0.0002]),
     distortion_model='equidistant',
 )
+# Those of fish-eyes, as basalt, Kalibr and OCamCalib give them.
+DOUBLE_SPHERE = dataclasses.replace(
+    PINHOLE, matrix=pinhole_matrix(230.0, 640, 480), distortion=np.array([-0.2, 0.6]),
+    distortion_model='double_sphere',
+)
+EUCM = dataclasses.replace(
+    PINHOLE, matrix=pinhole_matrix(230.0, 640, 480), distortion=np.array([0.63, 1.04]),
+    distortion_model='eucm',
+)
+OCAMCALIB = dataclasses.replace(
+    PINHOLE, matrix=pinhole_matrix(220.0, 640, 480),
+    distortion=np.array([1.0003, -0.0002, 0.0005, 0.0, -0.32, 0.03, -0.04]),
+    distortion_model='ocamcalib',
+)
 MODELS = {
     'pinhole': PINHOLE,
     'plumb_bob': PLUMB_BOB,
@@ -45,6 +59,9 @@ MODELS = {
     'tilted': TILTED,
     'skewed': SKEWED,
     'equidistant': EQUIDISTANT,
+    'double_sphere': DOUBLE_SPHERE,
+    'eucm': EUCM,
+    'ocamcalib': OCAMCALIB,
 }
 
 

@@ -2,7 +2,9 @@
 
 from dataclasses import replace
 
-from blob_tracker.camera.lens import equidistant, plumb_bob, rational_polynomial
+from blob_tracker.camera.lens import (
+    double_sphere, equidistant, eucm, ocamcalib, plumb_bob, rational_polynomial,
+)
 from blob_tracker.camera.lens.definition import Lens, LensError
 
 # ROS' name of the distortion model: what it computes. To add one: a file and a line.
@@ -11,6 +13,9 @@ LENSES = {
     'plumb_bob': plumb_bob.LENS,
     'rational_polynomial': rational_polynomial.LENS,
     'equidistant': equidistant.LENS,
+    'double_sphere': double_sphere.LENS,
+    'eucm': eucm.LENS,
+    'ocamcalib': ocamcalib.LENS,
 }
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from blob_tracker.camera.lens.definition import Lens, Start
-from blob_tracker.camera.lens.polynomial import image, project, ray, slopes
+from blob_tracker.camera.lens.polynomial import COUNTS, image, project, ray, slopes
 import numpy as np
 from numpy.typing import NDArray
 
@@ -42,6 +42,6 @@ def start(
 
 
 LENS = Lens(
-    counts=(0, 4, 5), image=image, ray=ray, names=NAMES, start=start, project=project,
+    counts=COUNTS, image=image, ray=ray, names=NAMES, start=start, project=project,
     slopes=slopes,
 )

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 COUNT = 14
+COUNTS = (0, 4, 5, 8, 12, 14)  # of coefficients; ROS gives either name to each of them
 CLOSE_ENOUGH = 2e-14  # focal lengths: 1e-10 px with one of 5000 px
 MOST_STEPS = 60  # five or so do, many only where the picture is about to fold
 WIDEST_DEG = 89.0  # from the axis, up to where a fold is looked for

@@ -7,7 +7,7 @@ from math import inf
 
 from blob_tracker.camera.lens import plumb_bob
 from blob_tracker.camera.lens.definition import Lens, Start
-from blob_tracker.camera.lens.polynomial import image, project, ray, slopes
+from blob_tracker.camera.lens.polynomial import COUNTS, image, project, ray, slopes
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,7 +29,7 @@ def start(
 
 
 LENS = Lens(
-    counts=(0, 8, 12, 14),
+    counts=COUNTS,
     image=image,
     ray=ray,
     names=(*plumb_bob.NAMES, *DENOMINATOR),

@@ -12,6 +12,7 @@ from blob_tracker.commands.sources import SourceError
 
 CALIBRATIONS: dict[str, str] = {
     'board': 'lens, from images of a chessboard, a ChArUco board or a grid of dots',
+    'convert': "another program's calibration file, written as ROS has it",
     'flash': 'which lights blink, how, and the parameters that track them',
     'jitter': 'line offsets of an analogue grabber, from frames of a vertical edge',
     'line_time': 'how fast a rolling shutter reads its lines, from the bands of a lamp',

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Sequence
 from pathlib import Path
+import sys
 
 from rich.console import Console
 from rich.table import Table
@@ -80,3 +82,16 @@ def check_out(out: Path, suffix: str, *inputs: Path | None) -> None:
 def tell_of(console: Console, path: Path) -> None:
     """Say that a file is written, and that one of its name is replaced."""
     console.print(f'{path}{" (replaced)" if path.exists() else ""}', markup=False, soft_wrap=True)
+
+
+def warn(sentence: str) -> None:
+    """Say what ought to be known, beside the results."""
+    print(sentence, file=sys.stderr)
+
+
+def picture_size(words: str) -> tuple[int, int]:
+    """Return width and height of an option such as 640x480."""
+    width, separator, height = words.lower().partition('x')
+    if not (separator and width.isdigit() and height.isdigit() and int(width) * int(height)):
+        raise argparse.ArgumentTypeError(f"'{words}' is not WIDTHxHEIGHT, 640x480 say")
+    return int(width), int(height)

@@ -8,9 +8,12 @@ from pathlib import Path
 from blob_tracker.calibration.turn import calibrate_turn, TurnCalibration
 from blob_tracker.calibration.turn_picture import draw_turn
 from blob_tracker.calibration.turn_start import TurnError
-from blob_tracker.camera import CalibrationError, CameraModel, write_calibration
+from blob_tracker.camera import (
+    CalibrationError, CameraModel, read_calibration, write_calibration,
+)
+from blob_tracker.camera.lens import LENSES
 from blob_tracker.commands.calibrate.report import (
-    check_out, results_table, row, tell_of, UsageError, WORTHLESS,
+    check_out, picture_size, results_table, row, tell_of, UsageError, warn, WORTHLESS,
 )
 from blob_tracker.commands.calibrate.stations import add_stations, stations
 from blob_tracker.commands.calibrate.stations_file import PAN, Stations, StationsError, TILT
@@ -40,7 +43,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='first guess: its size, lens model and distortion are kept',
     )
     parser.add_argument(
-        '--size', type=_size, metavar='WIDTHxHEIGHT', help='of the picture, where none is guessed'
+        '--size', type=picture_size, metavar='WIDTHxHEIGHT',
+        help='of the picture, where none is guessed',
     )
     parser.add_argument(
         '--fit-distortion', action='store_true', help='fit k1, the first distortion coefficient'
@@ -84,7 +88,9 @@ def main(arguments: argparse.Namespace) -> None:
         raise UsageError('--range must be above 0 and beyond the lens')
     check_out(arguments.out, '', arguments.measurements, arguments.camera_info)
     if arguments.camera_info is not None:
-        guess = CameraModel.from_yaml(arguments.camera_info)
+        guess = CameraModel.from_file(arguments.camera_info, warn=warn)
+        if arguments.fit_distortion and 'k1' not in LENSES[guess.distortion_model].names:
+            raise UsageError(f'--fit-distortion: {guess.distortion_model} has no k1; leave it out')
     else:
         width, height = arguments.size
         guess = CameraModel.from_field_of_view(width, height, FIELD_OF_VIEW)
@@ -133,8 +139,8 @@ def _report(
     for note in result.notes:
         console.print(f'- {note}', markup=False)
     if arguments.camera_info is not None:
-        guess = CameraModel.from_yaml(arguments.camera_info).matrix[0, 0]
-        ratio = result.values['fx'] / guess
+        guess = read_calibration(arguments.camera_info).arguments['matrix']
+        ratio = result.values['fx'] / guess[0, 0]
         if not 1.0 / 3.0 < ratio < 3.0:  # no lens is known so badly; degrees are 17 mrad
             console.print(
                 f'- fx is {ratio:.2g} times that of {arguments.camera_info}: is the unit of the '
@@ -171,10 +177,3 @@ def _names(words: str) -> tuple[str, ...]:
     if len(names) != len(QUANTITIES) or not all(names):
         raise argparse.ArgumentTypeError(f"'{words}' must be two names, PAN,TILT")
     return names
-
-
-def _size(words: str) -> tuple[int, int]:
-    width, separator, height = words.lower().partition('x')
-    if not (separator and width.isdigit() and height.isdigit() and int(width) * int(height)):
-        raise argparse.ArgumentTypeError(f"'{words}' is not WIDTHxHEIGHT, 640x480 say")
-    return int(width), int(height)

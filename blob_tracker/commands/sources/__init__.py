@@ -17,13 +17,14 @@ import time
 from blob_tracker.camera.response import Response
 from blob_tracker.colour import grey_pixels
 from blob_tracker.commands.sources import fits, tiff, video
-from blob_tracker.commands.sources.bag import is_bag, open_bag
+from blob_tracker.commands.sources.bag import open_bag
 from blob_tracker.commands.sources.device import is_device, open_device
 from blob_tracker.commands.sources.folder import open_folder, SUFFIXES
 from blob_tracker.commands.sources.raw import open_raw
 from blob_tracker.commands.sources.response import add_response, linear_pixels
 from blob_tracker.commands.sources.source import Source, SourceError, SourceFrame
 from blob_tracker.commands.sources.topic import open_topic
+from blob_tracker.ros.bags import is_bag
 from blob_tracker.types import Pixels
 
 __all__ = [
@@ -67,7 +68,7 @@ def add_source(
         f'dump, a bag{live}, or a camera (/dev/video0)',
     )
     parser.add_argument(
-        '--topic', default='camera/image_raw', help='topic of the images in a bag (%(default)s)'
+        '--topic', help='topic of the images in a bag (camera/image_raw, or the only one)'
     )
     parser.add_argument('--count', type=_positive_int, help='take so many frames at most')
     parser.add_argument(

@@ -8,22 +8,17 @@ from pathlib import Path
 
 from blob_tracker.capture.fields import Weaver
 from blob_tracker.commands.sources.source import Source, SourceError, SourceFrame
-from blob_tracker.ros.endpoints.recorded_frames import (
-    info_topic, recorded_frames, recorded_info,
+from blob_tracker.ros.bags import RecordingError
+from blob_tracker.ros.endpoints.recording import (
+    recorded_count, recorded_frames, recorded_info,
 )
-from blob_tracker.ros.endpoints.recording import recorded_count, RecordingError
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.camera_info import KnownCamera
 from blob_tracker.ros.messages.image import field_and_height
 from blob_tracker.types import field_of
 
 
-def is_bag(path: Path) -> bool:
-    """Tell whether a path is that of a bag: a folder, or one of its files."""
-    return (path / 'metadata.yaml').is_file() or path.suffix in ('.mcap', '.db3', '.bag')
-
-
-def open_bag(bag: Path, topic: str, *, calibrated: bool, woven: bool) -> Source:
+def open_bag(bag: Path, topic: str | None, *, calibrated: bool, woven: bool) -> Source:
     """
     Open a bag.
 
@@ -31,8 +26,8 @@ def open_bag(bag: Path, topic: str, *, calibrated: bool, woven: bool) -> Source:
     ----------
     bag : Path
         The bag.
-    topic : str
-        Of the images.
+    topic : str or None
+        Of the images, see `recorded_frames`.
     calibrated : bool
         Whether its camera_info is wanted: frames that have none are then left out, as the nodes
         leave them out, where the bag has any at all.
@@ -55,7 +50,7 @@ def open_bag(bag: Path, topic: str, *, calibrated: bool, woven: bool) -> Source:
         field, height = field_and_height(info) if info is not None else (None, 0)
         frames = _frames(bag, topic, field is not None, None)
         return Source(frames if field is None else _pictures(frames, height), count, 'the bag')
-    model, uncalibrated = None, f'the bag has no messages on {info_topic(topic)}'
+    model, uncalibrated = None, 'the bag has no camera_info beside its images'
     if info is not None:
         try:
             model, uncalibrated = camera.model(info), ''
@@ -78,7 +73,7 @@ def _pictures(fields: Iterator[SourceFrame], height: int) -> Iterator[SourceFram
 
 
 def _frames(
-    bag: Path, topic: str, paired: bool, same: Callable[[object], bool] | None
+    bag: Path, topic: str | None, paired: bool, same: Callable[[object], bool] | None
 ) -> Iterator[SourceFrame]:
     first_ns: int | None = None
     try:
@@ -87,14 +82,14 @@ def _frames(
             name = f'{(frame.stamp_ns - first_ns) / 1e9:.3f} s'
             if same is not None and not same(info):
                 raise SourceError(
-                    f'{bag}: the calibration in {info_topic(topic)} is another one from {name} '
-                    'on; part the bag there'
+                    f'{bag}: the calibration in camera_info is another one from {name} on; part '
+                    'the bag there'
                 )
             yield SourceFrame(name, frame, True)
         if first_ns is None and paired:
             raise SourceError(
-                f'{bag}: no image has a message on {info_topic(topic)} with its stamp; give the '
-                'calibration with --camera-info'
+                f'{bag}: no image has a camera_info of its stamp; give the calibration with '
+                '--camera-info'
             )
     except (RecordingError, MessageError) as error:
         raise SourceError(str(error)) from None

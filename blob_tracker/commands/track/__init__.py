@@ -167,7 +167,7 @@ def _table(arguments: argparse.Namespace, out: Path) -> Any:
 def _camera_model(values: dict[str, Any]) -> CameraModel | None:
     """Return the calibration that was given; None where none was."""
     url = values['camera_info_url']
-    return CameraModel.from_yaml(to_path(url)) if url else None
+    return CameraModel.from_file(to_path(url)) if url else None
 
 
 def _peeked(source: Source) -> tuple[Iterator[SourceFrame], SourceFrame]:

@@ -1,154 +1,182 @@
-"""The images of a rosbag2 bag, mcap or sqlite3."""
+"""The frames of a bag: its images, each with the camera_info of its stamp."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, TYPE_CHECKING
+import sys
+from types import SimpleNamespace
+from typing import Any
 
-from blob_tracker.capture.fields import Weaver
-from blob_tracker.ros.endpoints.pairing import info_topic
+from blob_tracker.ros.bags import Bag, opened, READABLE, RecordingError, Topic
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.image import field_and_height, to_pixels
+from blob_tracker.ros.messages.compressed_image import to_whole_frame as of_compressed
+from blob_tracker.ros.messages.image import to_frame, to_whole_frame as of_image
 from blob_tracker.ros.messages.stamp import to_ns
-from blob_tracker.types import Pixels
+from blob_tracker.types import Frame
 
-if TYPE_CHECKING:
-    from rosbags.highlevel import AnyReader
-    from rosbags.interfaces import Connection
-
-IMAGE, INFO = 'sensor_msgs/msg/Image', 'sensor_msgs/msg/CameraInfo'
-# Ubuntu 24.04 has no package of it, and its pip refuses to install beside apt (PEP 668).
-NO_ROSBAGS = (
-    'rosbags is not installed: python3 -m pip install --break-system-packages rosbags (in a '
-    'virtual environment without that option)'
-)
+IMAGE, COMPRESSED = 'sensor_msgs/msg/Image', 'sensor_msgs/msg/CompressedImage'
+IMAGES = {IMAGE: of_image, COMPRESSED: of_compressed}  # what makes a frame of a message
+CAMERA_INFO = 'sensor_msgs/msg/CameraInfo'
+USUAL = 'camera/image_raw'  # the topic of the camera node
+LONGEST_QUEUE = 64  # images that wait for their camera_info: of 1 s at 60 Hz
 
 
-class RecordingError(ValueError):
-    """A bag that holds no such images; the message says what is wrong and what would be right."""
+def _warn(sentence: str) -> None:
+    print(sentence, file=sys.stderr)
 
 
-def recorded_images(
-    bag: Path, topic: str, *, interpolate: bool = True, woven: bool = False
-) -> Iterator[tuple[float, Pixels]]:
+def recorded_frames(
+    path: Path, topic: str | None = None, *, paired: bool = False,
+    warn: Callable[[str], None] = _warn,
+) -> Iterator[tuple[Frame, Any | None]]:
     """
-    Yield the images of a topic in the order in which they were recorded.
+    Yield the frames of a topic in the order in which they were recorded.
 
     Parameters
     ----------
-    bag : Path
-        Folder of the bag.
-    topic : str
-        Name of the topic; a slash in front does not matter.
-    interpolate : bool
-        See `to_pixels`.
-    woven : bool
-        Whether the fields of interlaced pictures, of which the camera_info beside the images
-        tells, are put together.
+    path : Path
+        The bag: a folder, or a file of it.
+    topic : str, optional
+        Name of the topic; a slash in front does not matter. If it is left out it is
+        camera/image_raw or the only one.
+    paired : bool
+        Whether each has the camera_info of its stamp, which gives crop and binning, as the nodes
+        have it; an image without one is left out. Else the images are taken as whole pictures.
+    warn : callable
+        Is told what is wrong with a bag that can be read nevertheless.
 
     Yields
     ------
-    float, (h, w) array
-        Stamp of the image, s since the first, or the time at which it was recorded where it has
-        none; and the pixels as `to_pixels` gives them.
+    Frame, CameraInfo or None
+        With the stamp of the image, or the time at which it was recorded where it has none.
 
     Raises
     ------
     RecordingError
-        Where the bag cannot be read, or has no images on that topic.
+        The bag cannot be read, has no images on that topic, or one that cannot be used; after the
+        last image if fewer or more came than the bag says that it has.
 
     """
-    with _opened(bag, topic) as (reader, connections):
-        first_ns: int | None = None
-        kinds = _fields(reader, info_topic(topic)) if woven else {}
-        weaver = Weaver()
-        for connection, recorded_ns, data in reader.messages(connections):
-            image: Any = reader.deserialize(data, connection.msgtype)
-            stamp_ns = to_ns(image.header.stamp) or recorded_ns
-            first_ns = stamp_ns if first_ns is None else first_ns
-            seconds = (stamp_ns - first_ns) / 1e9
-            try:
-                pixels = to_pixels(image, interpolate=interpolate)
-            except MessageError as error:
-                raise RecordingError(f'{bag}, {topic} at {seconds:.3f} s: {error}') from None
-            picture = weaver.add(pixels, *kinds.get(to_ns(image.header.stamp), (None, 0)))
-            if picture is not None:
-                yield seconds, picture
+    images: dict[int, tuple[Any, int]] = {}  # by the stamp, with the time of recording
+    infos: dict[int, Any] = {}
+    with opened(path) as bag:
+        if bag.remark:
+            warn(bag.remark)
+        chosen = image_topic(bag, topic)
+        of_info = _info_topic(bag, chosen) if paired else None
+        topics = [chosen] if of_info is None else [chosen, of_info]
+        for message in bag.messages(topics):
+            decoded = bag.decoded(message)
+            stamp_ns = to_ns(decoded.header.stamp)
+            if message.topic == of_info:
+                infos[stamp_ns] = _todays(decoded)
+            elif paired:
+                images[stamp_ns] = decoded, message.recorded_ns
+            else:
+                yield _frame(bag, chosen, decoded, None, message.recorded_ns), None
+            if stamp_ns in images and stamp_ns in infos:
+                image, recorded_ns = images.pop(stamp_ns)
+                info = infos.pop(stamp_ns)
+                yield _frame(bag, chosen, image, info, recorded_ns), info
+            for waiting in (images, infos):
+                if len(waiting) > LONGEST_QUEUE:
+                    del waiting[next(iter(waiting))]
 
 
-def _fields(reader: AnyReader, topic: str) -> dict[int, tuple[int | None, int]]:
-    """Return what `field_and_height` does of each camera_info, by its stamp, ns."""
-    infos = [
-        each for each in reader.connections
-        if each.msgtype == INFO and each.topic.strip('/') == topic.strip('/')
-    ]
-    messages: Any = (
-        reader.deserialize(data, connection.msgtype)
-        for connection, _, data in (reader.messages(infos) if infos else ())
-    )
-    return {to_ns(info.header.stamp): field_and_height(info) for info in messages}
-
-
-def recorded_count(bag: Path, topic: str) -> int:
-    """Return how many images `recorded_images` will yield; raises as it does."""
-    with _opened(bag, topic) as (_, connections):
-        return sum(connection.msgcount for connection in connections)
-
-
-@contextmanager
-def _opened(bag: Path, topic: str) -> Iterator[tuple[AnyReader, list[Connection]]]:
-    """Open a bag and find the connections of an image topic."""
-    with opened(bag) as reader:
-        images = [each for each in reader.connections if each.msgtype == IMAGE and each.msgcount]
-        connections = [each for each in images if each.topic.strip('/') == topic.strip('/')]
-        if not connections:
-            there = ', '.join(sorted({each.topic for each in images}))
-            raise RecordingError(
-                f'{bag} has no images on {topic}'
-                + (f': set --topic to one of {there}' if there else ', nor on any other topic')
-            )
-        yield reader, connections
-
-
-@contextmanager
-def opened(bag: Path) -> Iterator[AnyReader]:
+def recorded_info(path: Path, topic: str | None = None) -> Any | None:
     """
-    Open a bag of any distribution of ROS 2.
+    Return the first camera_info that belongs to a topic of images; None if there is none.
+
+    Raises
+    ------
+    RecordingError
+        The bag cannot be read, or has no images on that topic.
+
+    """
+    with opened(path) as bag:
+        of_info = _info_topic(bag, image_topic(bag, topic))
+        if of_info is not None:
+            for message in bag.messages([of_info]):
+                return _todays(bag.decoded(message))
+    return None
+
+
+def recorded_count(path: Path, topic: str | None = None) -> int:
+    """Return how many images there are of the topic that `recorded_frames` takes."""
+    with opened(path) as bag:
+        return bag.topics[image_topic(bag, topic)]
+
+
+def image_topic(bag: Bag, name: str | None = None) -> Topic:
+    """
+    Return the topic of a bag whose images are meant.
 
     Parameters
     ----------
-    bag : Path
-        Folder of the bag.
-
-    Yields
-    ------
-    AnyReader
+    bag : Bag
         Open.
+    name : str, optional
+        As of `recorded_frames`. Compressed copies of an image's own topic do not count beside it.
 
     Raises
     ------
     RecordingError
-        Where the bag cannot be read.
+        Where there is none, or no one could tell which.
 
     """
+    there = {
+        topic.name.strip('/'): topic for topic, count in bag.topics.items()
+        if topic.kind in IMAGES and topic.encoding in READABLE and count
+    }
+    alone = [
+        each for each in there
+        if not any(each != other and each.startswith(f'{other}/') for other in there)
+    ]
+    wanted = (name or USUAL).strip('/')
+    if wanted in there:
+        return there[wanted]
+    if name is None and len(alone) == 1:
+        return there[alone[0]]
+    names = ', '.join(sorted(topic.name for topic in there.values()))
+    if not names:
+        what = f'{bag.path} has no images on any topic'
+    elif name is None:
+        what = f'{bag.path} has images on several topics'
+    else:
+        what = f'{bag.path} has no images on {name}'
+    raise RecordingError(what + (f': set --topic to one of {names}' if names else ''))
+
+
+def _info_topic(bag: Bag, images: Topic) -> Topic | None:
+    """Return the topic of the camera_info that belongs to a topic of images."""
+    base = images.name.strip('/')
+    if images.kind == COMPRESSED:  # camera/image_raw/compressed
+        base = base.rpartition('/')[0]
+    name = f'{base.rpartition("/")[0]}/camera_info'.lstrip('/')
+    return next((
+        topic for topic, count in bag.topics.items()
+        if topic.name.strip('/') == name and topic.kind == CAMERA_INFO and count
+        and topic.encoding in READABLE
+    ), None)
+
+
+def _todays(info: Any) -> Any:
+    """Return a camera_info with the names of ROS 2; ROS 1 has K, D, R and P."""
+    if hasattr(info, 'k'):
+        return info
+    return SimpleNamespace(**{name.lower(): value for name, value in vars(info).items()})
+
+
+def _frame(bag: Bag, topic: Topic, image: Any, info: Any | None, recorded_ns: int) -> Frame:
+    """Return the frame of an image, with the time of recording if it has no stamp."""
     try:
-        from rosbags.highlevel import AnyReader, AnyReaderError
-        from rosbags.typesys import get_typestore, Stores
-    except ImportError:
-        raise RecordingError(f'{NO_ROSBAGS}, or use `ros2 bag play`') from None
-    if not bag.exists():
-        raise RecordingError(f'there is no bag {bag}')
-    if bag.is_file() and bag.suffix == '.bag':
-        raise RecordingError(
-            f'{bag} is a bag of ROS 1; convert it: rosbags-convert --src {bag} '
-            f'--dst {bag.with_suffix("")}'
-        )
-    try:
-        # Bags of distributions before Jazzy do not tell their types.
-        reader = AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_JAZZY))
-        with reader:
-            yield reader
-    except (AnyReaderError, OSError) as error:
-        raise RecordingError(f'{bag} is not a bag that can be read: {error}') from None
+        if info is not None and topic.kind == IMAGE:
+            frame = to_frame(image, info)
+        else:
+            frame = IMAGES[topic.kind](image)
+    except MessageError as error:
+        seconds = (recorded_ns - bag.start_ns) / 1e9
+        raise RecordingError(f'{bag.path}, {topic.name} at {seconds:.3f} s: {error}') from None
+    return frame if to_ns(image.header.stamp) else replace(frame, stamp_ns=recorded_ns)

@@ -36,6 +36,11 @@ _PACKED = {
 }
 # A plane of luma, and below it one of both chromas of half the height.
 _SEMIPLANAR = {'nv12': 'uv', 'nv21': 'vu'}
+# Of a frame; YUV to be named among the others.
+_ENCODINGS = (
+    _FRAMES | {name: (kind, planes) for name, (kind, planes, _) in _COLOURS.items()}
+    | dict.fromkeys((*_PACKED, *_SEMIPLANAR), (np.uint8, 1))
+)
 _WINDOWS = {
     f'{bits}UC{channels}': (kind, channels)
     for bits, kind in ((8, np.uint8), (16, np.uint16)) for channels in (1, 2, 3, 4)
@@ -156,6 +161,31 @@ def _glimpse(fourth: Pixels) -> Glimpse:
     return glimpse
 
 
+def to_whole_frame(image: Image) -> Frame:
+    """
+    Return the frame of an image without its camera_info: as if it were of the whole sensor.
+
+    Parameters
+    ----------
+    image : Image
+        As of `to_frame`; of rclpy or of rosbags.
+
+    Returns
+    -------
+    Frame
+        With the stamp of the image.
+
+    Raises
+    ------
+    MessageError
+        Where encoding, size, step or data are wrong; says which and what would be right.
+
+    """
+    pixels, layout = _coloured(image)
+    full = int(np.iinfo(pixels.dtype).max)
+    return Frame(pixels, _stamp_ns(image), full, layout=layout)
+
+
 def to_pixels(image: Image, *, interpolate: bool = True) -> Pixels:
     """
     Return the pixels of an image without its camera_info and its colours.
@@ -163,7 +193,7 @@ def to_pixels(image: Image, *, interpolate: bool = True) -> Pixels:
     Parameters
     ----------
     image : Image
-        As of `to_frame`; of rclpy or of rosbags.
+        As of `to_frame`.
     interpolate : bool
         Of a Bayer mosaic, see `grey_pixels`.
 
@@ -178,10 +208,8 @@ def to_pixels(image: Image, *, interpolate: bool = True) -> Pixels:
         Where encoding, size, step or data are wrong; says which and what would be right.
 
     """
-    pixels, layout = _coloured(image)
-    frame = Frame(pixels, 0, int(np.iinfo(pixels.dtype).max), layout=layout)
     try:
-        return grey_pixels(frame, interpolate=interpolate)
+        return grey_pixels(to_whole_frame(image), interpolate=interpolate)
     except ValueError as error:
         raise MessageError(str(error)) from None
 
@@ -332,9 +360,7 @@ def _coloured(image: Image) -> tuple[Pixels, str]:
         rows = _pixels(image, {image.encoding: (np.uint8, 1)}, image.height * 3 // 2)
         chromas = rows[image.height:].reshape(image.height // 2, -1, 2)
         return _yuv(rows[:image.height], chromas, _SEMIPLANAR[encoding]), 'yuv'
-    encodings = {name: (kind, n) for name, (kind, n, _) in _COLOURS.items()}
-    yuv = dict.fromkeys((*_PACKED, *_SEMIPLANAR), (np.uint8, 1))  # to be named among the others
-    pixels = _pixels(image, _FRAMES | encodings | yuv)
+    pixels = _pixels(image, _ENCODINGS)
     return pixels, _COLOURS[image.encoding][2] if image.encoding in _COLOURS else 'grey'
 
 
@@ -371,7 +397,9 @@ def _pixels(
         )
     rows = np.frombuffer(image.data, dtype=np.uint8).reshape(height, image.step)
     # A copy where needed: rows of 16 bits that begin at odd bytes cannot be looked at in place.
-    pixels = np.require(rows[:, :row], requirements='C' if image.step % dtype.itemsize else None)
+    pixels = rows[:, :row]
+    if image.step % dtype.itemsize:
+        pixels = np.ascontiguousarray(pixels)
     pixels = pixels.view(dtype)
     if channels > 1:
         pixels = pixels.reshape(height, image.width, channels)

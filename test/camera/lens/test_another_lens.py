@@ -45,7 +45,7 @@ def test_a_pixel_becomes_a_ray_and_a_pixel_again(camera: CameraModel) -> None:
 def test_its_calibration_file_is_read_back(camera: CameraModel, tmp_path: Path) -> None:
     """The name and the coefficient are in the file."""
     write_calibration(tmp_path / 'sphere.yaml', camera)
-    read = CameraModel.from_yaml(tmp_path / 'sphere.yaml')
+    read = CameraModel.from_file(tmp_path / 'sphere.yaml')
     assert (read.distortion_model, read.distortion.tolist()) == ('sphere', [XI])
 
 

@@ -65,7 +65,7 @@ def calibrate(source: object, out: Path, *options: str) -> int:
 
 def assert_found(out: Path, true: CameraModel) -> None:
     """Hold the written calibration against the truth: 1 px, ten sigmas and more."""
-    found = CameraModel.from_yaml(out / 'camera_info.yaml')
+    found = CameraModel.from_file(out / 'camera_info.yaml')
     assert (found.width, found.height) == (true.width, true.height)
     assert found.distortion_model == true.distortion_model
     assert np.abs(found.matrix - true.matrix).max() < 1.0

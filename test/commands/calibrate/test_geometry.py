@@ -42,7 +42,7 @@ def test_turn_writes_a_camera(
     file.write_text('\n'.join(['# a comment', header, *turn_rows(unit), '']))
     words = ['calibrate', 'turn', str(file), '--size', '640x480', '--out', str(out)]
     assert main(words) == 0
-    model = CameraModel.from_yaml(out)
+    model = CameraModel.from_file(out)
     np.testing.assert_allclose(model.matrix[[0, 1], [0, 1]], 612.0, rtol=1e-3)
     assert (model.width, model.height) == (640, 480)
     assert 'standard deviations (px, k1 without unit): fx 0.0' in out.read_text()
@@ -64,8 +64,8 @@ def test_turn_starts_from_a_camera_info(
     file.write_text('\n'.join([TURN_HEADER, *turn_rows(), '']))
     guess = ['--camera-info', str(config_path('camera_info.yaml')), '--out', str(out)]
     assert main(['calibrate', 'turn', str(file), *guess, '--fit-distortion']) == 0
-    assert CameraModel.from_yaml(out).name == 'simulated'
-    assert abs(CameraModel.from_yaml(out).distortion[0]) < 0.01
+    assert CameraModel.from_file(out).name == 'simulated'
+    assert abs(CameraModel.from_file(out).distortion[0]) < 0.01
     file.write_text('\n'.join([TURN_HEADER, *turn_rows(np.pi / 180.0), '']))
     capsys.readouterr()
     before = out.read_text()

@@ -101,7 +101,7 @@ def test_joints_give_the_angles(
     assert (pan, tilt) == pytest.approx((-400.0, -250.0), abs=1e-3)
     assert 0.003 < sigma < 0.05  # 0.05 px over ten: 0.016, and its own scatter
     # 12 stations of 0.016 px over 400 px of reach: 612 px to better than 0.1 px.
-    assert CameraModel.from_yaml(out).matrix[0, 0] == pytest.approx(612.0, abs=0.5)
+    assert CameraModel.from_file(out).matrix[0, 0] == pytest.approx(612.0, abs=0.5)
 
 
 def test_led_through_stopped_and_gone_on_with(

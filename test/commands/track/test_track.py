@@ -15,7 +15,7 @@ from blob_tracker.camera import write_calibration
 from blob_tracker.commands.track.chain import Chain
 from blob_tracker.commands.track.table import COLUMNS
 from blob_tracker.resources import config_path
-from blob_tracker.ros.endpoints.recorded_frames import recorded_frames, recorded_info
+from blob_tracker.ros.endpoints.recording import recorded_frames, recorded_info
 from blob_tracker.ros.messages.camera_info import to_camera_model
 from blob_tracker.segmentation import flash_by_name, Segmenter
 from blob_tracker.types import Bearing, Frame

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from blob_tracker.ros.endpoints import recorded_frames as module
-from blob_tracker.ros.endpoints.recorded_frames import (
-    info_topic, recorded_frames, recorded_info,
-)
+from blob_tracker.ros.endpoints.recording import recorded_frames, recorded_info
 from blob_tracker.ros.messages.camera_info import to_camera_model
 import numpy as np
 import pytest
-from rosbags.highlevel import AnyReader
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import get_typestore, Stores
 
@@ -32,7 +26,7 @@ def write(path: Path, order: str) -> Path:
     with Writer(path) as writer:
         for kind, topic, name in (
             ('i', TOPIC, 'sensor_msgs/msg/Image'),
-            ('c', info_topic(TOPIC), 'sensor_msgs/msg/CameraInfo'),
+            ('c', 'front/camera_info', 'sensor_msgs/msg/CameraInfo'),
         ):
             of_kind[kind] = writer.add_connection(f'/{topic}', name, typestore=STORE)
         for index, kind in enumerate(order):
@@ -52,22 +46,11 @@ def write(path: Path, order: str) -> Path:
     return path
 
 
-@pytest.fixture
-def any_bag(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Open a bag of ROS 1 as it is."""
-    @contextmanager
-    def opened(bag: Path) -> Iterator[AnyReader]:
-        with AnyReader([bag]) as reader:
-            yield reader
-
-    monkeypatch.setattr(module, 'opened', opened)
-
-
 @pytest.mark.parametrize(('order', 'stamps'), [
     ('icic', [1, 2]), ('ciic', [1, 2]), ('iicc', [1, 2]), ('iiic', [1]), ('ii', []),
 ])
 def test_an_image_comes_with_its_camera_info(
-    tmp_path: Path, any_bag: None, order: str, stamps: list[int]
+    tmp_path: Path, order: str, stamps: list[int]
 ) -> None:
     """In any order; one that has none is left out, and crop and binning are its own."""
     bag = write(tmp_path / 'r.bag', order)
@@ -78,7 +61,7 @@ def test_an_image_comes_with_its_camera_info(
         assert to_camera_model(info).matrix[0, 0] == 9.0
 
 
-def test_without_the_camera_info_they_are_whole_pictures(tmp_path: Path, any_bag: None) -> None:
+def test_without_the_camera_info_they_are_whole_pictures(tmp_path: Path) -> None:
     """All of them; and there is none to be found."""
     bag = write(tmp_path / 'r.bag', 'iii')
     found = list(recorded_frames(bag, TOPIC, paired=False))

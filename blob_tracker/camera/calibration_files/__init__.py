@@ -1,0 +1,1 @@
+"""Calibration files of other people's programs, a file for each form."""

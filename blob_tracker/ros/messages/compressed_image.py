@@ -1,0 +1,60 @@
+"""sensor_msgs/CompressedImage to frames: JPEG, PNG and whatever else OpenCV reads."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from blob_tracker.ros.errors import MessageError
+from blob_tracker.ros.messages.stamp import to_ns
+from blob_tracker.types import BAYER, Frame
+import cv2
+import numpy as np
+
+if TYPE_CHECKING:  # those of a bag are read where no ROS is installed, too
+    from sensor_msgs.msg import CompressedImage
+
+PNG = b'\x89PNG'
+DEPTH_HEADER = 12  # bytes of compressed_depth_image_transport before its PNG
+_LAYOUTS = {1: 'grey', 3: 'bgr', 4: 'bgra'}  # of what OpenCV decodes, by its planes
+
+
+def to_whole_frame(message: CompressedImage) -> Frame:
+    """
+    Return the frame of a compressed image without its camera_info.
+
+    Parameters
+    ----------
+    message : CompressedImage
+        Of rclpy or of rosbags. Its format, as image_transport writes it, begins with the encoding
+        of the image before it was compressed, of which the filters of a mosaic are taken; the
+        rest is told by the data.
+
+    Returns
+    -------
+    Frame
+        With the stamp of the message.
+
+    Raises
+    ------
+    MessageError
+        Where the data are no picture of 8 or 16 bits.
+
+    """
+    data = np.frombuffer(message.data, np.uint8)
+    if data[DEPTH_HEADER:DEPTH_HEADER + len(PNG)].tobytes() == PNG:
+        data = data[DEPTH_HEADER:]
+    pixels = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if data.size else None
+    if pixels is None:
+        raise MessageError(
+            f'{data.size} bytes of format {message.format!r:.40} are no picture that OpenCV '
+            'decodes; record JPEG or PNG, or the raw images'
+        )
+    if pixels.dtype not in (np.uint8, np.uint16):
+        raise MessageError(f'the picture holds {pixels.dtype}; it must be 8 or 16 bits a pixel')
+    layout = _LAYOUTS[1 if pixels.ndim == 2 else pixels.shape[2]]
+    encoding = message.format.lower().partition(';')[0].strip()
+    if layout == 'grey' and encoding.startswith('bayer_') and encoding[6:10] in BAYER:
+        layout = encoding[6:10]
+    image = np.asarray(pixels, np.uint8 if pixels.dtype == np.uint8 else np.uint16)
+    full = int(np.iinfo(image.dtype).max)
+    return Frame(image, to_ns(message.header.stamp), full, layout=layout)

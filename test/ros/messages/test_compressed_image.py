@@ -1,0 +1,58 @@
+"""Compressed images: what they hold, and what is refused with a sentence."""
+
+from __future__ import annotations
+
+from array import array
+
+from blob_tracker.ros.errors import MessageError
+from blob_tracker.ros.messages.compressed_image import to_whole_frame
+import cv2
+import numpy as np
+import pytest
+from sensor_msgs.msg import CompressedImage
+
+GREY = np.arange(24, dtype=np.uint8).reshape(4, 6)
+
+
+def message(data: bytes, form: str) -> CompressedImage:
+    """Return a message of some bytes."""
+    return CompressedImage(format=form, data=array('B', data))
+
+
+def encoded(content: np.ndarray, suffix: str = '.png') -> bytes:
+    """Return a compressed picture."""
+    return cv2.imencode(suffix, content)[1].tobytes()
+
+
+@pytest.mark.parametrize(('form', 'content', 'layout'), [
+    ('png', GREY, 'grey'),
+    ('bayer_gbrg8; png compressed ', GREY, 'gbrg'),
+    ('bayer_gbrg8; jpeg compressed bgr8', np.dstack([GREY] * 3), 'bgr'),  # was interpolated
+    ('bgra8; png compressed bgra8', np.dstack([GREY] * 4), 'bgra'),
+    ('mono16; png compressed ', GREY.astype(np.uint16) * 300, 'grey'),
+])
+def test_pictures(form: str, content: np.ndarray, layout: str) -> None:
+    """The planes tell of colours, the format of a mosaic."""
+    frame = to_whole_frame(message(encoded(content), form))
+    assert frame.layout == layout
+    assert frame.image.dtype == content.dtype
+    np.testing.assert_array_equal(frame.image, content)
+    assert frame.saturation == np.iinfo(content.dtype).max
+
+
+def test_depth_has_a_header_of_its_own() -> None:
+    """Twelve bytes before the PNG."""
+    deep = GREY.astype(np.uint16) * 300
+    frame = to_whole_frame(message(bytes(12) + encoded(deep), '16UC1; compressedDepth png'))
+    np.testing.assert_array_equal(frame.image, deep)
+
+
+@pytest.mark.parametrize(('data', 'form', 'sentence'), [
+    (b'', 'jpeg', '0 bytes of format .jpeg. are no picture'),
+    (b'\0\0\0\1\x67\x42', 'h264', 'of format .h264. are no picture that OpenCV decodes'),
+    (encoded(GREY.astype(np.float32), '.tiff'), 'tiff', 'holds float32; it must be 8 or 16 bits'),
+])
+def test_others_are_refused(data: bytes, form: str, sentence: str) -> None:
+    """With what would be right."""
+    with pytest.raises(MessageError, match=sentence):
+        to_whole_frame(message(data, form))
