@@ -217,7 +217,7 @@ def _check_captures(path: str, fd: int) -> None:
         raise CaptureError(f'{path}: cannot be queried: {error.strerror}') from error
     if not flags & CAPTURES:
         if driver(fd) == LOOPBACK:  # exclusive_caps: an output until somebody writes
-            raise CaptureError(no_writer(path))
+            raise CaptureError(no_writer(path, bool(flags & videodev2.CAP_VIDEO_OUTPUT)))
         raise CaptureError(
             f'{path}: this is {kind(flags)}, not a capture device; {_there_are()}')
     if not flags & videodev2.CAP_STREAMING:

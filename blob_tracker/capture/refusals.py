@@ -105,7 +105,23 @@ def unplugged(device: str) -> str:
     return f'{device}: the device is gone (unplugged?); connect it and open it again'
 
 
-def no_writer(device: str) -> str:
-    """Return the sentence for a loopback device without pictures."""
+def no_writer(device: str, takes_one: bool = True) -> str:
+    """
+    Return the sentence for a loopback device without pictures.
+
+    Parameters
+    ----------
+    device : str
+        Its path.
+    takes_one : bool
+        Whether it can be written to. With exclusive_caps a device of version 0.12 is an output
+        until a program calls write(), and neither that nor a camera once it has ended.
+
+    """
+    if not takes_one:
+        return (f'{device}: the program that wrote into this v4l2loopback device has ended, and '
+                'version 0.12 lets no other one write after it (exclusive_caps=1); load the '
+                "module anew ('sudo modprobe -r v4l2loopback', then modprobe with your options), "
+                'with exclusive_caps=0 or in a newer version, which do not do that')
     return (f'{device}: no program writes pictures into this v4l2loopback device yet; start the '
             'one that does, such as ffmpeg -f v4l2 or GStreamer with v4l2sink')

@@ -31,7 +31,7 @@ SOAK = float(os.environ.get('SOAK_SECONDS', 20))
 # In the order in which they run.
 GUESTS = (
     'guest_capture', 'guest_formats', 'guest_controls', 'guest_fields', 'guest_soak',
-    'guest_webcam', 'guest_blink', 'guest_track', 'guest_node',
+    'guest_webcam', 'guest_loopback', 'guest_blink', 'guest_track', 'guest_node',
 )
 CAMERA_INFO = f"""\
 image_width: {SLOW_SIGNAL[0]}
@@ -65,6 +65,7 @@ def results(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
     blinking_frames().tofile(folder / 'blink.grey')
     packed_yuyv(scene.frames).tofile(folder / 'scene.yuyv')
     (folder / 'camera_info.yaml').write_text(CAMERA_INFO)
+    boot = machine.build(CACHE)
     environment = {
         name: os.environ[name]
         for name in ('PATH', 'LD_LIBRARY_PATH', 'AMENT_PREFIX_PATH')
@@ -75,6 +76,7 @@ def results(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
             filter(None, [str(HERE.parent), os.environ.get('PYTHONPATH')])
         ),
         'HOME': '/run',
+        'DRIVERS': str(boot.drivers),
         'OMP_NUM_THREADS': '1',
         'SOAK_SECONDS': str(SOAK),
         'SLOWNESS': f'{slowness():.2f}',
@@ -94,5 +96,5 @@ def results(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
     environment |= fits
     commands = [f'export {name}={shlex.quote(value)}' for name, value in environment.items()]
     commands.append(shlex.join([sys.executable, '-m', 'vm.guest', str(folder), *GUESTS]))
-    machine.run(machine.build(CACHE), commands, folder, lambda: SILENCE * slowness() + SOAK)
+    machine.run(boot, commands, folder, lambda: SILENCE * slowness() + SOAK)
     return folder
