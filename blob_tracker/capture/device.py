@@ -188,11 +188,15 @@ def not_v4l2(path: str) -> str:
     if subdevice is None:
         return f'{path}: this is not a V4L2 device; {_there_are()}'
     name, videos = subdevice
-    come = (
-        f'its pictures come from {" or ".join(videos)}: name that, its controls are found by '
-        'themselves' if videos else
-        "its link to a video device is not enabled: see 'media-ctl -p', and media-ctl --links"
-    )
+    if videos is None:
+        come = ('no pictures come from it, as from a lens or a flash: name the video device of its '
+                'camera')
+    elif videos:
+        come = (f'its pictures come from {" or ".join(videos)}: name that, its controls are found '
+                'by themselves')
+    else:
+        come = ("its link to a video device is not enabled: see 'media-ctl -p', and media-ctl "
+                '--links')
     return f'{path}: this is a subdevice, {name}; {come}'
 
 

@@ -33,7 +33,9 @@ _AT: dict[tuple[Step, int], str] = {
     ('stream', errno.EPIPE):
         'the links or formats between its sensor and this device do not fit each other (media '
         "controller); 'media-ctl -p' shows them: set the format of each pad, up to this device, "
-        'to the same size and to the code of pixel_format with media-ctl --set-v4l2',
+        'to the same size and to the code of pixel_format with media-ctl --set-v4l2, and likewise '
+        'on every other enabled way from its sensor, up to the other video devices (v4l2-ctl '
+        '--set-fmt-video)',
     ('stream', errno.ENOLINK):
         'no sensor is linked to it; enable the link with media-ctl --links '
         "('media-ctl -p' shows them), and check the cable of the sensor and its overlay or device "

@@ -31,7 +31,8 @@ SOAK = float(os.environ.get('SOAK_SECONDS', 20))
 # In the order in which they run.
 GUESTS = (
     'guest_capture', 'guest_formats', 'guest_controls', 'guest_fields', 'guest_soak',
-    'guest_webcam', 'guest_loopback', 'guest_blink', 'guest_track', 'guest_node',
+    'guest_webcam', 'guest_loopback', 'guest_vimc', 'guest_blink', 'guest_track',
+    'guest_node',
 )
 CAMERA_INFO = f"""\
 image_width: {SLOW_SIGNAL[0]}

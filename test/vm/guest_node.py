@@ -43,10 +43,10 @@ SETS: tuple[tuple[str, Any], ...] = (
 
 
 class Probe(Node):
-    """Call the node's services and keep what it publishes."""
+    """Call the node's services and keep what it publishes, in a namespace."""
 
-    def __init__(self) -> None:
-        super().__init__('probe')
+    def __init__(self, namespace: str = '') -> None:
+        super().__init__('probe', namespace=namespace)
         self.infos: list[CameraInfo] = []
         self.frames = 0
         self.statuses: list[tuple[int, str, dict[str, str]]] = []
@@ -95,7 +95,7 @@ class Probe(Node):
 
     def _diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            if status.name.startswith('/camera'):
+            if status.name.startswith(f"{self.get_namespace().rstrip('/')}/camera"):
                 values = {pair.key: pair.value for pair in status.values}
                 self.statuses.append((status.level[0], status.message, values))
 
