@@ -14,7 +14,7 @@ pytestmark = pytest.mark.timeout(60, func_only=True)  # the boot is watched by i
 OF_SENSOR = {'brightness', 'contrast', 'saturation', 'hue', 'horizontal_flip', 'vertical_flip',
              'test_pattern', 'show_information'}
 DO_NOT_FIT = (
-    "the links or formats between its sensor and this device do not fit each other (media "
+    'the links or formats between its sensor and this device do not fit each other (media '
     "controller); 'media-ctl -p' shows them: set the format of each pad, up to this device, to "
     'the same size and to the code of pixel_format with media-ctl --set-v4l2, and likewise on '
     'every other enabled way from its sensor, up to the other video devices (v4l2-ctl '
