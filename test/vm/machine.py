@@ -16,6 +16,7 @@ from pathlib import Path
 import shlex
 import shutil
 import subprocess
+import sys
 import time
 
 from vm import modules
@@ -63,6 +64,11 @@ mount -t 9p -o trans=virtio,version=9p2000.L,ro,cache=loose,msize=512000 host /h
 mount -t tmpfs memory /memory
 mkdir /memory/upper /memory/work
 mount -t overlay -o lowerdir=/host,upperdir=/memory/upper,workdir=/memory/work overlay /root
+value() { sed -n "s/.*$1=\\([^ ]*\\).*/\\1/p" /proc/cmdline; }
+# Thousands of small files, each of which would be looked up in both layers.
+for folder in $(value python | tr : ' '); do
+  mount --bind /host$folder /root$folder
+done
 mount -t proc proc /root/proc
 mount -t sysfs sys /root/sys
 mount --bind /dev /root/dev
@@ -70,7 +76,7 @@ mkdir -p /dev/shm
 mount -t tmpfs shm /root/dev/shm
 mount -t tmpfs tmp /root/run
 ip link set lo up
-results=$(sed -n 's/.*results=\\([^ ]*\\).*/\\1/p' /proc/cmdline)
+results=$(value results)
 mkdir -p /root$results
 mount -t 9p -o trans=virtio,version=9p2000.L,msize=512000 results /root$results
 echo "the driver is there: the scripts begin"
@@ -225,7 +231,7 @@ def run(
         '-kernel', str(boot.kernel), '-initrd', str(boot.initramfs),
         # On a busy host the emulated timer fails the kernel's test of its interrupt.
         '-append', 'console=ttyS0 quiet mitigations=off no_timer_check panic=-1 '
-                   f'results={results}',
+                   f'results={results} python={sys.prefix}:{sys.base_prefix}',
         '-virtfs', 'local,path=/,mount_tag=host,security_model=none,readonly=on,multidevs=remap',
         '-virtfs', f'local,path={results},mount_tag=results,security_model=none',
     ]
