@@ -229,8 +229,10 @@ def run(
         '-m', '2048', '-smp', '2', '-net', 'none', '-no-reboot',
         '-display', 'none', '-monitor', 'none', '-serial', 'stdio',
         '-kernel', str(boot.kernel), '-initrd', str(boot.initramfs),
-        # On a busy host the emulated timer fails the kernel's test of its interrupt.
-        '-append', 'console=ttyS0 quiet mitigations=off no_timer_check panic=-1 '
+        # On a busy host the emulated timer fails the kernel's test of its interrupt. Two emulated
+        # processors share one time stamp counter; untrusted, each look at the clock is an access
+        # to an emulated device.
+        '-append', 'console=ttyS0 quiet mitigations=off no_timer_check tsc=reliable panic=-1 '
                    f'results={results} python={sys.prefix}:{sys.base_prefix}',
         '-virtfs', 'local,path=/,mount_tag=host,security_model=none,readonly=on,multidevs=remap',
         '-virtfs', f'local,path={results},mount_tag=results,security_model=none',
