@@ -126,6 +126,8 @@ install/.built: .venv/.run $(SOURCES)
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/colcon build --paths . \
 	  --event-handlers console_direct-
 	@cp -r .cache/kernels/. install/blob_tracker/lib/python*/site-packages/
+	@# Where PYTHONDONTWRITEBYTECODE is set, each process would compile the package's sources.
+	$(BIN)/python -m compileall -q install/blob_tracker/lib
 	@# The kernels are compiled now, into the installed package, not when a node first starts.
 	@$(ENVIRONMENT) && cd .venv && \
 	  python -c 'from blob_tracker.pipeline import compile_ahead; compile_ahead()'

@@ -188,11 +188,15 @@ def not_v4l2(path: str) -> str:
     if subdevice is None:
         return f'{path}: this is not a V4L2 device; {_there_are()}'
     name, videos = subdevice
-    come = (
-        f'its pictures come from {" or ".join(videos)}: name that, its controls are found by '
-        'themselves' if videos else
-        "its link to a video device is not enabled: see 'media-ctl -p', and media-ctl --links"
-    )
+    if videos is None:
+        come = ('no pictures come from it, as from a lens or a flash: name the video device of '
+                'its camera')
+    elif videos:
+        come = (f'its pictures come from {" or ".join(videos)}: name that, its controls are found '
+                'by themselves')
+    else:
+        come = ("its link to a video device is not enabled: see 'media-ctl -p', and media-ctl "
+                '--links')
     return f'{path}: this is a subdevice, {name}; {come}'
 
 
@@ -217,7 +221,8 @@ def _check_captures(path: str, fd: int) -> None:
         raise CaptureError(f'{path}: cannot be queried: {error.strerror}') from error
     if not flags & CAPTURES:
         if driver(fd) == LOOPBACK:  # exclusive_caps: an output until somebody writes
-            raise CaptureError(no_writer(path))
+            takes_one = bool(flags & videodev2.CAP_VIDEO_OUTPUT)
+            raise CaptureError(no_writer(path, takes_one))
         raise CaptureError(
             f'{path}: this is {kind(flags)}, not a capture device; {_there_are()}')
     if not flags & videodev2.CAP_STREAMING:

@@ -125,6 +125,11 @@ def read_topology(fd: int) -> Topology:
         (nodes[link.source_id], link.sink_id) for link in links
         if link.flags & _LINK_TYPE == _INTERFACE_LINK and link.source_id in nodes
     ]
+    data_links = [
+        (entity_of[link.source_id], entity_of[link.sink_id], link.flags) for link in links
+        if not link.flags & _LINK_TYPE
+        and link.source_id in entity_of and link.sink_id in entity_of
+    ]
     return Topology(
         names={each.id: each.name.decode(errors='replace') for each in entities},
         sensors=frozenset(each.id for each in entities if each.function == _CAM_SENSOR),
@@ -137,8 +142,9 @@ def read_topology(fd: int) -> Topology:
             if node.intf_type == _V4L_SUBDEV
         },
         links=tuple(
-            (entity_of[link.source_id], entity_of[link.sink_id]) for link in links
-            if link.flags & _LINK_ENABLED and not link.flags & _LINK_TYPE
-            and link.source_id in entity_of and link.sink_id in entity_of
+            (source, sink) for source, sink, flags in data_links if flags & _LINK_ENABLED
         ),
+        apart=frozenset(each.id for each in entities) - {
+            entity for source, sink, _ in data_links for entity in (source, sink)
+        },
     )

@@ -33,7 +33,9 @@ _AT: dict[tuple[Step, int], str] = {
     ('stream', errno.EPIPE):
         'the links or formats between its sensor and this device do not fit each other (media '
         "controller); 'media-ctl -p' shows them: set the format of each pad, up to this device, "
-        'to the same size and to the code of pixel_format with media-ctl --set-v4l2',
+        'to the same size and to the code of pixel_format with media-ctl --set-v4l2, and likewise '
+        'on every other enabled way from its sensor, up to the other video devices (v4l2-ctl '
+        '--set-fmt-video)',
     ('stream', errno.ENOLINK):
         'no sensor is linked to it; enable the link with media-ctl --links '
         "('media-ctl -p' shows them), and check the cable of the sensor and its overlay or device "
@@ -105,7 +107,23 @@ def unplugged(device: str) -> str:
     return f'{device}: the device is gone (unplugged?); connect it and open it again'
 
 
-def no_writer(device: str) -> str:
-    """Return the sentence for a loopback device without pictures."""
+def no_writer(device: str, takes_one: bool = True) -> str:
+    """
+    Return the sentence for a loopback device without pictures.
+
+    Parameters
+    ----------
+    device : str
+        Its path.
+    takes_one : bool
+        Whether it can be written to. With exclusive_caps a device of version 0.12 is an output
+        until a program calls write(), and neither that nor a camera once it has ended.
+
+    """
+    if not takes_one:
+        return (f'{device}: the program that wrote into this v4l2loopback device has ended, and '
+                'version 0.12 lets no other one write after it (exclusive_caps=1); load the '
+                "module anew ('sudo modprobe -r v4l2loopback', then modprobe with your options), "
+                'with exclusive_caps=0 or in a newer version, which do not do that')
     return (f'{device}: no program writes pictures into this v4l2loopback device yet; start the '
             'one that does, such as ffmpeg -f v4l2 or GStreamer with v4l2sink')

@@ -96,14 +96,21 @@ def of_video_device(fd: int) -> tuple[Sensor, list[str]] | None:
     return sensor, [_path(each) for each in sensor.nodes]
 
 
-def of_subdevice(path: str) -> tuple[str, list[str]] | None:
-    """Return the name of a subdevice and the video devices that it feeds; None of any other."""
+def of_subdevice(path: str) -> tuple[str, list[str] | None] | None:
+    """
+    Return the name of a subdevice and the video devices that it feeds; None of any other.
+
+    None for the video devices of one that feeds none, as a lens.
+    """
     try:
         node = _node(os.stat(path).st_rdev)
     except OSError:
         return None
     found = _first(lambda topology: fed_by(topology, node))
-    return None if found is None else (found[0], [_path(each) for each in found[1]])
+    if found is None:
+        return None
+    name, videos = found
+    return name, None if videos is None else [_path(each) for each in videos]
 
 
 def _first(look: Callable[[Topology], Found | None]) -> Found | None:

@@ -23,6 +23,8 @@ class Topology:
         The device node of an entity, /dev/videoN or /dev/v4l-subdevN, of those that have one.
     links : tuple of (int, int)
         Entity that pictures come from, and entity that they go to, of the links that are enabled.
+    apart : frozenset of int
+        Those that no pictures can come to or from, as a lens or a flash: they have no links.
 
     """
 
@@ -31,6 +33,7 @@ class Topology:
     videos: Mapping[int, Node]
     subdevices: Mapping[int, Node]
     links: tuple[tuple[int, int], ...]
+    apart: frozenset[int] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -88,7 +91,7 @@ def sensor_of(topology: Topology, video: Node) -> Sensor | None:
     )
 
 
-def fed_by(topology: Topology, subdevice: Node) -> tuple[str, list[Node]] | None:
+def fed_by(topology: Topology, subdevice: Node) -> tuple[str, list[Node] | None] | None:
     """
     Return the name of a subdevice and the video devices that its pictures go to.
 
@@ -101,13 +104,16 @@ def fed_by(topology: Topology, subdevice: Node) -> tuple[str, list[Node]] | None
 
     Returns
     -------
-    str and list of (int, int), or None
-        None where it is another media device's.
+    str and list of (int, int) or None, or None
+        None for the video devices where no pictures can come from it, as from a lens; None alone
+        where it is another media device's.
 
     """
     begins = [entity for entity, node in topology.subdevices.items() if node == subdevice]
     if not begins:
         return None
+    if begins[0] in topology.apart:
+        return topology.names[begins[0]], None
     way = _reached(begins[0], list(topology.links))
     return topology.names[begins[0]], [
         topology.videos[entity] for entity in way if entity in topology.videos

@@ -457,7 +457,8 @@ class V4l2Camera:
     def _trouble(self) -> str:
         """Return ': ' and why a camera has gone quiet, or ''."""
         if self._driver == LOOPBACK:
-            return ': the program that writes into this v4l2loopback device has stopped'
+            return (': the program that writes into this v4l2loopback device has stopped; start '
+                    'it again')
         return self._signal.trouble()
 
     def _stale(self, buffer: videodev2.Buffer) -> bool:

@@ -182,8 +182,9 @@ class CameraNode(Node):
 
     def _stream(self, camera: V4l2Camera, grabber: Grabber) -> None:
         """Publish the newest frame until the settings change; search the exposure when asked."""
+        rate = f'{camera.frame_rate:g} Hz' if camera.frame_rate else 'a rate that is not told'
         self.get_logger().info(
-            f'streaming {camera.width} x {camera.height} px at {camera.frame_rate:g} Hz '
+            f'streaming {camera.width} x {camera.height} px at {rate} '
             f'from {camera.device}; fields: {camera.fields}; stamps: {camera.stamp_place}; '
             f'{camera.pixel_format} clips at {camera.saturation} DN: saturation of segmenter and '
             'locator'

@@ -23,13 +23,14 @@ def test_ioctl_number():
 
 def test_an_answer_of_the_kernel(monkeypatch):
     # imx219 -> unicam-image, with one link that is off, and their device nodes.
-    entities = [(1, b'imx219 10-0010', 0x20001), (4, b'unicam-image', 0x10001), (9, b'spare', 0)]
+    entities = [(1, b'imx219 10-0010', 0x20001), (4, b'unicam-image', 0x10001), (9, b'spare', 0),
+                (12, b'lens', 0x20003)]
     interfaces = [(20, 0x203, 81, 7), (21, 0x200, 81, 0), (22, 0x201, 81, 5)]
     pads = [(2, 1), (5, 4), (10, 9)]
     links = [
         (2, 5, 0x3), (10, 5, 0x0),  # pads
         (20, 1, 0x10000003), (21, 4, 0x10000003), (22, 9, 0x10000003),  # nodes
-        (1, 4, 0x20000001),  # a lens that belongs to a sensor
+        (1, 12, 0x20000001),  # a lens that belongs to a sensor
     ]
     asked = []
 
@@ -54,8 +55,9 @@ def test_an_answer_of_the_kernel(monkeypatch):
     monkeypatch.setattr(videodev2, 'ioctl', kernel)
     found = media.read_topology(3)
     assert len(asked) == 2
-    assert found.names == {1: 'imx219 10-0010', 4: 'unicam-image', 9: 'spare'}
+    assert found.names == {1: 'imx219 10-0010', 4: 'unicam-image', 9: 'spare', 12: 'lens'}
     assert found.sensors == {1}
     assert found.videos == {4: (81, 0)}
     assert found.subdevices == {1: (81, 7)}
     assert found.links == ((1, 4),)
+    assert found.apart == {12}

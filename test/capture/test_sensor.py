@@ -140,6 +140,7 @@ def test_a_subdevice_that_is_given_as_the_device_is_told(tmp_path, monkeypatch):
     for videos, words in (
         (['/dev/video0'], 'its pictures come from /dev/video0: name that'),
         ([], "its link to a video device is not enabled: see 'media-ctl -p'"),
+        (None, 'no pictures come from it, as from a lens or a flash: name the video device'),
     ):
         monkeypatch.setattr(
             'blob_tracker.capture.device.of_subdevice', lambda path: ('imx219 10-0010', videos))

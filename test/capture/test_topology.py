@@ -46,6 +46,9 @@ CFE = """
              device node name /dev/v4l-subdev2
     pad0: Source
         -> "csi2":0 [ENABLED,IMMUTABLE]
+- entity 17: dw9807 10-000c (0 pad, 0 link)
+             type V4L2 subdev subtype Lens flags 0
+             device node name /dev/v4l-subdev3
 - entity 18: rp1-cfe-csi2_ch0 (1 pad, 1 link)
              type Node subtype V4L flags 0
              device node name /dev/video0
@@ -130,10 +133,13 @@ def topology(text: str) -> Topology:
     videos: dict[int, Node] = {}
     subdevices: dict[int, Node] = {}
     links: list[tuple[int, str]] = []
+    apart: set[int] = set()
     for line in text.splitlines():
         if found := re.match(r'- entity (\d+): (.*) \(\d+ pad', line):
             entity = int(found[1])
             names[entity] = found[2]
+            if ' 0 link)' in line:
+                apart.add(entity)
         elif 'subtype Sensor' in line:
             sensors.add(entity)
         elif found := re.search('device node name (.*)', line):
@@ -143,7 +149,7 @@ def topology(text: str) -> Topology:
     numbers = {name: number for number, name in names.items()}
     return Topology(
         names, frozenset(sensors), videos, subdevices,
-        tuple((source, numbers[sink]) for source, sink in links))
+        tuple((source, numbers[sink]) for source, sink in links), frozenset(apart))
 
 
 @pytest.mark.parametrize(('text', 'video', 'name', 'subdevices'), [
@@ -177,6 +183,10 @@ def test_a_subdevice_is_named_with_what_it_feeds(text, subdevice, name, videos):
     found = fed_by(topology(text), NODES[f'/dev/v4l-subdev{subdevice}'])
     assert found == (name, [NODES[f'/dev/video{number}'] for number in videos])
     assert fed_by(topology(text), NODES['/dev/v4l-subdev29']) is None
+
+
+def test_a_lens_feeds_nothing():
+    assert fed_by(topology(CFE), NODES['/dev/v4l-subdev3']) == ('dw9807 10-000c', None)
 
 
 def test_links_that_run_in_a_circle_end():

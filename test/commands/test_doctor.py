@@ -454,6 +454,8 @@ def test_cameras_that_cannot_be_used(tmp_path: Path, monkeypatch: pytest.MonkeyP
     loopback = Webcam(videodev2.CAP_VIDEO_OUTPUT, {}, b'v4l2 loopback')
     monkeypatch.setattr(videodev2, 'ioctl', loopback)
     told(cameras.check_cameras(folder, tmp_path), Level.WARN, 'no program writes pictures')
+    monkeypatch.setattr(videodev2, 'ioctl', Webcam(0, {}, b'v4l2 loopback'))
+    told(cameras.check_cameras(folder, tmp_path), Level.WARN, 'lets no other one write')
 
 
 def test_camera_that_another_program_has(

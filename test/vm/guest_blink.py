@@ -7,16 +7,13 @@ The folder holds blink.grey and camera_info.yaml, and gets blink.json and a log.
 from __future__ import annotations
 
 from collections.abc import Callable
-import ctypes
 from functools import partial
 import json
-import mmap
 import os
 from pathlib import Path
 import time
 from typing import Any
 
-from blob_tracker.capture import videodev2
 from geometry_msgs.msg import PointStamped
 import numpy as np
 import rclpy
@@ -29,15 +26,14 @@ from vm.guest_track import end, PARAMETERS, prepare, STARTUP
 from vm.hdmi_loop import (
     close_loop, OUTPUT, SLOW_FRAME_RATE, SLOW_TIMINGS, SLOWNESS, take_format,
 )
+from vm.output_queue import OutputQueue
 from vm.scene import (
     BITS_PER_SECOND, BLINK_HEIGHT, BLINK_WIDTH, CODE, EXPOSURE, FREQUENCY, LIGHTS, PAUSE,
 )
 
 COUNT = 110  # frames of the scene
 LONGEST = 60.0 * SLOWNESS  # s for them; 28 on a quiet machine
-BUFFERS = 4
 AHEAD = 12  # frames, until the player is ready
-BUF_TYPE_VIDEO_OUTPUT = 2
 BEGIN = Path('/run/blink.begin')  # holds the time, s, at which the player is to begin
 FLASH: dict[str, object] = {
     'width': BLINK_WIDTH,
@@ -92,30 +88,18 @@ def _ns(message: Any) -> int:
 def play(frames: np.ndarray) -> None:
     """Show frame n of the scene in interval n of the output device, whoever is late."""
     fd = os.open(OUTPUT, os.O_RDWR)
-    request = videodev2.RequestBuffers(
-        count=BUFFERS, type=BUF_TYPE_VIDEO_OUTPUT, memory=videodev2.MEMORY_MMAP)
-    videodev2.ioctl(fd, videodev2.REQBUFS, request)
-    memory = []
-    for index in range(request.count):
-        buffer = videodev2.Buffer(
-            index=index, type=BUF_TYPE_VIDEO_OUTPUT, memory=videodev2.MEMORY_MMAP)
-        videodev2.ioctl(fd, videodev2.QUERYBUF, buffer)
-        memory.append(mmap.mmap(fd, buffer.length, offset=buffer.m.offset))
+    queue = OutputQueue(fd)
 
-    def queue(index: int, number: int) -> None:
-        memory[index][:frames[0].size] = frames[number % len(frames)].tobytes()
-        videodev2.ioctl(fd, videodev2.QBUF, videodev2.Buffer(
-            index=index, type=BUF_TYPE_VIDEO_OUTPUT, memory=videodev2.MEMORY_MMAP,
-            bytesused=frames[0].size, field=videodev2.FIELDS.index('none')))
+    def put(index: int, number: int) -> None:
+        queue.put(index, frames[number % len(frames)].tobytes())
 
-    for index in range(request.count):
-        queue(index, index)
+    for index in range(len(queue)):
+        put(index, index)
     time.sleep(max(0.0, float(BEGIN.read_text()) - time.time()))
-    videodev2.ioctl(fd, videodev2.STREAMON, ctypes.c_int32(BUF_TYPE_VIDEO_OUTPUT))
+    queue.start()
     while True:
-        buffer = videodev2.Buffer(type=BUF_TYPE_VIDEO_OUTPUT, memory=videodev2.MEMORY_MMAP)
-        videodev2.ioctl(fd, videodev2.DQBUF, buffer)
-        queue(buffer.index, buffer.sequence + request.count)
+        shown = queue.take()
+        put(shown.index, shown.sequence + len(queue))
 
 
 def main(folder: Path) -> None:

@@ -16,18 +16,30 @@ BT_STD_CEA861, BT_STD_CVT = 1, 4
 CAPTURE, OUTPUT = '/dev/video0', '/dev/video1'
 WIDTH, HEIGHT = 320, 240
 SIGNAL = 1280, 720  # px
+# From Linux 6.11 on each input has a menu of what it is connected to.
+JOINED_BY_MENU = tuple(int(part) for part in os.uname().release.split('.')[:2]) >= (6, 11)
 # CTA-861 format 60, 1280x720p24: the slowest there is, for the sake of the emulated processors.
 # Without its scalers the driver sends and takes the top left WIDTH x HEIGHT of it.
 TIMINGS = videodev2.BtTimings(
     width=1280, height=720, polarities=3, pixelclock=59_400_000, hfrontporch=1760, hsync=40,
     hbackporch=220, vfrontporch=5, vsync=5, vbackporch=20, standards=BT_STD_CEA861)
 FRAME_RATE = 24.0
-# CVT with reduced blanking, slow enough for a tracker on emulated processors. The driver works
-# the pixel clock out again each time, in steps of 250 kHz: this one stays.
 SLOW_SIGNAL = 2560, 1600  # px
-SLOW_TIMINGS = videodev2.BtTimings(
-    width=2560, height=1600, polarities=2, pixelclock=17_000_000, hfrontporch=48, hsync=32,
-    hbackporch=80, vfrontporch=3, vsync=6, vbackporch=7, standards=BT_STD_CVT, flags=1)
+
+
+def slow_timings(pixelclock: int) -> videodev2.BtTimings:
+    """
+    Return CVT timings with reduced blanking, for a tracker or a node on emulated processors.
+
+    The driver works the pixel clock out again each time, in steps of 250 kHz: multiples of
+    17 MHz stay.
+    """
+    return videodev2.BtTimings(
+        width=2560, height=1600, polarities=2, pixelclock=pixelclock, hfrontporch=48, hsync=32,
+        hbackporch=80, vfrontporch=3, vsync=6, vbackporch=7, standards=BT_STD_CVT, flags=1)
+
+
+SLOW_TIMINGS = slow_timings(17_000_000)
 SLOW_FRAME_RATE = 17e6 / (2720 * 1616)  # 3.9
 # Of the host, as `support.slowness` has it: all limits of the guest are stretched by it.
 SLOWNESS = float(os.environ.get('SLOWNESS', 1.0))
@@ -41,7 +53,12 @@ def v4l2_ctl(device: str, *options: str) -> None:
 
 
 def control(device: str = CAPTURE, **settings: int | str) -> None:
-    """Set controls of a capture device."""
+    """Set controls of a capture device; `loop_video` joins its input to its output."""
+    if JOINED_BY_MENU and 'loop_video' in settings:
+        number = int(device.removeprefix('/dev/video')) // 2
+        # The pattern, nothing, the outputs.
+        settings[f'hdmi_{number:03d}_0_is_connected_to'] = (
+            2 + number if settings.pop('loop_video') else 0)
     v4l2_ctl(device, '-c', ','.join(f'{name}={value}' for name, value in settings.items()))
 
 

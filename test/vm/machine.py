@@ -10,13 +10,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 import gzip
+import lzma
 import os
 from pathlib import Path
-import re
 import shlex
 import shutil
 import subprocess
+import sys
 import time
+
+from vm import modules
+from vm.debian import Debian, KEYS, MachineError, PATH, run as _run
 
 # Modules the guest needs beside those in Debian's kernel image itself.
 MODULES = ('virtio_pci', '9pnet_virtio', '9p', 'overlay', 'vivid', 'vhci-hcd', 'uvcvideo')
@@ -32,11 +36,15 @@ TOOLS = {  # program -> Debian package
     'depmod': 'kmod',
     'modprobe': 'kmod',
     'v4l2-ctl': 'v4l-utils',
+    'media-ctl': 'v4l-utils',
     'apt-get': 'apt',
     'dpkg-deb': 'dpkg',
+    'gcc': 'gcc',
+    'make': 'make',
 }
-# depmod and modprobe live in sbin, which users' PATHs often leave out.
-PATH = os.pathsep.join((os.environ.get('PATH', os.defpath), '/usr/sbin', '/sbin'))
+# Whose kernel is booted, and whose v4l2loopback it gets.
+DEBIAN = os.environ.get('DEBIAN', '12')
+LOOPBACKS = {'12': ('12', '13'), '13': ('13',)}
 
 INIT = """\
 #!/bin/busybox sh
@@ -56,6 +64,11 @@ mount -t 9p -o trans=virtio,version=9p2000.L,ro,cache=loose,msize=512000 host /h
 mount -t tmpfs memory /memory
 mkdir /memory/upper /memory/work
 mount -t overlay -o lowerdir=/host,upperdir=/memory/upper,workdir=/memory/work overlay /root
+value() { sed -n "s/.*$1=\\([^ ]*\\).*/\\1/p" /proc/cmdline; }
+# Thousands of small files, each of which would be looked up in both layers.
+for folder in $(value python | tr : ' '); do
+  mount --bind /host$folder /root$folder
+done
 mount -t proc proc /root/proc
 mount -t sysfs sys /root/sys
 mount --bind /dev /root/dev
@@ -63,7 +76,7 @@ mkdir -p /dev/shm
 mount -t tmpfs shm /root/dev/shm
 mount -t tmpfs tmp /root/run
 ip link set lo up
-results=$(sed -n 's/.*results=\\([^ ]*\\).*/\\1/p' /proc/cmdline)
+results=$(value results)
 mkdir -p /root$results
 mount -t 9p -o trans=virtio,version=9p2000.L,msize=512000 results /root$results
 echo "the driver is there: the scripts begin"
@@ -72,10 +85,6 @@ sync
 umount /root$results
 poweroff -f
 """
-
-
-class MachineError(RuntimeError):
-    """The machine cannot be built or does not end as it should; the message says why."""
 
 
 @dataclass(frozen=True)
@@ -87,17 +96,23 @@ class Boot:
     ----------
     kernel, initramfs : Path
         Files in the cache.
+    drivers : Path
+        Folder with the modules of `modules.build`.
 
     """
 
     kernel: Path
     initramfs: Path
+    drivers: Path
 
 
 def missing_tools() -> str:
     """Return the Debian packages whose programs are not there, separated by spaces."""
-    return ' '.join(sorted({
-        package for program, package in TOOLS.items() if not shutil.which(program, path=PATH)}))
+    missing = {
+        package for program, package in TOOLS.items() if not shutil.which(program, path=PATH)}
+    if not Path(KEYS).exists():
+        missing.add('debian-archive-keyring')
+    return ' '.join(sorted(missing))
 
 
 def build(cache: Path) -> Boot:
@@ -115,34 +130,33 @@ def build(cache: Path) -> Boot:
         Debian's kernel cannot be had.
 
     """
-    depends = _run('apt-cache', 'depends', 'linux-image-amd64')
-    found = re.search(r'Depends: (linux-image-\S+)', depends)
-    if not found:
-        raise MachineError("apt knows no package 'linux-image-amd64': run 'apt-get update' on a "
-                           'Debian system')
-    package = found[1]
-    policy = re.search(r'Candidate: (\S+)', _run('apt-cache', 'policy', package))
-    folder = cache / f'{package}_{policy[1] if policy else "unknown"}'
-    unpacked = folder / 'root'
-    if not unpacked.is_dir():
-        _unpack_kernel(package, folder)
-    version = next((unpacked / 'lib/modules').iterdir()).name
+    debian = Debian(DEBIAN, cache)
+    package, = debian.depends('linux-image-amd64', 'linux-image-.*')
+    folder = cache / f'{package}_{debian.version(package)}'
+    version = package.removeprefix('linux-image-')
+    unpacked = _once(folder / 'root', lambda made: _unpack_kernel(debian, package, version, made))
+    drivers = _once(folder / 'drivers', lambda made: modules.build(
+        debian, version, [Debian(each, cache) for each in LOOPBACKS[DEBIAN]], made))
     # Made again each time: it takes a second and follows every change of this file.
     initramfs = _make_initramfs(folder, unpacked, version)
-    return Boot(unpacked / 'boot' / f'vmlinuz-{version}', initramfs)
+    return Boot(unpacked / 'boot' / f'vmlinuz-{version}', initramfs, drivers)
 
 
-def _unpack_kernel(package: str, folder: Path) -> None:
-    partial = folder / 'partial'
-    shutil.rmtree(partial, ignore_errors=True)
-    partial.mkdir(parents=True)
-    _run('apt-get', 'download', '-q', package, cwd=folder)
-    archive = next(folder.glob('*.deb'))
-    _run('dpkg-deb', '-x', str(archive), str(partial))
-    archive.unlink()
-    version = next((partial / 'lib/modules').iterdir()).name
-    _run('depmod', '-b', str(partial), version)
-    partial.rename(folder / 'root')  # last, so that what is there is whole
+def _once(folder: Path, make: Callable[[Path], None]) -> Path:
+    """Return a folder, made where it is missing: what is there is whole."""
+    if not folder.is_dir():
+        partial = folder.with_name(f'{folder.name}.partial')
+        shutil.rmtree(partial, ignore_errors=True)
+        make(partial)
+        partial.rename(folder)
+    return folder
+
+
+def _unpack_kernel(debian: Debian, package: str, version: str, folder: Path) -> None:
+    debian.unpack([package], folder)
+    if not (folder / 'lib').exists():
+        (folder / 'lib').symlink_to('usr/lib')
+    _run('depmod', '-b', str(folder), version)
 
 
 def _make_initramfs(folder: Path, unpacked: Path, version: str) -> Path:
@@ -158,9 +172,12 @@ def _make_initramfs(folder: Path, unpacked: Path, version: str) -> Path:
         for line in _run('modprobe', '-d', str(unpacked), '-S', version, '--show-depends',
                          module).splitlines():
             kind, path = line.split(maxsplit=2)[:2]
-            if kind == 'insmod' and Path(path).name not in order:
-                order.append(Path(path).name)
-                shutil.copy(path, tree / 'modules')
+            name = Path(path).name.removesuffix('.xz')
+            if kind == 'insmod' and name not in order:
+                order.append(name)
+                content = Path(path).read_bytes()
+                (tree / 'modules' / name).write_bytes(
+                    lzma.decompress(content) if path.endswith('.xz') else content)
     (tree / 'modules/order').write_text('\n'.join(order))
     (tree / 'init').write_text(INIT.replace('@VIVID@', VIVID))
     (tree / 'init').chmod(0o755)
@@ -171,19 +188,6 @@ def _make_initramfs(folder: Path, unpacked: Path, version: str) -> Path:
     image = folder / 'initramfs.gz'
     image.write_bytes(gzip.compress(archive, 1))
     return image
-
-
-def _run(*command: str, cwd: Path | None = None) -> str:
-    """Return what a program prints."""
-    try:
-        done = subprocess.run(
-            command, cwd=cwd, env={**os.environ, 'PATH': PATH, 'LC_ALL': 'C'}, text=True,
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300)
-    except subprocess.TimeoutExpired as error:
-        raise MachineError(f'{shlex.join(command)} did not end within 300 s') from error
-    if done.returncode:
-        raise MachineError(f'{shlex.join(command)} failed: {done.stderr.strip()}')
-    return done.stdout
 
 
 def run(
@@ -225,9 +229,11 @@ def run(
         '-m', '2048', '-smp', '2', '-net', 'none', '-no-reboot',
         '-display', 'none', '-monitor', 'none', '-serial', 'stdio',
         '-kernel', str(boot.kernel), '-initrd', str(boot.initramfs),
-        # On a busy host the emulated timer fails the kernel's test of its interrupt.
-        '-append', 'console=ttyS0 quiet mitigations=off no_timer_check panic=-1 '
-                   f'results={results}',
+        # On a busy host the emulated timer fails the kernel's test of its interrupt. Two emulated
+        # processors share one time stamp counter; untrusted, each look at the clock is an access
+        # to an emulated device.
+        '-append', 'console=ttyS0 quiet mitigations=off no_timer_check tsc=reliable panic=-1 '
+                   f'results={results} python={sys.prefix}:{sys.base_prefix}',
         '-virtfs', 'local,path=/,mount_tag=host,security_model=none,readonly=on,multidevs=remap',
         '-virtfs', f'local,path={results},mount_tag=results,security_model=none',
     ]

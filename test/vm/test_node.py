@@ -119,7 +119,7 @@ def test_a_calibration_of_another_size_is_refused(node):
     assert not success
     # That of the frames, which are a crop.
     assert words == (
-        'camera_info: the calibration is for 320 x 240 px and the sensor has 1280 x 720 px; '
+        'camera_info: the calibration is for 320 x 240 px and the sensor has 2560 x 1600 px; '
         'calibrate that size')
     assert node['services']['uncalibrated'] == [0.0] * 9
 

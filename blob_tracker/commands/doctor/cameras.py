@@ -65,7 +65,7 @@ def check_camera(
         flags, card = capabilities(fd)
         who = f'{path}: {card} ({driver(fd)}, {bus(fd)})'
         if driver(fd) == LOOPBACK and not flags & CAPTURES:
-            yield warn('camera', no_writer(path))
+            yield warn('camera', no_writer(path, bool(flags & videodev2.CAP_VIDEO_OUTPUT)))
             return
         if not flags & CAPTURES or not flags & videodev2.CAP_STREAMING:
             yield ok('camera', f'{who}: {kind(flags)}, no pictures come from it')

@@ -83,12 +83,6 @@ def to_frame(image: Image, info: CameraInfo) -> Frame:
     )
 
 
-def to_whole_frame(image: Image) -> Frame:
-    """Return the frame of an image without a camera_info: neither cropped nor binned."""
-    pixels, layout = _coloured(image)
-    return Frame(pixels, _stamp_ns(image), int(np.iinfo(pixels.dtype).max), layout=layout)
-
-
 def to_window(image: Image, info: CameraInfo) -> Window:
     """
     Return the window that target/window/image_raw and its camera_info hold.
