@@ -35,6 +35,9 @@ def coarse(pair: Pair, theta: Floats | None) -> tuple[Pair, Floats | None]:
     if pitch < 2:
         return pair, theta
     limit = pitch**2 * pair.saturation
+    if pair.sites is not None:
+        # A cell that is not all of samples tells less than it seems to.
+        pair = replace(pair, lit=np.where(pair.sites, pair.lit, pair.saturation), sites=None)
     history, way = pair.history, pair.way
     if history.motion is not None:
         known = history.motion

@@ -44,6 +44,7 @@ def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | Non
 
 def _best(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
     """Do so at the pair's own pitch."""
+    pair = replace(pair, haunted=bool(suspicion & IN_UNLIT))
     if suspicion & IN_UNLIT and (pair.unlit is None or not shows_pulse(pair)):
         suspicion &= ELSEWHERE  # a texture, of which the base fit takes care
     if not suspicion:
@@ -66,7 +67,7 @@ def _best(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
     if chosen is not base:
         if theta is None or chosen.failure != Failure.NONE or not chosen.misfit:
             return chosen
-        if not pair.usable[0].all():
+        if pair.clipped:
             # What runs from clipped pixels has many shapes; the round one's place is the surest.
             return None if optimum is None else misfitting(pair, optimum)
         if optimum is not None and chosen.chi2 - 1.0 > UNEXPLAINED * (base.chi2 - 1.0):

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 from blob_tracker.location.alternatives.ghost import (
-    BRIGHTER, first_guess, fit_ghost, lamp_is_likelier,
+    first_guess, fit_ghost, lamp_is_likelier,
 )
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.pair_model import AMPLITUDE, fill_smeared_ghost, GHOST, to_fit
 from blob_tracker.location.unlit_pulse import outdoes_texture
+from blob_tracker.location.unlit_shape import BRIGHTER
 import numpy as np
 
 LAST_FLASH = -1.0  # of a flash's displacement: where the light was in the last lit frame

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from blob_tracker.location.alternatives.ghost import (
-    BEFORE, first_guess, lamp_is_likelier, shift_prior, STILL_ON,
-)
+from blob_tracker.location.alternatives.ghost import first_guess, lamp_is_likelier, shift_prior
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
 from blob_tracker.location.pair_model import (
     bounds, brightest, fill_switched, SHARE, SLOPE, to_fit, Y,
 )
 from blob_tracker.location.unlit_pulse import outdoes_texture
+from blob_tracker.location.unlit_shape import BEFORE, STILL_ON
 import numpy as np
 
 STEEPEST = 2.0  # of the share, a row: the next one has it all
