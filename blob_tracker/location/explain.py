@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 import math
 
-from blob_tracker.location.alternatives import ALTERNATIVES
+from blob_tracker.location.alternatives import Alternative, ALTERNATIVES
+from blob_tracker.location.alternatives.streak import streak
 from blob_tracker.location.coarse import coarse, fine
 from blob_tracker.location.doubt import misfitting, sandwich
 from blob_tracker.location.estimates import Failure
@@ -19,6 +21,7 @@ import numpy as np
 
 # Of the misfit of a round pulse: a model that leaves more is no more true than that one.
 UNEXPLAINED = 0.5
+ODD_GHOST = 2.0  # standard deviations of chi2, beyond which a round ghost may not be all
 IN_UNLIT = Suspicion.UNLIT | Suspicion.FAILED
 ELSEWHERE = ~IN_UNLIT
 
@@ -56,14 +59,14 @@ def _best(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
         base = to_fit(pair, optimum)
     if base is None:
         base = no_pulse(pair)
-    fits = [
-        replace(fit, model=alternative.__name__)
-        for alternative in asked if (fit := alternative(pair, base)) is not None
-    ]
-    if pair.history.even:
-        # What leans now to one side and now to the other is even about its place.
-        fits = [fit for fit in fits if not fit.lopsided]
+    fits = _fits(pair, base, asked)
     chosen = choose(base, fits, pair.pixels.size, pair.history)
+    if suspicion & Suspicion.UNLIT and streak not in asked and (
+        chosen is base or chosen.chi2 > 1.0 + ODD_GHOST * math.sqrt(2.0 / pair.pixels.size)
+    ):
+        # What is left of a light that draws a streak does not look like a round one.
+        fits += _fits(pair, base, [streak])
+        chosen = choose(base, fits, pair.pixels.size, pair.history)
     if chosen is not base:
         if theta is None or chosen.failure != Failure.NONE or not chosen.misfit:
             return chosen
@@ -81,6 +84,18 @@ def _best(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
     if optimum is None or pair.unlit is None or not suspicion & Suspicion.PIXELS:
         return None
     return misfitting(pair, optimum)
+
+
+def _fits(pair: Pair, base: Fit, asked: Iterable[Alternative]) -> list[Fit]:
+    """Return what those that are asked have to say."""
+    fits = [
+        replace(fit, model=alternative.__name__)
+        for alternative in asked if (fit := alternative(pair, base)) is not None
+    ]
+    if pair.history.even:
+        # What leans now to one side and now to the other is even about its place.
+        fits = [fit for fit in fits if not fit.lopsided]
+    return fits
 
 
 def compile_alternatives() -> None:

@@ -51,7 +51,7 @@ def defocused(pair: Pair, base: Fit) -> Fit | None:
             best, model, lower, upper = ring, fill_ring, ring_lower, ring_upper
     if best is None:
         return None
-    seen = with_ghost(pair, Shape(best, model, lower, upper))
+    seen = with_ghost(pair, Shape(best, model, best.theta, lower, upper))
     best = seen.optimum
     theta = best.theta
     inner = theta[HOLE] if model is fill_ring else 0.0

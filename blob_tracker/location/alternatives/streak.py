@@ -56,7 +56,7 @@ def streak(pair: Pair, base: Fit) -> Fit | None:
     best = climb(pair, model, start, lower, upper, prior, steps=SLOWEST)
     if best is None:
         return None
-    shape = with_ghost(pair, Shape(best, model, lower, upper, prior))
+    shape = with_ghost(pair, Shape(best, model, start, lower, upper, prior))
     best = shape.optimum
     way, sigma = 2.0 * math.hypot(best.theta[WAY_X], best.theta[WAY_Y]), best.theta[SIGMA]
     warning = ''

@@ -9,12 +9,10 @@ from blob_tracker.location.pair_model import (
     bounds, brightest, fill_switched, SHARE, SLOPE, to_fit, Y,
 )
 from blob_tracker.location.unlit_pulse import outdoes_texture
-from blob_tracker.location.unlit_shape import BEFORE, STILL_ON
+from blob_tracker.location.unlit_shape import (
+    BEFORE, EVEN, FARTHEST, STEEPEST, STILL_ON, SWITCHES,
+)
 import numpy as np
-
-STEEPEST = 2.0  # of the share, a row: the next one has it all
-FARTHEST = 20.0  # shares: how far from the middle of the window the switch may be
-EVEN = 4.0  # standard deviations of the slope, below which all rows have the same share
 
 
 def switched(pair: Pair, base: Fit) -> Fit | None:
@@ -45,11 +43,7 @@ def switched(pair: Pair, base: Fit) -> Fit | None:
         return None
     percent = 100.0 * _share(pair, best)
     if _runs(best):
-        warning = (
-            'the flash switches while the rows of the light are exposed '
-            f'({percent:.0f} % of it is in the lit frame): shift its phase, shorten the exposure '
-            'or use a global shutter'
-        )
+        warning = SWITCHES.format(percent)
     else:
         warning = STILL_ON.format(100.0 - percent)
     return to_fit(pair, best, warning)

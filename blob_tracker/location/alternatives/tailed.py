@@ -41,7 +41,7 @@ def tailed(pair: Pair, base: Fit) -> Fit | None:
     best = climb(pair, fill_tailed, start, lower, upper)
     if best is None:
         return None
-    shape = with_ghost(pair, Shape(best, fill_tailed, lower, upper))
+    shape = with_ghost(pair, Shape(best, fill_tailed, start, lower, upper))
     best = shape.optimum
     theta = best.theta
     way = math.hypot(theta[WAY_X], theta[WAY_Y])

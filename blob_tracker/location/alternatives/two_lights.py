@@ -47,7 +47,7 @@ def two_lights(pair: Pair, base: Fit) -> Fit | None:
     if not found:
         return None
     best = max(found, key=lambda fit: fit.log_likelihood)
-    shape = with_ghost(pair, Shape(best, fill_two_lights, *_bounds(pair)))
+    shape = with_ghost(pair, Shape(best, fill_two_lights, best.theta, *_bounds(pair)))
     best = shape.optimum
     theta = best.theta
     part = theta[GHOST] / max(theta[AMPLITUDE], 1e-6)
