@@ -21,6 +21,7 @@ import numpy as np
 
 # Of the misfit of a round pulse: a model that leaves more is no more true than that one.
 UNEXPLAINED = 0.5
+ROUND_GHOSTS = ('ghost', 'smeared')  # the models of one in the unlit window
 ODD_GHOST = 2.0  # standard deviations of chi2, beyond which a round ghost may not be all
 IN_UNLIT = Suspicion.UNLIT | Suspicion.FAILED
 ELSEWHERE = ~IN_UNLIT
@@ -62,7 +63,8 @@ def _best(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
     fits = _fits(pair, base, asked)
     chosen = choose(base, fits, pair.pixels.size, pair.history)
     if suspicion & Suspicion.UNLIT and streak not in asked and (
-        chosen is base or chosen.chi2 > 1.0 + ODD_GHOST * math.sqrt(2.0 / pair.pixels.size)
+        chosen.model not in ROUND_GHOSTS
+        or chosen.chi2 > 1.0 + ODD_GHOST * math.sqrt(2.0 / pair.pixels.size)
     ):
         # What is left of a light that draws a streak does not look like a round one.
         fits += _fits(pair, base, [streak])

@@ -17,6 +17,7 @@ SHIFT_X, SHIFT_Y = 5, 6  # from the lit frame to the unlit one
 GHOST = 7  # amplitude of the light that is in the unlit window
 OWN = 5  # sigma along y
 SHARE, SLOPE = 7, 8  # of the light in the lit frame: in the middle row, and what a row adds
+LATER = 9  # what the share of the unlit frame's flash is more, in all rows
 
 
 @kernel
@@ -122,7 +123,8 @@ def fill_switched(theta: Array, means: Array, slopes: Array) -> None:
     Fill the means and slopes of a pulse whose rows are shared out between the two windows.
 
     Row j has the share s_j = SHARE + SLOPE (j - middle) of its light in the lit window, not
-    below 0 nor above 1, and the rest in the unlit one.
+    below 0 nor above 1, and the rest in the unlit one. Of a light that moves, or whose clock
+    drifts, the rows are cut LATER in the unlit one: there it is s_j + LATER.
     """
     windows, height, width = means.shape
     amplitude, sigma = theta[AMPLITUDE], theta[SIGMA]
@@ -136,7 +138,7 @@ def fill_switched(theta: Array, means: Array, slopes: Array) -> None:
         fill_profile(theta[Y] + k * theta[SHIFT_Y], sigma, down)
         for j in range(height):
             row = j - 0.5 * (height - 1)
-            share = theta[SHARE] + theta[SLOPE] * row
+            share = theta[SHARE] + theta[SLOPE] * row + k * theta[LATER]
             moves = 1.0 if 0.0 < share < 1.0 else 0.0
             share = min(max(share, 0.0), 1.0)
             if k == 1:
@@ -154,6 +156,7 @@ def fill_switched(theta: Array, means: Array, slopes: Array) -> None:
                 slopes[SHIFT_Y, k, j, i] = k * slopes[Y, k, j, i]
                 slopes[SHARE, k, j, i] = moves * light
                 slopes[SLOPE, k, j, i] = moves * row * light
+                slopes[LATER, k, j, i] = k * moves * light
 
 
 @kernel

@@ -168,7 +168,7 @@ class GhostInstants:
         self._places = 0  # that the sums are of
         self._against[:] = 0.0
 
-    def add(self, ahead: float, deviation: float, frame: float) -> None:
+    def add(self, ahead: float, deviation: float, frame: float, aside: float = 0.0) -> None:
         """
         Take a place.
 
@@ -181,26 +181,29 @@ class GhostInstants:
             Standard deviation of that.
         frame : float
             Way from one frame to the next in the same unit.
+        aside : float
+            How far it is beside its way, in that unit: of all of these it is on it.
 
         """
         self._places += 1
-        self.side = _take_place(self._against, self._places, ahead, deviation, frame)
+        self.side = _take_place(self._against, self._places, ahead, deviation, frame, aside)
 
 
 @kernel
 def _take_place(
-    against: Array, places: int, ahead: float, deviation: float, frame: float
+    against: Array, places: int, ahead: float, deviation: float, frame: float, aside: float
 ) -> int:
     """Add what one of so many places holds against each explanation; return the side."""
     for k, there in enumerate((-1.0, 1.0, 0.0, -frame)):
         # What nothing explains is held against none of them.
-        against[k] += min(0.5 * ((ahead - there) / deviation) ** 2, MOST_AGAINST)
+        square = (ahead - there) ** 2 + aside * aside
+        against[k] += min(0.5 * square / (deviation * deviation), MOST_AGAINST)
     late, early, never_off, filtered = against
     least = min(late, early)
     if least + DECIDED > min(never_off, filtered, max(late, early)):
         return 0
     if least > MOST_MEAN * places:
-        return 0  # none of them is true: it is the texture behind the light
+        return 0  # none of them is true: it is the texture behind the light, or its lines are cut
     return 1 if late < early else -1
 
 

@@ -32,6 +32,7 @@ SUREST = 0.25  # ways of half an exposure, to which a place is known at best
 # px in half an exposure, from which on it is not enough to know the light in step, and the part of
 # a resting one in the unlit frame, some time ahead, from which on there is too little contrast.
 MOVING_PX, TOO_EVEN, AHEAD_S = 0.1, 0.45, 0.25
+STEEP = 0.5  # of its speed along the lines of a frame, that a light has across them
 SPEED_MEMORY = 0.2  # of the mean speed that a flash renews
 OUT_OF_SIGHT_S = 0.5  # s from one flash to the next, after which it may be another light
 
@@ -187,14 +188,20 @@ class InStep(Switching):
             unit = 0.5 * exposure * speed
             if unit > LEAST_WAY_PX:
                 ahead = ((there_x - x) * vx + (there_y - y) * vy) / speed
+                aside = ((there_y - y) * vx - (there_x - x) * vy) / speed
                 deviation = math.hypot(
                     0.5 * APERTURE * sigma * noise / unlit, BEND_PART * interval * speed
                 )
                 instants.add(
-                    ahead / unit, max(deviation / unit, SUREST), interval * speed / unit
+                    ahead / unit, max(deviation / unit, SUREST), interval * speed / unit,
+                    aside / unit,
                 )
         # Shared line by line, and no time between the lines is known: the pair as a whole tells.
-        if self._shift.seen and frame.line_time_ns == 0:
+        if frame.line_time_ns == 0 and (
+            self._shift.seen
+            # Along its lines it would be ahead or behind as one that drifts is.
+            or (there and not self._shift.judged and abs(vy) > STEEP * abs(vx))
+        ):
             return light
         self._vx += SPEED_MEMORY * (vx - self._vx)
         self._vy += SPEED_MEMORY * (vy - self._vy)

@@ -25,6 +25,8 @@ class LineShift:
     ----------
     seen : bool
         Whether there is a shift that neither its speed nor the bend of its path explains.
+    judged : bool
+        Whether enough flashes were seen to tell.
 
     """
 
@@ -36,7 +38,7 @@ class LineShift:
         self._places: deque[float] = deque(maxlen=3)  # of the last lit frames, px
         self._rows: deque[tuple[float, float, float]] = deque(maxlen=MOST_SHIFTS)
         self._count = 0
-        self.seen = False
+        self.seen = self.judged = False
 
     def add(self, lit_y: float, unlit_y: float | None) -> None:
         """Take where it is in a lit frame and in the unlit one before, px; None if it is not."""
@@ -47,6 +49,7 @@ class LineShift:
         self._rows.append((last - second, last - 2.0 * second + first, unlit_y - last))
         self._count += 1
         if self._count >= LEAST_SHIFTS and self._count % CHECKED == 0:
+            self.judged = True
             self.seen = _is_shifted(np.array(self._rows))
 
 
