@@ -20,6 +20,7 @@ FALSE_ALARM = (12.8, 2.7)
 UNHEARD = -5.0  # log weight of a model in a flash that did not speak for it, but for another one
 LEAST_BELIEF = -10.0
 TWO_LIGHTS = 'two_lights'  # the model that has a second light
+SWITCHED = 'switched'  # the one whose rows are cut
 
 
 @dataclass(frozen=True)
@@ -234,6 +235,8 @@ class Fit:
         Of the models that were heard: their log weights by these pixels, less that of the best.
     beside : Beside or None
         The second light, of a model that has one.
+    drawn : float
+        By how much lower it is than the round pulse, px, of a light whose rows are cut.
 
     """
 
@@ -255,6 +258,7 @@ class Fit:
     lopsided: bool = False
     evidence: Mapping[str, float] = field(default_factory=dict)
     beside: Beside | None = None
+    drawn: float = 0.0
 
 
 def choose(

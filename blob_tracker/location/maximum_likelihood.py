@@ -214,7 +214,7 @@ def _with_pulse(
                 'failure',
             ):
                 getattr(found, name)[n] = getattr(other, name)[k]
-            for name in ('warnings', 'evidence', 'beside', 'other_models'):
+            for name in ('warnings', 'evidence', 'beside', 'drawn', 'other_models'):
                 if k in getattr(other, name):
                     getattr(found, name)[int(n)] = getattr(other, name)[k]
             if other.ok[k] and k not in other.other_models:
@@ -230,6 +230,8 @@ def _adopt(estimates: Estimates, n: int, fit: Fit) -> None:
     estimates.evidence[n] = fit.evidence
     if fit.beside is not None:
         estimates.beside[n] = fit.beside
+    if fit.drawn:
+        estimates.drawn[n] = fit.drawn
     estimates.other_models[n] = fit.log_likelihood, fit.parameters
     if fit.warning:
         estimates.warnings[n] = fit.warning
