@@ -19,6 +19,7 @@ ACCELERATING = 1.5  # of the last change of its displacement, that the next may 
 LONGEST = 1.6  # of the last interval between two flashes, that the next may take
 REMEMBERED = 32  # flashes, of which is told whether the light is the same in all
 FEWEST = 8  # of them, before it can be
+FEWEST_FLICKERING = 4  # of them, before it is told whether it is as bright in each
 UNLIKE = 0.06  # of the light's mean, by which it differs from flash to flash where it flickers
 SIGMAS = 5.0  # of what noise makes of that
 SUMMED = 64  # flashes, over which a light's lopsidedness is summed
@@ -223,7 +224,7 @@ class FlashMemory:
     def flicker(self) -> float:
         """How much the light differs from flash to flash over its mean; 0 if noise may do so."""
         count = len(self._light)
-        if count < FEWEST:
+        if count < FEWEST_FLICKERING:
             return 0.0
         # Of the differences: a light that comes nearer does not flicker.
         # Three quarters of them: bands leave some flashes alike, and something may pass once.

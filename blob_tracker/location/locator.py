@@ -18,6 +18,7 @@ from blob_tracker.location.uneven_rows import variance_of_uneven_rows
 from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
 
+IN_BOTH_FRAMES = ('ghost', 'smeared', 'switched')  # models of a light that is shared by both
 CUT_UNSEEN = (
     'the flash switched while the rows of the light were exposed, in the last flashes: shift its '
     'phase, shorten the exposure or use a global shutter'
@@ -139,7 +140,7 @@ class Locator:
             drawn=drawn,
         )
         flicker = memory.flicker if alike else 0.0
-        if self._remembers and flicker > 0.0 and not location.warning:
+        if self._remembers and flicker > 0.0 and _rows_may_be_uneven(found):
             location = _with_uneven_rows(location, window, noise, flicker)
         return location
 
@@ -162,6 +163,12 @@ def _shines_as_ever(window: Window) -> bool:
     if glimpse is None:
         return True
     return glimpse.share >= WHOLE and float(np.hypot(*glimpse.way)) < ROUND_PX
+
+
+def _rows_may_be_uneven(found: Estimates) -> bool:
+    """Tell whether no model speaks for the flash that explains why it is darker than others."""
+    evidence = found.evidence.get(0, NO_EVIDENCE)
+    return not evidence or max(evidence, key=lambda name: evidence[name]) not in IN_BOTH_FRAMES
 
 
 def _is_between_sites(window: Window, location: Location) -> bool:
