@@ -18,7 +18,9 @@ from blob_tracker.location.uneven_rows import variance_of_uneven_rows
 from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
 
-IN_BOTH_FRAMES = ('ghost', 'smeared', 'switched')  # models of a light that is shared by both
+# Models of a round light that is in both frames: what the one lacks may be in the other.
+IN_BOTH_FRAMES = ('ghost', 'smeared', 'switched')
+ROUND_MODELS = ('', *IN_BOTH_FRAMES)
 CUT_UNSEEN = (
     'the flash switched while the rows of the light were exposed, in the last flashes: shift its '
     'phase, shorten the exposure or use a global shutter'
@@ -128,6 +130,7 @@ class Locator:
                 location = replace(
                     location, covariance=location.covariance + doubt, warning=LOPSIDED_LIGHT
                 )
+        model = _model(found)
         drawn = found.drawn.get(0, 0.0) * window.binning[1]
         if self._remembers and not drawn:
             location = _with_cut_rows(location, memory.drawn)
@@ -136,11 +139,12 @@ class Locator:
         if beside is not None:
             beside = replace(beside, shift=beside.shift * window.binning)
         memory.add(
-            location, found.evidence.get(0, NO_EVIDENCE), alike=alike, beside=beside,
-            drawn=drawn,
+            location, found.evidence.get(0, NO_EVIDENCE), beside=beside, drawn=drawn,
+            # Amplitude and sigma of another shape are not those of a round one.
+            alike=alike and model in ROUND_MODELS,
         )
         flicker = memory.flicker if alike else 0.0
-        if self._remembers and flicker > 0.0 and _rows_may_be_uneven(found):
+        if self._remembers and flicker > 0.0 and model not in IN_BOTH_FRAMES:
             location = _with_uneven_rows(location, window, noise, flicker)
         return location
 
@@ -165,10 +169,10 @@ def _shines_as_ever(window: Window) -> bool:
     return glimpse.share >= WHOLE and float(np.hypot(*glimpse.way)) < ROUND_PX
 
 
-def _rows_may_be_uneven(found: Estimates) -> bool:
-    """Tell whether no model speaks for the flash that explains why it is darker than others."""
-    evidence = found.evidence.get(0, NO_EVIDENCE)
-    return not evidence or max(evidence, key=lambda name: evidence[name]) not in IN_BOTH_FRAMES
+def _model(found: Estimates) -> str:
+    """Return the name of the model that the pixels speak for; '' of one round pulse."""
+    evidence = found.evidence.get(0)
+    return max(evidence, key=lambda name: evidence[name]) if evidence else ''
 
 
 def _is_between_sites(window: Window, location: Location) -> bool:
