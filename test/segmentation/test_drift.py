@@ -98,3 +98,13 @@ def test_texture_behind_the_light_tells_no_side() -> None:
         # A little nearer to the side of the late, as the texture happens to be.
         instants.add(random.normal(-2.0, 6.0), 0.3, 12.0)
         assert instants.side == 0
+
+
+def test_a_light_that_is_beside_its_way_tells_no_side() -> None:
+    """Its lines are cut: in the unlit frame it is lower, whichever way it goes."""
+    random = np.random.default_rng(5)
+    instants = GhostInstants()
+    for angle in np.linspace(0.0, 2.0 * np.pi, 40):
+        ahead, aside = 1.0 * np.sin(angle), 1.0 * np.cos(angle)
+        instants.add(ahead + random.normal(0, 0.25), 0.25, 3.0, aside)
+        assert instants.side == 0

@@ -42,3 +42,9 @@ def test_few_flashes_tell_nothing() -> None:
     for _ in range(40):
         watch.add(3.0, None)
     assert not watch.seen
+
+
+def test_it_is_judged_from_the_twelfth_flash_on() -> None:
+    """Before that nobody knows whether the lines are cut."""
+    assert not watched(0.0, np.zeros(96), count=11).judged
+    assert watched(0.0, np.zeros(96), count=16).judged

@@ -54,14 +54,13 @@ def switched(pair: Pair, base: Fit) -> Fit | None:
         warning = SWITCHES.format(percent)
     else:
         warning = STILL_ON.format(100.0 - percent)
-    found = to_fit(pair, best, warning)
-    found = replace(found, drawn=found.y - base.y)
+    seen = to_fit(pair, best, warning)
     if not best.theta[[SHIFT_X, SHIFT_Y]].any():
-        return found
+        return replace(seen, drawn=seen.y - base.y)
     y, variance = _profile(pair, best)
-    covariance = found.covariance.copy()
+    covariance = seen.covariance.copy()
     covariance[1, 1] += variance
-    return replace(found, y=y, drawn=y - base.y, covariance=covariance)
+    return replace(seen, y=y, drawn=y - base.y, covariance=covariance)
 
 
 def _profile(pair: Pair, best: Optimum) -> tuple[float, float]:
