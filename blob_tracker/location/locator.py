@@ -176,7 +176,7 @@ def _model(found: Estimates) -> str:
 
 
 def _is_between_sites(window: Window, location: Location) -> bool:
-    """Tell whether a light is so narrow that the samples of a mosaic do not tell its brightness."""
+    """Tell whether a light is too narrow for the samples of a mosaic to tell its brightness."""
     return window.sites is not None and location.sigma < BETWEEN_SITES_PX
 
 

@@ -87,6 +87,8 @@ def with_ghost(pair: Pair, shape: Shape) -> Shape:
         best, lamp = None, None
     else:
         best = _fit(pair, shape, alone, in_lit=0.0)
+        if best is not None and not outdoes_texture(pair, best.optimum):
+            return shape
         lamp = _fit(pair, shape, alone, in_lit=1.0)
     price = math.log(pair.pixels.size)
     shared = _shared(pair, shape, price)

@@ -104,7 +104,7 @@ def test_a_faint_tail_shows_in_many_flashes(turning):
 
 
 def test_cut_rows_are_doubted_where_a_flash_does_not_show_them():
-    """Keep what the last flashes were drawn by: one that shows no cut may have one all the same."""
+    """Keep what the last flashes were drawn by: one that shows no cut may have one, too."""
     random = np.random.default_rng(5)
     rows, columns = np.mgrid[0:13, 0:13] - 6.0
     light = 120.0 * np.exp(-(columns**2 + rows**2) / 4.5)

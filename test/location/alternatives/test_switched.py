@@ -25,7 +25,8 @@ def test_a_light_that_moves_past_the_cut_is_placed_or_doubted():
     for _ in range(40):
         (x, y), angle = 6.0 + random.uniform(-0.5, 0.5, 2), random.uniform(0.0, 2.0 * np.pi)
         at, images = random.uniform(0.6, 0.95), []
-        for place, lit in (((x, y), True), ((x + 3 * np.cos(angle), y + 3 * np.sin(angle)), False)):
+        then = x + 3.0 * np.cos(angle), y + 3.0 * np.sin(angle)
+        for place, lit in (((x, y), True), (then, False)):
             share = ramp(8, at)(rows, place[1])
             light = np.exp(-((columns - place[0]) ** 2 + (rows - place[1]) ** 2) / 4.5)
             images.append(expose(
