@@ -51,7 +51,8 @@ def tailed(pair: Pair, base: Fit) -> Fit | None:
         pair, best, shape.model, joined(
             f'the light has a tail of {pair.pitch * way:.0f} px with '
             f'{100.0 * theta[PART]:.0f} % of it (a shutter that leaks, smear, blooming, or '
-            'coma): its head is taken; lower the exposure, or learn its pulse (calibrate pulse)', shape.warning,
+            'coma): its head is taken; lower the exposure, or learn its pulse (calibrate pulse)',
+            shape.warning,
         ),
     )
     return replace(fit, rarity=RARER * max(left.chi2, 1.0) ** 2, lopsided=True)
