@@ -22,6 +22,7 @@ import numpy as np
 # Of the misfit of a round pulse: a model that leaves more is no more true than that one.
 UNEXPLAINED = 0.5
 ROUND_GHOSTS = ('ghost', 'smeared')  # the models of one in the unlit window
+RESTING = 8  # parameters of a light with cut rows that rests, the texture's variance among them
 ODD_GHOST = 2.0  # standard deviations of chi2, beyond which a round ghost may not be all
 IN_UNLIT = Suspicion.UNLIT | Suspicion.FAILED
 ELSEWHERE = ~IN_UNLIT
@@ -60,11 +61,18 @@ def _best(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
         base = to_fit(pair, optimum)
     if base is None:
         base = no_pulse(pair)
-    fits = _fits(pair, base, asked)
+    limit = 1.0 + ODD_GHOST * math.sqrt(2.0 / pair.pixels.size)
+    fits = _fits(pair, base, [each for each in asked if ALTERNATIVES[each] & IN_UNLIT])
+    if any(
+        fit.chi2 < limit and (fit.model in ROUND_GHOSTS or fit.parameters <= RESTING)
+        for fit in fits
+    ):
+        pair = replace(pair, haunted=False)  # a round light explains both windows
+    fits += _fits(pair, base, [each for each in asked if not ALTERNATIVES[each] & IN_UNLIT])
     chosen = choose(base, fits, pair.pixels.size, pair.history)
     if suspicion & Suspicion.UNLIT and streak not in asked and (
         chosen.model not in ROUND_GHOSTS
-        or chosen.chi2 > 1.0 + ODD_GHOST * math.sqrt(2.0 / pair.pixels.size)
+        or chosen.chi2 > limit
     ):
         # What is left of a light that draws a streak does not look like a round one.
         fits += _fits(pair, base, [streak])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+import math
 
 from blob_tracker.location.alternatives.ghost import first_guess, lamp_is_likelier, shift_prior
 from blob_tracker.location.hypotheses import Fit, Pair
@@ -18,6 +19,7 @@ from blob_tracker.location.unlit_shape import (
 )
 import numpy as np
 
+ODD = 2.0  # standard deviations of chi2, beyond which a light that rests does not explain it
 PROFILED = (0.1, 0.2, 0.4, 0.7, 1.1)  # sigmas from the likeliest place, along y
 # Of the light in the lit frame, and what a row adds: where the fits of one that moves begin
 FIRST_SHARE, FIRST_SLOPES = 0.75, (-0.12, 0.12, -0.02, 0.02)
@@ -38,7 +40,10 @@ def switched(pair: Pair, base: Fit) -> Fit | None:
         return None
     start = _first_guess(pair, base)
     fits = [_fit(pair, start, moving=False)]
-    moving = _fit_moving(pair, base, start if fits[0] is None else fits[0].theta)
+    if fits[0] is not None and fits[0].chi2 < 1.0 + ODD * math.sqrt(2.0 / pair.pixels.size):
+        moving = _fit(pair, fits[0].theta, moving=True)
+    else:
+        moving = _fit_moving(pair, base, start if fits[0] is None else fits[0].theta)
     # Where all rows have the same share, more than a half, it is a ghost that moves.
     if moving is not None and (_runs(moving) or _share(pair, moving) < 0.5):
         fits.append(moving)
