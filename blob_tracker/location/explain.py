@@ -11,7 +11,9 @@ from blob_tracker.location.alternatives.streak import streak
 from blob_tracker.location.coarse import coarse, fine
 from blob_tracker.location.doubt import misfitting, sandwich
 from blob_tracker.location.estimates import Failure
-from blob_tracker.location.hypotheses import choose, Fit, History, Motion, Pair, Way
+from blob_tracker.location.hypotheses import (
+    choose, Fit, History, Motion, Pair, SWITCHED, Way,
+)
 from blob_tracker.location.pair_likelihood import Floats
 from blob_tracker.location.pair_model import fill_one_pulse, no_pulse, one_pulse, to_fit
 from blob_tracker.location.suspicion import Suspicion
@@ -64,10 +66,9 @@ def _best(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
     limit = 1.0 + ODD_GHOST * math.sqrt(2.0 / pair.pixels.size)
     fits = _fits(pair, base, [each for each in asked if ALTERNATIVES[each] & IN_UNLIT])
     if any(
-        fit.chi2 < limit and (fit.model in ROUND_GHOSTS or fit.parameters <= RESTING)
-        for fit in fits
+        fit.model == SWITCHED and fit.chi2 < limit and fit.parameters <= RESTING for fit in fits
     ):
-        pair = replace(pair, haunted=False)  # a round light explains both windows
+        pair = replace(pair, haunted=False)  # that its rows are cut makes it another shape
     fits += _fits(pair, base, [each for each in asked if not ALTERNATIVES[each] & IN_UNLIT])
     chosen = choose(base, fits, pair.pixels.size, pair.history)
     if suspicion & Suspicion.UNLIT and streak not in asked and (
