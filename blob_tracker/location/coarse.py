@@ -35,6 +35,9 @@ def coarse(pair: Pair, theta: Floats | None) -> tuple[Pair, Floats | None]:
     if pitch < 2:
         return pair, theta
     limit = pitch**2 * pair.saturation
+    if pair.sites is not None:
+        # A cell that is not all of samples tells less than it seems to.
+        pair = replace(pair, lit=np.where(pair.sites, pair.lit, pair.saturation), sites=None)
     history, way = pair.history, pair.way
     if history.motion is not None:
         known = history.motion
@@ -65,6 +68,7 @@ def fine(fit: Fit, pitch: int) -> Fit:
         fit, x=pitch * fit.x + middle, y=pitch * fit.y + middle,
         covariance=pitch**2 * fit.covariance, amplitude=fit.amplitude / pitch**2,
         background=fit.background / pitch**2, sigma=pitch * fit.sigma, snr=fit.snr / pitch,
+        drawn=pitch * fit.drawn,
     )
 
 

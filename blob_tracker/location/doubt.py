@@ -226,7 +226,7 @@ def doubted(
         grown = scale * _inflation(optimum) * sandwich(pair, optimum, model)[:2, :2]
     if left.lopsided > LOPSIDED:
         grown = grown + (1.0 - 2.0 / left.lopsided) * np.outer(left.shift, left.shift)
-    if left.significant and not pair.usable[0].all():
+    if left.significant and pair.clipped:
         # Charge that runs, or glare: whatever the shape seems to be.
         fit = replace(fit, warning=_in_words(pair, left))
     return replace(fit, covariance=grown, misfit=left.significant), left
@@ -252,7 +252,7 @@ def misfitting(pair: Pair, optimum: Optimum) -> Fit | None:
 def _in_words(pair: Pair, left: Remainder) -> str:
     """Say what kind of misfit it is."""
     much = f'chi2 {left.chi2:.1f}'
-    clipped = pair.pitch**2 * int(np.count_nonzero(~pair.usable[0]))
+    clipped = pair.pitch**2 * pair.clipped
     if not left.structured and not clipped:
         if left.chi2 < WARNED:
             return ''

@@ -85,6 +85,8 @@ class Estimates:
         Likewise: log weights of the models that were heard, by their names, see `choose`.
     beside : dict
         Likewise: the second light, where there is one.
+    drawn : dict
+        Likewise: of a light whose rows are cut, by how much lower it is than it seems, window px.
     other_models : dict
         Of the windows that another model than the method's own explains: its log-likelihood, of
         lit and unlit pixels together, and how many parameters it has. What `chi2` says is of
@@ -106,6 +108,7 @@ class Estimates:
     warnings: dict[int, str] = field(default_factory=dict)
     evidence: dict[int, Mapping[str, float]] = field(default_factory=dict)
     beside: dict[int, Beside] = field(default_factory=dict)
+    drawn: dict[int, float] = field(default_factory=dict)
     other_models: dict[int, tuple[float, int]] = field(default_factory=dict)
 
     @classmethod

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 import math
 
-from blob_tracker.location.alternatives import ALTERNATIVES
+from blob_tracker.location.alternatives import Alternative, ALTERNATIVES
+from blob_tracker.location.alternatives.streak import streak
 from blob_tracker.location.coarse import coarse, fine
 from blob_tracker.location.doubt import misfitting, sandwich
 from blob_tracker.location.estimates import Failure
-from blob_tracker.location.hypotheses import choose, Fit, History, Motion, Pair, Way
+from blob_tracker.location.hypotheses import (
+    choose, Fit, History, Motion, Pair, SWITCHED, Way,
+)
 from blob_tracker.location.pair_likelihood import Floats
 from blob_tracker.location.pair_model import fill_one_pulse, no_pulse, one_pulse, to_fit
 from blob_tracker.location.prospects import promising
@@ -20,6 +24,9 @@ import numpy as np
 
 # Of the misfit of a round pulse: a model that leaves more is no more true than that one.
 UNEXPLAINED = 0.5
+ROUND_GHOSTS = ('ghost', 'smeared')  # the models of one in the unlit window
+RESTING = 8  # parameters of a light with cut rows that rests, the texture's variance among them
+ODD_GHOST = 2.0  # standard deviations of chi2, beyond which a round ghost may not be all
 IN_UNLIT = Suspicion.UNLIT | Suspicion.FAILED
 ELSEWHERE = ~IN_UNLIT
 
@@ -45,6 +52,7 @@ def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | Non
 
 def _best(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
     """Do so at the pair's own pitch."""
+    pair = replace(pair, haunted=bool(suspicion & IN_UNLIT))
     if suspicion & IN_UNLIT and (pair.unlit is None or not shows_pulse(pair)):
         suspicion &= ELSEWHERE  # a texture, of which the base fit takes care
     if not suspicion or (suspicion == Suspicion.LOPSIDED and pair.unlit is None):
@@ -61,18 +69,25 @@ def _best(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
         base = to_fit(pair, optimum)
     if base is None:
         base = no_pulse(pair)
-    fits = [
-        replace(fit, model=alternative.__name__)
-        for alternative in asked if (fit := alternative(pair, base)) is not None
-    ]
-    if pair.history.even:
-        # What leans now to one side and now to the other is even about its place.
-        fits = [fit for fit in fits if not fit.lopsided]
+    limit = 1.0 + ODD_GHOST * math.sqrt(2.0 / pair.pixels.size)
+    fits = _fits(pair, base, [each for each in asked if ALTERNATIVES[each] & IN_UNLIT])
+    if any(
+        fit.model == SWITCHED and fit.chi2 < limit and fit.parameters <= RESTING for fit in fits
+    ):
+        pair = replace(pair, haunted=False)  # that its rows are cut makes it another shape
+    fits += _fits(pair, base, [each for each in asked if not ALTERNATIVES[each] & IN_UNLIT])
     chosen = choose(base, fits, pair.pixels.size, pair.history)
+    if suspicion & Suspicion.UNLIT and streak not in asked and (
+        chosen.model not in ROUND_GHOSTS
+        or chosen.chi2 > limit
+    ):
+        # What is left of a light that draws a streak does not look like a round one.
+        fits += _fits(pair, base, [streak])
+        chosen = choose(base, fits, pair.pixels.size, pair.history)
     if chosen is not base:
         if theta is None or chosen.failure != Failure.NONE or not chosen.misfit:
             return chosen
-        if not pair.usable[0].all():
+        if pair.clipped:
             # What runs from clipped pixels has many shapes; the round one's place is the surest.
             return None if optimum is None else misfitting(pair, optimum)
         if optimum is not None and chosen.chi2 - 1.0 > UNEXPLAINED * (base.chi2 - 1.0):
@@ -86,6 +101,18 @@ def _best(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
     if optimum is None or pair.unlit is None or not suspicion & Suspicion.PIXELS:
         return None
     return misfitting(pair, optimum)
+
+
+def _fits(pair: Pair, base: Fit, asked: Iterable[Alternative]) -> list[Fit]:
+    """Return what those that are asked have to say."""
+    fits = [
+        replace(fit, model=alternative.__name__)
+        for alternative in asked if (fit := alternative(pair, base)) is not None
+    ]
+    if pair.history.even:
+        # What leans now to one side and now to the other is even about its place.
+        fits = [fit for fit in fits if not fit.lopsided]
+    return fits
 
 
 def compile_alternatives() -> None:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import math
 
 from blob_tracker.location.estimates import Beside, Estimates
-from blob_tracker.location.hypotheses import History, Motion
+from blob_tracker.location.hypotheses import History, Motion, SWITCHED
 from blob_tracker.location.suspicion import HEAD, LEANING
 from blob_tracker.types import Location, Window
 import numpy as np
@@ -19,6 +19,7 @@ ACCELERATING = 1.5  # of the last change of its displacement, that the next may 
 LONGEST = 1.6  # of the last interval between two flashes, that the next may take
 REMEMBERED = 32  # flashes, of which is told whether the light is the same in all
 FEWEST = 8  # of them, before it can be
+FEWEST_FLICKERING = 4  # of them, before it is told whether it is as bright in each
 UNLIKE = 0.06  # of the light's mean, by which it differs from flash to flash where it flickers
 SIGMAS = 5.0  # of what noise makes of that
 SUMMED = 64  # flashes, over which a light's lopsidedness is summed
@@ -29,6 +30,7 @@ NO_EVIDENCE: Mapping[str, float] = {}  # that the light is anything but one roun
 IMAGE_AXES = np.eye(2)
 SAME_SHIFT = 0.5  # of a shift, by which another one may be off and be the same
 LEAST_EXCESS = -20.0  # sum that chance makes of equal lights once in 3e3: its sigma is 5.7
+DRAWN = 8  # flashes with cut rows, over which it is told how far that draws the light
 LEAST_WAY_PX = 1.0  # px from flash to flash, beyond which it is known where the light goes
 
 
@@ -80,19 +82,22 @@ class FlashMemory:
         self._noise: deque[float] = deque(maxlen=REMEMBERED)  # of the light, over it
         self._evidence: deque[Mapping[str, float]] = deque(maxlen=REMEMBERED)
         self._beside: Beside | None = None  # in sensor px
+        self._drawn: deque[float] = deque(maxlen=DRAWN)  # sensor px, of cut rows
         self._lopsided = _Lean()  # along x and y
         self._trailing = _Lean()  # along the light's way, and across it
 
     def add(
         self, location: Location, evidence: Mapping[str, float], *, alike: bool = True,
-        beside: Beside | None = None,
+        beside: Beside | None = None, drawn: float = 0.0,
     ) -> None:
         """
         Take the next flash: where and how bright it was, and which models spoke for it.
 
         How bright it was counts where it was seen as in the other flashes (`alike`). The shift to
-        a light `beside` it is in px of the sensor.
+        a light `beside` it is in px of the sensor, and so is how far its cut rows have `drawn` it.
         """
+        if drawn:
+            self._drawn.append(drawn * drawn)
         if beside is not None:
             self._remember(beside)
         self._places.append((location.stamp_ns, location.x, location.y))
@@ -112,6 +117,16 @@ class FlashMemory:
         if beside is not None:
             beside = replace(beside, shift=beside.shift / window.binning)
         return History(self._motion(window), self._even, evidence, beside)
+
+    @property
+    def drawn(self) -> float:
+        """Return the square of how far cut rows may draw the light unseen, sensor px^2; or 0."""
+        if not self._drawn:
+            return 0.0
+        evidence = [each for each in self._evidence if each]
+        if not History(evidence=evidence).is_certain(SWITCHED):
+            return 0.0
+        return max(self._drawn)
 
     def _remember(self, beside: Beside) -> None:
         """Add the light beside the target, of whichever of the two that was taken for it."""
@@ -209,7 +224,7 @@ class FlashMemory:
     def flicker(self) -> float:
         """How much the light differs from flash to flash over its mean; 0 if noise may do so."""
         count = len(self._light)
-        if count < FEWEST:
+        if count < FEWEST_FLICKERING:
             return 0.0
         # Of the differences: a light that comes nearer does not flicker.
         # Three quarters of them: bands leave some flashes alike, and something may pass once.

@@ -20,6 +20,7 @@ FALSE_ALARM = (12.8, 2.7)
 UNHEARD = -5.0  # log weight of a model in a flash that did not speak for it, but for another one
 LEAST_BELIEF = -10.0
 TWO_LIGHTS = 'two_lights'  # the model that has a second light
+SWITCHED = 'switched'  # the one whose rows are cut
 
 
 @dataclass(frozen=True)
@@ -140,6 +141,11 @@ class Pair:
         None where it is not known.
     pitch : int
         px of the sensor's picture along either side of one of these, as `coarse` has them.
+    sites : (h, w) bool array or None
+        Which pixels see the light; None where all do. The others are no samples, and hold the
+        mean of their neighbours.
+    haunted : bool
+        Whether there is more in the unlit window than noise: a light, or a texture.
 
     """
 
@@ -150,6 +156,8 @@ class Pair:
     history: History = UNKNOWN
     way: Way | None = None
     pitch: int = 1
+    sites: NDArray[np.bool_] | None = None
+    haunted: bool = False
 
     @property
     def motion(self) -> Motion | None:
@@ -158,8 +166,23 @@ class Pair:
 
     @functools.cached_property
     def usable(self) -> NDArray[np.bool_]:
-        """(k, h, w) bool, k 1 or 2: the lit and the unlit pixels that are not clipped."""
-        return self.pixels < self.saturation
+        """(k, h, w) bool, k 1 or 2: the lit and the unlit samples that are not clipped."""
+        below = self.pixels < self.saturation
+        return below if self.sites is None else below & self.sites
+
+    @functools.cached_property
+    def clipped(self) -> int:
+        """Return how many of the lit samples are clipped."""
+        clipped = self.lit >= self.saturation
+        return int(np.count_nonzero(clipped if self.sites is None else clipped & self.sites))
+
+    @functools.cached_property
+    def lattice(self) -> tuple[slice, slice]:
+        """Return which rows and columns are samples, of a mosaic every other one."""
+        if self.sites is None:
+            return slice(None), slice(None)
+        row, column = np.argwhere(self.sites)[0]
+        return slice(row, None, 2), slice(column, None, 2)
 
     @functools.cached_property
     def pixels(self) -> NDArray[np.float64]:
@@ -176,7 +199,7 @@ class Pair:
     def log_likelihood_of_texture(self) -> float:
         """Return that of the unlit window if it holds a random texture."""
         assert self.unlit is not None
-        return log_likelihood_of_texture(self.unlit, self.unlit_variance)
+        return log_likelihood_of_texture(self.unlit[self.lattice], self.unlit_variance)
 
 
 @dataclass(frozen=True)
@@ -212,6 +235,8 @@ class Fit:
         Of the models that were heard: their log weights by these pixels, less that of the best.
     beside : Beside or None
         The second light, of a model that has one.
+    drawn : float
+        By how much lower it is than the round pulse, px, of a light whose rows are cut.
 
     """
 
@@ -233,6 +258,7 @@ class Fit:
     lopsided: bool = False
     evidence: Mapping[str, float] = field(default_factory=dict)
     beside: Beside | None = None
+    drawn: float = 0.0
 
 
 def least_gain(parameters: int, rarity: float) -> float:

@@ -18,6 +18,14 @@ from blob_tracker.location.uneven_rows import variance_of_uneven_rows
 from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
 
+# Models of a round light that is in both frames: what the one lacks may be in the other.
+IN_BOTH_FRAMES = ('ghost', 'smeared', 'switched')
+ROUND_MODELS = ('', *IN_BOTH_FRAMES)
+CUT_UNSEEN = (
+    'the flash switched while the rows of the light were exposed, in the last flashes: shift its '
+    'phase, shorten the exposure or use a global shutter'
+)
+BETWEEN_SITES_PX = 1.0  # sigma, below which few of the samples, 2 px apart, have its light
 WHOLE = 0.99  # of the exposure, for which a light is on that is as bright as ever
 ROUND_PX = 1.0  # px of a streak, which takes no more than 2 % off the peak of a light of 1.5 px
 
@@ -122,13 +130,21 @@ class Locator:
                 location = replace(
                     location, covariance=location.covariance + doubt, warning=LOPSIDED_LIGHT
                 )
-        alike = _shines_as_ever(window)
+        model = _model(found)
+        drawn = found.drawn.get(0, 0.0) * window.binning[1]
+        if self._remembers and not drawn:
+            location = _with_cut_rows(location, memory.drawn)
+        alike = _shines_as_ever(window) and not _is_between_sites(window, location)
         beside = found.beside.get(0)
         if beside is not None:
             beside = replace(beside, shift=beside.shift * window.binning)
-        memory.add(location, found.evidence.get(0, NO_EVIDENCE), alike=alike, beside=beside)
+        memory.add(
+            location, found.evidence.get(0, NO_EVIDENCE), beside=beside, drawn=drawn,
+            # Amplitude and sigma of another shape are not those of a round one.
+            alike=alike and model in ROUND_MODELS,
+        )
         flicker = memory.flicker if alike else 0.0
-        if self._remembers and flicker > 0.0 and not location.warning:
+        if self._remembers and flicker > 0.0 and model not in IN_BOTH_FRAMES:
             location = _with_uneven_rows(location, window, noise, flicker)
         return location
 
@@ -151,6 +167,26 @@ def _shines_as_ever(window: Window) -> bool:
     if glimpse is None:
         return True
     return glimpse.share >= WHOLE and float(np.hypot(*glimpse.way)) < ROUND_PX
+
+
+def _model(found: Estimates) -> str:
+    """Return the name of the model that the pixels speak for; '' of one round pulse."""
+    evidence = found.evidence.get(0)
+    return max(evidence, key=lambda name: evidence[name]) if evidence else ''
+
+
+def _is_between_sites(window: Window, location: Location) -> bool:
+    """Tell whether a light is too narrow for the samples of a mosaic to tell its brightness."""
+    return window.sites is not None and location.sigma < BETWEEN_SITES_PX
+
+
+def _with_cut_rows(location: Location, variance: float) -> Location:
+    """Return the location of a light whose rows were cut in the last flashes, but not seen now."""
+    if variance == 0.0:
+        return location
+    covariance = location.covariance.copy()
+    covariance[1, 1] += variance
+    return replace(location, covariance=covariance, warning=location.warning or CUT_UNSEEN)
 
 
 def _with_uneven_rows(

@@ -9,7 +9,7 @@ from blob_tracker.location.doubt import LOPSIDED_LIGHT
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates, Failure
 from blob_tracker.location.explain import explain
-from blob_tracker.location.hypotheses import Fit, History, Pair, UNKNOWN, Way
+from blob_tracker.location.hypotheses import Fit, History, UNKNOWN, Way
 from blob_tracker.location.learned_pulse import learned_pulse, pulse_of
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
 from blob_tracker.location.normal_equations import (
@@ -19,7 +19,7 @@ from blob_tracker.location.scoring import (
     advance, climb, CONVERGED, covariance_growth, detection, FISHER_STEPS, judge_optimum,
     NARROWEST_PX, TEXTURE_STEP, WIDEST,
 )
-from blob_tracker.location.sites import fill_absent, observe
+from blob_tracker.location.sites import fill_absent, observe, pair_of
 from blob_tracker.location.start_value import start_value
 from blob_tracker.location.suspicion import (
     HEAD, lean, LEANING, lopsidedness, ODD_SHIFT, suspect_failure, suspect_fit, suspect_lopsided,
@@ -125,7 +125,9 @@ def maximum_likelihood(
     estimates, odd = fit_gaussians(lit, unlit, noise, saturation, elliptical=elliptical)
     limit = math.inf if saturation is None else float(saturation)
     for n, suspicion in suspicions(odd):
-        pair = Pair(lit[n], None if unlit is None else unlit[n], noise, limit, history, way)
+        pair = pair_of(
+            lit[n], None if unlit is None else unlit[n], noise, limit, history=history, way=way
+        )
         theta = np.array([
             getattr(estimates, name)[n] for name in ('x', 'y', 'amplitude', 'background', 'sigma')
         ])
@@ -212,7 +214,7 @@ def _with_pulse(
                 'failure',
             ):
                 getattr(found, name)[n] = getattr(other, name)[k]
-            for name in ('warnings', 'evidence', 'beside', 'other_models'):
+            for name in ('warnings', 'evidence', 'beside', 'drawn', 'other_models'):
                 if k in getattr(other, name):
                     getattr(found, name)[int(n)] = getattr(other, name)[k]
             if other.ok[k] and k not in other.other_models:
@@ -228,6 +230,8 @@ def _adopt(estimates: Estimates, n: int, fit: Fit) -> None:
     estimates.evidence[n] = fit.evidence
     if fit.beside is not None:
         estimates.beside[n] = fit.beside
+    if fit.drawn:
+        estimates.drawn[n] = fit.drawn
     estimates.other_models[n] = fit.log_likelihood, fit.parameters
     if fit.warning:
         estimates.warnings[n] = fit.warning

@@ -17,6 +17,7 @@ SHIFT_X, SHIFT_Y = 5, 6  # from the lit frame to the unlit one
 GHOST = 7  # amplitude of the light that is in the unlit window
 OWN = 5  # sigma along y
 SHARE, SLOPE = 7, 8  # of the light in the lit frame: in the middle row, and what a row adds
+LATER = 9  # what the share of the unlit frame's flash is more, in all rows
 
 
 @kernel
@@ -76,7 +77,7 @@ def fill_two_pulses(theta: Array, in_lit: float, means: Array, slopes: Array) ->
     for k in range(2):
         share = 1.0 if k == 1 else in_lit
         if share > 0.0:
-            _add_ghost(theta, share, means[k], slopes[:, k])
+            _add_ghost(theta, share, 1.0, means[k], slopes[:, k])
 
 
 def fill_dark_ghost(theta: Floats, means: Floats, slopes: Floats) -> None:
@@ -89,31 +90,38 @@ def fill_static_ghost(theta: Floats, means: Floats, slopes: Floats) -> None:
     fill_two_pulses(theta, 1.0, means, slopes)
 
 
-def fill_smeared_ghost(theta: Floats, means: Floats, slopes: Floats) -> None:
+@kernel
+def fill_smeared_ghost(theta: Array, means: Array, slopes: Array) -> None:
     """
     Fill the means and slopes of a pulse after a recursive filter in time.
 
-    The share of the last frame that is in each one is the share of the last pulse that is in
-    the unlit frame, so that in the lit one it is there once more.
+    The share k of the last frame that is in each one is the share of the last pulse that is in
+    the unlit frame, so that in the lit one it is there once more; of the flash before, as far
+    away again, there is k^2 of that.
     """
-    fill_two_pulses(theta, theta[GHOST] / max(theta[AMPLITUDE], 1e-6), means, slopes)
+    kept = theta[GHOST] / max(theta[AMPLITUDE], 1e-6)
+    fill_two_pulses(theta, kept, means, slopes)
+    for k in range(2):
+        share = kept * kept * (1.0 if k == 1 else kept)
+        _add_ghost(theta, share, 2.0, means[k], slopes[:, k])
 
 
 @kernel
-def _add_ghost(theta: Array, share: float, means: Array, slopes: Array) -> None:
-    """Add a share of the second pulse, whose place is that of the first and a shift."""
-    x, y = theta[X] + theta[SHIFT_X], theta[Y] + theta[SHIFT_Y]
-    before_x, before_y = slopes[X].copy(), slopes[Y].copy()
-    amplitude = slopes[GHOST].copy()
-    slopes[SHIFT_X] = 0.0
-    slopes[SHIFT_Y] = 0.0
-    slopes[GHOST] = 0.0
+def _add_ghost(
+    theta: Array, share: float, shifts: float, means: Array, slopes: Array
+) -> None:
+    """Add a share of the second pulse, whose place is that of the first and so many shifts."""
+    own = np.zeros(slopes.shape)
     add_pulse(
-        means, slopes, x, y, share * theta[GHOST], theta[SIGMA], (SHIFT_X, SHIFT_Y, GHOST)
+        means, own, theta[X] + shifts * theta[SHIFT_X], theta[Y] + shifts * theta[SHIFT_Y],
+        share * theta[GHOST], theta[SIGMA], (SHIFT_X, SHIFT_Y, GHOST),
     )
-    slopes[GHOST] = amplitude + share * slopes[GHOST]
-    slopes[X] = before_x + slopes[SHIFT_X]
-    slopes[Y] = before_y + slopes[SHIFT_Y]
+    slopes[X] += own[SHIFT_X]
+    slopes[Y] += own[SHIFT_Y]
+    slopes[SHIFT_X] += shifts * own[SHIFT_X]
+    slopes[SHIFT_Y] += shifts * own[SHIFT_Y]
+    slopes[GHOST] += share * own[GHOST]
+    slopes[SIGMA] += own[SIGMA]
 
 
 @kernel
@@ -122,7 +130,8 @@ def fill_switched(theta: Array, means: Array, slopes: Array) -> None:
     Fill the means and slopes of a pulse whose rows are shared out between the two windows.
 
     Row j has the share s_j = SHARE + SLOPE (j - middle) of its light in the lit window, not
-    below 0 nor above 1, and the rest in the unlit one.
+    below 0 nor above 1, and the rest in the unlit one. Of a light that moves, or whose clock
+    drifts, the rows are cut LATER in the unlit one: there it is s_j + LATER.
     """
     windows, height, width = means.shape
     amplitude, sigma = theta[AMPLITUDE], theta[SIGMA]
@@ -136,7 +145,7 @@ def fill_switched(theta: Array, means: Array, slopes: Array) -> None:
         fill_profile(theta[Y] + k * theta[SHIFT_Y], sigma, down)
         for j in range(height):
             row = j - 0.5 * (height - 1)
-            share = theta[SHARE] + theta[SLOPE] * row
+            share = theta[SHARE] + theta[SLOPE] * row + k * theta[LATER]
             moves = 1.0 if 0.0 < share < 1.0 else 0.0
             share = min(max(share, 0.0), 1.0)
             if k == 1:
@@ -154,6 +163,7 @@ def fill_switched(theta: Array, means: Array, slopes: Array) -> None:
                 slopes[SHIFT_Y, k, j, i] = k * slopes[Y, k, j, i]
                 slopes[SHARE, k, j, i] = moves * light
                 slopes[SLOPE, k, j, i] = moves * row * light
+                slopes[LATER, k, j, i] = k * moves * light
 
 
 @kernel

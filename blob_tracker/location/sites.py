@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 
 from blob_tracker.kernel import Array, kernel, written_into_kernels
+from blob_tracker.location.hypotheses import History, Pair, UNKNOWN, Way
 from blob_tracker.location.likelihood import Observation
+from blob_tracker.types import SensorNoise
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,6 +30,35 @@ def blanked(lit: NDArray[np.float64], sites: NDArray[np.bool_]) -> NDArray[np.fl
 
     """
     return np.where(sites, lit, ABSENT_DN)
+
+
+def pair_of(
+    lit: NDArray[np.float64], unlit: NDArray[np.float64] | None, noise: SensorNoise,
+    saturation: float, *, history: History = UNKNOWN, way: Way | None = None,
+) -> Pair:
+    """
+    Return the pair of one (h, w) window in which the pixels that are no samples are marked.
+
+    Parameters
+    ----------
+    lit, unlit : (h, w) arrays
+        DN; the lit ones `blanked`, unlit may be None.
+    noise, saturation, history, way
+        As of `Pair`.
+
+    """
+    sites = lit != ABSENT_DN
+    if sites.all():
+        return Pair(lit, unlit, noise, saturation, history, way)
+    pictures = []
+    for each in (lit, unlit):
+        if each is not None:
+            pictures.append(each.copy())
+            fill_absent(pictures[-1], lit)
+    return Pair(
+        pictures[0], None if unlit is None else pictures[1], noise, saturation, history, way,
+        sites=sites,
+    )
 
 
 @kernel

@@ -22,11 +22,12 @@ def shows_pulse(pair: Pair) -> bool:
     It may be of any height and of two widths, up to a third of the window: wider ones are slopes.
     """
     assert pair.unlit is not None
-    likeliest = _log_likelihood(pair, _least_squares(pair.unlit))
-    textures = log_likelihoods_of_textures(pair.unlit, pair.unlit_variance)
+    samples = np.ascontiguousarray(pair.unlit[pair.lattice])
+    likeliest = _log_likelihood(pair, _least_squares(samples))
+    textures = log_likelihoods_of_textures(samples, pair.unlit_variance)
     if any(each >= likeliest for each in textures):
         return False  # whatever the pulse
-    alone = Pair(pair.unlit, None, pair.noise, pair.saturation)
+    alone = Pair(pair.unlit, None, pair.noise, pair.saturation, sites=pair.sites)
     lower, upper = bounds(alone)
     upper[SIGMA] = WIDEST * max(pair.unlit.shape)
     upper = np.append(upper, upper[SIGMA])
@@ -88,7 +89,7 @@ def _products_of_rows(matrix: Array) -> Array:
 def _gain(pair: Pair, means: Floats) -> float:
     """Return twice the log-likelihood of the unlit window's means over that of a texture."""
     assert pair.unlit is not None
-    squares = float(((pair.unlit - means) ** 2).sum())
+    squares = float(((pair.unlit - means)[pair.lattice] ** 2).sum())
     return 2.0 * (_log_likelihood(pair, squares) - pair.log_likelihood_of_texture)
 
 
@@ -96,4 +97,5 @@ def _log_likelihood(pair: Pair, squares: float) -> float:
     """Return that of means which leave such squares of the unlit window, DN^2."""
     assert pair.unlit is not None
     variance = pair.unlit_variance
-    return -0.5 * (squares / variance + pair.unlit.size * math.log(variance))
+    count = pair.unlit[pair.lattice].size
+    return -0.5 * (squares / variance + count * math.log(variance))

@@ -185,7 +185,9 @@ def forget_places(instants: Instants) -> None:
 
 
 @kernel
-def take_place(instants: Instants, ahead: float, deviation: float, frame: float) -> int:
+def take_place(
+    instants: Instants, ahead: float, deviation: float, frame: float, aside: float
+) -> int:
     """
     Take a place.
 
@@ -200,6 +202,8 @@ def take_place(instants: Instants, ahead: float, deviation: float, frame: float)
         Standard deviation of that.
     frame : float
         Way from one frame to the next in the same unit.
+    aside : float
+        How far it is beside its way, in that unit: of all of these it is on it.
 
     Returns
     -------
@@ -211,7 +215,8 @@ def take_place(instants: Instants, ahead: float, deviation: float, frame: float)
     counts[0] += 1
     for k, there in enumerate((-1.0, 1.0, 0.0, -frame)):
         # What nothing explains is held against none of them.
-        against[k] += min(0.5 * ((ahead - there) / deviation) ** 2, MOST_AGAINST)
+        square = (ahead - there) ** 2 + aside * aside
+        against[k] += min(0.5 * square / (deviation * deviation), MOST_AGAINST)
     counts[1] = _side(against, counts[0])
     return int(counts[1])
 
@@ -224,7 +229,7 @@ def _side(against: Array, places: int) -> int:
     if least + DECIDED > min(never_off, filtered, max(late, early)):
         return 0
     if least > MOST_MEAN * places:
-        return 0  # none of them is true: it is the texture behind the light
+        return 0  # none of them is true: it is the texture behind the light, or its lines are cut
     return 1 if late < early else -1
 
 

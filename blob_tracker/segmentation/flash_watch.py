@@ -11,7 +11,7 @@ from blob_tracker.segmentation.drift import (
     APERTURE, Drift, forget_places, Instants, light_at, no_drift, no_instants, NOTHING_KNOWN,
     take_flash, take_place,
 )
-from blob_tracker.segmentation.line_shift import LineShift, no_shift, take_rows
+from blob_tracker.segmentation.line_shift import LEAST_SHIFTS, LineShift, no_shift, take_rows
 from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ Counts = NDArray[np.int64]
 LEAST_WAY_PX, LEAST_LIGHT_SIGMA = 0.15, 8.0
 BEND_PART = 0.1  # of its way from frame to frame, by which it may be off as its path bends
 SUREST = 0.25  # ways of half an exposure, to which a place is known at best
+STEEP = 0.5  # of its speed along the lines of a frame, that a light has across them
 
 
 class Seen(NamedTuple):
@@ -45,7 +46,8 @@ class Seen(NamedTuple):
         1 of a light that was on at the end of the lit exposure, -1 at its start; 0 of one of which
         that is not known.
     shifted : bool
-        Whether it stands higher in the one frame than in the other.
+        Whether it stands higher in the one frame than in the other, or may: one that moves across
+        the lines would be ahead or behind by it as one that drifts is, until enough flashes tell.
 
     """
 
@@ -129,6 +131,8 @@ def _watch_flash(
     noise *= math.sqrt(0.5 * count)
     there = left > LEAST_LIGHT_SIGMA * noise
     shifted = take_rows(LineShift(places, rows, row_counts), here_y, there_y, there)
+    if there and row_counts[1] < LEAST_SHIFTS and abs(vy) > STEEP * abs(vx):
+        shifted = True
     instants = Instants(against, place_counts)
     speed = math.hypot(vx, vy)
     unit = 0.5 * exposure * speed
@@ -136,9 +140,11 @@ def _watch_flash(
         forget_places(instants)  # it comes back on the other side
     elif unit > LEAST_WAY_PX:
         ahead = ((there_x - x) * vx + (there_y - y) * vy) / speed
+        aside = ((there_y - y) * vx - (there_x - x) * vy) / speed
         deviation = math.hypot(0.5 * APERTURE * sigma * noise / left, BEND_PART * interval * speed)
         take_place(
-            instants, ahead / unit, max(deviation / unit, SUREST), interval * speed / unit
+            instants, ahead / unit, max(deviation / unit, SUREST), interval * speed / unit,
+            aside / unit,
         )
     part = left / max(light + left, 1e-9)
     return here_x, here_y, vx, vy, going_over, share, part, instants.counts[1], shifted

@@ -103,6 +103,53 @@ def test_a_faint_tail_shows_in_many_flashes(turning):
     assert nees(errors, covariances) == pytest.approx(2.0, abs=0.6)
 
 
+def test_cut_rows_are_doubted_where_a_flash_does_not_show_them():
+    """Keep what the last flashes were drawn by: one that shows no cut may have one, too."""
+    random = np.random.default_rng(5)
+    rows, columns = np.mgrid[0:13, 0:13] - 6.0
+    light = 120.0 * np.exp(-(columns**2 + rows**2) / 4.5)
+    share = np.clip(0.7 - rows / 8.0, 0.0, 1.0)
+    locator = Locator()
+
+    def located(k, part):
+        lit, unlit = (
+            expose(BACKGROUND + each * light, NOISE, random, saturation=SATURATION)
+            for each in (part, 1.0 - part)
+        )
+        window = Window(lit, unlit, saturation=SATURATION, stamp_ns=k * 33_000_000)
+        return locator.locate(window, noise=NOISE)
+
+    for k in range(8):
+        assert 'switches' in located(k, share).warning
+    after = located(8, np.ones_like(share))
+    assert after.warning
+    # The cut draws it up by half a pixel and more.
+    assert after.covariance[1, 1] > 0.2**2 > 20.0 * after.covariance[0, 0]
+
+
+def test_a_narrow_light_on_a_mosaic_is_not_said_to_flicker():
+    """Leave its brightness open where it falls between the samples, 2 px apart."""
+    random = np.random.default_rng(6)
+    sites = np.tile(np.array([[True, False], [False, False]]), (8, 8))
+    rows, columns = np.mgrid[0:16, 0:16].astype(float)
+    locator = Locator()
+    warnings = []
+    for k in range(40):
+        x, y = 8.0 + random.uniform(-1.0, 1.0, 2)
+        light = np.exp(-((columns - x) ** 2 + (rows - y) ** 2) / (2.0 * 0.7**2))
+        lit = expose(30.0 + 120.0 * sites * light, NOISE, random, saturation=SATURATION)
+        unlit = expose(np.full(lit.shape, 30.0), NOISE, random, saturation=SATURATION)
+        window = Window(
+            lit, unlit, saturation=SATURATION, stamp_ns=k * 33_000_000, sites=sites
+        )
+        try:
+            warnings.append(locator.locate(window, noise=NOISE).warning)
+        except LocationError:
+            continue
+    assert len(warnings) > 10
+    assert not any('flicker' in each for each in warnings)
+
+
 def test_lights_are_remembered_by_name_until_forgotten():
     """Keep the flicker of one light from another, and from what comes after a new start."""
     random = np.random.default_rng(4)

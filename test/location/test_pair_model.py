@@ -16,7 +16,7 @@ MODELS = [
     (pair_model.fill_one_pulse, PULSE),
     (pair_model.fill_dark_ghost, [*PULSE, -0.8, 0.4, 20.0]),
     (pair_model.fill_static_ghost, [*PULSE, -0.8, 0.4, 20.0]),
-    (pair_model.fill_switched, [*PULSE, 0.3, -0.2, 0.62, 0.083]),
+    (pair_model.fill_switched, [*PULSE, 0.3, -0.2, 0.62, 0.083, 0.04]),
     (pair_model.fill_elliptical, [*PULSE, 1.7]),
     (shape_model.fill_glow, [*PULSE, 20.0, 3.0, -2.0]),
     (shape_model.fill_glow, [*PULSE, 20.0, 3.0, -2.0, -4.0, 1.0, -3.0]),

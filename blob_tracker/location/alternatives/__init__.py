@@ -26,7 +26,7 @@ ALTERNATIVES: dict[Alternative, Suspicion] = {
     ghost: Suspicion.UNLIT | Suspicion.FAILED,
     smeared: Suspicion.UNLIT | Suspicion.FAILED,
     switched: Suspicion.UNLIT | Suspicion.FAILED,
-    streak: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS,
+    streak: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS | Suspicion.LOPSIDED,
     tailed: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS | Suspicion.LOPSIDED,
     two_lights: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS | Suspicion.LOPSIDED,
     defocused: Suspicion.PIXELS,

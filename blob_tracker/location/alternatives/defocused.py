@@ -11,6 +11,7 @@ from blob_tracker.location.light_moments import light_moments
 from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
 from blob_tracker.location.pair_model import AMPLITUDE, bounds, SIGMA
 from blob_tracker.location.shape_model import fill_disc, fill_ring, HOLE, RADIUS
+from blob_tracker.location.unlit_shape import joined, Shape, with_ghost
 import numpy as np
 
 SLOWEST = 200  # steps: a thin ring's level, softness and width change for one another
@@ -38,21 +39,20 @@ def defocused(pair: Pair, base: Fit) -> Fit | None:
     ])
     lower, upper = bounds(pair)
     farthest = float(max(pair.lit.shape))
-    disc = climb(
-        pair, fill_disc, start, np.append(lower, 0.5), np.append(upper, farthest)
-    )
+    lower, upper = np.append(lower, 0.5), np.append(upper, farthest)
+    disc = climb(pair, fill_disc, start, lower, upper)
+    ring_lower, ring_upper = np.append(lower, 0.0), np.append(upper, farthest)
     best, model = disc, fill_disc
     for first in _first_rings(start, disc):
-        ring = climb(
-            pair, fill_ring, first,
-            np.append(lower, [0.5, 0.0]), np.append(upper, [farthest, farthest]), steps=SLOWEST,
-        )
+        ring = climb(pair, fill_ring, first, ring_lower, ring_upper, steps=SLOWEST)
         if ring is None or ring.theta[HOLE] <= 0.0:
             continue
         if best is None or _evidence(pair, ring) > _evidence(pair, best):
-            best, model = ring, fill_ring
+            best, model, lower, upper = ring, fill_ring, ring_lower, ring_upper
     if best is None:
         return None
+    seen = with_ghost(pair, Shape(best, model, best.theta, lower, upper))
+    best = seen.optimum
     theta = best.theta
     inner = theta[HOLE] if model is fill_ring else 0.0
     if not inner < theta[RADIUS]:
@@ -62,9 +62,10 @@ def defocused(pair: Pair, base: Fit) -> Fit | None:
         f'disc of radius {radius:.1f} px'
     )
     fit, _ = doubted(
-        pair, best, model,
-        f'the light is a {shape}: out of focus? Focus the lens, or learn its pulse (calibrate '
-        'pulse)',
+        pair, best, seen.model, joined(
+            f'the light is a {shape}: out of focus? Focus the lens, or learn its pulse '
+            '(calibrate pulse)', seen.warning,
+        ),
     )
     width = math.sqrt(theta[SIGMA] ** 2 + 0.25 * (theta[RADIUS] ** 2 + inner**2))
     return replace(fit, sigma=width)

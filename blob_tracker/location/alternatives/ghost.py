@@ -9,16 +9,10 @@ from blob_tracker.location.pair_model import (
     SHIFT_Y, SIGMA, to_fit,
 )
 from blob_tracker.location.unlit_pulse import outdoes_texture
+from blob_tracker.location.unlit_shape import BEFORE, BRIGHTER, STILL_ON, UNDECIDED
 import numpy as np
 
-BRIGHTER = 1.0  # than the lit pulse: such a light in the unlit frame is another one
-FARTHEST = 4.0  # sigmas: beyond it, the same
-UNDECIDED = 12.0  # of twice the log-likelihood, below which a ghost is likelier beforehand
-STILL_ON = (
-    'the light is still on in the unlit frame ({:.0f} % of it): shorten the exposure, shift the '
-    "flash's phase or flash at half the rate"
-)
-BEFORE = -0.5  # of a flash's displacement: the unlit frame is halfway to the last lit one
+FARTHEST = 4.0  # sigmas: a light that is farther away in the unlit frame is another one
 
 
 def ghost(pair: Pair, base: Fit) -> Fit | None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 from blob_tracker.location.alternatives.ghost import (
-    BRIGHTER, first_guess, fit_ghost, lamp_is_likelier,
+    first_guess, fit_ghost, lamp_is_likelier,
 )
 from blob_tracker.location.hypotheses import Fit, Pair
 from blob_tracker.location.pair_model import AMPLITUDE, fill_smeared_ghost, GHOST, to_fit
 from blob_tracker.location.unlit_pulse import outdoes_texture
+from blob_tracker.location.unlit_shape import BRIGHTER
 import numpy as np
 
 LAST_FLASH = -1.0  # of a flash's displacement: where the light was in the last lit frame
@@ -25,7 +26,8 @@ def smeared(pair: Pair, base: Fit) -> Fit | None:
     whose motion is known, tells that from a light that is left in the unlit frame: the ghost is
     where the light was a whole flash ago, not half of one.
 
-    The filter takes (1 - k) / (1 + k) off the variance of the noise that goes in.
+    The filter takes (1 - k) / (1 + k) off the variance of the noise that goes in: how much of the
+    noise that is known there is, the residuals tell.
     """
     if pair.unlit is None or pair.motion is None:
         return None
@@ -43,4 +45,4 @@ def smeared(pair: Pair, base: Fit) -> Fit | None:
         'the last flash is still in this pair of frames: the camera averages over time '
         f'(temporal noise reduction, {100.0 * share:.0f} % of the last frame): switch it off',
     )
-    return replace(fit, covariance=(1.0 - share) / (1.0 + share) * fit.covariance)
+    return replace(fit, covariance=kept.chi2 * fit.covariance)

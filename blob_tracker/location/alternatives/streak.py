@@ -11,6 +11,7 @@ from blob_tracker.location.light_moments import light_moments
 from blob_tracker.location.pair_likelihood import climb, Floats, Model
 from blob_tracker.location.pair_model import AMPLITUDE, bounds, SIGMA
 from blob_tracker.location.shape_model import fill_bent, fill_streak, WAY_X, WAY_Y
+from blob_tracker.location.unlit_shape import joined, Shape, with_ghost
 import numpy as np
 
 PLAIN = 2.0  # sigmas of length, up to which a pulse is as good as round
@@ -51,12 +52,12 @@ def streak(pair: Pair, base: Fit) -> Fit | None:
     ])
     lower, upper = bounds(pair)
     reach = np.full(2, float(max(pair.lit.shape)))
-    best = climb(
-        pair, model, start, np.append(lower, -reach), np.append(upper, reach), prior,
-        steps=SLOWEST,
-    )
+    lower, upper = np.append(lower, -reach), np.append(upper, reach)
+    best = climb(pair, model, start, lower, upper, prior, steps=SLOWEST)
     if best is None:
         return None
+    shape = with_ghost(pair, Shape(best, model, start, lower, upper, prior))
+    best = shape.optimum
     way, sigma = 2.0 * math.hypot(best.theta[WAY_X], best.theta[WAY_Y]), best.theta[SIGMA]
     warning = ''
     if way > PLAIN * sigma and pair.way is None:
@@ -65,7 +66,7 @@ def streak(pair: Pair, base: Fit) -> Fit | None:
             f'a streak of {pair.pitch * way:.0f} px at {angle:.0f} degrees: the light moves while '
             'it is exposed; its place is that in the middle of the exposure: shorten the exposure'
         )
-    fit, _ = doubted(pair, best, model, warning)
+    fit, _ = doubted(pair, best, shape.model, joined(warning, shape.warning))
     # Of the pulse at rest, A is the peak; of the streak it is less.
     lower_by = 1.0
     if way > 1e-3 * sigma:

@@ -10,6 +10,7 @@ from blob_tracker.location.hypotheses import Fit, is_heard, Pair
 from blob_tracker.location.pair_likelihood import climb, Floats
 from blob_tracker.location.pair_model import bounds, SIGMA
 from blob_tracker.location.shape_model import fill_tailed, PART, WAY_X, WAY_Y
+from blob_tracker.location.unlit_shape import joined, Shape, with_ghost
 import numpy as np
 
 MOST = 0.7  # of the light, in the tail: what has more is a streak
@@ -35,12 +36,13 @@ def tailed(pair: Pair, base: Fit) -> Fit | None:
     ])
     lower, upper = bounds(pair)
     reach = np.full(2, float(max(pair.lit.shape)))
-    best = climb(
-        pair, fill_tailed, start, np.concatenate([lower, -reach, [0.0]]),
-        np.concatenate([upper, reach, [MOST]]),
-    )
+    lower = np.concatenate([lower, -reach, [0.0]])
+    upper = np.concatenate([upper, reach, [MOST]])
+    best = climb(pair, fill_tailed, start, lower, upper)
     if best is None:
         return None
+    shape = with_ghost(pair, Shape(best, fill_tailed, start, lower, upper))
+    best = shape.optimum
     theta = best.theta
     way = math.hypot(theta[WAY_X], theta[WAY_Y])
     if not 0.0 < theta[PART] < MOST or way < SHORTEST * theta[SIGMA]:
@@ -48,10 +50,12 @@ def tailed(pair: Pair, base: Fit) -> Fit | None:
     if not is_heard(base, best.log_likelihood, best.parameters, RARER):
         return None  # what its misfit does to the place need not be known
     fit, left = doubted(
-        pair, best, fill_tailed,
-        f'the light has a tail of {pair.pitch * way:.0f} px with {100.0 * theta[PART]:.0f} % of '
-        'it (a shutter that leaks, smear, blooming, or coma): its head is taken; lower the '
-        'exposure, or learn its pulse (calibrate pulse)',
+        pair, best, shape.model, joined(
+            f'the light has a tail of {pair.pitch * way:.0f} px with '
+            f'{100.0 * theta[PART]:.0f} % of it (a shutter that leaks, smear, blooming, or '
+            'coma): its head is taken; lower the exposure, or learn its pulse (calibrate pulse)',
+            shape.warning,
+        ),
     )
     return replace(fit, rarity=RARER * max(left.chi2, 1.0) ** 2, lopsided=True)
 

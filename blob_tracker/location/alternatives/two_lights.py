@@ -14,6 +14,7 @@ from blob_tracker.location.pair_model import (
     AMPLITUDE, bounds, BRIGHTEST, brightest, GHOST, SHIFT_X, SHIFT_Y, SIGMA, X, Y,
 )
 from blob_tracker.location.shape_model import fill_two_lights
+from blob_tracker.location.unlit_shape import joined, Shape, with_ghost
 import numpy as np
 
 NEAREST = 1.0  # sigma: nearer ones are one
@@ -46,6 +47,8 @@ def two_lights(pair: Pair, base: Fit) -> Fit | None:
     if not found:
         return None
     best = max(found, key=lambda fit: fit.log_likelihood)
+    shape = with_ghost(pair, Shape(best, fill_two_lights, best.theta, *_bounds(pair)))
+    best = shape.optimum
     theta = best.theta
     part = theta[GHOST] / max(theta[AMPLITUDE], 1e-6)
     distance = math.hypot(theta[SHIFT_X], theta[SHIFT_Y])
@@ -59,9 +62,10 @@ def two_lights(pair: Pair, base: Fit) -> Fit | None:
     if not is_heard(base, best.log_likelihood, best.parameters, RARER):
         return None  # what its misfit does to the place need not be known
     fit, left = doubted(
-        pair, best, fill_two_lights,
-        f'a second light, {part:.1f} as bright, {pair.pitch * distance:.1f} px '
-        f'{EIGHTHS[eighth]} the target, flashes with it: a reflection?',
+        pair, best, shape.model, joined(
+            f'a second light, {part:.1f} as bright, {pair.pitch * distance:.1f} px '
+            f'{EIGHTHS[eighth]} the target, flashes with it: a reflection?', shape.warning,
+        ),
     )
     return replace(
         fit, rarity=RARER * max(left.chi2, 1.0) ** 2, lopsided=bool(part < EQUAL),
@@ -98,15 +102,18 @@ def _first_guesses(pair: Pair, base: Fit) -> list[Floats]:
 
 def _fit(pair: Pair, start: Floats) -> Optimum | None:
     """Fit from a first guess; the brighter light is the first."""
-    lower, upper = bounds(pair)
-    reach = np.array(pair.lit.shape[::-1], dtype=float)
-    best = climb(
-        pair, fill_two_lights, start, np.concatenate([lower, -reach, [0.0]]),
-        np.concatenate([upper, reach, [BRIGHTEST]]), steps=SLOWEST,
-    )
+    best = climb(pair, fill_two_lights, start, *_bounds(pair), steps=SLOWEST)
     if best is None or best.theta[GHOST] <= best.theta[AMPLITUDE]:
         return best
     return _exchanged(best)
+
+
+def _bounds(pair: Pair) -> tuple[Floats, Floats]:
+    lower, upper = bounds(pair)
+    reach = np.array(pair.lit.shape[::-1], dtype=float)
+    return (
+        np.concatenate([lower, -reach, [0.0]]), np.concatenate([upper, reach, [BRIGHTEST]])
+    )
 
 
 def _excess(fit: Optimum) -> float:
