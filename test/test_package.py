@@ -42,7 +42,10 @@ KEYS = {
 # no key for these.
 EXTRAS = {'astropy': 'files', 'distributed': 'cluster', 'tifffile': 'files'}
 # What pip calls the others that it has.
-WHEELS = {'cv2': 'opencv-python-headless', 'yaml': 'PyYAML'}
+WHEELS = {
+    **dict.fromkeys(('apsw', 'backports', 'lz4'), 'rosbags'), 'cv2': 'opencv-python-headless',
+    'yaml': 'PyYAML',
+}
 
 
 def in_setup(name: str) -> Any:

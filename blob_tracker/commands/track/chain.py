@@ -83,6 +83,7 @@ class Chain:
             )),
             line_jitter=line_jitter_of(values['line_jitter_url']),
             pulse=None if pulse is None else pulse.learned.pulse,
+            response=response_of(values['response_url']),
         )
         self._saturation = values['saturation']
         self._line_time_ns = 1e9 * values['line_time']

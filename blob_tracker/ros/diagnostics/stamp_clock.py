@@ -97,7 +97,7 @@ class StampClock:
 
     @property
     def fault(self) -> str:
-        """Return what is wrong with the stamps that are left, and what to do; empty if nothing is."""
+        """Return what is wrong with the stamps that are left, and what to do; else empty."""
         if not self._offsets:
             return ''
         offset = statistics.median(self._offsets)
