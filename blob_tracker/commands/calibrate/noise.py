@@ -32,8 +32,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'Photon transfer (EMVA 1288): gain, read noise, saturation and non-uniformity from pairs '
         f'of frames. SOURCE is a folder with an {INDEX} (file,kind,exposure_ns,photons_per_pixel; '
         'kind is bright or dark) or a descriptor of EMVA 1288; or a folder of bright frames, '
-        'sorted in pairs, with --dark; or a bag or topic in which the light goes up in steps, dark first, each held for three '
-        'frames or more; or, with --scene, anything recorded with a camera that stands still.'
+        'sorted in pairs, with --dark; or a bag or topic in which the light goes up in steps, '
+        'dark first, each held for three frames or more; or, with --scene, anything recorded with '
+        'a camera that stands still.'
     )
     add_source(parser, 'an even light at several brightnesses, or of a still scene')
     parser.add_argument('--dark', metavar='FOLDER', help='dark frames, sorted in pairs')
