@@ -25,6 +25,10 @@ STILL_ON = (
     'the light is still on in the unlit frame ({:.0f} % of it): shorten the exposure, shift the '
     "flash's phase or flash at half the rate"
 )
+SWITCHES = (
+    'the flash switches while the rows of the light are exposed ({:.0f} % of it is in the lit '
+    'frame): shift its phase, shorten the exposure or use a global shutter'
+)
 
 
 @dataclass(frozen=True)
@@ -56,12 +60,6 @@ class Shape:
     upper: Floats
     prior: tuple[Floats, Floats] | None = None
     warning: str = ''
-
-
-SWITCHES = (
-    'the flash switches while the rows of the light are exposed ({:.0f} % of it is in the lit '
-    'frame): shift its phase, shorten the exposure or use a global shutter'
-)
 
 
 def with_ghost(pair: Pair, shape: Shape) -> Shape:
