@@ -12,6 +12,7 @@ import warnings
 from blob_tracker.camera.calibration_reader import read_calibration
 from blob_tracker.camera.lens import LensError, LENSES
 from blob_tracker.camera.lens.definition import Coefficients, Derivative, Vector
+from blob_tracker.camera.plausibility import doubts
 from blob_tracker.camera.yaml_file import CalibrationError
 from blob_tracker.types import Bearing, Location
 from blob_tracker.units import MRAD_PER_RAD
@@ -131,9 +132,10 @@ class CameraModel:
         found = read_calibration(path, camera=camera, size=size)
         try:
             model = cls(**found.arguments)
+            unusual = model.doubts()
         except CalibrationError as error:
             raise CalibrationError(f'{path}: {error}') from None
-        for remark in found.remarks:
+        for remark in [*found.remarks, *(f'{path}: {each}' for each in unusual)]:
             warn(remark)
         return model
 
@@ -231,6 +233,10 @@ class CameraModel:
         rays = np.asarray(rays, dtype=float).reshape(-1, 3)
         places = LENSES[self.distortion_model].image(rays, self._coefficients)
         return np.asarray(places @ self.matrix[:2, :2].T + self.matrix[:2, 2])
+
+    def doubts(self) -> list[str]:
+        """Return what is unusual about it; raises CalibrationError where it cannot be right."""
+        return doubts(self.matrix, self.width, self.height, self.unproject)
 
     def unproject(
         self, x: float, y: float

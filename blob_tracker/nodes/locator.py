@@ -337,6 +337,8 @@ class LocatorNode(Node):
 
     def _describe(self) -> None:
         """Show in the diagnostics how the targets were placed."""
+        for doubt in self._camera.doubts:
+            self._health.fault(WARN, f'camera_info: {doubt}')
         with self._lock:
             for light, places in self._places.items():
                 self._describe_light(f'{light}: ' if light else '', places)

@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 
 from blob_tracker.camera import CalibrationError, CameraModel, write_calibration
+from blob_tracker.camera.calibration_reader import read_calibration
 from hypothesis import given, settings, strategies
 import numpy as np
 import pytest
@@ -61,7 +62,8 @@ def test_every_digit_is_kept(
     )
     path = tmp_path_factory.mktemp('digits') / 'camera.yaml'
     write_calibration(path, model)
-    check_same(CameraModel.from_file(path), model)
+    # No camera has such a lens: `from_file` would look for its rays.
+    check_same(CameraModel(**read_calibration(path).arguments), model)
     # Plain numbers for every YAML reader: PyYAML takes 1e-05, without a point, for a word.
     data = yaml.safe_load(path.read_text())['distortion_coefficients']['data']
     assert all(isinstance(value, float) for value in data)

@@ -133,5 +133,5 @@ def _check_size(camera_model: CameraModel, frame: Frame) -> None:
         width, height = sensor_size(frame)
         raise CalibrationError(
             f'the calibration is for {size[0]} x {size[1]} px and the frames are of {width} x '
-            f'{height} px; calibrate this size'
+            f'{height} px; calibrate at {width} x {height} px'
         )

@@ -17,9 +17,18 @@ if TYPE_CHECKING:  # those of a bag are read where no ROS is installed, too
 
 
 class KnownCamera:
-    """Make the camera of camera_infos, anew only where the calibration changes."""
+    """
+    Make the camera of camera_infos, anew only where the calibration changes.
+
+    Attributes
+    ----------
+    doubts : list of str
+        What is unusual about it, see `CameraModel.doubts`.
+
+    """
 
     def __init__(self) -> None:
+        self.doubts: list[str] = []
         self._calibration: tuple[object, ...] = ()
         self._model: CameraModel | None = None
 
@@ -30,8 +39,12 @@ class KnownCamera:
         )
         if self._model is None or calibration != self._calibration:
             self._model = None
-            self._model = to_camera_model(info)
-            self._calibration = calibration
+            model = to_camera_model(info)
+            try:
+                self.doubts = model.doubts()
+            except CalibrationError as error:
+                raise MessageError(f'camera_info: {error}') from None
+            self._model, self._calibration = model, calibration
         return self._model
 
 
@@ -171,7 +184,10 @@ def _other_size(
         f'{sensor_size[0]} x {sensor_size[1]} px'
     )
     if sensor_size == image_size:
-        return f'{sizes}; calibrate this size or set width and height to that one'
+        return (
+            f'{sizes}; calibrate at {sensor_size[0]} x {sensor_size[1]} px, or set width and '
+            f'height to {model.width} and {model.height}'
+        )
     binned = sensor_size[0] // binning[0], sensor_size[1] // binning[1]
     if binning != (1, 1) and (model.width, model.height) == binned:
         return (

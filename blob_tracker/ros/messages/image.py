@@ -327,7 +327,8 @@ def _check_region(image: Image, info: CameraInfo) -> None:
     if (image.width, image.height) != (width // bin_x, height // bin_y):
         raise MessageError(
             f'the image is {image.width} x {image.height} px and its camera_info is for '
-            f'{width // bin_x} x {height // bin_y} px; calibrate this size'
+            f'{width // bin_x} x {height // bin_y} px; calibrate at '
+            f'{image.width} x {image.height} px'
         )
     if roi.x_offset + width > info.width or roi.y_offset + height > info.height:
         raise MessageError(

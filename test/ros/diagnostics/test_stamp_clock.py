@@ -37,6 +37,7 @@ def delays(count: int = 30) -> np.ndarray:
         (3.2, 'another machine', None), (-0.7, 'a long way from the camera', None),
         (-90000.0, 'a recording', None),
     ],
+    ids=['TAI', 'late TAI', 'GPS', 'boot', 'ahead', 'late', 'recording'],  # not this boot's
 )
 def test_clocks_have_names(offset: float, name: str, exact: float | None) -> None:
     """With the delay that there always is; the boot of a computer is known to its microsecond."""

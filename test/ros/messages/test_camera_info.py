@@ -9,7 +9,7 @@ from blob_tracker.camera import CalibrationError, CameraModel, pinhole_matrix
 from blob_tracker.pipeline import Pipeline
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.camera_info import (
-    from_camera_model, of_window, stamped, to_camera_model,
+    from_camera_model, KnownCamera, of_window, stamped, to_camera_model,
 )
 from blob_tracker.ros.messages.image import from_pixels, to_frame
 from blob_tracker.types import SensorNoise, Window
@@ -179,3 +179,21 @@ def test_window_is_written_as_a_region_of_the_sensor() -> None:
     roi = info.roi
     assert (roi.x_offset, roi.y_offset, roi.width, roi.height) == (12, 34, 14, 20)
     assert (info.header.stamp.sec, info.header.stamp.nanosec) == (3, 1)
+
+
+def test_k_of_a_binned_picture_gives_no_camera() -> None:
+    """With the sensor's size beside it every bearing would be wrong by the binning."""
+    info = from_camera_model(MODEL, 640, 480)
+    info.width, info.height = 1280, 960
+    with pytest.raises(MessageError, match='is the middle of 640 x 480 px'):
+        KnownCamera().model(info)
+
+
+def test_what_is_unusual_of_a_camera_is_known_with_it() -> None:
+    """And goes with the next calibration."""
+    camera = KnownCamera()
+    odd = dataclasses.replace(MODEL, matrix=MODEL.matrix * np.array([[1.6], [1.0], [1.0]]))
+    camera.model(from_camera_model(odd, 640, 480))
+    assert any('as high as wide' in each for each in camera.doubts)
+    camera.model(from_camera_model(MODEL, 640, 480))
+    assert camera.doubts == []
