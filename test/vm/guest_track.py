@@ -139,9 +139,9 @@ def main(folder: Path) -> None:
         v4l2_ctl(CAPTURE, '-c', 'disconnect=1')
     wait_for(OUTPUT)
     with playing(scene, 'GREY'):
-        # What the output loses is repeated at the input.
+        # What the output loses is repeated at the input; a busy machine loses as many more itself.
         for device in (OUTPUT, CAPTURE):
-            v4l2_ctl(device, '-c', 'percentage_of_dropped_buffers=15')
+            v4l2_ctl(device, '-c', 'percentage_of_dropped_buffers=8')
         found['lossy'] = record(recorder)
         found['exits'] |= end(pipeline)
     found['complaints'] = sorted(recorder.complaints)
