@@ -3,8 +3,8 @@
 #
 # Expected: five distortion coefficients are an !!opencv-matrix of one column, as 4.14.0 writes them
 # whether they are one-dimensional or not.
-# Happens: arrays of one dimension, which OpenCV 5 has, are !!opencv-nd-matrix with sizes in place of
-# rows and cols. The same numbers as a column, as calibrateCamera returns them, are as before.
+# Happens: arrays of one dimension, which OpenCV 5 has, are !!opencv-nd-matrix with sizes in place
+# of rows and cols. The same numbers as a column, as calibrateCamera returns them, are as before.
 # Matters: a ravel() in between, which did nothing before, decides whether other programs read the
 # file: those that look for the tag, or for rows and cols. The matrix beside it is read.
 #
