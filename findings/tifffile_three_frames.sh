@@ -5,8 +5,8 @@
 # Happens: with 3 or 4 frames the first dimension is taken for red, green, blue (and one more), and
 # the file has a single page. tifffile itself reads the stack as it was; the warning that it gives
 # is one that Python does not show by default.
-# Matters: a series is tried with a few frames. Programs that read page by page find one, and count
-# three frames less two; as a preview it is a picture in colours.
+# Matters: a series is tried with a few frames. Programs that read page by page find one where there
+# were three; as a preview it is a picture in colours.
 #
 # tifffile 2026.3.3, OpenCV 4.14.0, pages of a stack of grey frames:
 #   2 frames: 2 of 48 x 64
