@@ -14,16 +14,16 @@ import mmap
 import os
 import select
 from statistics import median
-import threading
 import time
 from typing import Any
 
 from blob_tracker.capture import Grabber, V4l2Camera, videodev2
 from blob_tracker.capture.clock import RealtimeClock
 from blob_tracker.capture.control_events import ControlEvents
+from blob_tracker.capture.device_controls import DeviceControls
+from blob_tracker.capture.field_dealer import FieldDealer
 from blob_tracker.capture.format import StreamFormat
 from blob_tracker.capture.frame_count import FrameCount
-from blob_tracker.capture.frame_rate import MeasuredRate
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
 from blob_tracker.capture.selection import SensorRegion
 from blob_tracker.capture.stamps import Exposure, ExposureControls, MidExposure
@@ -72,10 +72,9 @@ class PipeCamera(V4l2Camera):
         self.width, self.height = width, height
         self._fd, self._filled = os.pipe()
         os.set_blocking(self._fd, False)
-        self._arrived = self._passed_over = 0
-        self._measured, self._count = MeasuredRate(), FrameCount(numbered=True)
+        self._controls = DeviceControls(self.device, self._call)
+        self._count = FrameCount(numbered=True)
         self._streaming = False
-        self._open = threading.Lock()
         self._clock = RealtimeClock()
         self._format = StreamFormat(
             videodev2.BUF_TYPE_VIDEO_CAPTURE, 'GREY', width, height, width, 255,
@@ -85,6 +84,7 @@ class PipeCamera(V4l2Camera):
         self._events = ControlEvents(self._call, ())
         self._exposure = ExposureControls(self._call, {}, width, height, Exposure(1_000_000))
         self._middle = MidExposure('exposure start', self._exposure.read())
+        self._dealer = FieldDealer(self.fields, stamps_end=False)
         self._memory = [mmap.mmap(-1, width * height) for _ in range(RING)]
         random = np.random.default_rng(1)
         for memory in self._memory:
