@@ -72,6 +72,7 @@ class PipeCamera(V4l2Camera):
         self.width, self.height = width, height
         self._fd, self._filled = os.pipe()
         os.set_blocking(self._fd, False)
+        self.frame_rate = 1.0 / INTERVAL
         self._controls = DeviceControls(self.device, self._call)
         self._count = FrameCount(numbered=True)
         self._streaming = False
