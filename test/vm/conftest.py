@@ -35,8 +35,9 @@ SOAK = float(os.environ.get('SOAK_SECONDS', 20))
 # In the order in which they run; `guest.py` says what the commas and slashes mean. What waits for
 # a webcam or a program leaves the processors to those on vivid.
 GUESTS = (
-    'guest_formats,guest_controls,guest_fields/guest_webcam,guest_loopback,guest_vimc',
-    'guest_capture', 'guest_composite', 'guest_soak', 'guest_blink', 'guest_track', 'guest_node',
+    'guest_formats,guest_controls/guest_webcam,guest_loopback,guest_vimc',
+    'guest_fields', 'guest_capture', 'guest_composite', 'guest_soak', 'guest_blink',
+    'guest_track', 'guest_node',
 )
 CAMERA_INFO = f"""\
 image_width: {SLOW_SIGNAL[0]}

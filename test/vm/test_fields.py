@@ -42,7 +42,7 @@ def test_each_field_is_a_frame(case):
         assert set(kinds) == {1}
     else:
         turns = np.count_nonzero(np.diff(kinds))
-        assert turns >= len(kinds) // 2
+        assert turns >= len(kinds) // 3
 
 
 def test_lines_go_to_their_field(case):
@@ -62,16 +62,18 @@ def test_fields_are_in_the_order_of_time(case):
     # by a step within a picture, and on by three to the next.
     found, words, _, rate = case
     step = STEP if words != 'bottom alone' else 2 * STEP
-    (usual, _), = Counter(map(abs, found['shifts'])).most_common(1)
+    # A machine that stalls loses fields: the stamps tell which follow each other.
+    apart = np.diff(found['stamps'])
+    shifts = np.array(found['shifts'])
+    period = 1e9 / rate
+    following = np.abs(apart - period) < 0.2 * period
+    assert following.any()
+    (usual, _), = Counter(np.abs(shifts[following]).tolist()).most_common(1)
     assert usual == step
     if found['per_buffer'] == 2:
-        # A machine that stalls lets the second field of a picture go: the stamps tell the pairs.
-        apart = np.diff(found['stamps'])
         first = np.array(found['y0'][:-1]) == (1 if words.startswith('bottom') else 0)
-        pairs = first & (np.abs(apart - 1e9 / rate) <= 2)
-        shifts = np.array(found['shifts'])
+        pairs = first & (np.abs(apart - period) <= 2)
         assert pairs.sum() >= len(shifts) // 4
         assert set(shifts[pairs]) == {shifts[pairs][0]} and abs(shifts[pairs][0]) == step
-        (between, _), = Counter(shifts[~pairs].tolist()).most_common(1)
-        assert between == shifts[pairs][0]
+        assert set(shifts[~pairs & following]) <= {shifts[pairs][0]}
     assert np.all(np.diff(found['stamps']) > 0)
