@@ -8,7 +8,7 @@ from math import sqrt
 
 from blob_tracker.calibration.frame_pair import LEAST_VARIANCE_DN2
 from blob_tracker.calibration.noise_line import fit_noise_line, NoiseLine, QUANTISATION
-from blob_tracker.camera.response import Response
+from blob_tracker.camera.response import linear_full_scale, Response
 from blob_tracker.types import Pixels, SensorNoise
 import cv2
 import numpy as np
@@ -95,6 +95,13 @@ def measured(
 
     """
     raw, linear, line = np.empty((3, 0)), np.empty((3, 0)), None
+    step = linear_full_scale(response.saturation) / response.saturation  # linear DN to a raw one
+    if black[1] > step:
+        warnings.append(
+            f'the level of no light is known to {black[1] / step:.0f} raw DN only, and with it '
+            'the dark end of the curve: leave out frames with the cap on if some of their pixels '
+            'are 0, and add darker exposures'
+        )
     if pairs:
         raw, linear = variances_of(pairs, response)
         if linear.shape[1] > 2 and np.ptp(linear[0]) > 0.0:

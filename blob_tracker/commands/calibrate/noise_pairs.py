@@ -151,6 +151,7 @@ def _indexed(
     source = open_images(list(lights))
     stream = grey_frames(source, interpolate=False, response=response_of(arguments))
     held: dict[Light, Pixels] = {}
+    paired: set[Light] = set()
     pairs = []
     for light, (_, _, image) in zip(lights.values(), with_bar(
         stream, source, arguments, console, f'frames of {index}'
@@ -163,8 +164,10 @@ def _indexed(
             (held.pop(light), image), dark=light.kind == 'dark',
             exposure=light.photons if photons else light.exposure_ns,
         ))
-    for light in held:
+        paired.add(light)
+    # One that is left over of three has shown whether they hang together.
+    for light in held.keys() - paired:
         raise PhotonTransferError(
-            f'{index}: the number of {light.words} is odd; each light needs two frames'
+            f'{index}: there is one frame alone of the {light.words}; each light needs two'
         )
     return pairs

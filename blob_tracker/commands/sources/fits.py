@@ -42,8 +42,8 @@ def open_fits(path: Path) -> Source:
         pictures = [
             (unit.header, unit.shape) for unit in file if unit.is_image and len(unit.shape) >= 2
         ]
-    except (OSError, ValueError, TypeError) as error:
-        raise SourceError(f'{path} is not a FITS file that can be read: {error}') from None
+    except (OSError, ValueError, TypeError):
+        raise SourceError(f'{path} is not a FITS file that astropy can read') from None
     if not pictures:
         raise SourceError(f'{path} holds no picture')
     for header, shape in pictures:

@@ -19,7 +19,10 @@ def open_video(path: Path) -> Source:
     """Open a video; its colours are blue, green and red."""
     video = cv2.VideoCapture(str(path))
     if not video.isOpened():
-        raise SourceError(f'{path} is not a video that OpenCV can read; convert it to MJPEG')
+        raise SourceError(
+            f'{path} is not a video that OpenCV can read: copy it anew if it was cut, or '
+            'convert it to FFV1 (.mkv)'
+        )
     count = int(video.get(cv2.CAP_PROP_FRAME_COUNT))
     return Source(_frames(video), count if count > 0 else None, 'the video')
 

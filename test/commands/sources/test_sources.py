@@ -202,7 +202,7 @@ def test_a_device_that_is_not_there_is_no_topic() -> None:
     ('v.png', (), 'is one image; give the folder that holds the images'),
     ('v.xyz', (), 'a file of an unknown kind; give a folder of images'),
     ('v.tif', (), 'v.tif is not a TIFF that can be read'),
-    ('v.fits', (), 'v.fits is not a FITS file that can be read'),
+    ('v.fits', (), 'v.fits is not a FITS file that astropy can read'),
     ('v.mp4', (), 'v.mp4 is not a video that OpenCV can read'),
     ('v.raw', RAW, f'has 8 bytes and a picture of {SIZE.replace("x", " x ")} px in GREY takes'),
     ('v.raw', RAW[:2], 'does not tell the size of its pictures: give --size'),
