@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 NORMALISED = 10.0  # px: no camera has so short a focal length; one in widths of the picture has
-# Times the picture's size that K may be of: binned by 2 to 8, or the whole sensor.
-SCALES = (1 / 8, 1 / 4, 1 / 3, 1 / 2, 2.0, 3.0, 4.0, 8.0)
+MIDDLE_OF_WIDTHS = 2.0  # px: in widths of the picture it is 0.5
+# Times the size that K may be of: that of the sensor, beside binned pictures. The other way round
+# it may be a crop that begins in the sensor's corner.
+SCALES = (1 / 8, 1 / 4, 1 / 3, 1 / 2)
 ALIKE = 0.06  # relative, that a principal point may be off the middle of the other size
 MIDDLE = 0.25  # of the size, from the border to where a principal point may be
 SQUARE = 1.25  # fx / fy: pixels of analogue grabbers have up to 1.2
@@ -48,7 +50,7 @@ def doubts(
     """
     (fx, _, cx), (_, fy, cy), _ = matrix
     size = np.array([width, height])
-    if max(fx, fy) < NORMALISED and max(abs(cx), abs(cy)) < NORMALISED:
+    if max(fx, fy) < NORMALISED and max(abs(cx), abs(cy)) < MIDDLE_OF_WIDTHS:
         raise CalibrationError(
             f'K has focal lengths of {fx:.3g} and {fy:.3g} px: it is in units of the width; '
             f'multiply it by {width}'
@@ -66,7 +68,7 @@ def doubts(
     if ((centre < MIDDLE * size) | (centre > (1.0 - MIDDLE) * size)).any():
         found.append(
             f'the principal point, ({cx:.0f}, {cy:.0f}), is far from the middle of {width} x '
-            f'{height} px: is K of a crop, or of another size?'
+            f'{height} px: is K of a crop, or of pictures of another binning?'
         )
     if not 1.0 / SQUARE <= fx / fy <= SQUARE:
         found.append(

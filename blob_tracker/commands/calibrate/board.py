@@ -142,7 +142,7 @@ def _board(arguments: argparse.Namespace) -> Board:
 def _views(arguments: argparse.Namespace, board: Board) -> list[View]:
     """Return the views of the board in a folder: all; of a stream: those that differ."""
     every: list[View] = []
-    uneven: list[str] = []
+    even, uneven = 0, list[str]()
     choice = None if is_folder(arguments) else BoardViews(board)
     seen: tuple[str, Pixels] | None = None
     without: list[str] = []
@@ -171,6 +171,8 @@ def _views(arguments: argparse.Namespace, board: Board) -> list[View]:
                 elif not is_even(view):
                     uneven.append(name)
                     view = None
+                else:
+                    even += 1
                 if choice is None:
                     every += [] if view is None else [view]
                 elif choice.offer(view):
@@ -190,7 +192,7 @@ def _views(arguments: argparse.Namespace, board: Board) -> list[View]:
             if not (live and len(every) >= LEAST_VIEWS):
                 raise
             print(f'{error}; calibrating with what came before', file=sys.stderr)
-    if len(uneven) > len(every):
+    if len(uneven) > even:
         raise CalibrationError(
             f'the points found in {len(uneven)} images, {uneven[0]} for one, do not lie like '
             f'those of a {board.description}: {MISCOUNTED}'

@@ -74,8 +74,8 @@ PARAMETERS = (
         0.0,
         'How far the clock of the stamps is ahead of the one of this computer; it is taken off. '
         'The diagnostics have it: 37 for TAI.',
-        least=-1e10,
-        most=1e10,
+        least=-2e9,
+        most=2e9,
         unit='s',
     ),
     Parameter(

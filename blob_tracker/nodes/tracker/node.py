@@ -43,6 +43,7 @@ FILTER = {
     'imu.acceleration': 'stabilised_acceleration',
     'imu.jerk': 'stabilised_jerk',
 }
+STAMP_CLOCK = 'stamp_offset', 'stamp_offset_auto'
 LIMITS = {'max_innovation': 'gate_sigma', 'coast': 'coast', 'max_sigma': 'max_sigma'}
 # A rate of 0 is a timer that is cancelled, of any period.
 SLOWEST = 1.0  # Hz
@@ -76,6 +77,8 @@ class TrackerNode(Node):
         self._rays: dict[str, Subscription] = {}
         self._filter: dict[str, Any] = {}
         self._new_tracker: Callable[[], Tracker]
+        self._asked_of_stamps: tuple[Any, ...] = ()
+        self._stamp_clock: StampClock
         self._judged = True  # whether it is said what is wrong with the stamps that came
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         # Of the ROS clock: where time is simulated and pauses, no prediction is due.
@@ -117,11 +120,7 @@ class TrackerNode(Node):
                 if self._listen:
                     self._follow(lights)
                 self._ahead_ns = int(1e9 * values['servo_delay'])
-                self._stamp_clock = StampClock(
-                    values['stamp_offset'],
-                    auto=values['stamp_offset_auto'],
-                    latest=values['coast'] - values['servo_delay'],
-                )
+                self._use_stamp_clock(values)
                 self._set_rate(values['prediction_rate'])
                 if self._platform.angles is None:
                     self._looks.cancel()
@@ -130,6 +129,15 @@ class TrackerNode(Node):
                 self._release()  # where there are no joints any more, nothing waits for them
 
         return use
+
+    def _use_stamp_clock(self, values: dict[str, Any]) -> None:
+        """Have the offset of the stamps that is asked for; one that was measured stays."""
+        offset, auto = asked = tuple(values[name] for name in STAMP_CLOCK)
+        latest = max(values['coast'] - values['servo_delay'], 0.0)
+        if asked != self._asked_of_stamps:
+            self._stamp_clock = StampClock(offset, auto=auto, latest=latest)
+            self._asked_of_stamps = asked
+        self._stamp_clock.latest = latest
 
     def _set_rate(self, rate: float) -> None:
         """Predict so often by the timer."""
@@ -210,7 +218,8 @@ class TrackerNode(Node):
     def seen_at(self, light: str, stamp_ns: int) -> Track | None:
         """Return where the camera sees a light at a stamp, ns; None where this is not known."""
         with self._lock:
-            return self._lights[light].seen_at(stamp_ns) if light in self._lights else None
+            here_ns = stamp_ns - round(1e9 * self._stamp_clock.taken)
+            return self._lights[light].seen_at(here_ns) if light in self._lights else None
 
     def _predict(self) -> None:
         """Publish where the lights will be."""

@@ -60,7 +60,8 @@ class StampClock:
     """
 
     def __init__(self, offset: float = 0.0, *, auto: bool = False, latest: float) -> None:
-        self._taken_ns, self._auto, self._latest = round(1e9 * offset), auto, latest
+        self.latest = latest
+        self._taken_ns, self._auto = round(1e9 * offset), auto
         self._offsets: deque[float] = deque(maxlen=MEASURED)
 
     def corrected(self, stamp_ns: int, now_ns: int) -> int:
@@ -102,7 +103,7 @@ class StampClock:
             return ''
         offset = statistics.median(self._offsets)
         left = offset - self.taken
-        if -self._latest <= left <= AHEAD_S:
+        if -self.latest <= left <= AHEAD_S:
             return ''
         name, known = name_clock(offset)
         side = 'ahead of' if left > 0.0 else 'behind'

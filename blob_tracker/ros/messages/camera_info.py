@@ -38,7 +38,7 @@ class KnownCamera:
             info.k.tobytes(), info.d.tobytes(), info.distortion_model, info.width, info.height
         )
         if self._model is None or calibration != self._calibration:
-            self._model = None
+            self._model, self.doubts = None, []
             model = to_camera_model(info)
             try:
                 self.doubts = model.doubts()
