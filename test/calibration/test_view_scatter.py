@@ -31,7 +31,7 @@ def draw(random: np.random.Generator, together: float) -> tuple[np.ndarray, np.n
 
 
 def test_independent_errors_need_no_growth() -> None:
-    """Three standard deviations: of 40 draws one in ten thousand would have two that pass."""
+    """Three standard deviations: one of a hundred draws of so many views passes."""
     random = np.random.default_rng(1)
     grown = [variance_growth(*draw(random, 0.0)) > 1.0 for _ in range(40)]
     assert sum(grown) <= 1
