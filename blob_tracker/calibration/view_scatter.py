@@ -19,8 +19,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-# Standard deviations of the ratio. Independent errors pass it 1 time in 180 with 30 views and in 40
-# with 3: sigmas are too large then.
+# Standard deviations of the ratio. Independent errors pass it 1 time in 180 with 30 views and
+# in 40 with 3: sigmas are too large then.
 SIGNIFICANT = 3.0
 
 Array = NDArray[np.float64]
