@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+from astropy.io.fits import PrimaryHDU
 from blob_tracker.simulation import flashing_light
 import cv2
 import numpy as np
-import pytest
+import tifffile
 
 RATE = 30.0  # Hz
 WIDTH, HEIGHT = 112, 88
@@ -43,16 +45,15 @@ def video(path: Path, frames: Sequence[np.ndarray]) -> Path:
     return path
 
 
-def tiff(path: Path, frames: Sequence[np.ndarray], **options: object) -> Path:
+def tiff(path: Path, frames: Sequence[np.ndarray], **options: Any) -> Path:
     """Write a TIFF of pages, as tifffile's options have it."""
-    tifffile = pytest.importorskip('tifffile')
     tifffile.imwrite(path, np.array(frames), **options)
     return path
 
 
 def fits(path: Path, pixels: np.ndarray, **header: object) -> Path:
     """Write a FITS file of one picture, or of a cube."""
-    unit = pytest.importorskip('astropy.io.fits').PrimaryHDU(pixels)
+    unit = PrimaryHDU(pixels)
     for key, value in header.items():
         unit.header[key.replace('_', '-')] = value
     unit.writeto(path)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import argparse
 from importlib import import_module
-import sys
 from types import ModuleType
 
-from blob_tracker.commands.calibrate.report import UsageError
+from blob_tracker.commands.exit_code import exit_code
 from blob_tracker.commands.sources import SourceError
 
 CALIBRATIONS: dict[str, str] = {
@@ -47,20 +46,7 @@ def main(arguments: argparse.Namespace) -> int:
 
     """
     module = _module(arguments.calibration)
-    try:
-        module.main(arguments)
-    except KeyboardInterrupt:
-        return 130
-    except UsageError as error:
-        print(error, file=sys.stderr)
-        return 2
-    except (SourceError, *module.FAILURES) as error:
-        print(error, file=sys.stderr)
-        return 1
-    except OSError as error:
-        print(f'{error.filename}: {error.strerror}' if error.filename else error, file=sys.stderr)
-        return 1
-    return 0
+    return exit_code(lambda: module.main(arguments), (SourceError, *module.FAILURES))
 
 
 def _module(name: str) -> ModuleType:

@@ -19,7 +19,8 @@ from blob_tracker.calibration.boards import (
 from blob_tracker.calibration.boards.regularity import is_even
 from blob_tracker.camera import CalibrationError, LensError, write_calibration
 from blob_tracker.camera.lens import LENSES
-from blob_tracker.commands.calibrate.report import UsageError, WORTHLESS
+from blob_tracker.commands.calibrate.report import WORTHLESS
+from blob_tracker.commands.exit_code import UsageError
 from blob_tracker.commands.sources import (
     add_source, grey_frames, is_folder, is_live, open_source, SourceError,
 )

@@ -8,7 +8,8 @@ from pathlib import Path
 from blob_tracker.camera import (
     CalibrationError, CameraModel, read_calibration, write_calibration,
 )
-from blob_tracker.commands.calibrate.report import check_out, picture_size, tell_of, warn
+from blob_tracker.commands.calibrate.report import picture_size, tell_of, warn
+from blob_tracker.commands.exit_code import check_out
 from rich.console import Console
 
 FAILURES = (CalibrationError,)

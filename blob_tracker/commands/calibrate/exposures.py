@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterable, Iterator, Sequence
-import csv
 from math import nan
 from pathlib import Path
 
 from blob_tracker.calibration.response_series import Shot
-from blob_tracker.commands.calibrate.frame_index import INDEX
+from blob_tracker.commands.calibrate.frame_index import INDEX, index_rows
 from blob_tracker.commands.calibrate.noise_pairs import frames_of, STEP
 from blob_tracker.commands.sources import is_folder, SourceError
 from blob_tracker.types import Pixels
@@ -135,13 +134,7 @@ def _runs(stream: Iterable[Pixels]) -> list[_Group]:
 
 def _indexed(index: Path, stream: Iterator[tuple[str, Pixels]]) -> list[Shot]:
     """Return the exposures of a folder by its index."""
-    try:
-        with index.open(newline='', encoding='utf-8-sig') as file:
-            reader = csv.DictReader(file)
-            rows = list(reader)
-            columns = reader.fieldnames or []
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise SourceError(f'{index} cannot be read: {error}; save it as CSV in UTF-8') from None
+    rows, columns = index_rows(index)
     column = next((name for name in COLUMNS if name in columns), None)
     if 'file' not in columns or column is None:
         raise SourceError(

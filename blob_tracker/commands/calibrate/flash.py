@@ -15,9 +15,10 @@ from blob_tracker.calibration.flash import (
     enough, flash_settings, FlashSettings, notes,
 )
 from blob_tracker.calibration.flash_picture import draw_flash
-from blob_tracker.commands.calibrate.report import check_out, tell_of, UsageError
+from blob_tracker.commands.calibrate.report import tell_of
+from blob_tracker.commands.exit_code import check_out, UsageError
 from blob_tracker.commands.sources import add_source, SourceError, unstamped
-from blob_tracker.commands.sources.response import clipping_level
+from blob_tracker.commands.sources.response import clipping_level, response_of
 from blob_tracker.commands.sources.shown_frames import shown_frames
 from blob_tracker.segmentation import compile_ahead, FrameError, Segmenter
 from blob_tracker.segmentation.watch import Watch
@@ -74,10 +75,11 @@ def _watch(arguments: argparse.Namespace, console: Console) -> tuple[Watch, Pixe
     compile_ahead()
     series = longest = _Series(arguments.exposure)
     begun, watched = 1, 0.0
+    response = response_of(arguments)
     for _, seconds, pixels in shown_frames(arguments, console, 'watching', live_seconds=LIVE_S):
         if seconds is None:
             raise SourceError(unstamped(arguments))
-        full = clipping_level(arguments, pixels)
+        full = clipping_level(response, arguments.saturation, pixels)
         frame = Frame(pixels, round(1e9 * seconds), full)
         if series.is_ended_by(frame):
             begun, watched = begun + 1, watched + series.seconds

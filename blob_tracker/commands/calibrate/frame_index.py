@@ -8,11 +8,14 @@ release, `n` bits, width and height, and `#` begins a comment.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 import csv
+from io import StringIO
 from pathlib import Path, PureWindowsPath
 from typing import NamedTuple
 
 from blob_tracker.calibration.frame_pair import PhotonTransferError
+from blob_tracker.commands.sources import SourceError
 
 INDEX = 'index.csv'
 KINDS = ('bright', 'dark')
@@ -73,6 +76,8 @@ def read_index(index: Path) -> dict[Path, Light]:
 
     Raises
     ------
+    SourceError
+        It cannot be read.
     PhotonTransferError
         A line that cannot be understood, by its number.
 
@@ -84,22 +89,25 @@ def read_index(index: Path) -> dict[Path, Light]:
     return lights
 
 
+def index_rows(index: Path) -> tuple[list[dict[str, str]], Sequence[str]]:
+    """Return the rows of an index.csv by its columns, and the columns; raises SourceError."""
+    try:
+        reader = csv.DictReader(StringIO(_text(index), newline=''))
+        return list(reader), reader.fieldnames or []
+    except csv.Error as error:
+        raise SourceError(f'{index} cannot be read: {error}; save it as CSV in UTF-8') from None
+
+
 def _text(index: Path) -> str:
     try:
         return index.read_text(encoding='utf-8-sig')  # spreadsheets begin with a byte order mark
     except UnicodeDecodeError as error:
-        raise PhotonTransferError(f'{index} cannot be read: {error}; save it in UTF-8') from None
+        raise SourceError(f'{index} cannot be read: {error}; save it in UTF-8') from None
 
 
 def _rows(index: Path) -> dict[Path, Light]:
     """Read an index.csv."""
-    try:
-        reader = csv.DictReader(_text(index).splitlines())
-        rows, columns = list(reader), reader.fieldnames or []
-    except csv.Error as error:
-        raise PhotonTransferError(
-            f'{index} cannot be read: {error}; save it as CSV in UTF-8'
-        ) from None
+    rows, columns = index_rows(index)
     if not {'file', 'kind'} <= set(columns):
         raise PhotonTransferError(
             f'{index} has the columns {", ".join(columns) or "(none)"}; it must have file and '

@@ -10,7 +10,8 @@ from blob_tracker.calibration.edge import EdgeError
 from blob_tracker.calibration.line_jitter import LineJitterMeasurement, measure_line_jitter
 from blob_tracker.calibration.line_jitter_picture import draw_line_jitter
 from blob_tracker.camera import CalibrationError
-from blob_tracker.commands.calibrate.report import check_out, results_table, Row, row, tell_of
+from blob_tracker.commands.calibrate.report import results_table, Row, row, tell_of
+from blob_tracker.commands.exit_code import check_out
 from blob_tracker.commands.sources import add_source
 from blob_tracker.commands.sources.shown_frames import shown_frames
 from blob_tracker.types import Pixels

@@ -9,7 +9,8 @@ from blob_tracker.calibration.line_time import (
     LineTimeError, LineTimeMeasurement, measure_line_time,
 )
 from blob_tracker.calibration.line_time_picture import draw_line_time
-from blob_tracker.commands.calibrate.report import check_out, results_table, row, tell_of
+from blob_tracker.commands.calibrate.report import results_table, row, tell_of
+from blob_tracker.commands.exit_code import check_out
 from blob_tracker.commands.sources import add_source
 from blob_tracker.commands.sources.shown_frames import shown_frames
 from rich.console import Console

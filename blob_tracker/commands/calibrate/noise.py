@@ -16,7 +16,7 @@ from blob_tracker.commands.calibrate.noise_pairs import frames_of, in_twos, pair
 from blob_tracker.commands.calibrate.noise_report import (
     print_photon_transfer, rows_of_noise, write_parameters,
 )
-from blob_tracker.commands.calibrate.report import check_out, UsageError
+from blob_tracker.commands.exit_code import check_out, UsageError
 from blob_tracker.commands.sources import add_source
 from blob_tracker.commands.sources.response import response_of
 import numpy as np

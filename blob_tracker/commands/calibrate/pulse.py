@@ -8,11 +8,10 @@ from pathlib import Path
 from blob_tracker.calibration.pulse_file import PulseFile
 from blob_tracker.calibration.pulse_picture import draw_pulse
 from blob_tracker.camera import CalibrationError
-from blob_tracker.commands.calibrate.report import (
-    check_out, results_table, row, tell_of, UsageError,
-)
+from blob_tracker.commands.calibrate.report import results_table, row, tell_of
+from blob_tracker.commands.exit_code import check_out, UsageError
 from blob_tracker.commands.sources import add_source, SourceError
-from blob_tracker.commands.sources.response import clipping_level
+from blob_tracker.commands.sources.response import clipping_level, response_of
 from blob_tracker.commands.sources.shown_frames import shown_frames
 from blob_tracker.location import learn_pulse, Learned, locate_batch
 from blob_tracker.location.noise import pixel_variance
@@ -96,11 +95,12 @@ def _windows(
     windows: list[Window] = []
     width = height = 0
     reason = 'there are no frames'
+    response = response_of(arguments)
     for index, (_, seconds, pixels) in enumerate(shown_frames(
         arguments, console, 'finding the flashes', live_frames=LIVE_FRAMES
     )):
         height, width = pixels.shape
-        full = clipping_level(arguments, pixels)
+        full = clipping_level(response, arguments.saturation, pixels)
         stamp_ns = index * INTERVAL_NS if seconds is None else round(1e9 * seconds)
         try:
             window = segmenter.update(Frame(pixels, stamp_ns, full))

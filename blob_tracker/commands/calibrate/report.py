@@ -44,41 +44,6 @@ def row(quantity: str, value: float, sigma: float | None, unit: str) -> Row:
     return quantity, f'{value:.{digits}f}', f'{sigma:.{digits}f}', unit
 
 
-class UsageError(ValueError):
-    """An option that is wrong whatever the source holds; the message says what would be right."""
-
-
-def check_out(out: Path, suffix: str, *inputs: Path | None) -> None:
-    """
-    Refuse a file that results should not go to.
-
-    Parameters
-    ----------
-    out : Path
-        The file.
-    suffix : str
-        That of the picture which is written beside it; '' where that has another name anyway.
-    inputs : Path or None
-        What is read, and must not be lost.
-
-    Raises
-    ------
-    UsageError
-        It is the picture's or an input's name, or there is no such folder.
-
-    """
-    if not out.parent.is_dir():
-        raise UsageError(f'--out {out}: {out.parent} is not a folder; make it first')
-    if suffix and out.suffix.lower() == suffix:
-        yaml = out.with_suffix('.yaml')
-        raise UsageError(
-            f'--out {out} is the name of the picture beside it; name the file, {yaml} say'
-        )
-    for path in inputs:
-        if path is not None and path.resolve() == out.resolve():
-            raise UsageError(f'--out {out} is what is read; give it another name')
-
-
 def tell_of(console: Console, path: Path) -> None:
     """Say that a file is written, and that one of its name is replaced."""
     console.print(f'{path}{" (replaced)" if path.exists() else ""}', markup=False, soft_wrap=True)

@@ -14,9 +14,8 @@ from blob_tracker.calibration.response_series import measure_response, Shot
 from blob_tracker.camera import CalibrationError
 from blob_tracker.commands.calibrate.exposures import shots_of
 from blob_tracker.commands.calibrate.frame_index import INDEX
-from blob_tracker.commands.calibrate.report import (
-    check_out, results_table, Row, row, tell_of, UsageError,
-)
+from blob_tracker.commands.calibrate.report import results_table, Row, row, tell_of
+from blob_tracker.commands.exit_code import check_out, UsageError
 from blob_tracker.commands.sources import add_source
 from blob_tracker.types import Pixels
 import numpy as np

@@ -8,9 +8,10 @@ from blob_tracker.calibration.slide import (
     Bend, calibrate_slide, SlideCalibration, SlideError, TABLE,
 )
 from blob_tracker.calibration.slide_picture import draw_slide
-from blob_tracker.commands.calibrate.report import results_table, row, tell_of, UsageError
+from blob_tracker.commands.calibrate.report import results_table, row, tell_of
 from blob_tracker.commands.calibrate.stations import add_stations, stations
 from blob_tracker.commands.calibrate.stations_file import SLIDE, Stations, StationsError
+from blob_tracker.commands.exit_code import UsageError
 from rich.console import Console
 
 FAILURES = (SlideError, StationsError)

@@ -13,10 +13,11 @@ from blob_tracker.camera import (
 )
 from blob_tracker.camera.lens import LENSES
 from blob_tracker.commands.calibrate.report import (
-    check_out, picture_size, results_table, row, tell_of, UsageError, warn, WORTHLESS,
+    picture_size, results_table, row, tell_of, warn, WORTHLESS,
 )
 from blob_tracker.commands.calibrate.stations import add_stations, stations
 from blob_tracker.commands.calibrate.stations_file import PAN, Stations, StationsError, TILT
+from blob_tracker.commands.exit_code import check_out, UsageError
 from blob_tracker.units import MRAD_PER_RAD
 from rich.console import Console
 

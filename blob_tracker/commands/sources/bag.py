@@ -8,7 +8,7 @@ from pathlib import Path
 
 from blob_tracker.capture.fields import Weaver
 from blob_tracker.commands.sources.source import Source, SourceError, SourceFrame
-from blob_tracker.ros.bags import RecordingError
+from blob_tracker.ros.bags import opened, RecordingError
 from blob_tracker.ros.endpoints.recording import (
     recorded_count, recorded_frames, recorded_info,
 )
@@ -42,8 +42,9 @@ def open_bag(bag: Path, topic: str | None, *, calibrated: bool, woven: bool) -> 
     """
     camera = KnownCamera()
     try:
-        count = recorded_count(bag, topic)
-        info = recorded_info(bag, topic) if calibrated or woven else None
+        with opened(bag) as recording:  # once: without an index all of it is looked at
+            count = recorded_count(recording, topic)
+            info = recorded_info(recording, topic) if calibrated or woven else None
     except RecordingError as error:
         raise SourceError(str(error)) from None
     if woven:

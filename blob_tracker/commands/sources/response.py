@@ -30,12 +30,11 @@ def response_of(arguments: argparse.Namespace) -> Response | None:
         raise SourceError(str(error)) from None
 
 
-def clipping_level(arguments: argparse.Namespace, pixels: Pixels) -> int:
+def clipping_level(response: Response | None, saturation: int | None, pixels: Pixels) -> int:
     """Return the DN at which a frame's pixels are clipped, by --saturation, in raw DN."""
-    response = response_of(arguments)
     if response is not None:
-        return response.linear_saturation(arguments.saturation or response.saturation)
-    return arguments.saturation or int(np.iinfo(pixels.dtype).max)
+        return response.linear_saturation(saturation or response.saturation)
+    return saturation or int(np.iinfo(pixels.dtype).max)
 
 
 def linear_pixels(pixels: Pixels, response: Response) -> Pixels:

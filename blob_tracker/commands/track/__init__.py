@@ -13,7 +13,7 @@ from typing import Any
 from blob_tracker import location, segmentation
 from blob_tracker.camera import CalibrationError, CameraModel
 from blob_tracker.commands import INSTALL_ROS
-from blob_tracker.commands.calibrate.report import check_out, UsageError
+from blob_tracker.commands.exit_code import check_out, exit_code, INTERRUPTED, UsageError
 from blob_tracker.commands.sources import (
     add_source, is_live, is_topic, open_source, Source, SourceError, SourceFrame, unstamped,
 )
@@ -29,7 +29,6 @@ from blob_tracker.ros.parameters.url import to_path
 import numpy as np
 from rich.console import Console
 
-INTERRUPTED = 130  # exit code, as of a shell command that Ctrl-C ended
 MOST_WARNINGS, MOST_REASONS = 5, 3  # that are said
 
 
@@ -68,19 +67,9 @@ def main(arguments: argparse.Namespace) -> int:
         after Ctrl-C; what was done until then is kept.
 
     """
-    try:
-        return _track(arguments)
-    except (UsageError, ParameterError) as error:
-        print(error, file=sys.stderr)
-        return 2
-    except (SourceError, CalibrationError) as error:
-        print(error, file=sys.stderr)
-        return 1
-    except OSError as error:
-        print(f'{error.filename}: {error.strerror}' if error.filename else error, file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        return INTERRUPTED
+    return exit_code(
+        lambda: _track(arguments), (SourceError, CalibrationError), (UsageError, ParameterError)
+    )
 
 
 def _track(arguments: argparse.Namespace) -> int:

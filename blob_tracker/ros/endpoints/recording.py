@@ -85,7 +85,7 @@ def recorded_frames(
                     del waiting[next(iter(waiting))]
 
 
-def recorded_info(path: Path, topic: str | None = None) -> Any | None:
+def recorded_info(bag: Bag, topic: str | None = None) -> Any | None:
     """
     Return the first camera_info that belongs to a topic of images; None if there is none.
 
@@ -95,18 +95,16 @@ def recorded_info(path: Path, topic: str | None = None) -> Any | None:
         The bag cannot be read, or has no images on that topic.
 
     """
-    with opened(path) as bag:
-        of_info = _info_topic(bag, image_topic(bag, topic))
-        if of_info is not None:
-            for message in bag.messages([of_info]):
-                return _todays(bag.decoded(message))
+    of_info = _info_topic(bag, image_topic(bag, topic))
+    if of_info is not None:
+        for message in bag.messages([of_info]):
+            return _todays(bag.decoded(message))
     return None
 
 
-def recorded_count(path: Path, topic: str | None = None) -> int:
+def recorded_count(bag: Bag, topic: str | None = None) -> int:
     """Return how many images there are of the topic that `recorded_frames` takes."""
-    with opened(path) as bag:
-        return bag.topics[image_topic(bag, topic)]
+    return bag.topics[image_topic(bag, topic)]
 
 
 def image_topic(bag: Bag, name: str | None = None) -> Topic:

@@ -19,6 +19,7 @@ import pytest
 from support.written_sources import (
     dated_fits, EXPOSURE_S, FIRST, fits, folder, light_frames, RATE, tiff, video,
 )
+import tifffile
 
 COUNT = 6
 FRAMES = light_frames(COUNT)
@@ -229,7 +230,6 @@ def test_what_is_no_succession_of_frames(tmp_path: Path) -> None:
     )
     with pytest.raises(SourceError, match='the axes T 3, C 2'):
         open_source(arguments(channels))
-    tifffile = pytest.importorskip('tifffile')
     with tifffile.TiffWriter(tmp_path / 's.tif') as writer:
         for frame in (FRAMES[0], FRAMES[0][:50]):
             writer.write(frame)

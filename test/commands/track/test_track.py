@@ -15,6 +15,7 @@ from blob_tracker.camera import write_calibration
 from blob_tracker.commands.track.chain import Chain
 from blob_tracker.commands.track.table import COLUMNS
 from blob_tracker.resources import config_path
+from blob_tracker.ros.bags import opened
 from blob_tracker.ros.endpoints.recording import recorded_frames, recorded_info
 from blob_tracker.ros.messages.camera_info import to_camera_model
 from blob_tracker.segmentation import flash_by_name, Segmenter
@@ -308,6 +309,7 @@ def test_a_bag_without_a_calibration_says_so(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Another topic has none, nor any image."""
-    assert recorded_info(BAGS / 'flash_mcap', TOPIC) is not None
+    with opened(BAGS / 'flash_mcap') as recording:
+        assert recorded_info(recording, TOPIC) is not None
     assert run(BAGS / 'flash_mcap', '--topic', 'other/image_raw', '--out', tmp_path / 't') == 1
     assert 'set --topic to one of /camera/image_raw' in capsys.readouterr().err

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from blob_tracker.ros.bags import opened
 from blob_tracker.ros.endpoints.recording import recorded_frames, recorded_info
 from blob_tracker.ros.messages.camera_info import to_camera_model
 import numpy as np
@@ -67,5 +68,7 @@ def test_without_the_camera_info_they_are_whole_pictures(tmp_path: Path) -> None
     found = list(recorded_frames(bag, TOPIC, paired=False))
     assert len(found) == 3 and all(info is None for _, info in found)
     assert (found[0][0].x0, found[0][0].image.shape) == (0, (2, 6))
-    assert recorded_info(bag, TOPIC) is None
-    assert recorded_info(write(tmp_path / 's.bag', 'ic'), TOPIC).width == 30
+    with opened(bag) as recording:
+        assert recorded_info(recording, TOPIC) is None
+    with opened(write(tmp_path / 's.bag', 'ic')) as recording:
+        assert recorded_info(recording, TOPIC).width == 30
