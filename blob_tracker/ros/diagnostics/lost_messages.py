@@ -36,13 +36,16 @@ class LostMessages:
         Name of the topic.
     health : Health
         Is told.
+    kind : str
+        Of the messages, as the graph has it.
 
     """
 
-    def __init__(self, node: Node, topic: str, health: Health) -> None:
+    def __init__(self, node: Node, topic: str, health: Health, kind: str = IMAGE) -> None:
         self._node = node
         self._topic = node.resolve_topic_name(topic)
         self._health = health
+        self._kind = kind
         self._publishers = Publishers()
         self._size = 0  # bytes of a message
         self._taken = self._lost = self._late = 0  # so far
@@ -105,7 +108,7 @@ class LostMessages:
         """Say what was lost in the last seconds."""
         publishers = self._node.get_publishers_info_by_topic(self._topic)
         # Nothing arrives from those of another type.
-        self._publishers.check(each for each in publishers if each.topic_type == IMAGE)
+        self._publishers.check(each for each in publishers if each.topic_type == self._kind)
         if len(publishers) != 1:  # each has numbers of its own; `Connections` says that there are
             self._begin()
         late = max(self._missing - self._missing_lost - self._missing_late, 0)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:  # those of a bag are read where no ROS is installed, too
-    from sensor_msgs.msg import CameraInfo, Image
+    from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 # encoding: (type of a pixel, channels)
 _FRAMES = {
@@ -25,8 +25,9 @@ _FRAMES = {
     '16UC1': (np.uint16, 1),
 }
 _COLOURS = {  # and the layout of a frame
-    **{f'{layout}8': (np.uint8, planes, layout)
-       for layout, planes in PLANES.items() if layout != 'yuv'},
+    **{f'{layout}{bits}': (kind, planes, layout)
+       for layout, planes in PLANES.items() if layout != 'yuv'
+       for bits, kind in ((8, np.uint8), (16, np.uint16))},
     **{f'bayer_{layout}{bits}': (kind, 1, layout)
        for layout in BAYER for bits, kind in ((8, np.uint8), (16, np.uint16))},
 }
@@ -34,8 +35,9 @@ _COLOURS = {  # and the layout of a frame
 _PACKED = {
     'yuv422': (1, 'uv'), 'uyvy': (1, 'uv'), 'yuv422_yuy2': (0, 'uv'), 'yuyv': (0, 'uv'),
 }
-# A plane of luma, and below it one of both chromas of half the height.
-_SEMIPLANAR = {'nv12': 'uv', 'nv21': 'vu'}
+# A plane of luma, and below it one of both chromas: their order, and whether each chroma stands
+# for 2 x 2 pixels (of half the height) or for one (rows twice as long).
+_SEMIPLANAR = {'nv12': ('uv', 2), 'nv21': ('vu', 2), 'nv24': ('uv', 1)}
 # Of a frame; YUV to be named among the others.
 _ENCODINGS = (
     _FRAMES | {name: (kind, planes) for name, (kind, planes, _) in _COLOURS.items()}
@@ -56,8 +58,8 @@ def to_frame(image: Image, info: CameraInfo) -> Frame:
     Parameters
     ----------
     image : Image
-        mono8, mono16, 8UC1, 16UC1; rgb8, bgr8, rgba8, bgra8; bayer_rggb8 and the other orders, of
-        8 or 16 bits; yuv422 (uyvy), yuv422_yuy2 (yuyv), nv12 or nv21.
+        mono8, mono16, 8UC1, 16UC1; rgb, bgr, rgba, bgra, bayer_rggb and the other orders, each of
+        8 or 16 bits; yuv422 (uyvy), yuv422_yuy2 (yuyv), nv12, nv21 or nv24.
     info : CameraInfo
         Gives hardware crop and binning.
 
@@ -73,8 +75,20 @@ def to_frame(image: Image, info: CameraInfo) -> Frame:
         says which and what would be right.
 
     """
-    frame = to_whole_frame(image)
-    _check_region(image, info)
+    return placed(to_whole_frame(image), info)
+
+
+def placed(frame: Frame, info: CameraInfo) -> Frame:
+    """
+    Return a whole frame with the crop and binning of its camera_info.
+
+    Raises
+    ------
+    MessageError
+        Where the camera_info is that of another size.
+
+    """
+    _check_region(frame.image.shape[1], frame.image.shape[0], info)
     return replace(
         frame,
         x0=int(info.roi.x_offset),
@@ -108,7 +122,7 @@ def to_window(image: Image, info: CameraInfo) -> Window:
 
     """
     pixels = _pixels(image, _WINDOWS)
-    _check_region(image, info)
+    _check_region(int(image.width), int(image.height), info)
     full = np.iinfo(pixels.dtype).max
     several = pixels.ndim == 3
     unlit = pixels[..., 1] if several else None
@@ -131,7 +145,7 @@ def to_window(image: Image, info: CameraInfo) -> Window:
         glimpse=glimpse,
         x0=int(info.roi.x_offset),
         y0=int(info.roi.y_offset),
-        stamp_ns=_stamp_ns(image),
+        stamp_ns=stamp_of(image),
         saturation=int(full),
         binning=_binning(info),
     )
@@ -177,7 +191,7 @@ def to_whole_frame(image: Image) -> Frame:
     """
     pixels, layout = _coloured(image)
     full = int(np.iinfo(pixels.dtype).max)
-    return Frame(pixels, _stamp_ns(image), full, layout=layout)
+    return Frame(pixels, stamp_of(image), full, layout=layout)
 
 
 def to_pixels(image: Image, *, interpolate: bool = True) -> Pixels:
@@ -303,7 +317,7 @@ def from_picture(picture: NDArray[np.uint8], stamp_ns: int, frame_id: str) -> Im
     return image
 
 
-def _stamp_ns(image: Image) -> int:
+def stamp_of(image: Image | CompressedImage) -> int:
     """Return the stamp; one whose nanoseconds make seconds could not be sent on."""
     if image.header.stamp.nanosec >= SECOND_NS:
         raise MessageError(
@@ -318,17 +332,16 @@ def _binning(info: CameraInfo) -> tuple[int, int]:
     return max(int(info.binning_x), 1), max(int(info.binning_y), 1)
 
 
-def _check_region(image: Image, info: CameraInfo) -> None:
+def _check_region(columns: int, rows: int, info: CameraInfo) -> None:
     """Refuse an image that is not the region, binned, of which its camera_info speaks."""
     roi = info.roi
     # A roi of 0 x 0 is the whole sensor (sensor_msgs/RegionOfInterest).
     width, height = int(roi.width) or int(info.width), int(roi.height) or int(info.height)
     bin_x, bin_y = _binning(info)
-    if (image.width, image.height) != (width // bin_x, height // bin_y):
+    if (columns, rows) != (width // bin_x, height // bin_y):
         raise MessageError(
-            f'the image is {image.width} x {image.height} px and its camera_info is for '
-            f'{width // bin_x} x {height // bin_y} px; calibrate at '
-            f'{image.width} x {image.height} px'
+            f'the image is {columns} x {rows} px and its camera_info is for '
+            f'{width // bin_x} x {height // bin_y} px; calibrate at {columns} x {rows} px'
         )
     if roi.x_offset + width > info.width or roi.y_offset + height > info.height:
         raise MessageError(
@@ -348,13 +361,15 @@ def _coloured(image: Image) -> tuple[Pixels, str]:
         chromas = pairs[..., 1 - luma].reshape(image.height, -1, 2)
         return _yuv(pairs[..., luma], chromas, order), 'yuv'
     if encoding in _SEMIPLANAR:
-        if image.width % 2 or image.height % 2:
+        order, shared = _SEMIPLANAR[encoding]
+        if image.width % shared or image.height % shared:
             raise MessageError(
                 f'{image.encoding} of {image.width} x {image.height} px; both must be even'
             )
-        rows = _pixels(image, {image.encoding: (np.uint8, 1)}, image.height * 3 // 2)
-        chromas = rows[image.height:].reshape(image.height // 2, -1, 2)
-        return _yuv(rows[:image.height], chromas, _SEMIPLANAR[encoding]), 'yuv'
+        planes = image.height + 2 * image.height // shared**2
+        rows = _pixels(image, {image.encoding: (np.uint8, 1)}, planes)
+        chromas = rows[image.height:].reshape(image.height // shared, -1, 2)
+        return _yuv(rows[:image.height], chromas, order), 'yuv'
     pixels = _pixels(image, _ENCODINGS)
     return pixels, _COLOURS[image.encoding][2] if image.encoding in _COLOURS else 'grey'
 
@@ -363,7 +378,9 @@ def _yuv(luma: Pixels, chromas: Pixels, order: str) -> Pixels:
     """Return (h, w, 3) Y, Cb, Cr: each chroma stands for the pixels that share it."""
     height, width = luma.shape
     shared = chromas[..., ::-1] if order == 'vu' else chromas
-    wide = np.repeat(np.repeat(shared, height // shared.shape[0], axis=0), 2, axis=1)
+    wide = np.repeat(shared, height // shared.shape[0], axis=0)
+    if shared.shape[1] < width:
+        wide = np.repeat(wide, 2, axis=1)
     return np.dstack([luma, wide[:, :width]])
 
 

@@ -105,7 +105,7 @@ def test_padded_rows_and_big_endian_are_read() -> None:
 @pytest.mark.parametrize(
     'changes, sentence',
     [
-        ({'encoding': 'rgb16'}, "encoding is 'rgb16'; it must be mono8 or"),
+        ({'encoding': 'rgb32'}, "encoding is 'rgb32'; it must be mono8 or"),
         ({'encoding': ''}, "encoding is ''"),
         ({'width': 0}, 'neither may be 0'),
         ({'height': 0}, 'neither may be 0'),
