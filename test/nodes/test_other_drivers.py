@@ -6,6 +6,7 @@ from array import array
 from collections.abc import Callable, Iterator
 import itertools
 from pathlib import Path
+from typing import Any
 
 from blob_tracker.camera import CameraModel, write_calibration
 from blob_tracker.ros.endpoints.qos import IMAGE_OUT
@@ -34,7 +35,7 @@ def encoded(grey: np.ndarray, encoding: str, stamp_ns: int) -> Image:
     """Return a white light's image in an encoding."""
     height, width = grey.shape
     if encoding in PACKED:
-        pixels = np.full((height, width, 2), 128, np.uint8)
+        pixels: np.ndarray = np.full((height, width, 2), 128, np.uint8)
         pixels[..., PACKED[encoding]] = grey
     elif encoding in PLANAR:
         chromas = np.full((int(height * PLANAR[encoding]), width), 128, np.uint8)
@@ -123,7 +124,7 @@ def test_compressed_frames_without_a_camera_info(domain: int, tmp_path: Path) ->
             images.publish(compressed(data, f'mono8; {form} compressed ', stamp_ns))
             node.spin(0.01)
 
-        def play(until: Callable[[], object], *arguments: object) -> None:
+        def play(until: Callable[[], object], *arguments: Any) -> None:
             node.spin_until(lambda: publish(*arguments) or until())
 
         play(lambda: said(diagnostics, '/image_raw/compressed; set image_transport: compressed'))

@@ -6,8 +6,8 @@ from blob_tracker.nodes.interface.line_time import LINE_TIME
 from blob_tracker.nodes.interface.response import RESPONSE
 from blob_tracker.nodes.interface.saturation import SATURATION
 from blob_tracker.nodes.interface.topics import (
-    CAMERA_IMAGE, CAMERA_INFO, COMPRESSED_IMAGE, DIAGNOSTICS, NOISE, SEGMENTER_PICTURE, TRACK, VISIBLE,
-    WINDOW_IMAGE, WINDOW_INFO,
+    CAMERA_IMAGE, CAMERA_INFO, COMPRESSED_IMAGE, DIAGNOSTICS, NOISE, SEGMENTER_PICTURE, TRACK,
+    VISIBLE, WINDOW_IMAGE, WINDOW_INFO,
 )
 from blob_tracker.ros.interface import Interface, Parameter
 from blob_tracker.segmentation import REGISTRATIONS, THRESHOLDS

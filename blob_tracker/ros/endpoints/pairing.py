@@ -326,9 +326,9 @@ class FramePairs:
         self._health.show('camera_info offset (ms)', f'{offset_ns / 1e6:.3f}')
         sentence = (
             f'{self._topic}/camera_info has stamps {abs(offset_ns) / 1e6:.3f} ms '
-            f'{"after" if offset_ns > 0 else "before"} those of {self._images}; each image is used '
-            'with the nearest, within half of the interval of the images; a driver should give '
-            'both one stamp'
+            f'{"after" if offset_ns > 0 else "before"} those of {self._images}; each image is '
+            'used with the nearest, within half of the interval of the images; a driver should '
+            'give both one stamp'
         )
         if abs(offset_ns) > QUIET_NS:
             self._health.fault(WARN, sentence)

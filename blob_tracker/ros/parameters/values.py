@@ -40,7 +40,7 @@ def check_given(parameter: Parameter, value: Any) -> None:
         given = '[] or empty' if value is None else value
         raise ParameterError(
             f"parameter '{parameter.name}' is {given}, which is no value; it must be "
-            f"{parameter.allowed}; leave it out for its default, {parameter.value}"
+            f'{parameter.allowed}; leave it out for its default, {parameter.value}'
         )
 
 
@@ -55,13 +55,13 @@ def unknown(name: str, names: Iterable[str]) -> ParameterError:
 def not_allowed(parameter: Parameter, value: Any) -> ParameterError:
     """Return the error for a value that a parameter may not have."""
     hint = ''
-    if isinstance(value, int) and isinstance(parameter.default, float):
+    if type(value) is int and isinstance(parameter.default, float):
         hint = f'; write {value}.0'
     elif isinstance(parameter.default, str) and not isinstance(value, str):
         hint = (
-            f"; without quotes 0110 is the number 72, 1e5 one as well, and on, off, yes, no, y "
-            f"and n are true or false: write {parameter.name}: '...' in a file, and "
-            f'-p "{parameter.name}:=\'...\'" in a shell'
+            '; put it in quotes, for without them 0110 is the number 72, 1e5 is one as well, and '
+            f"on, off, yes, no, y and n are true or false: {parameter.name}: '...' in a file, "
+            f'or -p "{parameter.name}:=\'...\'" in a shell'
         )
     return ParameterError(
         f"parameter '{parameter.name}' is {value!r:.200}; it must be {parameter.allowed}{hint}"

@@ -42,7 +42,7 @@ def test_pictures(form: str, content: np.ndarray, layout: str) -> None:
 
 
 def test_a_jpeg_tells_its_steps_and_the_order_of_its_colours() -> None:
-    """Those of its quality (ITU-T T.81, table K.1); image_transport may have swapped the planes."""
+    """Those of its quality (ITU-T T.81, K.1); image_transport may have swapped the planes."""
     data = cv2.imencode('.jpg', GREY, [cv2.IMWRITE_JPEG_QUALITY, 50])[1].tobytes()
     frame = to_whole_frame(message(data, 'bayer_rggb8; jpeg compressed mono8'))
     assert frame.layout == 'rggb'

@@ -29,8 +29,8 @@ def given(folder: Path, content: str, *words: str) -> list[Source]:
     file = folder / 'my.yaml'
     file.write_text(content)
     return list(sources([
-        'node', '-p', 'not:=ours', '--ros-args', *(each.replace('FILE', str(file)) for each in words),
-        '--', '-p', 'nor:=this',
+        'node', '-p', 'not:=ours', '--ros-args',
+        *(each.replace('FILE', str(file)) for each in words), '--', '-p', 'nor:=this',
     ]))
 
 
