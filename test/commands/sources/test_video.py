@@ -50,5 +50,5 @@ def test_what_opencv_has_no_time_for(
     monkeypatch.setattr(cv2, 'VideoCapture', VideoOfTimes)
     path = tmp_path / f'light{suffix}'
     path.touch()
-    found = [seconds for _, seconds, _ in grey_frames(open_video(path))]
+    found = [seconds for _, seconds, _, _ in grey_frames(open_video(path))]
     assert found == pytest.approx(stamps)
