@@ -9,7 +9,7 @@ from typing import Any, TYPE_CHECKING
 
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.stamp import from_ns, SECOND_NS, to_ns
-from blob_tracker.types import BAYER, field_of, Frame, Glimpse, Pixels, PLANES, Window
+from blob_tracker.types import BAYER, Frame, Glimpse, Pixels, PLANES, Window
 import numpy as np
 from numpy.typing import NDArray
 

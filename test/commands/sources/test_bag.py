@@ -108,7 +108,7 @@ def test_crop_and_binning_are_those_of_the_camera_info(compressed: bool, tmp_pat
 
 
 def test_each_colour_is_made_linear_before_they_are_mixed() -> None:
-    """As the nodes do it: of a square law luma is the mix of squares, not the square of the mix."""
+    """As the nodes do it: of a square law luma is the mix of squares."""
     levels = np.linspace(0.0, 255.0, 52)
     response = Response(levels, 16.0 * levels**2 / 255.0, np.zeros(52), 4, 4)
     pixels = np.full((4, 4, 3), (200, 100, 50), np.uint8)

@@ -109,7 +109,9 @@ def test_pages_within_a_folder_are_frames_too(tmp_path: Path) -> None:
     tiff(path / '1.tif', FRAMES[1:])
     source = open_source(arguments(path))
     assert source.count == COUNT
-    assert all((found == frame).all() for (_, _, found, _), frame in zip(grey_frames(source), FRAMES))
+    assert all(
+        (each.pixels == frame).all() for each, frame in zip(grey_frames(source), FRAMES)
+    )
 
 
 def test_samples_of_twelve_bits_with_padded_lines(tmp_path: Path) -> None:
