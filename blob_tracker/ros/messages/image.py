@@ -7,10 +7,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, TYPE_CHECKING
 
-from blob_tracker.colour import grey_pixels
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.stamp import from_ns, SECOND_NS, to_ns
-from blob_tracker.types import BAYER, field_of, Frame, Glimpse, Pixels, PLANES, Window
+from blob_tracker.types import BAYER, Frame, Glimpse, Pixels, PLANES, Window
 import numpy as np
 from numpy.typing import NDArray
 
@@ -78,25 +77,6 @@ def to_frame(image: Image, info: CameraInfo) -> Frame:
     return placed(to_whole_frame(image), info)
 
 
-def placed(frame: Frame, info: CameraInfo) -> Frame:
-    """
-    Return a whole frame with the crop and binning of its camera_info.
-
-    Raises
-    ------
-    MessageError
-        Where the camera_info is that of another size.
-
-    """
-    _check_region(frame.image.shape[1], frame.image.shape[0], info)
-    return replace(
-        frame,
-        x0=int(info.roi.x_offset),
-        y0=int(info.roi.y_offset),
-        binning=_binning(info),
-    )
-
-
 def to_window(image: Image, info: CameraInfo) -> Window:
     """
     Return the window that target/window/image_raw and its camera_info hold.
@@ -147,7 +127,7 @@ def to_window(image: Image, info: CameraInfo) -> Window:
         y0=int(info.roi.y_offset),
         stamp_ns=stamp_of(image),
         saturation=int(full),
-        binning=_binning(info),
+        binning=binning_of(info),
     )
 
 
@@ -194,37 +174,26 @@ def to_whole_frame(image: Image) -> Frame:
     return Frame(pixels, stamp_of(image), full, layout=layout)
 
 
-def to_pixels(image: Image, *, interpolate: bool = True) -> Pixels:
+def placed(frame: Frame, info: CameraInfo) -> Frame:
     """
-    Return the pixels of an image without its camera_info and its colours.
-
-    Parameters
-    ----------
-    image : Image
-        As of `to_frame`.
-    interpolate : bool
-        Of a Bayer mosaic, see `grey_pixels`.
-
-    Returns
-    -------
-    (h, w) array of uint8 or uint16
-        DN.
+    Return a frame with the hardware crop and binning of its camera_info.
 
     Raises
     ------
     MessageError
-        Where encoding, size, step or data are wrong; says which and what would be right.
+        Where the camera_info is that of another size.
 
     """
-    try:
-        return grey_pixels(to_whole_frame(image), interpolate=interpolate)
-    except ValueError as error:
-        raise MessageError(str(error)) from None
+    height, width = frame.image.shape[:2]
+    _check_region(width, height, info)
+    return replace(
+        frame, x0=int(info.roi.x_offset), y0=int(info.roi.y_offset), binning=binning_of(info)
+    )
 
 
-def field_and_height(info: CameraInfo) -> tuple[int | None, int]:
-    """Return which field an image is by its camera_info, see `field_of`, and the full height."""
-    return field_of(int(info.roi.y_offset), _binning(info)), int(info.height)
+def sensor_of(info: CameraInfo) -> tuple[int, int]:
+    """Return width and height of the full, unbinned sensor, px."""
+    return int(info.width), int(info.height)
 
 
 def from_frame(frame: Frame, frame_id: str, message: Image | None = None) -> Image:
@@ -327,21 +296,22 @@ def stamp_of(image: Image | CompressedImage) -> int:
     return to_ns(image.header.stamp)
 
 
-def _binning(info: CameraInfo) -> tuple[int, int]:
+def binning_of(info: CameraInfo) -> tuple[int, int]:
     """Return the binning; 0 means the same as 1 (sensor_msgs/CameraInfo)."""
     return max(int(info.binning_x), 1), max(int(info.binning_y), 1)
 
 
-def _check_region(columns: int, rows: int, info: CameraInfo) -> None:
+def _check_region(across: int, down: int, info: CameraInfo) -> None:
     """Refuse an image that is not the region, binned, of which its camera_info speaks."""
     roi = info.roi
     # A roi of 0 x 0 is the whole sensor (sensor_msgs/RegionOfInterest).
     width, height = int(roi.width) or int(info.width), int(roi.height) or int(info.height)
-    bin_x, bin_y = _binning(info)
-    if (columns, rows) != (width // bin_x, height // bin_y):
+    bin_x, bin_y = binning_of(info)
+    if (across, down) != (width // bin_x, height // bin_y):
         raise MessageError(
-            f'the image is {columns} x {rows} px and its camera_info is for '
-            f'{width // bin_x} x {height // bin_y} px; calibrate at {columns} x {rows} px'
+            f'the image is {across} x {down} px and its camera_info is for '
+            f'{width // bin_x} x {height // bin_y} px; calibrate at '
+            f'{across} x {down} px'
         )
     if roi.x_offset + width > info.width or roi.y_offset + height > info.height:
         raise MessageError(
