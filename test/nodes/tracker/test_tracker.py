@@ -533,7 +533,8 @@ def test_without_the_joints_nothing_is_predicted(domain: int) -> None:
         for message, sentence in (
             (_joints(played, ['left', 'right'], [0.0, 0.0]), 'it has left, right: set joints.pan'),
             (_joints(played, ['pan', 'tilt'], [0.0]), "the joint 'tilt' has no position"),
-            (_joints(played, ['pan', 'tilt'], [0.0, nan]), 'both must be finite'),
+            (_joints(played, ['pan', 'tilt'], [0.0, inf]), 'tilt is inf rad; it must be finite'),
+            (_joints(played, ['pan', 'tilt'], [nan, nan]), 'is NaN there: home the pan/tilt'),
         ):
             played.joints.publish(message)
             played.expect(sentence)
@@ -548,6 +549,75 @@ def test_without_the_joints_nothing_is_predicted(domain: int) -> None:
         assert played.predictions[-1].vector.x == pytest.approx(
             100.0 + path(to_ns(played.predictions[-1].header.stamp))[0], abs=5.0
         )
+
+
+def _one_a_message(played: Played, name: str, angle: float, stamped: bool = True) -> JointState:
+    message = _joints(played, [name], [angle])
+    if not stamped:
+        message.header.stamp = from_ns(0)
+    return message
+
+
+@pytest.mark.parametrize('stamped', [True, False])
+def test_joints_of_several_nodes_one_a_message(stamped: bool, domain: int) -> None:
+    """Wheels from another node, NaN until the tilt has homed, and stamps of 0: it points right."""
+    with (
+        playing(domain, joints__pan='pan', joints__tilt='tilt') as played,
+        probe(domain, 'base') as other,
+    ):
+        wheels = other.create_publisher(JointState, '/joint_states', RESULT)
+        played.node.spin_until(played.joints.get_subscription_count)
+        other.spin_until(wheels.get_subscription_count)
+        for count in range(120):
+            played.tick(10 * MS, 10 * MS)
+            pan = 0.4 + 0.002 * count
+            tilt = nan if count < 30 else 0.05
+            wheels.publish(_one_a_message(played, 'left_wheel', 0.1 * count, stamped))
+            played.joints.publish(_one_a_message(played, 'pan', pan, stamped))
+            played.joints.publish(_one_a_message(played, 'tilt', tilt, stamped))
+            played.node.spin(0.01)
+            # Between the last two angles, of either joint.
+            turned = PanTiltAngles()
+            turned.push(0, pan - 0.001, 0.05)
+            x, y, z = turned.at(0).T @ AT_REST
+            played.rays.publish(
+                played.message(1e3 * atan2(x, z), 1e3 * atan2(-y, hypot(x, z)), 0.1, age=5 * MS)
+            )
+            if count < 30:
+                assert not played.predictions
+        played.node.spin_until(lambda: bool(played.predictions))
+        prediction = played.predictions[-1]
+        assert prediction.vector.x == pytest.approx(500.0, abs=1.0)
+        assert prediction.vector.y == pytest.approx(50.0, abs=1.0)
+        played.node.spin_until(lambda: played.shown('state') == 'tracking')
+        assert not played.said('publish')
+        assert not played.said('set joints')
+        if not stamped:
+            played.node.spin_until(
+                lambda: int(played.shown('joint_states without a stamp') or 0) >= 200
+            )
+
+
+def test_a_joint_that_two_nodes_publish_is_told(domain: int) -> None:
+    """By the names of those that publish, of which one must go."""
+    with (
+        playing(domain, joints__pan='pan', joints__tilt='tilt') as played,
+        probe(domain, 'second') as other,
+    ):
+        again = other.create_publisher(JointState, '/joint_states', RESULT)
+        played.node.spin_until(played.joints.get_subscription_count)
+        other.spin_until(again.get_subscription_count)
+        sentence = "several nodes publish the joint 'pan' on /joint_states"
+        for _ in range(300):
+            played.tick(10 * MS, 10 * MS)
+            played.joints.publish(_joints(played, ['pan', 'tilt'], [0.1, 0.0]))
+            played.tick(10 * MS, 10 * MS)
+            again.publish(_joints(played, ['pan'], [0.5]))
+            if played.said(sentence):
+                break
+        assert played.said('of /probe, /second/probe let one do so')
+        assert not played.said("the joint 'tilt' on")
+        assert played.level(sentence) == 1
 
 
 @pytest.mark.parametrize('ratio', [1.0, 3.0])
