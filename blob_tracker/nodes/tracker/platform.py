@@ -12,18 +12,22 @@ from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
 from blob_tracker.ros.diagnostics.joint_news import JointNews
 from blob_tracker.ros.endpoints.qos import SAMPLES_IN, subscription
 from blob_tracker.ros.errors import MessageError, ParameterError
-from blob_tracker.ros.messages.imu import to_rate, turn_of
+from blob_tracker.ros.messages.imu import angles_of, to_rate, turn_of
 from blob_tracker.ros.messages.joint_states import to_angles
 from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.tracking import (
-    PanTiltAngles, PlatformRates, StampJump, TrackingError, update_or_restart,
+    GyroFault, GyroWatch, PanTiltAngles, PlatformRates, StampJump, TrackingError,
+    update_or_restart,
 )
+from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
+import numpy as np
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import Imu, JointState
 
 TURN = 'imu.roll', 'imu.pitch', 'imu.yaw'
+TURNED = 1e-3  # of a trace: axes that are off by 2 degrees
 NAMES = 'joints.pan', 'joints.tilt'
 JOINTS = *NAMES, 'joints.pan_reversed', 'joints.tilt_reversed'
 MINE = (
@@ -66,6 +70,7 @@ class Platform:
         self._node, self._health, self._lock, self._moved = node, health, lock, moved
         self._asked: dict[str, Any] = {}
         self._turn = turn_of(0.0, 0.0, 0.0)
+        self._watch = GyroWatch()
         self._imu: Subscription | None = None
         self._joint_states: Subscription | None = None
         self._joints: dict[str, str] = {}
@@ -104,6 +109,7 @@ class Platform:
             self._asked, self._turn = asked, turn
             if other_rates:
                 self.rates = PlatformRates() if asked['imu.enabled'] else None
+                self._watch = GyroWatch()
             if other_angles:
                 self.angles = PanTiltAngles() if pan or tilt else None
                 self._joints = {name: asked[name] for name in NAMES if asked[name]}
@@ -136,9 +142,55 @@ class Platform:
         for samples in (self.rates, self.angles):
             if samples is not None:
                 samples.reset()
+        self._watch.reset()
         self._news.restart(self._now_ns())
 
+    def saw(self, light: str, bearing: Bearing) -> None:
+        """Take a bearing, of which the gyro ought to know how the platform turned."""
+        if self.rates is not None:
+            self._watch.saw(light, bearing, self.angles)
+
     def describe(self) -> None:
+        """Report a gyro that says other than the picture, and joints that are not as they must."""
+        self._judge_gyro()
+        self._describe_joints()
+
+    def _judge_gyro(self) -> None:
+        """Do without a gyro that says other than the picture, and say what is wrong with it."""
+        if self.rates is None:
+            return
+        self._watch.judge()
+        fault = self._watch.fault
+        self.rates.distrusted = fault.words if fault is not None else ''
+        if fault is not None:
+            self._health.fault(
+                WARN,
+                f'imu: by what the lights do in the picture, {fault.words}; it is not used: '
+                f'{self._remedy(fault)}',
+            )
+
+    def _remedy(self, fault: GyroFault) -> str:
+        """Return what to do about a gyro."""
+        if fault.turn is None:
+            return (
+                'is it the IMU of this platform, and are its stamps of the clock of the images?'
+            )
+        remedies = []
+        if fault.scale != 1.0 or np.linalg.det(fault.turn) < 0.0:
+            remedies.append('have its driver publish rad/s about right-handed axes, as ROS has it')
+        elif np.trace(fault.turn) < 3.0 - TURNED:
+            angles = angles_of(self._turn @ fault.turn.T)
+            values = ', '.join(
+                f'{name} to {angle:.3f}' for name, angle in zip(TURN, angles, strict=True)
+            )
+            remedies.append(f'set {values}')
+        if fault.offset:
+            remedies.append(
+                'have its driver stamp the instants of its samples by the clock of the images'
+            )
+        return ', and '.join(remedies)
+
+    def _describe_joints(self) -> None:
         """Report joints that say nothing, and those of which several nodes speak."""
         if self.angles is None:
             return
@@ -163,7 +215,7 @@ class Platform:
                 return
             try:
                 rate, variance = to_rate(message, self._asked['imu.frame_id'], self._turn)
-                self._push('imu', self.rates, message, rate, variance)
+                self._watch.push(self._push('imu', self.rates, message, rate, variance), rate)
             except (MessageError, TrackingError) as error:
                 self._health.fault(ERROR, f'imu: {error}')
 
@@ -208,17 +260,19 @@ class Platform:
         samples: PlatformRates | PanTiltAngles,
         message: Imu | JointState,
         *values: Any,
-    ) -> None:
-        """Keep a sample; restart where the stamps jumped back."""
+    ) -> int:
+        """Keep a sample, and return its stamp, ns; restart where the stamps jumped back."""
         def restart(jump: StampJump) -> None:
             self._health.fault(WARN, f'{topic}: {jump}; starting afresh')
             samples.reset()
+            self._watch.reset()
 
         stamp_ns = to_ns(message.header.stamp)
         if not stamp_ns:  # its driver sets none: the next best is when it came
             self._health.count(f'{topic} without a stamp')
             stamp_ns = self._now_ns()
         update_or_restart(lambda: samples.push(stamp_ns, *values), restart)
+        return stamp_ns
 
     def _now_ns(self) -> int:
         return self._node.get_clock().now().nanoseconds

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import asin, atan2, cos, sin
 
 from blob_tracker.ros.errors import MessageError
 import numpy as np
@@ -25,6 +25,13 @@ def turn_of(roll: float, pitch: float, yaw: float) -> NDArray[np.float64]:
         [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
         [-sp, cp * sr, cp * cr],
     ])
+
+
+def angles_of(turn: NDArray[np.float64]) -> tuple[float, float, float]:
+    """Return the roll, pitch and yaw of which `turn_of` makes a (3, 3) turn, rad."""
+    pitch = -asin(min(max(float(turn[2, 0]), -1.0), 1.0))
+    roll, yaw = atan2(turn[2, 1], turn[2, 2]), atan2(turn[1, 0], turn[0, 0])
+    return roll, pitch, yaw
 
 
 def to_rate(

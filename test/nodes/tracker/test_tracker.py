@@ -14,6 +14,7 @@ from blob_tracker.ros.messages.imu import turn_of
 from blob_tracker.ros.messages.stamp import from_ns, to_ns
 from blob_tracker.ros.messages.target import ray_message, to_bearing
 from blob_tracker.ros.messages.track import to_track
+from blob_tracker.simulation.platform_motion import MOTIONS
 from blob_tracker.tracking import PanTiltAngles, PlatformRates, Tracker
 from blob_tracker.types import Bearing
 from diagnostic_msgs.msg import DiagnosticArray
@@ -473,6 +474,52 @@ def test_an_imu_that_is_silent_or_wrong_is_named_and_tracked_without(domain: int
         played.now_ns += 10_000 * MS
         played.follow(10)
         assert played.predictions[-1].vector.x == pytest.approx(path(played.now_ns)[0], abs=5.0)
+
+
+SIDEWAYS = turn_of(0.0, 0.0, 0.5)  # of an IMU that is not mounted as the parameters say
+
+
+@pytest.mark.parametrize('wrong, words, remedy', [
+    (180.0 / pi * np.eye(3), 'its rates are in degrees/s', 'have its driver publish rad/s'),
+    (-np.eye(3), 'its rates have the wrong sign', 'about right-handed axes'),
+    (SIDEWAYS, 'its axes are off by 29 degrees', 'set imu.roll to -1.571, imu.pitch to'),
+    (np.eye(3), '', ''),
+])
+def test_a_gyro_that_says_other_than_the_picture(
+    wrong: np.ndarray, words: str, remedy: str, domain: int
+) -> None:
+    """It is named and not used, and the prediction goes on; a right one is used."""
+    ride = MOTIONS['rover'].ride(9.0, 4)
+    turn = turn_of(-0.5 * pi, 0.0, -0.5 * pi)
+    errors = []
+    with playing(domain, imu__enabled=True, prediction_rate=0.0) as played:
+        played.node.spin_until(played.imu.get_subscription_count)
+        start_ns = played.now_ns
+        for count in range(800):
+            played.tick(10 * MS, 10 * MS)
+            since = 1e-9 * (played.now_ns - start_ns)
+            rate = wrong @ turn @ ride.rates(np.array([since]))[0]
+            played.imu.publish(_imu(played, tuple(rate.tolist())))
+            if count % 4 == 3:
+                x, y, z = ride.rotations(np.array([since]))[0][2]  # of the level frame's z
+                seen = 1e3 * atan2(x, z), 1e3 * atan2(-y, hypot(x, z))
+                played.rays.publish(played.message(*seen, 0.1, age=0))
+                played.node.spin(0.005)
+                if count > 700 and played.predictions:
+                    prediction = played.predictions[-1]
+                    errors.append((prediction.vector.x - seen[0], prediction.vector.y - seen[1]))
+        assert played.process.running
+        # Without the gyro a bearing of 0.1 mrad is what is known of where it is.
+        assert len(errors) > 20
+        assert np.sqrt(np.mean(np.square(errors))) < 10.0
+        if not words:
+            assert not played.said('imu: by what the lights do')
+            played.expect_shown('stabilised', 'yes')
+            return
+        played.expect(words)
+        played.expect(remedy)
+        assert not played.said('is imu published')
+        played.expect_shown('stabilised', f'no: {words}')
 
 
 # The direction of azimuth 500 and elevation 50 mrad.
