@@ -170,7 +170,7 @@ def fit_gyro(moves: Moves, times: Array, rates: Array) -> Fit:
     if best <= FITS * without and felt >= len(moves.begin) * TURNED_RAD**2:
         if right < best + WORTH * without or right < HALVED * best:
             return Fit(True, None)
-        offset = _between(offsets * STEP_S, left[:, candidate], place)
+        offset = _between(STEP_S * offsets.astype(float), left[:, candidate], place)
         return Fit(True, _fault(turn, chosen, offset))
     # Nothing goes with it, and it would be better not to have it.
     claimed = CANDIDATES[0] @ moments[now].normal @ CANDIDATES[0]

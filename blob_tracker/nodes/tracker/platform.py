@@ -26,12 +26,13 @@ from rclpy.node import Node
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import Imu, JointState
 
+BIAS = 'imu.bias_x', 'imu.bias_y', 'imu.bias_z'
 TURN = 'imu.roll', 'imu.pitch', 'imu.yaw'
 TURNED = 1e-3  # of a trace: axes that are off by 2 degrees
 NAMES = 'joints.pan', 'joints.tilt'
 JOINTS = *NAMES, 'joints.pan_reversed', 'joints.tilt_reversed'
 MINE = (
-    'imu.enabled', 'imu.frame_id', *TURN, *JOINTS, 'joints.sigma', 'joints.frame_id',
+    'imu.enabled', 'imu.frame_id', 'imu.stamp_offset', *BIAS, *TURN, *JOINTS, 'joints.sigma', 'joints.frame_id',
 )
 
 
@@ -103,7 +104,8 @@ class Platform:
 
         def use() -> bool:
             other_rates = (self.rates is not None) != asked['imu.enabled'] or (
-                asked['imu.enabled'] and self._differs(asked, TURN)
+                asked['imu.enabled']
+                and self._differs(asked, (*TURN, *BIAS, 'imu.stamp_offset'))
             )
             other_angles = self._differs(asked, JOINTS)
             self._asked, self._turn = asked, turn
@@ -185,10 +187,9 @@ class Platform:
             )
             remedies.append(f'set {values}')
         if fault.offset:
-            remedies.append(
-                'have its driver stamp the instants of its samples by the clock of the images'
-            )
-        return ', and '.join(remedies)
+            late = self._asked['imu.stamp_offset'] + fault.offset
+            remedies.append(f'set imu.stamp_offset to {late:.3f}')
+        return f'{", and ".join(remedies)}, or take what `calibrate imu` measures'
 
     def _describe_joints(self) -> None:
         """Report joints that say nothing, and those of which several nodes speak."""
@@ -214,7 +215,10 @@ class Platform:
             if self.rates is None:
                 return
             try:
-                rate, variance = to_rate(message, self._asked['imu.frame_id'], self._turn)
+                rate, variance = to_rate(
+                    message, self._asked['imu.frame_id'], self._turn,
+                    [self._asked[name] for name in BIAS],
+                )
                 self._watch.push(self._push('imu', self.rates, message, rate, variance), rate)
             except (MessageError, TrackingError) as error:
                 self._health.fault(ERROR, f'imu: {error}')
@@ -271,6 +275,8 @@ class Platform:
         if not stamp_ns:  # its driver sets none: the next best is when it came
             self._health.count(f'{topic} without a stamp')
             stamp_ns = self._now_ns()
+        elif samples is self.rates:
+            stamp_ns -= round(1e9 * self._asked['imu.stamp_offset'])
         update_or_restart(lambda: samples.push(stamp_ns, *values), restart)
         return stamp_ns
 

@@ -6,7 +6,7 @@ from math import asin, atan2, cos, sin
 
 from blob_tracker.ros.errors import MessageError
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from sensor_msgs.msg import Imu
 
 NO_DATA = -1.0  # first element of a covariance, by the message's own convention
@@ -35,7 +35,7 @@ def angles_of(turn: NDArray[np.float64]) -> tuple[float, float, float]:
 
 
 def to_rate(
-    message: Imu, frame_id: str, turn: NDArray[np.float64]
+    message: Imu, frame_id: str, turn: NDArray[np.float64], bias: ArrayLike = (0.0, 0.0, 0.0)
 ) -> tuple[NDArray[np.float64], float]:
     """
     Return the rate in the base frame, rad/s, and the variance of each of its components.
@@ -48,6 +48,8 @@ def to_rate(
         The frame that it must be in.
     turn : (3, 3) array
         Takes components in the base frame to those in the frame of the IMU.
+    bias : (3,) array
+        What the gyro says at rest, in its own axes, rad/s.
 
     Returns
     -------
@@ -74,5 +76,5 @@ def to_rate(
             'is needed, or imu.enabled false'
         )
     vector = message.angular_velocity
-    rate = turn.T @ np.array([vector.x, vector.y, vector.z])
+    rate = turn.T @ (np.array([vector.x, vector.y, vector.z]) - bias)
     return rate, float(covariance[[0, 4, 8]].max())
