@@ -15,7 +15,7 @@ def test_the_truth_is_within_its_own_sigmas() -> None:
     """Over 100 draws: chi-square of 8, and no quantity is off by itself."""
     errors, squared, noises = [], [], []
     for seed in range(DRAWS):
-        drawn = draw(seed, duration=8.0)
+        drawn = draw(seed, duration=16.0)
         result = calibrate_imu(*drawn.measured)
         found = np.array([result.offset, *result.bias, result.scale])
         turned = (Rotation.from_matrix(result.turn) * drawn.turn.inv()).as_rotvec()
