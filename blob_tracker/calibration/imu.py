@@ -71,7 +71,7 @@ class ImuCalibration:
 
     @property
     def sigmas(self) -> Array:
-        """Standard deviations of the 8, in that order."""
+        """Return the standard deviations of the 8, in that order."""
         return np.sqrt(np.diag(self.covariance))
 
 
@@ -157,7 +157,7 @@ def _start(times: Array, directions: Array, gyro_times: Array, rates: Array) -> 
             f'{fault.words}: are both on the same platform, and the stamps of one clock?'
         )
     if fault.scale != 1.0:
-        raise ImuError(f'{fault.words}: have the driver of the IMU publish rad/s, and record again')
+        raise ImuError(f'{fault.words}: have the driver publish rad/s, and record again')
     # Of a light ahead the picture hardly shows a turn about its own axis: the hand tells it.
     first, second = fault.turn[0], fault.turn[1]
     return np.stack([first, second, np.cross(first, second)])

@@ -1,4 +1,4 @@
-"""How an IMU sits beside a camera: within its own sigmas, and a sentence where it cannot be told."""
+"""How an IMU sits beside a camera: within its sigmas, and a sentence where it cannot be told."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is wrong with a gyro, by the picture: each fault by its name, and none where there is none."""
+"""What is wrong with a gyro, by the picture: each fault by its name, none where there is none."""
 
 from __future__ import annotations
 

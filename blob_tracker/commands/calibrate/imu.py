@@ -103,7 +103,9 @@ def _report(
         for name, angle in zip(('roll', 'pitch', 'yaw'), angles, strict=True)
     ]
     rows += [
-        row(f'error about {axis} of the camera', 0.0, MRAD_PER_RAD * sigmas[f'turn_{axis}'], 'mrad')
+        row(
+            f'error about {axis} of the camera', 0.0, MRAD_PER_RAD * sigmas[f'turn_{axis}'], 'mrad'
+        )
         for axis in 'xyz'
     ]
     rows.append(row('stamps late', 1e3 * result.offset, 1e3 * sigmas['offset'], 'ms'))

@@ -128,8 +128,8 @@ PARAMETERS = (
     Parameter(
         'imu.stamp_offset',
         0.0,
-        'How late the stamps of the IMU are, by those of the bearings; it is taken off. `calibrate '
-        'imu` measures it.',
+        'How late the stamps of the IMU are, by those of the bearings; it is taken off. '
+        '`calibrate imu` measures it.',
         least=-1.0,
         most=1.0,
         unit='s',

@@ -32,7 +32,8 @@ TURNED = 1e-3  # of a trace: axes that are off by 2 degrees
 NAMES = 'joints.pan', 'joints.tilt'
 JOINTS = *NAMES, 'joints.pan_reversed', 'joints.tilt_reversed'
 MINE = (
-    'imu.enabled', 'imu.frame_id', 'imu.stamp_offset', *BIAS, *TURN, *JOINTS, 'joints.sigma', 'joints.frame_id',
+    'imu.enabled', 'imu.frame_id', 'imu.stamp_offset', *BIAS, *TURN, *JOINTS,
+    'joints.sigma', 'joints.frame_id',
 )
 
 

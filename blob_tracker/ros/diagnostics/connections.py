@@ -71,8 +71,8 @@ class Connections:
     Report what keeps a node and those at the other ends of its topics from understanding.
 
     Once a second, from the graph: publishers and subscriptions of an incompatible quality of
-    service or another type, and topics that are published twice though they are no sum of parts, each with the names of the
-    nodes.
+    service or another type, and topics that are published twice though they are no sum of parts,
+    each with the names of the nodes.
 
     Parameters
     ----------
