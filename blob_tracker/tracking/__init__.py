@@ -22,6 +22,7 @@ from blob_tracker.tracking.triangulation import Position, triangulate
 
 __all__ = [
     'CameraPose', 'GyroFault', 'GyroWatch', 'MODELS', 'PanTiltAngles', 'ParallelRays',
-    'PlatformGap', 'PlatformRates', 'Position', 'RaysApart', 'Simultaneous',
-    'StampJump', 'Track', 'Tracker', 'TrackingError', 'TriangulationError', 'compile_ahead', 'triangulate', 'update_or_restart',
+    'PlatformGap', 'PlatformRates', 'Position', 'RaysApart', 'Simultaneous', 'StampJump',
+    'Track', 'Tracker', 'TrackingError', 'TriangulationError', 'compile_ahead', 'triangulate',
+    'update_or_restart',
 ]
