@@ -39,12 +39,12 @@ def log_likelihoods_of_textures(pixels: Floats, variance: float) -> Iterator[flo
         V, of a pixel's noise, DN^2.
 
     """
-    centred = pixels - pixels.mean()
+    mean = pixels.sum() / pixels.size
     height, width = pixels.shape
     for smooth, lengths in ((True, SMOOTH), (False, ROUGH)):
         for length in lengths:
             yield -0.5 * _least_deviance(
-                centred, *_modes(height, length, smooth), *_modes(width, length, smooth), variance
+                pixels, mean, *_modes(height, length, smooth), *_modes(width, length, smooth), variance
             )
 
 
@@ -55,15 +55,16 @@ def log_likelihood_of_texture(pixels: Floats, variance: float) -> float:
 
 @kernel
 def _least_deviance(
-    centred: Array, down: Array, rows: Array, across: Array, columns: Array, variance: float
+    pixels: Array, mean: float, down: Array, rows: Array, across: Array, columns: Array,
+    variance: float,
 ) -> float:
     """Return -2 ln L of the likeliest strength, by the modes along y and along x."""
-    height, width = centred.shape
+    height, width = pixels.shape
     half, squares = np.zeros((height, width)), np.zeros((height, width))
     for i in range(height):
         for j in range(height):
             for k in range(width):
-                half[i, k] += down[j, i] * centred[j, k]
+                half[i, k] += down[j, i] * (pixels[j, k] - mean)
         for j in range(width):
             for k in range(width):
                 squares[i, k] += half[i, j] * across[j, k]
