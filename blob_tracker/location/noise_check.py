@@ -9,7 +9,7 @@ from typing import NamedTuple
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.interpolated import doubted
 from blob_tracker.location.likelihood import empty_profiles, fill_profile
-from blob_tracker.location.moving_texture import MovingTexture
+from blob_tracker.location.moving_texture import compile_texture, MovingTexture
 from blob_tracker.location.noise import noise_in_words, pixel_variance
 from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
@@ -269,6 +269,7 @@ def _bright(
 
 def compile_check() -> None:
     """Compile what looks at the windows, or load it."""
+    compile_texture()
     picture = np.arange(49.0).reshape(7, 7)
     _differ(picture, picture[::-1].copy(), inf, (3.0, 3.0, 1.0), (3.0, 3.0, 1.0))
     _residuals(picture, picture, (3.0, 3.0, 1.0, 10.0, 1.0), (1.0, 1.0, 0.0))
