@@ -48,7 +48,7 @@ def pair_of(
         As of `Pair`.
 
     """
-    if lit.max() < ABSENT_DN:
+    if not _lacks_samples(lit):
         return Pair(lit, unlit, noise, saturation, history, way, haunted=haunted)
     sites = lit != ABSENT_DN
     pictures = []
@@ -60,6 +60,16 @@ def pair_of(
         pictures[0], None if unlit is None else pictures[1], noise, saturation, history, way,
         sites=sites, haunted=haunted,
     )
+
+
+@kernel
+def _lacks_samples(lit: Array) -> bool:
+    """Tell whether a window has pixels that are no samples."""
+    found = False
+    for j in range(lit.shape[0]):
+        for i in range(lit.shape[1]):
+            found = found or lit[j, i] == ABSENT_DN
+    return found
 
 
 @kernel

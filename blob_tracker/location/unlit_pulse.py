@@ -26,7 +26,7 @@ def shows_pulse(pair: Pair) -> bool:
     if pair.sites is not None:
         samples = np.ascontiguousarray(samples[pair.lattice])
     likeliest = _log_likelihood(pair, samples.size, _least_squares(samples))
-    for each in log_likelihoods_of_textures(samples, pair.unlit_variance):
+    for each in log_likelihoods_of_textures(samples, pair.unlit_variance, likeliest):
         if each >= likeliest:
             return False  # whatever the pulse
     alone = Pair(pair.unlit, None, pair.noise, pair.saturation, sites=pair.sites)
