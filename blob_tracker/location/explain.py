@@ -17,6 +17,7 @@ from blob_tracker.location.hypotheses import (
 from blob_tracker.location.pair_likelihood import Floats
 from blob_tracker.location.pair_model import fill_one_pulse, no_pulse, one_pulse, to_fit
 from blob_tracker.location.prospects import promising
+from blob_tracker.location.sites import pair_of
 from blob_tracker.location.suspicion import Suspicion
 from blob_tracker.location.unlit_pulse import shows_pulse
 from blob_tracker.types import SensorNoise
@@ -137,4 +138,4 @@ def compile_alternatives() -> None:
                 promising(pair, optimum.theta)
         for alternative in ALTERNATIVES:
             alternative(pair, base)
-    shows_pulse(Pair(lit, unlit, noise, math.inf))
+    shows_pulse(pair_of(lit, unlit, noise, math.inf))
