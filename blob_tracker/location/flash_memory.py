@@ -129,7 +129,7 @@ class FlashMemory:
 
     @property
     def _told(self) -> list[Mapping[str, float]]:
-        """What the models had to say in the flashes in which any of them was heard."""
+        """Return what the models had to say in the flashes in which any of them was heard."""
         return [each for each in self._evidence if each] if any(self._evidence) else []
 
     def _remember(self, beside: Beside) -> None:

@@ -137,8 +137,8 @@ class NoiseCheck:
         left, top = window.x0 // across, window.y0 // down
         before = self._last
         self._last = _Seen(
-            window.unlit, left, top, x + left, y + top, location.sigma, window.stamp_ns, window.looks,
-            window.binning,
+            window.unlit, left, top, x + left, y + top, location.sigma, window.stamp_ns,
+            window.looks, window.binning,
         )
         self._windows += 1
         if before is None or not self._last.follows(before) or (
