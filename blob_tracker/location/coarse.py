@@ -50,7 +50,7 @@ def coarse(pair: Pair, theta: Floats | None) -> tuple[Pair, Floats | None]:
     summed = Pair(
         _summed(pair.lit, pitch, pair.saturation, limit),
         None if pair.unlit is None else _summed(pair.unlit, pitch, pair.saturation, limit),
-        noise_of_sum(pair.noise, pitch**2), limit, history, way, pitch,
+        noise_of_sum(pair.noise, pitch**2), limit, history, way, pitch, haunted=pair.haunted,
     )
     if theta is None:
         return summed, None

@@ -59,7 +59,7 @@ class Beside:
     excess: float
 
 
-@dataclass(frozen=True)
+@dataclass
 class Estimates:
     """
     Locations of N blobs in the coordinates of their windows (first pixel's centre at 0, 0).

@@ -17,6 +17,7 @@ from blob_tracker.location.hypotheses import (
 from blob_tracker.location.pair_likelihood import Floats
 from blob_tracker.location.pair_model import fill_one_pulse, no_pulse, one_pulse, to_fit
 from blob_tracker.location.prospects import promising
+from blob_tracker.location.sites import pair_of
 from blob_tracker.location.suspicion import Suspicion
 from blob_tracker.location.unlit_pulse import shows_pulse
 from blob_tracker.types import SensorNoise
@@ -27,11 +28,9 @@ UNEXPLAINED = 0.5
 ROUND_GHOSTS = ('ghost', 'smeared')  # the models of one in the unlit window
 RESTING = 8  # parameters of a light with cut rows that rests, the texture's variance among them
 ODD_GHOST = 2.0  # standard deviations of chi2, beyond which a round ghost may not be all
-IN_UNLIT = Suspicion.UNLIT | Suspicion.FAILED
-ELSEWHERE = ~IN_UNLIT
 
 
-def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
+def explain(pair: Pair, theta: Floats | None, suspicion: int) -> Fit | None:
     """
     Return the fit of the alternative that the window speaks for; None where none is better.
 
@@ -41,8 +40,8 @@ def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | Non
         The window.
     theta : (5,) array or None
         x, y, amplitude, background and sigma of its fit; None where it has none.
-    suspicion : Suspicion
-        What is odd about it.
+    suspicion : int
+        What is odd about it, see `Suspicion`.
 
     """
     pair, theta = coarse(pair, theta)
@@ -50,11 +49,10 @@ def explain(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | Non
     return None if fit is None else fine(fit, pair.pitch)
 
 
-def _best(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
+def _best(pair: Pair, theta: Floats | None, suspicion: int) -> Fit | None:
     """Do so at the pair's own pitch."""
-    pair = replace(pair, haunted=bool(suspicion & IN_UNLIT))
-    if suspicion & IN_UNLIT and (pair.unlit is None or not shows_pulse(pair)):
-        suspicion &= ELSEWHERE  # a texture, of which the base fit takes care
+    if pair.haunted and (pair.unlit is None or not shows_pulse(pair)):
+        suspicion &= ~Suspicion.IN_UNLIT  # a texture, of which the base fit takes care
     if not suspicion or (suspicion == Suspicion.LOPSIDED and pair.unlit is None):
         return None  # what leans may be behind it
     asked = [one for one, answers in ALTERNATIVES.items() if suspicion & answers]
@@ -70,12 +68,16 @@ def _best(pair: Pair, theta: Floats | None, suspicion: Suspicion) -> Fit | None:
     if base is None:
         base = no_pulse(pair)
     limit = 1.0 + ODD_GHOST * math.sqrt(2.0 / pair.pixels.size)
-    fits = _fits(pair, base, [each for each in asked if ALTERNATIVES[each] & IN_UNLIT])
+    fits = _fits(pair, base, [
+        each for each in asked if ALTERNATIVES[each] & Suspicion.IN_UNLIT
+    ])
     if any(
         fit.model == SWITCHED and fit.chi2 < limit and fit.parameters <= RESTING for fit in fits
     ):
         pair = replace(pair, haunted=False)  # that its rows are cut makes it another shape
-    fits += _fits(pair, base, [each for each in asked if not ALTERNATIVES[each] & IN_UNLIT])
+    fits += _fits(pair, base, [
+        each for each in asked if not ALTERNATIVES[each] & Suspicion.IN_UNLIT
+    ])
     chosen = choose(base, fits, pair.pixels.size, pair.history)
     if suspicion & Suspicion.UNLIT and streak not in asked and (
         chosen.model not in ROUND_GHOSTS
@@ -136,4 +138,4 @@ def compile_alternatives() -> None:
                 promising(pair, optimum.theta)
         for alternative in ALTERNATIVES:
             alternative(pair, base)
-    shows_pulse(Pair(lit, unlit, noise, math.inf))
+    shows_pulse(pair_of(lit, unlit, noise, math.inf))

@@ -112,7 +112,7 @@ class FlashMemory:
 
     def history(self, window: Window) -> History:
         """Return what the last flashes say of the next one."""
-        evidence = [each for each in self._evidence if each]
+        evidence = self._told
         beside = self._beside
         if beside is not None:
             beside = replace(beside, shift=beside.shift / window.binning)
@@ -123,10 +123,14 @@ class FlashMemory:
         """Return the square of how far cut rows may draw the light unseen, sensor px^2; or 0."""
         if not self._drawn:
             return 0.0
-        evidence = [each for each in self._evidence if each]
-        if not History(evidence=evidence).is_certain(SWITCHED):
+        if not History(evidence=self._told).is_certain(SWITCHED):
             return 0.0
         return max(self._drawn)
+
+    @property
+    def _told(self) -> list[Mapping[str, float]]:
+        """Return what the models had to say in the flashes in which any of them was heard."""
+        return [each for each in self._evidence if each] if any(self._evidence) else []
 
     def _remember(self, beside: Beside) -> None:
         """Add the light beside the target, of whichever of the two that was taken for it."""

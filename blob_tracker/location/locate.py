@@ -20,6 +20,7 @@ from blob_tracker.location.maximum_likelihood import maximum_likelihood
 from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm
 from blob_tracker.location.multi_gaussian_simplex import multi_gaussian_simplex
 from blob_tracker.location.noise import noise_of_sum
+from blob_tracker.location.noise_check import compile_check
 from blob_tracker.location.sites import ABSENT_DN, blanked, BY_SITES
 from blob_tracker.location.skew import centroid_skew_corrected
 from blob_tracker.types import Location, LocationError, SensorNoise, Window
@@ -152,14 +153,8 @@ def locate_batch(
     limit = math.inf if saturation is None else float(saturation)
     if sites is not None:
         lit, limit = blanked(lit, sites), min(limit, LARGEST_DN)
-    invalid = np.empty(lit.shape[0], dtype=np.uint8)
-    _flag_invalid(lit, limit, invalid)
-    if unlit is not None:
-        unlit_invalid = np.empty(lit.shape[0], dtype=np.uint8)
-        _flag_invalid(unlit, math.inf, unlit_invalid)
-        # An unlit window may well be flat; it may not hold NaN.
-        invalid[unlit_invalid == Failure.NOT_FINITE] = Failure.NOT_FINITE
-    if invalid.any():
+    invalid = np.zeros(lit.shape[0], dtype=np.uint8)
+    if _flag_invalid(lit, lit if unlit is None else unlit, limit, invalid):
         # A method sees only numbers that it can work on; the flagged rows are overwritten below.
         lit = np.where((invalid == Failure.NONE)[:, None, None], lit, 0.0)
         if unlit is not None:
@@ -306,6 +301,7 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
         locate_batch(lit, dark, method=method, noise=noise)
         if 'history' in PARAMETERS[method]:
             compile_alternatives()
+    compile_check()
 
 
 def _numbers(pixels: ArrayLike, name: str) -> NDArray[Any]:
@@ -330,26 +326,34 @@ def _stack(pixels: ArrayLike, name: str) -> NDArray[np.float64]:
 
 
 @kernel
-def _flag_invalid(stack: Array, saturation: float, invalid: NDArray[np.uint8]) -> None:
-    """Flag the windows that no method can work on."""
-    for n in range(stack.shape[0]):
+def _flag_invalid(
+    lit: Array, unlit: Array, saturation: float, invalid: NDArray[np.uint8]
+) -> bool:
+    """Flag the windows that no method can work on; tell whether there are such."""
+    found = False
+    for n in range(lit.shape[0]):
         low, high = math.inf, -math.inf
         finite = True
-        for j in range(stack.shape[1]):
-            for i in range(stack.shape[2]):
-                value = stack[n, j, i]
+        for j in range(lit.shape[1]):
+            for i in range(lit.shape[2]):
+                value = lit[n, j, i]
+                # An unlit window may well be flat; it may not hold NaN.
+                finite = finite and (
+                    abs(unlit[n, j, i]) <= LARGEST_DN or unlit[n, j, i] == ABSENT_DN
+                )
                 if value == ABSENT_DN:
                     continue
                 finite = finite and abs(value) <= LARGEST_DN
                 low = min(low, value)
                 high = max(high, value)
-        invalid[n] = _NONE
         if not finite:
             invalid[n] = _NOT_FINITE
         elif low >= saturation:
             invalid[n] = _SATURATED
         elif low == high:
             invalid[n] = _FLAT
+        found = found or invalid[n] != _NONE
+    return found
 
 
 @kernel

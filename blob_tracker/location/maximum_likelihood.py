@@ -126,12 +126,14 @@ def maximum_likelihood(
     limit = math.inf if saturation is None else float(saturation)
     for n, suspicion in suspicions(odd):
         pair = pair_of(
-            lit[n], None if unlit is None else unlit[n], noise, limit, history=history, way=way
+            lit[n], None if unlit is None else unlit[n], noise, limit, history=history, way=way,
+            haunted=bool(suspicion & Suspicion.IN_UNLIT),
         )
         theta = np.array([
-            getattr(estimates, name)[n] for name in ('x', 'y', 'amplitude', 'background', 'sigma')
+            estimates.x[n], estimates.y[n], estimates.amplitude[n], estimates.background[n],
+            estimates.sigma[n],
         ])
-        fit = explain(pair, theta if estimates.ok[n] else None, suspicion)
+        fit = explain(pair, theta if estimates.failure[n] == _NONE else None, suspicion)
         if fit is not None:
             _adopt(estimates, n, fit)
         elif suspicion & Suspicion.LOPSIDED and lean(estimates.lopsided[n]) > 2.0 * ODD_SHIFT:

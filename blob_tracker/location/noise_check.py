@@ -6,10 +6,11 @@ from dataclasses import replace
 from math import hypot, inf, log, sqrt
 from typing import NamedTuple
 
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.interpolated import doubted
-from blob_tracker.location.moving_texture import MovingTexture
+from blob_tracker.location.likelihood import empty_profiles, fill_profile
+from blob_tracker.location.moving_texture import compile_texture, MovingTexture
 from blob_tracker.location.noise import noise_in_words, pixel_variance
-from blob_tracker.location.pulse import integrated_profile
 from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
 from numpy.typing import NDArray
@@ -30,16 +31,15 @@ HIDDEN_DN2 = 0.24  # variance below which rounding hides the noise (EMVA 1288, s
 INTERPOLATED = 0.2  # the same: of a picture that was interpolated from every other pixel, and more
 CORRELATED = 0.1  # between neighbours: pixels that were warped, compressed or cleared of noise
 FLATTEST = 0.05  # of the configured slope of the variance: what is measured as less is chance
-
+# Of the longest column of a fit: what is left of one that the others make up is rounding.
+DEPENDENT_PICTURE, DEPENDENT_PULSE = 1e-9, 1e-6
 LONGEST_NS = 10**9  # ns between two windows: the scene is another one after that
-
-Array = NDArray[np.float64]
 
 
 class _Seen(NamedTuple):
     """The unlit pixels of a window, DN: where it begins and where the light was, px; its sigma."""
 
-    unlit: Array
+    unlit: NDArray[np.generic]
     left: int
     top: int
     x: float
@@ -132,14 +132,13 @@ class NoiseCheck:
             return
         self._texture.add(window, location, self.noise)
         self._compressed = window.added_noise > 0.0  # what that does to a place is known
-        unlit = np.asarray(window.unlit, dtype=float)
         across, down = window.binning
         x, y = window.to_window(location.x, location.y)
         left, top = window.x0 // across, window.y0 // down
         before = self._last
         self._last = _Seen(
-            unlit, left, top, x + left, y + top, location.sigma, window.stamp_ns, window.looks,
-            window.binning,
+            window.unlit, left, top, x + left, y + top, location.sigma, window.stamp_ns,
+            window.looks, window.binning,
         )
         self._windows += 1
         if before is None or not self._last.follows(before) or (
@@ -235,35 +234,19 @@ def _unlit_variance(
     if right - left < 4 or bottom - top < 4:
         return None
     first, second = (
-        each.unlit[top - each.top:bottom - each.top, left - each.left:right - each.left]
+        np.ascontiguousarray(
+            each.unlit[top - each.top:bottom - each.top, left - each.left:right - each.left],
+            dtype=float,
+        )
         for each in both
     )
-    rows, columns = np.mgrid[top:bottom, left:right]
-    used = (first > 0.0) & (second > 0.0) & (first < limit) & (second < limit)
-    for each in both:
-        used &= np.hypot(columns - each.x, rows - each.y) > REACH * each.sigma
-    count = int(used.sum())
-    if count < FEWEST or np.array_equal(first, second):
+    dof, level, variance, motion, slopes, product, neighbours = _differ(
+        first, second, limit, (before.x - left, before.y - top, REACH * before.sigma),
+        (now.x - left, now.y - top, REACH * now.sigma),
+    )
+    if dof == 0.0 or (motion > FARTHEST and motion**2 * slopes > UNSEEN * 2.0 * variance):
         return None
-    mean = 0.5 * (first + second)
-    along_y, along_x = np.asarray(np.gradient(mean))
-    design = np.stack([np.ones(count), mean[used], along_x[used], along_y[used]], axis=1)
-    difference = (second - first)[used]
-    found = np.linalg.lstsq(design, difference, rcond=1e-9)[0]
-    rest = difference - design @ found
-    dof = count - 4
-    variance = 0.5 * float(rest @ rest) / dof
-    motion = hypot(found[2], found[3])
-    if motion > FARTHEST and (
-        motion**2 * float(np.square(design[:, 2:]).mean()) > UNSEEN * 2.0 * variance
-    ):
-        return None
-    picture = np.zeros(first.shape)
-    picture[used] = rest
-    product = float((picture[:, 1:] * picture[:, :-1]).sum()
-                    + (picture[1:] * picture[:-1]).sum())
-    neighbours = float((used[:, 1:] & used[:, :-1]).sum() + (used[1:] & used[:-1]).sum())
-    return float(dof), float(mean[used].mean()), variance, 0.5 * product, neighbours
+    return dof, level, variance, product, neighbours
 
 
 def _bright(
@@ -271,30 +254,203 @@ def _bright(
 ) -> tuple[float, float, float]:
     """Return 1 - h of the light's pixels, that times their level, and the residuals' squares."""
     assert window.unlit is not None
-    height, width = window.unlit.shape
-    if max(height, width) > LARGEST or location.saturated or location.sigma <= 0.0:
+    if max(window.unlit.shape) > LARGEST or location.saturated or location.sigma <= 0.0:
         return 0.0, 0.0, 0.0
-    lit = np.asarray(window.lit, dtype=float) / window.looks
-    gx, gx_x, gx_s = integrated_profile(width, x, location.sigma)
-    gy, gy_y, gy_s = integrated_profile(height, y, location.sigma)
-    pulse = np.outer(gy, gx)
-    mean = (location.background + location.amplitude * pulse) / window.looks
-    deviation = np.sqrt(pixel_variance(mean, noise))
-    unlit = np.asarray(window.unlit, dtype=float)
-    design = np.stack([
-        np.ones_like(pulse), unlit - unlit.mean(), pulse, np.outer(gy, gx_x), np.outer(gy_y, gx),
-        np.outer(gy, gx_s) + np.outer(gy_s, gx),
-    ], axis=-1) / deviation[..., None]
-    design = design.reshape(-1, design.shape[-1])
-    scaled = ((lit - mean) / deviation).ravel()
-    # The pseudo-inverse: an unlit window without any texture is no column.
-    back = np.linalg.pinv(design.T @ design, rcond=1e-12, hermitian=True) @ design.T
-    rest = scaled - design @ (back @ scaled)
-    shares = 1.0 - np.einsum('ij,ji->i', design, back)
-    bright = pulse.ravel() > 0.5
-    squares = np.square(rest * deviation.ravel())
-    # The mean of several looks has so much less variance.
-    return (
-        float(shares[bright].sum()), float(shares[bright] @ mean.ravel()[bright]),
-        window.looks * float(squares[bright].sum()),
+    looks = window.looks
+    share, level, squares = _residuals(
+        np.ascontiguousarray(window.lit, dtype=float) / looks,
+        np.ascontiguousarray(window.unlit, dtype=float),
+        (x, y, location.sigma, location.amplitude / looks, location.background / looks),
+        (noise.gain, noise.read_noise**2 + 1.0 / 12.0, noise.black_level),
     )
+    # The mean of several looks has so much less variance.
+    return share, level, looks * squares
+
+
+def compile_check() -> None:
+    """Compile what looks at the windows, or load it."""
+    compile_texture()
+    picture = np.arange(49.0).reshape(7, 7)
+    _differ(picture, picture[::-1].copy(), inf, (3.0, 3.0, 1.0), (3.0, 3.0, 1.0))
+    _residuals(picture, picture, (3.0, 3.0, 1.0, 10.0, 1.0), (1.0, 1.0, 0.0))
+
+
+@kernel
+def _differ(
+    first: Array, second: Array, limit: float, one: tuple[float, float, float],
+    other: tuple[float, float, float],
+) -> tuple[float, float, float, float, float, float, float]:
+    """
+    Fit how two pictures of one scene differ, without what lies within a radius of two places.
+
+    Returns
+    -------
+    tuple of float
+        Degrees of freedom, 0 where the pictures are equal or too few pixels are left; mean level,
+        DN; variance of a pixel, DN^2; by how much the picture moved, px; mean square of its
+        slopes, (DN/px)^2; and the products of neighbours with their count.
+
+    """
+    height, width = first.shape
+    used = np.zeros((height, width), dtype=np.uint8)
+    mean = np.empty((height, width))
+    count, equal = 0, True
+    for j in range(height):
+        for i in range(width):
+            a, b = first[j, i], second[j, i]
+            mean[j, i] = 0.5 * (a + b)
+            equal = equal and a == b
+            if (
+                0.0 < a < limit and 0.0 < b < limit
+                and hypot(i - one[0], j - one[1]) > one[2]
+                and hypot(i - other[0], j - other[1]) > other[2]
+            ):
+                used[j, i] = 1
+                count += 1
+    if count < FEWEST or equal:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    columns = np.empty((4, count))
+    rest = np.empty(count)
+    level, slopes, k = 0.0, 0.0, 0
+    for j in range(height):
+        above, below = max(j - 1, 0), min(j + 1, height - 1)
+        for i in range(width):
+            if used[j, i]:
+                left, right = max(i - 1, 0), min(i + 1, width - 1)
+                along_x = (mean[j, right] - mean[j, left]) / (right - left)
+                along_y = (mean[below, i] - mean[above, i]) / (below - above)
+                columns[0, k] = 1.0
+                columns[1, k] = mean[j, i]
+                columns[2, k] = along_x
+                columns[3, k] = along_y
+                rest[k] = second[j, i] - first[j, i]
+                level += mean[j, i]
+                slopes += along_x * along_x + along_y * along_y
+                k += 1
+    triangle = np.zeros((4, 4))
+    shares = np.empty(4)
+    _orthonormalise(columns, DEPENDENT_PICTURE, triangle)
+    _take_off(columns, rest, shares)
+    moved_y = shares[3] / triangle[3, 3] if triangle[3, 3] > 0.0 else 0.0
+    moved_x = 0.0
+    if triangle[2, 2] > 0.0:
+        moved_x = (shares[2] - triangle[2, 3] * moved_y) / triangle[2, 2]
+    picture = np.zeros((height, width))
+    squares, k = 0.0, 0
+    for j in range(height):
+        for i in range(width):
+            if used[j, i]:
+                picture[j, i] = rest[k]
+                squares += rest[k] * rest[k]
+                k += 1
+    product, neighbours = 0.0, 0
+    for j in range(height):
+        for i in range(width):
+            if i > 0:
+                product += picture[j, i] * picture[j, i - 1]
+                neighbours += used[j, i] & used[j, i - 1]
+            if j > 0:
+                product += picture[j, i] * picture[j - 1, i]
+                neighbours += used[j, i] & used[j - 1, i]
+    dof = count - 4
+    return (
+        float(dof), level / count, 0.5 * squares / dof, hypot(moved_x, moved_y),
+        slopes / (2 * count), 0.5 * product, float(neighbours),
+    )
+
+
+@kernel
+def _residuals(
+    lit: Array, unlit: Array, pulse: tuple[float, float, float, float, float],
+    noise: tuple[float, float, float],
+) -> tuple[float, float, float]:
+    """
+    Return what a pulse leaves of the pixels above half its height.
+
+    Parameters
+    ----------
+    lit, unlit : (h, w) arrays
+        DN.
+    pulse : tuple of float
+        x, y and sigma, px; amplitude and background, DN.
+    noise : tuple of float
+        Gain, the variance without light, DN^2, and the black level.
+
+    Returns
+    -------
+    tuple of float
+        1 - h of them, h the leverage; that times their level; their residuals' squares, DN^2.
+
+    """
+    height, width = lit.shape
+    x, y, sigma, amplitude, background = pulse
+    gain, floor, black_level = noise
+    across, down = empty_profiles(height, width)
+    fill_profile(x, sigma, across)
+    fill_profile(y, sigma, down)
+    mean_unlit = unlit.sum() / unlit.size
+    columns = np.empty((6, lit.size))
+    rest = np.empty(lit.size)
+    deviation = np.empty(lit.size)
+    for j in range(height):
+        for i in range(width):
+            k = j * width + i
+            shape = down[0, j] * across[0, i]
+            mean = background + amplitude * shape
+            deviation[k] = sqrt(max(mean - black_level, 0.0) / gain + floor)
+            scale = 1.0 / deviation[k]
+            columns[0, k] = scale
+            columns[1, k] = scale * (unlit[j, i] - mean_unlit)
+            columns[2, k] = scale * shape
+            columns[3, k] = scale * down[0, j] * across[1, i]
+            columns[4, k] = scale * down[1, j] * across[0, i]
+            columns[5, k] = scale * (down[0, j] * across[2, i] + down[2, j] * across[0, i])
+            rest[k] = scale * (lit[j, i] - mean)
+    _orthonormalise(columns, DEPENDENT_PULSE, np.zeros((6, 6)))
+    _take_off(columns, rest, np.empty(6))
+    share, level, squares = 0.0, 0.0, 0.0
+    for j in range(height):
+        for i in range(width):
+            k = j * width + i
+            shape = down[0, j] * across[0, i]
+            if shape <= 0.5:
+                continue
+            own = 1.0
+            for p in range(6):
+                own -= columns[p, k] * columns[p, k]
+            share += own
+            level += own * (background + amplitude * shape)
+            squares += (rest[k] * deviation[k]) ** 2
+    return share, level, squares
+
+
+@kernel
+def _orthonormalise(columns: Array, dependent: float, triangle: Array) -> None:
+    """
+    Make columns (k, n) orthonormal, each without those before it (Gram and Schmidt, modified).
+
+    Of one that these make up to `dependent` of the longest column, nothing is left. The triangle
+    of the QR factors is filled, 0 in the rows of such columns.
+    """
+    longest = 0.0
+    for p in range(columns.shape[0]):
+        longest = max(longest, sqrt((columns[p] * columns[p]).sum()))
+    for p in range(columns.shape[0]):
+        own = columns[p]
+        for q in range(p):
+            triangle[q, p] = (columns[q] * own).sum()
+            own -= triangle[q, p] * columns[q]
+        length = sqrt((own * own).sum())
+        if length > dependent * longest:
+            triangle[p, p] = length
+            own /= length
+        else:
+            own[:] = 0.0
+
+
+@kernel
+def _take_off(columns: Array, rest: Array, shares: Array) -> None:
+    """Take orthonormal columns (k, n) off what they are fitted to; `shares` tells their part."""
+    for p in range(columns.shape[0]):
+        shares[p] = (columns[p] * rest).sum()
+        rest -= shares[p] * columns[p]

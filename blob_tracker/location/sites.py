@@ -35,6 +35,7 @@ def blanked(lit: NDArray[np.float64], sites: NDArray[np.bool_]) -> NDArray[np.fl
 def pair_of(
     lit: NDArray[np.float64], unlit: NDArray[np.float64] | None, noise: SensorNoise,
     saturation: float, *, history: History = UNKNOWN, way: Way | None = None,
+    haunted: bool = False,
 ) -> Pair:
     """
     Return the pair of one (h, w) window in which the pixels that are no samples are marked.
@@ -43,13 +44,13 @@ def pair_of(
     ----------
     lit, unlit : (h, w) arrays
         DN; the lit ones `blanked`, unlit may be None.
-    noise, saturation, history, way
+    noise, saturation, history, way, haunted
         As of `Pair`.
 
     """
+    if not _lacks_samples(lit):
+        return Pair(lit, unlit, noise, saturation, history, way, haunted=haunted)
     sites = lit != ABSENT_DN
-    if sites.all():
-        return Pair(lit, unlit, noise, saturation, history, way)
     pictures = []
     for each in (lit, unlit):
         if each is not None:
@@ -57,8 +58,18 @@ def pair_of(
             fill_absent(pictures[-1], lit)
     return Pair(
         pictures[0], None if unlit is None else pictures[1], noise, saturation, history, way,
-        sites=sites,
+        sites=sites, haunted=haunted,
     )
+
+
+@kernel
+def _lacks_samples(lit: Array) -> bool:
+    """Tell whether a window has pixels that are no samples."""
+    found = False
+    for j in range(lit.shape[0]):
+        for i in range(lit.shape[1]):
+            found = found or lit[j, i] == ABSENT_DN
+    return found
 
 
 @kernel

@@ -6,6 +6,7 @@ import math
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.sites import ABSENT_DN
+import numpy as np
 
 
 @kernel
@@ -37,14 +38,20 @@ def start_value(
             level = min(level, total / height)
     brightest = -math.inf
     row, column = 0, 0
+    squares = np.empty(width)
     for j in range(height):
+        squares[:] = 0.0
+        for jj in range(max(j - 1, 0), min(j + 2, height)):
+            # One neighbour after the other: the compiler widens these loops.
+            for i in range(1, width):
+                squares[i] += pixels[jj, i - 1] - level
+            for i in range(width):
+                squares[i] += pixels[jj, i] - level
+            for i in range(width - 1):
+                squares[i] += pixels[jj, i + 1] - level
         for i in range(width):
-            total = 0.0
-            for jj in range(max(j - 1, 0), min(j + 2, height)):
-                for ii in range(max(i - 1, 0), min(i + 2, width)):
-                    total += pixels[jj, ii] - level
             # Twice the pixel itself decides between the equals of an undersampled pulse.
-            total += 2.0 * (pixels[j, i] - level)
+            total = squares[i] + 2.0 * (pixels[j, i] - level)
             if total > brightest:
                 brightest, row, column = total, j, i
     top = -math.inf

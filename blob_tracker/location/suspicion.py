@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from enum import IntFlag
 import math
 
 from blob_tracker.kernel import Array, kernel
@@ -23,8 +22,8 @@ REACH_SIGMA = 3.5  # beyond it the slope of the pulse, even times r^2, is next t
 HEAD = 4.0  # times the coefficient of the lopsidedness: where the light's head is, measured
 
 
-class Suspicion(IntFlag):
-    """What is odd about a window beside its fit; 0 where nothing is."""
+class Suspicion:
+    """What is odd about a window beside its fit: bits, of which none is set where nothing is."""
 
     NONE = 0
     AXES = 1
@@ -39,11 +38,12 @@ class Suspicion(IntFlag):
     """There is no fit, and there is light in the unlit window."""
     LOPSIDED = 32
     """The pulse's core and its wings do not have one middle."""
+    IN_UNLIT = UNLIT | FAILED
 
 
-_AXES, _ROWS, _PIXELS = int(Suspicion.AXES), int(Suspicion.ROWS), int(Suspicion.PIXELS)
-_UNLIT, _FAILED = int(Suspicion.UNLIT), int(Suspicion.FAILED)
-_LOPSIDED = int(Suspicion.LOPSIDED)
+_AXES, _ROWS, _PIXELS = Suspicion.AXES, Suspicion.ROWS, Suspicion.PIXELS
+_UNLIT, _FAILED = Suspicion.UNLIT, Suspicion.FAILED
+_LOPSIDED = Suspicion.LOPSIDED
 
 
 @kernel
@@ -198,8 +198,6 @@ def suspect_failure(white: float, usable: int) -> int:
     return _FAILED if (1.0 + white) * (usable - 1) > quantile(usable - 1.0) else 0
 
 
-def suspicions(code: NDArray[np.uint8]) -> list[tuple[int, Suspicion]]:
-    """Return the windows about which anything is odd, and what it is."""
-    if not code.any():
-        return []
-    return [(int(n), Suspicion(int(code[n]))) for n in np.flatnonzero(code)]
+def suspicions(code: NDArray[np.uint8]) -> list[tuple[int, int]]:
+    """Return the windows about which anything is odd, and what it is, see `Suspicion`."""
+    return [(n, suspicion) for n, suspicion in enumerate(code.tolist()) if suspicion]

@@ -18,7 +18,9 @@ ROUGH = (3.0, 30.0)  # of exp(-|d| / l) along x times the same along y
 STRENGTHS = np.concatenate([[0.0], np.geomspace(0.02, 5000.0, 14)])  # variance over the noise's
 
 
-def log_likelihoods_of_textures(pixels: Floats, variance: float) -> Iterator[float]:
+def log_likelihoods_of_textures(
+    pixels: Floats, variance: float, enough: float = math.inf
+) -> Iterator[float]:
     """
     Yield the likelihood of pixels that are a random texture and noise, by its correlation.
 
@@ -37,14 +39,16 @@ def log_likelihoods_of_textures(pixels: Floats, variance: float) -> Iterator[flo
         DN.
     variance : float
         V, of a pixel's noise, DN^2.
+    enough : float
+        Where one is as likely as that, how much likelier it is need not be known.
 
     """
-    centred = pixels - pixels.mean()
     height, width = pixels.shape
     for smooth, lengths in ((True, SMOOTH), (False, ROUGH)):
         for length in lengths:
             yield -0.5 * _least_deviance(
-                centred, *_modes(height, length, smooth), *_modes(width, length, smooth), variance
+                pixels, *_modes(height, length, smooth), *_modes(width, length, smooth), variance,
+                -2.0 * enough,
             )
 
 
@@ -55,15 +59,17 @@ def log_likelihood_of_texture(pixels: Floats, variance: float) -> float:
 
 @kernel
 def _least_deviance(
-    centred: Array, down: Array, rows: Array, across: Array, columns: Array, variance: float
+    pixels: Array, down: Array, rows: Array, across: Array, columns: Array,
+    variance: float, enough: float,
 ) -> float:
-    """Return -2 ln L of the likeliest strength, by the modes along y and along x."""
-    height, width = centred.shape
+    """Return -2 ln L of the likeliest strength, or of the first as likely, by the modes."""
+    height, width = pixels.shape
+    mean = pixels.sum() / pixels.size
     half, squares = np.zeros((height, width)), np.zeros((height, width))
     for i in range(height):
         for j in range(height):
             for k in range(width):
-                half[i, k] += down[j, i] * centred[j, k]
+                half[i, k] += down[j, i] * (pixels[j, k] - mean)
         for j in range(width):
             for k in range(width):
                 squares[i, k] += half[i, j] * across[j, k]
@@ -83,6 +89,8 @@ def _least_deviance(
                     deviance += math.log(product)
                     product = 1.0
         least = min(least, deviance)
+        if least <= enough:
+            break
     return least
 
 

@@ -22,11 +22,13 @@ def shows_pulse(pair: Pair) -> bool:
     It may be of any height and of two widths, up to a third of the window: wider ones are slopes.
     """
     assert pair.unlit is not None
-    samples = np.ascontiguousarray(pair.unlit[pair.lattice])
-    likeliest = _log_likelihood(pair, _least_squares(samples))
-    textures = log_likelihoods_of_textures(samples, pair.unlit_variance)
-    if any(each >= likeliest for each in textures):
-        return False  # whatever the pulse
+    samples = pair.unlit
+    if pair.sites is not None:
+        samples = np.ascontiguousarray(samples[pair.lattice])
+    likeliest = _log_likelihood(pair, samples.size, _least_squares(samples))
+    for each in log_likelihoods_of_textures(samples, pair.unlit_variance, likeliest):
+        if each >= likeliest:
+            return False  # whatever the pulse
     alone = Pair(pair.unlit, None, pair.noise, pair.saturation, sites=pair.sites)
     lower, upper = bounds(alone)
     upper[SIGMA] = WIDEST * max(pair.unlit.shape)
@@ -89,13 +91,12 @@ def _products_of_rows(matrix: Array) -> Array:
 def _gain(pair: Pair, means: Floats) -> float:
     """Return twice the log-likelihood of the unlit window's means over that of a texture."""
     assert pair.unlit is not None
-    squares = float(((pair.unlit - means)[pair.lattice] ** 2).sum())
-    return 2.0 * (_log_likelihood(pair, squares) - pair.log_likelihood_of_texture)
+    left = (pair.unlit - means)[pair.lattice]
+    told = _log_likelihood(pair, left.size, float((left**2).sum()))
+    return 2.0 * (told - pair.log_likelihood_of_texture)
 
 
-def _log_likelihood(pair: Pair, squares: float) -> float:
-    """Return that of means which leave such squares of the unlit window, DN^2."""
-    assert pair.unlit is not None
+def _log_likelihood(pair: Pair, count: int, squares: float) -> float:
+    """Return that of means which leave such squares of so many unlit samples, DN^2."""
     variance = pair.unlit_variance
-    count = pair.unlit[pair.lattice].size
     return -0.5 * (squares / variance + count * math.log(variance))

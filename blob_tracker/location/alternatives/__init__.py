@@ -22,10 +22,10 @@ from blob_tracker.location.suspicion import Suspicion
 
 Alternative = Callable[[Pair, Fit], 'Fit | None']
 
-ALTERNATIVES: dict[Alternative, Suspicion] = {
-    ghost: Suspicion.UNLIT | Suspicion.FAILED,
-    smeared: Suspicion.UNLIT | Suspicion.FAILED,
-    switched: Suspicion.UNLIT | Suspicion.FAILED,
+ALTERNATIVES: dict[Alternative, int] = {
+    ghost: Suspicion.IN_UNLIT,
+    smeared: Suspicion.IN_UNLIT,
+    switched: Suspicion.IN_UNLIT,
     streak: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS | Suspicion.LOPSIDED,
     tailed: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS | Suspicion.LOPSIDED,
     two_lights: Suspicion.AXES | Suspicion.ROWS | Suspicion.PIXELS | Suspicion.LOPSIDED,

@@ -76,6 +76,8 @@ class Health:
         self._logged: dict[str, float] = {}
         self._lock = Lock()  # a capture thread reports while the executor publishes
         self._patience = PATIENCE
+        self._ros_clock = node.get_clock()
+        self._simulated = self._ros_clock.ros_time_is_active
         # Wall time that never jumps: with use_sim_time a paused bag must not silence a node.
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._publisher = publisher(node, DiagnosticArray, '/diagnostics', RESULT)
@@ -106,9 +108,8 @@ class Health:
 
     def _ros_time_ns(self) -> int:
         """Return the node's time, ns: that of the system unless it is simulated."""
-        clock = self._node.get_clock()
         # The objects that rclpy makes of it take longer than all else that is noted of a frame.
-        return clock.now().nanoseconds if clock.ros_time_is_active else time.time_ns()
+        return self._ros_clock.now().nanoseconds if self._simulated else time.time_ns()
 
     def ok(self, message: str) -> None:
         """Report that something went well; the last such word of a second is published."""
@@ -128,7 +129,7 @@ class Health:
             What is wrong and what would be right.
 
         """
-        now = self._clock.now().nanoseconds / 1e9
+        now = time.monotonic()
         # The same sentence with other numbers is the same fault.
         kind = re.sub(r'[0-9.]+', '#', message)
         with self._lock:
@@ -163,6 +164,7 @@ class Health:
 
     def _publish(self) -> None:
         """Publish the last second and begin the next."""
+        self._simulated = self._ros_clock.ros_time_is_active  # to ask for each frame takes longer
         with self._lock:
             figures = self._timing.figures(time.monotonic_ns())
         self._show(figures)
@@ -189,7 +191,7 @@ class Health:
             values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
         )
         array = DiagnosticArray(status=[status])
-        array.header.stamp = self._node.get_clock().now().to_msg()
+        array.header.stamp = self._ros_clock.now().to_msg()
         self._publisher.publish(array)
 
     def _check_log(self) -> None:
@@ -221,7 +223,7 @@ class Health:
 
     def _in_words(self, age: float) -> str:
         """Return an age in ms, or why there is none."""
-        if self._node.get_clock().ros_time_is_active:
+        if self._simulated:
             return 'unknown: simulated time stands still between two ticks'
         if math.isnan(age):
             return 'unknown: there was nothing in the last 10 s'
@@ -239,7 +241,7 @@ class Health:
                 f'{figures.rate:.1f} Hz arrive where {usual:.1f} Hz were usual in the last '
                 f'minute: {self._slowed}',
             )
-        if figures.uneven and not self._node.get_clock().ros_time_is_active:
+        if figures.uneven and not self._simulated:
             self.fault(
                 WARN,
                 f'one result in a hundred is {figures.latency_p99:.0f} ms old and the median '

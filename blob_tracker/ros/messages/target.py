@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import atan2, cos, hypot, pi, sin
 
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.stamp import from_ns, to_ns
+from blob_tracker.ros.messages.stamp import fill_ns, from_ns, to_ns
 from blob_tracker.types import Bearing, Location, SensorNoise
 from blob_tracker.units import MRAD
 from geometry_msgs.msg import (
@@ -26,7 +26,7 @@ def bearing_message(
 ) -> Vector3Stamped:
     """Return target/bearing: x azimuth mrad, y elevation mrad, z 0; `message` is filled again."""
     message = Vector3Stamped() if message is None else message
-    message.header.stamp = from_ns(bearing.stamp_ns)
+    fill_ns(message.header.stamp, bearing.stamp_ns)
     message.header.frame_id = frame_id
     message.vector.x = bearing.azimuth
     message.vector.y = bearing.elevation
@@ -38,7 +38,7 @@ def centroid_message(
 ) -> PointStamped:
     """Return target/centroid: x and y in px of the full sensor, z 0; `message` is filled again."""
     message = PointStamped() if message is None else message
-    message.header.stamp = from_ns(location.stamp_ns)
+    fill_ns(message.header.stamp, location.stamp_ns)
     message.header.frame_id = frame_id
     message.point.x = location.x
     message.point.y = location.y
@@ -56,7 +56,7 @@ def ray_message(
     `message` that is given is filled again.
     """
     message = PoseWithCovarianceStamped() if message is None else message
-    message.header.stamp = from_ns(bearing.stamp_ns)
+    fill_ns(message.header.stamp, bearing.stamp_ns)
     message.header.frame_id = frame_id
     turn_onto(bearing.azimuth, bearing.elevation, message.pose.pose.orientation)
     message.pose.covariance = ray_covariance(bearing.covariance)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.stamp import from_ns, to_ns
+from blob_tracker.ros.messages.stamp import fill_ns, to_ns
 from blob_tracker.ros.messages.target import (
     about_x_and_y, ray_covariance, to_angles, to_covariance, turn_onto,
 )
@@ -19,7 +19,7 @@ def prediction_message(
 ) -> Vector3Stamped:
     """Return target/bearing_predicted: x azimuth mrad, y elevation mrad; filled again."""
     message = Vector3Stamped() if message is None else message
-    message.header.stamp = from_ns(track.stamp_ns)
+    fill_ns(message.header.stamp, track.stamp_ns)
     message.header.frame_id = frame_id
     message.vector.x = track.azimuth
     message.vector.y = track.elevation
@@ -51,7 +51,7 @@ def track_message(
 
     """
     message = Odometry() if message is None else message
-    message.header.stamp = from_ns(track.stamp_ns)
+    fill_ns(message.header.stamp, track.stamp_ns)
     message.header.frame_id = frame_id
     message.child_frame_id = target
     turn_onto(track.azimuth, track.elevation, message.pose.pose.orientation)
