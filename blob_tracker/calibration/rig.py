@@ -221,16 +221,22 @@ def _without_strays(equations: Equations, unknown: Unknown) -> tuple[Unknown, fl
     """
     Return the parameters of least chi-square, that, and the weights of the rays, 0 or 1.
 
-    The gate is as wide as the residuals of the start are, and narrows with them.
+    Rays beyond the gate weigh the less the further they are off, and are left out in the end,
+    when the others have found their places: where a part of the path began wrong, its own rays
+    are beyond the gate at first.
     """
-    weight = np.ones(len(equations.measured.times))
-    for _ in range(ROUNDS):
-        of_rays = equations.chi2_of_rays(unknown)
-        scale = max(float(np.nanmedian(of_rays)) / MEDIAN_OF_TWO, 1.0)
-        before, weight = weight, (of_rays <= GATE * scale).astype(float)
-        if scale == 1.0 and (before == weight).all():
-            break
-        unknown, chi2, _ = _adjusted(equations, unknown, weight)
+    of_rays = equations.chi2_of_rays(unknown)
+    near = np.zeros(len(of_rays), dtype=bool)
+    for soft in (True, False):
+        for _ in range(ROUNDS):
+            scale = max(float(np.nanmedian(of_rays)) / MEDIAN_OF_TWO, 1.0)
+            far = GATE * scale / np.fmax(of_rays, GATE * scale)
+            weight = far if soft else (of_rays <= GATE).astype(float)
+            unknown, chi2, done = _adjusted(equations, unknown, weight)
+            of_rays = equations.chi2_of_rays(unknown)
+            before, near = near, of_rays <= GATE
+            if done and (near == before).all():
+                break
     return unknown, chi2, weight
 
 
@@ -379,5 +385,5 @@ def _notes(result: RigCalibration) -> list[str]:
             )
     for name, gone in zip(result.names, result.left_out.tolist(), strict=True):
         if gone:
-            notes.append(f'{gone} rays of {name} pass the light by, and were left out')
+            notes.append(f'rays of {name} left out since they pass the light by: {gone}')
     return notes

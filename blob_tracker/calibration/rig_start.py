@@ -17,6 +17,8 @@ DRAWS, DRAWN = 500, 14  # samples of rays: fewer rays are too noisy, more seldom
 STRAY = 4.0  # times the median distance: such a ray is not of the light
 REFINED, ROUNDS = 8, 4  # the best samples, and how often each is fitted again without strays
 FLAT = np.diag([1.0, 1.0, 0.0])  # the singular values of an essential matrix
+OFFSET_STEP = 0.005  # s: a hand's light moves by some mrad
+LOOKED_AT = 6  # offsets that a first look likes best
 PLANAR = 1e-3  # of the second singular value over the first: two answers, or none
 ASTRAY_RAD = 0.03  # median distance of rays from each other: they are not of one light
 
@@ -81,7 +83,7 @@ def start_rig(
         np.tile(np.eye(3), (count, 1, 1)), np.zeros((count, 3)), np.zeros(count)
     )
     placed = [0]
-    grid = _offsets(longest, most_offset)
+    grid = _offsets(most_offset)
     second = max(range(1, count), key=lambda other: _shared(rays[0], rays[other], longest))
     _check_shared(_shared(rays[0], rays[second], longest), names[0], names[second])
     rotation, position, offset = _best_pair(rays[0], rays[second], grid, longest, names, second)
@@ -126,14 +128,9 @@ def relative_pose(one: Array, other: Array) -> tuple[Array, Array, float]:
     products = (one[:, :, None] * other[:, None, :]).reshape(-1, 9)
     left, across = _essential(products[_draws(len(one))])
     apart = _distance(left @ FLAT @ across, one, other)
-    least = np.inf
-    for begun in apart[np.argsort(np.median(apart, axis=1))[:REFINED]]:
-        for _ in range(ROUNDS):
-            inside = begun <= STRAY * np.median(begun)
-            sides = _essential(products[inside])
-            begun = _distance(sides[0] @ FLAT @ sides[1], one, other)
-        if np.median(begun) < least:
-            least, kept, (left, across) = float(np.median(begun)), inside, sides
+    best = apart[np.argsort(np.median(apart, axis=1))[:REFINED]]
+    fits = [_fitted(products, one, other, begun) for begun in best]
+    apart, kept, (left, across) = min(fits, key=lambda fit: float(np.median(fit[0])))
     sizes = np.linalg.svd(products[kept], compute_uv=False)
     if sizes[-2] < PLANAR * sizes[0]:
         raise RigError(
@@ -148,7 +145,7 @@ def relative_pose(one: Array, other: Array) -> tuple[Array, Array, float]:
         choices += [(rotation, left[:, 2]), (rotation, -left[:, 2])]
     ahead = [_ahead(one[kept], other[kept], *choice) for choice in choices]
     rotation, position = choices[int(np.argmax(ahead))]
-    return rotation, position, least
+    return rotation, position, float(np.median(apart))
 
 
 def resected(points: Array, directions: Array) -> tuple[Array, Array, float]:
@@ -169,21 +166,14 @@ def resected(points: Array, directions: Array) -> tuple[Array, Array, float]:
 
     """
     middle, size = points.mean(axis=0), float(points.std())
-    scaled = np.concatenate([(points - middle) / size, np.ones((len(points), 1))], axis=1)
-    x, y, z = directions.T
-    none = np.zeros_like(x)
-    cross = np.array([[none, -z, y], [z, none, -x], [-y, x, none]]).transpose(2, 0, 1)
-    rows = cross[:, :, :, None] * scaled[:, None, None, :]
+    scaled = (points - middle) / size
+    rows = _rows(scaled, directions)
     draws = _draws(len(points))
-    rotations, positions = _pose(rows[draws].reshape(len(draws), -1, 12))
-    apart = _off(rotations, positions, scaled[:, :3], directions)
-    apart = apart[int(np.argmin(np.median(apart, axis=1)))]
-    for _ in range(ROUNDS):
-        kept = apart <= STRAY * np.median(apart)
-        rotation, position = _pose(rows[kept].reshape(-1, 12))
-        apart = _off(rotation, position, scaled[:, :3], directions)
-    position = middle + size * position
-    return rotation, position, float(np.median(apart))
+    tried = _pose(rows[draws].reshape(len(draws), -1, 12))
+    apart = _off(*tried, scaled, directions)
+    best = apart[int(np.argmin(np.median(apart, axis=1)))]
+    rotation, position, apart = _refined(rows, scaled, directions, best)
+    return rotation, middle + size * position, float(np.median(apart))
 
 
 def meeting_points(directions: Array, centres: Array) -> Array:
@@ -230,11 +220,42 @@ def _draws(count: int) -> NDArray[np.intp]:
     return np.random.default_rng(0).integers(0, count, (DRAWS, DRAWN))
 
 
+def _fitted(
+    products: Array, one: Array, other: Array, apart: Array
+) -> tuple[Array, NDArray[np.bool_], tuple[Array, Array]]:
+    """Return distances, rays and essential matrix of a fit that leaves out strays by and by."""
+    for _ in range(ROUNDS):
+        kept = apart <= STRAY * np.median(apart)
+        sides = _essential(products[kept])
+        apart = _distance(sides[0] @ FLAT @ sides[1], one, other)
+    return apart, kept, sides
+
+
 def _essential(products: Array) -> tuple[Array, Array]:
     """Return U and V^T of the essential matrix by products of directions, (..., m, 9)."""
     right = np.linalg.svd(products, full_matrices=True)[2][..., -1, :]
     left, _, across = np.linalg.svd(right.reshape(*right.shape[:-1], 3, 3))
     return left, across
+
+
+def _rows(points: Array, directions: Array) -> Array:
+    """Return the equations d x (A X + b) = 0, three for each point, (n, 3, 12)."""
+    x, y, z = directions.T
+    none = np.zeros_like(x)
+    cross = np.array([[none, -z, y], [z, none, -x], [-y, x, none]]).transpose(2, 0, 1)
+    whole = np.concatenate([points, np.ones((len(points), 1))], axis=1)
+    return (cross[:, :, :, None] * whole[:, None, None, :]).reshape(-1, 3, 12)
+
+
+def _refined(
+    rows: Array, points: Array, directions: Array, apart: Array
+) -> tuple[Array, Array, Array]:
+    """Return rotation, position and angles of a fit that leaves out strays by and by."""
+    for _ in range(ROUNDS):
+        kept = apart <= STRAY * np.median(apart)
+        rotation, position = _pose(rows[kept].reshape(-1, 12))
+        apart = _off(rotation, position, points, directions)
+    return rotation, position, apart
 
 
 def _pose(rows: Array) -> tuple[Array, Array]:
@@ -255,9 +276,9 @@ def _off(rotation: Array, position: Array, points: Array, directions: Array) -> 
     return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
-def _offsets(longest: float, most: float) -> Array:
+def _offsets(most: float) -> Array:
     """Return the offsets that are tried, the nearest first, s."""
-    steps = np.arange(0.0, most + 1e-9, 0.5 * longest)
+    steps = np.arange(0.0, most + 1e-9, OFFSET_STEP)
     return np.concatenate([steps[:1], np.stack([steps[1:], -steps[1:]], axis=1).ravel()])
 
 
@@ -272,9 +293,13 @@ def _common(one: Sequence[Rays], other: Sequence[Rays], offset: float, longest: 
             both = np.isfinite(seen[:, 0])
             ones.append(mine.directions[both])
             others.append(seen[both])
-    first, second = np.concatenate(ones), np.concatenate(others)
-    chosen = np.linspace(0, len(first) - 1, min(len(first), MOST_SHARED)).astype(int)
-    return first[chosen], second[chosen]
+    return _some(np.concatenate(ones), np.concatenate(others))
+
+
+def _some(one: Array, other: Array) -> tuple[Array, Array]:
+    """Return rows of two arrays, evenly taken, no more than a start needs."""
+    chosen = np.linspace(0, len(one) - 1, min(len(one), MOST_SHARED)).astype(int)
+    return one[chosen], other[chosen]
 
 
 def _shared(one: Sequence[Rays], other: Sequence[Rays], longest: float) -> int:
@@ -296,10 +321,15 @@ def _best_pair(
     """Return pose and offset of a second camera."""
     found: list[tuple[float, float, Array, Array]] = []
     refusal: RigError | None = None
+    looks: list[tuple[float, float]] = []
     for offset in grid.tolist():
         seen = _common(one, other, offset, longest)
-        if len(seen[0]) < LEAST_SHARED:
-            continue
+        if len(seen[0]) >= LEAST_SHARED:
+            products = (seen[0][:, :, None] * seen[1][:, None, :]).reshape(-1, 9)
+            fit = _fitted(products, *seen, np.zeros(len(products)))
+            looks.append((float(np.median(fit[0])), offset))
+    for _, offset in sorted(looks)[:LOOKED_AT]:
+        seen = _common(one, other, offset, longest)
         try:
             rotation, position, apart = relative_pose(*seen)
         except RigError as error:
@@ -362,13 +392,19 @@ def _place(
     grid: Array, longest: float, names: Sequence[str],
 ) -> None:
     """Fill in pose and offset of a further camera."""
-    found: list[tuple[float, float, Array, Array]] = []
+    looks: list[tuple[float, float]] = []
     for offset in grid.tolist():
-        places, directions, _ = _seen_of(rays, points, offset, longest)
-        if len(places) < LEAST_SHARED:
-            continue
-        chosen = np.linspace(0, len(places) - 1, min(len(places), MOST_SHARED)).astype(int)
-        rotation, position, apart = resected(places[chosen], directions[chosen])
+        places, directions = _some(*_seen_of(rays, points, offset, longest)[:2])
+        if len(places) >= LEAST_SHARED:
+            scaled = (places - places.mean(axis=0)) / places.std()
+            fit = _refined(
+                _rows(scaled, directions), scaled, directions, np.zeros(len(places))
+            )
+            looks.append((float(np.median(fit[2])), offset))
+    found: list[tuple[float, float, Array, Array]] = []
+    for _, offset in sorted(looks)[:LOOKED_AT]:
+        places, directions = _some(*_seen_of(rays, points, offset, longest)[:2])
+        rotation, position, apart = resected(places, directions)
         found.append((apart, offset, rotation, position))
     apart, start.offsets[camera], start.rotations[camera], start.positions[camera] = min(
         found, key=lambda each: each[0]
