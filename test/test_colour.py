@@ -115,3 +115,13 @@ def test_an_interpolated_mosaic_has_things_where_they_are(order: str) -> None:
     total = inner.sum()
     assert (inner * x[2:-2, 2:-2]).sum() / total == pytest.approx(19.3, abs=0.02)
     assert (inner * y[2:-2, 2:-2]).sum() / total == pytest.approx(20.6, abs=0.02)
+
+
+@pytest.mark.parametrize(('order', 'first'), [
+    ('rggb', (0, 1)), ('grbg', (0, 0)), ('gbrg', (0, 0)), ('bggr', (0, 1)),
+])
+def test_one_green_sample_of_each_cell(order: str, first: tuple[int, int]) -> None:
+    """As the sensor gave it, for the noise."""
+    pixels = np.arange(24, dtype=np.uint8).reshape(4, 6)
+    green = grey_pixels(Frame(pixels, 0, 255, layout=order), interpolate=False)
+    np.testing.assert_array_equal(green, pixels[first[0]::2, first[1]::2])

@@ -14,7 +14,7 @@ import pytest
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.parameter import Parameter
 import security_policy
-from support.node_classes import OPENED
+from support.node_classes import CHANGED, OPENED
 from support.processes import Probe, probe, start
 
 POLICY = config_path('security/policy.xml')
@@ -169,7 +169,7 @@ def test_each_node_has_what_the_policy_allows_and_nothing_else(domain: int) -> N
             stack.enter_context(start(program, domain, *arguments))
         before = settled(observer, nodes)
         for node, namespace in nodes:
-            values = OPENED.get(node, {}) | LIGHTS.get(node, {})
+            values = OPENED.get(node, {}) | CHANGED.get(node, {}) | LIGHTS.get(node, {})
             if values:
                 change(observer, node, namespace, values)
         after = settled(observer, nodes)

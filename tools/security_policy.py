@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from blob_tracker.nodes import NODES
 from blob_tracker.nodes.interface import interface_of
 from blob_tracker.nodes.interface.pipeline import CHAIN, HANDED_OVER, SOURCES
+from blob_tracker.nodes.interface.topics import CAMERA_IMAGE, COMPRESSED_IMAGE
 from blob_tracker.ros.interface import Interface, Topic
 
 HEAD = """\
@@ -64,6 +65,8 @@ def _enclave(name: str, nodes: Sequence[str], handed_over: Sequence[Topic] = ())
     """Return the enclave of a process with these nodes."""
     interfaces = [interface_of(node) for node in nodes]
     within = {topic for each in interfaces for topic in each.published if topic in handed_over}
+    if CAMERA_IMAGE in within:
+        within.add(COMPRESSED_IMAGE)
     return ''.join((
         f'    <enclave path="/blob_tracker/{name}">\n',
         '      <profiles>\n',

@@ -255,7 +255,7 @@ def _fitted(views: Sequence[View], distortion_model: str, name: str) -> BoardCal
     squares = _squares(left)
     # Scaled: focal lengths in px and coefficients of r^6 differ by many powers of ten.
     inverse = np.linalg.pinv(normal / np.outer(scale, scale), rcond=1e-15, hermitian=True)
-    growth = variance_growth(information, pulls, squares / freedom)
+    growth = variance_growth(information, pulls, squares / freedom, prior)
     covariance = growth * squares / freedom * inverse / np.outer(scale, scale)
     return BoardCalibration(
         model=bundle.model,

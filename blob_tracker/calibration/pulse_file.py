@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from blob_tracker.camera.yaml_file import CalibrationError, content_of, write_content
+from blob_tracker.camera.yaml_file import (
+    CalibrationError, check_size, content_of, write_content,
+)
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.learn_pulse import Learned, WIDEST_GAP
 from blob_tracker.location.pulse_rounds import LEAST_WINDOWS
@@ -127,13 +129,8 @@ class PulseFile:
         write_content(path, 'learned pulse', content, comments)
 
     def check_size(self, width: int, height: int) -> None:
-        """Raise CalibrationError unless the picture is of the size that was learned with."""
-        if (width, height) != (self.width, self.height):
-            raise CalibrationError(
-                f'the pulse is of a camera with {self.width} x {self.height} px and the picture '
-                f'has {width} x {height}; learn it with this camera: '
-                'python3 -m blob_tracker calibrate pulse'
-            )
+        """Raise CalibrationError unless the sensor is of the size that was learned with."""
+        check_size('pulse', (self.width, self.height), (width, height))
 
 
 _NOISE = ('noise.gain', 'noise.read_noise', 'noise.black_level')

@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 def response_of_flats(
     flats: Sequence[tuple[Pixels, Pixels]], *, dark: tuple[Pixels, Pixels] | None = None,
     saturation: int | None = None, read_noise: float = READ_NOISE_E, camera: str = '',
-    pixel_format: str = '',
+    pixel_format: str = '', sensor: tuple[int, int] | None = None,
 ) -> ResponseMeasurement:
     r"""
     Return the response from pairs of flat frames whose light is not known.
@@ -55,6 +55,8 @@ def response_of_flats(
         r, electrons.
     camera, pixel_format : str
         For the file.
+    sensor : (int, int), optional
+        Width and height of the full, unbinned sensor, px; where left out, those of the frames.
 
     Raises
     ------
@@ -100,7 +102,7 @@ def response_of_flats(
     ]
     off = np.array([each / each[-1] * linear_full_scale(full) - curve for each in changes])
     off[-2:] /= sqrt(2.0)
-    height, width = flats[0][0].shape
+    width, height = sensor or flats[0][0].shape[::-1]
     response = Response(
         knots, monotone(curve), np.sqrt((off**2).sum(axis=0)), width, height,
         8 * flats[0][0].dtype.itemsize, camera, pixel_format,

@@ -50,12 +50,15 @@ class Shot:
         Of all of its frames, DN.
     frames : tuple of (h, w) arrays
         The first one or two of them.
+    sensor : (int, int) or None
+        Width and height of the full, unbinned sensor, px; None where it is as large as they are.
 
     """
 
     exposure: float
     mean: NDArray[np.float32]
     frames: tuple[Pixels, ...]
+    sensor: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True)
@@ -131,7 +134,7 @@ def measure_response(
     # Of the light above black, which is what a place is told by.
     sigma = np.sqrt(np.einsum('ki,ij,kj->k', parts, fit.covariance[:NODES, :NODES], parts))
     scale = linear_full_scale(full) / full
-    height, width = shots[0].mean.shape
+    width, height = shots[0].sensor or shots[0].mean.shape[::-1]
     response = Response(
         knots, monotone(scale * curve), scale * sigma, width, height,
         8 * shots[0].frames[0].dtype.itemsize, camera, pixel_format,

@@ -18,15 +18,16 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import special
 
-# Standard deviations of the ratio. Independent errors pass it 1 time in 180 with 30 views and
-# in 40 with 3: sigmas are too large then.
-SIGNIFICANT = 3.0
+# Chance at which independent errors pass: 500 fits in which the sigmas need not grow have one in
+# which they do, with 3 views as with 30.
+CHANCE = 0.002
 
 Array = NDArray[np.float64]
 
 
-def variance_growth(information: Array, pulls: Array, variance: float) -> float:
+def variance_growth(information: Array, pulls: Array, variance: float, prior: Array) -> float:
     """
     Return the factor by which the covariance of independent points is too small.
 
@@ -38,6 +39,8 @@ def variance_growth(information: Array, pulls: Array, variance: float) -> float:
         g_v.
     variance : float
         Of one coordinate of one point, px^2.
+    prior : (n,) array
+        What is known of each parameter beside the views, on the diagonal of S, at a variance of 1.
 
     Returns
     -------
@@ -45,16 +48,21 @@ def variance_growth(information: Array, pulls: Array, variance: float) -> float:
         1 unless the pulls scatter significantly more than independent errors would make them.
 
     """
-    total = information.sum(axis=0)
+    total = information.sum(axis=0) + np.diag(prior)
     scale = np.sqrt(np.diag(total))
     values, vectors = np.linalg.eigh(total / np.outer(scale, scale))
     # S^-1/2; scaled, as focal lengths in px and coefficients of r^6 differ by many powers of ten.
     root = vectors / np.sqrt(np.maximum(values, values[-1] * 1e-15)) / scale[:, None]
     parts = root.T @ information @ root
-    expected = parts - parts @ parts
+    squares = parts @ parts
+    expected = parts - squares
     freedom = float(np.trace(expected, axis1=1, axis2=2).sum())
     if not freedom > 0.0:
         return 1.0
     ratio = float(((pulls @ root) ** 2).sum()) / (freedom * variance)
-    spread = np.sqrt(2.0 * float((expected**2).sum())) / freedom
-    return ratio if ratio > 1.0 + SIGNIFICANT * spread else 1.0
+    # Of each view with itself, and of each with every other: they add up to zero. The sum scatters
+    # about as chi-square does that has its mean and variance (Satterthwaite 1946).
+    scatter = (expected**2).sum() + (squares.sum(axis=0) ** 2).sum() - (squares**2).sum()
+    degrees = freedom**2 / float(scatter)
+    chance = float(special.chdtrc(degrees, ratio * degrees))
+    return ratio if chance < CHANCE and ratio > 1.0 else 1.0

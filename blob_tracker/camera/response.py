@@ -8,7 +8,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from blob_tracker.camera.yaml_file import CalibrationError, content_of, write_content
+from blob_tracker.camera.yaml_file import (
+    CalibrationError, check_size, content_of, write_content,
+)
 from blob_tracker.types import Frame, Window
 import cv2
 import numpy as np
@@ -304,13 +306,8 @@ class Response:
             )
 
     def check_size(self, width: int, height: int) -> None:
-        """Raise CalibrationError unless the picture is of the size that was measured with."""
-        if (width, height) != (self.width, self.height):
-            raise CalibrationError(
-                f'the response is of a camera with {self.width} x {self.height} px and the '
-                f'picture has {width} x {height}; measure it with this camera: '
-                'python3 -m blob_tracker calibrate response'
-            )
+        """Raise CalibrationError unless the sensor is of the size that was measured with."""
+        check_size('response', (self.width, self.height), (width, height))
 
 
 _CURVES = ('levels', 'linear', 'sigma')

@@ -109,3 +109,13 @@ def write_content(
         raise CalibrationError(
             f'cannot write the {what} {path}: {error.strerror or error}'
         ) from None
+
+
+def check_size(what: str, known: tuple[int, int], sensor: tuple[int, int]) -> None:
+    """Raise CalibrationError unless what was measured is of a sensor of this size, px."""
+    if known != sensor:
+        raise CalibrationError(
+            f'the {what} is of a camera with {known[0]} x {known[1]} px and the picture has '
+            f'{sensor[0]} x {sensor[1]}; measure it with this camera: python3 -m blob_tracker '
+            f'calibrate {what}'
+        )

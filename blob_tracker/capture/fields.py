@@ -177,6 +177,27 @@ class Weaver:
         least = 2 * len(top)
         return woven(top, bottom, height if 0 < height - least <= 2 else least)
 
+    def whole(self, frame: Frame, height: int) -> Frame | None:
+        """
+        Take the next frame; return that of the picture, or None, as `add` does.
+
+        Parameters
+        ----------
+        frame : Frame
+            Grey. The picture has the stamp of its later field.
+        height : int
+            Lines of the whole sensor.
+
+        """
+        field = frame.field
+        picture = self.add(frame.image, field, height)
+        if field is None or picture is None or picture is frame.image:
+            return None if picture is None else frame
+        across, down = frame.binning
+        return replace(
+            frame, image=picture, y0=frame.y0 - field * (down // 2), binning=(across, down // 2)
+        )
+
 
 class FieldStream:
     """

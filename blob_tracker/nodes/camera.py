@@ -26,6 +26,7 @@ from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.camera_info import from_camera_model, to_camera_model
 from blob_tracker.ros.parameters.controls import ControlParameters
 from blob_tracker.ros.parameters.declaration import declare, on_change, undeclared
+from blob_tracker.ros.parameters.given import from_files, sources
 from blob_tracker.ros.parameters.url import DEFAULT_CALIBRATION_URL, to_path
 from blob_tracker.ros.parameters.values import about
 from blob_tracker.ros.process import run
@@ -89,7 +90,10 @@ class CameraNode(Node):
         self._connections = Connections(self, self._health)
         self._losses, self._lost = Losses(), 0
         self._change(values)()
-        self._controls = ControlParameters(self, undeclared(self, elsewhere), self._health)
+        self._controls = ControlParameters(
+            self, undeclared(self, elsewhere), self._health,
+            from_files(list(sources(sys.argv)), self.get_fully_qualified_name()),
+        )
         on_change(self, PARAMETERS, self._change)
         self._frames = FrameTopics(self, self._health, deliver)
         self._debug_image = DebugImage(self)

@@ -41,7 +41,7 @@ def linked_nodes() -> Iterator[Node]:
         each.name
         for name in ('pipeline', *CHAIN, *SOURCES[source])
         for each in interface_of(name).parameters
-    } | {'use_sim_time'}
+    } | {'use_sim_time', 'start_type_description_service'}
     if source != 'camera':  # whose controls have names that only the device knows
         for name in common:
             if name not in known:

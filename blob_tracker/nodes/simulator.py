@@ -23,7 +23,7 @@ from blob_tracker.ros.endpoints.qos import publisher, RESULT, subscription
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.camera_info import from_camera_model
 from blob_tracker.ros.messages.imu import NO_DATA
-from blob_tracker.ros.messages.joint_states import to_angle
+from blob_tracker.ros.messages.joint_states import to_angles
 from blob_tracker.ros.messages.stamp import from_ns
 from blob_tracker.ros.messages.target import bearing_message, centroid_message
 from blob_tracker.ros.parameters.declaration import declare, on_change
@@ -193,12 +193,12 @@ class SimulatorNode(Node):
         if self._vehicle is None or not self._steered:
             return
         try:
-            pan, tilt = (to_angle(message, name, False) for name in JOINTS)
-            if pan is None or tilt is None:
+            angles = to_angles(message, JOINTS)
+            if not angles:
                 raise MessageError(f'it is not of the joints {" and ".join(JOINTS)}')
             time = self._time(self.get_clock().now().nanoseconds)
             self._vehicle.advance(time)
-            self._vehicle.pan_tilt.command(pan, tilt)
+            self._vehicle.pan_tilt.command(*(angles.get(name) for name in JOINTS))
         except ValueError as error:
             self._health.fault(WARN, f'joint_command: {error}')
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 import gc
 import inspect
 import sys
 
 from blob_tracker.ros.errors import ParameterError
+from blob_tracker.ros.parameters.given import remarks, sources
 import rclpy
 from rclpy.context import Context
 from rclpy.exceptions import NameValidationException, ParameterException
@@ -55,7 +56,7 @@ def run(
     try:
         _initialise()
     except Exception as error:  # rclpy raises private types of its C layer here
-        say(f'wrong ROS arguments: {error}')
+        say(f'wrong ROS arguments: {error}{_remedy(str(error))}')
         return WRONG_USE
     nodes: list[Node] = []
     executor: Executor | None = None
@@ -71,6 +72,7 @@ def run(
                 return 0
             say(f'the node cannot be made: {error}')
             return WRONG_USE
+        _say_remarks(nodes)
         gc.freeze()
         gc.enable()
         if not rclpy.ok():  # a signal came: no executor can be made any more
@@ -118,6 +120,27 @@ def _executor(nodes: Iterable[Node]) -> Executor:
     if EventsExecutor is None or any(list(node.guards) for node in nodes):
         return SingleThreadedExecutor()
     return EventsExecutor()
+
+
+def _say_remarks(nodes: Sequence[Node]) -> None:
+    """Say what of the command line has no effect on any of the nodes."""
+    values = {
+        node.get_fully_qualified_name(): {
+            name: each.value for name, each in node._parameter_overrides.items()
+        }
+        for node in nodes
+    }
+    for sentence in remarks(list(sources(sys.argv)), values) if nodes else ():
+        nodes[0].get_logger().warning(sentence)
+
+
+def _remedy(error: str) -> str:
+    """Return what to do about a fault in the command line that rcl does not tell."""
+    if 'No value at line' in error or 'error not set' in error:
+        return "; a parameter needs a value: '' is the empty text, and left out it has its default"
+    if 'before ros__parameters' in error:
+        return '; a file begins with /**: or the name of a node, below it ros__parameters:'
+    return ''
 
 
 def say(what: object) -> None:

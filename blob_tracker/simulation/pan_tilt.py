@@ -105,9 +105,11 @@ class PanTilt:
         self._underway: deque[tuple[float, tuple[float, float]]] = deque()
         self._past = deque([(self.time, *self.angles, *self._rates)])
 
-    def command(self, pan: float, tilt: float) -> None:
+    def command(self, pan: float | None, tilt: float | None) -> None:
         """
         Send the angles to go to, rad; the motors get them after the delay.
+
+        None is for a joint that is to go on to where it was sent.
 
         Raises
         ------
@@ -115,6 +117,8 @@ class PanTilt:
             Where one of them is no number.
 
         """
+        former = self._underway[-1][1] if self._underway else self._goal
+        pan, tilt = former[0] if pan is None else pan, former[1] if tilt is None else tilt
         if not (isfinite(pan) and isfinite(tilt)):
             raise ValueError(f'the command is {pan}, {tilt} rad; both must be finite')
         goal = (self._rounded(pan), self._rounded(tilt))

@@ -9,6 +9,8 @@ from blob_tracker.tracking.compilation import compile_ahead
 from blob_tracker.tracking.errors import (
     ParallelRays, PlatformGap, RaysApart, StampJump, TrackingError, TriangulationError,
 )
+from blob_tracker.tracking.gyro_fit import GyroFault
+from blob_tracker.tracking.gyro_watch import GyroWatch
 from blob_tracker.tracking.models import MODELS
 from blob_tracker.tracking.pan_tilt_angles import PanTiltAngles
 from blob_tracker.tracking.platform_rates import PlatformRates
@@ -19,7 +21,8 @@ from blob_tracker.tracking.tracker import Tracker
 from blob_tracker.tracking.triangulation import Position, triangulate
 
 __all__ = [
-    'CameraPose', 'MODELS', 'PanTiltAngles', 'ParallelRays', 'PlatformGap', 'PlatformRates',
-    'Position', 'RaysApart', 'Simultaneous', 'StampJump', 'Track', 'Tracker', 'TrackingError',
-    'TriangulationError', 'compile_ahead', 'triangulate', 'update_or_restart',
+    'CameraPose', 'GyroFault', 'GyroWatch', 'MODELS', 'PanTiltAngles', 'ParallelRays',
+    'PlatformGap', 'PlatformRates', 'Position', 'RaysApart', 'Simultaneous', 'StampJump',
+    'Track', 'Tracker', 'TrackingError', 'TriangulationError', 'compile_ahead', 'triangulate',
+    'update_or_restart',
 ]

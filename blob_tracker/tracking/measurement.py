@@ -56,8 +56,8 @@ def measured(bearing: Bearing, pan_tilt: PanTiltAngles | None) -> Measurement:
         camera = pan_tilt.at(bearing.stamp_ns)
     except PlatformGap as gap:
         raise TrackingError(f'the bearing has no direction in the base: {gap}') from None
-    of_joints = pan_tilt.variance_at(bearing.stamp_ns) / MRAD**2
-    return Measurement(azimuth, elevation, a + of_joints, b, c + of_joints, camera)
+    of_pan, of_tilt = (each / MRAD**2 for each in pan_tilt.variances_at(bearing.stamp_ns))
+    return Measurement(azimuth, elevation, a + of_pan, b, c + of_tilt, camera)
 
 
 def _checked_covariance(bearing: Bearing) -> tuple[float, float, float]:

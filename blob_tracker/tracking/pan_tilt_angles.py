@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left, bisect_right
-from math import cos, isfinite, remainder, sin, tau
+from math import cos, isfinite, sin
 
-from blob_tracker.tracking.errors import PlatformGap, StampJump, TrackingError
+from blob_tracker.tracking.errors import TrackingError
+from blob_tracker.tracking.joint_angle import JointAngle
 from blob_tracker.tracking.rotation import pan_tilt
 from blob_tracker.tracking.validation import check_positive, check_stamp
 import numpy as np
 from numpy.typing import NDArray
-
-# ns over which a rate is taken at least: over less it is the encoder's step and the stamps' jitter
-# (1e-4 rad in 20 us are 5 rad/s). A little less than the interval of 100 Hz, which is common.
-SPAN_NS = 8_000_000
-# Standard deviation of a rate that no samples tell: what a pan/tilt turns at when it does.
-UNKNOWN_RATE_RAD_S = 1.0
 
 
 class PanTiltAngles:
     """
     How the camera is turned against the base at an instant.
 
-    The angles are linear in time between samples; past the newest one they go on at the last
-    rate, which is taken over `SPAN_NS` or more.
+    Each joint has samples of its own. Its angle is linear in time between them; past the newest
+    one it goes on at the last rate, which is taken over `joint_angle.SPAN_NS` or more.
 
     Parameters
     ----------
@@ -65,57 +59,45 @@ class PanTiltAngles:
         self.memory = memory
         self.sigma = sigma
         self.acceleration = acceleration
-        self._hold_ns, self._memory_ns = round(1e9 * hold), round(1e9 * memory)
-        self._stamps: list[int] = []
-        self._angles: list[tuple[float, float]] = []
+        self._pan, self._tilt = (
+            JointAngle(name, round(1e9 * hold), round(1e9 * memory)) for name in ('pan', 'tilt')
+        )
 
     @property
     def newest_ns(self) -> int | None:
-        """Stamp of the newest sample, ns; None where there is none."""
-        return self._stamps[-1] if self._stamps else None
+        """Until when both angles are known, ns; None where one has no sample."""
+        pan_ns, tilt_ns = self._pan.newest_ns, self._tilt.newest_ns
+        return None if pan_ns is None or tilt_ns is None else min(pan_ns, tilt_ns)
 
     def reset(self) -> None:
         """Forget all samples."""
-        self._stamps.clear()
-        self._angles.clear()
+        self._pan.reset()
+        self._tilt.reset()
 
-    def push(self, stamp_ns: int, pan: float, tilt: float) -> None:
+    def push(self, stamp_ns: int, pan: float | None, tilt: float | None) -> None:
         """
-        Take a sample.
+        Take a sample of one joint, or of both.
 
         Parameters
         ----------
         stamp_ns : int
             ns of ROS time.
-        pan, tilt : float
-            rad; the boresight has azimuth pan and elevation tilt in the base.
+        pan, tilt : float or None
+            rad; the boresight has azimuth pan and elevation tilt in the base. None for a joint of
+            which there is no news.
 
         Raises
         ------
         TrackingError
-            Where an angle or the stamp is none that can be, or there is a sample with this stamp.
+            Where an angle or the stamp is none that can be, or there is another with this stamp.
         StampJump
             Where the stamp is from before the memory.
 
         """
         check_stamp(stamp_ns)
-        if not (isfinite(pan) and isfinite(tilt)):
-            raise TrackingError(f'pan and tilt are {pan} and {tilt} rad; both must be finite')
-        place = len(self._stamps)
-        if self._stamps and stamp_ns <= self._stamps[-1]:
-            late = self._stamps[-1] - stamp_ns
-            if late > self._memory_ns:
-                raise StampJump(
-                    f'the stamp of the joint angles is {1e-9 * late:.3f} s before the newest one; '
-                    f'at most {self.memory:g} s can be late'
-                )
-            place = bisect_left(self._stamps, stamp_ns)
-            if self._stamps[place] == stamp_ns:
-                raise TrackingError(f'there are joint angles with the stamp {stamp_ns} ns')
-        self._stamps.insert(place, stamp_ns)
-        self._angles.insert(place, (pan, tilt))
-        forgotten = bisect_left(self._stamps, self._stamps[-1] - self._memory_ns)
-        del self._stamps[:forgotten], self._angles[:forgotten]
+        for joint, angle in ((self._pan, pan), (self._tilt, tilt)):
+            if angle is not None:
+                joint.push(stamp_ns, angle)
 
     def at(self, stamp_ns: int) -> NDArray[np.float64]:
         """
@@ -132,8 +114,7 @@ class PanTiltAngles:
             Where the samples do not cover the instant, with a reason.
 
         """
-        (pan, tilt), _ = self._interpolated(stamp_ns)
-        return pan_tilt(pan, tilt)
+        return pan_tilt(self._pan.at(stamp_ns).angle, self._tilt.at(stamp_ns).angle)
 
     def rate_at(self, stamp_ns: int) -> NDArray[np.float64]:
         """
@@ -150,12 +131,12 @@ class PanTiltAngles:
             As `at` does.
 
         """
-        (pan, _), (pan_rate, tilt_rate) = self._interpolated(stamp_ns)
+        (pan, pan_rate), (_, tilt_rate) = self._pan.at(stamp_ns), self._tilt.at(stamp_ns)
         return np.array([cos(pan) * tilt_rate, pan_rate, -sin(pan) * tilt_rate])
 
-    def variance_at(self, stamp_ns: int) -> float:
+    def variances_at(self, stamp_ns: int) -> tuple[float, float]:
         """
-        Return the variance of either angle at an instant, rad^2.
+        Return the variances of pan and tilt at an instant, rad^2.
 
         By t past the newest sample, with the rate over the interval h before it, an acceleration a
         puts the angle off by a t (t + h) / 2, and the errors of both samples, each of the variance
@@ -163,7 +144,8 @@ class PanTiltAngles:
 
             s^2 ((1 + t/h)^2 + (t/h)^2) + (a t (t + h) / 2)^2
 
-        Where no samples tell a rate, s^2 + (`UNKNOWN_RATE_RAD_S` t)^2; between samples s^2.
+        Where no samples tell a rate, s^2 + (`joint_angle.UNKNOWN_RATE_RAD_S` t)^2; between samples
+        s^2.
 
         Parameters
         ----------
@@ -171,57 +153,8 @@ class PanTiltAngles:
             ns of ROS time, that `at` has an answer for.
 
         """
-        ahead = 1e-9 * (stamp_ns - self._stamps[-1])
-        if ahead <= 0.0:
-            return self.sigma**2
-        begin = self._begin(len(self._stamps) - 1)
-        if begin is None:
-            return self.sigma**2 + (UNKNOWN_RATE_RAD_S * ahead) ** 2
-        interval = 1e-9 * (self._stamps[-1] - self._stamps[begin])
-        share = ahead / interval
-        strayed = 0.5 * self.acceleration * ahead * (ahead + interval)
-        return self.sigma**2 * ((1.0 + share) ** 2 + share**2) + strayed**2
-
-    def _begin(self, end: int) -> int | None:
-        """Return the sample from which to one the rate is taken; None where there is none."""
-        stamps = self._stamps
-        begin = bisect_right(stamps, stamps[end] - SPAN_NS) - 1
-        return begin if begin >= 0 and stamps[end] - stamps[begin] <= self._hold_ns else None
-
-    def _rates(self, begin: int, end: int) -> tuple[float, float]:
-        """Return the rates of pan and tilt from one sample to another, rad/s."""
-        seconds = 1e-9 * (self._stamps[end] - self._stamps[begin])
-        (pan0, tilt0), (pan1, tilt1) = self._angles[begin], self._angles[end]
-        # The short way round: a joint that turns for ever may be read modulo a turn.
-        return remainder(pan1 - pan0, tau) / seconds, remainder(tilt1 - tilt0, tau) / seconds
-
-    def _interpolated(self, stamp_ns: int) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Return pan and tilt at an instant, rad, and their rates, rad/s."""
-        stamps = self._stamps
-        if not stamps:
-            raise PlatformGap('no joint angles have come')
-        after = bisect_right(stamps, stamp_ns)
-        if after == 0:
-            raise PlatformGap(
-                f'the joint angles of {1e-9 * (stamps[-1] - stamp_ns):.3f} s before the newest '
-                'ones are not kept'
-            )
-        if stamp_ns - stamps[-1] > self._hold_ns:
-            raise PlatformGap(
-                f'the newest joint angles are {1e-9 * (stamp_ns - stamps[-1]):.3f} s old; they '
-                f'hold for {self.hold:g} s'
-            )
-        pan, tilt = self._angles[after - 1]
-        since = 1e-9 * (stamp_ns - stamps[after - 1])
-        if after == len(stamps):
-            begin = self._begin(after - 1)
-            if begin is None:
-                return (pan, tilt), (0.0, 0.0)
-            rates = self._rates(begin, after - 1)
-            return (pan + since * rates[0], tilt + since * rates[1]), rates
-        if stamps[after] - stamps[after - 1] > self._hold_ns:
-            raise PlatformGap(f'joint angles are more than {self.hold:g} s apart')
-        line = self._rates(after - 1, after)
-        begin = self._begin(after)
-        rates = line if begin is None else self._rates(begin, after)
-        return (pan + since * line[0], tilt + since * line[1]), rates
+        pan, tilt = (
+            joint.variance_at(stamp_ns, self.sigma, self.acceleration)
+            for joint in (self._pan, self._tilt)
+        )
+        return pan, tilt

@@ -45,6 +45,11 @@ class PlatformRates:
     memory : float
         Time for which samples are kept, s; a late one within it is put in its place.
 
+    Attributes
+    ----------
+    distrusted : str
+        Why the samples are not to be used; empty where they are. Each instant is a gap then.
+
     Raises
     ------
     TrackingError
@@ -56,6 +61,7 @@ class PlatformRates:
         check_positive({'hold': hold, 'memory': memory}, ' s')
         self.hold = hold
         self.memory = memory
+        self.distrusted = ''
         self._hold_ns, self._memory_ns = round(1e9 * hold), round(1e9 * memory)
         capacity = max(2, int(DENSEST_HZ * memory))
         self._stamps = np.empty(capacity, np.int64)
@@ -145,7 +151,7 @@ class PlatformRates:
         Raises
         ------
         PlatformGap
-            Where the samples do not cover the time, with a reason.
+            Where the samples do not cover the time, or are distrusted, with a reason.
 
         """
         samples = slice(self._first, self._end - self._waiting)
@@ -153,8 +159,8 @@ class PlatformRates:
             self._stamps[samples], self._rates[samples], self._variances[samples], t0_ns, t1_ns,
             self._hold_ns,
         )
-        if gap:
-            raise PlatformGap(self._reason(gap, t0_ns, t1_ns))
+        if gap or self.distrusted:
+            raise PlatformGap(self.distrusted or self._reason(gap, t0_ns, t1_ns))
         return turn, variance
 
     def rate_at(self, stamp_ns: int) -> NDArray[np.float64]:
@@ -174,8 +180,8 @@ class PlatformRates:
         """
         samples = slice(self._first, self._end - self._waiting)
         rate, gap = rate_at(self._stamps[samples], self._rates[samples], stamp_ns, self._hold_ns)
-        if gap:
-            raise PlatformGap(self._reason(gap, stamp_ns, stamp_ns))
+        if gap or self.distrusted:
+            raise PlatformGap(self.distrusted or self._reason(gap, stamp_ns, stamp_ns))
         return rate
 
     def _place(self, stamp_ns: int) -> int:

@@ -39,7 +39,8 @@ def test_variance_over_level_tells_the_response() -> None:
 
     The variance of each is known to 1 %, and the sum over the levels is that well.
     """
-    found = response_of_flats(pairs('rec709'), read_noise=READ_NOISE_E)
+    found = response_of_flats(pairs('rec709'), read_noise=READ_NOISE_E, sensor=(1280, 960))
+    assert (found.response.width, found.response.height) == (1280, 960)  # not of the samples
     assert found.response.saturation == 255
     assert error('rec709', found) < 4.0
     assert found.exponent == pytest.approx(0.55, abs=0.03)

@@ -157,7 +157,7 @@ def _focal_length(value: float) -> Callable[[CameraInfo], None]:
 @pytest.mark.parametrize(
     'change, sentence',
     [
-        (_set(encoding='rgb16'), "the encoding is 'rgb16'; it must be mono8"),
+        (_set(encoding='32FC1'), "the encoding is '32FC1'; it must be mono8"),
         (_set(encoding='32FC1', data=array('f', [nan]).tobytes() * 160 * 120, step=640),
          "the encoding is '32FC1'; it must be mono8"),
         (_set(width=0), 'neither may be 0'),

@@ -11,7 +11,7 @@ import pytest
 import rclpy
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from support.node_classes import CLASSES, OPENED
+from support.node_classes import CHANGED, CLASSES, OPENED
 import yaml
 
 # What rclpy gives to every node.
@@ -41,6 +41,10 @@ def nodes(domain: int) -> Iterator[dict[str, Node]]:
     try:
         for kind in CLASSES.values():
             made.append(kind())
+            made[-1].set_parameters([
+                Parameter(name, value=value)
+                for name, value in CHANGED.get(made[-1].get_name(), {}).items()
+            ])
         yield {node.get_name(): node for node in made}
     finally:
         for node in made:

@@ -19,3 +19,5 @@ OPENED: dict[str, dict[str, Any]] = {
     'tracker': {'imu.enabled': True, 'joints.pan': 'pan'},
     'simulator': {'pan_tilt': True},
 }
+# What a change opens besides: at the start it would be in place of another.
+CHANGED: dict[str, dict[str, Any]] = {'segmenter': {'image_transport': 'compressed'}}

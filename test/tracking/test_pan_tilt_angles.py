@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.tracking import PanTiltAngles, PlatformGap, StampJump, TrackingError
-from blob_tracker.tracking.pan_tilt_angles import UNKNOWN_RATE_RAD_S
+from blob_tracker.tracking.joint_angle import UNKNOWN_RATE_RAD_S
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -46,7 +46,7 @@ def test_a_turn_is_taken_the_short_way() -> None:
 def test_order_and_gaps() -> None:
     """A late sample is put in its place, an instant that is not covered is told."""
     angles = PanTiltAngles(hold=0.1, memory=1.0)
-    with pytest.raises(PlatformGap, match='no joint angles have come'):
+    with pytest.raises(PlatformGap, match='no angle of pan has come'):
         angles.at(0)
     angles.push(100 * MS, 0.2, 0.0)
     angles.push(0, 0.0, 0.0)
@@ -73,8 +73,8 @@ def test_order_and_gaps() -> None:
 
 def test_impossible_angles_and_parameters_are_refused() -> None:
     """Each by its name."""
-    for pan, tilt in ((np.nan, 0.0), (0.0, np.inf)):
-        with pytest.raises(TrackingError, match='pan and tilt'):
+    for pan, tilt, name in ((np.nan, 0.0, 'pan'), (0.0, np.inf, 'tilt')):
+        with pytest.raises(TrackingError, match=f'{name} is'):
             PanTiltAngles().push(0, pan, tilt)
     with pytest.raises(TrackingError, match='hold'):
         PanTiltAngles(hold=-1.0)
@@ -119,16 +119,46 @@ def test_the_variance_past_the_newest_sample() -> None:
                 angles.push(time * MS, 0.0, angle)
             seen = of_rays(angles.at((20 + ahead) * MS)[None, :, 2])[0, 1]
             strayed.append(1e-3 * seen - true[3])
-            stated = angles.variance_at((20 + ahead) * MS)
+            stated = angles.variances_at((20 + ahead) * MS)[1]
         # A variance of 2000 draws is known to 3 %, three times.
         assert np.mean(np.square(strayed)) / stated == pytest.approx(1.0, abs=0.1)
     for between in (0, 7, 20):
-        assert angles.variance_at(between * MS) == sigma**2
+        assert angles.variances_at(between * MS) == (sigma**2, sigma**2)
 
 
 def test_an_unknown_rate_is_uncertain() -> None:
     """After a first sample the pan/tilt may turn, however still it seems."""
     angles = PanTiltAngles(sigma=1e-3)
     angles.push(0, 0.1, 0.2)
-    assert angles.variance_at(0) == 1e-6
-    assert angles.variance_at(10 * MS) == pytest.approx(1e-6 + (UNKNOWN_RATE_RAD_S * 0.01) ** 2)
+    assert angles.variances_at(0) == (1e-6, 1e-6)
+    unsure = 1e-6 + (UNKNOWN_RATE_RAD_S * 0.01) ** 2
+    assert angles.variances_at(10 * MS) == pytest.approx((unsure, unsure))
+
+
+def test_each_joint_has_samples_of_its_own() -> None:
+    """Of one joint a sample, at other instants and rates; known until the older of the newest."""
+    angles = PanTiltAngles(sigma=1e-4)
+    for index in range(11):
+        angles.push(index * 10 * MS, 0.01 * index, None)
+    assert angles.newest_ns is None
+    with pytest.raises(PlatformGap, match='no angle of tilt has come'):
+        angles.at(100 * MS)
+    for stamp in (3, 53):
+        angles.push(stamp * MS, None, 0.002 * stamp)
+    assert angles.newest_ns == 53 * MS
+    assert of_rays(angles.at(28 * MS)[None, :, 2])[0] == pytest.approx((28.0, 56.0))
+    # The one is known at that instant, the other goes on at its rate.
+    pan, tilt = angles.variances_at(60 * MS)
+    assert pan == 1e-8
+    assert tilt > 1e-8
+    with pytest.raises(PlatformGap, match='the newest angle of tilt is 0.207 s old'):
+        angles.at(260 * MS)
+
+
+def test_what_is_said_twice_is_no_fault() -> None:
+    """A driver that repeats its last state; another angle at that stamp is one."""
+    angles = PanTiltAngles()
+    angles.push(0, 0.1, 0.2)
+    angles.push(0, 0.1, None)
+    with pytest.raises(TrackingError, match='another angle of pan with the stamp'):
+        angles.push(0, 0.3, None)

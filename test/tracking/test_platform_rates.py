@@ -252,3 +252,17 @@ def test_a_blow_that_is_real_is_no_fault() -> None:
         assert platform.newest_ns == round(1e9 * time)
     for time, rate in zip(times[:-1], rates):  # at the newest it is that of the line
         np.testing.assert_array_equal(platform.rate_at(round(1e9 * time)), [rate, 0.0, 0.0])
+
+
+def test_distrusted_samples_are_a_gap() -> None:
+    """At each instant, with the reason, for as long as it lasts."""
+    rates = PlatformRates()
+    for index in range(5):
+        rates.push(index * 10_000_000, [0.0, 0.1, 0.0])
+    rates.distrusted = 'its rates are in degrees/s'
+    with pytest.raises(PlatformGap, match='degrees/s'):
+        rates.rate_at(20_000_000)
+    with pytest.raises(PlatformGap, match='degrees/s'):
+        rates.between(10_000_000, 20_000_000)
+    rates.distrusted = ''
+    assert rates.rate_at(20_000_000)[1] == pytest.approx(0.1)

@@ -528,11 +528,11 @@ def test_pan_tilt() -> None:
     assert picture.state[:2] == pytest.approx(seen, abs=1e-3)
     earlier = of_rays((pan_tilt.at(29 * FRAME - MS).T @ direction)[None])[0]
     np.testing.assert_allclose(picture.rate, (seen - earlier) / 1e-3, atol=0.3)
-    with pytest.raises(TrackingError, match='no direction in the base: the newest joint angles'):
+    with pytest.raises(TrackingError, match='no direction in the base: the newest angle of pan'):
         tracker.update(Bearing(0.0, 0.0, COVARIANCE, 29 * FRAME + 201 * MS))
     assert tracker.at(29 * FRAME + 250 * MS) is not None
     assert tracker.seen_at(29 * FRAME + 250 * MS) is None
-    assert 'the newest joint angles' in tracker.reason
+    assert 'the newest angle of pan' in tracker.reason
 
 
 def test_the_error_of_the_joints_is_in_the_covariance() -> None:

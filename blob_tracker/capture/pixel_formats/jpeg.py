@@ -38,7 +38,9 @@ def jpeg(data: PixelData, width: int, height: int, stride: int) -> NDArray[np.ui
 
     """
     picture = bytes(data)
-    end = _end(picture, width, height)
+    end, size = extent(picture)
+    if size is not None and size != (width, height):
+        raise ValueError(f'the JPEG is {size[0]}x{size[1]}, not {width}x{height}')
     luma = cv2.imdecode(
         np.frombuffer(picture, np.uint8, end),
         cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION,
@@ -104,25 +106,30 @@ def _quantisation(content: bytes) -> dict[int, NDArray[np.uint16]]:
     return tables
 
 
-def _end(picture: bytes, width: int, height: int) -> int:
+def extent(picture: bytes) -> tuple[int, tuple[int, int] | None]:
     """
-    Return where a JPEG ends, having gone through all of its segments.
+    Return where a JPEG ends, and its width and height, having gone through all of its segments.
 
     The decoder would fill what is missing with grey, and make room for any size, without a word.
+
+    Raises
+    ------
+    ValueError
+        The picture is cut short or damaged.
+
     """
     if not picture.startswith(_START):
         raise ValueError('this is no JPEG: its first marker is missing')
     place = len(_START)
+    size: tuple[int, int] | None = None
     while (marker := picture[place:place + 2]) != _END:
         if len(marker) < 2 or marker[0] != 0xff:
             raise ValueError('the JPEG is cut short or damaged: its last marker is missing')
         if marker in _FRAMES:
             size = (int.from_bytes(picture[place + 7:place + 9], 'big'),
                     int.from_bytes(picture[place + 5:place + 7], 'big'))
-            if size != (width, height):
-                raise ValueError(f'the JPEG is {size[0]}x{size[1]}, not {width}x{height}')
         place += 2 + int.from_bytes(picture[place + 2:place + 4], 'big')
         if marker == _SCAN:
             following = _MARKER.search(picture, place)
             place = following.start() if following else len(picture)
-    return place + len(_END)
+    return place + len(_END), size

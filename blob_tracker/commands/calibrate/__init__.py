@@ -13,6 +13,7 @@ CALIBRATIONS: dict[str, str] = {
     'board': 'lens, from images of a chessboard, a ChArUco board or a grid of dots',
     'convert': "another program's calibration file, written as ROS has it",
     'flash': 'which lights blink, how, and the parameters that track them',
+    'imu': 'how the IMU sits beside the camera, its clock and its bias',
     'jitter': 'line offsets of an analogue grabber, from frames of a vertical edge',
     'line_time': 'how fast a rolling shutter reads its lines, from the bands of a lamp',
     'noise': 'gain, read noise and saturation: photon transfer',

@@ -162,7 +162,7 @@ def _views(arguments: argparse.Namespace, board: Board) -> list[View]:
                 'corners; Ctrl-C ends it.', highlight=False,
             )
         try:
-            for count, (name, _, image) in enumerate(
+            for count, (name, _, image, _) in enumerate(
                 grey_frames(source, response=response_of(arguments)), start=1
             ):
                 seen = name, image

@@ -10,7 +10,7 @@ from pathlib import Path
 from blob_tracker.calibration.response_series import Shot
 from blob_tracker.commands.calibrate.frame_index import INDEX, index_rows
 from blob_tracker.commands.calibrate.noise_pairs import frames_of, STEP
-from blob_tracker.commands.sources import is_folder, SourceError
+from blob_tracker.commands.sources import GreyFrame, is_folder, SourceError
 from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -27,10 +27,12 @@ class _Group:
         self.exposure = exposure
         self.frames: list[Pixels] = []
         self.count = 0
+        self.sensor = 0, 0
         self._sum: NDArray[np.float64] | None = None
 
-    def add(self, frame: Pixels) -> None:
+    def add(self, taken: GreyFrame) -> None:
         """Take a frame."""
+        frame, self.sensor = taken.pixels, taken.sensor
         if self.count == MOST_FRAMES:
             return
         if self._sum is None:
@@ -50,7 +52,7 @@ class _Group:
         assert self._sum is not None
         mean = np.asarray(self._sum / self.count, dtype=np.float32)
         time = self.exposure if exposure is None else exposure
-        return Shot(time, mean, tuple(self.frames))
+        return Shot(time, mean, tuple(self.frames), self.sensor)
 
 
 def shots_of(
@@ -76,11 +78,11 @@ def shots_of(
     """
     stream = frames_of(arguments, console)
     if not is_folder(arguments):
-        return _given(_runs(image for _, image in stream), exposures)
+        return _given(_runs(stream), exposures)
     index = Path(arguments.source) / INDEX
     if index.is_file() and not exposures:
         return _indexed(index, stream)
-    frames = [image for _, image in stream]
+    frames = list(stream)
     each = len(frames) // len(exposures) if exposures else 2
     if not each or len(frames) % each or (exposures and len(frames) != each * len(exposures)):
         raise SourceError(
@@ -109,7 +111,7 @@ def _given(groups: Sequence[_Group], exposures: Sequence[float]) -> list[Shot]:
     return [each.shot(time) for each, time in zip(groups, exposures)]
 
 
-def _runs(stream: Iterable[Pixels]) -> list[_Group]:
+def _runs(stream: Iterable[GreyFrame]) -> list[_Group]:
     """
     Return the runs of one brightness.
 
@@ -118,21 +120,21 @@ def _runs(stream: Iterable[Pixels]) -> list[_Group]:
     """
     groups: list[_Group] = []
     level = -1.0
-    for image in stream:
-        mean = float(image.mean())
+    for frame in stream:
+        mean = float(frame.pixels.mean())
         if level < 0.0 or abs(mean - level) > STEP * level + 1.0:
             if groups and not groups[-1].count:
                 groups.pop()
             groups.append(_Group())
             level = mean
             continue
-        groups[-1].add(image)
+        groups[-1].add(frame)
     if groups and not groups[-1].count:
         groups.pop()
     return groups
 
 
-def _indexed(index: Path, stream: Iterator[tuple[str, Pixels]]) -> list[Shot]:
+def _indexed(index: Path, stream: Iterator[GreyFrame]) -> list[Shot]:
     """Return the exposures of a folder by its index."""
     rows, columns = index_rows(index)
     column = next((name for name in COLUMNS if name in columns), None)
@@ -150,10 +152,10 @@ def _indexed(index: Path, stream: Iterator[tuple[str, Pixels]]) -> list[Shot]:
                 f"{index}: {column} of {row['file']} is '{row[column]}'; it must be a number"
             ) from None
     groups: dict[float, _Group] = {}
-    for name, image in stream:
-        if name in times:
-            time = times.pop(name)
-            groups.setdefault(time, _Group(time)).add(image)
+    for frame in stream:
+        if frame.name in times:
+            time = times.pop(frame.name)
+            groups.setdefault(time, _Group(time)).add(frame)
     if times:
         raise SourceError(f'{index} names {min(times)}, which is not in the folder')
     return [each.shot() for each in groups.values()]

@@ -76,7 +76,7 @@ def _watch(arguments: argparse.Namespace, console: Console) -> tuple[Watch, Pixe
     series = longest = _Series(arguments.exposure)
     begun, watched = 1, 0.0
     response = response_of(arguments)
-    for _, seconds, pixels in shown_frames(arguments, console, 'watching', live_seconds=LIVE_S):
+    for _, seconds, pixels, _ in shown_frames(arguments, console, 'watching', live_seconds=LIVE_S):
         if seconds is None:
             raise SourceError(unstamped(arguments))
         full = clipping_level(response, arguments.saturation, pixels)

@@ -48,7 +48,7 @@ def main(arguments: argparse.Namespace) -> None:
 
     def pixels() -> Iterator[Pixels]:
         nonlocal width
-        for _, _, frame in shown_frames(
+        for _, _, frame, _ in shown_frames(
             arguments, console, 'placing the edge', live_frames=LIVE_FRAMES, woven=True
         ):
             width = frame.shape[1]

@@ -40,7 +40,7 @@ def main(arguments: argparse.Namespace) -> None:
     console = Console()
     shown = shown_frames(arguments, console, 'reading the lines', live_frames=LIVE_FRAMES)
     measurement = measure_line_time(
-        ((seconds, pixels) for _, seconds, pixels in shown), arguments.frequency
+        ((seconds, pixels) for _, seconds, pixels, _ in shown), arguments.frequency
     )
     _report(console, measurement)
     tell_of(console, arguments.out)

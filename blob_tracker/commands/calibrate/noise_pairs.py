@@ -10,7 +10,9 @@ from pathlib import Path
 from blob_tracker.calibration.frame_pair import Pair, pair_of, PhotonTransferError
 from blob_tracker.calibration.temporal_correlation import Succession
 from blob_tracker.commands.calibrate.frame_index import find_index, INDEX, Light, read_index
-from blob_tracker.commands.sources import grey_frames, is_folder, is_live, SourceError
+from blob_tracker.commands.sources import (
+    grey_frames, GreyFrame, is_folder, is_live, SourceError,
+)
 from blob_tracker.commands.sources.folder import open_images
 from blob_tracker.commands.sources.response import response_of
 from blob_tracker.commands.sources.shown_frames import shown_frames, with_bar
@@ -58,21 +60,20 @@ def pairs_of(
 
 
 def watched(
-    stream: Iterable[tuple[str, Pixels]], succession: Succession, dark: bool = False
+    stream: Iterable[GreyFrame], succession: Succession, dark: bool = False
 ) -> Iterator[tuple[str, Pixels]]:
-    """Yield the frames of a stream, and show them to a succession."""
-    for name, image in stream:
-        succession.add(image, dark)
-        yield name, image
+    """Yield names and pixels of the frames of a stream, and show them to a succession."""
+    for each in stream:
+        succession.add(each.pixels, dark)
+        yield each.name, each.pixels
 
 
-def frames_of(arguments: argparse.Namespace, console: Console) -> Iterator[tuple[str, Pixels]]:
-    """Yield names and raw pixels of the frames of a source, with a progress bar."""
-    for name, _, image in shown_frames(
+def frames_of(arguments: argparse.Namespace, console: Console) -> Iterator[GreyFrame]:
+    """Yield the frames of a source, of a mosaic single samples, with a progress bar."""
+    return shown_frames(
         arguments, console, f'frames of {arguments.source}', live_seconds=LIVE_S,
         interpolate=False,
-    ):
-        yield name, image
+    )
 
 
 def in_twos(
@@ -153,7 +154,7 @@ def _indexed(
     held: dict[Light, Pixels] = {}
     paired: set[Light] = set()
     pairs = []
-    for light, (_, _, image) in zip(lights.values(), with_bar(
+    for light, (_, _, image, _) in zip(lights.values(), with_bar(
         stream, source, arguments, console, f'frames of {index}'
     )):
         succession.add(image, light)

@@ -90,16 +90,16 @@ def main(arguments: argparse.Namespace) -> None:
 def _windows(
     arguments: argparse.Namespace, console: Console
 ) -> tuple[list[Window], int, int, str]:
-    """Return the windows of the source, the size of its frames, and why the last gave none."""
+    """Return the windows of the source, the size of the sensor, and why the last gave none."""
     segmenter = Segmenter(flash=flash_by_name(arguments.flash))
     windows: list[Window] = []
     width = height = 0
     reason = 'there are no frames'
     response = response_of(arguments)
-    for index, (_, seconds, pixels) in enumerate(shown_frames(
+    for index, (_, seconds, pixels, sensor) in enumerate(shown_frames(
         arguments, console, 'finding the flashes', live_frames=LIVE_FRAMES
     )):
-        height, width = pixels.shape
+        width, height = sensor
         full = clipping_level(response, arguments.saturation, pixels)
         stamp_ns = index * INTERVAL_NS if seconds is None else round(1e9 * seconds)
         try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from math import isfinite, isnan
 from pathlib import Path
 import shlex
@@ -76,7 +77,7 @@ def main(arguments: argparse.Namespace) -> None:
         flats, dark = _flats(arguments, console, shots)
         measurement = response_of_flats(
             flats, dark=dark, saturation=arguments.saturation, read_noise=arguments.read_noise,
-            **names,
+            sensor=shots[0].sensor, **names,
         )
     elif any(isnan(each.exposure) for each in shots):
         raise UsageError(
@@ -108,7 +109,7 @@ def _flats(
     if arguments.dark:
         dark = argparse.Namespace(**{**vars(arguments), 'source': arguments.dark})
         shots = shots + [
-            Shot(0.0, each.mean, each.frames) for each in shots_of(dark, console, [])
+            replace(each, exposure=0.0) for each in shots_of(dark, console, [])
         ]
     pairs = [(each.exposure, each.frames) for each in shots if len(each.frames) == 2]
     dark_pairs = [(frames[0], frames[1]) for time, frames in pairs if time == 0.0]

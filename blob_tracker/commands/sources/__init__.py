@@ -21,15 +21,16 @@ from blob_tracker.commands.sources.bag import open_bag
 from blob_tracker.commands.sources.device import is_device, open_device
 from blob_tracker.commands.sources.folder import open_folder, SUFFIXES
 from blob_tracker.commands.sources.raw import open_raw
-from blob_tracker.commands.sources.response import add_response, linear_pixels
-from blob_tracker.commands.sources.source import Source, SourceError, SourceFrame
+from blob_tracker.commands.sources.response import add_response, linear_frame
+from blob_tracker.commands.sources.source import (
+    GreyFrame, reach, Source, SourceError, SourceFrame,
+)
 from blob_tracker.commands.sources.topic import open_topic
 from blob_tracker.ros.bags import is_bag
-from blob_tracker.types import Pixels
 
 __all__ = [
-    'add_source', 'grey_frames', 'is_folder', 'is_live', 'is_topic', 'open_source', 'Source',
-    'SourceError', 'SourceFrame', 'unstamped',
+    'add_source', 'grey_frames', 'GreyFrame', 'is_folder', 'is_live', 'is_topic', 'open_source',
+    'reach', 'Source', 'SourceError', 'SourceFrame', 'unstamped',
 ]
 
 # Formats of frames that no maintained library reads: what to make of them.
@@ -115,8 +116,7 @@ def is_live(arguments: argparse.Namespace) -> bool:
 
 
 def open_source(
-    arguments: argparse.Namespace, *, interpolate: bool = True, calibrated: bool = False,
-    woven: bool = False,
+    arguments: argparse.Namespace, *, calibrated: bool = False, woven: bool = False
 ) -> Source:
     """
     Open SOURCE.
@@ -125,8 +125,6 @@ def open_source(
     ----------
     arguments : Namespace
         Of a parser that `add_source` filled.
-    interpolate : bool
-        As in `grey_frames`, of a topic.
     calibrated : bool
         Whether the calibration is wanted that a bag has, see `open_bag`.
     woven : bool
@@ -146,7 +144,7 @@ def open_source(
     path, rate = Path(arguments.source), arguments.frame_rate
     name = path.name.lower()
     if is_topic(arguments):
-        source = open_topic(arguments.source, interpolate=interpolate, woven=woven)
+        source = open_topic(arguments.source, woven=woven)
     elif is_device(path):
         source = open_device(path, arguments.pixel_format, arguments.size, rate)
     elif is_bag(path):
@@ -186,7 +184,7 @@ def unstamped(arguments: argparse.Namespace) -> str:
 
 def grey_frames(
     source: Source, *, interpolate: bool = True, response: Response | None = None
-) -> Iterator[tuple[str, float | None, Pixels]]:
+) -> Iterator[GreyFrame]:
     """
     Yield the frames of a source without their colours.
 
@@ -198,35 +196,38 @@ def grey_frames(
         Whether the frames of a Bayer mosaic are interpolated to all pixels, for their places; else
         they are samples of one colour, for their noise.
     response : Response, optional
-        Makes the pixels linear.
+        Makes the pixels linear, each colour by itself.
 
     Yields
     ------
-    str, float or None, (h, w) uint8 or uint16 array
-        A name to call the frame by, its stamp in s since the first (None where it has none), and
-        its raw pixels; luma where it has colours.
+    GreyFrame
+        Raw pixels, or linear ones.
 
     Raises
     ------
     SourceError
-        Where one cannot be read.
+        Where one cannot be read, or the response is of other ones.
 
     """
     first_ns: int | None = None
-    for name, frame, stamped in source.frames:
+    for name, frame, stamped, told in source.frames:
         first_ns = frame.stamp_ns if first_ns is None else first_ns
         seconds = (frame.stamp_ns - first_ns) / 1e9 if stamped else None
+        sensor = told or reach(frame)
+        if response is not None:
+            frame = linear_frame(frame, sensor, response)
         try:
             pixels = grey_pixels(frame, interpolate=interpolate)
         except ValueError as error:
             raise SourceError(f'{name}: {error}') from None
-        yield name, seconds, pixels if response is None else linear_pixels(pixels, response)
+        yield GreyFrame(name, seconds, pixels, sensor)
 
 
 def _evenly(frames: Iterable[SourceFrame], rate: float) -> Iterator[SourceFrame]:
     """Yield frames at an even rate, Hz."""
-    for index, (name, frame, _) in enumerate(frames):
-        yield SourceFrame(name, replace(frame, stamp_ns=round(1e9 * index / rate)), True)
+    for index, each in enumerate(frames):
+        frame = replace(each.frame, stamp_ns=round(1e9 * index / rate))
+        yield each._replace(frame=frame, stamped=True)
 
 
 def _for_seconds(frames: Iterable[SourceFrame], longest: float) -> Iterator[SourceFrame]:

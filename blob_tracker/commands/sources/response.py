@@ -8,7 +8,7 @@ from pathlib import Path
 from blob_tracker.camera import CalibrationError
 from blob_tracker.camera.response import Response
 from blob_tracker.commands.sources.source import SourceError
-from blob_tracker.types import Pixels
+from blob_tracker.types import Frame, Pixels
 import numpy as np
 
 
@@ -37,11 +37,10 @@ def clipping_level(response: Response | None, saturation: int | None, pixels: Pi
     return saturation or int(np.iinfo(pixels.dtype).max)
 
 
-def linear_pixels(pixels: Pixels, response: Response) -> Pixels:
-    """Return pixels in linear DN, or raise SourceError where the response is of other ones."""
+def linear_frame(frame: Frame, sensor: tuple[int, int], response: Response) -> Frame:
+    """Return a frame in linear DN, or raise SourceError where the response is of other ones."""
     try:
-        response.check_size(pixels.shape[1], pixels.shape[0])
-        response.check(8 * pixels.itemsize, response.saturation)
+        response.check_size(*sensor)
+        return response.linear_frame(frame)
     except CalibrationError as error:
         raise SourceError(str(error)) from None
-    return response.linear_pixels(pixels)

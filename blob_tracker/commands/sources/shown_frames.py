@@ -7,9 +7,10 @@ from collections.abc import Callable, Iterable, Iterator
 import signal
 from typing import TypeVar
 
-from blob_tracker.commands.sources import grey_frames, is_live, open_source, Source
+from blob_tracker.commands.sources import (
+    grey_frames, GreyFrame, is_live, open_source, Source,
+)
 from blob_tracker.commands.sources.response import response_of
-from blob_tracker.types import Pixels
 from rich.console import Console
 from rich.progress import track
 
@@ -25,7 +26,7 @@ def shown_frames(
     live_seconds: float | None = None,
     interpolate: bool = True,
     woven: bool = False,
-) -> Iterator[tuple[str, float | None, Pixels]]:
+) -> Iterator[GreyFrame]:
     """
     Yield the frames of SOURCE without their colours.
 
@@ -49,7 +50,7 @@ def shown_frames(
 
     Yields
     ------
-    str, float or None, (h, w) uint8 or uint16 array
+    GreyFrame
         What `grey_frames` does.
 
     Raises
@@ -62,10 +63,8 @@ def shown_frames(
     """
     if is_live(arguments) and arguments.seconds is None and arguments.count is None:
         arguments.count, arguments.seconds = live_frames, live_seconds
-    source = open_source(arguments, interpolate=interpolate, woven=woven)
-    stream = grey_frames(
-        source, interpolate=interpolate, response=response_of(arguments)
-    )
+    source = open_source(arguments, woven=woven)
+    stream = grey_frames(source, interpolate=interpolate, response=response_of(arguments))
     if is_live(arguments):
         console.print(
             f'Listening to {arguments.source} for {in_words(arguments)}; Ctrl-C ends it earlier, '

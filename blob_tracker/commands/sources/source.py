@@ -32,12 +32,38 @@ class SourceFrame(NamedTuple):
         Its stamp counts from any instant.
     stamped : bool
         Whether it has a stamp.
+    sensor : (int, int) or None
+        Width and height of the full, unbinned sensor, px, where the source tells them.
 
     """
 
     name: str
     frame: Frame
     stamped: bool
+    sensor: tuple[int, int] | None = None
+
+
+class GreyFrame(NamedTuple):
+    """
+    A frame of a source without its colours.
+
+    Parameters
+    ----------
+    name : str
+        To call it by.
+    seconds : float or None
+        Its stamp in s since the first frame's; None where it has none.
+    pixels : (h, w) uint8 or uint16 array
+        DN; luma where it had colours.
+    sensor : (int, int)
+        Width and height of the full, unbinned sensor, px, as far as the source tells.
+
+    """
+
+    name: str
+    seconds: float | None
+    pixels: Pixels
+    sensor: tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -65,6 +91,12 @@ class Source:
     stamps: str = ''
     camera_model: CameraModel | None = None
     uncalibrated: str = ''
+
+
+def reach(frame: Frame) -> tuple[int, int]:
+    """Return how far a frame reaches on the sensor, px: its size, where no one tells that."""
+    height, width = frame.image.shape[:2]
+    return frame.x0 + width * frame.binning[0], frame.y0 + height * frame.binning[1]
 
 
 def library(name: str, what: str) -> ModuleType:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from blob_tracker.commands.sources.source import frame_of, Source, SourceError, SourceFrame
+from blob_tracker.commands.sources.source import Source, SourceError, SourceFrame
 
 
-def open_topic(topic: str, *, interpolate: bool, woven: bool) -> Source:
-    """Listen to a topic; its images are grey, see `blob_tracker.colour.grey_pixels`."""
-    return Source(_frames(topic, interpolate, woven), stamps='the messages')
+def open_topic(topic: str, *, woven: bool) -> Source:
+    """Listen to a topic."""
+    return Source(_frames(topic, woven), stamps='the messages')
 
 
-def _frames(topic: str, interpolate: bool, woven: bool) -> Iterator[SourceFrame]:
+def _frames(topic: str, woven: bool) -> Iterator[SourceFrame]:
     try:
         from blob_tracker.ros.endpoints.live_images import live_images, NoImagesError
     except ImportError:
@@ -20,7 +20,11 @@ def _frames(topic: str, interpolate: bool, woven: bool) -> Iterator[SourceFrame]
             f"there is no folder '{topic}', and no ROS to listen to a topic of that name"
         ) from None
     try:
-        for seconds, pixels in live_images(topic, interpolate=interpolate, woven=woven):
-            yield frame_of(pixels, f'{seconds:.3f} s', round(1e9 * seconds))
+        first_ns: int | None = None
+        for frame, sensor in live_images(topic, woven=woven):
+            first_ns = frame.stamp_ns if first_ns is None else first_ns
+            yield SourceFrame(
+                f'{(frame.stamp_ns - first_ns) / 1e9:.3f} s', frame, True, sensor
+            )
     except NoImagesError as error:
         raise SourceError(str(error)) from None

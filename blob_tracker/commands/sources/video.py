@@ -13,6 +13,7 @@ SUFFIXES = (
     '.avi', '.h264', '.m4v', '.mjpeg', '.mjpg', '.mkv', '.mov', '.mp4', '.mpeg', '.mpg', '.mts',
     '.ts', '.webm', '.wmv',
 )
+COUNTED = ('.avi', '.m4v', '.mov', '.mp4')  # whose header has the frames; of others it is a guess
 
 
 def open_video(path: Path) -> Source:
@@ -24,16 +25,22 @@ def open_video(path: Path) -> Source:
             'convert it to FFV1 (.mkv)'
         )
     count = int(video.get(cv2.CAP_PROP_FRAME_COUNT))
-    return Source(_frames(video), count if count > 0 else None, 'the video')
+    whole = count if path.suffix.lower() in COUNTED else 0
+    return Source(_frames(path, video, whole), count if count > 0 else None, 'the video')
 
 
-def _frames(video: cv2.VideoCapture) -> Iterator[SourceFrame]:
+def _frames(path: Path, video: cv2.VideoCapture, whole: int) -> Iterator[SourceFrame]:
     """Yield the frames; those for which there is no time go on at the pace of those before."""
     index, last, step = 0, 0.0, 0.0
     try:
         while True:
             there, pixels = video.read()
             if not there:
+                if index < whole:
+                    raise SourceError(
+                        f'{path} ends after {index} of {whole} frames: it was cut or is damaged; '
+                        'copy it anew'
+                    )
                 return
             told = video.get(cv2.CAP_PROP_POS_MSEC) / 1e3  # of the frame that was read
             seconds: float | None = told

@@ -15,11 +15,12 @@ from blob_tracker.camera import CalibrationError, CameraModel
 from blob_tracker.commands import INSTALL_ROS
 from blob_tracker.commands.exit_code import check_out, exit_code, INTERRUPTED, UsageError
 from blob_tracker.commands.sources import (
-    add_source, is_live, is_topic, open_source, Source, SourceError, SourceFrame, unstamped,
+    add_source, is_live, is_topic, open_source, reach, Source, SourceError, SourceFrame,
+    unstamped,
 )
 from blob_tracker.commands.sources.shown_frames import in_words, until_interrupt, with_bar
 from blob_tracker.commands.track.annotated import Video
-from blob_tracker.commands.track.chain import Chain, sensor_size
+from blob_tracker.commands.track.chain import Chain
 from blob_tracker.commands.track.options import add_options, values_of
 from blob_tracker.commands.track.outcome import Summary
 from blob_tracker.commands.track.picture import draw_track
@@ -89,7 +90,7 @@ def _track(arguments: argparse.Namespace) -> int:
         location.compile_ahead([values['method']])
         segmentation.compile_ahead()
     frames, first = _peeked(source)
-    size = sensor_size(first.frame)
+    size = reach(first.frame)
     if model is None and values['field_of_view']:
         model = CameraModel.from_field_of_view(*size, values['field_of_view'])
     chain = Chain(values, source.camera_model if model is None else model, first.frame)
@@ -104,7 +105,7 @@ def _track(arguments: argparse.Namespace) -> int:
             writers.callback(video.close)
         stream = until_interrupt(frames, lambda: stopped.append(True))
         try:
-            for name, frame, _ in with_bar(stream, source, arguments, console, 'tracking'):
+            for name, frame, _, _ in with_bar(stream, source, arguments, console, 'tracking'):
                 outcomes = list(chain.outcomes(name, frame))
                 summary.frames.append(frame.stamp_ns)
                 for outcome in outcomes:

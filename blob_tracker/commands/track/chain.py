@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from blob_tracker.camera import CalibrationError, CameraModel
+from blob_tracker.commands.sources import reach
 from blob_tracker.commands.track.outcome import Outcome, Sentences
 from blob_tracker.location import method_options
 from blob_tracker.pipeline import Pipeline
@@ -59,7 +60,7 @@ class Chain:
         new_segmenter = segmenter_of(values)
         pulse, self.note = pulse_of(values['pulse_url'], values['method'])
         self.angles = camera_model is not None
-        width, height = sensor_size(frame)
+        width, height = reach(frame)
         if camera_model is None:  # its angles are shown to nobody
             camera_model = CameraModel.from_field_of_view(width, height, ANY_FIELD_OF_VIEW)
         else:
@@ -120,17 +121,11 @@ class Chain:
         return frame
 
 
-def sensor_size(frame: Frame) -> tuple[int, int]:
-    """Return how far a frame reaches on the sensor, px."""
-    height, width = frame.image.shape[:2]
-    return frame.x0 + width * frame.binning[0], frame.y0 + height * frame.binning[1]
-
-
 def _check_size(camera_model: CameraModel, frame: Frame) -> None:
     """Refuse the calibration of another size; of a crop nobody knows where the sensor ends."""
     size = camera_model.width, camera_model.height
-    if (frame.x0, frame.y0, frame.binning) == (0, 0, (1, 1)) and sensor_size(frame) != size:
-        width, height = sensor_size(frame)
+    if (frame.x0, frame.y0, frame.binning) == (0, 0, (1, 1)) and reach(frame) != size:
+        width, height = reach(frame)
         raise CalibrationError(
             f'the calibration is for {size[0]} x {size[1]} px and the frames are of {width} x '
             f'{height} px; calibrate at {width} x {height} px'

@@ -6,13 +6,28 @@ from blob_tracker.nodes.interface.line_time import LINE_TIME
 from blob_tracker.nodes.interface.response import RESPONSE
 from blob_tracker.nodes.interface.saturation import SATURATION
 from blob_tracker.nodes.interface.topics import (
-    CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, NOISE, SEGMENTER_PICTURE, TRACK, VISIBLE,
-    WINDOW_IMAGE, WINDOW_INFO,
+    CAMERA_IMAGE, CAMERA_INFO, COMPRESSED_IMAGE, DIAGNOSTICS, NOISE, SEGMENTER_PICTURE, TRACK,
+    VISIBLE, WINDOW_IMAGE, WINDOW_INFO,
 )
 from blob_tracker.ros.interface import Interface, Parameter
 from blob_tracker.segmentation import REGISTRATIONS, THRESHOLDS
 
 PARAMETERS = (
+    Parameter(
+        'image_transport',
+        'raw',
+        'How the frames of another driver or a bag arrive, as image_transport names it. '
+        'compressed: as JPEG or PNG on camera/image_raw/compressed; the rounding of a JPEG is in '
+        'the covariance.',
+        choices=('raw', 'compressed'),
+    ),
+    Parameter(
+        'camera_info_url',
+        '',
+        'Calibration that stands in where no camera_info comes with the frames of another driver '
+        'or a bag, or one with K 0: a path, file:// or package:// URL. Images then have to be of '
+        'its size. The camera node in the same process reads its own.',
+    ),
     *FLASH,
     Parameter(
         'flash.frames',
@@ -142,7 +157,7 @@ INTERFACE = Interface(
     'what flashes',
     'Finds the flash in the frames and cuts its pixels out, lit and unlit.',
     PARAMETERS,
-    subscribed=(CAMERA_IMAGE, CAMERA_INFO, TRACK),
+    subscribed=(CAMERA_IMAGE, COMPRESSED_IMAGE, CAMERA_INFO, TRACK),
     published=(WINDOW_IMAGE, WINDOW_INFO, VISIBLE, NOISE, SEGMENTER_PICTURE, DIAGNOSTICS),
     each_light=(WINDOW_IMAGE, WINDOW_INFO, VISIBLE),
     examples=(

@@ -7,6 +7,11 @@ CAMERA_IMAGE = Topic(
     'sensor_msgs/Image',
     'frames, mono8 or mono16; stamp: the middle of the exposure of the first line, in ROS time',
 )
+COMPRESSED_IMAGE = Topic(
+    'camera/image_raw/compressed',
+    'sensor_msgs/CompressedImage',
+    'with `image_transport` compressed: the frames as image_transport compresses them (JPEG, PNG)',
+)
 CAMERA_INFO = Topic(
     'camera/camera_info',
     'sensor_msgs/CameraInfo',

@@ -126,6 +126,26 @@ PARAMETERS = (
         'imu.yaw', YAW, 'The third angle of that turn.', least=-pi, most=pi, unit='rad'
     ),
     Parameter(
+        'imu.stamp_offset',
+        0.0,
+        'How late the stamps of the IMU are, by those of the bearings; it is taken off. '
+        '`calibrate imu` measures it.',
+        least=-1.0,
+        most=1.0,
+        unit='s',
+    ),
+    *(
+        Parameter(
+            f'imu.bias_{axis}',
+            0.0,
+            f"What the gyro's {axis} says at rest, which is taken off; `calibrate imu` has it.",
+            least=-1.0,
+            most=1.0,
+            unit='rad/s',
+        )
+        for axis in 'xyz'
+    ),
+    Parameter(
         'imu.acceleration',
         _DEFAULTS['stabilised_acceleration'],
         "In place of `acceleration` while the platform's turning is known: what the target does.",

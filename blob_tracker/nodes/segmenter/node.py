@@ -28,10 +28,11 @@ from blob_tracker.ros.endpoints.window_topics import WindowTopics
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.camera_info import KnownCamera
 from blob_tracker.ros.messages.clipping import clipping_frame
-from blob_tracker.ros.messages.image import to_frame
+from blob_tracker.ros.messages.compressed_image import to_frame as of_compressed
+from blob_tracker.ros.messages.image import to_frame as of_image
 from blob_tracker.ros.parameters.declaration import declare, on_change
 from blob_tracker.ros.parameters.rooms import (
-    flash_of, flash_values, response_of, segmenter_of,
+    camera_of, flash_of, flash_values, response_of, segmenter_of,
 )
 from blob_tracker.ros.process import run, say
 from blob_tracker.segmentation import (
@@ -54,7 +55,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 # s from one picture to the next. Frames with a window have the first call, those with a candidate
 # the second: at a fixed pace every picture could be of an unlit frame.
@@ -123,9 +124,12 @@ class SegmenterNode(Node):
         self._noise = NoiseTopic(self, self._health)
         self._debug_image = DebugImage(self)
         self._good_frame_ns = time.monotonic_ns()
+        self._frames = FramePairs(
+            self, 'camera', self._health, self._take, remedy=', or set camera_info_url',
+            transport=values['image_transport'],
+        ) if listen else None
         self._change(values)()
         on_change(self, PARAMETERS, self._change)
-        self._frames = FramePairs(self, 'camera', self._health, self._take) if listen else None
         self._clock_jumps = on_clock_jump(self, self._health, self._forget)
         self.create_timer(
             CHECK_S, self._check_silence, clock=Clock(clock_type=ClockType.STEADY_TIME)
@@ -137,6 +141,10 @@ class SegmenterNode(Node):
         new_flash, lights = flash_of(values)
         new_segmenter = segmenter_of(values)
         response = response_of(values['response_url'])
+        # In one process with a camera that is the camera's, which reads it.
+        stand_in = camera_of(values['camera_info_url'], warn=self.get_logger().warning) if (
+            self._frames
+        ) else None
         same_flash, same_channel = (
             self._asked is not None and self._asked[k] == each
             for k, each in enumerate((asked, values['channel']))
@@ -175,6 +183,9 @@ class SegmenterNode(Node):
                 self._saturation, self._response = values['saturation'], response
                 self._line_time_ns = 1e9 * values['line_time']
                 self._follow = follow
+                if self._frames is not None:
+                    self._frames.stand_in = stand_in
+                    self._frames.set_transport(values['image_transport'])
                 self._set_lights(lights, _lost_after_ns(values))
                 self._noise.enable(values['noise.measure'])
 
@@ -207,11 +218,15 @@ class SegmenterNode(Node):
         for target in self._targets.values():
             target.forget()
 
-    def _take(self, image: Image, info: CameraInfo) -> None:
+    def _take(self, image: Image | CompressedImage, info: CameraInfo) -> None:
         """Take a frame from the topics."""
         try:
-            frame = to_frame(image, info)
+            if isinstance(image, CompressedImage):
+                frame = of_compressed(image, info)
+            else:
+                frame = of_image(image, info)
         except MessageError as error:
+            self._health.count('images refused')
             self._health.fault(ERROR, f'camera/image_raw: {error}')
             return
         self.segment(Delivery((frame, info), image.header.frame_id))

@@ -115,6 +115,7 @@ class LightTrack:
 
     def _filter(self, bearing: Bearing, frame_id: str, ahead_ns: int) -> None:
         """Filter a bearing; publish track and prediction, or tell `health` why it is refused."""
+        self._platform.saw(self._topic, bearing)
         before_ns, refused = self._tracker.stamp_ns, self._tracker.refused
         try:
             update_or_restart(lambda: self._tracker.update(bearing), self._restart)
@@ -193,7 +194,7 @@ class LightTrack:
         if tracker.platform is not None:
             stabilised = f'no: {tracker.platform_gap}' if tracker.platform_gap else 'yes'
             self._health.show(f'{self._name}stabilised', stabilised)
-            if tracker.platform_gap:
+            if tracker.platform_gap and not tracker.platform.distrusted:
                 self._health.fault(
                     WARN,
                     f'{self._name}tracked without the rotation of the platform, as if there were '

@@ -2,30 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
+from math import isnan
 from threading import Lock
 from typing import Any
 
+from blob_tracker.ros.diagnostics.connections import full_name
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
+from blob_tracker.ros.diagnostics.joint_news import JointNews
 from blob_tracker.ros.endpoints.qos import SAMPLES_IN, subscription
 from blob_tracker.ros.errors import MessageError, ParameterError
-from blob_tracker.ros.messages.imu import to_rate, turn_of
-from blob_tracker.ros.messages.joint_states import to_angle
+from blob_tracker.ros.messages.imu import angles_of, to_rate, turn_of
+from blob_tracker.ros.messages.joint_states import to_angles
 from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.tracking import (
-    PanTiltAngles, PlatformRates, StampJump, TrackingError, update_or_restart,
+    GyroFault, GyroWatch, PanTiltAngles, PlatformRates, StampJump, TrackingError,
+    update_or_restart,
 )
+from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
+import numpy as np
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import Imu, JointState
 
+BIAS = 'imu.bias_x', 'imu.bias_y', 'imu.bias_z'
 TURN = 'imu.roll', 'imu.pitch', 'imu.yaw'
-JOINTS = 'joints.pan', 'joints.tilt', 'joints.pan_reversed', 'joints.tilt_reversed'
+TURNED = 1e-3  # of a trace: axes that are off by 2 degrees
+NAMES = 'joints.pan', 'joints.tilt'
+JOINTS = *NAMES, 'joints.pan_reversed', 'joints.tilt_reversed'
 MINE = (
-    'imu.enabled', 'imu.frame_id', *TURN, *JOINTS, 'joints.sigma', 'joints.frame_id',
+    'imu.enabled', 'imu.frame_id', 'imu.stamp_offset', *BIAS, *TURN, *JOINTS,
+    'joints.sigma', 'joints.frame_id',
 )
-SILENCE = 1_000_000_000  # ns of ROS time without angles that are worth a word
 
 
 class Platform:
@@ -63,10 +72,11 @@ class Platform:
         self._node, self._health, self._lock, self._moved = node, health, lock, moved
         self._asked: dict[str, Any] = {}
         self._turn = turn_of(0.0, 0.0, 0.0)
+        self._watch = GyroWatch()
         self._imu: Subscription | None = None
         self._joint_states: Subscription | None = None
-        self._came_ns = self._now_ns()
-        self._names: Collection[str] = ()
+        self._joints: dict[str, str] = {}
+        self._news = JointNews({}, self._now_ns())
 
     def change(self, values: dict[str, Any]) -> Callable[[], bool]:
         """
@@ -95,15 +105,18 @@ class Platform:
 
         def use() -> bool:
             other_rates = (self.rates is not None) != asked['imu.enabled'] or (
-                asked['imu.enabled'] and self._differs(asked, TURN)
+                asked['imu.enabled']
+                and self._differs(asked, (*TURN, *BIAS, 'imu.stamp_offset'))
             )
             other_angles = self._differs(asked, JOINTS)
             self._asked, self._turn = asked, turn
             if other_rates:
                 self.rates = PlatformRates() if asked['imu.enabled'] else None
+                self._watch = GyroWatch()
             if other_angles:
                 self.angles = PanTiltAngles() if pan or tilt else None
-                self._came_ns = self._now_ns()
+                self._joints = {name: asked[name] for name in NAMES if asked[name]}
+                self._news = JointNews(self._joints, self._now_ns())
             self.frame_id = ''
             if self.angles is not None:
                 self.angles.sigma = MRAD * asked['joints.sigma']
@@ -113,7 +126,8 @@ class Platform:
                 self._imu = subscription(self._node, Imu, 'imu', self._take_imu, SAMPLES_IN)
             if self.angles is not None and self._joint_states is None:
                 self._joint_states = subscription(
-                    self._node, JointState, 'joint_states', self._take_joints, SAMPLES_IN
+                    self._node, JointState, 'joint_states', self._take_joints, SAMPLES_IN,
+                    informed=True,
                 )
             return other_rates or other_angles
 
@@ -131,21 +145,70 @@ class Platform:
         for samples in (self.rates, self.angles):
             if samples is not None:
                 samples.reset()
-        self._came_ns = self._now_ns()
+        self._watch.reset()
+        self._news.restart(self._now_ns())
+
+    def saw(self, light: str, bearing: Bearing) -> None:
+        """Take a bearing, of which the gyro ought to know how the platform turned."""
+        if self.rates is not None:
+            self._watch.saw(light, bearing, self.angles)
 
     def describe(self) -> None:
-        """Report joints that say nothing."""
-        if self.angles is None or self._now_ns() - self._came_ns <= SILENCE:
+        """Report a gyro that says other than the picture, and joints that are not as they must."""
+        self._judge_gyro()
+        self._describe_joints()
+
+    def _judge_gyro(self) -> None:
+        """Do without a gyro that says other than the picture, and say what is wrong with it."""
+        if self.rates is None:
             return
-        names = [each for each in self._wanted() if each]
-        hint = 'start the driver of the pan/tilt, or remap joint_states'
-        if self._names:
-            hint = f'it has {", ".join(self._names):.200}: set joints.pan and joints.tilt to those'
-        self._health.fault(
-            ERROR,
-            f'no angle of {" and ".join(names)} arrives on joint_states, without which nothing '
-            f'can be predicted; {hint}',
-        )
+        self._watch.judge()
+        fault = self._watch.fault
+        self.rates.distrusted = fault.words if fault is not None else ''
+        if fault is not None:
+            self._health.fault(
+                WARN,
+                f'imu: by what the lights do in the picture, {fault.words}; it is not used: '
+                f'{self._remedy(fault)}',
+            )
+
+    def _remedy(self, fault: GyroFault) -> str:
+        """Return what to do about a gyro."""
+        if fault.turn is None:
+            return (
+                'is it the IMU of this platform, and are its stamps of the clock of the images?'
+            )
+        remedies = []
+        if fault.scale != 1.0 or np.linalg.det(fault.turn) < 0.0:
+            remedies.append('have its driver publish rad/s about right-handed axes, as ROS has it')
+        elif np.trace(fault.turn) < 3.0 - TURNED:
+            angles = angles_of(self._turn @ fault.turn.T)
+            values = ', '.join(
+                f'{name} to {angle:.3f}' for name, angle in zip(TURN, angles, strict=True)
+            )
+            remedies.append(f'set {values}')
+        if fault.offset:
+            late = self._asked['imu.stamp_offset'] + fault.offset
+            remedies.append(f'set imu.stamp_offset to {late:.3f}')
+        return f'{", and ".join(remedies)}, or take what `calibrate imu` measures'
+
+    def _describe_joints(self) -> None:
+        """Report joints that say nothing, and those of which several nodes speak."""
+        if self.angles is None:
+            return
+        silent = self._news.silent(self._now_ns())
+        if silent:
+            self._health.fault(ERROR, silent)
+        assert self._joint_states is not None
+        topic = self._joint_states.topic_name
+        for name in self._news.mixed:
+            publishers = self._node.get_publishers_info_by_topic(topic)
+            names = ', '.join(sorted({full_name(each) for each in publishers}))
+            self._health.fault(
+                WARN,
+                f"several nodes publish the joint '{name}' on {topic}, and the camera is taken to "
+                f'leap between them: of {names} let one do so',
+            )
 
     def _take_imu(self, message: Imu) -> None:
         """Take a sample of the gyro."""
@@ -153,30 +216,44 @@ class Platform:
             if self.rates is None:
                 return
             try:
-                rate, variance = to_rate(message, self._asked['imu.frame_id'], self._turn)
-                self._push('imu', self.rates, message, rate, variance)
+                rate, variance = to_rate(
+                    message, self._asked['imu.frame_id'], self._turn,
+                    [self._asked[name] for name in BIAS],
+                )
+                self._watch.push(self._push('imu', self.rates, message, rate, variance), rate)
             except (MessageError, TrackingError) as error:
                 self._health.fault(ERROR, f'imu: {error}')
 
-    def _take_joints(self, message: JointState) -> None:
-        """Take the angles of the pan/tilt."""
+    def _take_joints(self, message: JointState, information: Mapping[str, int | None]) -> None:
+        """Take the angles of the pan/tilt that are in a message, of one joint or of both."""
         with self._lock:
             if self.angles is None:
                 return
-            self._names = message.name or self._names
+            self._news.heard(message.name)
             try:
-                pan, tilt = (
-                    to_angle(message, name, self._asked[f'joints.{which}_reversed'])
-                    for which, name in zip(('pan', 'tilt'), self._wanted())
-                )
-                if pan is None or tilt is None:  # of another part of the robot
-                    return
-                self._push('joint_states', self.angles, message, pan, tilt)
+                angles = to_angles(message, self._joints.values())
+                pan, tilt = (self._angle_of(name, angles) for name in NAMES)
+                if angles:
+                    self._push('joint_states', self.angles, message, pan, tilt)
             except (MessageError, TrackingError) as error:
                 self._health.fault(ERROR, f'joint_states: {error}')
                 return
-            self._came_ns = self._now_ns()
+            number, sent_ns = (
+                information[each] for each in ('publication_sequence_number', 'source_timestamp')
+            )
+            if number is not None and sent_ns is not None:  # not every middleware numbers them
+                self._news.numbered(angles, number, sent_ns)
+            self._news.took(angles, self._now_ns())
             self._moved()
+
+    def _angle_of(self, name: str, angles: Mapping[str, float]) -> float | None:
+        """Return the angle of pan or tilt, rad; 0 of one that there is not, None without news."""
+        if name not in self._joints:
+            return 0.0
+        angle = angles.get(self._joints[name])
+        if angle is None or isnan(angle):  # a driver does not know it until it has homed
+            return None
+        return -angle if self._asked[f'{name}_reversed'] else angle
 
     def _differs(self, asked: dict[str, Any], names: Collection[str]) -> bool:
         """Tell whether one of these parameters is another than before."""
@@ -188,18 +265,21 @@ class Platform:
         samples: PlatformRates | PanTiltAngles,
         message: Imu | JointState,
         *values: Any,
-    ) -> None:
-        """Keep a sample; restart where the stamps jumped back."""
+    ) -> int:
+        """Keep a sample, and return its stamp, ns; restart where the stamps jumped back."""
         def restart(jump: StampJump) -> None:
             self._health.fault(WARN, f'{topic}: {jump}; starting afresh')
             samples.reset()
+            self._watch.reset()
 
         stamp_ns = to_ns(message.header.stamp)
+        if not stamp_ns:  # its driver sets none: the next best is when it came
+            self._health.count(f'{topic} without a stamp')
+            stamp_ns = self._now_ns()
+        elif samples is self.rates:
+            stamp_ns -= round(1e9 * self._asked['imu.stamp_offset'])
         update_or_restart(lambda: samples.push(stamp_ns, *values), restart)
-
-    def _wanted(self) -> tuple[str, str]:
-        """Return the names of the joints that pan and tilt."""
-        return self._asked['joints.pan'], self._asked['joints.tilt']
+        return stamp_ns
 
     def _now_ns(self) -> int:
         return self._node.get_clock().now().nanoseconds

@@ -20,6 +20,8 @@ from rclpy.qos import (
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 COMMON = ('/diagnostics', '/parameter_events', '/rosout')  # to which all nodes publish
+# Each publisher has a part of what they say together: its joints, its frames.
+PARTED = ('joint_states', '/tf', '/tf_static')
 SETTLED = 2  # checks: one node may leave as another comes
 # Checks: a node that was killed is taken for alive until its lease ends (20 s in rmw_fastrtps),
 # and one of the same name is likely to be that node, started again.
@@ -69,7 +71,8 @@ class Connections:
     Report what keeps a node and those at the other ends of its topics from understanding.
 
     Once a second, from the graph: publishers and subscriptions of an incompatible quality of
-    service or another type, and topics that are published twice, each with the names of the nodes.
+    service or another type, and topics that are published twice though they are no sum of parts,
+    each with the names of the nodes.
 
     Parameters
     ----------
@@ -91,6 +94,7 @@ class Connections:
         graph = self._node
         published = {each.topic_name for each in graph.publishers}
         subscribed = {each.topic_name for each in graph.subscriptions}
+        parted = {graph.resolve_topic_name(each) for each in PARTED}
         for topic in sorted(published | subscribed):
             publishers = graph.get_publishers_info_by_topic(topic)
             subscriptions = graph.get_subscriptions_info_by_topic(topic)
@@ -99,7 +103,7 @@ class Connections:
                 self._warn(unheard(topic, ours, each) for each in publishers)
             for ours in self._own(publishers):
                 self._warn(unhearing(topic, ours, each) for each in subscriptions)
-            if topic not in COMMON:
+            if topic not in COMMON and topic not in parted:
                 self._warn([self._published_twice(topic, publishers)])
         if graph.get_clock().ros_time_is_active and not graph.count_publishers('/clock'):
             self._warn([

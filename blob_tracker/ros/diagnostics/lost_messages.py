@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from blob_tracker.ros.diagnostics.connections import full_name, Publishers
 from blob_tracker.ros.diagnostics.health import Health, WARN
+from blob_tracker.ros.diagnostics.interleaving import Interleaving, SILENCE_NS
 from blob_tracker.ros.diagnostics.losses import grave
 from blob_tracker.ros.diagnostics.shared_memory import (
     environment_of, export, same_host, segment_size,
@@ -18,7 +19,6 @@ from rclpy.utilities import get_rmw_implementation_identifier
 WINDOW_S = 5  # s over which losses are a share
 IMAGE = 'sensor_msgs/msg/Image'
 QUEUE = 10  # messages: less room than a publisher's queue is the cause of a loss
-SILENCE_NS = 10**9  # after it a publisher may be another one, that counts from anew
 
 
 class LostMessages:
@@ -36,18 +36,21 @@ class LostMessages:
         Name of the topic.
     health : Health
         Is told.
+    kind : str
+        Of the messages, as the graph has it.
 
     """
 
-    def __init__(self, node: Node, topic: str, health: Health) -> None:
+    def __init__(self, node: Node, topic: str, health: Health, kind: str = IMAGE) -> None:
         self._node = node
         self._topic = node.resolve_topic_name(topic)
         self._health = health
+        self._kind = kind
         self._publishers = Publishers()
         self._size = 0  # bytes of a message
         self._taken = self._lost = self._late = 0  # so far
         self._last: tuple[int, int] | None = None  # number and time of the last message
-        self._backwards: deque[int] = deque(maxlen=2)  # when the numbers went back, ns
+        self._interleaving = Interleaving()
         # Since the publisher began: numbers that are missing, and what became of them.
         self._missing = self._missing_lost = self._missing_late = 0
         self._seconds: deque[tuple[int, int, int]] = deque([(0, 0, 0)], maxlen=WINDOW_S + 1)
@@ -67,9 +70,8 @@ class LostMessages:
         sent_ns = information['source_timestamp']
         if number is None or sent_ns is None:  # not every middleware numbers them
             return
+        self._interleaving.took(number, sent_ns)
         if self._last is not None:
-            if number <= self._last[0]:
-                self._backwards.append(sent_ns)
             if 0 <= sent_ns - self._last[1] < SILENCE_NS:
                 self._missing += max(number - self._last[0] - 1, 0)
             else:
@@ -81,15 +83,9 @@ class LostMessages:
         """
         Tell whether the messages of several publishers come in turns.
 
-        Each has numbers of its own, and they go back time and again; those of a publisher that is
-        started again do so once. Where there are no numbers, or one publishes seldom, the graph
-        tells of it after a while.
+        Where there are no numbers, or one publishes seldom, the graph tells of it after a while.
         """
-        if self._publishers.several:
-            return True
-        if self._last is None or len(self._backwards) < 2:
-            return False
-        return self._last[1] - self._backwards[0] < SILENCE_NS
+        return self._publishers.several or self._interleaving.mixed
 
     @property
     def publishers(self) -> list[str]:
@@ -105,7 +101,7 @@ class LostMessages:
         """Say what was lost in the last seconds."""
         publishers = self._node.get_publishers_info_by_topic(self._topic)
         # Nothing arrives from those of another type.
-        self._publishers.check(each for each in publishers if each.topic_type == IMAGE)
+        self._publishers.check(each for each in publishers if each.topic_type == self._kind)
         if len(publishers) != 1:  # each has numbers of its own; `Connections` says that there are
             self._begin()
         late = max(self._missing - self._missing_lost - self._missing_late, 0)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isfinite
 import time
 
 from blob_tracker.ros.endpoints.qos import RESULT
+from blob_tracker.ros.errors import MessageError
+from blob_tracker.ros.messages.joint_states import to_angles
 from blob_tracker.ros.process import shut_down
 from geometry_msgs.msg import PointStamped
 import numpy as np
@@ -53,6 +56,7 @@ class LiveCentroids:
         self._topic, self._joint_topic, self._joints = topic, joint_topic, tuple(joints)
         self._centroids: list[tuple[float, float]] = []
         self._angles: list[tuple[float, ...]] = []
+        self._newest: dict[str, float] = {}
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         self._node = rclpy.create_node('calibrate')
         try:
@@ -105,6 +109,7 @@ class LiveCentroids:
             rclpy.spin_once(self._node, timeout_sec=LISTEN_S)
         self._centroids.clear()
         self._angles.clear()
+        self._newest.clear()
         came, since = 0, time.monotonic()
         while len(self._centroids) < count or len(self._angles) < bool(self._joints):
             rclpy.spin_once(self._node, timeout_sec=LISTEN_S)
@@ -123,9 +128,13 @@ class LiveCentroids:
         self._centroids.append((message.point.x, message.point.y))
 
     def _take_joints(self, message: JointState) -> None:
-        angles = dict(zip(message.name, message.position))
-        if all(name in angles for name in self._joints):
-            self._angles.append(tuple(angles[name] for name in self._joints))
+        try:
+            angles = to_angles(message, self._joints)
+        except MessageError:  # of velocities alone, say: another one has them
+            return
+        self._newest |= {name: angle for name, angle in angles.items() if isfinite(angle)}
+        if angles and len(self._newest) == len(self._joints):
+            self._angles.append(tuple(self._newest[name] for name in self._joints))
 
     def _missing(self, count: int) -> str:
         """Say what does not come."""

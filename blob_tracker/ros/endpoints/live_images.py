@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 import time
 
 from blob_tracker.capture.fields import Weaver
-from blob_tracker.ros.endpoints.pairing import info_topic, StampPairing
+from blob_tracker.ros.endpoints.pairing import INFO, info_topic, StampPairing
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.image import field_and_height, to_pixels
-from blob_tracker.ros.messages.stamp import to_ns
+from blob_tracker.ros.messages.image import placed, sensor_of, to_whole_frame
 from blob_tracker.ros.process import shut_down
-from blob_tracker.types import Pixels
+from blob_tracker.types import Frame
 import rclpy
 from rclpy.exceptions import InvalidTopicNameException
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -29,8 +29,8 @@ class NoImagesError(RuntimeError):
 
 
 def live_images(
-    topic: str, *, interpolate: bool = True, woven: bool = False
-) -> Iterator[tuple[float, Pixels]]:
+    topic: str, *, woven: bool = False
+) -> Iterator[tuple[Frame, tuple[int, int] | None]]:
     """
     Yield the images of a topic, always the newest, until the caller ends.
 
@@ -38,16 +38,15 @@ def live_images(
     ----------
     topic : str
         Name of the topic.
-    interpolate : bool
-        See `to_pixels`.
     woven : bool
         Whether the fields of interlaced pictures, of which the camera_info beside the images
         tells, are put together.
 
     Yields
     ------
-    float, (h, w) array
-        Stamp of the image, s since the first, and the pixels as `to_pixels` gives them.
+    Frame, (int, int) or None
+        With crop and binning, and the size of the whole sensor, px, as far as a camera_info
+        beside the images tells of them.
 
     Raises
     ------
@@ -62,23 +61,26 @@ def live_images(
     node = rclpy.create_node('calibrate')
     arrived: list[tuple[Image, CameraInfo | None]] = []
     pairing = StampPairing(lambda image, info: arrived.append((image, info)))
+    newest: dict[str, CameraInfo] = {}
     weaver = Weaver()
 
     def take(image: Image) -> None:
         if woven and node.count_publishers(info_topic(topic)):
             pairing.image(image)
         else:
-            arrived.append((image, None))
+            arrived.append((image, newest.get(INFO)))
+
+    def take_info(info: CameraInfo) -> None:
+        newest[INFO] = info
+        if woven:
+            pairing.camera_info(info)
 
     try:
         try:
             node.create_subscription(Image, topic, take, NEWEST)
-            if woven:
-                node.create_subscription(
-                    CameraInfo, info_topic(topic), pairing.camera_info, NEWEST)
+            node.create_subscription(CameraInfo, info_topic(topic), take_info, NEWEST)
         except InvalidTopicNameException:
             raise NoImagesError(f"'{topic}' is neither a folder nor the name of a topic") from None
-        first_ns: int | None = None
         waited_since = time.monotonic()
         while True:
             rclpy.spin_once(node, timeout_sec=LISTEN_S)
@@ -95,16 +97,18 @@ def live_images(
                     )
                 continue
             message, info = arrived.pop()
-            stamp_ns = to_ns(message.header.stamp)
-            first_ns = stamp_ns if first_ns is None else first_ns
             try:
-                pixels = to_pixels(message, interpolate=interpolate)
+                frame = to_whole_frame(message)
             except MessageError as error:
                 raise NoImagesError(f'{topic}: {error}') from None
             waited_since = time.monotonic()
-            picture = weaver.add(pixels, *(field_and_height(info) if info else (None, 0)))
-            if picture is not None:
-                yield (stamp_ns - first_ns) / 1e9, picture
+            sensor = None
+            if info is not None:
+                with suppress(MessageError):  # one of another size says nothing of these
+                    frame, sensor = placed(frame, info), sensor_of(info)
+            whole = weaver.whole(frame, sensor[1]) if woven and sensor else frame
+            if whole is not None:
+                yield whole, sensor
                 waited_since = time.monotonic()
     finally:
         node.destroy_node()

@@ -119,6 +119,8 @@ def subscription(
     take: Callable[..., None],
     qos: QoSProfile,
     lost: Callable[[QoSMessageLostInfo], None] | None = None,
+    *,
+    informed: bool = False,
 ) -> Subscription:
     """
     Return a subscription whose profile qos_overrides.<topic>.subscription... change.
@@ -132,11 +134,14 @@ def subscription(
     topic : str
         Name of the topic.
     take : callable
-        Called with each message; where `lost` is given, with what the middleware says of it, too.
+        Called with each message; where `lost` is given or it is to be informed, with what the
+        middleware says of it, too.
     qos : QoSProfile
         The profile where nothing is overridden.
     lost : callable, optional
         Called where messages were lost on their way here.
+    informed : bool
+        Whether `take` wants what the middleware says of a message.
 
     Raises
     ------
@@ -147,7 +152,7 @@ def subscription(
     return node.create_subscription(
         kind,
         topic,
-        take if lost is None else _informed(take),
+        _informed(take) if informed or lost is not None else take,
         copy(qos),
         qos_overriding_options=_options(node, topic, 'subscription'),
         event_callbacks=SubscriptionEventCallbacks(

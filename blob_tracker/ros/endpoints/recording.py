@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import Any
 from blob_tracker.ros.bags import Bag, opened, READABLE, RecordingError, Topic
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.compressed_image import to_whole_frame as of_compressed
-from blob_tracker.ros.messages.image import to_frame, to_whole_frame as of_image
+from blob_tracker.ros.messages.image import placed, to_whole_frame as of_image
 from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.types import Frame
 
@@ -21,6 +22,7 @@ IMAGES = {IMAGE: of_image, COMPRESSED: of_compressed}  # what makes a frame of a
 CAMERA_INFO = 'sensor_msgs/msg/CameraInfo'
 USUAL = 'camera/image_raw'  # the topic of the camera node
 LONGEST_QUEUE = 64  # images that wait for their camera_info: of 1 s at 60 Hz
+MOST_INFOS = 10_000  # that wait for their image: they are small, and some bags have them first
 
 
 def _warn(sentence: str) -> None:
@@ -61,6 +63,8 @@ def recorded_frames(
     """
     images: dict[int, tuple[Any, int]] = {}  # by the stamp, with the time of recording
     infos: dict[int, Any] = {}
+    unstamped: Counter[Topic] = Counter()
+    alone = 0
     with opened(path) as bag:
         if bag.remark:
             warn(bag.remark)
@@ -70,6 +74,9 @@ def recorded_frames(
         for message in bag.messages(topics):
             decoded = bag.decoded(message)
             stamp_ns = to_ns(decoded.header.stamp)
+            if not stamp_ns:  # those without go together by their order
+                unstamped[message.topic] += 1
+                stamp_ns = -unstamped[message.topic]
             if message.topic == of_info:
                 infos[stamp_ns] = _todays(decoded)
             elif paired:
@@ -80,9 +87,14 @@ def recorded_frames(
                 image, recorded_ns = images.pop(stamp_ns)
                 info = infos.pop(stamp_ns)
                 yield _frame(bag, chosen, image, info, recorded_ns), info
-            for waiting in (images, infos):
-                if len(waiting) > LONGEST_QUEUE:
-                    del waiting[next(iter(waiting))]
+            if len(images) > LONGEST_QUEUE:
+                del images[next(iter(images))]
+                alone += 1
+            if len(infos) > MOST_INFOS:
+                del infos[next(iter(infos))]
+    alone += len(images)
+    if alone:
+        warn(f'{path}: {alone} images have no camera_info of their stamp and are left out')
 
 
 def recorded_info(bag: Bag, topic: str | None = None) -> Any | None:
@@ -170,10 +182,9 @@ def _todays(info: Any) -> Any:
 def _frame(bag: Bag, topic: Topic, image: Any, info: Any | None, recorded_ns: int) -> Frame:
     """Return the frame of an image, with the time of recording if it has no stamp."""
     try:
-        if info is not None and topic.kind == IMAGE:
-            frame = to_frame(image, info)
-        else:
-            frame = IMAGES[topic.kind](image)
+        frame = IMAGES[topic.kind](image)
+        if info is not None:
+            frame = placed(frame, info)
     except MessageError as error:
         seconds = (recorded_ns - bag.start_ns) / 1e9
         raise RecordingError(f'{bag.path}, {topic.name} at {seconds:.3f} s: {error}') from None

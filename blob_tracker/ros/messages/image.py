@@ -7,15 +7,14 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, TYPE_CHECKING
 
-from blob_tracker.colour import grey_pixels
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.stamp import from_ns, SECOND_NS, to_ns
-from blob_tracker.types import BAYER, field_of, Frame, Glimpse, Pixels, PLANES, Window
+from blob_tracker.types import BAYER, Frame, Glimpse, Pixels, PLANES, Window
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:  # those of a bag are read where no ROS is installed, too
-    from sensor_msgs.msg import CameraInfo, Image
+    from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 # encoding: (type of a pixel, channels)
 _FRAMES = {
@@ -25,8 +24,9 @@ _FRAMES = {
     '16UC1': (np.uint16, 1),
 }
 _COLOURS = {  # and the layout of a frame
-    **{f'{layout}8': (np.uint8, planes, layout)
-       for layout, planes in PLANES.items() if layout != 'yuv'},
+    **{f'{layout}{bits}': (kind, planes, layout)
+       for layout, planes in PLANES.items() if layout != 'yuv'
+       for bits, kind in ((8, np.uint8), (16, np.uint16))},
     **{f'bayer_{layout}{bits}': (kind, 1, layout)
        for layout in BAYER for bits, kind in ((8, np.uint8), (16, np.uint16))},
 }
@@ -34,8 +34,9 @@ _COLOURS = {  # and the layout of a frame
 _PACKED = {
     'yuv422': (1, 'uv'), 'uyvy': (1, 'uv'), 'yuv422_yuy2': (0, 'uv'), 'yuyv': (0, 'uv'),
 }
-# A plane of luma, and below it one of both chromas of half the height.
-_SEMIPLANAR = {'nv12': 'uv', 'nv21': 'vu'}
+# A plane of luma, and below it one of both chromas: their order, and whether each chroma stands
+# for 2 x 2 pixels (of half the height) or for one (rows twice as long).
+_SEMIPLANAR = {'nv12': ('uv', 2), 'nv21': ('vu', 2), 'nv24': ('uv', 1)}
 # Of a frame; YUV to be named among the others.
 _ENCODINGS = (
     _FRAMES | {name: (kind, planes) for name, (kind, planes, _) in _COLOURS.items()}
@@ -56,8 +57,8 @@ def to_frame(image: Image, info: CameraInfo) -> Frame:
     Parameters
     ----------
     image : Image
-        mono8, mono16, 8UC1, 16UC1; rgb8, bgr8, rgba8, bgra8; bayer_rggb8 and the other orders, of
-        8 or 16 bits; yuv422 (uyvy), yuv422_yuy2 (yuyv), nv12 or nv21.
+        mono8, mono16, 8UC1, 16UC1; rgb, bgr, rgba, bgra, bayer_rggb and the other orders, each of
+        8 or 16 bits; yuv422 (uyvy), yuv422_yuy2 (yuyv), nv12, nv21 or nv24.
     info : CameraInfo
         Gives hardware crop and binning.
 
@@ -73,14 +74,7 @@ def to_frame(image: Image, info: CameraInfo) -> Frame:
         says which and what would be right.
 
     """
-    frame = to_whole_frame(image)
-    _check_region(image, info)
-    return replace(
-        frame,
-        x0=int(info.roi.x_offset),
-        y0=int(info.roi.y_offset),
-        binning=_binning(info),
-    )
+    return placed(to_whole_frame(image), info)
 
 
 def to_window(image: Image, info: CameraInfo) -> Window:
@@ -108,7 +102,7 @@ def to_window(image: Image, info: CameraInfo) -> Window:
 
     """
     pixels = _pixels(image, _WINDOWS)
-    _check_region(image, info)
+    _check_region(int(image.width), int(image.height), info)
     full = np.iinfo(pixels.dtype).max
     several = pixels.ndim == 3
     unlit = pixels[..., 1] if several else None
@@ -131,9 +125,9 @@ def to_window(image: Image, info: CameraInfo) -> Window:
         glimpse=glimpse,
         x0=int(info.roi.x_offset),
         y0=int(info.roi.y_offset),
-        stamp_ns=_stamp_ns(image),
+        stamp_ns=stamp_of(image),
         saturation=int(full),
-        binning=_binning(info),
+        binning=binning_of(info),
     )
 
 
@@ -177,40 +171,29 @@ def to_whole_frame(image: Image) -> Frame:
     """
     pixels, layout = _coloured(image)
     full = int(np.iinfo(pixels.dtype).max)
-    return Frame(pixels, _stamp_ns(image), full, layout=layout)
+    return Frame(pixels, stamp_of(image), full, layout=layout)
 
 
-def to_pixels(image: Image, *, interpolate: bool = True) -> Pixels:
+def placed(frame: Frame, info: CameraInfo) -> Frame:
     """
-    Return the pixels of an image without its camera_info and its colours.
-
-    Parameters
-    ----------
-    image : Image
-        As of `to_frame`.
-    interpolate : bool
-        Of a Bayer mosaic, see `grey_pixels`.
-
-    Returns
-    -------
-    (h, w) array of uint8 or uint16
-        DN.
+    Return a frame with the hardware crop and binning of its camera_info.
 
     Raises
     ------
     MessageError
-        Where encoding, size, step or data are wrong; says which and what would be right.
+        Where the camera_info is that of another size.
 
     """
-    try:
-        return grey_pixels(to_whole_frame(image), interpolate=interpolate)
-    except ValueError as error:
-        raise MessageError(str(error)) from None
+    height, width = frame.image.shape[:2]
+    _check_region(width, height, info)
+    return replace(
+        frame, x0=int(info.roi.x_offset), y0=int(info.roi.y_offset), binning=binning_of(info)
+    )
 
 
-def field_and_height(info: CameraInfo) -> tuple[int | None, int]:
-    """Return which field an image is by its camera_info, see `field_of`, and the full height."""
-    return field_of(int(info.roi.y_offset), _binning(info)), int(info.height)
+def sensor_of(info: CameraInfo) -> tuple[int, int]:
+    """Return width and height of the full, unbinned sensor, px."""
+    return int(info.width), int(info.height)
 
 
 def from_frame(frame: Frame, frame_id: str, message: Image | None = None) -> Image:
@@ -303,7 +286,7 @@ def from_picture(picture: NDArray[np.uint8], stamp_ns: int, frame_id: str) -> Im
     return image
 
 
-def _stamp_ns(image: Image) -> int:
+def stamp_of(image: Image | CompressedImage) -> int:
     """Return the stamp; one whose nanoseconds make seconds could not be sent on."""
     if image.header.stamp.nanosec >= SECOND_NS:
         raise MessageError(
@@ -313,22 +296,22 @@ def _stamp_ns(image: Image) -> int:
     return to_ns(image.header.stamp)
 
 
-def _binning(info: CameraInfo) -> tuple[int, int]:
+def binning_of(info: CameraInfo) -> tuple[int, int]:
     """Return the binning; 0 means the same as 1 (sensor_msgs/CameraInfo)."""
     return max(int(info.binning_x), 1), max(int(info.binning_y), 1)
 
 
-def _check_region(image: Image, info: CameraInfo) -> None:
+def _check_region(across: int, down: int, info: CameraInfo) -> None:
     """Refuse an image that is not the region, binned, of which its camera_info speaks."""
     roi = info.roi
     # A roi of 0 x 0 is the whole sensor (sensor_msgs/RegionOfInterest).
     width, height = int(roi.width) or int(info.width), int(roi.height) or int(info.height)
-    bin_x, bin_y = _binning(info)
-    if (image.width, image.height) != (width // bin_x, height // bin_y):
+    bin_x, bin_y = binning_of(info)
+    if (across, down) != (width // bin_x, height // bin_y):
         raise MessageError(
-            f'the image is {image.width} x {image.height} px and its camera_info is for '
+            f'the image is {across} x {down} px and its camera_info is for '
             f'{width // bin_x} x {height // bin_y} px; calibrate at '
-            f'{image.width} x {image.height} px'
+            f'{across} x {down} px'
         )
     if roi.x_offset + width > info.width or roi.y_offset + height > info.height:
         raise MessageError(
@@ -348,13 +331,15 @@ def _coloured(image: Image) -> tuple[Pixels, str]:
         chromas = pairs[..., 1 - luma].reshape(image.height, -1, 2)
         return _yuv(pairs[..., luma], chromas, order), 'yuv'
     if encoding in _SEMIPLANAR:
-        if image.width % 2 or image.height % 2:
+        order, shared = _SEMIPLANAR[encoding]
+        if image.width % shared or image.height % shared:
             raise MessageError(
                 f'{image.encoding} of {image.width} x {image.height} px; both must be even'
             )
-        rows = _pixels(image, {image.encoding: (np.uint8, 1)}, image.height * 3 // 2)
-        chromas = rows[image.height:].reshape(image.height // 2, -1, 2)
-        return _yuv(rows[:image.height], chromas, _SEMIPLANAR[encoding]), 'yuv'
+        planes = image.height + 2 * image.height // shared**2
+        rows = _pixels(image, {image.encoding: (np.uint8, 1)}, planes)
+        chromas = rows[image.height:].reshape(image.height // shared, -1, 2)
+        return _yuv(rows[:image.height], chromas, order), 'yuv'
     pixels = _pixels(image, _ENCODINGS)
     return pixels, _COLOURS[image.encoding][2] if image.encoding in _COLOURS else 'grey'
 
@@ -363,7 +348,9 @@ def _yuv(luma: Pixels, chromas: Pixels, order: str) -> Pixels:
     """Return (h, w, 3) Y, Cb, Cr: each chroma stands for the pixels that share it."""
     height, width = luma.shape
     shared = chromas[..., ::-1] if order == 'vu' else chromas
-    wide = np.repeat(np.repeat(shared, height // shared.shape[0], axis=0), 2, axis=1)
+    wide = np.repeat(shared, height // shared.shape[0], axis=0)
+    if shared.shape[1] < width:
+        wide = np.repeat(wide, 2, axis=1)
     return np.dstack([luma, wide[:, :width]])
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import asin, atan2, cos, sin
 
 from blob_tracker.ros.errors import MessageError
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from sensor_msgs.msg import Imu
 
 NO_DATA = -1.0  # first element of a covariance, by the message's own convention
@@ -27,8 +27,15 @@ def turn_of(roll: float, pitch: float, yaw: float) -> NDArray[np.float64]:
     ])
 
 
+def angles_of(turn: NDArray[np.float64]) -> tuple[float, float, float]:
+    """Return the roll, pitch and yaw of which `turn_of` makes a (3, 3) turn, rad."""
+    pitch = -asin(min(max(float(turn[2, 0]), -1.0), 1.0))
+    roll, yaw = atan2(turn[2, 1], turn[2, 2]), atan2(turn[1, 0], turn[0, 0])
+    return roll, pitch, yaw
+
+
 def to_rate(
-    message: Imu, frame_id: str, turn: NDArray[np.float64]
+    message: Imu, frame_id: str, turn: NDArray[np.float64], bias: ArrayLike = (0.0, 0.0, 0.0)
 ) -> tuple[NDArray[np.float64], float]:
     """
     Return the rate in the base frame, rad/s, and the variance of each of its components.
@@ -41,6 +48,8 @@ def to_rate(
         The frame that it must be in.
     turn : (3, 3) array
         Takes components in the base frame to those in the frame of the IMU.
+    bias : (3,) array
+        What the gyro says at rest, in its own axes, rad/s.
 
     Returns
     -------
@@ -67,5 +76,5 @@ def to_rate(
             'is needed, or imu.enabled false'
         )
     vector = message.angular_velocity
-    rate = turn.T @ np.array([vector.x, vector.y, vector.z])
+    rate = turn.T @ (np.array([vector.x, vector.y, vector.z]) - bias)
     return rate, float(covariance[[0, 4, 8]].max())

@@ -2,43 +2,44 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from blob_tracker.ros.errors import MessageError
 from sensor_msgs.msg import JointState
 
 
-def to_angle(message: JointState, name: str, reverse: bool) -> float | None:
+def to_angles(message: JointState, names: Collection[str]) -> dict[str, float]:
     """
-    Return the angle of one joint, rad.
+    Return the angles that a message has of some joints, rad.
+
+    A message may be of one joint, of all of them or of other ones.
 
     Parameters
     ----------
     message : JointState
         Of any joints.
-    name : str
-        Of the joint; empty for one that there is not, whose angle is 0.
-    reverse : bool
-        Whether it turns to the left, or down, where its angle grows.
+    names : collection of str
+        Of the joints that are asked for.
 
     Returns
     -------
-    float or None
-        None where the message is not of this joint.
+    dict of str to float
+        By the names of those that it has; NaN where a driver has the angle not yet, before homing.
 
     Raises
     ------
     MessageError
-        Where the joint has no angle in it.
+        Where one of them has no angle in it.
 
     """
-    if not name:
-        return 0.0
-    if name not in message.name:
-        return None
-    index = message.name.index(name)
-    if index >= len(message.position):
-        raise MessageError(
-            f"the joint '{name}' has no position: the message has {len(message.name)} names and "
-            f'{len(message.position)} positions; each joint must have one'
-        )
-    angle = message.position[index]
-    return -angle if reverse else angle
+    angles = {}
+    for index, name in enumerate(message.name):
+        if name not in names:
+            continue
+        if index >= len(message.position):
+            raise MessageError(
+                f"the joint '{name:.60}' has no position: the message has {len(message.name)} "
+                f'names and {len(message.position)} positions; each joint must have one'
+            )
+        angles[name] = message.position[index]
+    return angles

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from threading import Lock
 from typing import Any
 
@@ -163,6 +163,9 @@ class ControlParameters:
         Values by name that start-up gave to parameters that only a camera can have.
     health : Health
         Shows the automatic modes.
+    from_files : collection of str
+        Those of the values that a file gives: `ros2 param dump` writes down all that is shown, so
+        that of controls that are read-only or inactive, too, which is no fault.
 
     Attributes
     ----------
@@ -171,12 +174,16 @@ class ControlParameters:
 
     """
 
-    def __init__(self, node: Node, given: Mapping[str, Any], health: Health) -> None:
+    def __init__(
+        self, node: Node, given: Mapping[str, Any], health: Health,
+        from_files: Collection[str] = (),
+    ) -> None:
         self.warnings: tuple[str, ...] = ()
         self._node = node
         self._health = health
         self._own = node.list_parameters([], 0).names
         self._wanted = dict(given)
+        self._from_files = set(from_files)
         self._lock = Lock()  # of what is wanted, which both threads change
         for name, value in given.items():
             if not isinstance(value, (bool, int, float, str)):
@@ -219,10 +226,13 @@ class ControlParameters:
             for name in wanted:
                 if name not in known and not self._met:
                     raise unknown(name, [*self._own, *known])
+            wanted = self._without_idle(wanted, known)
             rejected = []
             fixed = {name: value for name, value in off(known).items() if name not in wanted}
             for name, error in set_in_order(camera, known, fixed | wanted):
                 if error is None:
+                    continue
+                if name in self._from_files and _is_inactive(camera, name):
                     continue
                 if name in wanted and not self._met:
                     raise ParameterError(f"parameter '{name}': {error}")
@@ -241,6 +251,16 @@ class ControlParameters:
                 name: value for name, value in self._wanted.items() if name not in buttons
             }
         self._met = True
+
+    def _without_idle(
+        self, wanted: Mapping[str, Any], known: Mapping[str, Control]
+    ) -> dict[str, Any]:
+        """Return what is wanted less what a file tells of controls that cannot be set now."""
+        return {
+            name: value for name, value in wanted.items()
+            if name not in self._from_files or name not in known
+            or not (known[name].read_only or (known[name].kind == 'button' and not value))
+        }
 
     def attach(self, camera: V4l2Camera) -> None:
         """Make the parameters those of this camera."""
@@ -374,6 +394,12 @@ class ControlParameters:
             self._node.undeclare_parameter(name)
         self._node.declare_parameter(name, shown, described, ignore_override=True)
         self._shown[name] = described
+
+
+def _is_inactive(camera: V4l2Camera, name: str) -> bool:
+    """Tell whether an automatic mode governs a control, as the camera has it now."""
+    control = camera.controls.get(name)
+    return control is not None and control.inactive
 
 
 def _rejected(reason: str) -> SetParametersResult:

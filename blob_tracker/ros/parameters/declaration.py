@@ -7,7 +7,7 @@ from typing import Any
 
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.interface import Parameter
-from blob_tracker.ros.parameters.values import not_allowed, unknown
+from blob_tracker.ros.parameters.values import check_given, not_allowed, unknown
 from rcl_interfaces.msg import (
     FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult,
 )
@@ -51,6 +51,8 @@ def declare(
     """
     values = {}
     for parameter in parameters:
+        if parameter.name in node._parameter_overrides:
+            check_given(parameter, node._parameter_overrides[parameter.name].value)
         try:
             value = node.declare_parameter(
                 parameter.name, parameter.default, _descriptor(parameter)

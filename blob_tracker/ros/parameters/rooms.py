@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 from blob_tracker.calibration.pulse_file import PulseFile
+from blob_tracker.camera import CameraModel
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.camera.response import Response
 from blob_tracker.flash_text import codes_from_text, frequencies_from_text
@@ -81,6 +82,14 @@ def segmenter_of(values: Mapping[str, Any]) -> Callable[..., Segmenter]:
         looks=values['looks'],
         mask=mask,
     )
+
+
+def camera_of(url: str, warn: Callable[[str], Any]) -> CameraModel | None:
+    """Return the calibration of the parameter `camera_info_url`; None where it is empty."""
+    if not url:
+        return None
+    with about('camera_info_url'):
+        return CameraModel.from_file(to_path(url), warn=warn)
 
 
 def line_jitter_of(url: str) -> LineJitter | None:

@@ -10,6 +10,8 @@ from typing import Any
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.interface import Parameter
 
+NULLS = ('null', 'Null', 'NULL', '~')
+
 
 @contextmanager
 def about(name: str) -> Iterator[None]:
@@ -22,6 +24,7 @@ def about(name: str) -> Iterator[None]:
 
 def check(parameter: Parameter, value: Any) -> None:
     """Raise ParameterError where a parameter may not have a value, as a node refuses it."""
+    check_given(parameter, value)
     allowed = type(value) is type(parameter.default)
     if allowed and parameter.choices:
         allowed = value in parameter.choices
@@ -29,6 +32,16 @@ def check(parameter: Parameter, value: Any) -> None:
         allowed = parameter.least <= value <= parameter.most
     if not allowed:
         raise not_allowed(parameter, value)
+
+
+def check_given(parameter: Parameter, value: Any) -> None:
+    """Raise ParameterError where start-up gave no value: rcl takes null of YAML for a text."""
+    if value is None or (isinstance(parameter.default, str) and value in NULLS):
+        given = '[] or empty' if value is None else value
+        raise ParameterError(
+            f"parameter '{parameter.name}' is {given}, which is no value; it must be "
+            f'{parameter.allowed}; leave it out for its default, {parameter.value}'
+        )
 
 
 def unknown(name: str, names: Iterable[str]) -> ParameterError:
@@ -42,10 +55,14 @@ def unknown(name: str, names: Iterable[str]) -> ParameterError:
 def not_allowed(parameter: Parameter, value: Any) -> ParameterError:
     """Return the error for a value that a parameter may not have."""
     hint = ''
-    if isinstance(value, int) and isinstance(parameter.default, float):
+    if type(value) is int and isinstance(parameter.default, float):
         hint = f'; write {value}.0'
     elif isinstance(parameter.default, str) and not isinstance(value, str):
-        hint = "; in YAML put it in quotes, '...': without them 00010111 is the number 4169"
+        hint = (
+            '; put it in quotes, for without them 0110 is the number 72, 1e5 is one as well, and '
+            f"on, off, yes, no, y and n are true or false: {parameter.name}: '...' in a file, "
+            f'or -p "{parameter.name}:=\'...\'" in a shell'
+        )
     return ParameterError(
         f"parameter '{parameter.name}' is {value!r:.200}; it must be {parameter.allowed}{hint}"
     )

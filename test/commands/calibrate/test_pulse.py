@@ -124,7 +124,7 @@ def test_an_empty_file_and_another_camera_are_refused(written: Path, tmp_path: P
     (tmp_path / 'empty.yaml').write_text('')
     with pytest.raises(CalibrationError, match='holds no named values'):
         PulseFile.from_yaml(tmp_path / 'empty.yaml')
-    with pytest.raises(CalibrationError, match='has 640 x 480; learn it with this camera'):
+    with pytest.raises(CalibrationError, match='has 640 x 480; measure it with this camera'):
         PulseFile.from_yaml(written).check_size(640, 480)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from blob_tracker.__main__ import main
 from blob_tracker.camera.response import Response
 from blob_tracker.commands.calibrate.exposures import _runs
+from blob_tracker.commands.sources import GreyFrame
 import cv2
 import numpy as np
 import pytest
@@ -122,12 +123,12 @@ def test_flats(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_stream_goes_in_steps() -> None:
     """The frame in which the exposure changes, and a run of one, are left out."""
     stream = (
-        np.full((8, 8), level, np.uint8)
+        GreyFrame('', None, np.full((8, 8), level, np.uint8), (16, 24))
         for level in (10, 10, 10, 14, 20, 20, 20, 20, 40, 40, 40)
     )
-    assert [(each.count, each.frames[0][0, 0]) for each in _runs(stream)] == [
-        (2, 10), (3, 20), (2, 40),
-    ]
+    runs = _runs(stream)
+    assert [(each.count, each.frames[0][0, 0]) for each in runs] == [(2, 10), (3, 20), (2, 40)]
+    assert runs[0].shot().sensor == (16, 24)
 
 
 @pytest.mark.parametrize(('words', 'code', 'reason'), [

@@ -80,9 +80,9 @@ def test_each_format(
     assert (source.count, source.stamps) == (COUNT, said)
     found = list(grey_frames(source))
     assert len(found) == COUNT
-    for (_, _, pixels), frame in zip(found, FRAMES):
+    for (_, _, pixels, _), frame in zip(found, FRAMES):
         assert pixels.dtype == frame.dtype and (pixels == frame).all()
-    seconds = [each for _, each, _ in found]
+    seconds = [each for _, each, _, _ in found]
     assert seconds == ([None] * COUNT if stamps is None else pytest.approx(stamps, abs=1e-6))
 
 
@@ -109,7 +109,9 @@ def test_pages_within_a_folder_are_frames_too(tmp_path: Path) -> None:
     tiff(path / '1.tif', FRAMES[1:])
     source = open_source(arguments(path))
     assert source.count == COUNT
-    assert all((found == frame).all() for (_, _, found), frame in zip(grey_frames(source), FRAMES))
+    assert all(
+        (each.pixels == frame).all() for each, frame in zip(grey_frames(source), FRAMES)
+    )
 
 
 def test_samples_of_twelve_bits_with_padded_lines(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from blob_tracker.commands.sources import grey_frames
+from blob_tracker.commands.sources import grey_frames, SourceError
 from blob_tracker.commands.sources.video import open_video
 import cv2
 import numpy as np
@@ -15,6 +15,7 @@ class VideoOfTimes:
     """Stands in for OpenCV's reader; its frames have these times, ms."""
 
     times: tuple[float, ...] = ()
+    cut_off = 0
 
     def __init__(self, _: str) -> None:
         self.read_so_far = 0
@@ -28,8 +29,10 @@ class VideoOfTimes:
         self.read_so_far += 1
         return self.read_so_far <= len(self.times), np.zeros((2, 2), dtype=np.uint8)
 
-    def get(self, _: int) -> float:
-        """Return the time of the frame that was read."""
+    def get(self, what: int) -> float:
+        """Return the time of the frame that was read, or how many there should be."""
+        if what == cv2.CAP_PROP_FRAME_COUNT:
+            return len(self.times) + self.cut_off
         return self.times[self.read_so_far - 1]
 
     def release(self) -> None:
@@ -50,5 +53,24 @@ def test_what_opencv_has_no_time_for(
     monkeypatch.setattr(cv2, 'VideoCapture', VideoOfTimes)
     path = tmp_path / f'light{suffix}'
     path.touch()
-    found = [seconds for _, seconds, _ in grey_frames(open_video(path))]
+    found = [seconds for _, seconds, _, _ in grey_frames(open_video(path))]
     assert found == pytest.approx(stamps)
+
+
+@pytest.mark.parametrize('suffix', ['.mp4', '.mkv'])
+def test_a_video_that_is_cut_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
+) -> None:
+    """After its frames; of a container without a count nobody knows."""
+    monkeypatch.setattr(VideoOfTimes, 'times', (0.0, 40.0, 80.0))
+    monkeypatch.setattr(VideoOfTimes, 'cut_off', 5)
+    monkeypatch.setattr(cv2, 'VideoCapture', VideoOfTimes)
+    path = tmp_path / f'light{suffix}'
+    path.touch()
+    frames = grey_frames(open_video(path))
+    assert [next(frames).seconds for _ in range(3)] == [0.0, 0.04, 0.08]
+    if suffix == '.mkv':
+        assert not list(frames)
+    else:
+        with pytest.raises(SourceError, match='ends after 3 of 8 frames'):
+            next(frames)

@@ -22,7 +22,8 @@ from rclpy.node import Node
 MS = 1_000_000  # ns
 NO_JOINTS = {
     'imu.enabled': False, 'imu.frame_id': 'imu_link', 'imu.roll': 0.0, 'imu.pitch': 0.0,
-    'imu.yaw': 0.0, 'joints.pan': '', 'joints.tilt': '', 'joints.pan_reversed': False,
+    'imu.yaw': 0.0, 'imu.stamp_offset': 0.0, 'imu.bias_x': 0.0, 'imu.bias_y': 0.0,
+    'imu.bias_z': 0.0, 'joints.pan': '', 'joints.tilt': '', 'joints.pan_reversed': False,
     'joints.tilt_reversed': False, 'joints.sigma': 0.03, 'joints.frame_id': 'base',
 }
 JOINTS = {**NO_JOINTS, 'joints.pan': 'pan', 'joints.tilt': 'tilt'}

@@ -15,7 +15,8 @@ from rclpy.node import Node
 
 BEFORE = {
     'imu.enabled': True, 'imu.frame_id': 'imu_link', 'imu.roll': 0.0, 'imu.pitch': 0.0,
-    'imu.yaw': 0.0, 'joints.pan': 'pan', 'joints.tilt': 'tilt', 'joints.pan_reversed': False,
+    'imu.yaw': 0.0, 'imu.stamp_offset': 0.0, 'imu.bias_x': 0.0, 'imu.bias_y': 0.0,
+    'imu.bias_z': 0.0, 'joints.pan': 'pan', 'joints.tilt': 'tilt', 'joints.pan_reversed': False,
     'joints.tilt_reversed': False, 'joints.sigma': 0.03, 'joints.frame_id': 'base',
 }
 

@@ -14,6 +14,7 @@ from blob_tracker.ros.messages.imu import turn_of
 from blob_tracker.ros.messages.stamp import from_ns, to_ns
 from blob_tracker.ros.messages.target import ray_message, to_bearing
 from blob_tracker.ros.messages.track import to_track
+from blob_tracker.simulation.platform_motion import MOTIONS
 from blob_tracker.tracking import PanTiltAngles, PlatformRates, Tracker
 from blob_tracker.types import Bearing
 from diagnostic_msgs.msg import DiagnosticArray
@@ -475,6 +476,52 @@ def test_an_imu_that_is_silent_or_wrong_is_named_and_tracked_without(domain: int
         assert played.predictions[-1].vector.x == pytest.approx(path(played.now_ns)[0], abs=5.0)
 
 
+SIDEWAYS = turn_of(0.0, 0.0, 0.5)  # of an IMU that is not mounted as the parameters say
+
+
+@pytest.mark.parametrize('wrong, words, remedy', [
+    (180.0 / pi * np.eye(3), 'its rates are in degrees/s', 'have its driver publish rad/s'),
+    (-np.eye(3), 'its rates have the wrong sign', 'about right-handed axes'),
+    (SIDEWAYS, 'its axes are off by 29 degrees', 'set imu.roll to -1.571, imu.pitch to'),
+    (np.eye(3), '', ''),
+])
+def test_a_gyro_that_says_other_than_the_picture(
+    wrong: np.ndarray, words: str, remedy: str, domain: int
+) -> None:
+    """It is named and not used, and the prediction goes on; a right one is used."""
+    ride = MOTIONS['rover'].ride(9.0, 4)
+    turn = turn_of(-0.5 * pi, 0.0, -0.5 * pi)
+    errors = []
+    with playing(domain, imu__enabled=True, prediction_rate=0.0) as played:
+        played.node.spin_until(played.imu.get_subscription_count)
+        start_ns = played.now_ns
+        for count in range(800):
+            played.tick(10 * MS, 10 * MS)
+            since = 1e-9 * (played.now_ns - start_ns)
+            rate = wrong @ turn @ ride.rates(np.array([since]))[0]
+            played.imu.publish(_imu(played, tuple(rate.tolist())))
+            if count % 4 == 3:
+                x, y, z = ride.rotations(np.array([since]))[0][2]  # of the level frame's z
+                seen = 1e3 * atan2(x, z), 1e3 * atan2(-y, hypot(x, z))
+                played.rays.publish(played.message(*seen, 0.1, age=0))
+                played.node.spin(0.005)
+                if count > 700 and played.predictions:
+                    prediction = played.predictions[-1]
+                    errors.append((prediction.vector.x - seen[0], prediction.vector.y - seen[1]))
+        assert played.process.running
+        # Without the gyro a bearing of 0.1 mrad is what is known of where it is.
+        assert len(errors) > 20
+        assert np.sqrt(np.mean(np.square(errors))) < 10.0
+        if not words:
+            assert not played.said('imu: by what the lights do')
+            played.expect_shown('stabilised', 'yes')
+            return
+        played.expect(words)
+        played.expect(remedy)
+        assert not played.said('is imu published')
+        played.expect_shown('stabilised', f'no: {words}')
+
+
 # The direction of azimuth 500 and elevation 50 mrad.
 AT_REST = np.array([sin(0.5) * cos(0.05), -sin(0.05), cos(0.5) * cos(0.05)])
 
@@ -533,7 +580,8 @@ def test_without_the_joints_nothing_is_predicted(domain: int) -> None:
         for message, sentence in (
             (_joints(played, ['left', 'right'], [0.0, 0.0]), 'it has left, right: set joints.pan'),
             (_joints(played, ['pan', 'tilt'], [0.0]), "the joint 'tilt' has no position"),
-            (_joints(played, ['pan', 'tilt'], [0.0, nan]), 'both must be finite'),
+            (_joints(played, ['pan', 'tilt'], [0.0, inf]), 'tilt is inf rad; it must be finite'),
+            (_joints(played, ['pan', 'tilt'], [nan, nan]), 'is NaN there: home the pan/tilt'),
         ):
             played.joints.publish(message)
             played.expect(sentence)
@@ -548,6 +596,75 @@ def test_without_the_joints_nothing_is_predicted(domain: int) -> None:
         assert played.predictions[-1].vector.x == pytest.approx(
             100.0 + path(to_ns(played.predictions[-1].header.stamp))[0], abs=5.0
         )
+
+
+def _one_a_message(played: Played, name: str, angle: float, stamped: bool = True) -> JointState:
+    message = _joints(played, [name], [angle])
+    if not stamped:
+        message.header.stamp = from_ns(0)
+    return message
+
+
+@pytest.mark.parametrize('stamped', [True, False])
+def test_joints_of_several_nodes_one_a_message(stamped: bool, domain: int) -> None:
+    """Wheels from another node, NaN until the tilt has homed, and stamps of 0: it points right."""
+    with (
+        playing(domain, joints__pan='pan', joints__tilt='tilt') as played,
+        probe(domain, 'base') as other,
+    ):
+        wheels = other.create_publisher(JointState, '/joint_states', RESULT)
+        played.node.spin_until(played.joints.get_subscription_count)
+        other.spin_until(wheels.get_subscription_count)
+        for count in range(120):
+            played.tick(10 * MS, 10 * MS)
+            pan = 0.4 + 0.002 * count
+            tilt = nan if count < 30 else 0.05
+            wheels.publish(_one_a_message(played, 'left_wheel', 0.1 * count, stamped))
+            played.joints.publish(_one_a_message(played, 'pan', pan, stamped))
+            played.joints.publish(_one_a_message(played, 'tilt', tilt, stamped))
+            played.node.spin(0.01)
+            # Between the last two angles, of either joint.
+            turned = PanTiltAngles()
+            turned.push(0, pan - 0.001, 0.05)
+            x, y, z = turned.at(0).T @ AT_REST
+            played.rays.publish(
+                played.message(1e3 * atan2(x, z), 1e3 * atan2(-y, hypot(x, z)), 0.1, age=5 * MS)
+            )
+            if count < 30:
+                assert not played.predictions
+        played.node.spin_until(lambda: bool(played.predictions))
+        prediction = played.predictions[-1]
+        assert prediction.vector.x == pytest.approx(500.0, abs=1.0)
+        assert prediction.vector.y == pytest.approx(50.0, abs=1.0)
+        played.node.spin_until(lambda: played.shown('state') == 'tracking')
+        assert not played.said('publish')
+        assert not played.said('set joints')
+        if not stamped:
+            played.node.spin_until(
+                lambda: int(played.shown('joint_states without a stamp') or 0) >= 200
+            )
+
+
+def test_a_joint_that_two_nodes_publish_is_told(domain: int) -> None:
+    """By the names of those that publish, of which one must go."""
+    with (
+        playing(domain, joints__pan='pan', joints__tilt='tilt') as played,
+        probe(domain, 'second') as other,
+    ):
+        again = other.create_publisher(JointState, '/joint_states', RESULT)
+        played.node.spin_until(played.joints.get_subscription_count)
+        other.spin_until(again.get_subscription_count)
+        sentence = "several nodes publish the joint 'pan' on /joint_states"
+        for _ in range(300):
+            played.tick(10 * MS, 10 * MS)
+            played.joints.publish(_joints(played, ['pan', 'tilt'], [0.1, 0.0]))
+            played.tick(10 * MS, 10 * MS)
+            again.publish(_joints(played, ['pan'], [0.5]))
+            if played.said(sentence):
+                break
+        assert played.said('of /probe, /second/probe let one do so')
+        assert not played.said("the joint 'tilt' on")
+        assert played.level(sentence) == 1
 
 
 @pytest.mark.parametrize('ratio', [1.0, 3.0])

@@ -1,5 +1,6 @@
 """Images meet the camera_info of their stamp, whichever comes first."""
 
+from blob_tracker.camera import CameraModel
 from blob_tracker.ros.diagnostics.health import Health
 from blob_tracker.ros.endpoints.pairing import DEPTH, FramePairs, StampPairing
 from blob_tracker.ros.endpoints.qos import IMAGE_OUT
@@ -44,6 +45,60 @@ def test_waiting_messages_do_not_pile_up() -> None:
     pairing.image(image(200))
     pairing.camera_info(stamped(CameraInfo(), 200, ''))
     assert pairing.lonely_images == 0  # a pair came: the older ones are given up
+
+
+def test_the_nearest_stamp_will_do_within_half_an_interval() -> None:
+    """Not before the interval is known, and not that of another image."""
+    pairs: list[tuple[int, int]] = []
+    pairing = StampPairing(
+        lambda i, c: pairs.append((to_ns(i.header.stamp), to_ns(c.header.stamp)))
+    )
+    for stamp_ns in (1000, 2000, 3000):
+        pairing.camera_info(stamped(CameraInfo(), stamp_ns + 120, ''))
+        pairing.image(image(stamp_ns))
+    assert pairs == [(2000, 2120), (3000, 3120)]
+    assert pairing.offset_ns == 120
+    pairing.image(image(4000))
+    pairing.camera_info(stamped(CameraInfo(), 4600, ''))
+    assert pairs[2:] == []
+    pairing.camera_info(stamped(CameraInfo(), 4700, ''))
+    pairing.image(image(5000))
+    assert pairs[2:] == [(5000, 4700)]
+
+
+def test_a_calibration_stands_in_and_steps_back(domain: int) -> None:
+    """Without a camera_info, and for one that has none; each image is used once."""
+    pairs: list[tuple[int, CameraInfo]] = []
+    model = CameraModel.from_field_of_view(96, 72, 40.0)
+    with probe(domain) as node:
+        frames = FramePairs(
+            node, 'camera', Health(node, 'nothing'),
+            lambda i, c: pairs.append((to_ns(i.header.stamp), c)),
+        )
+        frames.stand_in = model
+        images = node.create_publisher(Image, 'camera/image_raw', IMAGE_OUT)
+        stamps = iter(range(10**9, 10**12, 10**7))
+
+        def publish() -> int:
+            stamp_ns = next(stamps)
+            images.publish(image(stamp_ns))
+            node.spin(0.02)
+            return stamp_ns
+
+        node.spin_until(lambda: publish() and pairs)
+        assert pairs[-1][1].k[0] == pytest.approx(model.matrix[0, 0])
+        infos = node.create_publisher(CameraInfo, 'camera/camera_info', IMAGE_OUT)
+        own = CameraInfo(width=96, height=72, binning_x=2)
+
+        def publish_both() -> None:
+            infos.publish(stamped(own, publish(), ''))
+            node.spin(0.02)
+
+        node.spin_until(lambda: publish_both() or pairs[-1][1].binning_x == own.binning_x)
+        own.k[0] = 7.0
+        node.spin_until(lambda: publish_both() or pairs[-1][1].k[0] == 7.0)
+        used = [stamp_ns for stamp_ns, _ in pairs]
+        assert used == sorted(set(used))
 
 
 def test_stamps_that_jump_back_leave_nothing_of_before() -> None:

@@ -6,6 +6,7 @@ from array import array
 
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.compressed_image import to_whole_frame
+from blob_tracker.segmentation.compression import standard_quantisation
 import cv2
 import numpy as np
 import pytest
@@ -38,6 +39,28 @@ def test_pictures(form: str, content: np.ndarray, layout: str) -> None:
     assert frame.image.dtype == content.dtype
     np.testing.assert_array_equal(frame.image, content)
     assert frame.saturation == np.iinfo(content.dtype).max
+
+
+def test_a_jpeg_tells_its_steps_and_the_order_of_its_colours() -> None:
+    """Those of its quality (ITU-T T.81, K.1); image_transport may have swapped the planes."""
+    data = cv2.imencode('.jpg', GREY, [cv2.IMWRITE_JPEG_QUALITY, 50])[1].tobytes()
+    frame = to_whole_frame(message(data, 'bayer_rggb8; jpeg compressed mono8'))
+    assert frame.layout == 'rggb'
+    np.testing.assert_array_equal(frame.quantisation, standard_quantisation(50))
+    colours = encoded(np.dstack([GREY] * 3), '.jpg')
+    for form, layout in (
+        ('rgb8; jpeg compressed bgr8', 'bgr'), ('rgb8; jpeg compressed rgb8', 'rgb'),
+        ('jpeg', 'bgr'),
+    ):
+        assert to_whole_frame(message(colours, form)).layout == layout
+
+
+@pytest.mark.parametrize('cut', [2, 30, 300, -2])
+def test_a_broken_jpeg_is_refused(cut: int) -> None:
+    """The decoder would fill it with grey without a word."""
+    data = encoded(np.random.default_rng(1).integers(0, 255, (32, 32), np.uint8), '.jpg')
+    with pytest.raises(MessageError, match='the JPEG is'):
+        to_whole_frame(message(data[:cut], 'mono8; jpeg compressed '))
 
 
 def test_depth_has_a_header_of_its_own() -> None:

@@ -3,7 +3,7 @@
 from math import pi
 
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.imu import to_rate, turn_of
+from blob_tracker.ros.messages.imu import angles_of, to_rate, turn_of
 from geometry_msgs.msg import Vector3
 import numpy as np
 import pytest
@@ -24,6 +24,7 @@ def test_turn_is_that_of_fixed_axes() -> None:
     """Roll, pitch, yaw about x, y, z that do not turn with it (REP 103)."""
     angles = 0.3, -0.7, 1.9
     np.testing.assert_allclose(turn_of(*angles), Rotation.from_euler('xyz', angles).as_matrix())
+    np.testing.assert_allclose(turn_of(*angles_of(turn_of(*angles))), turn_of(*angles), atol=1e-12)
 
 
 @pytest.mark.parametrize('body, base', [

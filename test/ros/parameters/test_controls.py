@@ -312,6 +312,21 @@ def test_an_inactive_control_that_start_up_named_is_refused(node: Node) -> None:
         parameters.prepare(camera)
 
 
+def test_what_a_dump_tells_of_controls_that_cannot_be_set_is_no_fault(node: Node) -> None:
+    """Inactive, also by a mode of the same file, read-only, and a button that nobody presses."""
+    start_up = {'gain': 10, 'exposure': 600, 'button': False, 'iso_sensitivity': 1,
+                'iso_sensitivity_auto': 1}
+    health: Any = FakeHealth()
+    parameters = ControlParameters(node, start_up, health, start_up)
+    camera: Any = FakeCamera(
+        replace(GAIN, inactive=True), replace(EXPOSURE, read_only=True),
+        replace(GAIN, name='button', kind='button'), ISO, ISO_AUTO, iso_sensitivity_auto=0,
+    )
+    parameters.prepare(camera)
+    assert parameters._rejected == ()
+    assert {name for name, _ in camera.log} <= {ISO.name, ISO_AUTO.name}
+
+
 class Trigger:
     """Stands for the guard condition, whose executor does not run here."""
 

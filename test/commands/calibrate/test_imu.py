@@ -1,0 +1,78 @@
+"""`calibrate imu` as a user runs it: a bag, what it writes, and what a bag lacks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from blob_tracker.__main__ import main
+from blob_tracker.nodes.interface.tracker import PARAMETERS
+from blob_tracker.ros.messages.imu import turn_of
+from blob_tracker.ros.messages.stamp import from_ns
+from blob_tracker.ros.messages.target import ray_message
+from blob_tracker.types import Bearing
+from geometry_msgs.msg import Vector3
+import numpy as np
+import pytest
+from rclpy.serialization import serialize_message
+from rosbags.rosbag2 import StoragePlugin, Writer
+from sensor_msgs.msg import Imu
+from support.bags import START_NS, TYPES
+from support.turned_imu import BEARING, draw, Drawn
+import yaml
+
+
+def write_bag(folder: Path, drawn: Drawn, imu: str = '/imu') -> Path:
+    """Write what was drawn as messages."""
+    times, directions, _, ticks, rates = drawn.measured
+    with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        rays, samples = (
+            writer.add_connection(topic, kind, typestore=TYPES) for topic, kind in (
+                ('/target/ray', 'geometry_msgs/msg/PoseWithCovarianceStamped'),
+                (imu, 'sensor_msgs/msg/Imu'),
+            )
+        )
+        for time, (x, y, z) in zip(times, directions):
+            stamp_ns = START_NS + round(1e9 * time)
+            bearing = Bearing(
+                1e3 * np.arctan2(x, z), 1e3 * np.arcsin(-y), (1e3 * BEARING) ** 2 * np.eye(2),
+                stamp_ns,
+            )
+            writer.write(rays, stamp_ns, serialize_message(ray_message(bearing, 'optical')))
+        for time, (x, y, z) in zip(ticks, rates):
+            stamp_ns = START_NS + round(1e9 * time)
+            message = Imu()
+            message.header.stamp, message.header.frame_id = from_ns(stamp_ns), 'imu_link'
+            message.angular_velocity = Vector3(x=x, y=y, z=z)
+            writer.write(samples, stamp_ns, serialize_message(message))
+    return folder
+
+
+def test_it_writes_what_the_tracker_takes(tmp_path: Path) -> None:
+    """The turn, the offset and the bias, by the names of the parameters; and the picture."""
+    drawn = draw(7)
+    out = tmp_path / 'imu.yaml'
+    bag = write_bag(tmp_path / 'bag', drawn)
+    assert main(['calibrate', 'imu', str(bag), '--out', str(out)]) == 0
+    values = yaml.safe_load(out.read_text())['/**/tracker']['ros__parameters']
+    assert values.keys() <= {each.name for each in PARAMETERS}
+    turn = turn_of(values['imu.roll'], values['imu.pitch'], values['imu.yaw'])
+    np.testing.assert_allclose(turn.T, drawn.turn.as_matrix(), atol=1e-3)
+    found = [values[f'imu.{each}'] for each in ('stamp_offset', 'bias_x', 'bias_y', 'bias_z')]
+    np.testing.assert_allclose(found, drawn.others[:4], atol=1e-3)
+    assert values['imu.enabled'] is True
+    assert values['imu.frame_id'] == 'imu_link'
+    assert out.with_suffix('.png').stat().st_size > 10_000
+
+
+def test_what_is_wrong_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A bag without the topic; turning that tells nothing: and nothing is written."""
+    out = tmp_path / 'imu.yaml'
+    other = write_bag(tmp_path / 'other', draw(7, duration=2.0), '/imu/data')
+    assert main(['calibrate', 'imu', str(other), '--out', str(out)]) == 1
+    assert 'has 0 topics imu of the type sensor_msgs/msg/Imu' in capsys.readouterr().err
+    arguments = ['calibrate', 'imu', str(other), '--imu', 'imu/data', '--out', str(out)]
+    assert main(arguments) == 1
+    assert 'pairs of bearings follow each other' in capsys.readouterr().err
+    assert not out.exists()
