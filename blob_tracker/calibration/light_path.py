@@ -118,4 +118,4 @@ def covered(times: Sequence[Sequence[Array]], spacing: float) -> LightPath:
     changes = np.diff(np.concatenate([[False], enough, [False]]).astype(np.int8))
     begins, ends = np.flatnonzero(changes == 1), np.flatnonzero(changes == -1)
     long = ends - begins >= LEAST_INTERVALS
-    return LightPath(spacing, start + spacing * begins[long], (ends - begins)[long])
+    return LightPath(spacing, np.asarray(start + spacing * begins[long]), (ends - begins)[long])

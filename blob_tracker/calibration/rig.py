@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 import math
 
-from blob_tracker.calibration.light_path import covered, LightPath, ORDER
+from blob_tracker.calibration.light_path import covered, LightPath
 from blob_tracker.calibration.rig_equations import Equations, Measured, Unknown
 from blob_tracker.calibration.rig_rays import Rays, RigError
 from blob_tracker.calibration.rig_start import meeting_points, Start, start_rig
@@ -86,17 +86,17 @@ class RigCalibration:
 
     @property
     def rotation_sigmas(self) -> Array:
-        """Standard deviation of each camera's turn about an axis, rms of three, rad, (n,)."""
+        """Return the standard deviation of each turn about an axis, rms of three, rad, (n,)."""
         return self._sigmas(0)
 
     @property
     def position_sigmas(self) -> Array:
-        """Standard deviation of each camera's position along an axis, rms of three, (n,)."""
+        """Return the standard deviation of each position along an axis, rms of three, (n,)."""
         return self._sigmas(3)
 
     @property
     def offset_sigmas(self) -> Array:
-        """Standard deviation of each clock's offset, s, (n,)."""
+        """Return the standard deviation of each clock's offset, s, (n,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)[6::7]))
 
     def _sigmas(self, first: int) -> Array:
@@ -278,8 +278,8 @@ def _check(
     for what, length in (('wand', wand), ('baseline', baseline and baseline[2:])):
         if length and not (0.0 < length[0] < math.inf and 0.0 <= length[1] < length[0]):
             raise RigError(
-                f'the {what} is {length[0]:g} m long with a standard deviation of {length[1]:g} m; '
-                'a length is above 0 and above its deviation'
+                f'the {what} is {length[0]:g} m long with a deviation of {length[1]:g} m; a length '
+                'is above 0 and above its standard deviation'
             )
     if baseline is not None:
         for name in baseline[:2]:

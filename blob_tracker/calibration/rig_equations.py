@@ -296,7 +296,7 @@ class Equations:
         none = np.zeros_like(x)
         by_local = roots @ np.stack([
             np.stack([z / level**2, none, -x / level**2], axis=1),
-            np.stack([x * y / (level * square), -level / square, z * y / (level * square)], axis=1),
+            np.stack([x * y / level, -level, z * y / level], axis=1) / square[:, None],
         ], axis=1)
         by_place = np.einsum('nrb,nab->nra', by_local, rotations)
         crossed = np.stack([
@@ -310,7 +310,7 @@ class Equations:
         return residuals, number, (by_place, by_camera, weights)
 
     def _rod_residuals(self, unknown: Unknown) -> tuple[Array, Array, NDArray[np.intp]]:
-        """Return residuals of the wand's length at the middle of each interval, and derivatives."""
+        """Return residuals of the wand's length amid each interval, and their derivatives."""
         assert self.rod is not None
         windows = _windows(self.path)
         weights = self.path.weights(np.array([0.5]))[0]

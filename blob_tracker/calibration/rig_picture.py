@@ -47,12 +47,13 @@ def draw_rig(path: Path, result: RigCalibration) -> None:
         xlabel=f'x ({unit})', ylabel=f'z ({unit})', zlabel=f'-y ({unit})',
     )
     space.set_aspect('equal')
+    space.locator_params(nbins=4)
     space.legend(loc='upper left')
     numbers = np.arange(len(result.names))
     bars.bar(numbers, result.residuals, color='#2980b9')
     bars.axhline(1.0, color='#c0392b', linewidth=1.0, label='what the covariances say')
     bars.set_xticks(numbers, [
-        f'{name}\n{used} rays, {gone} left out'
+        f'{name}\n{used} rays\n{gone} left out'
         for name, used, gone in zip(result.names, result.used, result.left_out, strict=True)
     ])
     bars.set(

@@ -38,7 +38,7 @@ class Rays:
 
     @property
     def directions(self) -> Array:
-        """Unit vectors in the camera's optical frame, (n, 3)."""
+        """Return unit vectors in the camera's optical frame, (n, 3)."""
         azimuth, elevation = self.angles.T
         level = np.cos(elevation)
         return np.stack(

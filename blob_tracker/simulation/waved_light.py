@@ -44,7 +44,7 @@ class RigCamera:
 
     @property
     def rotation(self) -> Array:
-        """The turn that takes components in the optical frame to those in the room's."""
+        """Return the turn that takes components in the optical frame to the room's."""
         ahead = MIDDLE_M - np.asarray(self.position)
         ahead = ahead / np.linalg.norm(ahead)
         across = np.cross([0.0, 1.0, 0.0], ahead)

@@ -10,7 +10,7 @@ from pathlib import Path
 from blob_tracker.calibration.rig import calibrate_rig, RigCalibration
 from blob_tracker.calibration.rig_picture import draw_rig
 from blob_tracker.calibration.rig_rays import Rays, RigError
-from blob_tracker.commands.calibrate.report import results_table, row, Row, tell_of
+from blob_tracker.commands.calibrate.report import results_table, Row, row, tell_of
 from blob_tracker.commands.exit_code import check_out, UsageError
 from blob_tracker.nodes.interface.optical_frame import PITCH, ROLL, YAW
 from blob_tracker.ros.bags import Bag, opened, RecordingError
@@ -27,6 +27,7 @@ from scipy.spatial.transform import Rotation
 FAILURES = (RecordingError, RigError)
 KIND = 'geometry_msgs/msg/PoseWithCovarianceStamped'
 BASELINE_SIGMA = 1e-3  # m: of a tape measure
+POSE = ('x', 'y', 'z', 'roll', 'pitch', 'yaw')  # as static_transform_publisher has it
 MS_PER_S, MM_PER_M = 1e3, 1e3
 
 
@@ -135,7 +136,7 @@ def _rays(
     topics = {
         topic.name: topic for topic in bag.topics if topic.name in wanted and topic.kind == KIND
     }
-    missing = [name for name in wanted if not bag.topics.get(topics.get(name))]
+    missing = [name for name in wanted if name not in topics or not bag.topics[topics[name]]]
     if missing:
         there = ', '.join(topic.name for topic in bag.topics if topic.kind == KIND) or 'none'
         raise RecordingError(
@@ -163,7 +164,7 @@ def _rays(
 
 def _series(came: list[tuple[int, NDArray[np.float64]]], first_ns: int) -> Rays:
     """Return the rays of a topic that are valid, in the order of their stamps, each stamp once."""
-    in_order = {stamp_ns: numbers for stamp_ns, numbers in sorted(came, key=lambda each: each[0])}
+    in_order = dict(sorted(came, key=lambda each: each[0]))
     numbers = np.array(list(in_order.values()))
     times = np.array([1e-9 * (stamp_ns - first_ns) for stamp_ns in in_order])
     covariance = MRAD**2 * numbers[:, 2:].reshape(-1, 2, 2)
@@ -206,43 +207,47 @@ def _parameters(
     result: RigCalibration, frames: Sequence[str], lights: Sequence[str],
     arguments: argparse.Namespace,
 ) -> str:
-    """Return the parameter file: poses in a frame with z up, if the first camera is level."""
-    upright = turn_of(ROLL, PITCH, YAW)
+    """Return the parameter file: a triangulator for the first camera and each other one."""
+    poses = [_pose(result, number) for number in range(len(result.names))]
     lines = [
         '# python3 -m blob_tracker calibrate rig: poses of the optical frames; x looks ahead of',
         f'# {result.names[0]}, y to its left, z up. For TF, in place of these:',
     ]
-    parameters = []
-    for number, (name, frame) in enumerate(zip(result.names, frames, strict=True)):
-        x, y, z = upright @ result.positions[number]
-        yaw, pitch, roll = Rotation.from_matrix(upright @ result.rotations[number]).as_euler('ZYX')
+    for name, frame, pose in zip(result.names, frames, poses, strict=True):
+        options = ' '.join(f'--{key} {pose[key]}' for key in POSE)
         lines.append(
-            f'#   ros2 run tf2_ros static_transform_publisher --x {x:.6f} --y {y:.6f} '
-            f'--z {z:.6f} --roll {roll:.7f} --pitch {pitch:.7f} --yaw {yaw:.7f} '
+            f'#   ros2 run tf2_ros static_transform_publisher {options} '
             f'--frame-id {arguments.frame_id} --child-frame-id {frame or name}'
         )
-        values = {
-            'x': f'{x:.6f}', 'y': f'{y:.6f}', 'z': f'{z:.6f}',
-            'roll': f'{roll:.7f}', 'pitch': f'{pitch:.7f}', 'yaw': f'{yaw:.7f}',
-            'position_sigma': f'{result.position_sigmas[number]:.6f}',
-            'rotation_sigma': f'{result.rotation_sigmas[number]:.7f}',
-        }
-        parameters.append(f'    {name}:')
-        parameters += [f'      {key}: {value}' for key, value in values.items()]
     lines.append('# Clocks, ahead of the first one (stamp_offset of that camera takes it off):')
     for name, offset, sigma in zip(
         result.names, result.offsets, result.offset_sigmas, strict=True
     ):
         lines.append(f'#   {name} {MS_PER_S * offset:+.3f} ms, sigma {MS_PER_S * sigma:.3f} ms')
     lines += [f'# {note}' for note in result.notes]
-    light = lights[0] if len(lights) == 1 else ''
-    return '\n'.join([
-        *lines,
-        '/**/triangulator:',
-        '  ros__parameters:',
-        f'    frame_id: "{arguments.frame_id}"',
-        *([f'    light: "{light}"'] if light else []),
-        f'    cameras: [{", ".join(result.names)}]',
-        *parameters,
-        '',
-    ])
+    if len(result.names) > 2:
+        lines.append(
+            '# One node for each further camera: ros2 run blob_tracker triangulator --ros-args -r '
+            f'__node:=triangulator_{result.names[1]} --params-file {arguments.out}'
+        )
+    for number, name in enumerate(result.names[1:], 1):
+        node = 'triangulator' if len(result.names) == 2 else f'triangulator_{name}'
+        lines += [f'/**/{node}:', '  ros__parameters:', f'    frame_id: "{arguments.frame_id}"']
+        if len(lights) == 1 and lights[0]:
+            lines.append(f'    light: "{lights[0]}"')
+        for role, camera in (('first', 0), ('second', number)):
+            lines += [f'    {role}:', f'      namespace: "{result.names[camera]}"']
+            lines += [f'      {key}: {value}' for key, value in poses[camera].items()]
+    return '\n'.join([*lines, ''])
+
+
+def _pose(result: RigCalibration, number: int) -> dict[str, str]:
+    """Return a camera's pose where x looks ahead and z up, if the first camera is level."""
+    upright = turn_of(ROLL, PITCH, YAW)
+    angles = Rotation.from_matrix(upright @ result.rotations[number]).as_euler('ZYX')
+    numbers = (*(upright @ result.positions[number]), *angles[::-1])
+    return {
+        **{key: f'{value:.7f}' for key, value in zip(POSE, numbers, strict=True)},
+        'position_sigma': f'{result.position_sigmas[number]:.7f}',
+        'rotation_sigma': f'{result.rotation_sigmas[number]:.7f}',
+    }

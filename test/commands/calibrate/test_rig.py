@@ -26,7 +26,8 @@ START_NS = 1_700_000_000_000_000_000
 def serialized(stamp_ns: int, angles: np.ndarray, covariance: np.ndarray) -> bytes:
     """Return a ray as the locator publishes it."""
     turn = Quaternion()
-    turn_onto(*(angles / MRAD).tolist(), turn)
+    azimuth, elevation = (angles / MRAD).tolist()
+    turn_onto(azimuth, elevation, turn)
     types = TYPES.types
     pose = types['geometry_msgs/msg/Pose'](
         types['geometry_msgs/msg/Point'](0.0, 0.0, 0.0),
@@ -74,15 +75,15 @@ def test_a_wand(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ) == 0
     text = out.read_text()
     found = yaml.safe_load(text)['/**/triangulator']['ros__parameters']
-    assert found['cameras'] == ['left', 'right']
-    assert found['left']['x'] == found['left']['position_sigma'] == 0.0
-    right = found['right']
+    left, right = found['first'], found['second']
+    assert (left['namespace'], right['namespace']) == ('left', 'right')
+    assert left['x'] == left['position_sigma'] == 0.0
     # The cameras look at a point 3 m ahead from 1 m aside each: 2 m apart, turned towards it.
     apart = np.hypot(right['x'], right['y'])
     assert abs(apart - 2.0) < 5.0 * 2.0 * right['position_sigma'] + 0.0004
     assert 0.0 < right['position_sigma'] < 0.002
     assert abs(right['z']) < 5.0 * right['position_sigma']
-    assert abs((right['yaw'] - found['left']['yaw']) - 2.0 * np.arctan(1.0 / 3.0)) < 1e-3
+    assert abs((right['yaw'] - left['yaw']) - 2.0 * np.arctan(1.0 / 3.0)) < 1e-3
     assert 'right +12.0' in text or 'right +11.9' in text  # 16 us is its sigma
     assert '--child-frame-id optical' in text
     assert out.with_suffix('.png').read_bytes().startswith(b'\x89PNG')
