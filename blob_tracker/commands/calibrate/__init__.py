@@ -19,6 +19,7 @@ CALIBRATIONS: dict[str, str] = {
     'noise': 'gain, read noise and saturation: photon transfer',
     'pulse': "the blob's shape: lens, focus and light, from its own flashes",
     'response': 'gamma and the like: what the pixels make of light',
+    'rig': 'where cameras are, and their clocks, from a light that is waved before them',
     'slide': 'pixels per millimetre, from a camera on a slide',
     'turn': "focal length and principal point, from the servo's own steps",
 }

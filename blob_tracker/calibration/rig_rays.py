@@ -1,0 +1,86 @@
+"""What the cameras of a rig saw of the lights that were waved before them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+LEAP = 10.0  # times the median: so far no light strays from the middle of its neighbours
+
+
+class RigError(ValueError):
+    """Rays from which no rig can be told; the message says what is wrong and what is right."""
+
+
+@dataclass(frozen=True)
+class Rays:
+    """
+    The rays of one camera to one light.
+
+    Parameters
+    ----------
+    times : (n,) array
+        Stamps of the camera's own clock, s, ascending.
+    angles : (n, 2) array
+        Azimuth and elevation, rad.
+    covariance : (n, 2, 2) array
+        Of these, rad^2.
+
+    """
+
+    times: Array
+    angles: Array
+    covariance: Array
+
+    @property
+    def directions(self) -> Array:
+        """Return unit vectors in the camera's optical frame, (n, 3)."""
+        azimuth, elevation = self.angles.T
+        level = np.cos(elevation)
+        return np.stack(
+            [level * np.sin(azimuth), -np.sin(elevation), level * np.cos(azimuth)], axis=1
+        )
+
+    def part(self, kept: NDArray[np.bool_]) -> Rays:
+        """Return some of them."""
+        return Rays(self.times[kept], self.angles[kept], self.covariance[kept])
+
+    def at(self, times: Array, longest: float) -> Array:
+        """
+        Return the directions at other instants, on the chord between two rays.
+
+        Parameters
+        ----------
+        times : (m,) array
+            s of this camera's clock.
+        longest : float
+            Greatest time between the two rays, s.
+
+        Returns
+        -------
+        (m, 3) array
+            Unit vectors; NaN where no two rays are near enough.
+
+        """
+        after = np.clip(np.searchsorted(self.times, times), 1, len(self.times) - 1)
+        start, end = self.times[after - 1], self.times[after]
+        share = ((times - start) / np.where(end > start, end - start, np.inf))[:, None]
+        directions = self.directions
+        chord = (1.0 - share) * directions[after - 1] + share * directions[after]
+        near = (end - start <= longest) & (times >= start) & (times <= end)
+        chord[~near] = np.nan
+        return np.asarray(chord / np.linalg.norm(chord, axis=1, keepdims=True))
+
+    def without_leaps(self) -> Rays:
+        """Return those that lie near the middle of the rays before and after, as most do."""
+        if len(self.times) < 3:
+            return self
+        directions = self.directions
+        bend = np.zeros(len(directions))
+        middle = 0.5 * (directions[:-2] + directions[2:])
+        bend[1:-1] = np.linalg.norm(directions[1:-1] - middle, axis=1)
+        return self.part(bend <= LEAP * np.median(bend[1:-1]))

@@ -1,0 +1,253 @@
+"""calibrate rig: where cameras are, and their clocks, from a light that is waved before them."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from math import isfinite
+from pathlib import Path
+
+from blob_tracker.calibration.rig import calibrate_rig, RigCalibration
+from blob_tracker.calibration.rig_picture import draw_rig
+from blob_tracker.calibration.rig_rays import Rays, RigError
+from blob_tracker.commands.calibrate.report import results_table, Row, row, tell_of
+from blob_tracker.commands.exit_code import check_out, UsageError
+from blob_tracker.nodes.interface.optical_frame import PITCH, ROLL, YAW
+from blob_tracker.ros.bags import Bag, opened, RecordingError
+from blob_tracker.ros.endpoints.names import check_light, target_topic
+from blob_tracker.ros.errors import MessageError, ParameterError
+from blob_tracker.ros.messages.imu import turn_of
+from blob_tracker.ros.messages.target import to_bearing
+from blob_tracker.units import MRAD, MRAD_PER_RAD
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from scipy.spatial.transform import Rotation
+
+FAILURES = (RecordingError, RigError)
+KIND = 'geometry_msgs/msg/PoseWithCovarianceStamped'
+BASELINE_SIGMA = 1e-3  # m: of a tape measure
+POSE = ('x', 'y', 'z', 'roll', 'pitch', 'yaw')  # as static_transform_publisher has it
+MS_PER_S, MM_PER_M = 1e3, 1e3
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.description = (
+        'Where cameras are, how they are turned and how far their clocks are apart, from a bag in '
+        'which one light was waved before all of them for half a minute: near and far, through '
+        'the whole space. Each camera has a tracker in a namespace of its own and sees with a '
+        'calibrated lens; record their rays, ros2 bag record /left/target/ray /right/target/ray.'
+    )
+    parser.add_argument('bag', type=Path, help='with the rays of all cameras')
+    parser.add_argument(
+        '--cameras', nargs='+', required=True, metavar='NAMESPACE',
+        help="the cameras' namespaces, two or more; poses are in the frame of the first",
+    )
+    parser.add_argument('--light', default='', help='name of the coded light; a wand has its own')
+    parser.add_argument(
+        '--wand', nargs='+', metavar=('LIGHT', 'LIGHT M'),
+        help='two coded lights on a stick, the distance between them, m, and its standard '
+             'deviation (default 1 mm)',
+    )
+    parser.add_argument(
+        '--baseline', nargs='+', metavar=('CAMERA', 'CAMERA M'),
+        help='two cameras, their distance, m, and its standard deviation (default 1 mm), in place '
+             'of a wand',
+    )
+    parser.add_argument(
+        '--most-offset', type=float, default=0.2, metavar='S',
+        help='between two clocks, at most (default %(default)s s)',
+    )
+    parser.add_argument(
+        '--frame-id', default='map',
+        help='frame of the poses: x ahead of the first camera, y to its left, z up '
+             '(default %(default)s)',
+    )
+    parser.add_argument(
+        '--out', type=Path, default=Path('rig.yaml'),
+        help='parameters of the triangulator (%(default)s); the picture beside it',
+    )
+
+
+def main(arguments: argparse.Namespace) -> None:
+    """Calibrate."""
+    check_out(arguments.out, '.png', arguments.bag)
+    names = [name.strip('/') for name in arguments.cameras]
+    wand = _length('--wand', 'LIGHT LIGHT M [SIGMA]', arguments.wand)
+    baseline = _length('--baseline', 'CAMERA CAMERA M [SIGMA]', arguments.baseline)
+    if wand and arguments.light:
+        raise UsageError('--light is for one light; those of a wand are named with it')
+    if not 0.0 <= arguments.most_offset <= 10.0:
+        raise UsageError('--most-offset must be 0 to 10 s')
+    lights = list(wand[:2]) if wand else [arguments.light]
+    try:
+        for light in filter(None, lights):
+            check_light(light)
+    except ParameterError as error:
+        raise UsageError(str(error)) from None
+    console = Console()
+    with opened(arguments.bag) as bag:
+        rays, frames = _rays(bag, names, lights)
+    result = calibrate_rig(
+        rays, names,
+        baseline=(baseline[0].strip('/'), baseline[1].strip('/'), *baseline[2:])
+        if baseline else None,
+        wand=wand[2:] if wand else None,
+        most_offset=arguments.most_offset,
+    )
+    _report(console, result)
+    picture = arguments.out.with_suffix('.png')
+    if result.is_metric:
+        tell_of(console, arguments.out)
+        arguments.out.write_text(_parameters(result, frames, lights, arguments))
+    tell_of(console, picture)
+    draw_rig(picture, result)
+    if not result.is_metric:
+        raise RigError(
+            'no parameters are written, since nothing tells the scale: give --wand or --baseline'
+        )
+
+
+def _length(
+    option: str, form: str, words: Sequence[str] | None
+) -> tuple[str, str, float, float] | None:
+    """Return two names, what is between them and its standard deviation, m."""
+    if words is None:
+        return None
+    try:
+        one, other, *numbers = words
+        length, sigma = (*map(float, numbers), BASELINE_SIGMA)[:2]
+        if len(numbers) not in (1, 2) or not (isfinite(length) and isfinite(sigma)):
+            raise ValueError
+    except ValueError:
+        raise UsageError(f'{option} {" ".join(words)}: it must be {form}') from None
+    return one, other, length, sigma
+
+
+def _rays(
+    bag: Bag, names: Sequence[str], lights: Sequence[str]
+) -> tuple[list[list[Rays]], list[str]]:
+    """Return the rays of each camera to each light, and the frames that they are in."""
+    wanted = {
+        f'/{name}/{target_topic(light)}/ray': (camera, number)
+        for camera, name in enumerate(names) for number, light in enumerate(lights)
+    }
+    topics = {
+        topic.name: topic for topic in bag.topics if topic.name in wanted and topic.kind == KIND
+    }
+    missing = [name for name in wanted if name not in topics or not bag.topics[topics[name]]]
+    if missing:
+        there = ', '.join(topic.name for topic in bag.topics if topic.kind == KIND) or 'none'
+        raise RecordingError(
+            f'{bag.path} has no rays on {", ".join(missing)}; of that type it has: {there}'
+        )
+    came: dict[str, list[tuple[int, NDArray[np.float64]]]] = {name: [] for name in wanted}
+    frames = [''] * len(names)
+    for message in bag.messages(list(topics.values())):
+        ray = bag.decoded(message)
+        try:
+            bearing = to_bearing(ray)
+        except MessageError as error:
+            raise RecordingError(f'{bag.path}, {message.topic.name}: {error}') from None
+        numbers = np.concatenate(
+            [[bearing.azimuth, bearing.elevation], bearing.covariance.ravel()]
+        )
+        came[message.topic.name].append((bearing.stamp_ns, numbers))
+        frames[wanted[message.topic.name][0]] = str(ray.header.frame_id)
+    first_ns = min(each[0] for series in came.values() for each in series)
+    return [
+        [_series(came[f'/{name}/{target_topic(light)}/ray'], first_ns) for light in lights]
+        for name in names
+    ], frames
+
+
+def _series(came: list[tuple[int, NDArray[np.float64]]], first_ns: int) -> Rays:
+    """Return the rays of a topic that are valid, in the order of their stamps, each stamp once."""
+    in_order = dict(sorted(came, key=lambda each: each[0]))
+    numbers = np.array(list(in_order.values()))
+    times = np.array([1e-9 * (stamp_ns - first_ns) for stamp_ns in in_order])
+    covariance = MRAD**2 * numbers[:, 2:].reshape(-1, 2, 2)
+    valid = np.isfinite(numbers).all(axis=1)
+    valid[valid] = np.linalg.eigvalsh(covariance[valid])[:, 0] > 0.0
+    return Rays(times, MRAD * numbers[:, :2], covariance).part(valid)
+
+
+def _report(console: Console, result: RigCalibration) -> None:
+    """Print the table and what is to be said about it."""
+    unit, size = ('mm', MM_PER_M) if result.is_metric else ('', 1.0)
+    rows: list[Row] = []
+    sigmas = np.sqrt(np.diag(result.covariance)).reshape(-1, 7)
+    for number, name in enumerate(result.names[1:], 1):
+        for axis, value, sigma in zip(
+            'xyz', result.positions[number], sigmas[number, 3:6], strict=True
+        ):
+            rows.append(row(f'{name} {axis}', size * value, size * sigma, unit))
+        turn = Rotation.from_matrix(result.rotations[number]).magnitude()
+        rows.append(row(
+            f'{name} turned', MRAD_PER_RAD * turn,
+            MRAD_PER_RAD * float(result.rotation_sigmas[number]), 'mrad',
+        ))
+        rows.append(row(
+            f'{name} clock ahead', MS_PER_S * result.offsets[number],
+            MS_PER_S * sigmas[number, 6], 'ms',
+        ))
+    rows.append((
+        'chi2 per degree', f'{result.chi2 / max(result.freedom, 1):.2f}', '',
+        f'{result.freedom} degrees',
+    ))
+    console.print(results_table(
+        f'{len(result.names)} cameras, in the optical frame of {result.names[0]}', rows
+    ))
+    for note in result.notes:
+        console.print(f'- {note}', markup=False)
+
+
+def _parameters(
+    result: RigCalibration, frames: Sequence[str], lights: Sequence[str],
+    arguments: argparse.Namespace,
+) -> str:
+    """Return the parameter file: a triangulator for the first camera and each other one."""
+    poses = [_pose(result, number) for number in range(len(result.names))]
+    lines = [
+        '# python3 -m blob_tracker calibrate rig: poses of the optical frames; x looks ahead of',
+        f'# {result.names[0]}, y to its left, z up. For TF, in place of these:',
+    ]
+    for name, frame, pose in zip(result.names, frames, poses, strict=True):
+        options = ' '.join(f'--{key} {pose[key]}' for key in POSE)
+        lines.append(
+            f'#   ros2 run tf2_ros static_transform_publisher {options} '
+            f'--frame-id {arguments.frame_id} --child-frame-id {frame or name}'
+        )
+    lines.append('# Clocks, ahead of the first one (stamp_offset of that camera takes it off):')
+    for name, offset, sigma in zip(
+        result.names, result.offsets, result.offset_sigmas, strict=True
+    ):
+        lines.append(f'#   {name} {MS_PER_S * offset:+.3f} ms, sigma {MS_PER_S * sigma:.3f} ms')
+    lines += [f'# {note}' for note in result.notes]
+    if len(result.names) > 2:
+        lines.append(
+            '# One node for each further camera: ros2 run blob_tracker triangulator --ros-args -r '
+            f'__node:=triangulator_{result.names[1]} --params-file {arguments.out}'
+        )
+    for number, name in enumerate(result.names[1:], 1):
+        node = 'triangulator' if len(result.names) == 2 else f'triangulator_{name}'
+        lines += [f'/**/{node}:', '  ros__parameters:', f'    frame_id: "{arguments.frame_id}"']
+        if len(lights) == 1 and lights[0]:
+            lines.append(f'    light: "{lights[0]}"')
+        for role, camera in (('first', 0), ('second', number)):
+            lines += [f'    {role}:', f'      namespace: "{result.names[camera]}"']
+            lines += [f'      {key}: {value}' for key, value in poses[camera].items()]
+    return '\n'.join([*lines, ''])
+
+
+def _pose(result: RigCalibration, number: int) -> dict[str, str]:
+    """Return a camera's pose where x looks ahead and z up, if the first camera is level."""
+    upright = turn_of(ROLL, PITCH, YAW)
+    angles = Rotation.from_matrix(upright @ result.rotations[number]).as_euler('ZYX')
+    numbers = (*(upright @ result.positions[number]), *angles[::-1])
+    return {
+        **{key: f'{value:.7f}' for key, value in zip(POSE, numbers, strict=True)},
+        'position_sigma': f'{result.position_sigmas[number]:.7f}',
+        'rotation_sigma': f'{result.rotation_sigmas[number]:.7f}',
+    }
