@@ -81,8 +81,9 @@ class Body:
 
 def in_line(places: Array) -> bool:
     """Tell whether points are in one line as far as a pose is concerned."""
-    spread = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
-    return bool(spread[1] < IN_LINE * spread[0])
+    beside = places - places.mean(axis=0)
+    _, middle, greatest = np.linalg.eigvalsh(beside.T @ beside)
+    return bool(middle < IN_LINE**2 * greatest)
 
 
 def read_body(path: str | Path) -> Body:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from blob_tracker.kernel import Array, kernel
 import numpy as np
 
-STEPS = 25
+STEPS = 100
 CONVERGED = 1e-6  # squared step over its covariance
 MOST_DAMPING = 1e8
 
@@ -89,11 +89,11 @@ def fit(
             information[:], gradient[:], chi2[:] = trial, pull, spare
             cost = new_cost
             damping *= 0.1
-            if square < CONVERGED:
+            if square < CONVERGED and damping < 1.0:
                 break
         else:
             damping *= 10.0
-            if square < CONVERGED or damping > MOST_DAMPING:
+            if damping > MOST_DAMPING:
                 break
     return cost
 
@@ -160,8 +160,11 @@ def linearise(
             first = weight_x * jacobian[0, i] + weight_xy * jacobian[1, i]
             second = weight_xy * jacobian[0, i] + weight_y * jacobian[1, i]
             gradient[i] -= first * residual[0] + second * residual[1]
-            for j in range(size):
+            for j in range(i + 1):
                 information[i, j] += first * jacobian[0, j] + second * jacobian[1, j]
+    for i in range(size):
+        for j in range(i):
+            information[j, i] = information[i, j]
     for i in range(6, size):
         weight = 1.0 / rates[(i - 6) // 3]**2
         information[i, i] += weight

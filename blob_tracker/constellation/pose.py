@@ -25,8 +25,10 @@ import scipy  # which loads its parts when they are first used
 PRICE = 50.0  # chi-square of a bearing that is another light's: fits with and without it are told
 AMBIGUOUS = 25.0  # of chi-square: poses that differ by less are both kept, as by five sigma
 OUTLIERS = 5  # of so many lights one may be another's
-TRIPLES, MORE_TRIPLES = 6, 40  # of rays that are tried at first, and where none of them fits
-STARTS = 4  # from which the likelihood is climbed: three rays have so many poses
+# Threes of rays that are tried, and starts from which the likelihood is climbed: at first, and
+# where that leads to nothing or a bearing is another light's.
+FIRST, MORE = (5, 4), (40, 8)
+ROUNDS = 4  # in which bearings of other lights settle
 SAME_RAD = 1e-3  # poses that are turned less apart are one
 MOST_TURN_SIGMA = 0.3  # rad: beyond it the error of a turn is not Gaussian
 NS = 1e-9  # s
@@ -144,12 +146,12 @@ def poses(
             'turned about it cannot be seen'
         )
     rates = np.array([speed_sigma, rate_sigma]) if np.ptp(seen.apart) > 0.0 else np.zeros(2)
-    found = _fits(seen, names, rates, TRIPLES, gate_sigma, stamp_ns)
+    found = _fits(seen, names, rates, FIRST, gate_sigma, stamp_ns)
     if not found or found[0].outliers:
-        found = _fits(seen, names, rates, MORE_TRIPLES, gate_sigma, stamp_ns)
+        found = _fits(seen, names, rates, MORE, gate_sigma, stamp_ns)
     if not found:
         mirrored = seen._replace(places=seen.places * [-1.0, 1.0, 1.0])
-        if _fits(mirrored, names, rates, TRIPLES, gate_sigma, stamp_ns):
+        if _fits(mirrored, names, rates, FIRST, gate_sigma, stamp_ns):
             raise Inconsistent(
                 'the bearings fit a mirror image of the body: an axis of its file has the '
                 'wrong sign, for the axes are right-handed'
@@ -207,10 +209,12 @@ def _seen(body: Body, bearings: Sequence[tuple[str, Bearing]]) -> tuple[_Seen, i
 
 
 def _fits(
-    seen: _Seen, names: list[str], rates: Array, triples: int, gate_sigma: float, stamp_ns: int
+    seen: _Seen, names: list[str], rates: Array, effort: tuple[int, int], gate_sigma: float,
+    stamp_ns: int,
 ) -> list[Pose]:
     """Return the poses of greatest likelihood that the bearings allow, the likeliest first."""
-    starts, positions = np.empty((STARTS, 3, 3)), np.empty((STARTS, 3))
+    triples, most = effort
+    starts, positions = np.empty((most, 3, 3)), np.empty((most, 3))
     # What a body that moves does meanwhile is not in the pose of three rays.
     doubt = seen.variances + (rates[0]**2 + rates[1]**2 * np.sum(seen.places**2, 1)) * (
         seen.apart**2)
@@ -218,9 +222,8 @@ def _fits(
         seen.places, doubt, *seen[2:], _triples(len(names), triples), PRICE, starts, positions,
     )
     found: list[Pose] = []
-    middle = seen.places.mean(axis=0)
     tried = [(starts[i], positions[i]) for i in range(count)]
-    tried += [_mirrored(seen.places, middle, *each) for each in tried[:1]]
+    tried += [_mirrored(seen.places, *each) for each in tried[:1]]
     for start, position in tried:
         pose = _climbed(seen, names, rates, start.copy(), position.copy(), gate_sigma, stamp_ns)
         if pose is not None and not any(
@@ -245,12 +248,16 @@ def _climbed(
         rotation, position = first  # the outlier has drawn the fit away
         twist[:] = 0.0
         used = _inliers(seen, rates, rotation, position, twist, information, chi2)
-        for _ in range(count // OUTLIERS + 1):
+        for _ in range(ROUNDS):
             cost = fit(*seen, used, rates, rotation, position, twist, information, chi2)
             now = (chi2 < most).astype(float)
-            if (now == used).all() or now.sum() < count - count // OUTLIERS:
+            if (now == used).all():
                 break
+            if now.sum() < count - count // OUTLIERS:
+                return None
             used = now
+        else:
+            return None
     inside = int(used.sum())
     degrees = 2 * inside - 6
     if not cost <= _most(gate_sigma, max(degrees, 1)):  # nor NaN
@@ -286,7 +293,7 @@ def _inliers(
 
 
 def _mirrored(
-    places: Array, middle: Array, rotation: Array, position: Array
+    places: Array, rotation: Array, position: Array
 ) -> tuple[Array, Array]:
     """
     Return the other pose in which lights in a plane look nearly the same.
@@ -294,7 +301,9 @@ def _mirrored(
     Depths about the middle are turned over: R' = (I - 2 v v^T) R (I - 2 n n^T) with the line of
     sight v and the body's thinnest direction n.
     """
-    thin = np.linalg.svd(places - middle)[2][2]
+    middle = places.mean(axis=0)
+    beside = places - middle
+    thin = np.linalg.eigh(beside.T @ beside)[1][:, 0]
     centre = rotation @ middle + position
     sight = centre / np.linalg.norm(centre)
     flip = np.eye(3) - 2.0 * np.outer(sight, sight)

@@ -6,8 +6,8 @@ from blob_tracker.kernel import Array, kernel
 import numpy as np
 
 MOST = 8  # poses that are tried: both u of each of four v
-ROUNDS = 40  # of the search for the four roots, which doubles its digits in most
-CLOSE = 1e-11
+ROUNDS = 30  # of the search for the four roots, which doubles its digits in most
+CLOSE = 1e-6  # of a root: the likelihood does the rest
 NEARLY_REAL = 0.3  # noise makes a complex pair of two equal roots
 FITS = 0.1  # of a squared side, by which it may be missed: the likelihood decides later
 EMPTY = 1e-12
