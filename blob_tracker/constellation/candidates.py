@@ -6,6 +6,7 @@ from blob_tracker.constellation.likelihood import linearise
 from blob_tracker.constellation.three_rays import MOST, three_rays
 from blob_tracker.kernel import Array, kernel
 import numpy as np
+from numpy.typing import NDArray
 
 ALIKE_RAD = 0.05  # candidates that are turned less apart lead to the same pose
 
@@ -13,7 +14,7 @@ ALIKE_RAD = 0.05  # candidates that are turned less apart lead to the same pose
 @kernel
 def candidates(
     places: Array, variances: Array, rays: Array, bases: Array, noise: Array, apart: Array,
-    triples: Array, most_chi2: float, rotations: Array, positions: Array,
+    triples: NDArray[np.int64], most_chi2: float, rotations: Array, positions: Array,
 ) -> int:
     """
     Find the best poses of three rays, by what all bearings say of them.

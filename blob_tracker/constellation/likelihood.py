@@ -8,6 +8,8 @@ import numpy as np
 STEPS = 100
 CONVERGED = 1e-6  # squared step over its covariance
 MOST_DAMPING = 1e8
+# Chi-square of a bearing, and the share of it that a step gains: no pose lies that way.
+HOPELESS, GAIN = 100.0, 1e-3
 
 
 @kernel
@@ -87,9 +89,10 @@ def fit(
         if new_cost <= cost + 1e-12:
             rotation[:], position[:], twist[:] = new_rotation, new_position, new_twist
             information[:], gradient[:], chi2[:] = trial, pull, spare
-            cost = new_cost
+            gained, cost = cost - new_cost, new_cost
             damping *= 0.1
-            if square < CONVERGED and damping < 1.0:
+            hopeless = cost > HOPELESS * len(chi2) and gained < GAIN * cost
+            if hopeless or (square < CONVERGED and damping < 1.0):
                 break
         else:
             damping *= 10.0
@@ -110,7 +113,7 @@ def linearise(
     gradient[:] = 0.0
     cost = 0.0
     jacobian = np.zeros((2, 12))
-    arm, point = np.empty(3), np.empty(3)
+    arm, point, turned = np.empty(3), np.empty(3), np.empty(3)
     residual = np.empty(2)
     for k in range(len(rays)):
         turn = _turn(twist[3] * apart[k], twist[4] * apart[k], twist[5] * apart[k])
@@ -140,11 +143,22 @@ def linearise(
             y = scale * (y - beside * point[1] / distance) / distance
             z = scale * (z - beside * point[2] / distance) / distance
             jacobian[a, 0], jacobian[a, 1], jacobian[a, 2] = x, y, z
-            jacobian[a, 3] = arm[1] * z - arm[2] * y
-            jacobian[a, 4] = arm[2] * x - arm[0] * z
-            jacobian[a, 5] = arm[0] * y - arm[1] * x
-            for i in range(6, size):
-                jacobian[a, i] = apart[k] * jacobian[a, i - 6]
+            turned[0] = arm[1] * z - arm[2] * y
+            turned[1] = arm[2] * x - arm[0] * z
+            turned[2] = arm[0] * y - arm[1] * x
+            for i in range(3):  # the pose is turned before the body has turned on
+                jacobian[a, 3 + i] = (
+                    turn[0, i] * turned[0] + turn[1, i] * turned[1] + turn[2, i] * turned[2]
+                )
+            if size == 6:
+                continue
+            for i in range(3):
+                jacobian[a, 6 + i] = apart[k] * jacobian[a, i]
+                # Half of the way that it turns on, to first order.
+                one, two = (i + 1) % 3, (i + 2) % 3
+                jacobian[a, 9 + i] = apart[k] * (turned[i] - 0.5 * apart[k] * (
+                    twist[3 + one] * turned[two] - twist[3 + two] * turned[one]
+                ))
         extra = variances[k] / distance**2
         xx, yy, xy = noise[k, 0, 0] + extra, noise[k, 1, 1] + extra, noise[k, 0, 1]
         determinant = xx * yy - xy**2

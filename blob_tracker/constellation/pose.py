@@ -16,10 +16,10 @@ from blob_tracker.constellation.errors import (
 )
 from blob_tracker.constellation.likelihood import fit
 from blob_tracker.kernel import Array
-from blob_tracker.tracking.rays import direction, tangents
 from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
 import numpy as np
+from numpy.typing import NDArray
 import scipy  # which loads its parts when they are first used
 
 PRICE = 50.0  # chi-square of a bearing that is another light's: fits with and without it are told
@@ -198,14 +198,23 @@ def _seen(body: Body, bearings: Sequence[tuple[str, Bearing]]) -> tuple[_Seen, i
                 f'the bearing of {name} or its covariance is not finite, or the covariance not '
                 'positive definite'
             )
-    rays = np.array([direction(*each) for each in angles]).reshape(-1, 3)
-    bases = np.array([tangents(*each) for each in angles]).reshape(-1, 3, 2)
-    bases[:, :, 0] /= level[:, None]
+    rays, bases = _rays(angles)
     stamps = [each.stamp_ns for _, each in bearings]
     latest = max(stamps, default=0)
     apart = NS * np.array([each - latest for each in stamps], dtype=float)
     seen = _Seen(body.places[numbers], body.sigmas[numbers]**2, rays, bases, noise, apart)
     return seen, latest
+
+
+def _rays(angles: Array) -> tuple[Array, Array]:
+    """Return unit vectors, and what is along azimuth and elevation across them."""
+    sines, cosines = np.sin(angles), np.cos(angles)
+    (sine, rise), (cosine, level) = sines.T, cosines.T
+    rays = np.stack([level * sine, -rise, level * cosine], axis=1)
+    bases = np.empty((len(angles), 3, 2))
+    bases[:, 0, 0], bases[:, 1, 0], bases[:, 2, 0] = cosine, 0.0, -sine
+    bases[:, 0, 1], bases[:, 1, 1], bases[:, 2, 1] = -rise * sine, -level, -rise * cosine
+    return rays, bases
 
 
 def _fits(
@@ -266,7 +275,7 @@ def _climbed(
         return None
     size = 12 if rates[0] > 0.0 else 6
     try:
-        whole = np.linalg.inv(information[:size, :size])
+        whole: Array = np.linalg.inv(information[:size, :size])
     except np.linalg.LinAlgError:
         return None
     return Pose(
@@ -312,7 +321,7 @@ def _mirrored(
 
 
 @cache
-def _triples(count: int, most: int) -> np.ndarray[tuple[int, int], np.dtype[np.int64]]:
+def _triples(count: int, most: int) -> NDArray[np.int64]:
     """Return threes of so many bearings, spread over all that there are."""
     every = np.array(list(combinations(range(count), 3)))
     return np.random.default_rng(1).permutation(every)[:most]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel
 import numpy as np
+from numpy.typing import NDArray
 
 MOST = 8  # poses that are tried: both u of each of four v
 ROUNDS = 30  # of the search for the four roots, which doubles its digits in most
@@ -96,7 +97,7 @@ def three_rays(places: Array, rays: Array, rotations: Array, positions: Array) -
 
 
 @kernel
-def _roots(third: float, second: float, first: float, zeroth: float) -> Array:
+def _roots(third: float, second: float, first: float, zeroth: float) -> NDArray[np.complex128]:
     """Return the four roots of a quartic at once (Durand-Kerner)."""
     roots = np.empty(4, dtype=np.complex128)
     size = 1.0 + abs(third)
