@@ -58,7 +58,7 @@ class Sizes:
 FULL = Sizes(
     scene=10_000, phase=400, bearing=2_000, stack=10_000, repeats=7,
     detection=detection.FULL, motion=1_200, tracking=120.0, latency=latency.FULL,
-    world=world.FULL, blink=blink.FULL, pose=4_000,
+    world=world.FULL, blink=blink.FULL, pose=2_000,
 )
 QUICK = Sizes(
     scene=1_000, phase=60, bearing=500, stack=2_000, repeats=3,

@@ -275,7 +275,7 @@ def _climbed(
         return None
     size = 12 if rates[0] > 0.0 else 6
     try:
-        whole: Array = np.linalg.inv(information[:size, :size])
+        whole = np.asarray(np.linalg.inv(information[:size, :size]), dtype=np.float64)
     except np.linalg.LinAlgError:
         return None
     return Pose(
