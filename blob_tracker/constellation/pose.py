@@ -25,9 +25,9 @@ import scipy  # which loads its parts when they are first used
 PRICE = 50.0  # chi-square of a bearing that is another light's: fits with and without it are told
 AMBIGUOUS = 25.0  # of chi-square: poses that differ by less are both kept, as by five sigma
 OUTLIERS = 5  # of so many lights one may be another's
-# Threes of rays that are tried, and starts from which the likelihood is climbed: at first, and
-# where that leads to nothing or a bearing is another light's.
-FIRST, MORE = (5, 4), (40, 8)
+# Threes of rays that are tried, starts from which the likelihood is climbed, and whether bearings
+# may be of other lights: at first, and where that leads to no good fit.
+FIRST, MORE = (5, 4, False), (40, 8, True)
 ROUNDS = 4  # in which bearings of other lights settle
 SAME_RAD = 1e-3  # poses that are turned less apart are one
 MOST_TURN_SIGMA = 0.3  # rad: beyond it the error of a turn is not Gaussian
@@ -147,7 +147,7 @@ def poses(
         )
     rates = np.array([speed_sigma, rate_sigma]) if np.ptp(seen.apart) > 0.0 else np.zeros(2)
     found = _fits(seen, names, rates, FIRST, gate_sigma, stamp_ns)
-    if not found or found[0].outliers:
+    if not found or found[0].chi2 > found[0].degrees_of_freedom + AMBIGUOUS:
         found = _fits(seen, names, rates, MORE, gate_sigma, stamp_ns)
     if not found:
         mirrored = seen._replace(places=seen.places * [-1.0, 1.0, 1.0])
@@ -218,11 +218,11 @@ def _rays(angles: Array) -> tuple[Array, Array]:
 
 
 def _fits(
-    seen: _Seen, names: list[str], rates: Array, effort: tuple[int, int], gate_sigma: float,
+    seen: _Seen, names: list[str], rates: Array, effort: tuple[int, int, bool], gate_sigma: float,
     stamp_ns: int,
 ) -> list[Pose]:
     """Return the poses of greatest likelihood that the bearings allow, the likeliest first."""
-    triples, most = effort
+    triples, most, others = effort
     starts, positions = np.empty((most, 3, 3)), np.empty((most, 3))
     # What a body that moves does meanwhile is not in the pose of three rays.
     doubt = seen.variances + (rates[0]**2 + rates[1]**2 * np.sum(seen.places**2, 1)) * (
@@ -234,26 +234,26 @@ def _fits(
     tried = [(starts[i], positions[i]) for i in range(count)]
     tried += [_mirrored(seen.places, *each) for each in tried[:1]]
     for start, position in tried:
-        pose = _climbed(seen, names, rates, start.copy(), position.copy(), gate_sigma, stamp_ns)
-        if pose is not None and not any(
-            3.0 - np.sum(pose.rotation * each.rotation) < SAME_RAD**2 for each in found
-        ):
+        pose = _climbed(
+            seen, names, rates, start.copy(), position.copy(), others, found, gate_sigma, stamp_ns
+        )
+        if pose is not None:
             found.append(pose)
     return sorted(found, key=lambda pose: pose.cost)
 
 
 def _climbed(
     seen: _Seen, names: list[str], rates: Array, rotation: Array, position: Array,
-    gate_sigma: float, stamp_ns: int,
+    others: bool, found: Sequence[Pose], gate_sigma: float, stamp_ns: int,
 ) -> Pose | None:
-    """Return the pose of greatest likelihood from a start, or None where it is out of question."""
+    """Return the pose of greatest likelihood from a start; None where it is none, or found."""
     count = len(names)
     used, chi2 = np.ones(count), np.empty(count)
     information, twist = np.zeros((12, 12)), np.zeros(6)
     first = rotation.copy(), position.copy()
     most = _most(gate_sigma, 2)
     cost = fit(*seen, used, rates, rotation, position, twist, information, chi2)
-    if cost > _most(gate_sigma, max(2 * count - 6, 1)) and count >= OUTLIERS:
+    if others and count >= OUTLIERS and cost > _most(gate_sigma, 2 * count - 6):
         rotation, position = first  # the outlier has drawn the fit away
         twist[:] = 0.0
         used = _inliers(seen, rates, rotation, position, twist, information, chi2)
@@ -271,7 +271,11 @@ def _climbed(
     degrees = 2 * inside - 6
     if not cost <= _most(gate_sigma, max(degrees, 1)):  # nor NaN
         return None
-    if (np.einsum('ka,ka->k', seen.rays, seen.places @ rotation.T + position)[used > 0] < 0).any():
+    flat = rotation.ravel()
+    if any(3.0 - flat @ each.rotation.ravel() < SAME_RAD**2 for each in found):
+        return None
+    along = np.sum(seen.rays * (seen.places @ rotation.T + position), axis=1)
+    if along[used > 0.0].min() < 0.0:
         return None
     size = 12 if rates[0] > 0.0 else 6
     try:
@@ -310,13 +314,13 @@ def _mirrored(
     Depths about the middle are turned over: R' = (I - 2 v v^T) R (I - 2 n n^T) with the line of
     sight v and the body's thinnest direction n.
     """
-    middle = places.mean(axis=0)
+    middle = places.sum(axis=0) / len(places)
     beside = places - middle
     thin = np.linalg.eigh(beside.T @ beside)[1][:, 0]
     centre = rotation @ middle + position
-    sight = centre / np.linalg.norm(centre)
-    flip = np.eye(3) - 2.0 * np.outer(sight, sight)
-    other = flip @ rotation @ (np.eye(3) - 2.0 * np.outer(thin, thin))
+    sight = centre / math.sqrt(centre @ centre)
+    turned = rotation - (2.0 * sight)[:, None] * (sight @ rotation)
+    other = turned - (turned @ (2.0 * thin))[:, None] * thin
     return other, centre - other @ middle
 
 
