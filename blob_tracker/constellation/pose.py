@@ -27,7 +27,7 @@ AMBIGUOUS = 25.0  # of chi-square: poses that differ by less are both kept, as b
 OUTLIERS = 5  # of so many lights one may be another's
 # Threes of rays that are tried, starts from which the likelihood is climbed, and whether bearings
 # may be of other lights: at first, and where that leads to no good fit.
-FIRST, MORE = (5, 4, False), (40, 8, True)
+FIRST, MORE = (5, 4, False), (40, 16, True)
 ROUNDS = 4  # in which bearings of other lights settle
 SAME_RAD = 1e-3  # poses that are turned less apart are one
 MOST_TURN_SIGMA = 0.3  # rad: beyond it the error of a turn is not Gaussian
