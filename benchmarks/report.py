@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from benchmarks import (
-    accuracy, bearing, blink, capture, detection, files, lab, latency, motion, real_frames,
+    accuracy, bearing, blink, capture, detection, files, lab, latency, motion, pose, real_frames,
     real_pixels, search, speed, tracking, world,
 )
 from benchmarks.accuracy import Bias, Row
@@ -19,6 +19,7 @@ from benchmarks.detection import Counts, Row as DetectionRow
 from benchmarks.files import Row as FileRow
 from benchmarks.lab import Row as LabRow
 from benchmarks.motion import Row as MotionRow
+from benchmarks.pose import Row as PoseRow
 from benchmarks.real_frames import Row as FrameRow
 from benchmarks.real_pixels import Row as RealRow
 from benchmarks.search import Row as SearchRow
@@ -26,7 +27,7 @@ from benchmarks.speed import Pace
 from benchmarks.world import Row as WorldRow
 
 PARTS = ('accuracy', 'speed', 'real', 'detection', 'search', 'motion', 'tracking', 'capture',
-         'latency', 'world', 'blink', 'files')
+         'latency', 'world', 'blink', 'files', 'pose')
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,8 @@ class Sizes:
 
     Windows a scene, phase, lens and stack; repeats of the timing; frames of the clutter scenes
     and of the moving camera; length of a vehicle's ride, s; rounds and starts of the latency;
-    flashes of each situation outside the lab; frames and paths of the blinking lights.
+    flashes of each situation outside the lab; frames and paths of the blinking lights; sights of
+    a body.
     """
 
     scene: int
@@ -50,17 +52,18 @@ class Sizes:
     latency: latency.Plan
     world: int
     blink: blink.Size
+    pose: int
 
 
 FULL = Sizes(
     scene=10_000, phase=400, bearing=2_000, stack=10_000, repeats=7,
     detection=detection.FULL, motion=1_200, tracking=120.0, latency=latency.FULL,
-    world=world.FULL, blink=blink.FULL,
+    world=world.FULL, blink=blink.FULL, pose=2_000,
 )
 QUICK = Sizes(
     scene=1_000, phase=60, bearing=500, stack=2_000, repeats=3,
     detection=detection.QUICK, motion=100, tracking=30.0, latency=latency.QUICK,
-    world=world.QUICK, blink=blink.QUICK,
+    world=world.QUICK, blink=blink.QUICK, pose=300,
 )
 
 
@@ -84,6 +87,7 @@ class Report:
     world: list[WorldRow] = field(default_factory=list)
     blink: list[BlinkRow] = field(default_factory=list)
     files: list[FileRow] = field(default_factory=list)
+    pose: list[PoseRow] = field(default_factory=list)
 
 
 def steps(parts: Collection[str], sizes: Sizes, beside: Path | None = None) -> int:
@@ -101,6 +105,7 @@ def steps(parts: Collection[str], sizes: Sizes, beside: Path | None = None) -> i
         'world': world.steps(),
         'blink': blink.steps(),
         'files': files.steps(),
+        'pose': pose.steps(),
     }
     return sum(each[part] for part in parts)
 
@@ -151,4 +156,6 @@ def measure(
         report.blink.extend(blink.run(sizes.blink, tick))
     if 'files' in parts:
         report.files.extend(files.run(sizes.repeats, tick))
+    if 'pose' in parts:
+        report.pose.extend(pose.run(sizes.pose, tick))
     return report

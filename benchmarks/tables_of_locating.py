@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from benchmarks.accuracy import Bias, Row, TARGET
 from benchmarks.bearing import Row as BearingRow
 from benchmarks.motion import Row as MotionRow
+from benchmarks.pose import Row as PoseRow
 from benchmarks.real_pixels import Row as RealRow
 from benchmarks.speed import Pace
 from benchmarks.targets import Comparison
@@ -185,3 +186,20 @@ def _cell(row: Row) -> str:
 def _pace(pace: Pace) -> str:
     ratio = '' if pace.ratio is None else f' ({pace.ratio:.2f}x)'
     return f'{pace.per_second:,.0f}{ratio}; {pace.single * 1e6:,.0f}'
+
+
+def pose(rows: Sequence[PoseRow]) -> Table:
+    """Return a line for each case of a body's pose."""
+    out = Table(
+        'body', 'rms / bound', 'NEES/6', *(f'{name}, rms / bound' for name in rows[0].peers),
+        'ambiguous, %', 'refused', 'wrong', 'ms',
+        title='Pose of a body with lights: of the sights that leave one pose',
+        caption='peers: solvePnP of OpenCV, on the same; wrong: another pose, given as certain',
+    )
+    for row in rows:
+        out.add_row(
+            row.case.name, f'{row.ratio:.3f}', f'{row.nees:.3f}',
+            *(f'{each:.3g}' for each in row.peers.values()), f'{row.ambiguous:.1f}',
+            f'{row.refused}/{row.count}', str(row.wrong), f'{row.ms:.3f}',
+        )
+    return out

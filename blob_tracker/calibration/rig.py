@@ -278,8 +278,8 @@ def _check(
     for what, length in (('wand', wand), ('baseline', baseline and baseline[2:])):
         if length and not (0.0 < length[0] < math.inf and 0.0 <= length[1] < length[0]):
             raise RigError(
-                f'the {what} is {length[0]:g} m long with a deviation of {length[1]:g} m; a length '
-                'is above 0 and above its standard deviation'
+                f'the {what} is {length[0]:g} m long with a deviation of {length[1]:g} m; a '
+                'length is above 0 and above its standard deviation'
             )
     if baseline is not None:
         for name in baseline[:2]:

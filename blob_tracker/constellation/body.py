@@ -1,0 +1,153 @@
+"""Where the lights are on a body, and the file that says so."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from blob_tracker.camera.yaml_file import CalibrationError, content_of
+from blob_tracker.constellation.errors import BodyError
+from blob_tracker.kernel import Array
+import numpy as np
+import yaml
+
+LEAST_LIGHTS = 3
+MOST_EXTENT_M = 50.0  # a larger file is in millimetres
+IN_LINE = 0.02  # second singular value of the places over the first
+
+
+@dataclass(frozen=True)
+class Body:
+    """
+    A rigid body with lights.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Of the lights, each once.
+    places : (n, 3) array
+        Of the lights in the body's frame, m.
+    sigmas : (n,) array
+        Standard deviation of each place along each axis, m.
+
+    Raises
+    ------
+    BodyError
+        Where it can have no pose: fewer than three lights, a name twice, lights in one line or at
+        one place, or further apart than 50 m.
+
+    """
+
+    names: tuple[str, ...]
+    places: Array
+    sigmas: Array
+
+    def __post_init__(self) -> None:
+        count = len(self.names)
+        if self.places.shape != (count, 3) or self.sigmas.shape != (count,):
+            raise BodyError(
+                f'{count} names, places of shape {self.places.shape} and sigmas of shape '
+                f'{self.sigmas.shape}; each light has a name, x, y, z and a sigma'
+            )
+        if count < LEAST_LIGHTS:
+            raise BodyError(f'the body has {count} lights; a pose needs three or more')
+        twice = sorted({name for name in self.names if self.names.count(name) > 1})
+        if twice:
+            raise BodyError(f'two lights of the body have the name {", ".join(twice)}')
+        if not (np.isfinite(self.places).all() and np.isfinite(self.sigmas).all()):
+            raise BodyError('the places of the lights and their sigmas must be finite')
+        if (self.sigmas < 0.0).any():
+            raise BodyError(f'the least sigma is {self.sigmas.min():g} m; it must be 0 or more')
+        extent, nearest = _distances(self.places)
+        if extent > MOST_EXTENT_M:
+            raise BodyError(
+                f'the lights of the body are {extent:g} m apart, and may be {MOST_EXTENT_M:g}; '
+                'their places are in metres, not millimetres'
+            )
+        if nearest <= 0.0:
+            raise BodyError('two lights of the body are at the same place')
+        if in_line(self.places):
+            raise BodyError(
+                'the lights of the body are in one line: how it is turned about that line '
+                'cannot be seen; put one light beside it'
+            )
+        if self.sigmas.max() > 0.25 * extent:
+            raise BodyError(
+                f'the greatest sigma is {self.sigmas.max():g} m on a body of {extent:g} m; both '
+                'are in metres'
+            )
+
+
+def in_line(places: Array) -> bool:
+    """Tell whether points are in one line as far as a pose is concerned."""
+    beside = places - places.mean(axis=0)
+    _, middle, greatest = np.linalg.eigvalsh(beside.T @ beside)
+    return bool(middle < IN_LINE**2 * greatest)
+
+
+def read_body(path: str | Path) -> Body:
+    """
+    Return the body of a file.
+
+    ::
+
+        sigma: 0.001                    # m, of each place along each axis; 0 where it is left out
+        lights:
+          port: [0.15, 0.10, 0.0]       # m, in the body's frame
+          starboard: {place: [0.15, -0.10, 0.0], sigma: 0.002}
+
+    Parameters
+    ----------
+    path : str or Path
+        The YAML file.
+
+    Raises
+    ------
+    BodyError
+        Where there is no such file, it is not such YAML, or the body can have no pose.
+
+    """
+    try:
+        with content_of(path, 'body file') as content:
+            _check_names(path)
+            sigma = float(content.get('sigma', 0.0))
+            lights = content['lights']
+            if not isinstance(lights, dict):
+                raise TypeError('lights must be names, each with its [x, y, z] in m')
+            entries = [_entry(str(name), each, sigma) for name, each in lights.items()]
+    except CalibrationError as error:
+        raise BodyError(str(error)) from None
+    try:
+        return Body(
+            tuple(map(str, lights)),
+            np.array([place for place, _ in entries]).reshape(-1, 3),
+            np.array([each for _, each in entries]),
+        )
+    except BodyError as error:
+        raise BodyError(f'{path}: {error}') from None
+
+
+def _entry(name: str, entry: Any, sigma: float) -> tuple[list[float], float]:
+    """Return the place of a light and its sigma, m."""
+    own = entry if isinstance(entry, dict) else {'place': entry}
+    place = [float(each) for each in own['place']]
+    if len(place) != 3:
+        raise ValueError(f'the place of {name} has {len(place)} numbers, not 3')
+    return place, float(own.get('sigma', sigma))
+
+
+def _check_names(path: str | Path) -> None:
+    """Refuse a name that is there twice, of which YAML would keep the last."""
+    for key, value in yaml.compose(Path(path).read_text(encoding='utf-8')).value:
+        if key.value == 'lights' and isinstance(value, yaml.MappingNode):
+            names = [name.value for name, _ in value.value]
+            twice = sorted({name for name in names if names.count(name) > 1})
+            if twice:
+                raise CalibrationError(f'two lights of the body have the name {", ".join(twice)}')
+
+
+def _distances(places: Array) -> tuple[float, float]:
+    """Return the greatest and the least distance of two lights, m."""
+    apart = np.linalg.norm(places[:, None] - places, axis=2)
+    return float(apart.max()), float(apart[np.triu_indices(len(places), 1)].min())
