@@ -39,8 +39,8 @@ def package(tmp_path: Path) -> Path:
     for room in ('location', 'tracking'):
         (tmp_path / 'small' / room).mkdir(parents=True)
         (tmp_path / 'small' / room / 'called.py').write_text(INNER.format('', 1.0))
-    source = Path(blob_tracker.__file__).parent / 'kernel.py'
-    shutil.copy(source, tmp_path / 'small' / 'kernel.py')
+    source = Path(blob_tracker.__file__).parent / 'kernel'
+    shutil.copytree(source, tmp_path / 'small' / 'kernel')
     write_outer(tmp_path)
     return tmp_path
 

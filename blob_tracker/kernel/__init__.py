@@ -11,9 +11,13 @@ from typing import Any, TypeVar
 
 from blob_tracker.kernel import kept
 from blob_tracker.kernel.changes import fingerprint
-from blob_tracker.kernel.direct import Direct
 import numpy as np
 from numpy.typing import NDArray
+
+try:
+    from blob_tracker.kernel.direct import Direct
+except ImportError:  # built without a C compiler
+    Direct = object  # type: ignore[assignment, misc]
 
 __all__ = ['Array', 'compiled', 'fingerprint', 'kernel', 'written_into_kernels']
 
@@ -30,10 +34,9 @@ def kernel(function: Kernel) -> Kernel:
     It is compiled anew when its own code changes, or that of a kernel that it calls, or a constant
     that one of them reads: see `fingerprint`. Numba is imported when it is needed for that.
     """
-    if int(os.environ.get('NUMBA_DISABLE_JIT') or 0):
-        return function
-    made: Any = _Kernel(function)
-    _KERNELS.append(made)
+    made: Any = _made(function, 'never')
+    if made is not function:
+        _KERNELS.append(made)
     return made
 
 
@@ -44,9 +47,7 @@ def written_into_kernels(function: Kernel) -> Kernel:
     A call leaves the compiler less to reorder: a kernel that has it is slower, and rounds
     otherwise, than one that does all by itself.
     """
-    if int(os.environ.get('NUMBA_DISABLE_JIT') or 0):
-        return function
-    part: Any = _Kernel(function, inline='always')
+    part: Kernel = _made(function, 'always')
     return part
 
 
@@ -68,6 +69,18 @@ def compiled(name: str) -> tuple[int, int, str]:
         for one in kernels
     )
     return done, len(kernels), str(kernels[0]._cache.cache_path)
+
+
+def _made(function: Callable[..., Any], inline: str) -> Any:
+    """Return the function for where nothing is compiled, otherwise what calls machine code."""
+    if int(os.environ.get('NUMBA_DISABLE_JIT') or 0):
+        return function
+    return _Kernel(function, inline) if Direct is not object else _compiler(function, inline)
+
+
+def _compiler(function: Callable[..., Any], inline: str) -> Any:
+    from blob_tracker.kernel.compiler import compiler
+    return compiler(function, inline)
 
 
 class _Kernel(Direct):
@@ -96,8 +109,7 @@ class _Kernel(Direct):
     @cached_property
     def compiler(self) -> Any:
         """Numba's dispatcher."""
-        from blob_tracker.kernel.compiler import compiler
-        return compiler(self.py_func, self._inline)
+        return _compiler(self.py_func, self._inline)
 
     def missed(self, *arguments: Any, **named: Any) -> Any:
         """Answer a call that no machine code is loaded for."""
