@@ -48,29 +48,28 @@ def wrappers(
     for signature, result in dispatcher.overloads.items():
         if signature in but:
             continue
-        name = result.fndesc.llvm_cpython_wrapper_name
         try:
-            kept = _kept(result, name, dispatcher._cache.machine_code(signature, result))
-            yield signature, kept, result.library.get_pointer_to_function(name)
+            kept = _kept(dispatcher._cache.on_disk(signature, result))
+            yield signature, kept, result.library.get_pointer_to_function(kept.wrapper)
         except (AttributeError, TypeError, ValueError, pickle.PicklingError):
             yield signature, None, 0
 
 
-def _kept(result: Any, name: str, machine_code: bytes) -> Kept:
+def _kept(reduced: Any) -> Kept:
     """Return what the machine code of one signature needs; or raise, where Numba is part of it."""
-    if result.objectmode or result.lifted or result.reload_init:
+    (_, kind, code), described, own, _, objectmode, lifted, _, reload_init, others = reduced
+    if kind != 'object' or objectmode or lifted or reload_init:
         raise TypeError('needs Numba when it is called')
     classes: list[type] = []
-    codes = [code for one in result.fndesc.argtypes for code in _codes(one, classes)]
-    environments = [
-        (one.env_name, one.globals['__name__'], list(one.consts))
-        for one in {id(e): e for e in (result.environment, *result.referenced_envs)}.values()
-    ]
+    codes = [code for one in described.argtypes for code in _codes(one, classes)]
+    environments = {
+        one.env_name: (one.globals['__name__'], list(one.consts)) for one in (own, *others)
+    }
     return Kept(
         codes=np.array(codes, np.int32).tobytes(),
-        values=len(result.fndesc.argtypes),
-        wrapper=name,
-        machine_code=machine_code,
+        values=len(described.argtypes),
+        wrapper=described.llvm_cpython_wrapper_name,
+        machine_code=bytes(code[0]),
         # Loaded later than the rest: a class may have another name by then.
         pickled=pickle.dumps((tuple(classes), environments)),
     )
@@ -135,10 +134,6 @@ class _Cache(FunctionCache):
         # Only when it is needed: what the kernel calls may be defined after it.
         return _Index(self.cache_path, self._impl.filename_base, fingerprint(self._py_func))
 
-    def machine_code(self, signature: Any, result: Any) -> bytes:
-        """Return the object file of one signature, as it is on disk; or raise TypeError."""
-        found = self._cache_file.load(self._index_key(signature, result.codegen))
-        (_, kind, code), *_ = found
-        if kind != 'object':
-            raise TypeError('no object file')
-        return bytes(code[0])
+    def on_disk(self, signature: Any, result: Any) -> Any:
+        """Return what Numba has written of one signature: see its `CompileResult._rebuild`."""
+        return self._cache_file.load(self._index_key(signature, result.codegen))
