@@ -61,7 +61,10 @@ def read(function: Callable[..., Any]) -> list[Kept]:
             stamp, rows = pickle.loads((folder / _name(function)).read_bytes())
             if stamp == _stamp(function):
                 return [Kept(*row) for row in rows]
-        except (OSError, ValueError, TypeError, EOFError, pickle.UnpicklingError):
+        except (
+            OSError, ValueError, TypeError, EOFError, IndexError, AttributeError,
+            pickle.UnpicklingError,
+        ):
             continue
     return []
 
@@ -80,12 +83,14 @@ def write(function: Callable[..., Any], folder: Path, new: list[Kept]) -> None:
 
 def classes(one: Kept) -> tuple[type, ...]:
     """Return the classes of the tuples that it takes."""
-    return pickle.loads(one.pickled)[0]
+    found: tuple[type, ...] = pickle.loads(one.pickled)[0]
+    return found
 
 
 def _name(function: Callable[..., Any]) -> str:
     plain = re.sub(r'\W', '_', function.__qualname__)
-    return f'{Path(function.__code__.co_filename).stem}.{plain}.{sys.implementation.cache_tag}{SUFFIX}'
+    stem = Path(function.__code__.co_filename).stem
+    return f'{stem}.{plain}.{sys.implementation.cache_tag}{SUFFIX}'
 
 
 def _folders(function: Callable[..., Any]) -> Iterator[Path]:

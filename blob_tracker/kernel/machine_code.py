@@ -9,9 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 import ctypes
+from functools import cache
 import mmap
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 PAGE = mmap.PAGESIZE
 # Of the ELF format, https://refspecs.linuxfoundation.org/elf/elf.pdf and its supplement for x86-64.
@@ -19,7 +22,7 @@ MAGIC = b'\x7fELF\x02\x01\x01'  # 64 bits, little-endian
 RELOCATABLE, X86_64 = 1, 62
 SYMBOLS, RELOCATIONS, EMPTY = 2, 4, 8  # kinds of sections
 ALLOCATED, EXECUTABLE = 2, 4  # flags of sections
-UNDEFINED, RESERVED, ABSOLUTE, COMMON, LARGE_COMMON = 0, 0xff00, 0xfff1, 0xfff2, 0xff02
+UNDEFINED, RESERVED, LARGE_COMMON, COMMON = 0, 0xff00, 0xff02, 0xfff2  # in place of a section
 ADDRESS, DISTANCE = 1, 24  # R_X86_64_64 and R_X86_64_PC64
 SECTION = np.dtype([
     ('name', '<u4'), ('kind', '<u4'), ('flags', '<u8'), ('address', '<u8'), ('offset', '<u8'),
@@ -32,6 +35,8 @@ SYMBOL = np.dtype([
 RELOCATION = np.dtype([
     ('offset', '<u8'), ('kind', '<u4'), ('symbol', '<u4'), ('added', '<i8'),
 ])
+
+Records = NDArray[Any]
 
 
 class MachineCodeError(Exception):
@@ -60,58 +65,76 @@ def load(code: bytes, known: Mapping[str, int]) -> dict[str, int]:
         Where it is no such file, or calls what is nowhere.
 
     """
-    header = np.frombuffer(code, '<u2', 32) if len(code) >= 64 else np.zeros(32, '<u2')
-    if not code.startswith(MAGIC) or (header[8], header[9]) != (RELOCATABLE, X86_64):
-        raise MachineCodeError('no object file for x86-64')
-    start = int.from_bytes(code[40:48], 'little')
-    sections = np.frombuffer(code, SECTION, int(header[30]), start)
+    sections = _sections(code)
     table = sections[sections['kind'] == SYMBOLS][0]
-    symbols = np.frombuffer(code, SYMBOL, int(table['size']) // SYMBOL.itemsize, table['offset'])
+    symbols = np.frombuffer(
+        code, SYMBOL, int(table['size']) // SYMBOL.itemsize, int(table['offset'])
+    )
     names = _names(code, symbols, sections[table['link']])
+    places, run, end = _laid_out(sections)
+    common = np.isin(symbols['section'], (COMMON, LARGE_COMMON))
+    values = symbols['value'].copy()
+    for index in np.flatnonzero(common):  # what is empty at first; its value is its alignment
+        align = max(int(symbols['value'][index]), 1)
+        values[index] = end = -(-end // align) * align
+        end += int(symbols['size'][index])
 
-    # What is run first, then on a page of its own what is read and written.
-    runs = (sections['flags'] & EXECUTABLE) != 0
+    base = _mapped(end)
+    memory = np.ctypeslib.as_array((ctypes.c_uint8 * end).from_address(base))
+    placed = ((sections['flags'] & ALLOCATED) != 0) & (sections['kind'] != EMPTY)
+    for one, place in zip(sections[placed], places[placed].tolist(), strict=True):
+        content = np.frombuffer(code, np.uint8, int(one['size']), int(one['offset']))
+        memory[place:place + content.size] = content
+    here = (symbols['section'] != UNDEFINED) & (symbols['section'] < RESERVED)
+    values[here] += places[symbols['section'][here]]
+    here |= common
+    values[here] += np.uint64(base)
+    for index in np.flatnonzero(symbols['section'] == UNDEFINED)[1:]:  # the first has no name
+        values[index] = _found(names[index], known)
+    for one in sections[sections['kind'] == RELOCATIONS]:
+        if sections['flags'][one['info']] & ALLOCATED:
+            entries = np.frombuffer(
+                code, RELOCATION, int(one['size']) // RELOCATION.itemsize, int(one['offset'])
+            )
+            _relocate(memory, base, places[one['info']], values, entries)
+    _protect(base, run)
+    return {names[index]: int(values[index]) for index in np.flatnonzero(here)}
+
+
+def _sections(code: bytes) -> Records:
+    """Return the table of sections."""
+    if len(code) < 64 or not code.startswith(MAGIC):
+        raise MachineCodeError('no object file of 64 bits')
+    header = np.frombuffer(code, '<u2', 32)
+    if (header[8], header[9]) != (RELOCATABLE, X86_64):
+        raise MachineCodeError('no object file for x86-64')
+    start, count = int.from_bytes(code[40:48], 'little'), int(header[30])
+    if not count or start + count * SECTION.itemsize > len(code):
+        raise MachineCodeError('no table of sections')
+    found = np.frombuffer(code, SECTION, count, start)
+    filled = found[found['kind'] != EMPTY]
+    if SYMBOLS not in found['kind'] or (filled['offset'] + filled['size']).max() > len(code):
+        raise MachineCodeError('a file that is cut')
+    return found
+
+
+def _laid_out(sections: Records) -> tuple[NDArray[np.uint64], int, int]:
+    """Return where each section goes, and where what is run ends, and all."""
     places = np.zeros(len(sections), np.uint64)
-    end = 0
+    end = run = 0
+    runs = (sections['flags'] & EXECUTABLE) != 0
     for group in (runs, ~runs):
         for index in np.flatnonzero(group & ((sections['flags'] & ALLOCATED) != 0)):
             align = max(int(sections['align'][index]), 1)
             end = -(-end // align) * align
             places[index] = end
             end += int(sections['size'][index])
-        if group is runs:
+        if group is runs:  # the rest is on pages of its own, which may be written
             run = end = -(-end // PAGE) * PAGE
-    common = np.isin(symbols['section'], (COMMON, LARGE_COMMON))
-    values = symbols['value'].copy()
-    for index in np.flatnonzero(common):
-        align = max(int(symbols['value'][index]), 1)
-        end = -(-end // align) * align
-        values[index] = end
-        end += int(symbols['size'][index])
-
-    base = _mapped(max(end, 1))
-    memory = np.frombuffer((ctypes.c_uint8 * end).from_address(base), np.uint8)
-    for index in np.flatnonzero(((sections['flags'] & ALLOCATED) != 0)):
-        one = sections[index]
-        if one['kind'] != EMPTY:
-            content = np.frombuffer(code, np.uint8, int(one['size']), int(one['offset']))
-            memory[int(places[index]):int(places[index]) + content.size] = content
-    placed = (symbols['section'] != UNDEFINED) & (symbols['section'] < RESERVED) & ~common
-    values[placed] += places[symbols['section'][placed]]
-    values[placed | common] += np.uint64(base)
-    for index in np.flatnonzero(symbols['section'] == UNDEFINED)[1:]:
-        values[index] = _found(names[index], known)
-
-    for one in sections[sections['kind'] == RELOCATIONS]:
-        if sections['flags'][one['info']] & ALLOCATED:
-            _relocate(memory, base, int(places[one['info']]), values, np.frombuffer(
-                code, RELOCATION, int(one['size']) // RELOCATION.itemsize, int(one['offset'])
-            ))
-    _protect(base, run)
-    return {names[index]: int(values[index]) for index in np.flatnonzero(placed | common)}
+    return places, run, end
 
 
-def _names(code: bytes, symbols: np.ndarray, strings: np.void) -> list[str]:
+def _names(code: bytes, symbols: Records, strings: np.void) -> list[str]:
     text = code[int(strings['offset']):int(strings['offset'] + strings['size'])]
     return [text[each:text.index(b'\0', each)].decode() for each in symbols['name'].tolist()]
 
@@ -127,12 +150,13 @@ def _found(name: str, known: Mapping[str, int]) -> int:
 
 
 def _relocate(
-    memory: np.ndarray, base: int, start: int, values: np.ndarray, entries: np.ndarray
+    memory: NDArray[np.uint8], base: int, start: np.uint64, values: NDArray[np.uint64],
+    entries: Records,
 ) -> None:
     """Write the addresses into a section."""
     if not np.isin(entries['kind'], (ADDRESS, DISTANCE)).all():
         raise MachineCodeError('relocations of another code model')
-    places = entries['offset'] + np.uint64(start)
+    places = entries['offset'] + start
     if places.size and int(places.max()) + 8 > memory.size:
         raise MachineCodeError('a relocation beyond the end')
     targets = values[entries['symbol']] + entries['added'].view(np.uint64)
@@ -142,13 +166,8 @@ def _relocate(
 
 
 def _mapped(size: int) -> int:
-    """Return memory that is never given back."""
-    libc = ctypes.CDLL(None, use_errno=True)
-    libc.mmap.restype = ctypes.c_void_p
-    libc.mmap.argtypes = (
-        ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int, ctypes.c_int, ctypes.c_int, ctypes.c_long
-    )
-    base = libc.mmap(
+    """Return the address of memory that is never given back."""
+    base = _libc().mmap(
         None, size, mmap.PROT_READ | mmap.PROT_WRITE, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, -1, 0
     )
     if base in (None, ctypes.c_void_p(-1).value):
@@ -158,8 +177,16 @@ def _mapped(size: int) -> int:
 
 def _protect(base: int, size: int) -> None:
     """Let the code be run, and no longer be written."""
-    libc = ctypes.CDLL(None, use_errno=True)
-    if libc.mprotect(
-        ctypes.c_void_p(base), ctypes.c_size_t(size), mmap.PROT_READ | mmap.PROT_EXEC
-    ):
+    if _libc().mprotect(base, size, mmap.PROT_READ | mmap.PROT_EXEC):
         raise MachineCodeError('memory that may not be run')
+
+
+@cache
+def _libc() -> ctypes.CDLL:
+    libc = ctypes.CDLL(None)
+    libc.mmap.restype = ctypes.c_void_p
+    libc.mmap.argtypes = (
+        ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int, ctypes.c_int, ctypes.c_int, ctypes.c_long
+    )
+    libc.mprotect.argtypes = (ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int)
+    return libc

@@ -18,6 +18,11 @@ from blob_tracker.kernel.machine_code import load, MachineCodeError
 
 # The order is that in which Numba imports them.
 HELPERS, ENVIRONMENT, MEMORY = '_helperlib', '_dynfunc', 'core.runtime._nrt_python'
+# Functions of C that Numba takes from its helpers: another version of a function, other bits.
+MATH = (
+    'acos acosh asin asinh atan atan2 atanh ceil cos cosh exp expm1 fabs floor fmod log log10 '
+    'log1p pow round sin sinh sqrt tan tanh trunc'
+).split()
 _ALIVE: list[object] = []  # environments, which the machine code has the addresses of
 
 
@@ -47,7 +52,10 @@ def placed(kept: Kept) -> tuple[tuple[type, ...], int] | None:
                 _ALIVE.append(made)
                 ctypes.c_void_p.from_address(symbols[name]).value = id(made)
         return classes, symbols[kept.wrapper]
-    except (AttributeError, ImportError, KeyError, MachineCodeError, pickle.UnpicklingError):
+    except (
+        AttributeError, ImportError, KeyError, MachineCodeError, StopIteration,
+        pickle.UnpicklingError,
+    ):
         return None
 
 
@@ -59,6 +67,8 @@ def _known() -> dict[str, int]:
         if isinstance(one, type) and issubclass(one, BaseException)
     }
     known['_Py_NoneStruct'] = id(None)
+    helpers = _extension(HELPERS).c_helpers
+    known |= {name: helpers[name] for one in MATH for name in (one, f'{one}f')}
     for part in (HELPERS, ENVIRONMENT):
         known |= {f'numba_{name}': at for name, at in _extension(part).c_helpers.items()}
     for name, at in _extension(MEMORY).c_helpers.items():
@@ -75,7 +85,8 @@ def _extension(name: str) -> ModuleType:
             raise ImportError('no numba')
         stem = Path(spec.origin).parent.joinpath(*name.split('.'))
         path = next(
-            str(stem) + suffix for suffix in EXTENSION_SUFFIXES if Path(str(stem) + suffix).exists()
+            path for path in (f'{stem}{suffix}' for suffix in EXTENSION_SUFFIXES)
+            if Path(path).exists()
         )
         found = spec_from_file_location(whole, path, loader=ExtensionFileLoader(whole, path))
         assert found is not None and found.loader is not None
