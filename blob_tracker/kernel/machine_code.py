@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 PAGE = mmap.PAGESIZE
-# Of the ELF format, https://refspecs.linuxfoundation.org/elf/elf.pdf and its supplement for x86-64.
+# Of https://refspecs.linuxfoundation.org/elf/elf.pdf, and of its supplement for x86-64.
 MAGIC = b'\x7fELF\x02\x01\x01'  # 64 bits, little-endian
 RELOCATABLE, X86_64 = 1, 62
 SYMBOLS, RELOCATIONS, EMPTY = 2, 4, 8  # kinds of sections
