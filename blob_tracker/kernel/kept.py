@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from hashlib import sha1
 from importlib.util import find_spec
+from itertools import takewhile
 import os
 from pathlib import Path
 import pickle
@@ -56,17 +57,18 @@ class Kept(NamedTuple):
 
 def read(function: Callable[..., Any]) -> list[Kept]:
     """Return what is kept of a kernel for this processor, these versions and this source."""
+    found = []
     for folder in _folders(function):
         try:
             stamp, rows = pickle.loads((folder / _name(function)).read_bytes())
             if stamp == _stamp(function):
-                return [Kept(*row) for row in rows]
+                found += [Kept(*row) for row in rows]
         except (
             OSError, ValueError, TypeError, EOFError, IndexError, AttributeError,
             pickle.UnpicklingError,
         ):
             continue
-    return []
+    return found
 
 
 def write(function: Callable[..., Any], folder: Path, new: list[Kept]) -> None:
@@ -121,6 +123,6 @@ def _surroundings() -> tuple[str, ...]:
     processor = ''
     if settings.get('NUMBA_CPU_NAME', 'host') == 'host':
         with open('/proc/cpuinfo') as file:
-            lines = iter(file.readline, '\n')
-            processor = '\n'.join(PROCESSOR.findall(''.join(lines)))
+            first = ''.join(takewhile(str.strip, file))
+            processor = '\n'.join(PROCESSOR.findall(first))
     return version, np.__version__, sys.version, repr(sorted(settings.items())), processor
