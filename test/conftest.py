@@ -45,7 +45,7 @@ LONG = (
     'commands/test_study.py::test_quick_run[locale_table]',
     'commands/test_study.py::test_quick_run[table_5_6]',
     'commands/test_study.py::test_quick_run[table_5_7]',
-    'test_opencv5', 'commands/test_study', 'studies/beyond', 'benchmarks', 'test_kernel',
+    'test_opencv5', 'commands/test_study', 'studies/beyond', 'benchmarks', 'kernel',
     'simulation', 'calibration', 'studies',
 )
 # Its tests are shared out one by one: each is long, and none needs what another has prepared.
