@@ -150,6 +150,16 @@ def test_replay_plays_the_bag_into_the_nodes(
     assert (options.rate, options.clock) == (4.0, True)
     assert options.nodes == ['segmenter', 'locator', 'tracker']
     assert options.topics == ['/camera/image_raw', '/camera/camera_info']
+    assert options.remap == []
+
+
+def test_replay_renames_topics_of_the_bag(start: Start) -> None:
+    """As the player's own option does."""
+    *_, player, _ = start('replay', bag='BAG', remap='/left/image_raw:=/camera/image_raw')
+    parser = argparse.ArgumentParser()
+    replay.add_arguments(parser)
+    options = parser.parse_args(player.cmd[4:])
+    assert options.remap == [('/left/image_raw', '/camera/image_raw')]
 
 
 def test_replay_ends_with_the_bag(start: Start, context: LaunchContext) -> None:
