@@ -6,6 +6,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 
 from blob_tracker.ros.diagnostics.health import Health, WARN
+from blob_tracker.ros.diagnostics.shared_memory import barrier, by_network, FOLDER, same_host
 from blob_tracker.ros.endpoints.qos import OVERRIDABLE
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -85,6 +86,7 @@ class Connections:
         self._health = health
         self._publishers: defaultdict[str, Publishers] = defaultdict(Publishers)
         health.watch(self._check)
+        health.explain_silence(self._why_silent)
 
     def _check(self) -> None:
         """Look at the other end of each topic."""
@@ -107,6 +109,16 @@ class Connections:
                 'still; play the bag with --clock, start the simulation, or set use_sim_time to '
                 'false'
             ])
+
+    def _why_silent(self) -> str:
+        """Return that a publisher's shared memory is out of reach; empty where none's is."""
+        graph = self._node
+        for topic in sorted({each.topic_name for each in graph.subscriptions} - {*COMMON}):
+            for ours in self._own(graph.get_subscriptions_info_by_topic(topic)):
+                for each in graph.get_publishers_info_by_topic(topic):
+                    if reason := unreachable(topic, ours, each):
+                        return reason
+        return ''
 
     def _own(self, endpoints: Iterable[TopicEndpointInfo]) -> list[TopicEndpointInfo]:
         """Return those of this node."""
@@ -177,6 +189,21 @@ def unhearing(topic: str, ours: TopicEndpointInfo, subscription: TopicEndpointIn
         f'nothing; set its {policy} to {offered}'
         + _or_override(topic, 'publisher', policy, asked)
         for policy, offered, asked in disagreements(ours.qos_profile, subscription.qos_profile)
+    )
+
+
+def unreachable(topic: str, ours: TopicEndpointInfo, publisher: TopicEndpointInfo) -> str:
+    """Return why nothing comes of a publisher that fits; empty where nothing speaks against it."""
+    gid = bytes(publisher.endpoint_gid)
+    if unheard(topic, ours, publisher) or not same_host(gid, bytes(ours.endpoint_gid)):
+        return ''
+    reason = barrier(gid)
+    if not reason:
+        return ''
+    return (
+        f'{topic}: a publisher is known and nothing comes through shared memory: {reason}; run '
+        f'both as one user and with one {FOLDER} (containers with --ipc=host), or have one of the '
+        f'two do without: in its terminal, before it starts, type: {by_network()}'
     )
 
 

@@ -67,6 +67,7 @@ class Health:
         self._idle = idle
         self._slowed = slowed
         self._describe = describe
+        self._reasons: list[Callable[[], str]] = []
         self._checks: list[Callable[[], None]] = [self._check_log]
         self._timing = Timing()
         self._usual_rate = UsualRate()
@@ -84,6 +85,10 @@ class Health:
     def watch(self, check: Callable[[], None]) -> None:
         """Have a check report what it finds at the end of each second: what lasts is in each."""
         self._checks.append(check)
+
+    def explain_silence(self, reason: Callable[[], str]) -> None:
+        """Have a better word than `idle` where there is one, in a second without a report."""
+        self._reasons.append(reason)
 
     def arrived(self, stamp_ns: int, came_ns: int | None = None) -> None:
         """
@@ -177,7 +182,8 @@ class Health:
             self._patience -= 1
             self.ok('waiting')
         else:
-            self.fault(WARN, self._idle)
+            reasons = [found for reason in self._reasons if (found := reason())]
+            self.fault(WARN, '; '.join(reasons) or self._idle)
         with self._lock:
             level, messages, values = self._level, self._messages, dict(self._values)
             self._level, self._messages = OK, {}
