@@ -257,8 +257,9 @@ def test_profile(tmp_path: Path) -> None:
     mine.write_text(shipped.read_text().replace('is_default_profile="true"', ''))
     told(profile.check_profile(environment, shipped), Level.WARN, 'a segment of 524288 bytes')
     mine.write_text(shipped.read_text().replace('33554432', 'much'))
-    told(examined('Fast DDS', lambda: profile.check_profile(environment, shipped)), Level.ERROR,
-         'much')
+    told(profile.check_profile(environment, shipped), Level.ERROR, 'Fast DDS drops', 'getXMLUint')
+    mine.write_text(shipped.read_text().replace('<type>SHM', '<queue>9</queue><type>SHM'))
+    told(profile.check_profile(environment, shipped), Level.ERROR, 'Fast DDS drops', 'queue', export)
     assert not list(profile.check_profile({}, shipped, 'rmw_cyclonedds_cpp'))
 
 

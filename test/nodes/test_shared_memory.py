@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 
 from blob_tracker.ros.diagnostics.shared_memory import by_network
@@ -55,13 +56,16 @@ def test_who_is_out_of_reach_is_named(
     """In place of a question whether there is a camera."""
     with probe(domain) as node:
         said = node.record(DiagnosticArray, '/diagnostics')
-        with driver(domain, *before, uid=uid), start('segmenter', domain) as segmenter:
+        with (
+            driver(domain, *before, uid=uid) as other, start('segmenter', domain) as segmenter
+        ):
             node.spin_until(lambda: any(
                 '/camera/camera_info: a publisher is known and nothing comes through shared '
                 'memory: ' in status.message and reason in status.message
                 for array in said for status in array.status
             ))
             segmenter.end()
+            other.end(signal.SIGKILL)  # unshare heeds no Ctrl-C while its child runs
     assert by_network() in segmenter.output
 
 
