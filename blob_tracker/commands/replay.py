@@ -231,12 +231,12 @@ class _Stage:
 
     @property
     def subscribers(self) -> int:
-        """How many subscriptions take what is played."""
+        """Return how many subscriptions take what is played."""
         return sum(each.get_subscription_count() for each in self.publishers.values())
 
     @property
     def _unheard_images(self) -> list[Topic]:
-        """The topics of images, if nobody takes any of them."""
+        """Return the topics of images, if nobody takes any of them."""
         images = [each for each in self.publishers if each.kind == IMAGE]
         if any(self.publishers[each].get_subscription_count() for each in images):
             return []
@@ -244,7 +244,7 @@ class _Stage:
 
     @property
     def is_heard(self) -> bool:
-        """Whether somebody takes it, and no pipeline waits for images on another topic."""
+        """Tell whether somebody takes it, and no pipeline waits for images on another topic."""
         return bool(self.subscribers) and not (self._unheard_images and self._pipelines())
 
     def _awaited(self) -> list[str]:
