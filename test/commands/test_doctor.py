@@ -259,7 +259,8 @@ def test_profile(tmp_path: Path) -> None:
     mine.write_text(shipped.read_text().replace('33554432', 'much'))
     told(profile.check_profile(environment, shipped), Level.ERROR, 'Fast DDS drops', 'getXMLUint')
     mine.write_text(shipped.read_text().replace('<type>SHM', '<queue>9</queue><type>SHM'))
-    told(profile.check_profile(environment, shipped), Level.ERROR, 'Fast DDS drops', 'queue', export)
+    told(profile.check_profile(environment, shipped), Level.ERROR, 'Fast DDS drops', 'queue',
+         export)
     assert not list(profile.check_profile({}, shipped, 'rmw_cyclonedds_cpp'))
 
 

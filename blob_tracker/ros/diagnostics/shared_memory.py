@@ -77,8 +77,8 @@ def barrier(gid: bytes, folder: Path = FOLDER) -> str:
     """
     Return what keeps this process and that of an endpoint from sharing memory.
 
-    Two that are on one machine, by the addresses of their network, are matched by Fast DDS and talk
-    through shared memory alone, whether both can reach it or not.
+    Two that are on one machine, by the addresses of their network, are matched by Fast DDS and
+    talk through shared memory alone, whether both can reach it or not.
 
     Parameters
     ----------
