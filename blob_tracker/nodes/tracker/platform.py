@@ -135,7 +135,10 @@ class Platform:
 
     def describe(self) -> None:
         """Report joints that say nothing."""
-        if self.angles is None or self._now_ns() - self._came_ns <= SILENCE:
+        if self.angles is None:
+            return
+        self._came_ns = self._came_ns or self._now_ns()  # simulated time began at 0 and leapt
+        if self._health.starting or self._now_ns() - self._came_ns <= SILENCE:
             return
         names = [each for each in self._wanted() if each]
         hint = 'start the driver of the pan/tilt, or remap joint_states'

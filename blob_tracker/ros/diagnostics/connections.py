@@ -103,15 +103,28 @@ class Connections:
                 self._warn(unhearing(topic, ours, each) for each in subscriptions)
             if topic not in COMMON:
                 self._warn([self._published_twice(topic, publishers)])
-        if graph.get_clock().ros_time_is_active and not graph.count_publishers('/clock'):
-            self._warn([
-                'use_sim_time is true and nothing publishes /clock, so that ROS time stands '
-                'still; play the bag with --clock, start the simulation, or set use_sim_time to '
-                'false'
-            ])
+        if not self._health.starting:
+            self._warn([self._no_clock()])
+
+    def _no_clock(self) -> str:
+        """Return that simulated time stands still; empty where somebody publishes it."""
+        clock = self._node.get_clock()
+        if not clock.ros_time_is_active or self._node.count_publishers('/clock'):
+            return ''
+        if seconds := clock.now().nanoseconds / 1e9:
+            return (
+                f'/clock has stopped at {seconds:.3f} s and nothing publishes /clock any more: '
+                'the bag or the simulation has ended; start it again, or set use_sim_time to false'
+            )
+        return (
+            'use_sim_time is true and nothing publishes /clock, so that ROS time stands still; '
+            'play the bag with --clock, start the simulation, or set use_sim_time to false'
+        )
 
     def _why_silent(self) -> str:
-        """Return that a publisher's shared memory is out of reach; empty where none's is."""
+        """Return that the clock has stopped, or whose shared memory is out of reach, if so."""
+        if reason := self._no_clock():
+            return reason
         graph = self._node
         for topic in sorted({each.topic_name for each in graph.subscriptions} - {*COMMON}):
             for ours in self._own(graph.get_subscriptions_info_by_topic(topic)):

@@ -76,7 +76,7 @@ class Health:
         self._messages: dict[str, str] = {}  # of that level, by kind
         self._logged: dict[str, float] = {}
         self._lock = Lock()  # a capture thread reports while the executor publishes
-        self._patience = PATIENCE
+        self._seconds = 0  # that were published
         # Wall time that never jumps: with use_sim_time a paused bag must not silence a node.
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._publisher = publisher(node, DiagnosticArray, '/diagnostics', RESULT)
@@ -89,6 +89,11 @@ class Health:
     def explain_silence(self, reason: Callable[[], str]) -> None:
         """Have a better word than `idle` where there is one, in a second without a report."""
         self._reasons.append(reason)
+
+    @property
+    def starting(self) -> bool:
+        """Whether it is too early to miss anything: the others may be starting as well."""
+        return self._seconds < PATIENCE
 
     def arrived(self, stamp_ns: int, came_ns: int | None = None) -> None:
         """
@@ -149,7 +154,8 @@ class Health:
                 silent = len(self._logged) >= MOST_LOGGED
             if not silent:
                 self._logged[kind] = now
-        if not silent:
+        # After a signal rcl cannot publish it on /rosout, and complains of that instead.
+        if not silent and self._node.context.ok():
             # Two statements: rclpy binds the severity to the line that logs.
             if level == ERROR:
                 self._node.get_logger().error(message)
@@ -177,9 +183,7 @@ class Health:
         if not silent:
             self._watch(figures)
             self._describe()
-            self._patience = 0
-        elif self._patience > 0:
-            self._patience -= 1
+        elif self.starting:
             self.ok('waiting')
         else:
             reasons = [found for reason in self._reasons if (found := reason())]
@@ -187,6 +191,7 @@ class Health:
         with self._lock:
             level, messages, values = self._level, self._messages, dict(self._values)
             self._level, self._messages = OK, {}
+        self._seconds += 1
         status = DiagnosticStatus(
             level=level,
             name=f'{self._node.get_fully_qualified_name()}: tracking',
