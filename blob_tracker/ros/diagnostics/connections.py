@@ -86,7 +86,7 @@ class Connections:
         self._health = health
         self._publishers: defaultdict[str, Publishers] = defaultdict(Publishers)
         health.watch(self._check)
-        health.explain_silence(self._why_silent)
+        health.explain_silence(lambda: no_clock(node) or why_silent(node))
 
     def _check(self) -> None:
         """Look at the other end of each topic."""
@@ -97,48 +97,14 @@ class Connections:
             publishers = graph.get_publishers_info_by_topic(topic)
             subscriptions = graph.get_subscriptions_info_by_topic(topic)
             # As the graph has them: a profile may leave a policy to the middleware.
-            for ours in self._own(subscriptions):
+            for ours in own(graph, subscriptions):
                 self._warn(unheard(topic, ours, each) for each in publishers)
-            for ours in self._own(publishers):
+            for ours in own(graph, publishers):
                 self._warn(unhearing(topic, ours, each) for each in subscriptions)
             if topic not in COMMON:
                 self._warn([self._published_twice(topic, publishers)])
         if not self._health.starting:
-            self._warn([self._no_clock()])
-
-    def _no_clock(self) -> str:
-        """Return that simulated time stands still; empty where somebody publishes it."""
-        clock = self._node.get_clock()
-        if not clock.ros_time_is_active or self._node.count_publishers('/clock'):
-            return ''
-        if seconds := clock.now().nanoseconds / 1e9:
-            return (
-                f'/clock has stopped at {seconds:.3f} s and nothing publishes /clock any more: '
-                'the bag or the simulation has ended; start it again, or set use_sim_time to false'
-            )
-        return (
-            'use_sim_time is true and nothing publishes /clock, so that ROS time stands still; '
-            'play the bag with --clock, start the simulation, or set use_sim_time to false'
-        )
-
-    def _why_silent(self) -> str:
-        """Return that the clock has stopped, or whose shared memory is out of reach, if so."""
-        if reason := self._no_clock():
-            return reason
-        graph = self._node
-        for topic in sorted({each.topic_name for each in graph.subscriptions} - {*COMMON}):
-            for ours in self._own(graph.get_subscriptions_info_by_topic(topic)):
-                for each in graph.get_publishers_info_by_topic(topic):
-                    if reason := unreachable(topic, ours, each):
-                        return reason
-        return ''
-
-    def _own(self, endpoints: Iterable[TopicEndpointInfo]) -> list[TopicEndpointInfo]:
-        """Return those of this node."""
-        return [
-            each for each in endpoints
-            if full_name(each) == self._node.get_fully_qualified_name()
-        ]
+            self._warn([no_clock(graph)])
 
     def _published_twice(self, topic: str, publishers: Sequence[TopicEndpointInfo]) -> str:
         """Return what to say of a topic that several nodes publish, once it is sure."""
@@ -159,6 +125,37 @@ class Connections:
         for sentence in sentences:
             if sentence:
                 self._health.fault(WARN, sentence)
+
+
+def no_clock(node: Node) -> str:
+    """Return that a node's simulated time stands still; empty where somebody publishes it."""
+    clock = node.get_clock()
+    if not clock.ros_time_is_active or node.count_publishers('/clock'):
+        return ''
+    if seconds := clock.now().nanoseconds / 1e9:
+        return (
+            f'/clock has stopped at {seconds:.3f} s and nothing publishes /clock any more: the '
+            'bag or the simulation has ended; start it again, or set use_sim_time to false'
+        )
+    return (
+        'use_sim_time is true and nothing publishes /clock, so that ROS time stands still; play '
+        'the bag with --clock, start the simulation, or set use_sim_time to false'
+    )
+
+
+def why_silent(node: Node) -> str:
+    """Return why nothing comes of a publisher of a node's topics; empty where this is not seen."""
+    for topic in sorted({each.topic_name for each in node.subscriptions} - {*COMMON}):
+        for ours in own(node, node.get_subscriptions_info_by_topic(topic)):
+            for each in node.get_publishers_info_by_topic(topic):
+                if reason := unheard(topic, ours, each) or unreachable(topic, ours, each):
+                    return reason
+    return ''
+
+
+def own(node: Node, endpoints: Iterable[TopicEndpointInfo]) -> list[TopicEndpointInfo]:
+    """Return those of a node."""
+    return [each for each in endpoints if full_name(each) == node.get_fully_qualified_name()]
 
 
 def unheard(topic: str, ours: TopicEndpointInfo, publisher: TopicEndpointInfo) -> str:

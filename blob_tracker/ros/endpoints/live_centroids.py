@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 import time
 
+from blob_tracker.ros.diagnostics.connections import why_silent
 from blob_tracker.ros.endpoints.qos import RESULT
 from blob_tracker.ros.process import shut_down
 from geometry_msgs.msg import PointStamped
@@ -129,6 +130,8 @@ class LiveCentroids:
 
     def _missing(self, count: int) -> str:
         """Say what does not come."""
+        if reason := why_silent(self._node):
+            return reason
         if len(self._centroids) < count:
             return (
                 f"no more centroids came on '{self._topic}' within {PATIENCE_S:.0f} s: is the "
