@@ -233,6 +233,20 @@ def test_segments_of_the_dead(tmp_path: Path) -> None:
     assert shared_memory.leftovers(tmp_path)[:2] == (0, 2)
 
 
+def test_nodes_of_other_users(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each once, by the locks of their segments; one's own, ports and other files do not count."""
+    for name in ('fastrtps_0123456789abcdef_el', 'fastrtps_port7411_el', 'lttng-ust-wait'):
+        (tmp_path / name).touch()
+    assert shared_memory.other_users(tmp_path) == []
+    assert list(shared_memory.judge_users([], 1000)) == []
+    own = os.geteuid()
+    monkeypatch.setattr(os, 'geteuid', lambda: own + 1)
+    assert shared_memory.other_users(tmp_path) == [own]
+    told(shared_memory.judge_users([1001, 1002], 1000), Level.WARN,
+         'other users run or have run here (uid 1001, 1002, this one 1000)',
+         'FASTDDS_BUILTIN_TRANSPORTS=UDPv4')
+
+
 # Fast DDS
 
 
