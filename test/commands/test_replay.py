@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-import shutil
-import sqlite3
 
 from blob_tracker.resources import config_path
 from blob_tracker.ros.messages.stamp import to_ns
@@ -13,6 +11,7 @@ import pytest
 from rclpy.qos import DurabilityPolicy, qos_profile_sensor_data, QoSProfile
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image
+from support.bags import of_best_effort, rewritten
 from support.processes import probe, start, start_replay
 
 BAGS = Path(__file__).parents[1] / 'bags'
@@ -186,23 +185,6 @@ def test_a_bag_that_has_not_what_it_promises_ends_with_1(domain: int, tmp_path: 
     assert 'Traceback' not in replay.output
 
 
-def rewritten(folder: Path, *replacements: tuple[str, str]) -> Path:
-    """Return a copy of a bag with other words in what is said of its topics."""
-    shutil.copytree(BAGS / 'flash_sqlite3', folder)
-    metadata = folder / 'metadata.yaml'
-    words = metadata.read_text()
-    with sqlite3.connect(folder / 'flash_sqlite3.db3') as database:
-        for old, new in replacements:
-            words = words.replace(old, new)
-            database.execute(
-                'UPDATE topics SET name = replace(name, ?, ?), '
-                'offered_qos_profiles = replace(offered_qos_profiles, ?, ?)', (old, new, old, new),
-            )
-    database.close()
-    metadata.write_text(words)
-    return folder
-
-
 def played(bag: Path, domain: int, *arguments: str, **topics: object) -> tuple[int, str, list]:
     """Replay a bag to the usual subscriptions of a pipeline: exit code, words, and images."""
     with probe(domain) as node:
@@ -220,10 +202,7 @@ def test_a_bag_of_a_best_effort_driver_serves_both_ends(
     qos: object, domain: int, tmp_path: Path
 ) -> None:
     """It is offered reliably: nodes that must not lose a frame ask for that."""
-    bag = rewritten(
-        tmp_path / 'bag', ('reliability: reliable', 'reliability: best_effort'),
-        ('reliability: 1', 'reliability: 2'),
-    )
+    bag = of_best_effort(tmp_path / 'bag')
     code, words, images = played(bag, domain, qos=qos)
     assert code == 0, words
     assert images
