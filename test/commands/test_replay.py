@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+import shutil
 
 from blob_tracker.resources import config_path
 from blob_tracker.ros.messages.stamp import to_ns
