@@ -122,7 +122,8 @@ def main(arguments: argparse.Namespace) -> None:
     relative = float((found.sigmas[:2] / found.values[:2]).max())
     if relative > WORTHLESS:
         raise CalibrationError(
-            f'the focal length is known to {100.0 * relative:.0f} % only: nothing is written'
+            f'the focal length is known to {100.0 * relative:.0f} % only: nothing is written; is '
+            f'the board tilted, and {MISCOUNTED}'
         )
     _write(console, arguments, found, board)
 
