@@ -103,8 +103,9 @@ def rate_fault(frequencies: Mapping[str, float], rate: float) -> str:
             seen = abs(mains - rate * round(mains / rate))
             if abs(seen - frequency) < APART * frequency:
                 return (
-                    f'{_called(name)} flashes at {frequency:g} Hz, and so does a lamp of {mains:g} '
-                    f'Hz as {rate:.1f} frames a second show it ({seen:.1f} Hz): take another frequency'
+                    f'{_called(name)} flashes at {frequency:g} Hz, and so does a lamp of '
+                    f'{mains:g} Hz as {rate:.1f} frames a second show it ({seen:.1f} Hz): take '
+                    'another frequency'
                 )
     return ''
 

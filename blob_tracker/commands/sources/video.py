@@ -14,7 +14,7 @@ SUFFIXES = (
     '.avi', '.h264', '.m4v', '.mjpeg', '.mjpg', '.mkv', '.mov', '.mp4', '.mpeg', '.mpg', '.mts',
     '.ts', '.webm', '.wmv',
 )
-# Frames that a sound file may have fewer than its header: recorders count one that they do not end.
+# Frames that a sound file may have fewer than its header, which counts one that was never ended.
 FEW = 2
 COUNTED = ('.avi', '.m4v', '.mov', '.mp4')  # whose header has the frames; of others it is a guess
 

@@ -267,7 +267,7 @@ def test_an_option_that_is_not_used_is_said(
         open_source(arguments(path, *words))
 
 
-@pytest.mark.parametrize('name', ['nofile.mp4', 'folder/nofile.avi', './images', '../video', 'a b'])
+@pytest.mark.parametrize('name', ['nofile.mp4', 'folder/no.avi', './images', '../video', 'a b'])
 def test_the_name_of_a_file_is_none_of_a_topic(name: str) -> None:
     """A calibration would wait for it for ever."""
     assert not is_topic(arguments(name))

@@ -92,7 +92,9 @@ def test_a_frame_or_two_fewer_than_the_header_has_are_said(
     assert f'has 3 frames that can be read, and {3 + missing} by its header' in said
 
 
-@pytest.mark.parametrize(('suffix', 'code'), [('.avi', 'MJPG'), ('.mp4', 'mp4v'), ('.mov', 'mp4v')])
+@pytest.mark.parametrize(
+    ('suffix', 'code'), [('.avi', 'MJPG'), ('.mp4', 'mp4v'), ('.mov', 'mp4v')]
+)
 def test_a_file_that_is_cut(tmp_path: Path, suffix: str, code: str) -> None:
     """An AVI has its frames up to there; MP4 and MOV end with their index, and do not open."""
     path = tmp_path / f'light{suffix}'
