@@ -108,6 +108,17 @@ def calibrate_imu(
         Where they tell nothing, with what to do.
 
     """
+    known = np.isfinite(directions).all(axis=1) & np.isfinite(covariances).all(axis=(1, 2))
+    times, directions, covariances = _each_once(
+        times[known], directions[known], covariances[known]
+    )
+    gyro_times, rates = _each_once(gyro_times, rates)
+    if len(gyro_times) < FEWEST:
+        raise ImuError(f'{len(gyro_times)} samples of the gyro; {FEWEST} are the least')
+    if not np.isfinite(rates).all():
+        raise ImuError('some rates of the gyro are no numbers: is it starting or failing?')
+    if not rates.any():
+        raise ImuError('all rates of the gyro are 0: does its driver fill in angular_velocity?')
     within = (times > gyro_times[0] + MARGIN_S) & (times < gyro_times[-1] - MARGIN_S)
     times, directions, covariances = times[within], directions[within], covariances[within]
     pairs = np.flatnonzero(np.diff(times) <= LONGEST_S)
@@ -139,6 +150,12 @@ def calibrate_imu(
         turn, float(parameters[3]), parameters[4:7], float(parameters[7]), noise, inverse,
         times[pairs + 1], residuals,
     )
+
+
+def _each_once(times: Array, *values: Array) -> tuple[Array, ...]:
+    """Return samples in the order of their stamps, the first of each stamp."""
+    rising, first = np.unique(times, return_index=True)
+    return rising, *(each[first] for each in values)
 
 
 def _start(times: Array, directions: Array, gyro_times: Array, rates: Array) -> Array:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 ORDER = 4  # coefficients that a position takes part in: a cubic spline
+BRIDGED = ORDER - 1  # intervals without rays: each coefficient has some in another interval
 LEAST_INTERVALS = 6  # of a piece: in a shorter one little but its own ends is fitted
 
 
@@ -88,7 +89,7 @@ class LightPath:
 
 def covered(times: Sequence[Sequence[Array]], spacing: float) -> LightPath:
     """
-    Return the pieces of time in which each interval has each light seen by two cameras.
+    Return the pieces of time in which each light is seen by two cameras, but for short gaps.
 
     Parameters
     ----------
@@ -115,6 +116,10 @@ def covered(times: Sequence[Sequence[Array]], spacing: float) -> LightPath:
             number = number[(number >= 0) & (number < count)]
             cameras += np.bincount(number, minlength=count) > 0
         enough &= cameras >= 2
+    seen = np.flatnonzero(enough)
+    for before, after in zip(seen[:-1], seen[1:], strict=True):  # the dark bits of a code
+        if after - before <= BRIDGED + 1:
+            enough[before:after] = True
     changes = np.diff(np.concatenate([[False], enough, [False]]).astype(np.int8))
     begins, ends = np.flatnonzero(changes == 1), np.flatnonzero(changes == -1)
     long = ends - begins >= LEAST_INTERVALS

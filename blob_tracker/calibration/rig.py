@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 
 LEAST_SECONDS = 5.0  # s of the light seen by two cameras
 KNOTS = 1.5  # intervals of the slowest camera between two knots: six numbers for three unknown
+DARK_S = 0.5  # s without a ray that are more than the dark bits of a code
+LONGEST_S = 3600.0  # s: stamps further apart are of other clocks, or none
 LONGEST = 2.5  # intervals of a camera across which its rays are interpolated for the start
 ITERATIONS = 20  # of a round
 ROUNDS = 15  # of leaving out strays
@@ -28,7 +30,8 @@ GATE = 25.0  # chi-square of a ray, 4 in a million if it is one of the light
 MOST_LEFT_OUT = 0.2  # of a camera's rays: with more, it is not the light that is odd
 RESTRAINT = 0.3  # of the path's extent: third differences of its knots are far less
 EQUAL_GAIN = 1e-9  # of chi-square: less is rounding
-VAGUE = 0.02  # of the distance: a camera's position that is known no better
+VAGUE, WORTHLESS = 0.02, 0.05  # of the distance: a camera's position that is known no better
+LONGEST_WAND_M = 20.0
 
 
 @dataclass(frozen=True)
@@ -168,8 +171,8 @@ def calibrate_rig(
     )
     if path.intervals.sum() * spacing < LEAST_SECONDS:
         raise RigError(
-            f'two cameras saw the light together for {path.intervals.sum() * spacing:.1f} s only; '
-            f'{LEAST_SECONDS:g} s are the least, half a minute is good'
+            f'two cameras saw the light together for {path.intervals.sum() * spacing:.2f} s only, '
+            f'in pieces long enough; {LEAST_SECONDS:g} s are the least, half a minute is good'
         )
     measured = Measured.of(rays)
     unknown = _first_path(even, start, path, LONGEST * interval)
@@ -179,7 +182,12 @@ def calibrate_rig(
         unknown = unknown.scaled(wand[0] / unknown.rod_length())
         rod = wand[0]
     equations = Equations(measured, path, scale_pair if wand is None else None, rod, RESTRAINT)
-    unknown, chi2, weight = _without_strays(equations, unknown)
+    try:
+        unknown, chi2, weight = _without_strays(equations, unknown)
+    except np.linalg.LinAlgError:
+        raise RigError(
+            'the rays determine no rig: are their covariances right, and do the clocks run evenly?'
+        ) from None
     by_ray = equations.chi2_of_rays(unknown)
     freedom = equations.freedom(unknown, weight)
     residuals, used, left_out = _by_camera(measured, by_ray, weight > 0.0, len(names))
@@ -214,6 +222,7 @@ def calibrate_rig(
         is_metric=baseline is not None or wand is not None,
         notes=(),
     )
+    _check_distances(result)
     return replace(result, notes=tuple(_notes(result)))
 
 
@@ -276,6 +285,8 @@ def _check(
     if wand is not None and baseline is not None:
         raise RigError('give the length of the wand or that of a baseline, not both')
     for what, length in (('wand', wand), ('baseline', baseline and baseline[2:])):
+        if length and what == 'wand' and length[0] > LONGEST_WAND_M:
+            raise RigError(f'a wand of {length[0]:g} m; its length is in metres')
         if length and not (0.0 < length[0] < math.inf and 0.0 <= length[1] < length[0]):
             raise RigError(
                 f'the {what} is {length[0]:g} m long with a deviation of {length[1]:g} m; a '
@@ -293,10 +304,19 @@ def _interval(rays: Sequence[Sequence[Rays]], names: Sequence[str]) -> float:
     """Return the time between two rays of the slowest camera, s."""
     longest = 0.0
     for of_camera, name in zip(rays, names, strict=True):
+        if min(len(each.times) for each in of_camera) < 2:
+            raise RigError(f'{name} has no rays of the light, or of one light of the wand')
         steps = np.concatenate([np.diff(each.times) for each in of_camera])
-        if not len(steps):
-            raise RigError(f'{name} has no rays of the light')
-        longest = max(longest, float(np.median(steps)))
+        lit = steps[steps <= DARK_S]
+        if not len(lit):
+            raise RigError(f'{name} has rays more than {DARK_S:g} s apart only')
+        longest = max(longest, float(lit.mean()))
+    times = np.concatenate([each.times for of_camera in rays for each in of_camera])
+    if np.ptp(times) > LONGEST_S:
+        raise RigError(
+            f'the stamps of the rays are {np.ptp(times):.6g} s apart: are they of one recording, '
+            'and the clocks set? Some may be 0'
+        )
     return longest
 
 
@@ -351,6 +371,20 @@ def _check_left_out(
                 f'{gone} of {kept + gone} rays of {name} pass the light by more than their '
                 'covariance allows: is it the same light, and is the lens calibrated? A light '
                 'that is waved faster than the cameras can follow does it too'
+            )
+
+
+def _check_distances(result: RigCalibration) -> None:
+    """Refuse cameras so near together, for the light's distance, that none is placed."""
+    others = np.linalg.norm(result.positions[:, None] - result.positions, axis=2)
+    np.fill_diagonal(others, np.inf)
+    for name, sigma, distance in zip(
+        result.names[1:], result.position_sigmas[1:], others.min(axis=1)[1:], strict=True
+    ):
+        if not sigma < WORTHLESS * distance:
+            raise RigError(
+                f'{name} stands {distance:.3g} from the next camera, and its position is known to '
+                f'{sigma:.2g} only: put the cameras further apart, or wave the light nearer'
             )
 
 

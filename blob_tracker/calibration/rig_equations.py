@@ -235,8 +235,8 @@ class Equations:
         columns = (
             ((number[used, None] + np.arange(ORDER)) * lights
              + self.measured.light[used, None])[:, :, None] * 3 + np.arange(3)
-        ).reshape(len(by_path), -1)
-        by_path = by_path.reshape(len(by_path), 2, -1)
+        ).reshape(len(by_path), 3 * ORDER)
+        by_path = by_path.reshape(len(by_path), 2, 3 * ORDER)
         for row in range(2):
             _add_band(band, columns, by_path[:, row])
         np.add.at(

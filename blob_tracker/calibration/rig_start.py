@@ -310,7 +310,8 @@ def _check_shared(shared: int, name: str, other: str) -> None:
     if shared < LEAST_SHARED:
         raise RigError(
             f'{name} and {other} saw the light together {shared} times only; wave it for half a '
-            f'minute where they both see it ({LEAST_SHARED} times are the least)'
+            f'minute where they both see it ({LEAST_SHARED} times are the least), with clocks '
+            'that are nearly the same'
         )
 
 
@@ -348,7 +349,7 @@ def _check_astray(apart: float, name: str, other: str) -> None:
         raise RigError(
             f'the rays of {name} and {other} do not meet, wherever the cameras are put: they are '
             f'{1e3 * apart:.0f} mrad from it in the median; are both of the same light, are the '
-            'clocks further apart than was looked for, and are the lenses calibrated?'
+            'clocks further apart than was looked for (--most-offset), and the lenses calibrated?'
         )
 
 

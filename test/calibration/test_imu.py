@@ -49,3 +49,26 @@ def test_degrees_are_told() -> None:
     times, directions, covariances, ticks, rates = draw(1).measured
     with pytest.raises(ImuError, match='its rates are in degrees/s'):
         calibrate_imu(times, directions, covariances, ticks, np.degrees(rates))
+
+
+def test_stamps_twice_and_bearings_without_a_covariance_are_passed_over() -> None:
+    """The result is that of the others."""
+    times, directions, covariances, gyro_times, rates = draw(1, duration=16.0).measured
+    unknown = covariances.copy()
+    unknown[::50] = np.nan
+    twice = np.repeat(np.arange(len(gyro_times)), 1 + (np.arange(len(gyro_times)) % 9 == 0))
+    found = calibrate_imu(times, directions, unknown, gyro_times[twice], rates[twice])
+    kept = np.isfinite(unknown[:, 0, 0])
+    expected = calibrate_imu(
+        times[kept], directions[kept], covariances[kept], gyro_times, rates)
+    np.testing.assert_allclose(found.turn, expected.turn, atol=1e-9)
+
+
+@pytest.mark.parametrize('rates, sentence', [
+    (0.0, 'all rates of the gyro are 0'), (np.nan, 'are no numbers'),
+])
+def test_a_gyro_that_says_nothing(rates: float, sentence: str) -> None:
+    """It is named, and no other cause."""
+    *others, gyro = draw(1, duration=8.0).measured
+    with pytest.raises(ImuError, match=sentence):
+        calibrate_imu(*others, gyro * 0.0 + rates)

@@ -98,6 +98,19 @@ def test_strays_are_left_out_and_named() -> None:
     assert squared < chi_square.isf(PROBABLE, degrees)
 
 
+def test_a_coded_light_is_dark_at_times() -> None:
+    """Rays in the lit bits of a code alone: no gap of the path is longer than its dark bits."""
+    code = np.array([1, 1, 0, 1, 0, 0, 1, 0], dtype=bool)
+    lit = [
+        [each.part(code[(15.0 * each.times).astype(int) % len(code)]) for each in of_camera]
+        for of_camera in waved(PAIR, 6, wand=0.5, seconds=40.0)
+    ]
+    result = calibrate_rig(lit, ['left', 'right'], wand=(0.5, 1e-3))
+    squared, degrees = squared_error(result, PAIR)
+    assert squared < chi_square.isf(PROBABLE, degrees)
+    assert result.used.min() > 0.9 * min(len(each.times) for of in lit for each in of)
+
+
 def test_without_a_length_there_is_no_scale() -> None:
     """Directions and clocks are right all the same, and the notes say what is missing."""
     result = calibrate_rig(waved(PAIR, 5), ['left', 'right'])
@@ -124,6 +137,10 @@ def test_sigmas_that_are_too_small_are_grown() -> None:
     (lambda rays: [rays[0], waved(PAIR, 9)[1]], 'the same light'),
     (lambda rays: [[Rays(each.times, 0.0 * each.angles + each.angles[0], each.covariance)
                     for each in of_camera] for of_camera in rays], 'stayed in one place'),
+    (lambda rays: [rays[0], [replace(each, times=np.append(each.times[:-1], 2e9))
+                             for each in rays[1]]], 'Some may be 0'),
+    (lambda rays: [[replace(each, covariance=1e-12 * each.covariance) for each in of_camera]
+                   for of_camera in rays], 'covariances|covariance allows'),
 ])
 def test_no_rig(change, words: str) -> None:
     """Too few, of two lights, of a light that stands still: a sentence each."""

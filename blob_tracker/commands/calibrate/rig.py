@@ -76,6 +76,10 @@ def main(arguments: argparse.Namespace) -> None:
     names = [name.strip('/') for name in arguments.cameras]
     wand = _length('--wand', 'LIGHT LIGHT M [SIGMA]', arguments.wand)
     baseline = _length('--baseline', 'CAMERA CAMERA M [SIGMA]', arguments.baseline)
+    if wand and wand[0] == wand[1]:
+        raise UsageError(f'--wand {wand[0]} {wand[1]}: a wand has two lights')
+    if not arguments.frame_id or set(arguments.frame_id) & set('"\\\n'):
+        raise UsageError('--frame-id must be the name of a frame')
     if wand and arguments.light:
         raise UsageError('--light is for one light; those of a wand are named with it')
     if not 0.0 <= arguments.most_offset <= 10.0:
@@ -209,6 +213,8 @@ def _parameters(
 ) -> str:
     """Return the parameter file: a triangulator for the first camera and each other one."""
     poses = [_pose(result, number) for number in range(len(result.names))]
+    if len(set(frames)) < len(frames):  # TF has one place for each
+        frames = [f'{name}/{frame or "optical"}' for name, frame in zip(result.names, frames)]
     lines = [
         '# python3 -m blob_tracker calibrate rig: poses of the optical frames; x looks ahead of',
         f'# {result.names[0]}, y to its left, z up. For TF, in place of these:',
@@ -228,10 +234,10 @@ def _parameters(
     if len(result.names) > 2:
         lines.append(
             '# One node for each further camera: ros2 run blob_tracker triangulator --ros-args -r '
-            f'__node:=triangulator_{result.names[1]} --params-file {arguments.out}'
+            f'__node:={_node(result.names[1])} --params-file {arguments.out}'
         )
     for number, name in enumerate(result.names[1:], 1):
-        node = 'triangulator' if len(result.names) == 2 else f'triangulator_{name}'
+        node = 'triangulator' if len(result.names) == 2 else _node(name)
         lines += [f'/**/{node}:', '  ros__parameters:', f'    frame_id: "{arguments.frame_id}"']
         if len(lights) == 1 and lights[0]:
             lines.append(f'    light: "{lights[0]}"')
@@ -239,6 +245,11 @@ def _parameters(
             lines += [f'    {role}:', f'      namespace: "{result.names[camera]}"']
             lines += [f'      {key}: {value}' for key, value in poses[camera].items()]
     return '\n'.join([*lines, ''])
+
+
+def _node(camera: str) -> str:
+    """Return the name of the triangulator of a further camera."""
+    return f'triangulator_{camera.replace("/", "_")}'
 
 
 def _pose(result: RigCalibration, number: int) -> dict[str, str]:

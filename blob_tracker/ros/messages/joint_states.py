@@ -29,7 +29,7 @@ def to_angles(message: JointState, names: Collection[str]) -> dict[str, float]:
     Raises
     ------
     MessageError
-        Where one of them has no angle in it.
+        Where one of them has no angle in it, or two.
 
     """
     angles = {}
@@ -40,6 +40,10 @@ def to_angles(message: JointState, names: Collection[str]) -> dict[str, float]:
             raise MessageError(
                 f"the joint '{name:.60}' has no position: the message has {len(message.name)} "
                 f'names and {len(message.position)} positions; each joint must have one'
+            )
+        if angles.get(name, message.position[index]) != message.position[index]:
+            raise MessageError(
+                f"the joint '{name:.60}' stands twice in one message, with different positions"
             )
         angles[name] = message.position[index]
     return angles

@@ -85,7 +85,7 @@ def test_a_wand(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert abs(right['z']) < 5.0 * right['position_sigma']
     assert abs((right['yaw'] - left['yaw']) - 2.0 * np.arctan(1.0 / 3.0)) < 1e-3
     assert 'right +12.0' in text or 'right +11.9' in text  # 16 us is its sigma
-    assert '--child-frame-id optical' in text
+    assert '--child-frame-id right/optical' in text
     assert out.with_suffix('.png').read_bytes().startswith(b'\x89PNG')
     assert 'right clock ahead' in capsys.readouterr().out
 
@@ -112,6 +112,8 @@ def test_without_a_scale_nothing_is_written(
     (('--baseline', 'left', 'right', 'nan'), 'CAMERA CAMERA M'),
     (('--wand', 'red', 'blue', '0.5', '--light', 'red'), 'named with it'),
     (('--most-offset', '-1'), '0 to 10 s'),
+    (('--wand', 'red', 'red', '0.5'), 'a wand has two lights'),
+    (('--frame-id', 'a"b'), 'the name of a frame'),
 ])
 def test_options_that_are_wrong(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], words: tuple[str, ...], sentence: str

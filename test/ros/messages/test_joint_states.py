@@ -28,3 +28,12 @@ def test_joint_without_a_position_is_refused() -> None:
     """A message of velocities alone, say."""
     with pytest.raises(MessageError, match='3 names and 2 positions'):
         to_angles(MESSAGE, ('pan', 'tilt'))
+
+
+def test_joint_that_stands_twice_is_refused() -> None:
+    """Which of two positions is meant nobody knows; the same one twice is no matter."""
+    twice = JointState(name=['pan', 'pan'], position=[0.3, 9.0])
+    with pytest.raises(MessageError, match="'pan' stands twice"):
+        to_angles(twice, ('pan',))
+    twice.position[1] = 0.3
+    assert to_angles(twice, ('pan',)) == {'pan': 0.3}
