@@ -69,6 +69,6 @@ def test_stamps_twice_and_bearings_without_a_covariance_are_passed_over() -> Non
 ])
 def test_a_gyro_that_says_nothing(rates: float, sentence: str) -> None:
     """It is named, and no other cause."""
-    *others, gyro = draw(1, duration=8.0).measured
+    times, directions, covariances, gyro_times, gyro = draw(1, duration=8.0).measured
     with pytest.raises(ImuError, match=sentence):
-        calibrate_imu(*others, gyro * 0.0 + rates)
+        calibrate_imu(times, directions, covariances, gyro_times, gyro * 0.0 + rates)

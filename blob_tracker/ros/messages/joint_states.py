@@ -32,7 +32,7 @@ def to_angles(message: JointState, names: Collection[str]) -> dict[str, float]:
         Where one of them has no angle in it, or two.
 
     """
-    angles = {}
+    angles: dict[str, float] = {}
     for index, name in enumerate(message.name):
         if name not in names:
             continue
@@ -41,7 +41,7 @@ def to_angles(message: JointState, names: Collection[str]) -> dict[str, float]:
                 f"the joint '{name:.60}' has no position: the message has {len(message.name)} "
                 f'names and {len(message.position)} positions; each joint must have one'
             )
-        if angles.get(name, message.position[index]) != message.position[index]:
+        if name in angles and angles[name] != message.position[index]:
             raise MessageError(
                 f"the joint '{name:.60}' stands twice in one message, with different positions"
             )
