@@ -38,7 +38,7 @@ TESTS ?=
 SOAK_SECONDS ?= 1800
 
 BIN := .venv/bin
-SOURCES := $(shell find blob_tracker config examples launch resource -type f -not -name '*.pyc') \
+SOURCES := $(shell find blob_tracker config examples launch resource -type f -not -name '*.pyc' -not -name '*.so') \
 	package.xml setup.py setup.cfg
 ENVIRONMENT := source install/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH" \
 	FASTRTPS_DEFAULT_PROFILES_FILE="$(CURDIR)/config/fastdds.xml"
@@ -64,7 +64,7 @@ demo: install/.built
 doctor: install/.built
 	@$(ENVIRONMENT) && python -m blob_tracker doctor
 
-check: .venv/.test .cache/overlay
+check: .venv/.test .cache/overlay .cache/direct
 ifeq ($(TESTS),)
 	@$(IN_PLACE) && $(call LINT_BESIDE,pytest -n 2 --core $(PYTEST))
 else
@@ -121,7 +121,7 @@ install/.built: .venv/.run $(SOURCES)
 	@# `make check`. A kernel is compiled anew only where what is compiled into it has changed.
 	@rm -rf .cache/kernels && mkdir -p .cache/kernels && \
 	  { cd install/blob_tracker/lib/python*/site-packages 2>/dev/null || true; } && \
-	  find blob_tracker -name '*.nb[ci]' -exec cp --parents -t "$(CURDIR)/.cache/kernels" {} +
+	  find blob_tracker -name '*.nb[cim]' -exec cp --parents -t "$(CURDIR)/.cache/kernels" {} +
 	@rm -rf build install  # colcon leaves behind what a source tree no longer has
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/colcon build --paths . \
 	  --event-handlers console_direct-
@@ -136,5 +136,12 @@ install/.built: .venv/.run $(SOURCES)
 .cache/overlay: tools/overlay.py blob_tracker/nodes/__init__.py .venv/.run
 	@$(BIN)/python tools/overlay.py $@
 
+# Calls kernels without the compiler, see DEVELOPING.md; where there is no C compiler, Numba does.
+.cache/direct: blob_tracker/kernel/direct.c setup.py .venv/.run
+	@mkdir -p .cache
+	@$(BIN)/python setup.py -q build_ext --inplace --build-temp .cache/build
+	@touch $@
+
 clean:
+	rm -f blob_tracker/kernel/*.so
 	rm -rf .venv build install log .cache $(OUT)

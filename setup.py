@@ -9,7 +9,12 @@ from glob import glob
 from runpy import run_path
 import sys
 
-from setuptools import find_packages, setup
+from setuptools import Extension, find_packages, setup
+
+try:
+    import numpy
+except ImportError:  # when pip asks what the build needs
+    numpy = None
 
 NAME = 'blob_tracker'
 # The oldest versions are those of Ubuntu 24.04.
@@ -31,6 +36,13 @@ EXTRAS = {
 # A wheel has one command of its own name. The nodes are executables of ROS, in a folder that only
 # `ros2 run` looks into; beside other people's programs a `camera` would be in the way.
 FOR_PIP = not {'bdist_wheel', 'dist_info', 'editable_wheel'}.isdisjoint(sys.argv)
+# Without a C compiler nothing is missing but memory and time: Numba is then imported at the start.
+EXTENSIONS = [] if numpy is None else [
+    Extension(
+        f'{NAME}.kernel.direct', [f'{NAME}/kernel/direct.c'], optional=True,
+        include_dirs=[numpy.get_include()],
+    ),
+]
 
 setup(
     name=NAME,
@@ -50,7 +62,9 @@ setup(
     python_requires='>=3.10',
     install_requires=DEPENDENCIES,
     extras_require=EXTRAS,
-    zip_safe=True,
+    ext_modules=EXTENSIONS,
+    setup_requires=['numpy'] if numpy is None else [],
+    zip_safe=False,
     maintainer='blob_tracker maintainers',
     maintainer_email='maintainers@blob-tracker.example',
     description='Tracks a flashing light and publishes its bearing with its covariance',

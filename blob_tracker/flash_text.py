@@ -55,5 +55,7 @@ def _named(text: str) -> Iterator[tuple[str, str]]:
     for part in filter(None, text.replace(' ', '').split(',')):
         name, colon, value = part.partition(':')
         if not (name and colon):
-            raise ValueError(f"'{part}' is no light; write its name before it: 'port:{part}'")
+            right = part.strip(':').replace('=', ':')
+            right = right if ':' in right else f'port:{right}'
+            raise ValueError(f"'{part}' is no light; write its name before it: '{right}'")
         yield name, value

@@ -37,6 +37,9 @@ def generate_launch_description() -> LaunchDescription:
             description='topics of the bag; recorded results would mix with the new ones',
         ),
         DeclareLaunchArgument(
+            'remap', default_value='', description='FROM:=TO for topics of the bag'
+        ),
+        DeclareLaunchArgument(
             'pipeline', default_value='false', choices=['true', 'false'],
             description='segmenter, locator and tracker in one process',
         ),
@@ -82,6 +85,7 @@ def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
             'python3', '-m', 'blob_tracker', 'replay', argument('bag'),
             '--rate', argument('rate'), '--clock', '--wait', STARTUP,
             '--nodes', 'segmenter', 'locator', 'tracker', '--topics', *argument('topics').split(),
+            *(['--remap', *remap] if (remap := argument('remap').split()) else []),
         ],
         output='screen',
     )

@@ -31,8 +31,9 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # What starts nodes in processes, by the beginning of its path in here.
 WITH_PROCESSES = (
-    'benchmarks/test_latency', 'commands/calibrate', 'commands/test_demo', 'commands/test_doctor',
-    'commands/test_replay', 'examples', 'nodes', 'test_launch', 'test_security', 'test_views',
+    'benchmarks/test_latency', 'clients', 'commands/calibrate', 'commands/test_demo',
+    'commands/test_doctor', 'commands/test_replay', 'examples', 'nodes', 'test_security',
+    'test_views',
 )
 VIRTUAL_MACHINE = ('vm',)
 # Left to `make test` by `make check`, beside those: the same tests again with another library.
@@ -45,7 +46,7 @@ LONG = (
     'commands/test_study.py::test_quick_run[locale_table]',
     'commands/test_study.py::test_quick_run[table_5_6]',
     'commands/test_study.py::test_quick_run[table_5_7]',
-    'test_opencv5', 'commands/test_study', 'studies/beyond', 'benchmarks', 'test_kernel',
+    'test_opencv5', 'commands/test_study', 'studies/beyond', 'benchmarks', 'kernel',
     'simulation', 'calibration', 'studies',
 )
 # Its tests are shared out one by one: each is long, and none needs what another has prepared.

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
+import subprocess
+import sys
 from typing import Any
 from xml.etree import ElementTree
 
@@ -15,6 +18,16 @@ import yaml
 
 
 ROOT = Path(__file__).parents[1]
+# A node in a process whose files may have no more than 1 MiB, those of shared memory, too.
+SMALL_FILES = """
+import resource
+import signal
+import rclpy
+resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 20, 1 << 20))
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+rclpy.init(args=['--ros-args', '--disable-external-lib-logs'])
+rclpy.create_node('small')
+"""
 
 
 def test_parameter_file_is_that_of_the_declarations() -> None:
@@ -56,6 +69,16 @@ def test_profile_holds_a_burst_of_large_images() -> None:
     root = ElementTree.parse(config_path('fastdds.xml')).getroot()
     size = int(root.find('.//dds:segment_size', space).text)
     assert size >= 10 * 1920 * 1200
+
+
+def test_errors_of_fast_dds_are_on_the_standard_error() -> None:
+    """The standard output is for what a program was asked for: here the segment cannot be made."""
+    ran = subprocess.run(
+        [sys.executable, '-c', SMALL_FILES], capture_output=True, text=True, check=True,
+        env={**os.environ, 'FASTRTPS_DEFAULT_PROFILES_FILE': str(config_path('fastdds.xml'))},
+    )
+    assert 'Failed to create segment' in ran.stderr
+    assert ran.stdout == ''
 
 
 def test_a_file_that_is_not_there_is_named() -> None:

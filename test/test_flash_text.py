@@ -26,6 +26,8 @@ def test_frequencies_are_read_from_text() -> None:
     for text, words in (
         ('left:6,left:7', "two frequencies are called 'left'"), ('left:six', 'a number of Hz'),
         ('6.0', "write its name before it: 'port:6.0'"),
+        (':6.0', "write its name before it: 'port:6.0'"),
+        ('left=6', "write its name before it: 'left:6'"),
     ):
         with pytest.raises(ValueError, match=words):
             frequencies_from_text(text)

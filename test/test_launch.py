@@ -1,39 +1,20 @@
-"""The launch files: on a stand-in everywhere, for real where `launch` is installed."""
+"""The launch files on a stand-in; for real in test/clients/test_launch.py."""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
 from pathlib import Path
-import sys
 from typing import Any
 
 from blob_tracker.commands import replay
-from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import Vector3Stamped
 import pytest
 from support import stand_in_launch
-from support.processes import executable, probe, Process
+from support.processes import executable
 from support.stand_in_launch import ExecuteProcess, LaunchContext, Node, RegisterEventHandler
 
 ROOT = Path(__file__).parents[1]
-BAG = ROOT / 'test' / 'bags' / 'flash_mcap'
-LOCATED = 28  # bearings that this bag gives: see test/nodes/test_replay.py
 CONFIG = '/share/blob_tracker/config'
-REASON = 'launch and launch_ros come with ROS 2 from apt alone'
-# What `ros2 launch FILE name:=value` does.
-LAUNCH = """
-from launch import LaunchDescription, LaunchService
-from launch.actions import IncludeLaunchDescription
-from launch.launch_description_sources import PythonLaunchDescriptionSource
-import sys
-service = LaunchService()
-service.include_launch_description(LaunchDescription([IncludeLaunchDescription(
-    PythonLaunchDescriptionSource(sys.argv[1]),
-    launch_arguments=[argument.split(':=', 1) for argument in sys.argv[2:]],
-)]))
-sys.exit(service.run())
-"""
 Start = Callable[..., list[Any]]
 
 
@@ -150,6 +131,16 @@ def test_replay_plays_the_bag_into_the_nodes(
     assert (options.rate, options.clock) == (4.0, True)
     assert options.nodes == ['segmenter', 'locator', 'tracker']
     assert options.topics == ['/camera/image_raw', '/camera/camera_info']
+    assert options.remap == []
+
+
+def test_replay_renames_topics_of_the_bag(start: Start) -> None:
+    """As the player's own option does."""
+    *_, player, _ = start('replay', bag='BAG', remap='/left/image_raw:=/camera/image_raw')
+    parser = argparse.ArgumentParser()
+    replay.add_arguments(parser)
+    options = parser.parse_args(player.cmd[4:])
+    assert options.remap == [('/left/image_raw', '/camera/image_raw')]
 
 
 def test_replay_ends_with_the_bag(start: Start, context: LaunchContext) -> None:
@@ -161,40 +152,3 @@ def test_replay_ends_with_the_bag(start: Start, context: LaunchContext) -> None:
     assert end(stand_in_launch.ProcessExited(1), context) == stand_in_launch.Shutdown()
     last = end(stand_in_launch.ProcessExited(0), context)
     assert (last.period, last.actions) == (3.5, [stand_in_launch.Shutdown()])
-
-
-@pytest.mark.parametrize('pipeline', ['false', 'true'])
-def test_tracker_tracks_a_simulated_light(pipeline: str, domain: int) -> None:
-    """For real: bearings in the namespace, and a Ctrl-C ends all."""
-    pytest.importorskip('launch_ros', reason=REASON)
-    command = [
-        sys.executable, '-c', LAUNCH, str(ROOT / 'launch' / 'tracker.launch.py'),
-        'simulate:=true', f'pipeline:={pipeline}', 'namespace:=boat',
-    ]
-    with probe(domain) as node:
-        bearings = node.record(Vector3Stamped, '/boat/target/bearing')
-        with Process(command, domain) as launch:
-            node.spin_until(lambda: len(bearings) >= 10, timeout=60.0)
-            assert launch.end(timeout=20.0) == 0, launch.output
-    assert 'process has died' not in launch.output
-
-
-@pytest.mark.parametrize('pipeline', ['false', 'true'])
-def test_replay_locates_all_of_a_bag_and_ends(pipeline: str, domain: int) -> None:
-    """For real: every bearing of the bag, then the launch ends by itself."""
-    pytest.importorskip('launch_ros', reason=REASON)
-    command = [
-        sys.executable, '-c', LAUNCH, str(ROOT / 'launch' / 'replay.launch.py'),
-        f'bag:={BAG}', 'rate:=10', f'pipeline:={pipeline}',
-    ]
-    with probe(domain) as node:
-        # The locator's own count: the bag can be over before a busy machine has told us of it.
-        diagnostics = node.record(DiagnosticArray, '/diagnostics')
-        with Process(command, domain) as launch:
-            node.spin_until(lambda: not launch.running, timeout=90.0)
-            assert launch.wait() == 0, launch.output
-    counts = [
-        int(value.value) for message in diagnostics for status in message.status
-        for value in status.values if value.key == 'bearings'
-    ]
-    assert max(counts) == LOCATED, launch.output

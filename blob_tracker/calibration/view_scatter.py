@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
-# Chance at which independent errors pass: 500 fits in which the sigmas need not grow have one in
-# which they do, with 3 views as with 30.
+# Chance at which errors that are independent seem to hang together: of fits in which the sigmas
+# need not grow they do in at most 1 of 500.
 CHANCE = 0.002
 
 Array = NDArray[np.float64]

@@ -95,7 +95,8 @@ class CameraModel:
         allowed = LENSES[self.distortion_model].counts
         if len(self.distortion) not in allowed:
             raise CalibrationError(
-                f'{self.distortion_model} has {" or ".join(map(str, allowed))} coefficients, '
+                f'distortion model {self.distortion_model!r} has '
+                f'{" or ".join(map(str, allowed))} coefficients, '
                 f'not {len(self.distortion)}'
             )
 

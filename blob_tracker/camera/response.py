@@ -197,6 +197,27 @@ class Response:
         """Return h' at a level in linear DN."""
         return float(np.interp(linear, *self.raw_steps))
 
+    @cached_property
+    def _made(self) -> NDArray[np.bool_]:
+        """Return whether a linear pixel can have each of 65536 DN, the last if it is clipped."""
+        made = np.zeros(FULL_SCALE_DN + 1, dtype=bool)
+        made[self.table] = made[FULL_SCALE_DN] = True
+        return made
+
+    def has_made(self, pixels: NDArray[Any]) -> bool:
+        """
+        Tell whether pixels of one frame were made linear by this response.
+
+        Linear DN are that much finer than raw ones that most of them are those of no raw one.
+
+        Parameters
+        ----------
+        pixels : array of uint8 or uint16
+            DN; 65535 may be any clipped one.
+
+        """
+        return pixels.dtype == np.uint16 and bool(self._made[pixels].all())
+
     def linear_pixels(self, pixels: NDArray[Any]) -> NDArray[np.uint16]:
         """
         Return the linear DN of raw pixels.

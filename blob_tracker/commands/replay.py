@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 import sys
 import time
 
 from blob_tracker.ros.bags import Bag, opened, READABLE, RecordingError, Topic
+from blob_tracker.ros.diagnostics.connections import disagreements, full_name
 from blob_tracker.ros.endpoints.qos import RESULT
+from blob_tracker.ros.endpoints.recording import (
+    COMPRESSED, IMAGE, image_topic, info_topic, USUAL,
+)
 from blob_tracker.ros.messages.stamp import from_ns
 from blob_tracker.ros.process import shut_down
 import rclpy
+from rclpy.exceptions import InvalidTopicNameException
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.validate_full_topic_name import validate_full_topic_name
 from rich.console import Console
 from rich.progress import Progress
 from rosgraph_msgs.msg import Clock
@@ -47,6 +53,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--topics', nargs='+', metavar='TOPIC', help='play these alone; without it all of the bag'
     )
+    parser.add_argument(
+        '--remap', nargs='+', default=[], type=_rule, metavar='FROM:=TO',
+        help='play topics of the bag under other names',
+    )
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -61,8 +71,8 @@ def main(arguments: argparse.Namespace) -> int:
     Returns
     -------
     int
-        0 when all is published, 1 where the bag cannot be read, has not what it promises, or the
-        nodes of `--nodes` do not come, 2 for a wrong option, 130 after Ctrl-C.
+        0 when all is published, 1 where the bag cannot be read, has not what it promises, nobody
+        takes it, or the nodes of `--nodes` do not come, 2 for a wrong option, 130 after Ctrl-C.
 
     """
     if not arguments.rate > 0.0:
@@ -72,31 +82,25 @@ def main(arguments: argparse.Namespace) -> int:
         with opened(arguments.bag) as bag:
             if bag.remark:
                 print(bag.remark, file=sys.stderr)
-            names = set(arguments.topics or [topic.name for topic in bag.topics])
-            topics = {topic: count for topic, count in bag.topics.items() if topic.name in names}
-            if not any(topics.values()):
-                print(
-                    f'{arguments.bag} holds no messages of {", ".join(sorted(names))}; '
-                    f'its topics are {", ".join(sorted(topic.name for topic in bag.topics))}',
-                    file=sys.stderr,
-                )
-                return 1
+            names = _names(bag, arguments.remap)
+            topics = _chosen(bag, names, arguments.topics)
             rclpy.init()
             node = rclpy.create_node('replay')
             try:
-                publishers = _advertise(node, topics)
+                stage = _Stage(node, bag, topics, names)
                 clock = node.create_publisher(Clock, '/clock', RESULT) if arguments.clock else None
-                missing = _await(
-                    node, set(arguments.nodes), list(publishers.values()), arguments.wait
-                )
+                missing = _await(node, set(arguments.nodes), stage, arguments.wait)
                 if missing:
-                    print(
-                        f'nothing is played: {", ".join(sorted(missing))} of --nodes did not come '
-                        f'within {arguments.wait} s; start them, or raise --wait',
-                        file=sys.stderr,
+                    reason = (
+                        f'{", ".join(sorted(missing))} of --nodes did not come '
+                        f'within {arguments.wait:g} s; start them, or raise --wait'
                     )
+                else:
+                    reason = '' if stage.is_heard else stage.why_unheard(arguments.wait)
+                if reason:
+                    print(f'nothing is played: {reason}', file=sys.stderr)
                     return 1
-                _play(bag, topics, publishers, clock, arguments.rate)
+                _play(bag, topics, stage.publishers, clock, arguments.rate)
                 return 0
             except (KeyboardInterrupt, ExternalShutdownException):
                 return 130
@@ -110,10 +114,106 @@ def main(arguments: argparse.Namespace) -> int:
         return 1
 
 
-def _advertise(node: Node, topics: Mapping[Topic, int]) -> dict[Topic, Publisher]:
-    """Return a publisher for each topic of the bag, as it was offered when recorded."""
-    publishers = {}
-    for topic, count in topics.items():
+def _rule(text: str) -> tuple[str, str]:
+    """Return both names of FROM:=TO, in full."""
+    old, separator, new = text.partition(':=')
+    if not separator:
+        raise argparse.ArgumentTypeError(f'{text} is not of the form FROM:=TO')
+    names = _full(old), _full(new)
+    try:
+        for name in names:
+            validate_full_topic_name(name)
+    except InvalidTopicNameException as error:
+        raise argparse.ArgumentTypeError(f'{text}: {error}') from None
+    return names
+
+
+def _full(name: str) -> str:
+    return f'/{name.strip("/")}'
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ', '.join(sorted(names))
+
+
+def _names(bag: Bag, rules: Sequence[tuple[str, str]]) -> dict[Topic, str]:
+    """Return the name under which each topic of the bag is played."""
+    renamed = dict(rules)
+    names = {topic: renamed.pop(_full(topic.name), _full(topic.name)) for topic in bag.topics}
+    there = _listed(topic.name for topic in bag.topics)
+    if renamed:
+        raise RecordingError(
+            f'--remap: {bag.path} has no {_listed(renamed)}; its topics are {there}'
+        )
+    if len(set(names.values())) < len(names):
+        raise RecordingError(f'--remap gives two topics one name; the topics are {there}')
+    return names
+
+
+def _chosen(
+    bag: Bag, names: Mapping[Topic, str], asked: Sequence[str] | None
+) -> dict[Topic, int]:
+    """Return the topics to play, by either of their names, and how many messages each has."""
+    if asked is None:
+        chosen = set(bag.topics)
+    else:
+        wanted = {_full(name) for name in asked}
+        chosen = {each for each, name in names.items() if {name, _full(each.name)} & wanted}
+        if _full(USUAL) in wanted and _full(USUAL) not in names.values():
+            chosen.update(_lone_images(bag))
+    topics = {topic: count for topic, count in bag.topics.items() if topic in chosen}
+    if not any(topics.values()):
+        images = [names[each] for each in bag.topics if each.kind == IMAGE]
+        hint = f'; --remap {images[0]}:=/{USUAL}, say' if images and asked else ''
+        raise RecordingError(
+            f'{bag.path} holds no messages of {_listed(asked or names.values())}; '
+            f'its topics are {_listed(topic.name for topic in bag.topics)}{hint}'
+        )
+    return topics
+
+
+def _lone_images(bag: Bag) -> list[Topic]:
+    """Return the only topic of images, and that of its camera_info; empty if there are several."""
+    try:
+        images = image_topic(bag)
+    except RecordingError:
+        return []
+    if images.kind != IMAGE:
+        return []
+    infos = info_topic(bag, images)
+    return [images] if infos is None else [images, infos]
+
+
+class _Stage:
+    """
+    The publishers of a bag, and who listens to them.
+
+    Parameters
+    ----------
+    node : Node
+        Publishes.
+    bag : Bag
+        Open.
+    topics : mapping
+        Topics that are played, and how many messages each has.
+    names : mapping
+        The name of each.
+
+    """
+
+    def __init__(
+        self, node: Node, bag: Bag, topics: Mapping[Topic, int], names: Mapping[Topic, str]
+    ) -> None:
+        self._node = node
+        self._bag = bag
+        self._topics = topics
+        self._names = dict(names)
+        self.publishers: dict[Topic, Publisher] = {}
+        for topic in topics:
+            self._advertise(topic)
+
+    def _advertise(self, topic: Topic) -> None:
+        """Have a publisher of a topic, if its messages are known here."""
         package, *_, name = topic.kind.split('/')
         try:
             if topic.encoding not in READABLE:
@@ -124,13 +224,103 @@ def _advertise(node: Node, topics: Mapping[Topic, int]) -> dict[Topic, Publisher
                 f'{topic.name} is left out: {topic.kind or "its type"} is not installed here',
                 file=sys.stderr,
             )
-            continue
-        publishers[topic] = node.create_publisher(kind, topic.name, _recorded_qos(topic, count))
-    return publishers
+            return
+        self.publishers[topic] = self._node.create_publisher(
+            kind, self._names[topic], _offered_qos(topic, self._topics[topic])
+        )
+
+    @property
+    def subscribers(self) -> int:
+        """Return how many subscriptions take what is played."""
+        return sum(each.get_subscription_count() for each in self.publishers.values())
+
+    @property
+    def _unheard_images(self) -> list[Topic]:
+        """Return the topics of images, if nobody takes any of them."""
+        images = [each for each in self.publishers if each.kind == IMAGE]
+        if any(self.publishers[each].get_subscription_count() for each in images):
+            return []
+        return images
+
+    @property
+    def is_heard(self) -> bool:
+        """Tell whether somebody takes it, and no pipeline waits for images on another topic."""
+        return bool(self.subscribers) and not (self._unheard_images and self._pipelines())
+
+    def _awaited(self) -> list[str]:
+        """Return the topics on which images are awaited and nobody publishes any."""
+        return sorted(
+            name for name, kinds in self._node.get_topic_names_and_types()
+            if IMAGE in kinds and self._node.count_subscribers(name)
+            and not self._node.count_publishers(name)
+        )
+
+    def _pipelines(self) -> list[str]:
+        """Return those of them on which a pipeline takes its images."""
+        return [name for name in self._awaited() if name.endswith(f'/{USUAL}')]
+
+    def take_lone_images(self) -> bool:
+        """Play the only images of the bag to the only pipeline that waits; tell whether so."""
+        lone, pipelines = _lone_images(self._bag), self._pipelines()
+        if len(pipelines) != 1 or self._unheard_images != lone[:1]:
+            return False
+        for topic, name in self._moved(lone, pipelines[0]):
+            if topic in self.publishers and name not in self._names.values():
+                print(
+                    f'{self._names[topic]} is played as {name}: no other images are in the bag',
+                    file=sys.stderr,
+                )
+                self._node.destroy_publisher(self.publishers.pop(topic))
+                self._names[topic] = name
+                self._advertise(topic)
+        return True
+
+    @staticmethod
+    def _moved(topics: Sequence[Topic], name: str) -> list[tuple[Topic, str]]:
+        """Return images and their camera_info with their names if the images have this one."""
+        return list(zip(topics, (name, f'{name.rpartition("/")[0]}/camera_info')))
+
+    def why_unheard(self, waited: float) -> str:
+        """Return why nobody takes what is offered after so many seconds, and what to do."""
+        images = self._unheard_images
+        unheard = images if self.subscribers else list(self.publishers)
+        reasons = [
+            f'nobody takes {_listed(self._names[each] for each in unheard)} within {waited:g} s'
+        ]
+        for topic in unheard:
+            name = self._names[topic]
+            offered = _offered_qos(topic, self._topics[topic])
+            for end in self._node.get_subscriptions_info_by_topic(name):
+                if end.topic_type != topic.kind:
+                    reasons.append(f'{full_name(end)} takes {end.topic_type} on {name}')
+                reasons += [
+                    f'{full_name(end)} asks for {asked} on {name}, which is offered {ours}'
+                    for _, ours, asked in disagreements(offered, end.qos_profile)
+                ]
+        awaited = self._awaited()
+        for topic in images:
+            infos = info_topic(self._bag, topic)
+            topics = [topic] if infos is None else [topic, infos]
+            for name in awaited:
+                takers = _listed({
+                    full_name(each) for each in self._node.get_subscriptions_info_by_topic(name)
+                })
+                rules = ' '.join(
+                    f'{self._names[each]}:={new}' for each, new in self._moved(topics, name)
+                )
+                reasons.append(f'{takers} takes images of {name}: --remap {rules}')
+        reasons += [
+            f'{self._names[each]} is compressed, which the nodes do not take: see image_transport '
+            f'republish, or python3 -m blob_tracker track {self._bag.path}'
+            for each in unheard if each.kind == COMPRESSED
+        ]
+        if len(reasons) == 1:
+            reasons.append('start who takes it, or raise --wait')
+        return '; '.join(reasons)
 
 
-def _recorded_qos(topic: Topic, count: int) -> QoSProfile:
-    """Return the QoS that the bag remembers; reliable where it remembers none."""
+def _offered_qos(topic: Topic, count: int) -> QoSProfile:
+    """Return the QoS that the bag remembers, but reliable: that serves best effort as well."""
     if not topic.qos:
         return RESULT
     # A number until Jazzy, a word since.
@@ -143,10 +333,7 @@ def _recorded_qos(topic: Topic, count: int) -> QoSProfile:
         ),
         # A subscriber is known here before it listens: what it asks for again must still be held.
         depth=max(int(depth) if depth.isdigit() else 1, min(count, LONGEST_QUEUE)),
-        reliability=(
-            ReliabilityPolicy.BEST_EFFORT if offered.get('reliability') in ('2', 'best_effort')
-            else ReliabilityPolicy.RELIABLE
-        ),
+        reliability=ReliabilityPolicy.RELIABLE,
         durability=(
             DurabilityPolicy.TRANSIENT_LOCAL
             if offered.get('durability') in ('1', 'transient_local')
@@ -155,9 +342,7 @@ def _recorded_qos(topic: Topic, count: int) -> QoSProfile:
     )
 
 
-def _await(
-    node: Node, awaited: set[str], publishers: list[Publisher], longest: float
-) -> set[str]:
+def _await(node: Node, awaited: set[str], stage: _Stage, longest: float) -> set[str]:
     """
     Wait until nodes and subscribers are there and no more come: none misses the beginning.
 
@@ -171,12 +356,14 @@ def _await(
     known = 0
     missing = set(awaited)
     while time.monotonic() - began < longest:
-        count = sum(publisher.get_subscription_count() for publisher in publishers)
         absent = awaited.difference(node.get_node_names())
-        if count != known or absent != missing:
-            known, missing, changed = count, absent, time.monotonic()
-        if known and not missing and time.monotonic() - changed >= QUIET:
-            return set()
+        if stage.subscribers != known or absent != missing:
+            known, missing, changed = stage.subscribers, absent, time.monotonic()
+        if not missing and time.monotonic() - changed >= QUIET:
+            if stage.take_lone_images():
+                changed = time.monotonic()
+            elif stage.is_heard:
+                return set()
         time.sleep(0.05)
     return missing
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from blob_tracker.calibration.pulse_file import PulseFile
 from blob_tracker.camera import CalibrationError, CameraModel, LensError
-from blob_tracker.camera.response import Response
+from blob_tracker.camera.response import OTHER_DEPTH, Response
 from blob_tracker.location import compile_ahead, Learned, Locator, method_options
 from blob_tracker.location.noise import noise_in_words, variance_ratio
 from blob_tracker.location.noise_check import NoiseCheck
@@ -283,21 +283,31 @@ class LocatorNode(Node):
 
     def _clipped_at(self, window: Window, info: CameraInfo) -> int:
         """Return the level at which a window's pixels are clipped, DN; 0 for full scale."""
-        if self._response is None:
-            return self._saturation
         self._not_linear = ''
+        if self._response is None:
+            if window.lit.dtype == np.uint8 or not self._saturation or self._looks > 1:
+                return self._saturation
+            most = int(window.lit.max(initial=0))
+            if most < OTHER_DEPTH * self._saturation:
+                return self._saturation
+            self._not_linear = (
+                f'the windows hold pixels of {most} DN, and saturation is {self._saturation}: '
+                'they are taken for linear, with the clipped ones at full scale; give the locator '
+                'the response_url of the segmenter, or the right saturation'
+            )
+            return 0
         try:
             self._response.check_size(int(info.width), int(info.height))
         except CalibrationError as error:
             self._not_linear = f'{error}; its pixels are taken for linear'
             return self._saturation
-        if window.lit.dtype == np.uint8:
+        if self._looks == 1 and not self._response.has_made(window.lit):
             self._not_linear = (
                 'the windows hold raw pixels and are taken for linear; give the segmenter the '
                 'same response_url, or see its diagnostics'
             )
             return self._saturation
-        return self._response.linear_saturation(self._saturation or self._response.saturation)
+        return 0  # where the segmenter puts clipped linear pixels
 
     def _fit_pulse(self, camera_model: CameraModel) -> None:
         """Have the locator fit the learned pulse if it was learned with this camera."""

@@ -190,7 +190,7 @@ class TriangulatorNode(Node):
             )
         now = time.monotonic()
         silent = [each for each in self._cameras.values() if now - each.came > SILENCE_S]
-        if len(silent) == 1:
+        if len(silent) == 1 and not self._health.starting:
             heard = next(each for each in self._cameras.values() if each not in silent)
             self._health.fault(
                 WARN,

@@ -14,6 +14,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
+from rclpy.logging import LoggingSeverity
 from rclpy.node import Node
 from rclpy.task import Future
 
@@ -93,6 +94,8 @@ def run(
         if rclpy.ok():
             raise
     finally:
+        for node in nodes:  # or rcl complains of each word that cannot be published any more
+            node.get_logger().set_level(LoggingSeverity.FATAL)
         if executor is not None:
             executor.shutdown()  # or the middleware would call into what is destroyed next
         for node in reversed(nodes):

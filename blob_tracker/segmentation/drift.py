@@ -20,7 +20,8 @@ SMOOTHED = 3  # flashes, whose mean is compared with those before
 NOISE_MEMORY = 0.1  # of the mean square that a flash renews
 # Log-likelihood by which one explanation is beyond the others, and that one place takes at most.
 DECIDED, MOST_AGAINST = 12.0, 4.0
-# Mean of what is held against a true one: 0.5 of noise, and more as a few places are no light's.
+# Most that may be held against a true one, on the mean of its places: two coordinates with noise
+# make 1, and a few places are no light's.
 MOST_MEAN = 2.0
 LEAST_SIGMA = 5.0  # standard deviations of such a mean, by which it is another one
 NOTHING_KNOWN = np.array([0.0, math.inf, -math.inf, math.inf, -math.inf])  # of no flash
@@ -164,7 +165,8 @@ class Instants(NamedTuple):
     against : (4,) array
         Half chi-squares of its places: late, early, never off, filtered.
     counts : (2,) int64 array
-        How many there are, and the side that they tell, see `take_place`.
+        How many there are, and the side that they tell: 1 of a light that was on at the end of
+        the lit exposure, -1 at its start; else 0.
 
     """
 
@@ -187,9 +189,9 @@ def forget_places(instants: Instants) -> None:
 @kernel
 def take_place(
     instants: Instants, ahead: float, deviation: float, frame: float, aside: float
-) -> int:
+) -> None:
     """
-    Take a place.
+    Take a place; `instants` tells the side by all of them.
 
     Parameters
     ----------
@@ -205,11 +207,6 @@ def take_place(
     aside : float
         How far it is beside its way, in that unit: of all of these it is on it.
 
-    Returns
-    -------
-    int
-        1 of a light that was on at the end of the lit exposure, -1 at its start; else 0.
-
     """
     against, counts = instants
     counts[0] += 1
@@ -218,7 +215,6 @@ def take_place(
         square = (ahead - there) ** 2 + aside * aside
         against[k] += min(0.5 * square / (deviation * deviation), MOST_AGAINST)
     counts[1] = _side(against, counts[0])
-    return int(counts[1])
 
 
 @kernel

@@ -152,13 +152,17 @@ def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
         seen_ns += pair.frame.stamp_ns - begun_ns + pair.tau_ns
     seen_ns //= len(pairs)
     middle_line = 0.5 * (box.y0 + box.y1 - 1)
+    # No message says where linear pixels clip, and a locator without the response would not know.
+    marked = len(lit) > 1 or frame.raw_steps is not None
     return Window(
-        lit=sum_frames(lit, saturation),
-        unlit=sum_frames(unlit, saturation) if len(unlit) == len(lit) else None,
+        lit=sum_frames(lit, saturation, marked=marked),
+        unlit=(
+            sum_frames(unlit, saturation, marked=marked) if len(unlit) == len(lit) else None
+        ),
         x0=x0,
         y0=y0,
         stamp_ns=first_ns + seen_ns + round(line_ns * middle_line),
-        saturation=FULL_SCALE_DN if len(lit) > 1 else saturation,
+        saturation=FULL_SCALE_DN if marked else saturation,
         binning=binning,
         looks=len(lit),
         sites=sites,
@@ -187,7 +191,7 @@ def most_frames(saturation: int) -> int:
     return max((FULL_SCALE_DN - 1) // max(saturation - 1, 1), 1)
 
 
-def sum_frames(images: Sequence[Pixels], saturation: int) -> Pixels:
+def sum_frames(images: Sequence[Pixels], saturation: int, *, marked: bool = True) -> Pixels:
     """
     Return the sum of n frames, pixel by pixel.
 
@@ -201,14 +205,17 @@ def sum_frames(images: Sequence[Pixels], saturation: int) -> Pixels:
         DN, of one type.
     saturation : int
         The DN at which a pixel of one frame is clipped.
+    marked : bool
+        Whether a pixel that is clipped in any of them is 65535 in the sum; else there must be one
+        frame, which is returned as it is.
 
     Returns
     -------
-    (h, w) uint16 array
-        DN; 65535 where a pixel was clipped in any of the frames. Their one frame where n is 1.
+    (h, w) array
+        DN, uint16 if marked.
 
     """
-    if len(images) == 1:
+    if not marked:
         return images[0]
     total = np.zeros(images[0].shape, dtype=np.uint16)
     clipped = np.zeros(images[0].shape, dtype=bool)

@@ -63,13 +63,18 @@ def check_patterns(
     rates = sorted((rate, name) for name, rate in frequencies.items())
     for rate, name in rates:
         if not 0.0 < rate < math.inf:
-            raise ValueError(f"the frequency of '{name}' is {rate} Hz; it must be above 0")
+            raise ValueError(f'the frequency of {_called(name)} is {rate} Hz; it must be above 0')
     for (low, one), (high, other) in zip(rates, rates[1:]):
         if high < (1.0 + APART) * low:
             raise ValueError(
                 f"'{one}' and '{other}' flash at {low:g} and {high:g} Hz; clocks are off by 1 %: "
                 f'take {(1.0 + 2.0 * APART) * low:.3g} Hz or more for one of them'
             )
+
+
+def _called(name: str) -> str:
+    """Return what to call a light in a sentence; the only one has no name."""
+    return f"'{name}'" if name else 'the light'
 
 
 def rate_fault(frequencies: Mapping[str, float], rate: float) -> str:
@@ -82,7 +87,7 @@ def rate_fault(frequencies: Mapping[str, float], rate: float) -> str:
     for name, frequency in frequencies.items():
         if not LOWEST_PART * rate <= frequency <= HIGHEST_PART * rate:
             fault = (
-                f"'{name}' flashes at {frequency:g} Hz; {rate:.1f} frames a second show "
+                f'{_called(name)} flashes at {frequency:g} Hz; {rate:.1f} frames a second show '
                 f'{LOWEST_PART * rate:.1f} to {HIGHEST_PART * rate:.1f} Hz'
             )
             seen = abs(frequency - rate * round(frequency / rate))
@@ -98,8 +103,9 @@ def rate_fault(frequencies: Mapping[str, float], rate: float) -> str:
             seen = abs(mains - rate * round(mains / rate))
             if abs(seen - frequency) < APART * frequency:
                 return (
-                    f"'{name}' flashes at {frequency:g} Hz, and so does a lamp of {mains:g} Hz as "
-                    f'{rate:.1f} frames a second show it ({seen:.1f} Hz): take another frequency'
+                    f'{_called(name)} flashes at {frequency:g} Hz, and so does a lamp of '
+                    f'{mains:g} Hz as {rate:.1f} frames a second show it ({seen:.1f} Hz): take '
+                    'another frequency'
                 )
     return ''
 

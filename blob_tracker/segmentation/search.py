@@ -22,6 +22,13 @@ from numpy.typing import NDArray
 NO_MASK: NDArray[np.uint8] = np.empty((0, 0), np.uint8)  # the mask that leaves all open
 SMALLEST_REGION_PX = 5  # px: less holds no blob with background about it
 LARGEST_SIGMA_PX = 64.0  # px: what is wider is no blob
+# Half of the quartiles' distance over the median of the rows' gains: exposure multiplies all by
+# the same; 0.075 on real frames.
+SAME_GAIN = 0.1
+_NO_GAIN = (
+    'not all of it by the same factor, as exposure would: keep other lights and their shadows, '
+    'and what moves before the camera, out of the picture'
+)
 # Auto-exposure or a lamp: such a part of the scene's brightness came or went with the flash.
 EXPOSURE_JUMP = 0.25
 # DN that the level rises by where a flood is worth a look; where what was there is laid in new
@@ -124,7 +131,8 @@ def search(
         if abs(step) > jump:
             reason = (
                 f'the whole scene changed by {step:+.0f} DN from {brightness:.0f} DN between the '
-                'two frames: switch auto-exposure off'
+                'two frames: '
+                + ('switch auto-exposure off' if _is_gain(gains) else _NO_GAIN)
                 + (', or the flood light that flashes in step' if step > 0.0 else '')
             )
     unit = contrast.unit
@@ -146,6 +154,13 @@ def search(
             if all(each.rejected for each in judged):
                 reason = reason or whole_scene(rise)
     return SearchResult(judged, level, noise, strongest, reason)
+
+
+def _is_gain(gains: Array) -> bool:
+    """Tell whether all rows changed by one factor, (n, 2) array of rows and their gains."""
+    # Not the extremes: rows that are black or clipped do not follow the exposure.
+    low, middle, high = np.percentile(gains[:, 1], (25, 50, 75))
+    return bool(high - low <= 2.0 * SAME_GAIN * middle)
 
 
 def _judged(row: list[Any], followed: bool, min_snr: float) -> Candidate:

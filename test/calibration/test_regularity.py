@@ -25,6 +25,18 @@ def test_a_board_in_perspective_is_even(board: Chessboard | DotGrid, model: str)
         assert is_even(View(points, places, (640, 480)))
 
 
+def test_a_wide_pinhole_close_to_the_board_is_even() -> None:
+    """Tilted by 65 degrees before 131 degrees of view, its squares shrink from 163 to 9 px."""
+    points = grid(9, 6, 25.0)
+    cosine, sine = np.cos(np.radians(65.0)), np.sin(np.radians(65.0))
+    x, y = (points - points.mean(axis=0)).T
+    depth = 130.0 + sine * x
+    places = 290.0 * np.column_stack([cosine * x, y]) / depth[:, None] + [640.0, 480.0]
+    assert ((places > 0.0) & (places < [1280.0, 960.0])).all()
+    places += np.random.default_rng(5).normal(0.0, 0.05, places.shape)
+    assert is_even(View(points, places, (1280, 960)))
+
+
 def test_a_row_that_was_passed_over_is_uneven() -> None:
     """What the detectors make of 9 x 6 corners where 9 x 5 were asked for."""
     whole = 40.0 * grid(9, 6, 1.0)

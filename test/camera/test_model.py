@@ -109,6 +109,7 @@ def test_pixels_of_an_analogue_camera_are_not_square() -> None:
         ({'distortion_model': 'equidistant'}, '0 or 4 coefficients, not 5'),
         ({'distortion': np.full(5, np.nan)}, 'finite'),
         ({'distortion': np.zeros(3)}, 'coefficients, not 3'),
+        ({'distortion_model': ''}, "^distortion model '' has 0 coefficients, not 5$"),
         ({'distortion_model': 'fancy'}, "no distortion model 'fancy'; there is plumb_bob"),
     ],
 )

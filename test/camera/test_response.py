@@ -117,3 +117,14 @@ def test_what_is_no_response_is_named(text: str, reason: str, tmp_path: Path) ->
     path.write_text(text)
     with pytest.raises(CalibrationError, match=f'{path}.*{reason}'):
         Response.from_yaml(path)
+
+
+def test_raw_pixels_of_16_bits_are_told_from_linear_ones() -> None:
+    """Linear ones have the DN of the table alone, or the mark of a clipped pixel."""
+    response = gamma_response()
+    raw = np.arange(0, 4096, 9, dtype=np.uint16)
+    linear = response.linear_pixels(np.arange(256, dtype=np.uint8))
+    assert response.has_made(linear)
+    assert response.has_made(np.append(linear, np.uint16(65535)))
+    assert not response.has_made(raw)
+    assert not response.has_made(raw.astype(np.uint8))

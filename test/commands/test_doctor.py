@@ -233,6 +233,20 @@ def test_segments_of_the_dead(tmp_path: Path) -> None:
     assert shared_memory.leftovers(tmp_path)[:2] == (0, 2)
 
 
+def test_nodes_of_other_users(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each once, by the locks of their segments; one's own, ports and other files do not count."""
+    for name in ('fastrtps_0123456789abcdef_el', 'fastrtps_port7411_el', 'lttng-ust-wait'):
+        (tmp_path / name).touch()
+    assert shared_memory.other_users(tmp_path) == []
+    assert list(shared_memory.judge_users([], 1000)) == []
+    own = os.geteuid()
+    monkeypatch.setattr(os, 'geteuid', lambda: own + 1)
+    assert shared_memory.other_users(tmp_path) == [own]
+    told(shared_memory.judge_users([1001, 1002], 1000), Level.WARN,
+         'other users run or have run here (uid 1001, 1002, this one 1000)',
+         'FASTDDS_BUILTIN_TRANSPORTS=UDPv4')
+
+
 # Fast DDS
 
 
@@ -257,8 +271,10 @@ def test_profile(tmp_path: Path) -> None:
     mine.write_text(shipped.read_text().replace('is_default_profile="true"', ''))
     told(profile.check_profile(environment, shipped), Level.WARN, 'a segment of 524288 bytes')
     mine.write_text(shipped.read_text().replace('33554432', 'much'))
-    told(examined('Fast DDS', lambda: profile.check_profile(environment, shipped)), Level.ERROR,
-         'much')
+    told(profile.check_profile(environment, shipped), Level.ERROR, 'Fast DDS drops', 'getXMLUint')
+    mine.write_text(shipped.read_text().replace('<type>SHM', '<queue>9</queue><type>SHM'))
+    told(profile.check_profile(environment, shipped), Level.ERROR, 'Fast DDS drops', 'queue',
+         export)
     assert not list(profile.check_profile({}, shipped, 'rmw_cyclonedds_cpp'))
 
 

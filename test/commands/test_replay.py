@@ -9,7 +9,10 @@ from blob_tracker.resources import config_path
 from blob_tracker.ros.messages.stamp import to_ns
 from geometry_msgs.msg import PointStamped, Vector3Stamped
 import pytest
+from rclpy.qos import DurabilityPolicy, qos_profile_sensor_data, QoSProfile
 from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import CameraInfo, Image
+from support.bags import of_best_effort, rewritten
 from support.processes import probe, start, start_replay
 
 BAGS = Path(__file__).parents[1] / 'bags'
@@ -82,6 +85,7 @@ def test_clock_runs_with_the_bag(domain: int) -> None:
     """--clock publishes the recorded time, forward only, from the first stamp to the last."""
     with probe(domain) as node:
         clocks = node.record(Clock, '/clock', 1000)
+        node.record(Image, '/camera/image_raw')
         with start_replay(BAGS / 'flash_mcap', domain, '--clock', '--rate', '5') as replay:
             node.spin_until(lambda: not replay.running)
             assert replay.wait() == 0, replay.output
@@ -125,6 +129,18 @@ def test_nodes_that_do_not_come_are_named(domain: int) -> None:
         ([str(Path(__file__).parent)], 'is not a bag that can be read', 1),
         ([str(BAGS / 'flash_mcap'), '--rate', '0'], 'it must be above 0', 2),
         ([str(BAGS / 'flash_mcap'), '--rate', 'fast'], 'invalid float value', 2),
+        ([str(BAGS / 'flash_mcap'), '--remap', '/a'], '/a is not of the form FROM:=TO', 2),
+        ([str(BAGS / 'flash_mcap'), '--remap', '/a:=/1'], '/a:=/1: Invalid topic name', 2),
+        (
+            [str(BAGS / 'flash_mcap'), '--remap', '/a:=/b'],
+            'has no /a; its topics are /camera/camera_info, ',
+            1,
+        ),
+        (
+            [str(BAGS / 'flash_mcap'), '--remap', '/camera/camera_info:=/camera/image_raw'],
+            '--remap gives two topics one name',
+            1,
+        ),
         (
             [str(BAGS / 'flash_mcap'), '--topics', '/nothing'],
             'holds no messages of /nothing; its topics are /camera/camera_info, ',
@@ -148,8 +164,10 @@ def test_a_killed_bag_is_played_to_its_end(domain: int, tmp_path: Path) -> None:
     bag.mkdir()
     content = (BAGS / 'flash_mcap' / 'flash_mcap.mcap').read_bytes()
     (bag / 'killed_0.mcap').write_bytes(content[:-60_000])
-    with start_replay(bag, domain, '--rate', '50', '--wait', '0.2') as replay:
-        assert replay.wait() == 0, replay.output
+    with probe(domain) as node:
+        node.record(Image, '/camera/image_raw')
+        with start_replay(bag, domain, '--rate', '50', '--nodes', 'probe') as replay:
+            assert replay.wait() == 0, replay.output
     assert 'it has no metadata.yaml; it ends in the middle of a record' in replay.output
     assert '164 messages of 1.800 s are there' in replay.output
 
@@ -160,7 +178,96 @@ def test_a_bag_that_has_not_what_it_promises_ends_with_1(domain: int, tmp_path: 
     shutil.copytree(BAGS / 'flash_sqlite3', bag)
     metadata = bag / 'metadata.yaml'
     metadata.write_text(metadata.read_text().replace('message_count: 59', 'message_count: 60'))
-    with start_replay(bag, domain, '--rate', '50', '--wait', '0.2') as replay:
-        assert replay.wait() == 1, replay.output
+    with probe(domain) as node:
+        node.record(Image, '/camera/image_raw')
+        with start_replay(bag, domain, '--rate', '50', '--nodes', 'probe') as replay:
+            assert replay.wait() == 1, replay.output
     assert '/camera/image_raw: 60 messages are promised and 59 came' in replay.output
     assert 'Traceback' not in replay.output
+
+
+def played(bag: Path, domain: int, *arguments: str, **topics: object) -> tuple[int, str, list]:
+    """Replay a bag to the usual subscriptions of a pipeline: exit code, words, and images."""
+    with probe(domain) as node:
+        images = node.record(Image, '/camera/image_raw', **topics)
+        node.record(CameraInfo, '/camera/camera_info', **topics)
+        with start_replay(bag, domain, '--rate', '20', *arguments) as replay:
+            node.spin_until(lambda: not replay.running)
+            code = replay.wait()
+        node.settle(0.2)
+    return code, replay.output, images
+
+
+@pytest.mark.parametrize('qos', [10, qos_profile_sensor_data])
+def test_a_bag_of_a_best_effort_driver_serves_both_ends(
+    qos: object, domain: int, tmp_path: Path
+) -> None:
+    """It is offered reliably: nodes that must not lose a frame ask for that."""
+    bag = of_best_effort(tmp_path / 'bag')
+    code, words, images = played(bag, domain, qos=qos)
+    assert code == 0, words
+    assert images
+    if qos == 10:
+        assert len(images) > 45  # keep last 10 at twenty times the pace
+
+
+def test_a_replay_to_nobody_says_so(domain: int) -> None:
+    """Nothing is played, and the exit code tells a script."""
+    with start_replay(BAGS / 'flash_mcap', domain, '--wait', '0.5') as replay:
+        assert replay.wait() == 1, replay.output
+    assert 'nothing is played: nobody takes /camera/camera_info, /camera/image_raw, ' in (
+        replay.output)
+    assert 'within 0.5 s; start who takes it, or raise --wait' in replay.output
+
+
+def test_topics_are_played_under_other_names(domain: int, tmp_path: Path) -> None:
+    """As --remap says, and both names choose a topic."""
+    bag = rewritten(tmp_path / 'bag', ('/camera/', '/left/'))
+    code, words, images = played(
+        bag, domain, '--topics', '/camera/image_raw', '/left/camera_info', '--remap',
+        '/left/image_raw:=/camera/image_raw', 'left/camera_info:=camera/camera_info',
+    )
+    assert code == 0, words
+    assert images
+    assert 'no other images' not in words
+
+
+@pytest.mark.parametrize('chosen', [(), ('--topics', '/camera/image_raw', '/camera/camera_info')])
+def test_lone_images_find_the_pipeline(
+    chosen: tuple[str, ...], domain: int, tmp_path: Path
+) -> None:
+    """With their camera_info, and a word on it: it was not asked for."""
+    bag = rewritten(tmp_path / 'bag', ('/camera/', '/left/'))
+    code, words, images = played(bag, domain, *chosen)
+    assert code == 0, words
+    assert images
+    for name in ('image_raw', 'camera_info'):
+        assert f'/left/{name} is played as /camera/{name}: no other images' in words
+
+
+def test_images_that_no_pipeline_takes_are_named(domain: int, tmp_path: Path) -> None:
+    """With the remap that would help, where nobody can tell which of two are meant."""
+    bag = rewritten(tmp_path / 'bag', ('/camera/', '/left/'))
+    with probe(domain) as node:
+        for side in ('a', 'b'):
+            node.record(Image, f'/{side}/camera/image_raw')
+        with start_replay(bag, domain, '--wait', '1.5') as replay:
+            node.spin_until(lambda: not replay.running)
+            assert replay.wait() == 1, replay.output
+    assert (
+        '/probe takes images of /b/camera/image_raw: --remap '
+        '/left/image_raw:=/b/camera/image_raw /left/camera_info:=/b/camera/camera_info'
+    ) in replay.output
+
+
+def test_a_subscriber_that_asks_for_more_is_named(domain: int) -> None:
+    """With what it asks for and what it is offered."""
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    with probe(domain) as node:
+        node.record(Image, '/camera/image_raw', latched)
+        with start_replay(BAGS / 'flash_mcap', domain, '--wait', '1.5') as replay:
+            node.spin_until(lambda: not replay.running)
+            assert replay.wait() == 1, replay.output
+    assert (
+        '/probe asks for transient_local on /camera/image_raw, which is offered volatile'
+    ) in replay.output

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from blob_tracker.constellation import candidates, likelihood
 from blob_tracker.constellation.compilation import compile_ahead
 from blob_tracker.constellation.pose import poses
+from blob_tracker.kernel import compiled
 import pytest
 
 
@@ -19,5 +17,5 @@ def test_the_loops_are_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
     )
     compile_ahead()
     assert len(found) == 1
-    loops: tuple[Any, ...] = (candidates.candidates, likelihood.fit)
-    assert all(loop.signatures for loop in loops)
+    done, count, _ = compiled('blob_tracker.constellation')
+    assert done == count

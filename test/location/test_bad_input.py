@@ -234,4 +234,5 @@ def test_compile_ahead_leaves_nothing_to_compile():
         locate(Window(lit), noise=NOISE)
         locate(Window(lit, lit // 2, saturation=200), noise=NOISE, elliptical=True)
     compiled: Any = _fit_all
-    assert len(compiled.signatures) == 1
+    # Loaded without Numba, which then has no signature, or compiled by it.
+    assert (getattr(compiled, 'count', 0) or len(compiled.signatures)) == 1

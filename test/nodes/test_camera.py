@@ -111,7 +111,7 @@ def test_impossible_calibrations_are_refused_and_not_stored(domain: int, ros_hom
             ({'k': [nan] * 9}, 'K must be 3 x 3 finite numbers'),
             ({'width': 0}, 'the calibrated size is 0 x 480 px; it must be positive'),
             ({'distortion_model': 'magic'}, "no distortion model 'magic'"),
-            ({'d': [0.1]}, 'plumb_bob has '),
+            ({'d': [0.1]}, "distortion model 'plumb_bob' has "),
         ):
             answer = set_camera_info(node, camera_info(**changes))
             assert not answer.success

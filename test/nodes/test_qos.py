@@ -111,8 +111,9 @@ def test_frames_lost_for_want_of_the_profile(
             monkeypatch.delenv(PROFILE)
             with start('simulator', domain, width=1920, height=1200, rate=20.0):
                 node.spin_until(lambda: segmenter(
-                    'lost on the way from /simulator: its shared memory has 512 KiB for want of '
-                    'the Fast DDS profile, and an image 2250; in its terminal, before it starts, '
+                    'lost on the way from /simulator: its shared memory has 536 KiB, and an image '
+                    '2250; a Fast DDS profile gives it more, unless it is dropped for a fault in '
+                    'it, which doctor tells: in its terminal, before it starts, '
                     f'type: export {PROFILE}={config_path("fastdds.xml")}'
                 ), 40.0)
     assert f'type: export {PROFILE}={config_path("fastdds.xml")}' in process.output

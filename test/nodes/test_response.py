@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -141,6 +142,64 @@ def test_a_locator_alone_with_a_response_is_told(
     for nodes in chain(domain, parameters):
         assert nodes.run(frames)
     assert any('give the segmenter the same response_url' in each for each in said)
+
+
+@pytest.mark.parametrize('by_message', [False, True])
+def test_a_locator_without_the_response_knows_what_is_clipped(
+    by_message: bool, said: list[str], tmp_path: Path, domain: int
+) -> None:
+    """As one that has it: a clipped light is placed alike, and is called no disc."""
+    scene = gamma_scene(330.0, 20.0, moving=True)
+    clipped = [Frame(scene.frame(k), scene.stamp_ns(k), 255) for k in range(FRAMES)]
+    parameters = with_response(tmp_path)
+    found = []
+    for word in ('locator:response_url', 'none'):
+        parameters.pop(word, None)
+        parameters['locator:saturation'] = 0
+        for nodes in chain(domain, parameters, by_message=by_message):
+            nodes.run(clipped)
+            assert sum((each.lit == 65535).any() for each in nodes.windows) > FRAMES // 2 - 4
+            found.append([each.azimuth for each in nodes.bearings])
+    assert found[0] == found[1]
+    assert len(found[0]) > FRAMES // 2 - 4
+    assert not any('disc' in each for each in said)
+
+
+def test_a_saturation_of_raw_pixels_is_none_of_linear_ones(
+    said: list[str], tmp_path: Path, domain: int
+) -> None:
+    """Nor does it clip them: a locator that does not know the response says so."""
+    frames = [
+        Frame(scene.frame(k), scene.stamp_ns(k), 255)
+        for scene in (gamma_scene(200.0, 20.0),) for k in range(FRAMES)
+    ]
+    parameters = {**with_response(tmp_path), 'saturation': 250}
+    del parameters['locator:response_url']
+    for nodes in chain(domain, parameters):
+        assert len(nodes.run(frames)) > FRAMES // 2 - 4
+    assert any('and saturation is 250: they are taken for linear' in each for each in said)
+
+
+@pytest.mark.parametrize('bits', [8, 16])
+def test_raw_windows_of_16_bits_are_told_from_linear_ones(
+    bits: int, said: list[str], tmp_path: Path, domain: int
+) -> None:
+    """Where the segmenter has no response, or one of another depth, which both say."""
+    scene = gamma_scene(200.0, 20.0, moving=True)
+    frames = [
+        Frame(scene.frame(k).astype(np.uint16) * 13, scene.stamp_ns(k), 4095)
+        for k in range(FRAMES)
+    ]
+    parameters = {**with_response(tmp_path), 'saturation': 4095}
+    if bits == 16:
+        eight = gamma_response()
+        twelve = replace(eight, levels=np.rint(eight.levels * 4095 / 255), bits=16)
+        twelve.to_yaml(tmp_path / 'twelve.yaml')
+        parameters['locator:response_url'] = tmp_path / 'twelve.yaml'
+    for nodes in chain(domain, parameters):
+        assert len(nodes.run(frames)) > FRAMES // 2 - 4
+    assert any('for pixels of 8 bits and these have 16' in each for each in said)
+    assert any('the windows hold raw pixels' in each for each in said)
 
 
 def test_a_file_that_is_not_there_ends_the_start(domain: int) -> None:

@@ -89,9 +89,15 @@ def test_a_bag_gives_the_same_however_it_is_played(domain: int) -> None:
             node.destroy_publisher(clock)
             second = play(node, domain, 'flash_mcap', '--clock', '--rate', '4')
             node.spin_until(lambda: any(
-                'nothing publishes /clock' in each.status[0].message
+                '/clock has stopped at ' in each.status[0].message
                 for each in node.received['/diagnostics'][-2:]
             ))
+            # Once it is known, nothing else is asked for: it was played with --clock.
+            assert not any(
+                word in each.status[0].message
+                for each in node.received['/diagnostics'][-1:]
+                for word in ('--clock', 'is a camera publishing', 'is the segmenter running')
+            )
             wall: ParameterMessage = Parameter('use_sim_time', value=False).to_parameter_msg()
             for name in ('segmenter', 'locator'):
                 answer = node.call(

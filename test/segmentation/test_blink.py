@@ -213,6 +213,7 @@ def test_frequencies_that_alias_onto_each_other_are_named() -> None:
     assert fault.startswith("'b' flashes at 50 Hz")
     assert fault.endswith("it looks like 10.0 Hz, and so does 'a'")
     assert 'looks like' not in rate_fault({'a': 29.0}, 60.0)
+    assert rate_fault({'': 45.0}, 60.0).startswith('the light flashes at 45 Hz; 60.0 frames')
 
 
 @pytest.mark.parametrize('code, frequency, duty, fault', [

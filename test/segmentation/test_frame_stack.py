@@ -54,7 +54,7 @@ def test_a_pixel_clipped_once_is_clipped() -> None:
 def test_one_look_is_left_as_it_is() -> None:
     """No other type, no copy."""
     frame = np.full((2, 3), 255, np.uint8)
-    assert sum_frames([frame], 255) is frame
+    assert sum_frames([frame], 255, marked=False) is frame
 
 
 def test_every_kth_look_gives_the_window_of_all() -> None:

@@ -215,6 +215,17 @@ def test_an_exposure_jump_is_named() -> None:
         assert 'switch auto-exposure off' in found.reason
 
 
+def test_a_change_that_is_no_gain_is_not_laid_to_exposure() -> None:
+    """A lamp lights the upper half alone."""
+    contrast = lights(amplitude=30.0)
+    lit = contrast.unlit.copy()
+    lit[:lit.shape[0] * 3 // 5] *= 3
+    reason = searched(contrast_of(lit, contrast.unlit)).reason
+    assert 'the whole scene changed by' in reason
+    assert 'auto-exposure' not in reason
+    assert 'not all of it by the same factor' in reason
+
+
 @pytest.mark.parametrize('kind', ['read-only', 'every other column', 'transposed', 'reversed'])
 def test_frames_in_any_memory_are_taken(kind: str) -> None:
     """A message's buffer cannot be written to, a cut-out is not contiguous."""

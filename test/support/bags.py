@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+import shutil
+import sqlite3
 from typing import Any
 
 from blob_tracker.colour import grey_pixels
@@ -23,6 +25,7 @@ START_NS = 1_700_000_000_000_000_000
 STEP_NS = 33_333_333
 WIDTH, HEIGHT = 48, 32
 TOPIC = '/camera/image_raw'
+FLASH = Path(__file__).parents[1] / 'bags' / 'flash_sqlite3'
 KIND = 'sensor_msgs/msg/Image'
 COMPRESSED = 'sensor_msgs/msg/CompressedImage'
 TYPES = get_typestore(Stores.ROS2_JAZZY)
@@ -152,3 +155,28 @@ def recorded_pixels(
     for frame, _ in recorded_frames(bag, topic, **options):
         first_ns = frame.stamp_ns if first_ns is None else first_ns
         yield (frame.stamp_ns - first_ns) / 1e9, grey_pixels(frame, interpolate=True)
+
+
+def rewritten(folder: Path, *replacements: tuple[str, str]) -> Path:
+    """Return a copy of the bag of flashes with other words in what is said of its topics."""
+    shutil.copytree(FLASH, folder)
+    metadata = folder / 'metadata.yaml'
+    words = metadata.read_text()
+    with sqlite3.connect(folder / 'flash_sqlite3.db3') as database:
+        for old, new in replacements:
+            words = words.replace(old, new)
+            database.execute(
+                'UPDATE topics SET name = replace(name, ?, ?), '
+                'offered_qos_profiles = replace(offered_qos_profiles, ?, ?)', (old, new, old, new),
+            )
+    database.close()
+    metadata.write_text(words)
+    return folder
+
+
+def of_best_effort(folder: Path) -> Path:
+    """Return a copy of the bag of flashes, as a driver would leave it that offers no more."""
+    return rewritten(
+        folder, ('reliability: reliable', 'reliability: best_effort'),
+        ('reliability: 1', 'reliability: 2'),
+    )

@@ -93,6 +93,12 @@ class Process:
             self._popen.send_signal(number)
         return self.wait(timeout)
 
+    def ctrl_c(self, timeout: float = EXIT) -> int:
+        """Interrupt all that it has started, as a terminal does; `ros2 run` relies on that."""
+        if self.running:
+            os.killpg(self._popen.pid, signal.SIGINT)
+        return self.wait(timeout)
+
     def wait(self, timeout: float = PATIENCE) -> int:
         """Wait for the end and return the exit code; the output is in `output`."""
         try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
+from dataclasses import replace
 from datetime import datetime, timezone
 from pathlib import Path
 import shlex
@@ -121,7 +122,8 @@ def main(arguments: argparse.Namespace) -> None:
     relative = float((found.sigmas[:2] / found.values[:2]).max())
     if relative > WORTHLESS:
         raise CalibrationError(
-            f'the focal length is known to {100.0 * relative:.0f} % only: nothing is written'
+            f'the focal length is known to {100.0 * relative:.0f} % only: nothing is written; is '
+            f'the board tilted, and {MISCOUNTED}'
         )
     _write(console, arguments, found, board)
 
@@ -249,10 +251,32 @@ def _not_found(
         place = arguments.picture.with_name('no_board.png')
         place.parent.mkdir(parents=True, exist_ok=True)
         cv2.imwrite(str(place), image)
+    other = _other_count(board, image)
+    if other is not None:
+        return (
+            f'no {board.description} in any image; {place} for one has a {other.description}: '
+            f'give --columns {other.columns} --rows {other.rows} (one less than the squares)'
+        )
     return (
         f'no {board.description} in any image, {place} for one: is the whole board in sight, '
         'sharp, with a bright margin, and are --kind, --columns and --rows its own?'
     )
+
+
+def _other_count(board: Board, image: Pixels) -> Chessboard | None:
+    """Return the chessboard that is there where one was counted wrong by one, by squares say."""
+    if not isinstance(board, Chessboard):
+        return None
+    for more in (-1, 1):
+        for across, down in ((more, more), (more, 0), (0, more)):
+            try:
+                other = replace(board, columns=board.columns + across, rows=board.rows + down)
+            except BoardError:
+                continue
+            view = other.find(image)
+            if view is not None and is_even(view):
+                return other
+    return None
 
 
 def _report(console: Console, found: BoardCalibration) -> None:

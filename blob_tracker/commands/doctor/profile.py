@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+import os
 from pathlib import Path
+import re
+import subprocess
+import sys
 from xml.etree import ElementTree
 
 from blob_tracker.commands.doctor.finding import error, Finding, ok, warn
@@ -12,6 +16,9 @@ VARIABLE = 'FASTRTPS_DEFAULT_PROFILES_FILE'  # Fast DDS 2, that of Jazzy
 LATER_VARIABLE = 'FASTDDS_DEFAULT_PROFILES_FILE'  # Fast DDS 3
 ENOUGH = 10 * 1920 * 1200  # bytes: a publisher's queue of ten large images
 DEFAULT = 512 * 1024  # bytes, without a profile
+LONGEST = 30.0  # s to start a node
+_COLOUR = re.compile('\x1b\\[[0-9;]*m')
+_COMPLAINT = re.compile(r'\[XMLPARSER Error\] (.*?)(?: -> Function .*)?$', re.MULTILINE)
 _SPACE = {'dds': 'http://www.eprosima.com'}
 
 
@@ -61,6 +68,14 @@ def check_profile(
             'mend it, or take the one that comes with the package', export,
         )
         return
+    except ValueError:
+        size = 0  # of which Fast DDS has more to say
+    if complaint := complaint_about(path, environment):
+        yield error(
+            'Fast DDS', f'Fast DDS drops {path} whole: {complaint}',
+            'mend it, or take the one that comes with the package', export,
+        )
+        return
     if size >= ENOUGH:
         yield ok('Fast DDS', f'{path}: a segment of {size / 2**20:g} MiB')
         return
@@ -71,6 +86,22 @@ def check_profile(
         'raise segment_size in it, or take the one that comes with the package',
         export,
     )
+
+
+def complaint_about(path: Path, environment: Mapping[str, str]) -> str:
+    """
+    Return what Fast DDS itself says against a profile; empty where it takes it.
+
+    One tag that it does not know, or a value out of range, and it goes on without any of it.
+    """
+    tried = subprocess.run(
+        [sys.executable, '-c', 'import rclpy; rclpy.init(); rclpy.create_node("doctor")'],
+        env={**os.environ, **environment, VARIABLE: str(path)}, capture_output=True, text=True,
+        timeout=LONGEST, check=False,
+    )
+    words = _COLOUR.sub('', tried.stdout + tried.stderr)
+    found = _COMPLAINT.search(words)
+    return '' if found is None else found[1].strip()
 
 
 def segment_size(path: Path) -> int:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 import fcntl
 import os
 from pathlib import Path
 import re
 
 from blob_tracker.commands.doctor.finding import error, Finding, ok, warn
+from blob_tracker.ros.diagnostics.shared_memory import by_network
 
 MIB = 2**20
 FOLDER = Path('/dev/shm')
@@ -46,6 +47,7 @@ def check_shared_memory(folder: Path = FOLDER) -> Iterator[Finding]:
     space = os.statvfs(folder)
     yield judge_space(folder, space.f_blocks * space.f_frsize, space.f_bavail * space.f_frsize)
     yield judge_leftovers(folder, *leftovers(folder))
+    yield from judge_users(other_users(folder), os.geteuid())
 
 
 def judge_space(folder: Path, size: int, free: int) -> Finding:
@@ -117,3 +119,27 @@ def judge_leftovers(folder: Path, alive: int, dead: int, size: int) -> Finding:
         'remove them; it leaves the living alone',
         'fastdds shm clean',
     )
+
+
+def other_users(folder: Path) -> list[int]:
+    """Return the ids of other users with segments of Fast DDS in a folder."""
+    users = set()
+    for lock in folder.iterdir():
+        if _SEGMENT_LOCK.fullmatch(lock.name):
+            try:
+                users.add(lock.stat().st_uid)
+            except OSError:
+                continue  # it went meanwhile
+    return sorted(users - {os.geteuid()})
+
+
+def judge_users(others: Sequence[int], own: int) -> Iterator[Finding]:
+    """Return the finding on nodes of other users, where there are any."""
+    if others:
+        yield warn(
+            'shared memory',
+            f'nodes of other users run or have run here (uid {", ".join(map(str, others))}, '
+            f'this one {own}): nodes of two users find each other, and nothing arrives',
+            'run all as one user, or have those of this terminal do without shared memory',
+            by_network(),
+        )

@@ -12,10 +12,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
+import re
 import time
 
 from blob_tracker.camera.response import Response
 from blob_tracker.colour import grey_pixels
+from blob_tracker.commands.exit_code import UsageError
 from blob_tracker.commands.sources import fits, tiff, video
 from blob_tracker.commands.sources.bag import open_bag
 from blob_tracker.commands.sources.device import is_device, open_device
@@ -33,6 +35,9 @@ __all__ = [
     'reach', 'Source', 'SourceError', 'SourceFrame', 'unstamped',
 ]
 
+# As ROS has them (https://design.ros2.org/articles/topic_and_service_names.html): of a file the
+# name mostly has a point.
+TOPIC = re.compile(r'~?/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*', re.ASCII)
 # Formats of frames that no maintained library reads: what to make of them.
 UNREAD = {
     '.ser': 'export it from Siril or SER Player as a FITS cube, or as a folder of 16-bit TIFF or '
@@ -105,9 +110,9 @@ def is_folder(arguments: argparse.Namespace) -> bool:
 
 
 def is_topic(arguments: argparse.Namespace) -> bool:
-    """Tell whether SOURCE is the name of a topic: there is no such file."""
+    """Tell whether SOURCE is the name of a topic: it may be, and there is no such file."""
     path = Path(arguments.source)
-    return not (path.exists() or is_device(path))
+    return bool(TOPIC.fullmatch(arguments.source)) and not (path.exists() or is_device(path))
 
 
 def is_live(arguments: argparse.Namespace) -> bool:
@@ -139,10 +144,15 @@ def open_source(
     ------
     SourceError
         Where there are no images, or they cannot be read; also while they are.
+    UsageError
+        Where there is no such source, or it does not use an option that is given.
 
     """
     path, rate = Path(arguments.source), arguments.frame_rate
     name = path.name.lower()
+    if not (path.exists() or is_live(arguments)):
+        raise UsageError(f'there is no file {path}')
+    _check_used(arguments)
     if is_topic(arguments):
         source = open_topic(arguments.source, woven=woven)
     elif is_device(path):
@@ -175,6 +185,23 @@ def open_source(
             count=None if there is None else min(there, count),
         )
     return source
+
+
+def _check_used(arguments: argparse.Namespace) -> None:
+    """Raise UsageError for an option that SOURCE does not use: its frames would be other ones."""
+    path = Path(arguments.source)
+    camera, bag = is_device(path), is_bag(path)
+    named = path.name.lower().endswith((*video.SUFFIXES, *tiff.SUFFIXES, *UNREAD))
+    dump = path.is_file() and not (bag or named or fits.is_fits(path))
+    for option, given, used, right in (
+        ('--topic', arguments.topic, bag, 'a bag'),
+        ('--seconds', arguments.seconds, is_live(arguments), 'a camera or a topic'),
+        ('--pixel-format', arguments.pixel_format, camera or dump, 'a camera or a raw dump'),
+        ('--size', arguments.size, camera or dump, 'a camera or a raw dump'),
+        ('--stride', arguments.stride, dump, 'a raw dump'),
+    ):
+        if given and not used:
+            raise UsageError(f'{option} is for {right}, and {path} is none: leave it out')
 
 
 def unstamped(arguments: argparse.Namespace) -> str:
@@ -264,14 +291,20 @@ def _size(word: str) -> tuple[int, int]:
 
 
 def _positive_int(word: str) -> int:
-    value = int(word)
+    try:
+        value = int(word)
+    except ValueError:
+        value = 0
     if value < 1:
-        raise argparse.ArgumentTypeError(f'{word} must be 1 or more')
+        raise argparse.ArgumentTypeError(f'{word} is none; write a whole number, 1 or more')
     return value
 
 
 def _positive_float(word: str) -> float:
-    value = float(word)
+    try:
+        value = float(word)
+    except ValueError:
+        value = 0.0
     if not 0.0 < value < float('inf'):
-        raise argparse.ArgumentTypeError(f'{word} must be above 0')
+        raise argparse.ArgumentTypeError(f'{word} is none; write a number above 0')
     return value

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+import sys
 
 from blob_tracker.commands.sources.source import frame_of, Source, SourceError, SourceFrame
 import cv2
@@ -13,6 +14,8 @@ SUFFIXES = (
     '.avi', '.h264', '.m4v', '.mjpeg', '.mjpg', '.mkv', '.mov', '.mp4', '.mpeg', '.mpg', '.mts',
     '.ts', '.webm', '.wmv',
 )
+# Frames that a sound file may have fewer than its header, which counts one that was never ended.
+FEW = 2
 COUNTED = ('.avi', '.m4v', '.mov', '.mp4')  # whose header has the frames; of others it is a guess
 
 
@@ -36,7 +39,12 @@ def _frames(path: Path, video: cv2.VideoCapture, whole: int) -> Iterator[SourceF
         while True:
             there, pixels = video.read()
             if not there:
-                if index < whole:
+                if 0 < whole - index <= FEW:
+                    print(
+                        f'{path} has {index} frames that can be read, and {whole} by its header',
+                        file=sys.stderr,
+                    )
+                elif index < whole:
                     raise SourceError(
                         f'{path} ends after {index} of {whole} frames: it was cut or is damaged; '
                         'copy it anew'

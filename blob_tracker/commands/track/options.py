@@ -170,12 +170,17 @@ def _reader(name: str) -> Any:
                 value = kind(word)
             check(parameter, value)
         except ParameterError as error:
-            raise argparse.ArgumentTypeError(str(error)) from None
+            raise argparse.ArgumentTypeError(_of_a_word(error)) from None
         except ValueError:
-            raise argparse.ArgumentTypeError(str(not_allowed(parameter, word))) from None
+            raise argparse.ArgumentTypeError(_of_a_word(not_allowed(parameter, word))) from None
         return value
 
     return read
+
+
+def _of_a_word(error: ParameterError) -> str:
+    """Return what is said of a word of the command line, where a number needs no point."""
+    return str(error).replace('a number with a point', 'a number')
 
 
 def _metavar(parameter: Parameter) -> str:

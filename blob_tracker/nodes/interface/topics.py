@@ -60,7 +60,8 @@ TRACK = Topic(
     'target/track',
     'nav_msgs/Odometry',
     'with each bearing: filtered angle as target/ray has it, in `twist.angular` x the rate of the '
-    'elevation and y that of the azimuth, rad/s, each with covariance',
+    'elevation and y that of the azimuth, rad/s, each with covariance; `twist.linear` z is what '
+    'was taken off the stamps (stamp_offset), s',
 )
 TRACKED = Topic(
     'target/tracked',

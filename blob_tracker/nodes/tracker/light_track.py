@@ -53,9 +53,15 @@ class LightTrack:
     platform : Platform
         Knows how the camera is turned.
 
+    Attributes
+    ----------
+    stamp_offset : float
+        What is taken off the stamps of the bearings, s.
+
     """
 
     def __init__(self, node: Node, health: Health, light: str, platform: Platform) -> None:
+        self.stamp_offset = 0.0
         self._node, self._health, self._platform = node, health, platform
         self._topic = target_topic(light)
         self._topics = TrackTopics(node, self._topic)
@@ -134,7 +140,7 @@ class LightTrack:
         self._frame_id = frame_id
         track = self._tracker.seen_at(newest_ns)
         if track is not None:
-            self._topics.publish(track, frame_id)
+            self._topics.publish(track, frame_id, self.stamp_offset)
         self.predict(ahead_ns)
         self._health.left(bearing.stamp_ns)
         tracked = self._prediction is not None

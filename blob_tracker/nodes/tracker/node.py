@@ -196,11 +196,18 @@ class TrackerNode(Node):
                 delivery = replace(delivery, item=replace(delivery.item, stamp_ns=stamp_ns))
             self._judged = False
             if delivery.light in self._lights:
-                self._lights[delivery.light].take(delivery, self._ahead_ns)
+                light = self._lights[delivery.light]
+                light.stamp_offset = self._offset
+                light.take(delivery, self._ahead_ns)
         self._health.arrived(stamp_ns, came_ns)
 
+    @property
+    def _offset(self) -> float:
+        """Return what is taken off the stamps, s; simulated time is that of the stamps."""
+        return 0.0 if self.get_clock().ros_time_is_active else self._stamp_clock.taken
+
     def _by_this_clock(self, stamp_ns: int) -> int:
-        """Return a stamp without the offset of its clock; simulated time is that of the stamps."""
+        """Return a stamp without the offset of its clock."""
         if self.get_clock().ros_time_is_active:
             return stamp_ns
         return self._stamp_clock.corrected(stamp_ns, time.time_ns())
@@ -218,7 +225,7 @@ class TrackerNode(Node):
     def seen_at(self, light: str, stamp_ns: int) -> Track | None:
         """Return where the camera sees a light at a stamp, ns; None where this is not known."""
         with self._lock:
-            here_ns = stamp_ns - round(1e9 * self._stamp_clock.taken)
+            here_ns = stamp_ns - round(1e9 * self._offset)
             return self._lights[light].seen_at(here_ns) if light in self._lights else None
 
     def _predict(self) -> None:

@@ -197,7 +197,7 @@ class Platform:
         if self.angles is None:
             return
         silent = self._news.silent(self._now_ns())
-        if silent:
+        if silent and not self._health.starting:
             self._health.fault(ERROR, silent)
         assert self._joint_states is not None
         topic = self._joint_states.topic_name

@@ -37,9 +37,11 @@ class TrackTopics:
         self._predictions.publish(prediction_message(track, frame_id, self._prediction))
         self._say(True)
 
-    def publish(self, track: Track, frame_id: str) -> None:
-        """Publish the track as the camera sees it."""
-        self._tracks.publish(track_message(track, frame_id, self._target, self._track))
+    def publish(self, track: Track, frame_id: str, stamp_offset: float) -> None:
+        """Publish the track as the camera sees it, and what was taken off its stamps, s."""
+        self._tracks.publish(track_message(
+            track, frame_id, self._target, self._track, stamp_offset=stamp_offset
+        ))
 
     def lose(self) -> None:
         """Say that the light is not tracked: nothing is predicted."""

@@ -6,6 +6,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 
 from blob_tracker.ros.diagnostics.health import Health, WARN
+from blob_tracker.ros.diagnostics.shared_memory import barrier, by_network, FOLDER, same_host
 from blob_tracker.ros.endpoints.qos import OVERRIDABLE
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -88,6 +89,7 @@ class Connections:
         self._health = health
         self._publishers: defaultdict[str, Publishers] = defaultdict(Publishers)
         health.watch(self._check)
+        health.explain_silence(lambda: no_clock(node) or why_silent(node))
 
     def _check(self) -> None:
         """Look at the other end of each topic."""
@@ -99,25 +101,14 @@ class Connections:
             publishers = graph.get_publishers_info_by_topic(topic)
             subscriptions = graph.get_subscriptions_info_by_topic(topic)
             # As the graph has them: a profile may leave a policy to the middleware.
-            for ours in self._own(subscriptions):
+            for ours in own(graph, subscriptions):
                 self._warn(unheard(topic, ours, each) for each in publishers)
-            for ours in self._own(publishers):
+            for ours in own(graph, publishers):
                 self._warn(unhearing(topic, ours, each) for each in subscriptions)
             if topic not in COMMON and topic not in parted:
                 self._warn([self._published_twice(topic, publishers)])
-        if graph.get_clock().ros_time_is_active and not graph.count_publishers('/clock'):
-            self._warn([
-                'use_sim_time is true and nothing publishes /clock, so that ROS time stands '
-                'still; play the bag with --clock, start the simulation, or set use_sim_time to '
-                'false'
-            ])
-
-    def _own(self, endpoints: Iterable[TopicEndpointInfo]) -> list[TopicEndpointInfo]:
-        """Return those of this node."""
-        return [
-            each for each in endpoints
-            if full_name(each) == self._node.get_fully_qualified_name()
-        ]
+        if not self._health.starting:
+            self._warn([no_clock(graph)])
 
     def _published_twice(self, topic: str, publishers: Sequence[TopicEndpointInfo]) -> str:
         """Return what to say of a topic that several nodes publish, once it is sure."""
@@ -138,6 +129,37 @@ class Connections:
         for sentence in sentences:
             if sentence:
                 self._health.fault(WARN, sentence)
+
+
+def no_clock(node: Node) -> str:
+    """Return that a node's simulated time stands still; empty where somebody publishes it."""
+    clock = node.get_clock()
+    if not clock.ros_time_is_active or node.count_publishers('/clock'):
+        return ''
+    if seconds := clock.now().nanoseconds / 1e9:
+        return (
+            f'/clock has stopped at {seconds:.3f} s and nothing publishes /clock any more: the '
+            'bag or the simulation has ended; start it again, or set use_sim_time to false'
+        )
+    return (
+        'use_sim_time is true and nothing publishes /clock, so that ROS time stands still; play '
+        'the bag with --clock, start the simulation, or set use_sim_time to false'
+    )
+
+
+def why_silent(node: Node) -> str:
+    """Return why nothing comes of a publisher of a node's topics; empty where this is not seen."""
+    for topic in sorted({each.topic_name for each in node.subscriptions} - {*COMMON}):
+        for ours in own(node, node.get_subscriptions_info_by_topic(topic)):
+            for each in node.get_publishers_info_by_topic(topic):
+                if reason := unheard(topic, ours, each) or unreachable(topic, ours, each):
+                    return reason
+    return ''
+
+
+def own(node: Node, endpoints: Iterable[TopicEndpointInfo]) -> list[TopicEndpointInfo]:
+    """Return those of a node."""
+    return [each for each in endpoints if full_name(each) == node.get_fully_qualified_name()]
 
 
 def unheard(topic: str, ours: TopicEndpointInfo, publisher: TopicEndpointInfo) -> str:
@@ -181,6 +203,21 @@ def unhearing(topic: str, ours: TopicEndpointInfo, subscription: TopicEndpointIn
         f'nothing; set its {policy} to {offered}'
         + _or_override(topic, 'publisher', policy, asked)
         for policy, offered, asked in disagreements(ours.qos_profile, subscription.qos_profile)
+    )
+
+
+def unreachable(topic: str, ours: TopicEndpointInfo, publisher: TopicEndpointInfo) -> str:
+    """Return why nothing comes of a publisher that fits; empty where nothing speaks against it."""
+    gid = bytes(publisher.endpoint_gid)
+    if unheard(topic, ours, publisher) or not same_host(gid, bytes(ours.endpoint_gid)):
+        return ''
+    reason = barrier(gid)
+    if not reason:
+        return ''
+    return (
+        f'{topic}: a publisher is known and nothing comes through shared memory: {reason}; run '
+        f'both as one user and with one {FOLDER} (containers with --ipc=host), or have one of the '
+        f'two do without: in its terminal, before it starts, type: {by_network()}'
     )
 
 

@@ -67,6 +67,7 @@ class Health:
         self._idle = idle
         self._slowed = slowed
         self._describe = describe
+        self._reasons: list[Callable[[], str]] = []
         self._checks: list[Callable[[], None]] = [self._check_log]
         self._timing = Timing()
         self._usual_rate = UsualRate()
@@ -75,9 +76,9 @@ class Health:
         self._messages: dict[str, str] = {}  # of that level, by kind
         self._logged: dict[str, float] = {}
         self._lock = Lock()  # a capture thread reports while the executor publishes
-        self._patience = PATIENCE
         self._ros_clock = node.get_clock()
         self._simulated = self._ros_clock.ros_time_is_active
+        self._seconds = 0  # that were published
         # Wall time that never jumps: with use_sim_time a paused bag must not silence a node.
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._publisher = publisher(node, DiagnosticArray, '/diagnostics', RESULT)
@@ -86,6 +87,15 @@ class Health:
     def watch(self, check: Callable[[], None]) -> None:
         """Have a check report what it finds at the end of each second: what lasts is in each."""
         self._checks.append(check)
+
+    def explain_silence(self, reason: Callable[[], str]) -> None:
+        """Have a better word than `idle` where there is one, in a second without a report."""
+        self._reasons.append(reason)
+
+    @property
+    def starting(self) -> bool:
+        """Whether it is too early to miss anything: the others may be starting as well."""
+        return self._seconds < PATIENCE
 
     def arrived(self, stamp_ns: int, came_ns: int | None = None) -> None:
         """
@@ -145,7 +155,8 @@ class Health:
                 silent = len(self._logged) >= MOST_LOGGED
             if not silent:
                 self._logged[kind] = now
-        if not silent:
+        # After a signal rcl cannot publish it on /rosout, and complains of that instead.
+        if not silent and self._node.context.ok():
             # Two statements: rclpy binds the severity to the line that logs.
             if level == ERROR:
                 self._node.get_logger().error(message)
@@ -174,15 +185,15 @@ class Health:
         if not silent:
             self._watch(figures)
             self._describe()
-            self._patience = 0
-        elif self._patience > 0:
-            self._patience -= 1
+        elif self.starting:
             self.ok('waiting')
         else:
-            self.fault(WARN, self._idle)
+            reasons = [found for reason in self._reasons if (found := reason())]
+            self.fault(WARN, '; '.join(reasons) or self._idle)
         with self._lock:
             level, messages, values = self._level, self._messages, dict(self._values)
             self._level, self._messages = OK, {}
+        self._seconds += 1
         status = DiagnosticStatus(
             level=level,
             name=f'{self._node.get_fully_qualified_name()}: tracking',

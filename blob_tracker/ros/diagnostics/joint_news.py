@@ -62,6 +62,8 @@ class JointNews:
 
     def silent(self, now_ns: int) -> str:
         """Return which joints say nothing at an instant, ns, and what to do; empty where none."""
+        for name, came_ns in self._came_ns.items():
+            self._came_ns[name] = came_ns or now_ns  # simulated time began at 0 and leapt
         silent = [
             name for name, came_ns in self._came_ns.items() if now_ns - came_ns > SILENCE_NS
         ]

@@ -10,7 +10,7 @@ from blob_tracker.ros.diagnostics.health import Health, WARN
 from blob_tracker.ros.diagnostics.interleaving import Interleaving, SILENCE_NS
 from blob_tracker.ros.diagnostics.losses import grave
 from blob_tracker.ros.diagnostics.shared_memory import (
-    environment_of, export, same_host, segment_size,
+    DEFAULT_BYTES, export, same_host, segment_size,
 )
 from rclpy.event_handler import QoSMessageLostInfo
 from rclpy.node import Node
@@ -141,13 +141,14 @@ class LostMessages:
                 'this node there, take a wire, or ask for reliable '
                 f'(qos_overrides.{self._topic}.subscription.reliability)'
             )
-        theirs = environment_of(gid)
-        segment = segment_size(theirs or {})
+        seen = segment_size(gid)
+        segment = DEFAULT_BYTES if seen is None else seen
         if segment < QUEUE * self._size and 'fastrtps' in get_rmw_implementation_identifier():
-            probably = 'probably ' if theirs is None else ''
+            probably = 'probably ' if seen is None else ''
             return (
-                f'its shared memory {probably}has {segment >> 10} KiB for want of the Fast DDS '
-                f'profile, and an image {self._size >> 10}; in its terminal, before it starts, '
+                f'its shared memory {probably}has {segment >> 10} KiB, and an image '
+                f'{self._size >> 10}; a Fast DDS profile gives it more, unless it is dropped for '
+                'a fault in it, which doctor tells: in its terminal, before it starts, '
                 f'type: {export()}'
             )
         return 'this machine is too busy to pass them on (see top)'

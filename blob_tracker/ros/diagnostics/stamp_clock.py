@@ -107,6 +107,16 @@ class StampClock:
             return ''
         name, known = name_clock(offset)
         side = 'ahead of' if left > 0.0 else 'behind'
+        if self._taken_ns:
+            if -self.latest <= offset <= AHEAD_S:
+                name, known = "this computer's", 0.0
+            return (
+                f"stamps are {abs(left):.3f} s {side} this computer's clock as they come, with "
+                f'the offset of {self.taken:.3f} s taken off, and nothing can be predicted: '
+                f'without it they are {abs(offset):.3f} s '
+                f'{"ahead" if offset > 0.0 else "behind"} (the clock is {name}); set stamp_offset '
+                f'to {offset if known is None else known:.3f}{self._or_auto}'
+            )
         if known is None and left < -RECORDED_S:
             remedy = 'play a recording with --clock and set use_sim_time; else set clocks by NTP'
         elif known is None and left < 0.0:
@@ -116,5 +126,10 @@ class StampClock:
         return (
             f"stamps are {abs(left):.3f} s {side} this computer's clock as they come ({name}), "
             f'and nothing can be predicted: {remedy}; or set stamp_offset to '
-            f'{offset if known is None else known:.3f}, or stamp_offset_auto'
+            f'{offset if known is None else known:.3f}{self._or_auto}'
         )
+
+    @property
+    def _or_auto(self) -> str:
+        """Return the other remedy; '' where it is in use."""
+        return '' if self._auto else ', or stamp_offset_auto'

@@ -5,7 +5,7 @@ from __future__ import annotations
 from blob_tracker.ros.diagnostics.health import ERROR, Health
 from blob_tracker.ros.endpoints.qos import RESULT, subscription
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.track import to_track
+from blob_tracker.ros.messages.track import stamp_offset_of, to_track
 from blob_tracker.tracking import Track
 from blob_tracker.tracking.extrapolation import extrapolated
 from nav_msgs.msg import Odometry
@@ -31,18 +31,22 @@ class LatestTrack:
 
     def __init__(self, node: Node, topic: str, health: Health) -> None:
         self._topic, self._health = topic, health
-        self._track: Track | None = None
+        self._latest: tuple[Track, int] | None = None  # and what was taken off its stamp, ns
         self._subscription = subscription(node, Odometry, topic, self._take, RESULT)
 
     def seen_at(self, stamp_ns: int) -> Track | None:
-        """Return the track at a stamp, ns; None where the last one is not of about then."""
-        track = self._track  # another thread may take the next one
-        if track is None or abs(stamp_ns - track.stamp_ns) > 1e9 * FRESH_S:
+        """Return the track at a camera's stamp, ns; None where the last one is of another time."""
+        latest = self._latest  # another thread may take the next one
+        if latest is None:
             return None
-        return extrapolated(track, stamp_ns)
+        track, offset_ns = latest
+        here_ns = stamp_ns - offset_ns
+        if abs(here_ns - track.stamp_ns) > 1e9 * FRESH_S:
+            return None
+        return extrapolated(track, here_ns)
 
     def _take(self, message: Odometry) -> None:
         try:
-            self._track = to_track(message)
+            self._latest = to_track(message), round(1e9 * stamp_offset_of(message))
         except MessageError as error:
             self._health.fault(ERROR, f'{self._topic}: {error}')

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from math import isfinite
 import time
 
+from blob_tracker.ros.diagnostics.connections import why_silent
 from blob_tracker.ros.endpoints.qos import RESULT
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.joint_states import to_angles
@@ -138,6 +139,8 @@ class LiveCentroids:
 
     def _missing(self, count: int) -> str:
         """Say what does not come."""
+        if reason := why_silent(self._node):
+            return reason
         if len(self._centroids) < count:
             return (
                 f"no more centroids came on '{self._topic}' within {PATIENCE_S:.0f} s: is the "

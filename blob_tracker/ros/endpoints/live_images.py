@@ -7,6 +7,7 @@ from contextlib import suppress
 import time
 
 from blob_tracker.capture.fields import Weaver
+from blob_tracker.ros.diagnostics.connections import why_silent
 from blob_tracker.ros.endpoints.pairing import INFO, info_topic, StampPairing
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.image import placed, sensor_of, to_whole_frame
@@ -90,6 +91,8 @@ def live_images(
                     there = sorted(name for name, types in known if Image.__name__ in
                                    (each.rpartition('/')[2] for each in types)
                                    and node.count_publishers(name))
+                    if reason := why_silent(node):
+                        raise NoImagesError(reason)
                     raise NoImagesError(
                         f"there is no folder '{topic}', and no image came on the topic of that "
                         f'name within {PATIENCE_S:.0f} s; images are published on '

@@ -69,7 +69,7 @@ def recorded_frames(
         if bag.remark:
             warn(bag.remark)
         chosen = image_topic(bag, topic)
-        of_info = _info_topic(bag, chosen) if paired else None
+        of_info = info_topic(bag, chosen) if paired else None
         topics = [chosen] if of_info is None else [chosen, of_info]
         for message in bag.messages(topics):
             decoded = bag.decoded(message)
@@ -107,7 +107,7 @@ def recorded_info(bag: Bag, topic: str | None = None) -> Any | None:
         The bag cannot be read, or has no images on that topic.
 
     """
-    of_info = _info_topic(bag, image_topic(bag, topic))
+    of_info = info_topic(bag, image_topic(bag, topic))
     if of_info is not None:
         for message in bag.messages([of_info]):
             return _todays(bag.decoded(message))
@@ -159,7 +159,7 @@ def image_topic(bag: Bag, name: str | None = None) -> Topic:
     raise RecordingError(what + (f': set --topic to one of {names}' if names else ''))
 
 
-def _info_topic(bag: Bag, images: Topic) -> Topic | None:
+def info_topic(bag: Bag, images: Topic) -> Topic | None:
     """Return the topic of the camera_info that belongs to a topic of images."""
     base = images.name.strip('/')
     if images.kind == COMPRESSED:  # camera/image_raw/compressed

@@ -13,6 +13,8 @@ from geometry_msgs.msg import Vector3Stamped
 from nav_msgs.msg import Odometry
 import numpy as np
 
+MOST_OFFSET_S = 2e9  # as `stamp_offset` of the tracker
+
 
 def prediction_message(
     track: Track, frame_id: str, message: Vector3Stamped | None = None
@@ -27,7 +29,8 @@ def prediction_message(
 
 
 def track_message(
-    track: Track, frame_id: str, target: str, message: Odometry | None = None
+    track: Track, frame_id: str, target: str, message: Odometry | None = None,
+    *, stamp_offset: float = 0.0,
 ) -> Odometry:
     """
     Return target/track: the turn that takes the z axis onto the target, and its rates.
@@ -42,12 +45,14 @@ def track_message(
         Name of the target: that of the child frame.
     message : Odometry, optional
         Is filled again.
+    stamp_offset : float
+        What was taken off the camera's stamps, s.
 
     Returns
     -------
     Odometry
         The pose is that of target/ray. In the twist, angular x is the rate of the elevation and
-        y that of the azimuth, rad/s, with their covariance.
+        y that of the azimuth, rad/s, with their covariance; linear z is the offset of the stamps.
 
     """
     message = Odometry() if message is None else message
@@ -59,6 +64,7 @@ def track_message(
     azimuth_rate, elevation_rate = track.rate
     message.twist.twist.angular.x = MRAD * float(elevation_rate)
     message.twist.twist.angular.y = MRAD * float(azimuth_rate)
+    message.twist.twist.linear.z = stamp_offset
     message.twist.covariance = about_x_and_y(track.rate_covariance)
     return message
 
@@ -88,3 +94,22 @@ def to_track(message: Odometry) -> Track:
             'covariance must be finite'
         )
     return Track(to_ns(message.header.stamp), state, covariance)
+
+
+def stamp_offset_of(message: Odometry) -> float:
+    """
+    Return what was taken off the camera's stamps on target/track, s.
+
+    Raises
+    ------
+    MessageError
+        Where it can be none.
+
+    """
+    offset = float(message.twist.twist.linear.z)
+    if not abs(offset) <= MOST_OFFSET_S:
+        raise MessageError(
+            f'the offset of the stamps (twist.linear.z) is {offset} s; it must be within '
+            f'{MOST_OFFSET_S:.0e} s'
+        )
+    return offset

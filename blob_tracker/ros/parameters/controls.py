@@ -29,6 +29,11 @@ _TYPES = {
     'button': ParameterType.PARAMETER_BOOL,
     'string': ParameterType.PARAMETER_STRING,
 }
+# Names that Linux gave two controls until 5.16, and those since.
+RENAMED = {
+    'exposure_auto': 'auto_exposure',
+    'white_balance_temperature_auto': 'white_balance_automatic',
+}
 
 
 def parameter_value(control: Control, value: int | str) -> bool | int | str:
@@ -225,6 +230,8 @@ class ControlParameters:
         try:
             for name in wanted:
                 if name not in known and not self._met:
+                    if (today := RENAMED.get(name)) in known:
+                        raise ParameterError(f"no parameter '{name}'; it is '{today}' today")
                     raise unknown(name, [*self._own, *known])
             wanted = self._without_idle(wanted, known)
             rejected = []

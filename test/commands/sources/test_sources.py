@@ -9,6 +9,7 @@ import sys
 
 from blob_tracker.capture import NoFrameError
 from blob_tracker.colour import grey_pixels
+from blob_tracker.commands.exit_code import UsageError
 from blob_tracker.commands.sources import (
     add_source, grey_frames, is_folder, is_live, is_topic, open_source, SourceError,
 )
@@ -247,3 +248,30 @@ def test_a_library_that_is_missing_is_named(
     monkeypatch.setitem(sys.modules, 'tifffile', None)
     with pytest.raises(SourceError, match='python3 -m pip install tifffile'):
         open_source(arguments(path))
+
+
+@pytest.mark.parametrize(('name', 'words', 'sentence'), [
+    ('v.mp4', ('--pixel-format', 'GREY'), '--pixel-format is for a camera or a raw dump'),
+    ('v.avi', ('--size', SIZE), '--size is for a camera or a raw dump'),
+    ('v.tif', ('--stride', 80), '--stride is for a raw dump'),
+    ('v.avi', ('--seconds', 3), '--seconds is for a camera or a topic'),
+    ('v.avi', ('--topic', 'images'), '--topic is for a bag'),
+])
+def test_an_option_that_is_not_used_is_said(
+    tmp_path: Path, name: str, words: tuple[object, ...], sentence: str
+) -> None:
+    """Whoever gives it expects other frames."""
+    path = tmp_path / name
+    path.write_bytes(b'no frame')
+    with pytest.raises(UsageError, match=f'{sentence}, and .* is none: leave it out'):
+        open_source(arguments(path, *words))
+
+
+@pytest.mark.parametrize('name', ['nofile.mp4', 'folder/no.avi', './images', '../video', 'a b'])
+def test_the_name_of_a_file_is_none_of_a_topic(name: str) -> None:
+    """A calibration would wait for it for ever."""
+    assert not is_topic(arguments(name))
+    with pytest.raises(UsageError, match='there is no file'):
+        open_source(arguments(name))
+    for topic in ('images', '/camera/image_raw', '~/debug_image'):
+        assert is_topic(arguments(topic))

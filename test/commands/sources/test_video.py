@@ -74,3 +74,42 @@ def test_a_video_that_is_cut_says_so(
     else:
         with pytest.raises(SourceError, match='ends after 3 of 8 frames'):
             next(frames)
+
+
+@pytest.mark.parametrize('missing', [1, 2])
+def test_a_frame_or_two_fewer_than_the_header_has_are_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
+    missing: int,
+) -> None:
+    """As sound files are too: it is no fault."""
+    monkeypatch.setattr(VideoOfTimes, 'times', (0.0, 40.0, 80.0))
+    monkeypatch.setattr(VideoOfTimes, 'cut_off', missing)
+    monkeypatch.setattr(cv2, 'VideoCapture', VideoOfTimes)
+    path = tmp_path / 'light.mp4'
+    path.touch()
+    assert len(list(grey_frames(open_video(path)))) == 3
+    said = capsys.readouterr().err
+    assert f'has 3 frames that can be read, and {3 + missing} by its header' in said
+
+
+@pytest.mark.parametrize(
+    ('suffix', 'code'), [('.avi', 'MJPG'), ('.mp4', 'mp4v'), ('.mov', 'mp4v')]
+)
+def test_a_file_that_is_cut(tmp_path: Path, suffix: str, code: str) -> None:
+    """An AVI has its frames up to there; MP4 and MOV end with their index, and do not open."""
+    path = tmp_path / f'light{suffix}'
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*code), 30.0, (64, 48))
+    random = np.random.default_rng(1)
+    for _ in range(30):
+        writer.write(random.integers(0, 40, (48, 64, 3)).astype(np.uint8))
+    writer.release()
+    assert len(list(grey_frames(open_video(path)))) == 30
+    content = path.read_bytes()
+    path.write_bytes(content[:len(content) * 6 // 10])
+    if suffix == '.avi':
+        frames = grey_frames(open_video(path))
+        with pytest.raises(SourceError, match=r'ends after 1[0-9] of 30 frames: it was cut'):
+            list(frames)
+    else:
+        with pytest.raises(SourceError, match='not a video that OpenCV can read: copy it anew'):
+            open_video(path)

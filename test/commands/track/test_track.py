@@ -258,11 +258,15 @@ def test_wrong_use(
 
 
 @pytest.mark.parametrize(('words', 'sentence'), [
-    (('--min_snr', '2'), 'it must be a number with a point from 3 to 1000'),
+    (('--min_snr', '2'), 'it must be a number from 3 to 1000'),
+    (('--min_snr', 'two'), 'it must be a number from 3 to 1000'),
     (('--method', 'magic'), 'it must be one of centroid'),
     (('--elliptical', 'perhaps'), 'it must be a boolean'),
     (('--size', '640'), '640 is no size; write 640x480'),
-    (('--frame-rate', '0'), '0 must be above 0'),
+    (('--frame-rate', '0'), '0 is none; write a number above 0'),
+    (('--frame-rate', 'inf'), 'inf is none; write a number above 0'),
+    (('--frame-rate', 'fast'), 'fast is none; write a number above 0'),
+    (('--count', '1.5'), '1.5 is none; write a whole number, 1 or more'),
 ])
 def test_wrong_words(
     words: tuple[str, ...], sentence: str, capsys: pytest.CaptureFixture[str]
@@ -275,9 +279,11 @@ def test_wrong_words(
 
 
 def test_what_is_not_there_is_no_topic(capsys: pytest.CaptureFixture[str]) -> None:
-    """Live topics are the nodes'."""
+    """Live topics are the nodes'; the name of a file is none of a topic."""
     assert run('no_such_file.mp4') == 2
-    assert 'there is no file no_such_file.mp4; a topic is tracked by the nodes' in (
+    assert capsys.readouterr().err == 'there is no file no_such_file.mp4\n'
+    assert run('camera/image_raw') == 2
+    assert 'there is no file camera/image_raw; a topic is tracked by the nodes' in (
         capsys.readouterr().err
     )
 

@@ -9,6 +9,7 @@ from blob_tracker.ros.messages.target import ray_message
 from blob_tracker.types import Bearing
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped
+from nav_msgs.msg import Odometry
 import numpy as np
 from std_msgs.msg import Bool
 from support.processes import probe, start
@@ -23,6 +24,7 @@ def test_a_clock_of_tai_is_named_and_can_be_taken_off(domain: int) -> None:
     with probe(domain) as node, start('tracker', domain) as process:
         rays = node.create_publisher(PoseWithCovarianceStamped, 'target/ray', RESULT)
         predictions = node.record(Vector3Stamped, 'target/bearing_predicted')
+        tracks = node.record(Odometry, 'target/track')
         tracked = node.record(Bool, 'target/tracked', STATE)
         diagnostics = node.record(DiagnosticArray, '/diagnostics')
         node.spin_until(rays.get_subscription_count)
@@ -52,6 +54,7 @@ def test_a_clock_of_tai_is_named_and_can_be_taken_off(domain: int) -> None:
         stamp = predictions[-1].header.stamp
         assert abs(stamp.sec - time.time()) < 10.0
 
+        node.spin_until(lambda: tracks and tracks[-1].twist.twist.linear.z == 37.0)
         assert node.set_parameter('tracker', 'stamp_offset', 0.0).successful
         assert node.set_parameter('tracker', 'stamp_offset_auto', True).successful
         until('target tracked')

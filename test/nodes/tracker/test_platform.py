@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from threading import Lock
+from types import SimpleNamespace
 from typing import Any
 
 from blob_tracker.nodes.tracker.platform import Platform
 from blob_tracker.ros.diagnostics.health import Health
+from blob_tracker.ros.diagnostics.joint_news import SILENCE_NS
 import pytest
 import rclpy
 from rclpy.context import Context
@@ -87,3 +89,29 @@ def test_angles_are_awaited_until_one_is_as_new(platform: Platform) -> None:
     assert platform.awaits(1)
     platform.change({**BEFORE, 'joints.pan': '', 'joints.tilt': ''})()
     assert not platform.awaits(2)
+
+
+@pytest.mark.parametrize('starting', [True, False])
+def test_joints_are_missed_once_they_could_have_come(
+    starting: bool, domain: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Neither while the others start, nor as simulated time leaps from 0 to that of a bag."""
+    context = Context()
+    rclpy.init(args=[], context=context, domain_id=domain)
+    node = Node('own', context=context)
+    faults: list[str] = []
+    health = SimpleNamespace(starting=starting, fault=lambda level, words: faults.append(words))
+    now_ns = 0
+    monkeypatch.setattr(Platform, '_now_ns', lambda self: now_ns)
+    try:
+        made = Platform(node, health, Lock(), lambda: None)  # type: ignore[arg-type]
+        made.change(BEFORE)()
+        for now_ns in (0, 10**18, 10**18 + SILENCE_NS):
+            made.describe()
+            assert not faults
+        now_ns += 1
+        made.describe()
+        assert len(faults) == (not starting)
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown(context=context)

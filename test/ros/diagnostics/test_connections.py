@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
-from blob_tracker.ros.diagnostics.connections import disagreements, full_name, unheard, unhearing
+from blob_tracker.ros.diagnostics.connections import (
+    Connections, disagreements, full_name, unheard, unhearing,
+)
+from blob_tracker.ros.diagnostics.health import Health, PATIENCE
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray
 import pytest
 from rclpy.duration import Duration
+from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
+from rosgraph_msgs.msg import Clock
+from support.processes import probe
 
 
 def profile(
@@ -99,3 +107,24 @@ def test_what_has_no_name_is_said_to_have_none() -> None:
     assert full_name(endpoint('_NODE_NAME_UNKNOWN_', profile(), namespace='_NODE_NAMESPACE_')) == (
         'a node without a name'
     )
+
+
+def test_a_clock_that_stopped_is_told_from_one_that_never_was(domain: int) -> None:
+    """The bag was played with --clock; that it has ended is all that is wrong then."""
+    with probe(domain) as node:
+        heard = node.record(DiagnosticArray, '/diagnostics')
+        node.set_parameters([Parameter('use_sim_time', value=True)])
+        Connections(node, Health(node, 'is there a camera?'))
+
+        def says(words: str) -> bool:
+            return bool(heard) and words in heard[-1].status[0].message
+
+        node.spin_until(lambda: says('is true and nothing publishes /clock'))
+        assert [each.status[0].message for each in heard[:PATIENCE]] == ['waiting'] * PATIENCE
+        clock = node.create_publisher(Clock, '/clock', 10)
+        node.spin_until(
+            lambda: clock.publish(Clock(clock=Time(sec=7))) or node.get_clock().now().nanoseconds
+        )
+        node.destroy_publisher(clock)
+        node.spin_until(lambda: says('/clock has stopped at 7.000 s'))
+        assert not says('--clock') and not says('camera')

@@ -112,3 +112,30 @@ def test_the_log_is_not_flooded(domain: int) -> None:
         for index in range(10_000):
             health.fault(ERROR, f'the encoding is {chr(0x4e00 + index)}')
     assert len(logged) == health_module.MOST_LOGGED
+
+
+def test_nothing_is_missed_while_the_others_start(domain: int) -> None:
+    """Not even when something was said meanwhile."""
+    with probe(domain) as node:
+        heard = node.record(DiagnosticArray, '/diagnostics')
+        health = Health(node, 'nothing arrives')
+        node.spin_until(lambda: heard)
+        health.ok('one')
+        node.spin_until(lambda: len(heard) > health_module.PATIENCE)
+    assert [each.status[0].message for each in heard] == [
+        'waiting', 'one', 'waiting', 'nothing arrives'
+    ]
+
+
+def test_nothing_is_logged_after_a_signal(
+    domain: int, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """What cannot be published on /rosout any more, of which rcl would complain."""
+    with probe(domain) as node:
+        health = Health(node, 'nothing')
+        health.fault(WARN, 'before')
+        node.context.try_shutdown()
+        health.fault(WARN, 'after')
+    said = capfd.readouterr().err
+    assert 'before' in said
+    assert 'after' not in said and 'rosout' not in said

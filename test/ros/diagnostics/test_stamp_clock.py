@@ -92,3 +92,20 @@ def test_a_clock_that_is_set_is_measured_anew() -> None:
     clock = StampClock(auto=True, latest=COAST_S)
     take(clock, 0.0, delays())
     assert np.abs(take(clock, 37.0, delays())[15:]).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    'there, set_to, words',
+    [
+        (0.0, 37.0, ('37.03', 'behind', "the clock is this computer's", 'to 0.000')),
+        (37.0, 18.0, ('18.97', 'ahead of', 'offset of 18.000 s taken off', 'TAI', 'to 37.000')),
+    ],
+)
+def test_an_offset_that_is_wrong_is_told_with_the_right_one(
+    there: float, set_to: float, words: tuple[str, ...]
+) -> None:
+    """The clock is named by its stamps as they come, not by what the offset made of them."""
+    clock = StampClock(set_to, latest=COAST_S)
+    take(clock, there, delays())
+    for each in words:
+        assert each in clock.fault

@@ -2,7 +2,9 @@
 
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.stamp import to_ns
-from blob_tracker.ros.messages.track import prediction_message, to_track, track_message
+from blob_tracker.ros.messages.track import (
+    prediction_message, stamp_offset_of, to_track, track_message,
+)
 from blob_tracker.tracking import Track
 import numpy as np
 import pytest
@@ -54,3 +56,15 @@ def test_what_is_no_number_is_refused() -> None:
         spoil(message)
         with pytest.raises(MessageError, match='length 1|must be finite'):
             to_track(message)
+
+
+def test_the_offset_of_the_stamps_there_and_back() -> None:
+    """To the ns or so, with the age of UTC too; what is none is refused."""
+    for offset in (0.0, 37.0, -1.79e9):
+        message = track_message(TRACK, 'optical', 'target', stamp_offset=offset)
+        assert stamp_offset_of(message) == offset
+        assert to_track(message).stamp_ns == TRACK.stamp_ns
+    for wrong in (np.nan, np.inf, 1e12):
+        message.twist.twist.linear.z = wrong
+        with pytest.raises(MessageError, match='offset of the stamps'):
+            stamp_offset_of(message)

@@ -291,6 +291,27 @@ def node(domain: int) -> Iterator[Node]:
     rclpy.shutdown(context=context)
 
 
+@pytest.mark.parametrize('former, today', [
+    ('exposure_auto', AUTO_EXPOSURE),
+    ('white_balance_temperature_auto', replace(AUTO_GAIN, name='white_balance_automatic')),
+])
+def test_the_former_name_of_a_control_leads_to_that_of_today(
+    former: str, today: Control, node: Node
+) -> None:
+    """Parameter files are older than kernels; a camera that has neither is not said to have it."""
+    with_it: Any = FakeCamera(today, GAIN)
+    with pytest.raises(ParameterError, match=f"no parameter '{former}'; it is '{today.name}'"):
+        controls_of(node, {former: 1}).prepare(with_it)
+
+
+def test_a_former_name_leads_nowhere_without_its_control(node: Node) -> None:
+    """The sentence is that of any name that there is not."""
+    camera: Any = FakeCamera(GAIN)
+    with pytest.raises(ParameterError) as refused:
+        controls_of(node, {'exposure_auto': 1}).prepare(camera)
+    assert 'today' not in str(refused.value)
+
+
 def test_an_inactive_mode_that_nobody_asked_for_is_no_fault(node: Node) -> None:
     """The node wants it off; as long as it has no effect there is nothing to warn of."""
     locked = replace(FRAMERATE, inactive=True)

@@ -1,0 +1,192 @@
+"""
+Loads the machine code that Numba made, without Numba.
+
+It is an ELF object for x86-64, in the large code model: all that it refers to it has as a whole
+64-bit address, so nothing has to lie near anything else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+import ctypes
+from functools import cache
+import mmap
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+PAGE = mmap.PAGESIZE
+# Of https://refspecs.linuxfoundation.org/elf/elf.pdf, and of its supplement for x86-64.
+MAGIC = b'\x7fELF\x02\x01\x01'  # 64 bits, little-endian
+RELOCATABLE, X86_64 = 1, 62
+SYMBOLS, RELOCATIONS, EMPTY = 2, 4, 8  # kinds of sections
+ALLOCATED, EXECUTABLE = 2, 4  # flags of sections
+UNDEFINED, RESERVED, LARGE_COMMON, COMMON = 0, 0xff00, 0xff02, 0xfff2  # in place of a section
+ADDRESS, DISTANCE = 1, 24  # R_X86_64_64 and R_X86_64_PC64
+SECTION = np.dtype([
+    ('name', '<u4'), ('kind', '<u4'), ('flags', '<u8'), ('address', '<u8'), ('offset', '<u8'),
+    ('size', '<u8'), ('link', '<u4'), ('info', '<u4'), ('align', '<u8'), ('each', '<u8'),
+])
+SYMBOL = np.dtype([
+    ('name', '<u4'), ('info', 'u1'), ('other', 'u1'), ('section', '<u2'), ('value', '<u8'),
+    ('size', '<u8'),
+])
+RELOCATION = np.dtype([
+    ('offset', '<u8'), ('kind', '<u4'), ('symbol', '<u4'), ('added', '<i8'),
+])
+
+Records = NDArray[Any]
+
+
+class MachineCodeError(Exception):
+    """Machine code that cannot be loaded: its message says why."""
+
+
+def load(code: bytes, known: Mapping[str, int]) -> dict[str, int]:
+    """
+    Place an object file in memory, for as long as the process lives.
+
+    Parameters
+    ----------
+    code : bytes
+        As the compiler wrote it.
+    known : mapping of str to int
+        Addresses of what it calls; what is not in it is looked for in the process.
+
+    Returns
+    -------
+    dict of str to int
+        The addresses of what it defines.
+
+    Raises
+    ------
+    MachineCodeError
+        Where it is no such file, or calls what is nowhere.
+
+    """
+    sections = _sections(code)
+    table = sections[sections['kind'] == SYMBOLS][0]
+    symbols = np.frombuffer(
+        code, SYMBOL, int(table['size']) // SYMBOL.itemsize, int(table['offset'])
+    )
+    names = _names(code, symbols, sections[table['link']])
+    places, run, end = _laid_out(sections)
+    common = np.isin(symbols['section'], (COMMON, LARGE_COMMON))
+    values = symbols['value'].copy()
+    for index in np.flatnonzero(common):  # what is empty at first; its value is its alignment
+        align = max(int(symbols['value'][index]), 1)
+        values[index] = end = -(-end // align) * align
+        end += int(symbols['size'][index])
+
+    base = _mapped(end)
+    memory = np.ctypeslib.as_array((ctypes.c_uint8 * end).from_address(base))
+    placed = ((sections['flags'] & ALLOCATED) != 0) & (sections['kind'] != EMPTY)
+    for one, place in zip(sections[placed], places[placed].tolist(), strict=True):
+        content = np.frombuffer(code, np.uint8, int(one['size']), int(one['offset']))
+        memory[place:place + content.size] = content
+    here = (symbols['section'] != UNDEFINED) & (symbols['section'] < RESERVED)
+    values[here] += places[symbols['section'][here]]
+    here |= common
+    values[here] += np.uint64(base)
+    for index in np.flatnonzero(symbols['section'] == UNDEFINED)[1:]:  # the first has no name
+        values[index] = _found(names[index], known)
+    for one in sections[sections['kind'] == RELOCATIONS]:
+        if sections['flags'][one['info']] & ALLOCATED:
+            entries = np.frombuffer(
+                code, RELOCATION, int(one['size']) // RELOCATION.itemsize, int(one['offset'])
+            )
+            _relocate(memory, base, places[one['info']], values, entries)
+    _protect(base, run)
+    return {names[index]: int(values[index]) for index in np.flatnonzero(here)}
+
+
+def _sections(code: bytes) -> Records:
+    """Return the table of sections."""
+    if len(code) < 64 or not code.startswith(MAGIC):
+        raise MachineCodeError('no object file of 64 bits')
+    header = np.frombuffer(code, '<u2', 32)
+    if (header[8], header[9]) != (RELOCATABLE, X86_64):
+        raise MachineCodeError('no object file for x86-64')
+    start, count = int.from_bytes(code[40:48], 'little'), int(header[30])
+    if not count or start + count * SECTION.itemsize > len(code):
+        raise MachineCodeError('no table of sections')
+    found = np.frombuffer(code, SECTION, count, start)
+    filled = found[found['kind'] != EMPTY]
+    if SYMBOLS not in found['kind'] or (filled['offset'] + filled['size']).max() > len(code):
+        raise MachineCodeError('a file that is cut')
+    return found
+
+
+def _laid_out(sections: Records) -> tuple[NDArray[np.uint64], int, int]:
+    """Return where each section goes, and where what is run ends, and all."""
+    places = np.zeros(len(sections), np.uint64)
+    end = run = 0
+    runs = (sections['flags'] & EXECUTABLE) != 0
+    for group in (runs, ~runs):
+        for index in np.flatnonzero(group & ((sections['flags'] & ALLOCATED) != 0)):
+            align = max(int(sections['align'][index]), 1)
+            end = -(-end // align) * align
+            places[index] = end
+            end += int(sections['size'][index])
+        if group is runs:  # the rest is on pages of its own, which may be written
+            run = end = -(-end // PAGE) * PAGE
+    return places, run, end
+
+
+def _names(code: bytes, symbols: Records, strings: np.void) -> list[str]:
+    text = code[int(strings['offset']):int(strings['offset'] + strings['size'])]
+    return [text[each:text.index(b'\0', each)].decode() for each in symbols['name'].tolist()]
+
+
+def _found(name: str, known: Mapping[str, int]) -> int:
+    """Return where something is that the code calls."""
+    if name in known:
+        return known[name]
+    try:
+        return ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0
+    except AttributeError:
+        raise MachineCodeError(f'{name} is nowhere') from None
+
+
+def _relocate(
+    memory: NDArray[np.uint8], base: int, start: np.uint64, values: NDArray[np.uint64],
+    entries: Records,
+) -> None:
+    """Write the addresses into a section."""
+    if not np.isin(entries['kind'], (ADDRESS, DISTANCE)).all():
+        raise MachineCodeError('relocations of another code model')
+    places = entries['offset'] + start
+    if places.size and int(places.max()) + 8 > memory.size:
+        raise MachineCodeError('a relocation beyond the end')
+    targets = values[entries['symbol']] + entries['added'].view(np.uint64)
+    far = entries['kind'] == DISTANCE
+    targets[far] -= places[far] + np.uint64(base)
+    memory[places.astype(np.intp)[:, None] + np.arange(8)] = targets.view(np.uint8).reshape(-1, 8)
+
+
+def _mapped(size: int) -> int:
+    """Return the address of memory that is never given back."""
+    base = _libc().mmap(
+        None, size, mmap.PROT_READ | mmap.PROT_WRITE, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, -1, 0
+    )
+    if base in (None, ctypes.c_void_p(-1).value):
+        raise MachineCodeError('no memory')
+    return int(base)
+
+
+def _protect(base: int, size: int) -> None:
+    """Let the code be run, and no longer be written."""
+    if _libc().mprotect(base, size, mmap.PROT_READ | mmap.PROT_EXEC):
+        raise MachineCodeError('memory that may not be run')
+
+
+@cache
+def _libc() -> ctypes.CDLL:
+    libc = ctypes.CDLL(None)
+    libc.mmap.restype = ctypes.c_void_p
+    libc.mmap.argtypes = (
+        ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int, ctypes.c_int, ctypes.c_int, ctypes.c_long
+    )
+    libc.mprotect.argtypes = (ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int)
+    return libc
