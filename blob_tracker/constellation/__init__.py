@@ -1,12 +1,14 @@
 """Bearings of a body's lights -> Pose: where it is and how it is turned, from one camera."""
 
 from blob_tracker.constellation.body import Body, read_body
+from blob_tracker.constellation.compilation import compile_ahead
 from blob_tracker.constellation.errors import (
     BodyError, ConstellationError, Inconsistent, TooFewLights,
 )
 from blob_tracker.constellation.pose import Pose, poses
+from blob_tracker.constellation.sighting import Sighting
 
 __all__ = [
-    'Body', 'BodyError', 'ConstellationError', 'Inconsistent', 'Pose', 'TooFewLights', 'poses',
-    'read_body',
+    'Body', 'BodyError', 'ConstellationError', 'Inconsistent', 'Pose', 'Sighting', 'TooFewLights',
+    'compile_ahead', 'poses', 'read_body',
 ]

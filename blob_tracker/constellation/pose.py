@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import combinations
 import math
@@ -145,7 +145,8 @@ def poses(
             f'the lights that are seen, {", ".join(names)}, are in one line; how the body is '
             'turned about it cannot be seen'
         )
-    rates = np.array([speed_sigma, rate_sigma]) if np.ptp(seen.apart) > 0.0 else np.zeros(2)
+    known = np.array([speed_sigma, rate_sigma])
+    rates = known if np.ptp(seen.apart) > 0.0 else np.zeros(2)
     found = _fits(seen, names, rates, FIRST, gate_sigma, stamp_ns)
     if not found or found[0].chi2 > found[0].degrees_of_freedom + AMBIGUOUS:
         found = _fits(seen, names, rates, MORE, gate_sigma, stamp_ns)
@@ -167,7 +168,11 @@ def poses(
             f'{np.sqrt(best.covariance.diagonal()[3:].max()):.1f} rad; it is too far away for '
             'its size'
         )
-    return [each for each in found if each.cost <= best.cost + AMBIGUOUS]
+    likely = [each for each in found if each.cost <= best.cost + AMBIGUOUS]
+    if rates[0] > 0.0:
+        return likely
+    before = np.diag(np.repeat(known**2, 3))  # of one instant the bearings add nothing
+    return [replace(each, twist_covariance=before) for each in likely]
 
 
 def _seen(body: Body, bearings: Sequence[tuple[str, Bearing]]) -> tuple[_Seen, int]:
@@ -284,7 +289,7 @@ def _climbed(
         return None
     return Pose(
         rotation, position, whole[:6, :6], twist,
-        whole[6:, 6:] if size == 12 else np.diag(np.repeat(rates**2, 3)),
+        whole[6:, 6:] if size == 12 else np.zeros((6, 6)),
         cost, degrees,
         tuple(name for name, one in zip(names, used, strict=True) if not one), stamp_ns,
     )

@@ -43,7 +43,7 @@ def help_text(interface: Interface, width: int) -> str:
             ]
             parts.append(f'{title}\n' + _table(rows, width))
     parts.append(
-        'Parameters, their defaults and what they may be; '
+        'Parameters, defaults and what they may be; '
         f'`ros2 param describe /{interface.node} NAME` says more\n'
         + _table([_row(parameter) for parameter in interface.parameters], width)
     )

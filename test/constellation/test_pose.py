@@ -102,6 +102,19 @@ def test_the_twist_is_found_with_the_pose() -> None:
     assert 0.9 * low < total < 1.05 * high
 
 
+def test_bearings_of_one_instant_say_nothing_of_the_twist() -> None:
+    """It is zero, and as uncertain as is said beforehand."""
+    rotation, position = Rotation.random(random_state=1).as_matrix(), np.array([0.2, 0.1, 2.0])
+    found = poses(
+        BODY, sight(np.random.default_rng(5), PLACES, rotation, position),
+        speed_sigma=2.0, rate_sigma=0.5,
+    )
+    for each in found:
+        np.testing.assert_array_equal(each.twist, np.zeros(6))
+        np.testing.assert_array_equal(
+            each.twist_covariance, np.diag([4.0, 4.0, 4.0, 0.25, 0.25, 0.25]))
+
+
 def test_one_bearing_in_five_may_be_of_another_light() -> None:
     """It is named; the pose is that of the others, or is not said to be the only one."""
     random = np.random.default_rng(4)

@@ -78,6 +78,22 @@ POSE = Topic(
     'geometry_msgs/PoseWithCovarianceStamped',
     'the same with covariance in m^2; the orientation is unknown, as its variance says',
 )
+# Of the lights in config/body.yaml.
+BODY_RAYS = tuple(
+    Topic(f'target/{light}/ray', RAY.kind, 'of each light in the file of `body_url`')
+    for light in ('port', 'starboard', 'tail', 'mast')
+)
+BODY_POSE = Topic(
+    'target/body/pose',
+    'geometry_msgs/PoseWithCovarianceStamped',
+    "the place, m, and turn of a body's frame in the optical frame, with covariance, m^2 and "
+    'rad^2; see `body`',
+)
+BODY_TWIST = Topic(
+    'target/body/twist',
+    'geometry_msgs/TwistWithCovarianceStamped',
+    'how it moves, m/s, and turns, rad/s, in the optical frame, with covariance',
+)
 IMU = Topic(
     'imu', 'sensor_msgs/Imu', 'with `imu.enabled`: how the platform turns; angular velocity, rad/s'
 )

@@ -1,0 +1,158 @@
+"""target/<light>/ray of a body's lights -> target/<body>/pose and target/<body>/twist."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+import sys
+from typing import Any
+
+from blob_tracker.constellation import (
+    Body, compile_ahead, ConstellationError, Pose, poses, Sighting,
+)
+from blob_tracker.nodes.interface.constellation import PARAMETERS
+from blob_tracker.ros.diagnostics.clock_jumps import on_clock_jump
+from blob_tracker.ros.diagnostics.connections import Connections
+from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
+from blob_tracker.ros.endpoints.names import check_light, target_topic
+from blob_tracker.ros.endpoints.qos import publisher, RESULT, subscription
+from blob_tracker.ros.errors import MessageError
+from blob_tracker.ros.messages.body import body_pose_message, body_twist_message
+from blob_tracker.ros.messages.target import to_bearing
+from blob_tracker.ros.parameters.declaration import declare, on_change
+from blob_tracker.ros.parameters.rooms import body_of
+from blob_tracker.ros.parameters.values import about
+from blob_tracker.ros.process import run, say
+from blob_tracker.types import Bearing
+from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
+import numpy as np
+from rclpy.node import Node
+
+
+class ConstellationNode(Node):
+    """See the module's first line; the work is that of the room `constellation`."""
+
+    def __init__(self) -> None:
+        super().__init__('constellation')
+        values = declare(self, PARAMETERS)
+        self._body: Body = body_of(values['body_url'])
+        with about('body'):
+            check_light(values['body'])
+        self._health = Health(
+            self,
+            f'no ray arrives of {", ".join(self._body.names)}; does a locator run, and do its '
+            'lights and flash.codes of the segmenter have the names of the body file?',
+            describe=self._describe,
+        )
+        self._connections = Connections(self, self._health)
+        self._pose: Pose | None = None
+        self._frame_id: str | None = None  # that of the first ray
+        self._sighting = Sighting(self._body.names, values['max_interval'])
+        self._change(values)()
+        on_change(self, PARAMETERS, self._change)
+        target = target_topic(values['body'])
+        self._poses = publisher(self, PoseWithCovarianceStamped, f'{target}/pose', RESULT)
+        self._twists = publisher(self, TwistWithCovarianceStamped, f'{target}/twist', RESULT)
+        for light in self._body.names:
+            subscription(
+                self, PoseWithCovarianceStamped, f'{target_topic(light)}/ray',
+                partial(self._take, light), RESULT,
+            )
+        self._clock_jumps = on_clock_jump(self, self._health, self._sighting.forget)
+
+    def _change(self, values: dict[str, Any]) -> Callable[[], None]:
+        """Return what puts these parameters into effect."""
+
+        def use() -> None:
+            self._sighting.max_interval = values['max_interval']
+            self._options = {
+                'speed_sigma': values['speed_sigma'],
+                'rate_sigma': values['rate_sigma'],
+                'gate_sigma': values['gate'],
+            }
+
+        return use
+
+    def _take(self, light: str, message: PoseWithCovarianceStamped) -> None:
+        """Take a ray of a light; publish the pose of the sighting that it ends."""
+        frame_id = message.header.frame_id
+        if self._frame_id is None:
+            self._frame_id = frame_id
+        if frame_id != self._frame_id:
+            self._health.fault(
+                ERROR,
+                f'the ray of {light} is in the frame {frame_id!r:.80} and the first ray was in '
+                f'{self._frame_id!r:.80}: it is of another camera, and left out; restart the node '
+                'if the camera has another name now',
+            )
+            return
+        try:
+            bearing = to_bearing(message)
+            self._health.arrived(bearing.stamp_ns)
+            self._health.count('rays')
+            bearings = self._sighting.take(light, bearing)
+        except MessageError as error:
+            self._health.fault(ERROR, f'{light}: {error}')
+            return
+        except ConstellationError as error:
+            self._health.fault(WARN, f'{light}: {error}')
+            return
+        if bearings:
+            self._publish(bearings)
+
+    def _publish(self, bearings: list[tuple[str, Bearing]]) -> None:
+        """Publish the pose of these bearings, or say why there is none."""
+        names = [name for name, _ in bearings]
+        self._health.show('lights seen together', ', '.join(names))
+        try:
+            found = poses(self._body, bearings, **self._options)
+        except ConstellationError as error:
+            self._refuse(str(error))
+            return
+        if len(found) > 1:
+            self._refuse(
+                f'{len(found)} poses of the body explain the bearings of {", ".join(names)}; '
+                'let more lights be seen, and one of them out of the plane of the others'
+            )
+            return
+        pose = self._pose = found[0]
+        self._poses.publish(body_pose_message(pose, str(self._frame_id)))
+        self._twists.publish(body_twist_message(pose, str(self._frame_id)))
+        self._health.left(pose.stamp_ns)
+        self._health.count('poses')
+        self._health.ok('body placed')
+        if pose.outliers:
+            self._health.fault(
+                WARN,
+                f'the bearing of {", ".join(pose.outliers)} is of another light, a reflection '
+                'say, or its place in the body file is wrong; it is not used',
+            )
+
+    def _refuse(self, reason: str) -> None:
+        """Say why there is no pose."""
+        self._health.fault(WARN, f'no pose: {reason}')
+        self._health.count('sightings refused')
+        self._health.show('last refusal', reason)
+
+    def _describe(self) -> None:
+        """Show in the diagnostics what was found last."""
+        pose = self._pose
+        if pose is None:
+            return
+        deviations = np.sqrt(pose.covariance.diagonal())
+        for axis, place, sigma in zip('xyz', pose.position, deviations[:3], strict=True):
+            self._health.show(f'{axis} (m)', f'{place:.4f} +- {sigma:.4f}')
+        self._health.show('greatest sigma of a turn (rad)', f'{deviations[3:].max():.4f}')
+        self._health.show('chi-square', f'{pose.chi2:.2f} of {pose.degrees_of_freedom}')
+        self._health.show('outliers', ', '.join(pose.outliers))
+
+
+def compile_fit() -> None:
+    """Compile the fit, before the first ray could wait for it."""
+    say('loading the fit; the first start compiles it for half a minute')
+    compile_ahead()
+
+
+def main() -> None:
+    """Run the node."""
+    sys.exit(run(lambda: [ConstellationNode()], compile_fit))

@@ -1,0 +1,68 @@
+"""What the constellation node shows of itself."""
+
+from blob_tracker.nodes.interface.topics import (
+    BODY_POSE, BODY_RAYS, BODY_TWIST, DIAGNOSTICS,
+)
+from blob_tracker.ros.interface import Interface, Parameter
+
+PARAMETERS = (
+    Parameter(
+        'body_url',
+        'package://blob_tracker/config/body.yaml',
+        'Where the lights are on the body, docs/constellation.md: path, file:// or package://. '
+        'The default is an example.',
+        fixed='the topics are subscribed to at the start',
+    ),
+    Parameter(
+        'body',
+        'body',
+        'Name of the body in target/body/pose; two bodies have two nodes.',
+        fixed='the topics are announced at the start',
+    ),
+    Parameter(
+        'max_interval',
+        0.1,
+        'Greatest time between the first and the last ray of a pose. So long is a hidden light '
+        'waited for; what the body may do meanwhile is in the covariance.',
+        least=1e-4,
+        most=10.0,
+        unit='s',
+    ),
+    Parameter(
+        'speed_sigma',
+        3.0,
+        'How fast the body moves along each axis, standard deviation.',
+        least=1e-3,
+        most=1e4,
+        unit='m/s',
+    ),
+    Parameter(
+        'rate_sigma',
+        3.0,
+        'How fast it turns about each axis, standard deviation.',
+        least=1e-3,
+        most=1e3,
+        unit='rad/s',
+    ),
+    Parameter(
+        'gate',
+        5.0,
+        'How badly rays may fit a pose. What fits worse is of other lights, or the body file is '
+        'wrong.',
+        least=1.0,
+        most=1000.0,
+        unit='standard deviations',
+    ),
+)
+INTERFACE = Interface(
+    'constellation',
+    'how a body of several lights is turned, of one camera',
+    'Tells where a body is and how it is turned whose coded lights one camera sees.',
+    PARAMETERS,
+    subscribed=BODY_RAYS,
+    published=(BODY_POSE, BODY_TWIST, DIAGNOSTICS),
+    examples=(
+        'ros2 run blob_tracker constellation --ros-args -p body_url:=drone.yaml',
+        'ros2 topic echo /target/body/pose',
+    ),
+)
