@@ -62,11 +62,13 @@ class JointNews:
 
     def silent(self, now_ns: int) -> str:
         """Return which joints say nothing at an instant, ns, and what to do; empty where none."""
-        for name, came_ns in self._came_ns.items():
-            self._came_ns[name] = came_ns or now_ns  # simulated time began at 0 and leapt
         silent = [
-            name for name, came_ns in self._came_ns.items() if now_ns - came_ns > SILENCE_NS
+            name for name, came_ns in self._came_ns.items()
+            if came_ns > 0 and now_ns - came_ns > SILENCE_NS
         ]
+        if now_ns > 0:  # simulated time began at 0 and leapt: from the next look on it counts
+            for name, came_ns in self._came_ns.items():
+                self._came_ns[name] = came_ns or 1
         if not silent:
             return ''
         hints = []

@@ -13,7 +13,7 @@ ASKED = {'joints.pan': 'pan', 'joints.tilt': 'tilt'}
 
 def news(asked: dict[str, str] = ASKED) -> JointNews:
     """Return that of these joints, asked for at 0."""
-    return JointNews(asked, 0)
+    return JointNews(asked, 1)
 
 
 def test_nothing_is_said_of_joints_that_come() -> None:
