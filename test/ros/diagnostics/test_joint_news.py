@@ -12,7 +12,7 @@ ASKED = {'joints.pan': 'pan', 'joints.tilt': 'tilt'}
 
 
 def news(asked: dict[str, str] = ASKED) -> JointNews:
-    """Return that of these joints, asked for at 0."""
+    """Return that of these joints, asked for at 1 ns."""
     return JointNews(asked, 1)
 
 
@@ -43,7 +43,7 @@ def test_the_cause_of_silence(
     """Never that a parameter is to be set to what it is."""
     heard = news()
     heard.heard(names)
-    heard.took(angles, 0)
+    heard.took(angles, 1)
     assert sentence in heard.silent(LATE)
     assert 'set joints.pan to pan' not in heard.silent(LATE)
 
