@@ -224,7 +224,7 @@ class Equations:
         lights = unknown.coefficients.shape[1]
         count = OF_CAMERA * len(unknown.positions)
         size = unknown.coefficients.size
-        band = _restraint(self.path, lights, 1.0 / (self.restraint * unknown.extent))
+        band = _restraint(self.path, 3 * lights, 1.0 / (self.restraint * unknown.extent))
         right_path = -_times_restraint(
             self.path, unknown.coefficients, 1.0 / (self.restraint * unknown.extent)
         )
@@ -342,19 +342,18 @@ def _windows(path: LightPath) -> NDArray[np.intp]:
     return firsts[:, None] + np.arange(ORDER)
 
 
-def _restraint(path: LightPath, lights: int, weight: float) -> Array:
+def _restraint(path: LightPath, components: int, weight: float) -> Array:
     """
-    Return the band of the third differences' information, for each component of each light.
+    Return the band of the third differences' information, for each component of the path.
 
     It is far too little to bend a path that is seen, and enough for the ends of a piece.
     """
-    step = 3 * lights if lights > 1 or weight != 1.0 else 1
-    band = np.zeros((ORDER * step, path.size * step))
+    band = np.zeros((ORDER * components, path.size * components))
     difference = weight * np.array([1.0, -3.0, 3.0, -1.0])
     windows = _windows(path)
-    for part in range(step):
+    for part in range(components):
         _add_band(
-            band, windows * step + part, np.broadcast_to(difference, windows.shape)
+            band, windows * components + part, np.broadcast_to(difference, windows.shape)
         )
     return band
 
