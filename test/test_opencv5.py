@@ -29,6 +29,7 @@ TESTS = {
     'calibration/boards/charuco.py': ['calibration/test_boards.py'],
     'calibration/boards/chessboard.py': ['calibration/test_boards.py'],
     'calibration/boards/dot_grid.py': ['calibration/test_boards.py'],
+    'calibration/boards/regularity.py': ['calibration/test_regularity.py'],
     'calibration/dot_centres.py': ['calibration/test_boards.py'],
     'calibration/edge.py': ['calibration/test_trailing_edge.py'],
     'calibration/frame_pair.py': ['calibration/test_photon_transfer.py'],

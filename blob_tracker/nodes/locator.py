@@ -154,7 +154,8 @@ class LocatorNode(Node):
                 self._targets[name] = BearingTopics(self, target_topic(name))
             if self._listen and name not in self._windows:
                 self._windows[name] = FramePairs(
-                    self, f'{target_topic(name)}/window', self._health, partial(self._take, name)
+                    self, f'{target_topic(name)}/window', self._health, partial(self._take, name),
+                    exact=True,
                 )
 
     def _follow(self, lights: Collection[str]) -> None:

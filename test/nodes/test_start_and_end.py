@@ -58,7 +58,7 @@ def test_ctrl_c_in_the_midst_of_predictions_leaves_no_trace(pause: float, domain
         ('camera', {'camera_info_url': 'http://x/y'}, "'camera_info_url': http://x/y: write"),
         ('camera', {'pixel_format': 'RGB9'}, "'RGB9'; it must be one of '', GREY"),
         ('segmenter', {'min_snrr': 9.0}, "no parameter 'min_snrr'; did you mean 'min_snr'?"),
-        ('segmenter', {'typo': 1}, "no parameter 'typo'; there is flash.mode"),
+        ('segmenter', {'typo': 1}, "no parameter 'typo'; there is image_transport"),
         (
             'segmenter',
             {'qos_overrides./camera/image_raw.subscription.reliability': 'magic'},

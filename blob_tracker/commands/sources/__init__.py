@@ -196,7 +196,9 @@ def _check_used(arguments: argparse.Namespace) -> None:
     for option, given, used, right in (
         ('--topic', arguments.topic, bag, 'a bag'),
         ('--seconds', arguments.seconds, is_live(arguments), 'a camera or a topic'),
-        ('--pixel-format', arguments.pixel_format, camera or dump, 'a camera or a raw dump'),
+        # `calibrate response` writes it into its file, whatever it reads.
+        ('--pixel-format', arguments.pixel_format, camera or dump or 'camera' in arguments,
+         'a camera or a raw dump'),
         ('--size', arguments.size, camera or dump, 'a camera or a raw dump'),
         ('--stride', arguments.stride, dump, 'a raw dump'),
     ):

@@ -46,6 +46,9 @@ class StampPairing:
     ----------
     deliver : callable
         Called with each pair.
+    exact : bool
+        Whether the stamps must be equal: where each camera_info is of another window, a neighbour's
+        would be a wrong place.
 
     Attributes
     ----------
@@ -55,8 +58,9 @@ class StampPairing:
 
     """
 
-    def __init__(self, deliver: Deliver) -> None:
+    def __init__(self, deliver: Deliver, *, exact: bool = False) -> None:
         self.offset_ns: int | None = None
+        self._exact = exact
         self._deliver = deliver
         self._images: OrderedDict[int, Image | CompressedImage] = OrderedDict()
         self._infos: OrderedDict[int, CameraInfo] = OrderedDict()
@@ -117,7 +121,7 @@ class StampPairing:
         nearest_ns = min(waiting, key=lambda each: abs(each - stamp_ns))
         offset_ns = nearest_ns - stamp_ns
         self.offset_ns = offset_ns if waiting is self._infos else -offset_ns
-        near = offset_ns == 0 or abs(offset_ns) < self.tolerance_ns
+        near = offset_ns == 0 or (not self._exact and abs(offset_ns) < self.tolerance_ns)
         return nearest_ns if near else None
 
     def _pair(self, image: Image | CompressedImage, info: CameraInfo) -> None:
@@ -165,6 +169,8 @@ class FramePairs:
         What to do about images without a camera_info, besides publishing one with each.
     transport : str
         See `set_transport`.
+    exact : bool
+        See `StampPairing`.
 
     Attributes
     ----------
@@ -175,7 +181,7 @@ class FramePairs:
 
     def __init__(
         self, node: Node, topic: str, health: Health, deliver: Deliver, *, remedy: str = '',
-        transport: str = 'raw',
+        transport: str = 'raw', exact: bool = False,
     ) -> None:
         self.stand_in: CameraModel | None = None
         self._node = node
@@ -183,7 +189,7 @@ class FramePairs:
         self._health = health
         self._deliver = deliver
         self._remedy = remedy
-        self._pairing = StampPairing(self._paired)
+        self._pairing = StampPairing(self._paired, exact=exact)
         self._alone = False  # whether the images are used without a camera_info of the topic
         self._arriving: Image | CompressedImage | None = None
         self._told_offset = False

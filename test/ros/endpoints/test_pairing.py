@@ -125,6 +125,18 @@ def test_a_clock_that_jumps_back_takes_what_waits_with_it() -> None:
     assert (pairing.lonely_images, pairing.lonely_infos) == (2, 0)
 
 
+def test_windows_take_their_own_camera_info_alone() -> None:
+    """That of the next window is of another place: a wrong bearing with a small sigma."""
+    pairs: list[tuple[int, int]] = []
+    pairing = StampPairing(
+        lambda i, c: pairs.append((to_ns(i.header.stamp), to_ns(c.header.stamp))), exact=True
+    )
+    for stamp_ns in (1000, 2000, 3000):
+        pairing.image(image(stamp_ns))
+        pairing.camera_info(stamped(CameraInfo(), stamp_ns + 10 * (stamp_ns == 3000), ''))
+    assert pairs == [(1000, 1000), (2000, 2000)]
+
+
 @pytest.mark.parametrize('kind, topic', [
     (Image, 'camera/image_raw'), (CameraInfo, 'camera/camera_info')
 ])
