@@ -47,8 +47,8 @@ class StampPairing:
     deliver : callable
         Called with each pair.
     exact : bool
-        Whether the stamps must be equal: where each camera_info is of another window, a neighbour's
-        would be a wrong place.
+        Whether the stamps must be equal: each window has a place of its own, and the camera_info
+        of a neighbour would put it elsewhere.
 
     Attributes
     ----------
