@@ -177,11 +177,11 @@ def calibrate_rig(
     measured = Measured.of(rays)
     unknown = _first_path(even, start, path, LONGEST * interval)
     scale_pair = _scale_pair(baseline, names, start)
-    rod = None
-    if wand is not None:
+    if wand is None:
+        equations = Equations(measured, path, scale_pair, None, RESTRAINT)
+    else:
         unknown = unknown.scaled(wand[0] / unknown.rod_length())
-        rod = wand[0]
-    equations = Equations(measured, path, scale_pair if wand is None else None, rod, RESTRAINT)
+        equations = Equations(measured, path, None, wand[0], RESTRAINT)
     try:
         unknown, chi2, weight = _without_strays(equations, unknown)
     except np.linalg.LinAlgError:
@@ -196,7 +196,7 @@ def calibrate_rig(
     covariance = factor * equations.covariance(unknown, weight)
     relative = 0.0
     if baseline is not None:
-        one, other = (list(names).index(each) for each in baseline[:2])
+        one, other = scale_pair
         length = float(np.linalg.norm(unknown.positions[one] - unknown.positions[other]))
         unknown = unknown.scaled(baseline[2] / length)
         covariance = _in_metres(covariance, baseline[2] / length)

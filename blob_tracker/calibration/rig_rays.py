@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +37,7 @@ class Rays:
     angles: Array
     covariance: Array
 
-    @property
+    @cached_property
     def directions(self) -> Array:
         """Return unit vectors in the camera's optical frame, (n, 3)."""
         azimuth, elevation = self.angles.T

@@ -84,8 +84,9 @@ def start_rig(
     )
     placed = [0]
     grid = _offsets(most_offset)
-    second = max(range(1, count), key=lambda other: _shared(rays[0], rays[other], longest))
-    _check_shared(_shared(rays[0], rays[second], longest), names[0], names[second])
+    shared = {other: _shared(rays[0], rays[other], longest) for other in range(1, count)}
+    second = max(shared, key=lambda other: shared[other])
+    _check_shared(shared[second], names[0], names[second])
     rotation, position, offset = _best_pair(rays[0], rays[second], grid, longest, names, second)
     start.rotations[second], start.positions[second] = rotation, position
     start.offsets[second] = offset
@@ -94,7 +95,7 @@ def start_rig(
         points = [_points(rays, start, placed, light, longest) for light in range(len(rays[0]))]
         waiting = [number for number in range(count) if number not in placed]
         known = {
-            number: sum(_seen_of(rays[number], points, 0.0, longest)[2]) for number in waiting
+            number: len(_seen_of(rays[number], points, 0.0, longest)[0]) for number in waiting
         }
         after = max(waiting, key=lambda number: known[number])
         _check_shared(known[after], ' and '.join(names[each] for each in placed), names[after])
@@ -373,9 +374,9 @@ def _points(
 
 def _seen_of(
     rays: Sequence[Rays], points: Sequence[tuple[Array, Array]], offset: float, longest: float
-) -> tuple[Array, Array, list[int]]:
-    """Return known places and the directions in which a camera saw them, and how many each."""
-    places, directions, counts = [np.empty((0, 3))], [np.empty((0, 3))], []
+) -> tuple[Array, Array]:
+    """Return known places and the directions in which a camera saw them."""
+    places, directions = [np.empty((0, 3))], [np.empty((0, 3))]
     for mine, (times, known) in zip(rays, points, strict=True):
         seen = (
             mine.at(times + offset, longest) if len(mine.times) > 1 and len(times)
@@ -384,8 +385,7 @@ def _seen_of(
         both = np.isfinite(seen[:, 0])
         places.append(known[both])
         directions.append(seen[both])
-        counts.append(int(both.sum()))
-    return np.concatenate(places), np.concatenate(directions), counts
+    return np.concatenate(places), np.concatenate(directions)
 
 
 def _place(
@@ -395,7 +395,7 @@ def _place(
     """Fill in pose and offset of a further camera."""
     looks: list[tuple[float, float]] = []
     for offset in grid.tolist():
-        places, directions = _some(*_seen_of(rays, points, offset, longest)[:2])
+        places, directions = _some(*_seen_of(rays, points, offset, longest))
         if len(places) >= LEAST_SHARED:
             scaled = (places - places.mean(axis=0)) / places.std()
             fit = _refined(
@@ -404,7 +404,7 @@ def _place(
             looks.append((float(np.median(fit[2])), offset))
     found: list[tuple[float, float, Array, Array]] = []
     for _, offset in sorted(looks)[:LOOKED_AT]:
-        places, directions = _some(*_seen_of(rays, points, offset, longest)[:2])
+        places, directions = _some(*_seen_of(rays, points, offset, longest))
         rotation, position, apart = resected(places, directions)
         found.append((apart, offset, rotation, position))
     apart, start.offsets[camera], start.rotations[camera], start.positions[camera] = min(

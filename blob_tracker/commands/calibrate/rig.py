@@ -134,8 +134,7 @@ def _rays(
 ) -> tuple[list[list[Rays]], list[str]]:
     """Return the rays of each camera to each light, and the frames that they are in."""
     wanted = {
-        f'/{name}/{target_topic(light)}/ray': (camera, number)
-        for camera, name in enumerate(names) for number, light in enumerate(lights)
+        _topic(name, light): camera for camera, name in enumerate(names) for light in lights
     }
     topics = {
         topic.name: topic for topic in bag.topics if topic.name in wanted and topic.kind == KIND
@@ -158,12 +157,17 @@ def _rays(
             [[bearing.azimuth, bearing.elevation], bearing.covariance.ravel()]
         )
         came[message.topic.name].append((bearing.stamp_ns, numbers))
-        frames[wanted[message.topic.name][0]] = str(ray.header.frame_id)
+        frames[wanted[message.topic.name]] = str(ray.header.frame_id)
     first_ns = min(each[0] for series in came.values() for each in series)
     return [
-        [_series(came[f'/{name}/{target_topic(light)}/ray'], first_ns) for light in lights]
+        [_series(came[_topic(name, light)], first_ns) for light in lights]
         for name in names
     ], frames
+
+
+def _topic(camera: str, light: str) -> str:
+    """Return the topic of a camera's rays to a light."""
+    return f'/{camera}/{target_topic(light)}/ray'
 
 
 def _series(came: list[tuple[int, NDArray[np.float64]]], first_ns: int) -> Rays:
