@@ -9,10 +9,9 @@ from pathlib import Path
 import re
 
 from blob_tracker.commands.doctor.finding import error, Finding, ok, warn
-from blob_tracker.ros.diagnostics.shared_memory import by_network
+from blob_tracker.ros.diagnostics.shared_memory import by_network, FOLDER
 
 MIB = 2**20
-FOLDER = Path('/dev/shm')
 SEGMENT = 35 * MIB  # of a process with config/fastdds.xml: 32 MiB of data, and the descriptors
 PROCESSES = 5  # camera, segmenter, locator, tracker, and one that listens
 _SEGMENT_LOCK = re.compile(r'fast(rtps|dds)_[0-9a-f]{16}_el')
