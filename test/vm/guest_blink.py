@@ -6,7 +6,6 @@ The folder holds blink.grey and camera_info.yaml, and gets blink.json and a log.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 import json
 import os
@@ -22,17 +21,14 @@ from rclpy.qos import QoSProfile
 from sensor_msgs.msg import Image
 from vm.fork import Fork
 from vm.guest_capture import digest
-from vm.guest_track import end, PARAMETERS, prepare, STARTUP
-from vm.hdmi_loop import (
-    close_loop, OUTPUT, SLOW_FRAME_RATE, SLOW_TIMINGS, SLOWNESS, take_format,
-)
+from vm.guest_track import end, PARAMETERS, PATIENCE, prepare, STARTUP, wait
+from vm.hdmi_loop import close_loop, OUTPUT, SLOW_FRAME_RATE, SLOW_TIMINGS, take_format
 from vm.output_queue import OutputQueue
 from vm.scene import (
     BITS_PER_SECOND, BLINK_HEIGHT, BLINK_WIDTH, CODE, EXPOSURE, FREQUENCY, LIGHTS, PAUSE,
 )
 
-COUNT = 110  # frames of the scene
-LONGEST = 60.0 * SLOWNESS  # s for them; 28 on a quiet machine
+COUNT = 110  # frames of the scene: 28 s on a quiet machine
 AHEAD = 12  # frames, until the player is ready
 BEGIN = Path('/run/blink.begin')  # holds the time, s, at which the player is to begin
 FLASH: dict[str, object] = {
@@ -62,13 +58,6 @@ class Recorder(Node):
             self.create_subscription(
                 PointStamped, f'target/{name}/centroid', partial(self._place, name), qos)
         self.create_subscription(Image, 'camera/image_raw', self._picture, qos)
-
-    def wait(self, done: Callable[[], object], longest: float) -> float:
-        """Wait until something is so; return the seconds that it took."""
-        began = time.monotonic()
-        while not done() and time.monotonic() - began < longest:
-            rclpy.spin_once(self, timeout_sec=0.5)
-        return time.monotonic() - began
 
     def _place(self, name: str, message: PointStamped) -> None:
         self.places[name].append((_ns(message), message.point.x, message.point.y))
@@ -114,12 +103,12 @@ def main(folder: Path) -> None:
     processes['pipeline'].begin()
     rclpy.init()
     recorder = Recorder({digest(frame): index for index, frame in enumerate(frames)})
-    found: dict[str, Any] = {'startup': recorder.wait(lambda: recorder.newest, STARTUP)}
+    found: dict[str, Any] = {'startup': wait(recorder, lambda: int(recorder.newest > 0), 1, STARTUP)}
     # Both ends have their own clock, of one rate: a picture is to change in the middle of those of
     # the other, where no jitter makes it come twice or never.
     BEGIN.write_text(str(recorder.newest / 1e9 + (AHEAD + 0.5) / SLOW_FRAME_RATE))
     player.begin()
-    found['seconds'] = recorder.wait(lambda: len(recorder.pictures) >= COUNT, LONGEST)
+    found['seconds'] = wait(recorder, lambda: len(recorder.pictures), COUNT, PATIENCE)
     found['exits'] = end(processes)
     end({'player': player})
     found |= {'pictures': recorder.pictures, 'places': recorder.places}
