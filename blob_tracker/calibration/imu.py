@@ -5,24 +5,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi, sqrt
 
-from blob_tracker.tracking.gyro_fit import fit_gyro, moves_of
+from blob_tracker.calibration.imu_problem import ImuProblem
+from blob_tracker.tracking.gyro_fit import fit_gyro, intervals_of, moves_of
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-import scipy.linalg
-from scipy.optimize import least_squares, minimize_scalar
+from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 
-NAMES = ('turn_x', 'turn_y', 'turn_z', 'offset', 'bias_x', 'bias_y', 'bias_z', 'scale')
 FEWEST = 100  # intervals between two bearings, for 8 unknowns and a noise
 LONGEST_S = 0.3  # of an interval
+SAMPLES = 2  # of the gyro in the shortest
 SHORTEST_S = 0.08  # of one of the first look
 MARGIN_S = 0.25  # that the gyro is to cover beyond the bearings: an offset within it is found
+# Of the intervals; where the gyro is seen to be wrong, those beside them are as well.
+MOST_STRAY, TROUBLED_STRAY = 0.25, 0.1
+LEAST_AT_LIMIT = 3  # samples with the largest rate of all
+GAP = 2.5  # times the median step of the gyro
+COARSE = 0.03  # of the rates: what every other sample does not tell of those between
 ROUNDS = 2  # of the fit, each with the noise of the one before
-# rad/s/sqrt(Hz): from better than any gyro to what no gyro has.
-LEAST_NOISE, MOST_NOISE = 1e-7, 1.0
 BAD_NOISE = 5e-3  # 0.3 degrees/s/sqrt(Hz), thirty times that of a cheap one
 VAGUE_RAD = 0.05  # of the turn: with it the tracker is as well off without the gyro
 CORRELATED = 6.0  # standard deviations of a correlation of what is left: no noise
@@ -57,6 +60,8 @@ class ImuCalibration:
     residuals : (n, 2) array
         Measured less predicted at the end of each interval, over its standard deviation and
         without what it shares with the former ones.
+    stray : float
+        Share of the intervals that were left out.
 
     """
 
@@ -68,6 +73,7 @@ class ImuCalibration:
     covariance: Array
     times: Array
     residuals: Array
+    stray: float
 
     @property
     def sigmas(self) -> Array:
@@ -121,15 +127,29 @@ def calibrate_imu(
         raise ImuError('all rates of the gyro are 0: does its driver fill in angular_velocity?')
     within = (times > gyro_times[0] + MARGIN_S) & (times < gyro_times[-1] - MARGIN_S)
     times, directions, covariances = times[within], directions[within], covariances[within]
-    pairs = np.flatnonzero(np.diff(times) <= LONGEST_S)
-    if len(pairs) < FEWEST:
+    # Of shorter ones neighbours would share the noise of a sample.
+    shortest = SAMPLES * float(np.median(np.diff(gyro_times)))
+    if shortest > LONGEST_S:
         raise ImuError(
-            f'{len(pairs)} pairs of bearings follow each other within {LONGEST_S:g} s while the '
-            f'gyro speaks; {FEWEST} are the least: turn for half a minute, with the light in view'
+            f'the gyro speaks at {SAMPLES / shortest:.3g} Hz; {SAMPLES / LONGEST_S:.0f} are the '
+            'least, and 50 are better'
         )
-    start = _start(times, directions, gyro_times, rates)
-    problem = _Problem(times, directions, covariances, pairs, gyro_times, rates, start)
-    parameters, noise = np.zeros(len(NAMES)), 1e-3
+    pairs = intervals_of(times, shortest, LONGEST_S)
+    if len(pairs[0]) < FEWEST:
+        raise ImuError(
+            f'{len(pairs[0])} pairs of bearings follow each other within {LONGEST_S:g} s while '
+            f'the gyro speaks; {FEWEST} are the least: turn for half a minute, with the light in '
+            'view'
+        )
+    trouble = _trouble(gyro_times, rates)
+    start = _start(times, directions, gyro_times, rates, trouble)
+    problem = ImuProblem(times, directions, covariances, pairs, gyro_times, rates, start)
+    # Intervals of another light, or with a gap or the limit of the gyro in them, are left out.
+    parameters = problem.robust()
+    agree = problem.agree(parameters)
+    pairs = pairs[0][agree], pairs[1][agree]
+    problem = ImuProblem(times, directions, covariances, pairs, gyro_times, rates, start)
+    noise = problem.noise(parameters)
     for _ in range(ROUNDS):
         root = problem.root(problem.covariance(parameters), noise)
         fit = least_squares(
@@ -144,11 +164,11 @@ def calibrate_imu(
     values, vectors = np.linalg.eigh(normal)
     inverse = vectors / np.maximum(values, 1e-14) @ vectors.T / np.outer(size, size)
     residuals = left.reshape(-1, 2)
-    _check(inverse, noise, residuals)
+    _check(inverse, noise, residuals, 1.0 - float(agree.mean()), trouble)
     turn = (Rotation.from_rotvec(parameters[:3]) * Rotation.from_matrix(start)).as_matrix()
     return ImuCalibration(
         turn, float(parameters[3]), parameters[4:7], float(parameters[7]), noise, inverse,
-        times[pairs + 1], residuals,
+        times[pairs[1]], residuals, 1.0 - float(agree.mean()),
     )
 
 
@@ -158,20 +178,24 @@ def _each_once(times: Array, *values: Array) -> tuple[Array, ...]:
     return rising, *(each[first] for each in values)
 
 
-def _start(times: Array, directions: Array, gyro_times: Array, rates: Array) -> Array:
+def _start(
+    times: Array, directions: Array, gyro_times: Array, rates: Array, trouble: str
+) -> Array:
     """Return the turn to begin with, or raise where there was too little turning."""
     moves = moves_of(times, directions, SHORTEST_S, LONGEST_S)
     told, fault = fit_gyro(moves, gyro_times, rates)
     if not told:
         raise ImuError(
-            'the light moves too little in the picture, or otherwise than the gyro says: turn '
-            'camera and IMU together, by 20 degrees and more to either side, about all axes'
+            'the light moves too little in the picture, or otherwise than the gyro says: '
+            + (trouble or 'turn camera and IMU together, by 20 degrees and more to either side, '
+                          'about all axes')
         )
     if fault is None:
         return np.eye(3)
     if fault.turn is None:
         raise ImuError(
-            f'{fault.words}: are both on the same platform, and the stamps of one clock?'
+            f'{fault.words}: '
+            + (trouble or 'are both on the same platform, and the stamps of one clock?')
         )
     if fault.scale != 1.0:
         raise ImuError(f'{fault.words}: have the driver publish rad/s, and record again')
@@ -180,102 +204,52 @@ def _start(times: Array, directions: Array, gyro_times: Array, rates: Array) -> 
     return np.stack([first, second, np.cross(first, second)])
 
 
-class _Problem:
-    """The residuals of the intervals, and their covariance."""
-
-    def __init__(
-        self, times: Array, directions: Array, covariances: Array, pairs: NDArray[np.intp],
-        gyro_times: Array, rates: Array, start: Array,
-    ) -> None:
-        self._begin, self._end = times[pairs], times[pairs + 1]
-        self._before, self._after = directions[pairs], directions[pairs + 1]
-        self._gyro_times, self._rates, self._start = gyro_times, rates, start
-        self._angle = CubicSpline(gyro_times, rates).antiderivative()
-        # Azimuth and elevation as turns across the direction: right and up.
-        x, y, z = directions.T
-        across = np.hypot(x, z)
-        right = np.stack([z / across, np.zeros_like(x), -x / across], axis=1)
-        axes = np.stack([right, np.cross(directions, right)], axis=2)
-        shrink = np.stack([across, np.ones_like(x)], axis=1)
-        covariances = covariances * shrink[:, :, None] * shrink[:, None, :]
-        self._axes_before, self._axes_after = axes[pairs], axes[pairs + 1]
-        self._of_before, self._of_after = covariances[pairs], covariances[pairs + 1]
-        self._next = np.diff(pairs) == 1  # whether an interval begins where the former ended
-
-    def _turns(self, parameters: Array) -> Rotation:
-        """Return how the light's direction turns over each interval."""
-        times, bias = self._gyro_times, parameters[4:7]
-        product = np.cross(self._rates - bias, self._angle(times) - np.outer(times, bias))
-        steps = 0.5 * (product[1:] + product[:-1]) * np.diff(times)[:, None]
-        cones = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
-
-        def at(instants: Array) -> tuple[Array, Array]:
-            cone = np.stack([np.interp(instants, times, each) for each in cones.T], axis=1)
-            return self._angle(instants) - np.outer(instants, bias), cone
-
-        (before, cone_before), (after, cone_after) = (
-            at(each + parameters[3]) for each in (self._begin, self._end)
+def _trouble(gyro_times: Array, rates: Array) -> str:
+    """Return what the samples of the gyro suffer from; empty where nothing is to be seen."""
+    found = []
+    most = np.abs(rates).max(axis=0)
+    at_limit = int((np.abs(rates) >= most * (1.0 - 1e-9)).sum(axis=0).max())
+    if at_limit >= LEAST_AT_LIMIT:
+        axis = int((np.abs(rates) >= most * (1.0 - 1e-9)).sum(axis=0).argmax())
+        found.append(
+            f'the gyro is at its limit about {"xyz"[axis]}, {most[axis]:.3g} rad/s, in {at_limit} '
+            'samples: turn slower, or choose a wider range'
         )
-        turned = after - before
-        vector = -turned + 0.5 * (cone_after - cone_before - np.cross(turned, before))
-        matrix = Rotation.from_rotvec(parameters[:3]).as_matrix() @ self._start
-        return Rotation.from_rotvec((1.0 + parameters[7]) * vector @ matrix.T)
-
-    def residuals(self, parameters: Array) -> Array:
-        """Return (n, 2) measured less predicted, right and up, rad."""
-        rest = self._after - self._turns(parameters).apply(self._before)
-        return np.asarray(np.einsum('nik,ni->nk', self._axes_after, rest))
-
-    def covariance(self, parameters: Array) -> tuple[Array, Array]:
-        """Return the residuals' covariance by the bearings: of each, and with the former one."""
-        turns = self._turns(parameters).as_matrix()
-        carried = np.swapaxes(self._axes_after, 1, 2) @ turns @ self._axes_before
-        own = self._of_after + carried @ self._of_before @ np.swapaxes(carried, 1, 2)
-        shared = -(carried @ self._of_before)[1:] * self._next[:, None, None]
-        return own, shared
-
-    def root(self, covariance: tuple[Array, Array], noise: float) -> Array:
-        """Return the Cholesky factor of the covariance with the gyro's noise, its lower bands."""
-        own, shared = covariance
-        own = own + noise**2 * (self._end - self._begin)[:, None, None] * np.eye(2)
-        bands = np.zeros((4, 2 * len(own)))
-        bands[0] = np.stack([own[:, 0, 0], own[:, 1, 1]], axis=1).ravel()
-        bands[1, 0::2] = own[:, 1, 0]
-        # Of the pair (row, column) of two blocks the band is 2 + row - column.
-        bands[1, 1:-2:2] = shared[:, 0, 1]
-        bands[2, 0:-2:2], bands[2, 1:-2:2] = shared[:, 0, 0], shared[:, 1, 1]
-        bands[3, 0:-2:2] = shared[:, 1, 0]
-        return np.asarray(scipy.linalg.cholesky_banded(bands, lower=True))
-
-    def whitened(self, parameters: Array, root: Array) -> Array:
-        """Return (2 n,) residuals that are uncorrelated and of variance 1."""
-        rest = self.residuals(parameters).ravel()
-        return np.asarray(scipy.linalg.solve_banded((3, 0), root, rest))
-
-    def noise(self, parameters: Array) -> float:
-        """Return the likeliest density of the gyro's noise, rad/s/sqrt(Hz)."""
-        covariance, rest = self.covariance(parameters), self.residuals(parameters).ravel()
-
-        def unlikely(logarithm: float) -> float:
-            root = self.root(covariance, float(np.exp(logarithm)))
-            left = scipy.linalg.solve_banded((3, 0), root, rest)
-            return float(0.5 * left @ left + np.log(root[0]).sum())
-
-        bounds = np.log(LEAST_NOISE), np.log(MOST_NOISE)
-        found = minimize_scalar(unlikely, bounds=bounds, method='bounded')
-        return float(np.exp(found.x))
+    steps = np.diff(gyro_times)
+    gaps = steps > GAP * np.median(steps)
+    if gaps.any():
+        found.append(
+            f'{int(gaps.sum())} gaps between samples of the gyro, of up to {steps.max():.2g} s: '
+            'samples are lost on the way'
+        )
+    middle = rates[1:-1:2]
+    guess = CubicSpline(gyro_times[::2], rates[::2])(gyro_times[1:-1:2])
+    if np.linalg.norm(middle - guess) > COARSE * np.linalg.norm(middle - middle.mean(axis=0)):
+        found.append(
+            f'{1.0 / np.median(steps):.3g} Hz of the gyro are too few for how it is turned: turn '
+            'slower, or have it publish more often'
+        )
+    return '; '.join(found)
 
 
-def _check(covariance: Array, noise: float, residuals: Array) -> None:
+def _check(
+    covariance: Array, noise: float, residuals: Array, stray: float, trouble: str
+) -> None:
     """Raise ImuError where the fit is none."""
     # About 0 where it is noise, with a standard deviation of 1 over the root of their number.
     count = residuals[1:].size
     shared = float((residuals[1:] * residuals[:-1]).mean() / (residuals**2).mean())
+    if stray > (TROUBLED_STRAY if trouble else MOST_STRAY):
+        raise ImuError(
+            f'in {100.0 * stray:.0f} % of the intervals the light moves otherwise than camera and '
+            f'gyro do: {trouble or "is it always the same light, and does it stand still?"}'
+        )
     if noise > BAD_NOISE or abs(shared) > CORRELATED / sqrt(count):
         raise ImuError(
             f'the light moves otherwise than camera and gyro do ({noise:.2g} rad/s/sqrt(Hz) are '
-            f'left, correlated by {shared:.2f}): it must stand still, far off or where the camera '
-            'turns on the spot, and the IMU must be rigid with the camera'
+            f'left, correlated by {shared:.2f}): ' + (trouble or (
+                'it must stand still, far off or where the camera turns on the spot, and the IMU '
+                'must be rigid with the camera'))
         )
     values, vectors = np.linalg.eigh(covariance[:3, :3])
     if values[-1] > VAGUE_RAD**2:

@@ -14,7 +14,7 @@ is right; the others that are common are tried beside it.
 from __future__ import annotations
 
 from itertools import permutations, product
-from math import degrees, radians
+from math import ceil, degrees, radians
 from typing import NamedTuple
 
 from blob_tracker.tracking.rotation import from_vector
@@ -35,6 +35,8 @@ HALVED = 2.0  # the remainder is so many times that of the better one, at least
 PENALTY = 0.003
 REFINED = 12  # of the candidates that fit best: axes that are off make a wrong one seem better
 WILD = 8.0  # times the median: a light that is another one, for once
+STRAY = 6.0  # times the median of what is left: the same
+LEAST_KEPT = 0.75  # of the moves: strays are few
 ROUNDS = 6  # of the refinement of the turn
 RIDGE = 1e-3  # of the normal matrix: turns that the motion does not tell stay 0
 
@@ -105,14 +107,7 @@ def moves_of(times: Array, directions: Array, shortest: float, longest: float) -
         Of an interval, s.
 
     """
-    first, pairs = 0, []
-    for last in range(1, len(times)):
-        passed = times[last] - times[first]
-        if passed >= shortest:
-            if passed <= longest:
-                pairs.append((first, last))
-            first = last
-    begin, end = np.array(pairs, dtype=int).reshape(-1, 2).T
+    begin, end = intervals_of(times, shortest, longest)
     before, after = directions[begin], directions[end]
     middle = before + after
     middle /= np.linalg.norm(middle, axis=1)[:, None]
@@ -125,6 +120,31 @@ def moves_of(times: Array, directions: Array, shortest: float, longest: float) -
         -np.cross(middle[:, None], axes),
         np.einsum('nki,ni->nk', axes, after - before),
     )
+
+
+def intervals_of(
+    times: Array, shortest: float, longest: float
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """
+    Return the first and the last instant of intervals, each as short as may be.
+
+    Parameters
+    ----------
+    times : (n,) array
+        s, rising.
+    shortest, longest : float
+        Of an interval, s.
+
+    """
+    first, pairs = 0, []
+    for last in range(1, len(times)):
+        passed = times[last] - times[first]
+        if passed >= shortest:
+            if passed <= longest:
+                pairs.append((first, last))
+            first = last
+    begin, end = np.array(pairs, dtype=np.intp).reshape(-1, 2).T
+    return begin, end
 
 
 def fit_gyro(moves: Moves, times: Array, rates: Array) -> Fit:
@@ -142,12 +162,25 @@ def fit_gyro(moves: Moves, times: Array, rates: Array) -> Fit:
 
     """
     moves = _sound(moves, times)
-    if len(moves.begin) < FEWEST:
-        return Fit(False, None)
     steps = 0.5 * (rates[1:] + rates[:-1]) * np.diff(times)[:, None]
     angles = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
+    fewest = max(FEWEST, ceil(LEAST_KEPT * len(moves.begin)))
+    found, kept = Fit(False, None), moves
+    while not found.told and len(kept.begin) >= fewest:
+        found, left = _fit(kept, times, angles)
+        # A light that is another one for once hides from the size of its move, not from the fit.
+        good = left <= STRAY * np.median(left)
+        if good.all():
+            break
+        kept = Moves(*(each[good] for each in kept))
+    return found
+
+
+def _fit(moves: Moves, times: Array, angles: Array) -> tuple[Fit, Array]:
+    """Return the fit to moves, and what the best explanation leaves of each, rad."""
     offsets = np.arange(-round(LONGEST_OFFSET_S / STEP_S), round(LONGEST_OFFSET_S / STEP_S) + 1)
-    moments = [_moments(moves, times, angles, STEP_S * each) for each in offsets]
+    regressions = [_regression(moves, times, angles, STEP_S * each) for each in offsets]
+    moments = [_moments(*each) for each in regressions]
     left = np.array([
         each.square + ((CANDIDATES @ each.normal - 2.0 * each.shared) * CANDIDATES).sum(axis=1)
         for each in moments
@@ -155,7 +188,7 @@ def fit_gyro(moves: Moves, times: Array, rates: Array) -> Fit:
     now = offsets.tolist().index(0)
     without, right = moments[now].square, left[now, 0]
     if not without > 0.0:
-        return Fit(False, None)
+        return Fit(False, None), np.zeros(len(moves.begin))
     penalised = left + PENALTY * without * (COMPLICATED + (offsets != 0)[:, None])
     places, tried = penalised.argmin(axis=0), []
     for candidate in penalised.min(axis=0).argsort()[:REFINED]:
@@ -166,18 +199,20 @@ def fit_gyro(moves: Moves, times: Array, rates: Array) -> Fit:
         tried.append((best + extra, candidate, place, turn, best))
     _, candidate, place, turn, best = min(tried, key=lambda each: each[0])
     at, chosen = moments[place], CANDIDATES[candidate]
+    regressors, moved = regressions[place]
+    of_each = np.hypot(*(moved - regressors @ (turn @ chosen.reshape(3, 3)).ravel()).T)
     felt = at.square - best
     if best <= FITS * without and felt >= len(moves.begin) * TURNED_RAD**2:
         if right < best + WORTH * without or right < HALVED * best:
-            return Fit(True, None)
+            return Fit(True, None), of_each
         offset = _between(STEP_S * offsets.astype(float), left[:, candidate], place)
-        return Fit(True, _fault(turn, chosen, offset))
+        return Fit(True, _fault(turn, chosen, offset)), of_each
     # Nothing goes with it, and it would be better not to have it.
     claimed = CANDIDATES[0] @ moments[now].normal @ CANDIDATES[0]
     if right > HALVED * without and claimed >= len(moves.begin) * TURNED_RAD**2:
         words = 'what it says has nothing to do with how the picture moves'
-        return Fit(True, GyroFault(None, 1.0, 0.0, words))
-    return Fit(False, None)
+        return Fit(True, GyroFault(None, 1.0, 0.0, words)), of_each
+    return Fit(False, None), of_each
 
 
 class _Moments(NamedTuple):
@@ -199,8 +234,10 @@ def _sound(moves: Moves, times: Array) -> Moves:
     return Moves(*(each[good] for each in moves))
 
 
-def _moments(moves: Moves, times: Array, angles: Array, offset: float) -> _Moments:
-    """Return the moments for stamps of the gyro that are late by so much, s."""
+def _regression(
+    moves: Moves, times: Array, angles: Array, offset: float
+) -> tuple[Array, Array]:
+    """Return (n, 2, 9) and (n, 2) for stamps of the gyro that are late by so much, s."""
     turned = np.stack([
         np.interp(moves.end + offset, times, each) - np.interp(moves.begin + offset, times, each)
         for each in angles.T
@@ -209,7 +246,11 @@ def _moments(moves: Moves, times: Array, angles: Array, offset: float) -> _Momen
     passed = moves.end - moves.begin
     passed = passed / np.linalg.norm(passed)
     regressors = regressors - passed[:, None, None] * np.tensordot(passed, regressors, 1)
-    moved = moves.moved - passed[:, None] * (passed @ moves.moved)
+    return regressors, moves.moved - passed[:, None] * (passed @ moves.moved)
+
+
+def _moments(regressors: Array, moved: Array) -> _Moments:
+    """Return the moments of a regression."""
     rows = regressors.reshape(-1, 9)
     return _Moments(rows.T @ rows, rows.T @ moved.ravel(), float((moved**2).sum()))
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from blob_tracker.calibration.imu import calibrate_imu, ImuError
+from collections.abc import Callable
+
+from blob_tracker.calibration.imu import calibrate_imu, ImuCalibration, ImuError
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from support.turned_imu import draw, Drawn, NOISE
+from support.turned_imu import Array, draw, Drawn, NOISE
 
 DRAWS = 100
 
@@ -72,3 +74,64 @@ def test_a_gyro_that_says_nothing(rates: float, sentence: str) -> None:
     times, directions, covariances, gyro_times, gyro = draw(1, duration=8.0).measured
     with pytest.raises(ImuError, match=sentence):
         calibrate_imu(times, directions, covariances, gyro_times, gyro * 0.0 + rates)
+
+
+def turned_off(result: ImuCalibration, drawn: Drawn) -> float:
+    """Return by how many standard deviations the turn is off, of 3."""
+    error = (Rotation.from_matrix(result.turn) * drawn.turn.inv()).as_rotvec()
+    return float(np.sqrt(error @ np.linalg.solve(result.covariance[:3, :3], error)))
+
+
+@pytest.mark.parametrize('share, angle', [(0.01, 0.01), (0.03, 0.3), (0.1, 0.1)])
+def test_bearings_of_another_light_are_left_out(share: float, angle: float) -> None:
+    """The turn is as good as without them, and their share is told: each spoils two intervals."""
+    drawn = draw(2, duration=16.0)
+    times, directions, covariances, gyro_times, rates = drawn.measured
+    stray = np.random.default_rng(4).choice(len(times), int(share * len(times)), replace=False)
+    directions = directions.copy()
+    directions[stray] = Rotation.from_rotvec([0.0, angle, 0.0]).apply(directions[stray])
+    result = calibrate_imu(times, directions, covariances, gyro_times, rates)
+    assert turned_off(result, drawn) < 4.0  # one of 900 is beyond
+    assert result.stray == pytest.approx(2.0 * share, abs=0.7 * share)
+
+
+def test_a_slow_gyro_is_as_right_as_its_sigma() -> None:
+    """At 20 Hz its samples are far apart beside the cones that its axes describe."""
+    drawn = draw(1, duration=20.0)
+    times, directions, covariances, gyro_times, rates = drawn.measured
+    result = calibrate_imu(times, directions, covariances, gyro_times[::5], rates[::5])
+    assert turned_off(result, drawn) < 4.0
+
+
+def limited(drawn: Drawn) -> tuple[Array, Array]:
+    """Return samples of a gyro that turned faster than it can say."""
+    rates = drawn.measured[4]
+    most = 0.5 * np.abs(rates).max()
+    return drawn.measured[3], np.clip(rates, -most, most)
+
+
+def parted(drawn: Drawn) -> tuple[Array, Array]:
+    """Return samples of which a second is missing now and then."""
+    gyro_times, rates = drawn.measured[3:]
+    kept = (gyro_times % 4.0) > 1.0
+    return gyro_times[kept], rates[kept]
+
+
+def rare(drawn: Drawn) -> tuple[Array, Array]:
+    """Return samples at 5 Hz."""
+    gyro_times, rates = drawn.measured[3:]
+    return gyro_times[::20], rates[::20]
+
+
+@pytest.mark.parametrize('spoilt, sentence', [
+    (limited, 'the gyro is at its limit about ., [0-9.]+ rad/s, in .* samples: turn slower'),
+    (parted, 'gaps between samples of the gyro, of up to 1 s'),
+    (rare, 'the gyro speaks at 5 Hz; 7 are the least'),
+])
+def test_what_the_gyro_suffers_from_is_named(
+    spoilt: Callable[[Drawn], tuple[Array, Array]], sentence: str
+) -> None:
+    """And not the light, which is all right."""
+    drawn = draw(1, duration=20.0)
+    with pytest.raises(ImuError, match=sentence):
+        calibrate_imu(*drawn.measured[:3], *spoilt(drawn))

@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from blob_tracker.calibration.imu import calibrate_imu, ImuCalibration, ImuError, NAMES
+from blob_tracker.calibration.imu import calibrate_imu, ImuCalibration, ImuError
 from blob_tracker.calibration.imu_picture import draw_imu
+from blob_tracker.calibration.imu_problem import NAMES
 from blob_tracker.commands.calibrate.report import results_table, row, tell_of
 from blob_tracker.commands.exit_code import check_out, UsageError
 from blob_tracker.commands.sources import SourceError
@@ -117,4 +118,5 @@ def _report(
         'scale, or focal length', 100.0 * result.scale, 100.0 * sigmas['scale'], '% too small'
     ))
     rows.append(row('noise', MRAD_PER_RAD * result.noise, None, 'mrad/s/√Hz'))
+    rows.append(row('intervals left out', 100.0 * result.stray, None, '%'))
     console.print(results_table(f'IMU beside the camera, {len(result.times)} intervals', rows))
