@@ -103,7 +103,8 @@ def main(folder: Path) -> None:
     processes['pipeline'].begin()
     rclpy.init()
     recorder = Recorder({digest(frame): index for index, frame in enumerate(frames)})
-    found: dict[str, Any] = {'startup': wait(recorder, lambda: int(recorder.newest > 0), 1, STARTUP)}
+    startup = wait(recorder, lambda: int(recorder.newest > 0), 1, STARTUP)
+    found: dict[str, Any] = {'startup': startup}
     # Both ends have their own clock, of one rate: a picture is to change in the middle of those of
     # the other, where no jitter makes it come twice or never.
     BEGIN.write_text(str(recorder.newest / 1e9 + (AHEAD + 0.5) / SLOW_FRAME_RATE))
