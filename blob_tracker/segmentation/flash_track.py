@@ -15,7 +15,7 @@ FLANK_SIGMA = 4.0  # sigma: a wide blob's peak wanders so far
 MAX_BRIGHTNESS_RATIO = 2.5  # times brighter or fainter than before, and still the same light
 
 
-@dataclass
+@dataclass(slots=True)
 class FlashTrack:
     """A light that may be the target, as it was last seen."""
 

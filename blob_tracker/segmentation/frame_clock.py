@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+import math
 
 from blob_tracker.segmentation.flash_track import FlashTrack, PERIOD_FRAMES
 
@@ -49,6 +50,12 @@ class FrameClock:
         made 30: the stamps no longer tell in which phase a light is that was seen before it.
         """
         self._skipped_ns = stamp_ns
+
+    def stamp_before(self, frames: int) -> float:
+        """Return the stamp so many frames ago, ns; minus infinity where their time is not known."""
+        if self.stamp_ns is None or self._interval_ns <= 0.0:
+            return -math.inf
+        return self.stamp_ns - frames * self._interval_ns
 
     @property
     def interval(self) -> float:
