@@ -15,7 +15,6 @@ from blob_tracker.segmentation.illumination import relit
 from blob_tracker.segmentation.overexposure import with_clipping
 from blob_tracker.segmentation.peaks import measure_peaks
 from blob_tracker.segmentation.rejection import reject, without_glows
-from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
 
@@ -101,30 +100,22 @@ def search(
         The candidates, rejected or not, and the noise.
 
     """
-    if min(region.x1 - region.x0, region.y1 - region.y0) < SMALLEST_REGION_PX:
+    left, top, right, bottom = region
+    if right - left < SMALLEST_REGION_PX or bottom - top < SMALLEST_REGION_PX:
         return SearchResult((), 0.0, contrast.floor * contrast.unit, 0.0, '')
-
-    def measured(unlit: Pixels) -> tuple[Array, Array, float, float, float, float, float]:
-        return measure_peaks(
-            contrast.lit,
-            unlit,
-            (region.x0, region.y0, region.x1, region.y1),
-            mask,
-            contrast.floor,
-            _threshold(region.size),
-            min_snr,
-            LARGEST_SIGMA_PX,
-            contrast.saturation,
-            not contrast.unlit_frames,
-            followed,
-        )
-
-    table, gains, change, level, noise, brightness, strongest = measured(contrast.unlit)
+    lit, unlit, saturation = contrast.lit, contrast.unlit, contrast.saturation
+    paired = bool(contrast.unlit_frames)
+    where, threshold = (left, top, right, bottom), _threshold((right - left) * (bottom - top))
+    table, gains, change, level, noise, brightness, strongest = measure_peaks(
+        lit, unlit, where, mask, contrast.floor, threshold, min_snr, LARGEST_SIGMA_PX, saturation,
+        not paired, followed,
+    )
     reason, step = '', level
-    if contrast.unlit_frames:
+    if paired:
         if change > RELIGHTING_SIGMA * noise:
-            table, _, _, level, noise, _, strongest = measured(
-                relit(contrast.unlit, gains, contrast.saturation)
+            table, _, _, level, noise, _, strongest = measure_peaks(
+                lit, relit(unlit, gains, saturation), where, mask, contrast.floor, threshold,
+                min_snr, LARGEST_SIGMA_PX, saturation, not paired, followed,
             )
         # In the new light: before, what the scene's texture gained or lost passes for noise.
         jump = EXPOSURE_JUMP * brightness + JUMP_NOISE_SIGMA * noise + JUMP_GLARE * strongest
@@ -139,13 +130,13 @@ def search(
     if unit != 1.0:
         table[:, IN_DN] *= unit
         level, noise, strongest = unit * level, unit * noise, unit * strongest
-    judged: tuple[Candidate, ...] = ()
-    if len(table) > 0:
-        judged = with_clipping(contrast, without_glows([
-            _judged(row, followed, min_snr) for row in table.tolist()
-        ]))
+    judged = tuple([_judged(row, followed, min_snr) for row in table.tolist()])
+    if len(judged) > 1:
+        judged = without_glows(judged)
+    if judged:
+        judged = with_clipping(contrast, judged)
     # Near a target that is followed its own glow may be all over.
-    if contrast.unlit_frames and not followed and (
+    if paired and not followed and (
         level > LEAST_FLOOD_DN or unit * step > max(LEAST_FLOOD_DN, brightness)
     ):
         rise = unit * flood_rise(contrast, region)

@@ -124,7 +124,8 @@ class Segmenter:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Say what is wrong though there may be a window, of the frames and of other lights."""
-        return tuple(filter(None, (self._repeated.warning, self.flash.warning)))
+        repeated, flash = self._repeated.warning, self.flash.warning
+        return tuple(filter(None, (repeated, flash))) if repeated or flash else ()
 
     def update(self, frame: Frame, expected: Expectation | None = None) -> Window | None:
         """
@@ -162,7 +163,7 @@ class Segmenter:
             channel.
 
         """
-        if self._mask.size > 0 and self._mask.shape != frame.image.shape[:2]:
+        if self._mask is not NO_MASK and self._mask.shape != frame.image.shape[:2]:
             raise FrameError(
                 f'the mask is {self._mask.shape[1]} x {self._mask.shape[0]} px and the frame '
                 f'{frame.image.shape[1]} x {frame.image.shape[0]}; they must be of one size'
@@ -178,9 +179,10 @@ class Segmenter:
             self.reason = self.flash.reason
             return []
         contrast, found = self._search(contrast)
-        wider = self.flash.widened(contrast, () if found.reason else found.candidates)
-        if wider is not None:
-            contrast, found = self._search(wider)
+        if expected is not None:
+            wider = self.flash.widened(contrast, () if found.reason else found.candidates)
+            if wider is not None:
+                contrast, found = self._search(wider)
         sightings: list[Sighting] = []
         windows: dict[str, Box] = {}
         if found.reason:
@@ -219,7 +221,8 @@ class Segmenter:
 
     def _in_channel(self, frame: Frame) -> Frame:
         """Return the colour of a frame that is searched; begin afresh where it is another one."""
-        region = self._region if self.flash.locked else None
+        has_colours = frame.layout != 'grey'
+        region = self._region if has_colours and self.flash.locked else None
         frame, before = self.channel.take(frame, region)
         if before is not None:
             self._unlit = None
@@ -231,7 +234,7 @@ class Segmenter:
         """Return what lit up in the region in which the target can be, and what it is seen in."""
         self._region = region = self.flash.region(contrast)
         # Within the gate there is little room for chance.
-        followed = self.flash.locked and 2 * region.size < contrast.lit.size
+        followed = 2 * region.size < contrast.lit.size and self.flash.locked
         min_snr = self.min_snr * (GATED_SNR_FRACTION if followed else 1.0)
         mask = self._mask_of(contrast)
         found = search(contrast, region, min_snr=min_snr, followed=followed, mask=mask)

@@ -40,6 +40,6 @@ def sigma_window(
     """
     half_x = max(math.ceil(sigmas * candidate.sigma_x), SMALLEST_HALF_PX)
     half_y = max(math.ceil(sigmas * candidate.sigma_y), SMALLEST_HALF_PX)
-    if max(half_x, half_y) > largest:
+    if half_x > largest or half_y > largest:
         return None
     return box_about(round(candidate.x), round(candidate.y), half_x, half_y, contrast.shape)
