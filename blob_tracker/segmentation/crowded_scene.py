@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 import math
 
+from blob_tracker.kernel import Array
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.crowd import Crowd, KNOWN_RUN, MOST_FLASHES
 from blob_tracker.segmentation.expectation import Expectation, GATE_SIGMA
-from blob_tracker.segmentation.flash_track import FlashTrack
-from blob_tracker.segmentation.frame_clock import FrameClock
+from blob_tracker.segmentation.flash_track import FLASHES, FlashTrack, OUT_OF_STEP, RUN, SIGMA
+from blob_tracker.segmentation.frame_clock import age_of, FrameClock
 from blob_tracker.segmentation.glitter import bound, Glitter
+import numpy as np
 
 
 class CrowdedScene:
@@ -47,20 +49,21 @@ class CrowdedScene:
         count = sum(not each.rejected for each in everything)
         self._crowd.add(self._clock.frame, count, count)
         if everything:
-            self._judge(everything, shape)
+            self._judge(_widest(everything), shape)
 
-    def add(self, seen: Sequence[tuple[FlashTrack, Candidate]], shape: tuple[int, int]) -> None:
-        """Take what lit up in a whole frame of (h, w), each with its track."""
+    def add(self, seen: Array, shape: tuple[int, int]) -> None:
+        """Take what lit up in a whole frame of (h, w), a track of `FlashTrack` a row."""
+        new = (seen[:, FLASHES] == 1.0) & (seen[:, OUT_OF_STEP] == 0.0)
         self._crowd.add(
             self._clock.frame,
-            sum(track.flashes == 1 and not track.out_of_step for track, _ in seen),
-            sum(track.run < KNOWN_RUN for track, _ in seen),
+            int(np.count_nonzero(new)),
+            int(np.count_nonzero(seen[:, RUN] < KNOWN_RUN)),
         )
-        self._judge((each for _, each in seen), shape)
+        self._judge(float(seen[:, SIGMA].max(initial=0.0)), shape)
 
-    def _judge(self, lights: Iterable[Candidate], shape: tuple[int, int]) -> None:
-        """Tell whether the scene is dense, by the lights of a whole frame of (h, w)."""
-        self.dense = self._crowd.is_crowd and self._crowd.is_dense(shape, _widest(lights))
+    def _judge(self, sigma: float, shape: tuple[int, int]) -> None:
+        """Tell whether the scene is dense, by the widest light of a whole frame of (h, w)."""
+        self.dense = self._crowd.is_crowd and self._crowd.is_dense(shape, sigma)
 
     def add_beside(
         self, everything: Sequence[Candidate], shape: tuple[int, int], size: int,
@@ -121,7 +124,7 @@ class CrowdedScene:
         clock, glitter, least = self._clock, self._glitter, bound(self._crowd.passing)
         if target is not None:
             if glitter.empty:
-                glitter.begin_with(target, clock.frame - round(clock.age(target)), least)
+                glitter.begin_with(target, clock.frame - round(age_of(clock.values, target.stamp)), least)
             if expected is not None:
                 variance = (expected.gate_radius_px / GATE_SIGMA) ** 2
                 glitter.expect(clock.frame, expected.x, expected.y, variance)
@@ -156,7 +159,7 @@ class CrowdedScene:
         )
 
 
-def _widest(lights: Iterable[Candidate]) -> float:
+def _widest(lights: Sequence[Candidate]) -> float:
     """Return the greatest sigma of those that are not rejected, px."""
     return max(
         (math.hypot(each.sigma_x, each.sigma_y) for each in lights if not each.rejected),

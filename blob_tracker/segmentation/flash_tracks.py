@@ -1,226 +1,392 @@
-"""The tracks of all that lights up: which candidates go on with them, and which is followed."""
+"""The tracks of all that lights up: which lights go on with them, and which one is followed."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from heapq import nlargest
 import math
 
-from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.kernel import Array, kernel
+from blob_tracker.segmentation.companions import companion_at
 from blob_tracker.segmentation.crowd import MOST_FLASHES
-from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash_track import (
-    FLANK_SIGMA, FlashTrack, MAX_BRIGHTNESS_RATIO, offset_px_of, partners_of, PERIOD_FRAMES, Reach,
+    FIELDS, FLANK_SIGMA, FLASHES, gate_radius, HEIGHT, LIGHT_ALLOWED, MAX_BRIGHTNESS_RATIO,
+    offset_of, OUT_OF_STEP, place_of, reach_of, RUN, SEEN, SIGMA, TRUSTED, VX, VY, X, Y,
 )
-from blob_tracker.segmentation.frame_clock import FrameClock
+from blob_tracker.segmentation.frame_clock import (
+    age_of, in_step, is_due, is_phase_unknown, PERIOD_FRAMES, STAMP, STAMP_TOLERANCE_FRAMES,
+    stamp_before, tick,
+)
+import numpy as np
+from numpy.typing import NDArray
+
+Counts = NDArray[np.int64]
 
 MAX_AGE_FRAMES = 8  # frames without a flash after which a track ends
+MEMORY_FRAMES = 7200  # frames without it after which the target is forgotten
 # What is kept of a crowd, the strongest of it, so that its frames take a bounded time. Each of the
 # glints of a frame is on a track for 8 frames.
 MOST_LIGHTS, MOST_TRACKS = 128, 512
+MOST_SEEN = 512  # of a frame: those lights, and what else may be the target that is followed
+REGION_MARGIN_PX = 16  # px about the prediction, and as many sigma as FLANK_SIGMA says
 # Flashes of the target after which one that comes a frame late is still it
 ESTABLISHED_FLASHES = 3
-ROOT_2 = math.sqrt(2.0)
+# Places in the counts: how many tracks there are; which is followed, -1 where none is, and from
+# IN_SEEN on one of those that were seen in this frame and are not kept yet; for how many frames
+# one is followed; whether the target is known, whether it is that one, and whether that one only
+# stands in for it.
+NUMBER, LOCKED, LOCKED_FRAMES, KNOWN, IS_TARGET, STANDS_IN = range(6)
+IN_SEEN = MOST_TRACKS + MOST_SEEN
+OUT_OF_STEP_FLASHES = 2  # more flashes are asked of a light that was once seen out of step
+CERTAIN_FLASHES = MOST_FLASHES + OUT_OF_STEP_FLASHES  # are always enough, also of such a light
+# What becomes of a track that a light belongs to: it stays and the light is another one, it ends,
+# or the light goes on with it.
+ANOTHER, ENDS, GOES_ON = range(3)
 
 
-class FlashTracks:
+def no_tracks() -> tuple[Array, Counts]:
+    """Return the table of tracks, one of `FlashTrack` a row, and its counts; of nothing seen."""
+    counts = np.zeros(STANDS_IN + 1, np.int64)
+    counts[LOCKED] = -1
+    return np.empty((IN_SEEN, FIELDS)), counts
+
+
+@kernel
+def next_frame(
+    clock: Array, tracks: Array, counts: Counts, target: Array, stamp: float
+) -> None:
+    """Take the stamp of the next frame; what was not seen for too long ends."""
+    tick(clock, stamp)
+    oldest = stamp_before(clock, MAX_AGE_FRAMES)
+    for k in range(counts[NUMBER]):
+        if tracks[k, SEEN] < oldest:
+            ended = np.zeros(counts[NUMBER], np.bool_)
+            for other in range(k, counts[NUMBER]):
+                ended[other] = tracks[other, SEEN] < oldest
+            _end(tracks, counts, ended)
+            break
+    counts[LOCKED_FRAMES] = counts[LOCKED_FRAMES] + 1 if counts[LOCKED] >= 0 else 0
+    if counts[KNOWN] and target[SEEN] < stamp_before(clock, MEMORY_FRAMES):
+        counts[KNOWN], counts[IS_TARGET], counts[STANDS_IN] = 0, 0, 0
+
+
+@kernel
+def _end(tracks: Array, counts: Counts, ended: NDArray[np.bool_]) -> None:
+    """End tracks; where it is the one that is followed, none is from now on."""
+    kept, locked = 0, counts[LOCKED]
+    for k in range(counts[NUMBER]):
+        if k == locked and ended[k]:
+            counts[LOCKED], counts[IS_TARGET] = -1, 0
+        if not ended[k]:
+            if k == locked:
+                counts[LOCKED] = kept
+            if k > kept:
+                tracks[kept] = tracks[k]
+            kept += 1
+    counts[NUMBER] = kept
+
+
+@kernel
+def half_side(clock: Array, track: Array, expected: Array, gate_px: float) -> float:
+    """Return half the side of the region about the target that is followed, px."""
+    if expected[2] >= 0.0:
+        return REGION_MARGIN_PX + reach_of(track, clock, expected, gate_px)[2]
+    half = REGION_MARGIN_PX + gate_radius(track, gate_px, PERIOD_FRAMES)
+    age = age_of(clock, track[SEEN])
+    missed = math.ceil(age / PERIOD_FRAMES - STAMP_TOLERANCE_FRAMES) - 1
+    return half * 2.0 ** max(missed, 0)
+
+
+@kernel
+def region_about(
+    clock: Array, tracks: Array, counts: Counts, expected: Array, gate_px: float, height: int,
+    width: int,
+) -> tuple[int, int, int, int]:
+    """Return columns x0 to x1 and rows y0 to y1 of a frame in which the target can be."""
+    locked = counts[LOCKED]
+    if locked < 0 or tracks[locked, FLASHES] < 2.0:
+        return 0, 0, width, height
+    track = tracks[locked]
+    half = half_side(clock, track, expected, gate_px)
+    if 2.0 * half > min(height, width):
+        return 0, 0, width, height
+    x, y = place_of(track, clock, expected)
+    column = int(min(max(np.rint(x), 0.0), width - 1.0))
+    row = int(min(max(np.rint(y), 0.0), height - 1.0))
+    side = int(np.rint(half))
+    return (
+        max(column - side, 0), max(row - side, 0),
+        min(column + side + 1, width), min(row + side + 1, height),
+    )
+
+
+@kernel
+def is_missed(
+    clock: Array, track: Array, lights: Array, expected: Array, gate_px: float
+) -> bool:
+    """Tell whether a track's flash is due and none of the lights is it."""
+    if not is_due(clock, track[SEEN]):
+        return False
+    reach = reach_of(track, clock, expected, gate_px)
+    for i in range(lights.shape[0]):
+        if lights[i, LIGHT_ALLOWED] > 0.0 and offset_of(track, reach, lights[i]) < np.inf:
+            return False
+    return True
+
+
+@kernel
+def take(
+    clock: Array, tracks: Array, counts: Counts, target: Array, expected: Array, companions: Array,
+    lights: Array, gate_px: float, survey: bool,
+) -> Array:
     """
-    Carry the tracks on from frame to frame.
+    Return the tracks of the strongest lights of a frame, brought up to date or new.
 
-    Everything that lights up begins a track. A track goes on where something of like brightness
-    lights up two frames later, by the stamps, within the gate; what lights up one or three frames
-    later is out of step: a lamp on the mains.
+    A track goes on where something of like brightness lights up two frames later, by the stamps,
+    within the gate; what lights up one or three frames later is out of step: a lamp on the mains.
+    What goes on leaves the table, until `keep` puts it in again. A rejected light ends the tracks
+    that it is out of step with.
 
     Parameters
     ----------
+    clock, expected : (15,) and (3,) arrays
+        See `flash_track.reach_of`.
+    tracks, counts : (n, 11) and (6,) arrays
+        See `no_tracks`.
+    target : (11,) array
+        As it was last seen.
+    companions : (k, 3) array
+        See `Companions`.
+    lights : (m, 5) array
+        X, Y, SIGMA and HEIGHT of what lit up, and whether it is not rejected.
     gate_px : float
-        Greatest way of a light in the picture from one flash to the next, px.
-    clock : FrameClock
-        Of the frames that are taken.
+        Greatest way of a light from one flash to the next, px.
+    survey : bool
+        Whether these are other lights than that which is followed.
 
-    Attributes
-    ----------
-    locked : FlashTrack or None
-        The one that is followed.
-    expected : Expectation or None
-        Where that is expected in this frame, where somebody tells.
+    Returns
+    -------
+    (s, 12) array
+        Tracks, and the number of the light of each.
 
     """
-
-    def __init__(self, gate_px: float, clock: FrameClock) -> None:
-        self.locked: FlashTrack | None = None
-        self.expected: Expectation | None = None
-        self._gate_px = gate_px
-        self._clock = clock
-        self._tracks: dict[int, FlashTrack] = {}  # by their identity
-
-    def end_old(self) -> None:
-        """End those that have not been seen for too long, in this frame."""
-        oldest_ns = self._clock.stamp_before(MAX_AGE_FRAMES)
-        tracks = self._tracks
-        for track in tracks.values():
-            if track.stamp_ns < oldest_ns:
-                self._tracks = {
-                    key: each for key, each in tracks.items() if each.stamp_ns >= oldest_ns
-                }
-                break
-        if self.locked is not None and self.locked.stamp_ns < oldest_ns:
-            self.locked = None
-
-    def predicted_position(self, track: FlashTrack) -> tuple[float, float]:
-        """Return where a track is expected in this frame, px."""
-        if track is self.locked and self.expected is not None:
-            return self.expected.x, self.expected.y
-        return track.position_at(self._clock.age(track))
-
-    def reach(self, track: FlashTrack) -> Reach:
-        """Return where a track may go on in this frame."""
-        if track is self.locked and self.expected is not None:
-            expected = self.expected
-            radius = FLANK_SIGMA * track.sigma + expected.gate_radius_px
-            return Reach(track, expected.x, expected.y, radius)
-        age = self._clock.age(track)
-        x, y = track.position_at(age)
-        return Reach(track, x, y, track.gate_radius_px(self._gate_px, age))
-
-    def reaches(self, but: FlashTrack | None = None) -> dict[int, Reach]:
-        """Return where the tracks of earlier frames may go on, but for one of them."""
-        now_ns = self._clock.stamp_ns
-        found = {}
-        for key, track in self._tracks.items():
-            if track.stamp_ns != now_ns and track is not but:
-                found[key] = self.reach(track)
-        return found
-
-    def take(
-        self,
-        everything: Sequence[Candidate],
-        reaches: dict[int, Reach],
-        is_beside: Callable[[Candidate], object] | None = None,
-    ) -> list[tuple[FlashTrack, Candidate]]:
-        """
-        Return each of the strongest candidates with its track, brought up to date or new.
-
-        A new one is among the tracks from `keep` on. A rejected candidate ends the tracks that it
-        is out of step with.
-
-        Parameters
-        ----------
-        everything : sequence of Candidate
-            What lit up.
-        reaches : dict of int to Reach
-            Where tracks may go on, as `reaches` returns them.
-        is_beside : callable, optional
-            Tells whether a candidate is a light beside the one that is followed, and so is not
-            that.
-
-        """
-        candidates = []
-        for each in everything:
-            if not each.rejected:
-                candidates.append(each)
-            elif reaches:
-                self._mark_out_of_step(each, reaches)
-        if len(candidates) > MOST_LIGHTS:
-            candidates = self._strongest(candidates)
-        if not reaches:
-            return [(self._new(each), each) for each in candidates]
-        beside = set() if is_beside is None else {
-            index for index, each in enumerate(candidates) if is_beside(each)
-        }
-        partners = partners_of(candidates, reaches, beside, id(self.locked))
-        return [
-            (self._continued(each, partners.get(index)), each)
-            for index, each in enumerate(candidates)
-        ]
-
-    def keep(self, seen: Iterable[tuple[FlashTrack, Candidate]]) -> None:
-        """Keep the tracks of what was seen; forget those that are beyond the number kept."""
-        tracks = self._tracks
-        for track, _ in seen:
-            tracks[id(track)] = track
-        if len(tracks) > MOST_TRACKS:
-            kept = nlargest(
-                MOST_TRACKS, tracks.values(),
-                key=lambda each: (each is self.locked, each.flashes, each.height),
+    number, locked = counts[NUMBER], counts[LOCKED]
+    may_go_on = np.zeros(number, np.bool_)
+    ended = np.zeros(number, np.bool_)
+    reaches = np.empty((number, 3))
+    nowhere = np.full(3, -1.0)
+    for k in range(number):
+        if tracks[k, SEEN] != clock[STAMP] and not (survey and k == locked):
+            may_go_on[k] = True
+            reaches[k] = reach_of(
+                tracks[k], clock, expected if k == locked else nowhere, gate_px
             )
-            self._tracks = {id(each): each for each in kept}
+    for i in range(lights.shape[0]):
+        if lights[i, LIGHT_ALLOWED] == 0.0:
+            _mark_out_of_step(clock, tracks, locked, reaches, may_go_on, ended, lights[i])
+    chosen = _strongest(clock, tracks, locked, expected, lights, gate_px)
+    partners = _partners(
+        clock, tracks, counts, target, expected, companions, lights, chosen, reaches, may_go_on,
+        gate_px,
+    )
+    seen = np.zeros((chosen.size, FIELDS + 1))
+    following = -1
+    for s in range(chosen.size):
+        row, light, k = seen[s], lights[chosen[s]], partners[s]
+        row[X], row[Y], row[SIGMA], row[HEIGHT] = light[X], light[Y], light[SIGMA], light[HEIGHT]
+        row[SEEN], row[FLASHES], row[RUN], row[FIELDS] = clock[STAMP], 1.0, 1.0, chosen[s]
+        if k < 0:
+            continue
+        going_on = _go_on(clock, tracks[k], row, k == locked)
+        ended[k] = going_on != ANOTHER
+        if k == locked and going_on == GOES_ON:
+            following = s
+    _end(tracks, counts, ended)
+    if following >= 0:
+        counts[LOCKED] = IN_SEEN + following
+    return seen
 
-    def keep_alone(self, *tracks: FlashTrack) -> None:
-        """Forget all other tracks."""
-        self._tracks = {id(each): each for each in tracks}
 
-    def in_run(self, least: int) -> list[FlashTrack]:
-        """Return those in step that flash in this frame, but for the one that is followed."""
-        now_ns = self._clock.stamp_ns
-        return [
-            each for each in self._tracks.values()
-            if each is not self.locked
-            and each.stamp_ns == now_ns
-            and each.run >= least
-            and not each.out_of_step
-        ]
+@kernel
+def _mark_out_of_step(
+    clock: Array, tracks: Array, locked: int, reaches: Array, may_go_on: NDArray[np.bool_],
+    ended: NDArray[np.bool_], light: Array,
+) -> None:
+    """Mark the young track that is followed, and end all others, where it is out of step."""
+    for k in range(may_go_on.size):
+        track = tracks[k]
+        if (
+            may_go_on[k]
+            and math.hypot(light[X] - reaches[k, 0], light[Y] - reaches[k, 1])
+            < FLANK_SIGMA * (track[SIGMA] + 1.0)
+            and track[FLASHES] < MOST_FLASHES
+            and not in_step(clock, track[SEEN])
+            and track[HEIGHT] < MAX_BRIGHTNESS_RATIO * light[HEIGHT]
+        ):
+            track[OUT_OF_STEP] = 1.0
+            if k != locked:
+                may_go_on[k], ended[k] = False, True
 
-    def _strongest(self, candidates: list[Candidate]) -> list[Candidate]:
-        """Return the highest of a crowd, and what may be the target that is followed."""
-        reach = None if self.locked is None else self.reach(self.locked)
-        ordered = sorted(candidates, key=lambda each: -each.height)
-        return ordered[:MOST_LIGHTS] + [
-            each for each in ordered[MOST_LIGHTS:]
-            if reach is not None and offset_px_of(reach, each) < math.inf
-        ]
 
-    def _new(self, candidate: Candidate) -> FlashTrack:
-        """Return the track that begins with a candidate."""
-        stamp_ns = self._clock.stamp_ns
-        assert stamp_ns is not None
-        sigma = math.hypot(candidate.sigma_x, candidate.sigma_y) / ROOT_2
-        return FlashTrack(candidate.x, candidate.y, sigma, candidate.height, stamp_ns)
+@kernel
+def _strongest(
+    clock: Array, tracks: Array, locked: int, expected: Array, lights: Array, gate_px: float
+) -> NDArray[np.int64]:
+    """Return which lights are the highest of a crowd, or may be the target that is followed."""
+    allowed = np.flatnonzero(lights[:, LIGHT_ALLOWED] > 0.0)
+    if allowed.size <= MOST_LIGHTS:
+        return allowed
+    allowed = allowed[np.argsort(-lights[allowed, HEIGHT], kind='mergesort')]
+    count = MOST_LIGHTS
+    if locked >= 0:
+        reach = reach_of(tracks[locked], clock, expected, gate_px)
+        for i in allowed[MOST_LIGHTS:]:
+            if count < MOST_SEEN and offset_of(tracks[locked], reach, lights[i]) < np.inf:
+                allowed[count] = i
+                count += 1
+    return allowed[:count]
 
-    def _continued(self, candidate: Candidate, nearest: FlashTrack | None) -> FlashTrack:
-        """Return a track brought up to date by the candidate that belongs to it; or a new one."""
-        new = self._new(candidate)
-        if nearest is None:
-            return new
-        clock = self._clock
-        age, unknown = clock.age(nearest), clock.is_phase_unknown(nearest)
-        if not clock.in_step(nearest):
-            if nearest.flashes >= MOST_FLASHES and age < PERIOD_FRAMES:
-                return new  # right after a flash that was expected: something else
-            established = nearest.flashes >= ESTABLISHED_FLASHES
-            if nearest is self.locked and established and age > PERIOD_FRAMES:
-                # It missed its flash and comes a frame late: the light slipped.
-                new.trusted = True
-                self._replace(nearest, new)
-                return new
-            new.out_of_step = True
-            self._replace(nearest, None)
-            return new
-        new.velocity_x = (new.x - nearest.x) / age
-        new.velocity_y = (new.y - nearest.y) / age
-        new.flashes = nearest.flashes + 1
-        new.run = 1 if round(age) > PERIOD_FRAMES + unknown else nearest.run + 1
-        new.out_of_step = nearest.out_of_step
-        new.trusted = nearest.trusted
-        self._replace(nearest, new)
-        return new
 
-    def _replace(self, track: FlashTrack, by: FlashTrack | None) -> None:
-        """End a track; where it was the one that is followed, another is from now on, or none."""
-        if track is self.locked:
-            self.locked = by
-        del self._tracks[id(track)]
+@kernel
+def _partners(
+    clock: Array, tracks: Array, counts: Counts, target: Array, expected: Array, companions: Array,
+    lights: Array, chosen: NDArray[np.int64], reaches: Array, may_go_on: NDArray[np.bool_],
+    gate_px: float,
+) -> NDArray[np.int64]:
+    """
+    Return the tracks that lights belong to, -1 for none; the nearest pairs first.
 
-    def _mark_out_of_step(self, candidate: Candidate, reaches: dict[int, Reach]) -> None:
-        """Mark the young track that is followed, and end all others, where it is out of step."""
-        for track, x, y, _ in list(reaches.values()):
-            if (
-                math.hypot(candidate.x - x, candidate.y - y) < FLANK_SIGMA * (track.sigma + 1.0)
-                and track.flashes < MOST_FLASHES
-                and not self._clock.in_step(track)
-                and track.height < MAX_BRIGHTNESS_RATIO * candidate.height
-            ):
-                track.out_of_step = True
-                if track is not self.locked:
-                    self._replace(track, None)
-                    del reaches[id(track)]
+    What flashes beside the target does not belong to its track.
+    """
+    locked = counts[LOCKED]
+    partners = np.full(chosen.size, -1)
+    most = chosen.size * np.count_nonzero(may_go_on)
+    away, pairs = np.empty(most), np.empty((most, 2), np.int64)
+    count = 0
+    for s in range(chosen.size):
+        light = lights[chosen[s]]
+        for k in range(may_go_on.size):
+            if not may_go_on[k]:
+                continue
+            reach = reaches[k, 0], reaches[k, 1], reaches[k, 2]
+            offset = offset_of(tracks[k], reach, light)
+            if offset == np.inf or (k == locked and _is_beside(
+                clock, counts, target, expected, companions, light, gate_px
+            )):
+                continue
+            away[count], pairs[count, 0], pairs[count, 1] = offset, s, k
+            count += 1
+    taken = np.zeros(may_go_on.size, np.bool_)
+    for pair in np.argsort(away[:count], kind='mergesort'):
+        s, k = pairs[pair]
+        if partners[s] < 0 and not taken[k]:
+            partners[s], taken[k] = k, True
+    return partners
+
+
+@kernel
+def _is_beside(
+    clock: Array, counts: Counts, target: Array, expected: Array, companions: Array, light: Array,
+    gate_px: float,
+) -> bool:
+    """Tell whether a light is one of those that flash beside the target."""
+    if companions.shape[0] == 0 or not counts[KNOWN] or counts[STANDS_IN]:
+        return False
+    return companion_at(
+        companions, target, counts[IS_TARGET] == 1, clock, expected, light[X], light[Y],
+        light[HEIGHT], gate_px,
+    ) >= 0
+
+
+@kernel
+def _go_on(clock: Array, track: Array, row: Array, followed: bool) -> int:
+    """Bring a track up to date by the light that belongs to it, in its new row."""
+    age, phase_unknown = age_of(clock, track[SEEN]), is_phase_unknown(clock, track[SEEN])
+    if not in_step(clock, track[SEEN]):
+        if track[FLASHES] >= MOST_FLASHES and age < PERIOD_FRAMES:
+            return ANOTHER  # right after a flash that was expected
+        if followed and track[FLASHES] >= ESTABLISHED_FLASHES and age > PERIOD_FRAMES:
+            # It missed its flash and comes a frame late: the light slipped.
+            row[TRUSTED] = 1.0
+            return GOES_ON
+        row[OUT_OF_STEP] = 1.0
+        return ENDS
+    row[VX], row[VY] = (row[X] - track[X]) / age, (row[Y] - track[Y]) / age
+    row[FLASHES] = track[FLASHES] + 1.0
+    missed = np.rint(age) > PERIOD_FRAMES + phase_unknown
+    row[RUN] = 1.0 if missed else track[RUN] + 1.0
+    row[OUT_OF_STEP], row[TRUSTED] = track[OUT_OF_STEP], track[TRUSTED]
+    return GOES_ON
+
+
+@kernel
+def see(
+    clock: Array, tracks: Array, counts: Counts, target: Array, expected: Array, companions: Array,
+    lights: Array, gate_px: float, alone: bool, agreed: bool,
+) -> tuple[Array, int]:
+    """
+    Take the lights of a frame; where the target that is followed is among them, follow it.
+
+    Parameters
+    ----------
+    clock, tracks, counts, target, expected, companions, lights, gate_px
+        Those of `take`.
+    alone : bool
+        Whether nothing else speaks against a light that is the only one.
+    agreed : bool
+        Whether it has to be asked whether it is the one that is agreed on, before it is followed.
+
+    Returns
+    -------
+    seen : (s, 12) array
+        What `take` returns, with what is trusted.
+    target : int
+        Which of these is the target; -1 where that is still to be told, and `keep` to be called.
+
+    """
+    seen = take(
+        clock, tracks, counts, target, expected, companions, lights, gate_px, False
+    )
+    for s in range(seen.shape[0]):
+        trusted = (seen[s, TRUSTED] > 0.0 or alone) and seen[s, OUT_OF_STEP] == 0.0
+        seen[s, TRUSTED] = 1.0 if trusted else 0.0
+    s = counts[LOCKED] - IN_SEEN
+    if s < 0 or agreed or not (seen[s, TRUSTED] > 0.0 or seen[s, FLASHES] >= CERTAIN_FLASHES):
+        return seen, -1
+    keep(tracks, counts, target, seen, s)
+    return seen, s
+
+
+@kernel
+def keep(tracks: Array, counts: Counts, target: Array, seen: Array, best: int) -> None:
+    """
+    Put the tracks of what was seen into the table, and follow one of them, or none for -1.
+
+    What is followed is the target, or stands in for it. What is beyond the number of tracks that
+    are kept is forgotten.
+    """
+    number = counts[NUMBER]
+    if counts[LOCKED] >= IN_SEEN:
+        counts[LOCKED] += number - IN_SEEN
+    for s in range(seen.shape[0]):
+        tracks[number + s] = seen[s, :FIELDS]
+    counts[NUMBER] = number + seen.shape[0]
+    if best >= 0:
+        follow(tracks, counts, target, number + best)
+    number = counts[NUMBER]
+    if number > MOST_TRACKS:
+        # By how often they flashed; of as many flashes the brightest.
+        rank = tracks[:number, FLASHES] + 1e-6 * tracks[:number, HEIGHT]
+        if counts[LOCKED] >= 0:
+            rank[counts[LOCKED]] = np.inf
+        ended = np.zeros(number, np.bool_)
+        for k in np.argsort(-rank, kind='mergesort')[MOST_TRACKS:]:
+            ended[k] = True
+        _end(tracks, counts, ended)
+
+
+@kernel
+def follow(tracks: Array, counts: Counts, target: Array, k: int) -> None:
+    """Follow a track of the table from this frame on; it is the target, or stands in for it."""
+    counts[LOCKED], counts[IS_TARGET] = k, 0
+    if not counts[STANDS_IN]:
+        target[:] = tracks[k]
+        counts[KNOWN], counts[IS_TARGET] = 1, 1
