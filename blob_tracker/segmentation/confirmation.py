@@ -11,7 +11,7 @@ from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.crowded_scene import CrowdedScene
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash_memory import FlashMemory, ROOT_2
-from blob_tracker.segmentation.flash_track import FIELDS, FlashTrack
+from blob_tracker.segmentation.flash_track import FIELDS, FLASHES, FlashTrack, OUT_OF_STEP, TRUSTED
 from blob_tracker.segmentation.flash_tracks import CERTAIN_FLASHES, OUT_OF_STEP_FLASHES
 
 FIRST_PAIRS = 3  # pairs of frames in which a single light is taken for the target at once
@@ -180,7 +180,9 @@ class Confirmation:
         if best < 0:
             if agreed is not None:
                 followed, _ = memory.among(seen)
-                if followed >= 0 and self._elsewhere(_track(seen, followed)):
+                if followed >= 0 and self._elsewhere(
+                    everything[int(seen[followed, FIELDS])]
+                ):
                     memory.lose()
             if not memory.locked:
                 scene.add(seen, shape)
@@ -202,15 +204,14 @@ class Confirmation:
         followed, due = self._memory.among(seen)
         needed = 0  # not before it is asked for
         best, highest = -1, -math.inf
-        for s in range(len(seen)):
-            track = _track(seen, s)
-            if not track.trusted and track.flashes < CERTAIN_FLASHES:
+        for s, row in enumerate(seen.tolist()):
+            if not row[TRUSTED] and row[FLASHES] < CERTAIN_FLASHES:
                 needed = needed or self._scene.flashes_needed(shape)
-                if track.flashes < needed + OUT_OF_STEP_FLASHES * track.out_of_step:
+                if row[FLASHES] < needed + OUT_OF_STEP_FLASHES * row[OUT_OF_STEP]:
                     continue
             if s == followed:
                 return s
-            candidate = everything[int(seen[s, FIELDS])]
+            candidate = everything[int(row[FIELDS])]
             if not due or self._elsewhere(candidate):
                 continue
             why = self._memory.why_to_wait(candidate)
@@ -303,8 +304,3 @@ class Confirmation:
             others = [locked if each is brightest else each for each in others]
             memory.exchange(brightest)
         memory.learn(others)
-
-
-def _track(seen: Array, s: int) -> FlashTrack:
-    """Return one of the tracks that were seen."""
-    return FlashTrack(*seen[s, :FIELDS].tolist())

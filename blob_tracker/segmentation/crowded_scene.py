@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 import math
 
-from blob_tracker.kernel import Array
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.crowd import Crowd, KNOWN_RUN, MOST_FLASHES
 from blob_tracker.segmentation.expectation import Expectation, GATE_SIGMA
 from blob_tracker.segmentation.flash_track import FLASHES, FlashTrack, OUT_OF_STEP, RUN, SIGMA
 from blob_tracker.segmentation.frame_clock import age_of, FrameClock
 from blob_tracker.segmentation.glitter import bound, Glitter
-import numpy as np
 
 
 class CrowdedScene:
@@ -53,13 +52,9 @@ class CrowdedScene:
 
     def add(self, seen: Array, shape: tuple[int, int]) -> None:
         """Take what lit up in a whole frame of (h, w), a track of `FlashTrack` a row."""
-        new = (seen[:, FLASHES] == 1.0) & (seen[:, OUT_OF_STEP] == 0.0)
-        self._crowd.add(
-            self._clock.frame,
-            int(np.count_nonzero(new)),
-            int(np.count_nonzero(seen[:, RUN] < KNOWN_RUN)),
-        )
-        self._judge(float(seen[:, SIGMA].max(initial=0.0)), shape)
+        new, passing, sigma = _counted(seen)
+        self._crowd.add(self._clock.frame, new, passing)
+        self._judge(sigma, shape)
 
     def _judge(self, sigma: float, shape: tuple[int, int]) -> None:
         """Tell whether the scene is dense, by the widest light of a whole frame of (h, w)."""
@@ -165,3 +160,14 @@ def _widest(lights: Sequence[Candidate]) -> float:
         (math.hypot(each.sigma_x, each.sigma_y) for each in lights if not each.rejected),
         default=0.0,
     ) / math.sqrt(2.0)
+
+
+@kernel
+def _counted(seen: Array) -> tuple[int, int, float]:
+    """Return how many lights are new, how many pass, and the greatest sigma, px."""
+    new, passing, sigma = 0, 0, 0.0
+    for s in range(seen.shape[0]):
+        new += seen[s, FLASHES] == 1.0 and seen[s, OUT_OF_STEP] == 0.0
+        passing += seen[s, RUN] < KNOWN_RUN
+        sigma = max(sigma, seen[s, SIGMA])
+    return new, passing, sigma

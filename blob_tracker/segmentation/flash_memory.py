@@ -143,7 +143,7 @@ class FlashMemory:
 
     def keep(self, seen: Array, best: int) -> None:
         """Keep the tracks of what was seen, and follow one of them, or none for -1."""
-        if best >= 0 and not self.locked:
+        if best >= 0 and self._counts.item(KNOWN) and not self.locked:
             self._meet(FlashTrack(*seen[best, :FIELDS].tolist()))
         keep(self._tracks, self._counts, self._target, seen, best)
 
@@ -152,7 +152,7 @@ class FlashMemory:
         if track is None:
             self._counts[NUMBER], self._counts[LOCKED], self._counts[IS_TARGET] = 0, -1, 0
             return
-        if not self.locked:
+        if self._counts.item(KNOWN) and not self.locked:
             self._meet(track)
         self._tracks[0], self._counts[NUMBER] = track, 1
         follow(self._tracks, self._counts, self._target, 0)
@@ -178,12 +178,10 @@ class FlashMemory:
 
     def _meet(self, track: FlashTrack) -> None:
         """See what a light is to the target that was lost, before it is followed."""
-        counts, target = self._counts, FlashTrack(*self._target.tolist())
-        if not counts.item(KNOWN):
-            return
+        target = FlashTrack(*self._target.tolist())
         gone = age_of(self.clock.values, target.stamp) > MAX_AGE_FRAMES
         if gone and self.beside(track) >= 0:
-            counts[STANDS_IN] = 1
+            self._counts[STANDS_IN] = 1
         elif not self.stands_in and math.hypot(
             track.x - target.x, track.y - target.y
         ) > 2.0 * self._gate_px:
@@ -262,10 +260,12 @@ class FlashMemory:
 
 def lights_of(everything: Sequence[Candidate]) -> Array:
     """Return (n, 5) place, sigma and height of what lit up, and whether it is not rejected."""
+    if not everything:
+        return np.empty((0, 5))
     return np.array([
         (
             each.x, each.y, math.hypot(each.sigma_x, each.sigma_y) / ROOT_2, each.height,
             0.0 if each.rejected else 1.0,
         )
         for each in everything
-    ]).reshape(-1, 5)
+    ])
