@@ -203,7 +203,7 @@ class Confirmation:
         """Return which of the tracks of a frame is the target; -1 where none flashed enough."""
         followed, due = self._memory.among(seen)
         needed = 0  # not before it is asked for
-        best, highest = -1, -math.inf
+        best, best_light = -1, None
         for s, row in enumerate(seen.tolist()):
             if not row[TRUSTED] and row[FLASHES] < CERTAIN_FLASHES:
                 needed = needed or self._scene.flashes_needed(shape)
@@ -215,11 +215,10 @@ class Confirmation:
             if not due or self._elsewhere(candidate):
                 continue
             why = self._memory.why_to_wait(candidate)
-            rank = self._rank(candidate)
             if why:
                 self.reason = why
-            elif best < 0 or rank > highest:
-                best, highest = s, rank
+            elif best_light is None or self._rank(candidate) > self._rank(best_light):
+                best, best_light = s, candidate
         return best
 
     def _rank(self, candidate: Candidate) -> float:

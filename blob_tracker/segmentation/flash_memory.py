@@ -230,7 +230,7 @@ class FlashMemory:
 
     def why_to_wait(self, candidate: Candidate) -> str:
         """Say why a light is not taken: the target, beside which it flashes, may come back."""
-        if not (len(self.companions.lights) and self._counts.item(KNOWN)):
+        if not (self._counts.item(KNOWN) and len(self.companions.lights)):
             return ''
         target = FlashTrack(*self._target.tolist())
         age = age_of(self.clock.values, target.stamp)

@@ -130,11 +130,13 @@ def search(
     if unit != 1.0:
         table[:, IN_DN] *= unit
         level, noise, strongest = unit * level, unit * noise, unit * strongest
-    judged = tuple([_judged(row, followed, min_snr) for row in table.tolist()])
-    if len(judged) > 1:
-        judged = without_glows(judged)
-    if judged:
-        judged = with_clipping(contrast, judged)
+    judged: tuple[Candidate, ...] = ()
+    if len(table) > 0:
+        judged = tuple([_judged(row, followed, min_snr) for row in table.tolist()])
+        if len(judged) > 1:
+            judged = without_glows(judged)
+        if any([each.rejected for each in judged]):
+            judged = with_clipping(contrast, judged)
     # Near a target that is followed its own glow may be all over.
     if paired and not followed and (
         level > LEAST_FLOOD_DN or unit * step > max(LEAST_FLOOD_DN, brightness)

@@ -274,10 +274,9 @@ class Segmenter:
     def _window(self, contrast: Contrast, candidate: Candidate) -> Box | None:
         """Return the window of the target, or None with the reason why there is none."""
         box = self.threshold(contrast, candidate, self.max_blob)
-        if box is None or max(box.x1 - box.x0, box.y1 - box.y0) > 2 * self.max_blob + 1:
-            self.reason = (
-                f'what lit up is no blob of at most {2 * self.max_blob + 1} px (max_blob)'
-            )
+        most = 2 * self.max_blob + 1
+        if box is None or box.x1 - box.x0 > most or box.y1 - box.y0 > most:
+            self.reason = f'what lit up is no blob of at most {most} px (max_blob)'
             return None
         if box.cut_through(*candidate.peak, contrast.shape):
             self.reason = "the target is cut by the frame's edge"
