@@ -10,8 +10,10 @@ from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.crowded_scene import CrowdedScene
 from blob_tracker.segmentation.expectation import Expectation
-from blob_tracker.segmentation.flash_memory import FlashMemory, ROOT_2
-from blob_tracker.segmentation.flash_track import FIELDS, FLASHES, FlashTrack, OUT_OF_STEP, TRUSTED
+from blob_tracker.segmentation.flash_memory import FlashMemory
+from blob_tracker.segmentation.flash_track import (
+    FIELDS, FLASHES, FlashTrack, OUT_OF_STEP, ROOT_2, TRUSTED,
+)
 from blob_tracker.segmentation.flash_tracks import CERTAIN_FLASHES, OUT_OF_STEP_FLASHES
 
 FIRST_PAIRS = 3  # pairs of frames in which a single light is taken for the target at once

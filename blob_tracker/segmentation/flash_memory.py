@@ -11,7 +11,8 @@ from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.companions import companion_at, Companions
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash_track import (
-    FIELDS, FLANK_SIGMA, FlashTrack, FLASHES, offset_of, OUT_OF_STEP, reach_of, RUN, SEEN,
+    FIELDS, FLANK_SIGMA, FlashTrack, FLASHES, lights_in, offset_of, OUT_OF_STEP, reach_of,
+    rows_of, RUN, SEEN,
 )
 from blob_tracker.segmentation.flash_tracks import (
     follow, half_side, IN_SEEN, IS_TARGET, is_missed, keep, KNOWN, LOCKED, LOCKED_FRAMES,
@@ -22,7 +23,6 @@ import numpy as np
 
 # Frames without the target (1 s at 60 a second) after which another light in step is taken for it
 PATIENCE_FRAMES = 60
-ROOT_2 = math.sqrt(2.0)
 
 
 class FlashMemory:
@@ -128,7 +128,7 @@ class FlashMemory:
     def is_missed(self, everything: Sequence[Candidate]) -> bool:
         """Tell whether the light that is followed is due and not among what lit up."""
         return is_missed(
-            self.clock.values, self._tracks[self._counts.item(LOCKED)], lights_of(everything),
+            self.clock.values, self._tracks[self._counts.item(LOCKED)], rows_of(everything),
             self._expected, self._gate_px,
         )
 
@@ -138,7 +138,7 @@ class FlashMemory:
         """Take what lit up, see `flash_tracks.see`."""
         return see(
             self.clock.values, self._tracks, self._counts, self._target, self._expected,
-            self.companions.lights, lights_of(everything), self._gate_px, alone, agreed,
+            self.companions.lights, rows_of(everything), self._gate_px, alone, agreed,
         )
 
     def keep(self, seen: Array, best: int) -> None:
@@ -191,7 +191,7 @@ class FlashMemory:
         """Take what lit up beside the light that is followed."""
         seen = take(
             self.clock.values, self._tracks, self._counts, self._target, self._expected,
-            self.companions.lights, lights_of(everything), self._gate_px, True,
+            self.companions.lights, rows_of(everything), self._gate_px, True,
         )
         keep(self._tracks, self._counts, self._target, seen, -1)
 
@@ -255,17 +255,4 @@ class FlashMemory:
         else:
             radius = FLANK_SIGMA * target.sigma
             reach = target.x, target.y, radius + self._gate_px * max(age / PERIOD_FRAMES, 1.0)
-        return offset_of(self._target, reach, lights_of([candidate])[0]) < math.inf
-
-
-def lights_of(everything: Sequence[Candidate]) -> Array:
-    """Return (n, 5) place, sigma and height of what lit up, and whether it is not rejected."""
-    if not everything:
-        return np.empty((0, 5))
-    return np.array([
-        (
-            each.x, each.y, math.hypot(each.sigma_x, each.sigma_y) / ROOT_2, each.height,
-            0.0 if each.rejected else 1.0,
-        )
-        for each in everything
-    ])
+        return offset_of(self._target, reach, lights_in(rows_of([candidate]))[0]) < math.inf

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 import math
 from typing import NamedTuple
 
 from blob_tracker.kernel import Array, kernel
+from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.frame_clock import age_of, PERIOD_FRAMES
 import numpy as np
 
 FOLLOWED_GATE_FRACTION = 0.3  # of the gate: what is left to chance once the motion is known
 FLANK_SIGMA = 4.0  # sigma: a wide blob's peak wanders so far
+ROOT_2 = math.sqrt(2.0)
 MAX_BRIGHTNESS_RATIO = 2.5  # times brighter or fainter than before, and still the same light
 
 
@@ -54,7 +57,29 @@ class FlashTrack(NamedTuple):
 X, Y, SIGMA, HEIGHT, SEEN, FLASHES, RUN, VX, VY, OUT_OF_STEP, TRUSTED = range(11)
 FIELDS = 11
 # Columns of a light in a frame: those of a new track, and whether it is not rejected.
-LIGHT_ALLOWED = 4
+ALLOWED, LIGHT_FIELDS = 4, 5
+
+# Of a candidate: what goes into a light's row stands in these columns.
+CANDIDATE_FIELDS = Candidate._fields.index('height') + 1
+
+
+def rows_of(candidates: Sequence[Candidate]) -> Array:
+    """Return (n, 13) fields of candidates up to the height, and whether they are not rejected."""
+    if not candidates:
+        return np.empty((0, CANDIDATE_FIELDS + 1))
+    return np.array([(*each[:CANDIDATE_FIELDS], not each.rejected) for each in candidates])
+
+
+@kernel
+def lights_in(rows: Array) -> Array:
+    """Return (n, 5) X, Y, SIGMA, HEIGHT and ALLOWED of what `rows_of` returns."""
+    lights = np.empty((rows.shape[0], LIGHT_FIELDS))
+    for i in range(rows.shape[0]):
+        row, light = rows[i], lights[i]
+        light[X], light[Y] = row[0], row[1]
+        light[SIGMA] = math.hypot(row[2], row[3]) / ROOT_2
+        light[HEIGHT], light[ALLOWED] = row[CANDIDATE_FIELDS - 1], row[CANDIDATE_FIELDS]
+    return lights
 
 
 @kernel

@@ -8,7 +8,7 @@ from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.companions import companion_at
 from blob_tracker.segmentation.crowd import MOST_FLASHES
 from blob_tracker.segmentation.flash_track import (
-    FIELDS, FLANK_SIGMA, FLASHES, gate_radius, HEIGHT, LIGHT_ALLOWED, MAX_BRIGHTNESS_RATIO,
+    ALLOWED, FIELDS, FLANK_SIGMA, FLASHES, gate_radius, HEIGHT, lights_in, MAX_BRIGHTNESS_RATIO,
     offset_of, OUT_OF_STEP, place_of, reach_of, RUN, SEEN, SIGMA, TRUSTED, VX, VY, X, Y,
 )
 from blob_tracker.segmentation.frame_clock import (
@@ -120,14 +120,14 @@ def region_about(
 
 @kernel
 def is_missed(
-    clock: Array, track: Array, lights: Array, expected: Array, gate_px: float
+    clock: Array, track: Array, rows: Array, expected: Array, gate_px: float
 ) -> bool:
-    """Tell whether a track's flash is due and none of the lights is it."""
+    """Tell whether a track's flash is due and nothing that lit up is it, see `rows_of`."""
     if not is_due(clock, track[SEEN]):
         return False
-    reach = reach_of(track, clock, expected, gate_px)
+    reach, lights = reach_of(track, clock, expected, gate_px), lights_in(rows)
     for i in range(lights.shape[0]):
-        if lights[i, LIGHT_ALLOWED] > 0.0 and offset_of(track, reach, lights[i]) < np.inf:
+        if lights[i, ALLOWED] > 0.0 and offset_of(track, reach, lights[i]) < np.inf:
             return False
     return True
 
@@ -135,7 +135,7 @@ def is_missed(
 @kernel
 def take(
     clock: Array, tracks: Array, counts: Counts, target: Array, expected: Array, companions: Array,
-    lights: Array, gate_px: float, survey: bool,
+    rows: Array, gate_px: float, survey: bool,
 ) -> Array:
     """
     Return the tracks of the strongest lights of a frame, brought up to date or new.
@@ -155,8 +155,8 @@ def take(
         As it was last seen.
     companions : (k, 3) array
         See `Companions`.
-    lights : (m, 5) array
-        X, Y, SIGMA and HEIGHT of what lit up, and whether it is not rejected.
+    rows : (m, 13) array
+        What lit up, see `flash_track.rows_of`.
     gate_px : float
         Greatest way of a light from one flash to the next, px.
     survey : bool
@@ -169,6 +169,7 @@ def take(
 
     """
     number, locked = counts[NUMBER], counts[LOCKED]
+    lights = lights_in(rows)
     may_go_on = np.zeros(number, np.bool_)
     ended = np.zeros(number, np.bool_)
     reaches = np.empty((number, 3))
@@ -180,7 +181,7 @@ def take(
                 tracks[k], clock, expected if k == locked else nowhere, gate_px
             )
     for i in range(lights.shape[0]):
-        if lights[i, LIGHT_ALLOWED] == 0.0:
+        if lights[i, ALLOWED] == 0.0:
             _mark_out_of_step(clock, tracks, locked, reaches, may_go_on, ended, lights[i])
     chosen = _strongest(clock, tracks, locked, expected, lights, gate_px)
     partners = _partners(
@@ -231,7 +232,7 @@ def _strongest(
     clock: Array, tracks: Array, locked: int, expected: Array, lights: Array, gate_px: float
 ) -> NDArray[np.int64]:
     """Return which lights are the highest of a crowd, or may be the target that is followed."""
-    allowed = np.flatnonzero(lights[:, LIGHT_ALLOWED] > 0.0)
+    allowed = np.flatnonzero(lights[:, ALLOWED] > 0.0)
     if allowed.size <= MOST_LIGHTS:
         return allowed
     allowed = allowed[np.argsort(-lights[allowed, HEIGHT], kind='mergesort')]
@@ -320,14 +321,14 @@ def _go_on(clock: Array, track: Array, row: Array, followed: bool) -> int:
 @kernel
 def see(
     clock: Array, tracks: Array, counts: Counts, target: Array, expected: Array, companions: Array,
-    lights: Array, gate_px: float, alone: bool, agreed: bool,
+    rows: Array, gate_px: float, alone: bool, agreed: bool,
 ) -> tuple[Array, int]:
     """
     Take the lights of a frame; where the target that is followed is among them, follow it.
 
     Parameters
     ----------
-    clock, tracks, counts, target, expected, companions, lights, gate_px
+    clock, tracks, counts, target, expected, companions, rows, gate_px
         Those of `take`.
     alone : bool
         Whether nothing else speaks against a light that is the only one.
@@ -343,7 +344,7 @@ def see(
 
     """
     seen = take(
-        clock, tracks, counts, target, expected, companions, lights, gate_px, False
+        clock, tracks, counts, target, expected, companions, rows, gate_px, False
     )
     for s in range(seen.shape[0]):
         trusted = (seen[s, TRUSTED] > 0.0 or alone) and seen[s, OUT_OF_STEP] == 0.0
