@@ -10,7 +10,7 @@ from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.compression import compression_noise
 from blob_tracker.segmentation.contrast import Contrast
-from blob_tracker.segmentation.dead_pixels import mark_dead
+from blob_tracker.segmentation.dead_pixels import cut_out
 from blob_tracker.segmentation.history import FrameError
 from blob_tracker.types import Frame, Glimpse, Pixels, Window
 import numpy as np
@@ -148,30 +148,33 @@ def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
     unlit: list[Pixels] = []
     seen_ns = 0
     for pair in pairs:
-        for image in pair.lit:
+        paired = min(len(pair.lit), len(pair.unlit))
+        for image, dark in zip(pair.lit[:paired], pair.unlit[:paired]):
+            above, below = cut_out(
+                image, dark, left, top, right, bottom, frame.saturation, pair.noise
+            )
+            lit.append(above)
+            unlit.append(below)
+        for image in pair.lit[paired:]:
             lit.append(image[top:bottom, left:right].copy())
-        for image in pair.unlit:
-            dark = image[top:bottom, left:right].copy()
-            mark_dead(lit[len(unlit)], dark, frame.saturation, pair.noise)
-            unlit.append(dark)
         seen_ns += pair.frame.stamp_ns - begun_ns + pair.tau_ns
     stamp_ns = first_ns + seen_ns // len(pairs)
     if line_ns:
         stamp_ns += round(line_ns * (0.5 * (top + bottom - 1)))  # of the middle line
-    looks, saturation, paired = len(lit), frame.sample_saturation, len(unlit) == len(lit)
+    looks, saturation, has_unlit = len(lit), frame.sample_saturation, len(unlit) == len(lit)
     # No message says where linear pixels clip, and a locator without the response would not know.
     if looks > 1 or frame.raw_steps is not None:
-        above = sum_frames(lit, saturation)
-        below = sum_frames(unlit, saturation) if paired else None
+        whole_lit = sum_frames(lit, saturation)
+        whole_unlit = sum_frames(unlit, saturation) if has_unlit else None
         saturation = FULL_SCALE_DN
     else:
-        above, below = lit[0], unlit[0] if paired else None
+        whole_lit, whole_unlit = lit[0], unlit[0] if has_unlit else None
     glimpse = candidate.glimpse
     if glimpse is not None:
         glimpse = _on_sensor(glimpse, frame) if len(pairs) == 1 else None
     # By their places: names take a microsecond.
     return Window(
-        above, below, x0, y0, stamp_ns, saturation, (across, down), looks, sites, added_noise,
+        whole_lit, whole_unlit, x0, y0, stamp_ns, saturation, (across, down), looks, sites, added_noise,
         glimpse, line_ns,
     )
 
