@@ -11,10 +11,9 @@ from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.crowded_scene import CrowdedScene
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash_memory import FlashMemory
-from blob_tracker.segmentation.flash_track import (
-    FIELDS, FLASHES, FlashTrack, OUT_OF_STEP, ROOT_2, TRUSTED,
-)
-from blob_tracker.segmentation.flash_tracks import CERTAIN_FLASHES, OUT_OF_STEP_FLASHES
+from blob_tracker.segmentation.flash_track import FlashTrack, ROOT_2
+from blob_tracker.segmentation.flash_tracks import CONFIRMED, DENSE, FEW_LIGHTS, LIGHT, TOLD
+import numpy as np
 
 FIRST_PAIRS = 3  # pairs of frames in which a single light is taken for the target at once
 # Other lights in step are looked for in the whole frame: in the first of so many frames of a lock,
@@ -23,7 +22,6 @@ SURVEY_FRAMES, SURVEY_PART = 128, 8
 BESIDE_RUN = 3  # flashes that another light has together with the target, before it is known
 BRIGHTER_RATIO = 1.25  # times brighter: what a light of the first frames was a reflection of
 SETTLED_FRAMES = 32  # of a lock, after which it is known whether it is in a crowd
-FEW_LIGHTS = 8  # in a frame, beyond which it may become a crowd
 
 
 class Confirmation:
@@ -176,45 +174,39 @@ class Confirmation:
             return self._picked_out(everything, shape)
         if not everything:
             return None
-        agreed = self._agreed
         alone = self._frames <= FIRST_PAIRS and len(everything) == 1
-        seen, best = memory.see(everything, alone=alone, agreed=agreed is not None)
-        if best < 0:
-            if agreed is not None:
+        crowd = scene.crowd.values
+        seen, best, left = memory.see(
+            everything, crowd, shape, alone=alone, agreed=self._agreed is not None
+        )
+        if left != TOLD:
+            if self._agreed is not None:
                 followed, _ = memory.among(seen)
-                if followed >= 0 and self._elsewhere(
-                    everything[int(seen[followed, FIELDS])]
-                ):
+                if followed >= 0 and self._elsewhere(everything[int(seen[followed, LIGHT])]):
                     memory.lose()
+                left = memory.confirm(seen, crowd, shape, alone=alone)
             if not memory.locked:
-                scene.add(seen, shape)
+                scene.dense = left == DENSE
                 if scene.dense or len(everything) > FEW_LIGHTS:
                     found = self._picked_out(everything, shape)
                     if scene.dense:
                         return found
-            best = self._best_of(seen, everything, shape)
+            best = self._best_of(seen, everything)
             memory.keep(seen, best)
         if best < 0:
             return None
         scene.forget()
-        return everything[int(seen[best, FIELDS])]
+        return everything[int(seen[best, LIGHT])]
 
-    def _best_of(
-        self, seen: Array, everything: Sequence[Candidate], shape: tuple[int, int]
-    ) -> int:
-        """Return which of the tracks of a frame is the target; -1 where none flashed enough."""
-        followed, due = self._memory.among(seen)
-        needed = 0  # not before it is asked for
+    def _best_of(self, seen: Array, everything: Sequence[Candidate]) -> int:
+        """Return which of the lights that are confirmed is the target; -1 for none."""
+        followed, is_open = self._memory.among(seen)
         best, best_light = -1, None
-        for s, row in enumerate(seen.tolist()):
-            if not row[TRUSTED] and row[FLASHES] < CERTAIN_FLASHES:
-                needed = needed or self._scene.flashes_needed(shape)
-                if row[FLASHES] < needed + OUT_OF_STEP_FLASHES * row[OUT_OF_STEP]:
-                    continue
+        for s in np.flatnonzero(seen[:, CONFIRMED]).tolist():
             if s == followed:
                 return s
-            candidate = everything[int(row[FIELDS])]
-            if not due or self._elsewhere(candidate):
+            candidate = everything[int(seen[s, LIGHT])]
+            if not is_open or self._elsewhere(candidate):
                 continue
             why = self._memory.why_to_wait(candidate)
             if why:

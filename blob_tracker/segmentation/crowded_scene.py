@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 import math
 
-from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.candidate import Candidate
-from blob_tracker.segmentation.crowd import Crowd, KNOWN_RUN, MOST_FLASHES
+from blob_tracker.segmentation.crowd import Crowd, MOST_FLASHES
 from blob_tracker.segmentation.expectation import Expectation, GATE_SIGMA
-from blob_tracker.segmentation.flash_track import FLASHES, FlashTrack, OUT_OF_STEP, RUN, SIGMA
+from blob_tracker.segmentation.flash_track import FlashTrack
 from blob_tracker.segmentation.frame_clock import age_of, FrameClock
 from blob_tracker.segmentation.glitter import bound, Glitter
 
@@ -29,13 +28,15 @@ class CrowdedScene:
     ----------
     dense : bool
         Whether things light up all over the frame.
+    crowd : Crowd
+        How much lights up by chance.
 
     """
 
     def __init__(self, gate_px: float, clock: FrameClock) -> None:
         self.dense = False
         self._clock = clock
-        self._crowd = Crowd(gate_px)
+        self.crowd = Crowd(gate_px)
         self._glitter = Glitter(gate_px)
         self._quiet_frames = 0  # between two flashes of the target, that are not counted yet
 
@@ -46,19 +47,9 @@ class CrowdedScene:
     def add_untracked(self, everything: Sequence[Candidate], shape: tuple[int, int]) -> None:
         """Take what lit up in a whole frame of (h, w) and is on no track."""
         count = sum(not each.rejected for each in everything)
-        self._crowd.add(self._clock.frame, count, count)
+        self.crowd.add(self._clock.frame, count)
         if everything:
-            self._judge(_widest(everything), shape)
-
-    def add(self, seen: Array, shape: tuple[int, int]) -> None:
-        """Take what lit up in a whole frame of (h, w), a track of `FlashTrack` a row."""
-        new, passing, sigma = _counted(seen)
-        self._crowd.add(self._clock.frame, new, passing)
-        self._judge(sigma, shape)
-
-    def _judge(self, sigma: float, shape: tuple[int, int]) -> None:
-        """Tell whether the scene is dense, by the widest light of a whole frame of (h, w)."""
-        self.dense = self._crowd.is_crowd and self._crowd.is_dense(shape, sigma)
+            self.dense = self.crowd.is_dense(shape, _widest(everything))
 
     def add_beside(
         self, everything: Sequence[Candidate], shape: tuple[int, int], size: int,
@@ -81,18 +72,14 @@ class CrowdedScene:
         """
         count = sum(not each.rejected for each in everything)
         part = shape[0] * shape[1] / max(size, 1) if count > 0 else 1.0
-        self._crowd.add_part(count * part, self._quiet_frames)
+        self.crowd.add_part(count * part, self._quiet_frames)
         self._quiet_frames = 0
         before = self.dense
         # Until then what lights up between its flashes may be the light itself, out of step.
         known = target.flashes >= MOST_FLASHES
-        self.dense = known and self._crowd.is_beside(shape, target.sigma)
+        self.dense = known and self.crowd.is_beside(shape, target.sigma)
         if before and not self.dense:
             self.forget()
-
-    def flashes_needed(self, shape: tuple[int, int]) -> int:
-        """Return after how many flashes chance cannot have made a track in a frame of (h, w)."""
-        return self._crowd.flashes_needed(shape)
 
     def pick(
         self,
@@ -116,7 +103,7 @@ class CrowdedScene:
             Where it is expected.
 
         """
-        clock, glitter, least = self._clock, self._glitter, bound(self._crowd.passing)
+        clock, glitter, least = self._clock, self._glitter, bound(self.crowd.passing)
         if target is not None:
             if glitter.empty:
                 glitter.begin_with(target, clock.frame - round(age_of(clock.values, target.stamp)), least)
@@ -126,14 +113,14 @@ class CrowdedScene:
         followed = target is not None
         glitter.look(
             everything, clock.frame, shape, followed=followed,
-            density=self._crowd.passing / (shape[0] * shape[1]),
+            density=self.crowd.passing / (shape[0] * shape[1]),
         )
         # Until it is a crowd it is only watched.
         return glitter.best(clock.frame, least, followed=followed) if self.dense else None
 
     def follow(self, index: int) -> None:
         """Follow the light that was picked, of that index, from this frame on."""
-        self._glitter.follow(self._clock.frame, index, bound(self._crowd.passing))
+        self._glitter.follow(self._clock.frame, index, bound(self.crowd.passing))
 
     def forget(self) -> None:
         """Forget the lights that are watched."""
@@ -148,7 +135,7 @@ class CrowdedScene:
                 'rather than one of these'
             )
         return (
-            f'{self._crowd.passing:.0f} things light up at random in each frame, glints or lamps, '
+            f'{self.crowd.passing:.0f} things light up at random in each frame, glints or lamps, '
             'and none that must be the light in step yet: it takes about ten flashes; shade or '
             'cover what glitters, lower the exposure, or set mask_url'
         )
@@ -160,14 +147,3 @@ def _widest(lights: Sequence[Candidate]) -> float:
         (math.hypot(each.sigma_x, each.sigma_y) for each in lights if not each.rejected),
         default=0.0,
     ) / math.sqrt(2.0)
-
-
-@kernel
-def _counted(seen: Array) -> tuple[int, int, float]:
-    """Return how many lights are new, how many pass, and the greatest sigma, px."""
-    new, passing, sigma = 0, 0, 0.0
-    for s in range(seen.shape[0]):
-        new += seen[s, FLASHES] == 1.0 and seen[s, OUT_OF_STEP] == 0.0
-        passing += seen[s, RUN] < KNOWN_RUN
-        sigma = max(sigma, seen[s, SIGMA])
-    return new, passing, sigma

@@ -15,7 +15,7 @@ from blob_tracker.segmentation.flash_track import (
     rows_of, RUN, SEEN,
 )
 from blob_tracker.segmentation.flash_tracks import (
-    follow, half_side, IN_SEEN, IS_TARGET, is_missed, keep, KNOWN, LOCKED, LOCKED_FRAMES,
+    ASK, confirm, follow, half_side, IN_SEEN, is_open, IS_TARGET, is_missed, keep, KNOWN, LOCKED, LOCKED_FRAMES,
     MAX_AGE_FRAMES, next_frame, no_tracks, NUMBER, region_about, see, STANDS_IN, take,
 )
 from blob_tracker.segmentation.frame_clock import age_of, FrameClock, is_due, PERIOD_FRAMES, STAMP
@@ -133,12 +133,23 @@ class FlashMemory:
         )
 
     def see(
-        self, everything: Sequence[Candidate], *, alone: bool, agreed: bool
-    ) -> tuple[Array, int]:
-        """Take what lit up, see `flash_tracks.see`."""
-        return see(
+        self, everything: Sequence[Candidate], crowd: Array, shape: tuple[int, int], *,
+        alone: bool, agreed: bool,
+    ) -> tuple[Array, int, int]:
+        """Take what lit up, see `flash_tracks.see`; nothing is told before it is agreed on."""
+        state = (
             self.clock.values, self._tracks, self._counts, self._target, self._expected,
-            self.companions.lights, rows_of(everything), self._gate_px, alone, agreed,
+            self.companions.lights,
+        )
+        rows = rows_of(everything)
+        if agreed:
+            return take(*state, rows, self._gate_px, False), -1, ASK
+        return see(*state, crowd, rows, self._gate_px, shape[0] * shape[1], alone)
+
+    def confirm(self, seen: Array, crowd: Array, shape: tuple[int, int], *, alone: bool) -> int:
+        """Note which of the lights that were seen are confirmed, see `flash_tracks.confirm`."""
+        return confirm(
+            self.clock.values, self._counts, crowd, seen, self._gate_px, shape[0] * shape[1], alone
         )
 
     def keep(self, seen: Array, best: int) -> None:
@@ -158,18 +169,10 @@ class FlashMemory:
         follow(self._tracks, self._counts, self._target, 0)
 
     def among(self, seen: Array) -> tuple[int, bool]:
-        """
-        Return which of the tracks that `see` returned is followed, -1 for none; whether it is due.
-
-        A light of which no motion is known is due at any time, and so is any where none is
-        followed.
-        """
-        k = self._counts.item(LOCKED)
-        if k < 0:
-            return -1, True
-        if k >= IN_SEEN:
-            return k - IN_SEEN, bool(seen[k - IN_SEEN, FLASHES] < 2.0)
-        return -1, not self.moves or self.is_due
+        """Return which of what was seen is followed, or -1; whether another may be the target."""
+        return max(self._counts.item(LOCKED) - IN_SEEN, -1), is_open(
+            self.clock.values, self._tracks, self._counts, seen
+        )
 
     def lose(self) -> None:
         """Follow nothing, and know of no target and nothing beside it."""

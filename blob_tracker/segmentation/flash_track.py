@@ -56,11 +56,12 @@ class FlashTrack(NamedTuple):
 # The same as columns of a table of tracks.
 X, Y, SIGMA, HEIGHT, SEEN, FLASHES, RUN, VX, VY, OUT_OF_STEP, TRUSTED = range(11)
 FIELDS = 11
-# Columns of a light in a frame: those of a new track, and whether it is not rejected.
-ALLOWED, LIGHT_FIELDS = 4, 5
+# Columns of a light in a frame: those of a new track, whether it is not rejected, and its SNR.
+ALLOWED, SNR, LIGHT_FIELDS = 4, 5, 6
 
-# Of a candidate: what goes into a light's row stands in these columns.
+# Of a candidate: what goes into a light's row stands in these columns, and the SNR in this one.
 CANDIDATE_FIELDS = Candidate._fields.index('height') + 1
+SNR_FIELD = Candidate._fields.index('snr')
 
 
 def rows_of(candidates: Sequence[Candidate]) -> Array:
@@ -72,13 +73,14 @@ def rows_of(candidates: Sequence[Candidate]) -> Array:
 
 @kernel
 def lights_in(rows: Array) -> Array:
-    """Return (n, 5) X, Y, SIGMA, HEIGHT and ALLOWED of what `rows_of` returns."""
+    """Return (n, 6) X, Y, SIGMA, HEIGHT, ALLOWED and SNR of what `rows_of` returns."""
     lights = np.empty((rows.shape[0], LIGHT_FIELDS))
     for i in range(rows.shape[0]):
         row, light = rows[i], lights[i]
         light[X], light[Y] = row[0], row[1]
         light[SIGMA] = math.hypot(row[2], row[3]) / ROOT_2
         light[HEIGHT], light[ALLOWED] = row[CANDIDATE_FIELDS - 1], row[CANDIDATE_FIELDS]
+        light[SNR] = row[SNR_FIELD]
     return lights
 
 

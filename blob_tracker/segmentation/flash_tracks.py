@@ -6,14 +6,16 @@ import math
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.companions import companion_at
-from blob_tracker.segmentation.crowd import MOST_FLASHES
+from blob_tracker.segmentation.crowd import (
+    add, flashes_needed, is_dense, KNOWN_RUN, MOST_FLASHES,
+)
 from blob_tracker.segmentation.flash_track import (
     ALLOWED, FIELDS, FLANK_SIGMA, FLASHES, gate_radius, HEIGHT, lights_in, MAX_BRIGHTNESS_RATIO,
-    offset_of, OUT_OF_STEP, place_of, reach_of, RUN, SEEN, SIGMA, TRUSTED, VX, VY, X, Y,
+    offset_of, OUT_OF_STEP, place_of, reach_of, RUN, SEEN, SIGMA, SNR, TRUSTED, VX, VY, X, Y,
 )
 from blob_tracker.segmentation.frame_clock import (
-    age_of, in_step, is_due, is_phase_unknown, PERIOD_FRAMES, STAMP, STAMP_TOLERANCE_FRAMES,
-    stamp_before, tick,
+    age_of, FRAME, in_step, is_due, is_phase_unknown, PERIOD_FRAMES, STAMP,
+    STAMP_TOLERANCE_FRAMES, stamp_before, tick,
 )
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +39,13 @@ NUMBER, LOCKED, LOCKED_FRAMES, KNOWN, IS_TARGET, STANDS_IN = range(6)
 IN_SEEN = MOST_TRACKS + MOST_SEEN
 OUT_OF_STEP_FLASHES = 2  # more flashes are asked of a light that was once seen out of step
 CERTAIN_FLASHES = MOST_FLASHES + OUT_OF_STEP_FLASHES  # are always enough, also of such a light
+# Columns of what was seen, after those of its track: which light it is, its SNR, and whether it has
+# flashed often enough.
+LIGHT, LIGHT_SNR, CONFIRMED = FIELDS, FIELDS + 1, FIELDS + 2
+FEW_LIGHTS = 8  # in a frame, beyond which it may become a crowd
+# What `see` leaves to be told: nothing; which of those that are confirmed is the target; and that
+# of a crowd, which may be all over the frame.
+TOLD, ASK, CROWDED, DENSE = range(4)
 # What becomes of a track that a light belongs to: it stays and the light is another one, it ends,
 # or the light goes on with it.
 ANOTHER, ENDS, GOES_ON = range(3)
@@ -164,8 +173,8 @@ def take(
 
     Returns
     -------
-    (s, 12) array
-        Tracks, and the number of the light of each.
+    (s, 14) array
+        Tracks, and of each the number of its light, its SNR, and whether it is confirmed.
 
     """
     number, locked = counts[NUMBER], counts[LOCKED]
@@ -188,12 +197,13 @@ def take(
         clock, tracks, counts, target, expected, companions, lights, chosen, reaches, may_go_on,
         gate_px,
     )
-    seen = np.zeros((chosen.size, FIELDS + 1))
+    seen = np.zeros((chosen.size, CONFIRMED + 1))
     following = -1
     for s in range(chosen.size):
         row, light, k = seen[s], lights[chosen[s]], partners[s]
         row[X], row[Y], row[SIGMA], row[HEIGHT] = light[X], light[Y], light[SIGMA], light[HEIGHT]
-        row[SEEN], row[FLASHES], row[RUN], row[FIELDS] = clock[STAMP], 1.0, 1.0, chosen[s]
+        row[SEEN], row[FLASHES], row[RUN] = clock[STAMP], 1.0, 1.0
+        row[LIGHT], row[LIGHT_SNR] = chosen[s], light[SNR]
         if k < 0:
             continue
         going_on = _go_on(clock, tracks[k], row, k == locked)
@@ -321,39 +331,107 @@ def _go_on(clock: Array, track: Array, row: Array, followed: bool) -> int:
 @kernel
 def see(
     clock: Array, tracks: Array, counts: Counts, target: Array, expected: Array, companions: Array,
-    rows: Array, gate_px: float, alone: bool, agreed: bool,
-) -> tuple[Array, int]:
+    crowd: Array, rows: Array, gate_px: float, pixels: int, alone: bool,
+) -> tuple[Array, int, int]:
     """
-    Take the lights of a frame; where the target that is followed is among them, follow it.
+    Take the lights of a frame, and follow the target where it is among them.
 
     Parameters
     ----------
     clock, tracks, counts, target, expected, companions, rows, gate_px
         Those of `take`.
+    crowd : (6,) array
+        See `Crowd`.
+    pixels : int
+        Of the frame.
     alone : bool
         Whether nothing else speaks against a light that is the only one.
-    agreed : bool
-        Whether it has to be asked whether it is the one that is agreed on, before it is followed.
 
     Returns
     -------
-    seen : (s, 12) array
-        What `take` returns, with what is trusted.
-    target : int
-        Which of these is the target; -1 where that is still to be told, and `keep` to be called.
+    seen : (s, 14) array
+        What `take` returns, with what is trusted and confirmed.
+    best : int
+        Which of these is the target, -1 for none.
+    left : int
+        TOLD; else it is still to be told, and `keep` to be called.
 
     """
     seen = take(
         clock, tracks, counts, target, expected, companions, rows, gate_px, False
     )
+    left = confirm(clock, counts, crowd, seen, gate_px, pixels, alone)
+    if left == TOLD and rows.shape[0] > FEW_LIGHTS and counts[LOCKED] < 0:
+        left = CROWDED
+    if left != TOLD or (companions.shape[0] > 0 and not _is_sure(counts, seen)):
+        return seen, -1, max(left, ASK)
+    best = _best_of(clock, tracks, counts, seen)
+    keep(tracks, counts, target, seen, best)
+    return seen, best, TOLD
+
+
+@kernel
+def confirm(
+    clock: Array, counts: Counts, crowd: Array, seen: Array, gate_px: float, pixels: int,
+    alone: bool,
+) -> int:
+    """
+    Note which of the lights that `take` returned are trusted and confirmed; count the others.
+
+    Returns TOLD, or DENSE where no target is followed and things light up all over the frame.
+    """
     for s in range(seen.shape[0]):
         trusted = (seen[s, TRUSTED] > 0.0 or alone) and seen[s, OUT_OF_STEP] == 0.0
         seen[s, TRUSTED] = 1.0 if trusted else 0.0
+    left = TOLD
+    if counts[LOCKED] < 0:
+        new, others, sigma = 0, 0, 0.0
+        for s in range(seen.shape[0]):
+            new += seen[s, FLASHES] == 1.0 and seen[s, OUT_OF_STEP] == 0.0
+            others += seen[s, RUN] < KNOWN_RUN
+            sigma = max(sigma, seen[s, SIGMA])
+        add(crowd, clock[FRAME], new, others)
+        left = DENSE if is_dense(crowd, gate_px, pixels, sigma) else TOLD
+    needed = flashes_needed(crowd, gate_px, pixels)
+    for s in range(seen.shape[0]):
+        flashes = seen[s, FLASHES]
+        seen[s, CONFIRMED] = 1.0 if (
+            seen[s, TRUSTED] > 0.0 or flashes >= CERTAIN_FLASHES
+            or flashes >= needed + OUT_OF_STEP_FLASHES * seen[s, OUT_OF_STEP]
+        ) else 0.0
+    return left
+
+
+@kernel
+def _is_sure(counts: Counts, seen: Array) -> bool:
+    """Tell whether the light that is followed is among those seen, and confirmed."""
     s = counts[LOCKED] - IN_SEEN
-    if s < 0 or agreed or not (seen[s, TRUSTED] > 0.0 or seen[s, FLASHES] >= CERTAIN_FLASHES):
-        return seen, -1
-    keep(tracks, counts, target, seen, s)
-    return seen, s
+    return s >= 0 and seen[s, CONFIRMED] > 0.0
+
+
+@kernel
+def is_open(clock: Array, tracks: Array, counts: Counts, seen: Array) -> bool:
+    """Tell whether another light than the one that is followed may be the target."""
+    locked = counts[LOCKED]
+    if locked < 0:
+        return True
+    track = seen[locked - IN_SEEN] if locked >= IN_SEEN else tracks[locked]
+    return track[FLASHES] < 2.0 or is_due(clock, track[SEEN])
+
+
+@kernel
+def _best_of(clock: Array, tracks: Array, counts: Counts, seen: Array) -> int:
+    """Return which of the lights is the target: that which is followed, or has the highest SNR."""
+    if _is_sure(counts, seen):
+        return counts[LOCKED] - IN_SEEN
+    best = -1
+    if is_open(clock, tracks, counts, seen):
+        for s in range(seen.shape[0]):
+            if seen[s, CONFIRMED] > 0.0 and (
+                best < 0 or seen[s, LIGHT_SNR] > seen[best, LIGHT_SNR]
+            ):
+                best = s
+    return best
 
 
 @kernel
