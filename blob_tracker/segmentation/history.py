@@ -68,7 +68,7 @@ class FrameHistory:
             jumped back or the channel, size, crop or depth changed (this frame starts afresh).
 
         """
-        frame = _plain(frame)
+        frame = plain(frame)
         if not self.frames:
             self.frames.append(frame)
             return None
@@ -108,7 +108,7 @@ class FrameHistory:
         self.frames.append(frame)
 
 
-def _plain(frame: Frame) -> Frame:
+def plain(frame: Frame) -> Frame:
     """Return the frame with pixels that the kernels take: they are compiled for no others."""
     mosaic = frame.mosaic
     if mosaic is not None and not _is_plain(mosaic.pixels):

@@ -15,7 +15,7 @@ from blob_tracker.segmentation.detections import Detections
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.frame_stack import FrameStack
-from blob_tracker.segmentation.history import FrameError
+from blob_tracker.segmentation.history import FrameError, plain
 from blob_tracker.segmentation.in_step import InStep
 from blob_tracker.segmentation.repeated_frames import RepeatedFrames
 from blob_tracker.segmentation.search import NO_MASK, search, SearchResult
@@ -168,6 +168,7 @@ class Segmenter:
                 f'the mask is {self._mask.shape[1]} x {self._mask.shape[0]} px and the frame '
                 f'{frame.image.shape[1]} x {frame.image.shape[0]}; they must be of one size'
             )
+        frame = plain(frame)
         if self._repeated.push(frame):
             self.flash.skip(frame)
             self.reason = self._repeated.warning
@@ -275,7 +276,7 @@ class Segmenter:
         """Return the window of the target, or None with the reason why there is none."""
         box = self.threshold(contrast, candidate, self.max_blob)
         most = 2 * self.max_blob + 1
-        if box is None or box.x1 - box.x0 > most or box.y1 - box.y0 > most:
+        if box is None or box[2] - box[0] > most or box[3] - box[1] > most:
             self.reason = f'what lit up is no blob of at most {most} px (max_blob)'
             return None
         if box.cut_through(*candidate.peak, contrast.shape):
