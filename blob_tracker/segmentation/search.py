@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from blob_tracker.kernel import Array
 from blob_tracker.segmentation.box import Box
@@ -14,7 +14,7 @@ from blob_tracker.segmentation.flood import flood_rise, whole_scene, without_flo
 from blob_tracker.segmentation.illumination import relit
 from blob_tracker.segmentation.overexposure import with_clipping
 from blob_tracker.segmentation.peaks import measure_peaks
-from blob_tracker.segmentation.rejection import reject, without_glows
+from blob_tracker.segmentation.rejection import in_words, without_glows
 import numpy as np
 from numpy.typing import NDArray
 
@@ -132,7 +132,7 @@ def search(
         level, noise, strongest = unit * level, unit * noise, unit * strongest
     judged: tuple[Candidate, ...] = ()
     if len(table) > 0:
-        judged = tuple([_judged(row, followed, min_snr) for row in table.tolist()])
+        judged = tuple([_judged(*row) for row in table.tolist()])
         if len(judged) > 1:
             judged = without_glows(judged)
         if any([each.rejected for each in judged]):
@@ -156,11 +156,10 @@ def _is_gain(gains: Array) -> bool:
     return bool(high - low <= 2.0 * SAME_GAIN * middle)
 
 
-def _judged(row: list[Any], followed: bool, min_snr: float) -> Candidate:
+def _judged(*row: float) -> Candidate:
     """Return the candidate of a row of the table, with the reason where it is no target."""
-    candidate = Candidate(*row)
-    rejected = reject(candidate, followed, min_snr)
-    return candidate._replace(rejected=rejected) if rejected else candidate
+    candidate, fault = Candidate(*row[:-1]), int(row[-1])
+    return candidate._replace(rejected=in_words(fault, candidate)) if fault else candidate
 
 
 @functools.lru_cache
