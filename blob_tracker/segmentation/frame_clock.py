@@ -39,10 +39,6 @@ class FrameClock:
             self._first_ns = stamp_ns
         return float(stamp_ns - self._first_ns)
 
-    def push(self, stamp_ns: int) -> None:
-        """Take the stamp of the next frame, ns."""
-        tick(self.values, self.since_first(stamp_ns))
-
     def skip(self, stamp_ns: int) -> None:
         """
         Take note of a frame that showed the one before it once more, by its stamp, ns.
