@@ -28,11 +28,11 @@ class Confirmation:
     """
     Confirm the light that is on in every other frame, and follow it.
 
-    A track, see `flash_tracks.take`, is confirmed after two flashes, and after more in a scene in which
-    other things light up so often that chance would confirm them. Where they do so all over the
-    frame `Glitter` tells what cannot be chance. The confirmed track is followed in a region about
-    its predicted place, which grows with every flash that is missed, until the whole frame is
-    searched again.
+    A track, see `flash_tracks.take`, is confirmed after two flashes, and after more in a scene in
+    which other things light up so often that chance would confirm them. Where they do so all over
+    the frame `Glitter` tells what cannot be chance. The confirmed track is followed in a region
+    about its predicted place, which grows with every flash that is missed, until the whole frame
+    is searched again.
 
     Where a tracker tells where it expects the target, the region lies about that place, and what
     lights up there is the target, however it moved. Where nothing does when a flash is due, the
@@ -175,24 +175,35 @@ class Confirmation:
         if not everything:
             return None
         alone = self._frames <= FIRST_PAIRS and len(everything) == 1
-        crowd = scene.crowd.values
         seen, best, left = memory.see(
-            everything, crowd, shape, alone=alone, agreed=self._agreed is not None
+            everything, scene.crowd.values, shape, alone=alone, agreed=self._agreed is not None
         )
         if left != TOLD:
-            if self._agreed is not None:
-                followed, _ = memory.among(seen)
-                if followed >= 0 and self._elsewhere(everything[int(seen[followed, LIGHT])]):
-                    memory.lose()
-                left = memory.confirm(seen, crowd, shape, alone=alone)
-            if not memory.locked:
-                scene.dense = left == DENSE
-                if scene.dense or len(everything) > FEW_LIGHTS:
-                    found = self._picked_out(everything, shape)
-                    if scene.dense:
-                        return found
-            best = self._best_of(seen, everything)
-            memory.keep(seen, best)
+            return self._told(everything, shape, seen, left, alone=alone)
+        if best < 0:
+            return None
+        scene.forget()
+        return everything[int(seen[best, LIGHT])]
+
+    def _told(
+        self, everything: Sequence[Candidate], shape: tuple[int, int], seen: Array, left: int, *,
+        alone: bool,
+    ) -> Candidate | None:
+        """Return the target where the place, other lights or a crowd have a say in it."""
+        memory, scene = self._memory, self._scene
+        if self._agreed is not None:
+            followed, _ = memory.among(seen)
+            if followed >= 0 and self._elsewhere(everything[int(seen[followed, LIGHT])]):
+                memory.lose()
+            left = memory.confirm(seen, scene.crowd.values, shape, alone=alone)
+        if not memory.locked:
+            scene.dense = left == DENSE
+            if scene.dense or len(everything) > FEW_LIGHTS:
+                found = self._picked_out(everything, shape)
+                if scene.dense:
+                    return found
+        best = self._best_of(seen, everything)
+        memory.keep(seen, best)
         if best < 0:
             return None
         scene.forget()

@@ -106,7 +106,8 @@ class CrowdedScene:
         clock, glitter, least = self._clock, self._glitter, bound(self.crowd.passing)
         if target is not None:
             if glitter.empty:
-                glitter.begin_with(target, clock.frame - round(age_of(clock.values, target.stamp)), least)
+                age = round(age_of(clock.values, target.stamp))
+                glitter.begin_with(target, clock.frame - age, least)
             if expected is not None:
                 variance = (expected.gate_radius_px / GATE_SIGMA) ** 2
                 glitter.expect(clock.frame, expected.x, expected.y, variance)

@@ -1,4 +1,4 @@
-"""What is remembered of lights from frame to frame: their tracks, the target, what is beside it."""
+"""What is remembered of lights from frame to frame: tracks, the target, what is beside it."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.companions import companion_at, Companions
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash_track import (
-    FIELDS, FLANK_SIGMA, FlashTrack, FLASHES, lights_in, offset_of, OUT_OF_STEP, reach_of,
-    rows_of, RUN, SEEN,
+    FIELDS, FLANK_SIGMA, FLASHES, FlashTrack, lights_in, offset_of, OUT_OF_STEP, reach_of, rows_of,
+    RUN, SEEN,
 )
 from blob_tracker.segmentation.flash_tracks import (
-    ASK, confirm, follow, half_side, IN_SEEN, is_open, IS_TARGET, is_missed, keep, KNOWN, LOCKED, LOCKED_FRAMES,
-    MAX_AGE_FRAMES, next_frame, no_tracks, NUMBER, region_about, see, STANDS_IN, take,
+    ASK, confirm, follow, half_side, IN_SEEN, is_missed, is_open, IS_TARGET, keep, KNOWN, LOCKED,
+    LOCKED_FRAMES, MAX_AGE_FRAMES, next_frame, no_tracks, NUMBER, region_about, see, STANDS_IN,
+    take,
 )
 from blob_tracker.segmentation.frame_clock import age_of, FrameClock, is_due, PERIOD_FRAMES, STAMP
 import numpy as np

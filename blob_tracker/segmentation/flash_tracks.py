@@ -14,8 +14,8 @@ from blob_tracker.segmentation.flash_track import (
     offset_of, OUT_OF_STEP, place_of, reach_of, RUN, SEEN, SIGMA, SNR, TRUSTED, VX, VY, X, Y,
 )
 from blob_tracker.segmentation.frame_clock import (
-    age_of, FRAME, in_step, is_due, is_phase_unknown, PERIOD_FRAMES, STAMP,
-    STAMP_TOLERANCE_FRAMES, stamp_before, tick,
+    age_of, FRAME, in_step, is_due, is_phase_unknown, PERIOD_FRAMES, STAMP, stamp_before,
+    STAMP_TOLERANCE_FRAMES, tick,
 )
 import numpy as np
 from numpy.typing import NDArray
@@ -39,8 +39,8 @@ NUMBER, LOCKED, LOCKED_FRAMES, KNOWN, IS_TARGET, STANDS_IN = range(6)
 IN_SEEN = MOST_TRACKS + MOST_SEEN
 OUT_OF_STEP_FLASHES = 2  # more flashes are asked of a light that was once seen out of step
 CERTAIN_FLASHES = MOST_FLASHES + OUT_OF_STEP_FLASHES  # are always enough, also of such a light
-# Columns of what was seen, after those of its track: which light it is, its SNR, and whether it has
-# flashed often enough.
+# Columns of what was seen, after those of its track: which light it is, its SNR, and whether it
+# has flashed often enough.
 LIGHT, LIGHT_SNR, CONFIRMED = FIELDS, FIELDS + 1, FIELDS + 2
 FEW_LIGHTS = 8  # in a frame, beyond which it may become a crowd
 # What `see` leaves to be told: nothing; which of those that are confirmed is the target; and that

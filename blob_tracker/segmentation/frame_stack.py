@@ -174,8 +174,8 @@ def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
         glimpse = _on_sensor(glimpse, frame) if len(pairs) == 1 else None
     # By their places: names take a microsecond.
     return Window(
-        whole_lit, whole_unlit, x0, y0, stamp_ns, saturation, (across, down), looks, sites, added_noise,
-        glimpse, line_ns,
+        whole_lit, whole_unlit, x0, y0, stamp_ns, saturation, (across, down), looks, sites,
+        added_noise, glimpse, line_ns,
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from blob_tracker.kernel import Array
 from blob_tracker.segmentation.box import Box
@@ -135,7 +135,7 @@ def search(
         judged = tuple([_judged(*row) for row in table.tolist()])
         if len(judged) > 1:
             judged = without_glows(judged)
-        if any([each.rejected for each in judged]):
+        if any(each.rejected for each in judged):
             judged = with_clipping(contrast, judged)
     # Near a target that is followed its own glow may be all over.
     if paired and not followed and (
@@ -156,7 +156,7 @@ def _is_gain(gains: Array) -> bool:
     return bool(high - low <= 2.0 * SAME_GAIN * middle)
 
 
-def _judged(*row: float) -> Candidate:
+def _judged(*row: Any) -> Candidate:
     """Return the candidate of a row of the table, with the reason where it is no target."""
     candidate, fault = Candidate(*row[:-1]), int(row[-1])
     return candidate._replace(rejected=in_words(fault, candidate)) if fault else candidate
