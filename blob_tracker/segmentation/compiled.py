@@ -59,7 +59,6 @@ def _compile_confirmation(light: Candidate) -> None:
     memory.expect(Expectation(light.x, light.y, np.eye(2)))
     memory.half_side()
     memory.is_missed([light])
-    assert not memory.is_due
     memory.companions.learn(FlashTrack(0.0, 0.0, 1.0, 1.0, 0.0), [
         FlashTrack(30.0, 0.0, 1.0, 1.0, 0.0)
     ])

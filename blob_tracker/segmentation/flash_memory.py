@@ -19,7 +19,7 @@ from blob_tracker.segmentation.flash_tracks import (
     LOCKED_FRAMES, MAX_AGE_FRAMES, next_frame, no_tracks, NUMBER, region_about, see, STANDS_IN,
     take,
 )
-from blob_tracker.segmentation.frame_clock import age_of, FrameClock, is_due, PERIOD_FRAMES, STAMP
+from blob_tracker.segmentation.frame_clock import age_of, FrameClock, PERIOD_FRAMES
 import numpy as np
 
 # Frames without the target (1 s at 60 a second) after which another light in step is taken for it
@@ -43,6 +43,8 @@ class FlashMemory:
     ----------
     clock : FrameClock
         Of the frames that were taken.
+    is_due : bool
+        Whether the light that was followed before this frame may flash again in it.
     expected : Expectation or None
         Where the light that is followed is in this frame, where a tracker tells.
     companions : Companions
@@ -53,6 +55,7 @@ class FlashMemory:
     def __init__(self, gate_px: float) -> None:
         self.clock = FrameClock()
         self.expected: Expectation | None = None
+        self.is_due = False
         self.companions = Companions()
         self._gate_px = gate_px
         self._tracks, self._counts = no_tracks()
@@ -87,23 +90,14 @@ class FlashMemory:
         return k >= 0 and self._tracks.item(k, FLASHES) >= 2.0
 
     @property
-    def is_due(self) -> bool:
-        """Whether the light that is followed may have flashed again."""
-        return is_due(self.clock.values, self._stamp)
-
-    @property
     def is_seen(self) -> bool:
         """Whether the light that is followed was seen in this frame."""
-        return self._stamp == self.clock.values.item(STAMP)
-
-    @property
-    def _stamp(self) -> float:
-        """Return when the light that is followed was last seen."""
-        return self._tracks.item(self._counts.item(LOCKED), SEEN)
+        k = self._counts.item(LOCKED)
+        return k >= 0 and self._tracks.item(k, SEEN) == self.clock.stamp
 
     def next_frame(self, stamp_ns: int) -> None:
         """Take the stamp of the next frame, ns; what was not seen for too long ends."""
-        next_frame(
+        self.is_due = next_frame(
             self.clock.values, self._tracks, self._counts, self._target,
             self.clock.since_first(stamp_ns),
         )
@@ -203,7 +197,7 @@ class FlashMemory:
         """Return those in step that flash in this frame, but for the one that is followed."""
         tracks = self._tracks[:self._counts.item(NUMBER)]
         those = (
-            (tracks[:, SEEN] == self.clock.values[STAMP]) & (tracks[:, RUN] >= least)
+            (tracks[:, SEEN] == self.clock.stamp) & (tracks[:, RUN] >= least)
             & (tracks[:, OUT_OF_STEP] == 0.0)
         )
         those[self._counts.item(LOCKED)] = False

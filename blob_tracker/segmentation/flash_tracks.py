@@ -61,8 +61,12 @@ def no_tracks() -> tuple[Array, Counts]:
 @kernel
 def next_frame(
     clock: Array, tracks: Array, counts: Counts, target: Array, stamp: float
-) -> None:
-    """Take the stamp of the next frame; what was not seen for too long ends."""
+) -> bool:
+    """
+    Take the stamp of the next frame; what was not seen for too long ends.
+
+    Returns whether the light that is followed is due in it.
+    """
     tick(clock, stamp)
     oldest = stamp_before(clock, MAX_AGE_FRAMES)
     for k in range(counts[NUMBER]):
@@ -75,6 +79,7 @@ def next_frame(
     counts[LOCKED_FRAMES] = counts[LOCKED_FRAMES] + 1 if counts[LOCKED] >= 0 else 0
     if counts[KNOWN] and target[SEEN] < stamp_before(clock, MEMORY_FRAMES):
         counts[KNOWN], counts[IS_TARGET], counts[STANDS_IN] = 0, 0, 0
+    return counts[LOCKED] >= 0 and is_due(clock, tracks[counts[LOCKED], SEEN])
 
 
 @kernel

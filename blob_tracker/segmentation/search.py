@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from blob_tracker.kernel import Array
 from blob_tracker.segmentation.box import Box
@@ -132,10 +132,10 @@ def search(
         level, noise, strongest = unit * level, unit * noise, unit * strongest
     judged: tuple[Candidate, ...] = ()
     if len(table) > 0:
-        judged = tuple([_judged(*row) for row in table.tolist()])
+        judged, has_rejected = _judged(table)
         if len(judged) > 1:
             judged = without_glows(judged)
-        if any(each.rejected for each in judged):
+        if has_rejected:
             judged = with_clipping(contrast, judged)
     # Near a target that is followed its own glow may be all over.
     if paired and not followed and (
@@ -156,10 +156,18 @@ def _is_gain(gains: Array) -> bool:
     return bool(high - low <= 2.0 * SAME_GAIN * middle)
 
 
-def _judged(*row: Any) -> Candidate:
-    """Return the candidate of a row of the table, with the reason where it is no target."""
-    candidate, fault = Candidate(*row[:-1]), int(row[-1])
-    return candidate._replace(rejected=in_words(fault, candidate)) if fault else candidate
+def _judged(table: Array) -> tuple[tuple[Candidate, ...], bool]:
+    """Return the candidates of a table, the rejected ones with the reason; whether there are any."""
+    candidates = []
+    has_rejected = False
+    for row in table.tolist():
+        fault = int(row.pop())
+        candidate = Candidate(*row)
+        if fault:
+            candidate = candidate._replace(rejected=in_words(fault, candidate))
+            has_rejected = True
+        candidates.append(candidate)
+    return tuple(candidates), has_rejected
 
 
 @functools.lru_cache
