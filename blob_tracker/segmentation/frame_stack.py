@@ -148,14 +148,13 @@ def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
     unlit: list[Pixels] = []
     seen_ns = 0
     for pair in pairs:
-        paired = min(len(pair.lit), len(pair.unlit))
-        for image, dark in zip(pair.lit[:paired], pair.unlit[:paired]):
+        for image, dark in zip(pair.lit, pair.unlit):
             above, below = cut_out(
                 image, dark, left, top, right, bottom, frame.saturation, pair.noise
             )
             lit.append(above)
             unlit.append(below)
-        for image in pair.lit[paired:]:
+        for image in pair.lit[len(pair.unlit):]:
             lit.append(image[top:bottom, left:right].copy())
         seen_ns += pair.frame.stamp_ns - begun_ns + pair.tau_ns
     stamp_ns = first_ns + seen_ns // len(pairs)

@@ -157,7 +157,7 @@ def _is_gain(gains: Array) -> bool:
 
 
 def _judged(table: Array) -> tuple[tuple[Candidate, ...], bool]:
-    """Return the candidates of a table, the rejected ones with the reason; whether there are any."""
+    """Return the candidates of a table, and whether any of them is rejected, with its reason."""
     candidates = []
     has_rejected = False
     for row in table.tolist():
