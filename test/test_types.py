@@ -38,4 +38,4 @@ def test_a_frame_refuses_what_is_none() -> None:
     with pytest.raises(ValueError, match='non-empty'):
         Frame(np.zeros((3, 3, 3), np.uint8), 0, 255)
     with pytest.raises(ValueError, match='uint8 or uint16'):
-        Frame(np.zeros((3, 3)), 0, 255)
+        Frame(np.zeros((3, 3)), 0, 255)  # type: ignore[arg-type]
