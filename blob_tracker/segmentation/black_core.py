@@ -41,16 +41,16 @@ def without_black_cores(contrast: Contrast, candidates: Sequence[Candidate]) -> 
         With another lit frame; None where nothing is enclosed.
 
     """
-    if len(contrast.lit_frames) != 1:
+    if not candidates or len(contrast.lit_frames) != 1:
         return None
     image, saturation = contrast.lit, contrast.saturation
     filled: Pixels | None = None
     seen: list[tuple[int, int, int, int]] = []
     for each in candidates:
         column, row = each.peak
-        if image[row, column] < saturation or any(
-            x0 <= column < x1 and y0 <= row < y1 for x0, y0, x1, y1 in seen
-        ):
+        if image.item(row, column) < saturation:
+            continue
+        if any(x0 <= column < x1 and y0 <= row < y1 for x0, y0, x1, y1 in seen):
             continue
         box = box_about(column, row, REACH_PX, REACH_PX, contrast.shape)
         part = image[box.slices]

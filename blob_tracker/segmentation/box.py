@@ -34,13 +34,14 @@ class Box(NamedTuple):
         Too near is half as far as the box reaches on the opposite side, or less: of a box of
         3 sigma it leaves 1.5 sigma, a flank on which the blob can still be placed.
         """
-        left, right = column - self.x0, self.x1 - 1 - column
-        top, bottom = row - self.y0, self.y1 - 1 - row
+        x0, y0, x1, y1 = self
+        left, right = column - x0, x1 - 1 - column
+        top, bottom = row - y0, y1 - 1 - row
         return (
-            (self.x0 <= 0 and 2 * left <= right)
-            or (self.y0 <= 0 and 2 * top <= bottom)
-            or (self.x1 >= shape[1] and 2 * right <= left)
-            or (self.y1 >= shape[0] and 2 * bottom <= top)
+            (x0 <= 0 and 2 * left <= right)
+            or (y0 <= 0 and 2 * top <= bottom)
+            or (x1 >= shape[1] and 2 * right <= left)
+            or (y1 >= shape[0] and 2 * bottom <= top)
         )
 
 

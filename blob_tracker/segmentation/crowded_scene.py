@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 import math
 
 from blob_tracker.segmentation.candidate import Candidate
-from blob_tracker.segmentation.crowd import Crowd, KNOWN_RUN, MOST_FLASHES
+from blob_tracker.segmentation.crowd import Crowd, MOST_FLASHES
 from blob_tracker.segmentation.expectation import Expectation, GATE_SIGMA
 from blob_tracker.segmentation.flash_track import FlashTrack
-from blob_tracker.segmentation.frame_clock import FrameClock
+from blob_tracker.segmentation.frame_clock import age_of, FrameClock
 from blob_tracker.segmentation.glitter import bound, Glitter
 
 
@@ -28,13 +28,15 @@ class CrowdedScene:
     ----------
     dense : bool
         Whether things light up all over the frame.
+    crowd : Crowd
+        How much lights up by chance.
 
     """
 
     def __init__(self, gate_px: float, clock: FrameClock) -> None:
         self.dense = False
         self._clock = clock
-        self._crowd = Crowd(gate_px)
+        self.crowd = Crowd(gate_px)
         self._glitter = Glitter(gate_px)
         self._quiet_frames = 0  # between two flashes of the target, that are not counted yet
 
@@ -45,22 +47,9 @@ class CrowdedScene:
     def add_untracked(self, everything: Sequence[Candidate], shape: tuple[int, int]) -> None:
         """Take what lit up in a whole frame of (h, w) and is on no track."""
         count = sum(not each.rejected for each in everything)
-        self._crowd.add(self._clock.frame, count, count)
+        self.crowd.add(self._clock.frame, count)
         if everything:
-            self._judge(everything, shape)
-
-    def add(self, seen: Sequence[tuple[FlashTrack, Candidate]], shape: tuple[int, int]) -> None:
-        """Take what lit up in a whole frame of (h, w), each with its track."""
-        self._crowd.add(
-            self._clock.frame,
-            sum(track.flashes == 1 and not track.out_of_step for track, _ in seen),
-            sum(track.run < KNOWN_RUN for track, _ in seen),
-        )
-        self._judge((each for _, each in seen), shape)
-
-    def _judge(self, lights: Iterable[Candidate], shape: tuple[int, int]) -> None:
-        """Tell whether the scene is dense, by the lights of a whole frame of (h, w)."""
-        self.dense = self._crowd.is_crowd and self._crowd.is_dense(shape, _widest(lights))
+            self.dense = self.crowd.is_dense(shape, _widest(everything))
 
     def add_beside(
         self, everything: Sequence[Candidate], shape: tuple[int, int], size: int,
@@ -83,18 +72,14 @@ class CrowdedScene:
         """
         count = sum(not each.rejected for each in everything)
         part = shape[0] * shape[1] / max(size, 1) if count > 0 else 1.0
-        self._crowd.add_part(count * part, self._quiet_frames)
+        self.crowd.add_part(count * part, self._quiet_frames)
         self._quiet_frames = 0
         before = self.dense
         # Until then what lights up between its flashes may be the light itself, out of step.
         known = target.flashes >= MOST_FLASHES
-        self.dense = known and self._crowd.is_beside(shape, target.sigma)
+        self.dense = known and self.crowd.is_beside(shape, target.sigma)
         if before and not self.dense:
             self.forget()
-
-    def flashes_needed(self, shape: tuple[int, int]) -> int:
-        """Return after how many flashes chance cannot have made a track in a frame of (h, w)."""
-        return self._crowd.flashes_needed(shape)
 
     def pick(
         self,
@@ -118,24 +103,25 @@ class CrowdedScene:
             Where it is expected.
 
         """
-        clock, glitter, least = self._clock, self._glitter, bound(self._crowd.passing)
+        clock, glitter, least = self._clock, self._glitter, bound(self.crowd.passing)
         if target is not None:
             if glitter.empty:
-                glitter.begin_with(target, clock.frame - round(clock.age(target)), least)
+                age = round(age_of(clock.values, target.stamp))
+                glitter.begin_with(target, clock.frame - age, least)
             if expected is not None:
                 variance = (expected.gate_radius_px / GATE_SIGMA) ** 2
                 glitter.expect(clock.frame, expected.x, expected.y, variance)
         followed = target is not None
         glitter.look(
             everything, clock.frame, shape, followed=followed,
-            density=self._crowd.passing / (shape[0] * shape[1]),
+            density=self.crowd.passing / (shape[0] * shape[1]),
         )
         # Until it is a crowd it is only watched.
         return glitter.best(clock.frame, least, followed=followed) if self.dense else None
 
     def follow(self, index: int) -> None:
         """Follow the light that was picked, of that index, from this frame on."""
-        self._glitter.follow(self._clock.frame, index, bound(self._crowd.passing))
+        self._glitter.follow(self._clock.frame, index, bound(self.crowd.passing))
 
     def forget(self) -> None:
         """Forget the lights that are watched."""
@@ -150,13 +136,13 @@ class CrowdedScene:
                 'rather than one of these'
             )
         return (
-            f'{self._crowd.passing:.0f} things light up at random in each frame, glints or lamps, '
+            f'{self.crowd.passing:.0f} things light up at random in each frame, glints or lamps, '
             'and none that must be the light in step yet: it takes about ten flashes; shade or '
             'cover what glitters, lower the exposure, or set mask_url'
         )
 
 
-def _widest(lights: Iterable[Candidate]) -> float:
+def _widest(lights: Sequence[Candidate]) -> float:
     """Return the greatest sigma of those that are not rejected, px."""
     return max(
         (math.hypot(each.sigma_x, each.sigma_y) for each in lights if not each.rejected),

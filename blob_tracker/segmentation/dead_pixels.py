@@ -13,6 +13,33 @@ DIP_FRACTION = 0.5  # of what both of any two opposite neighbours rose by, or a 
 
 
 @kernel
+def cut_out(
+    lit: Pixels, unlit: Pixels, x0: int, y0: int, x1: int, y1: int, saturation: int, noise: float
+) -> tuple[Pixels, Pixels]:
+    """
+    Return copies of a part of two frames, with what is dead in the lit one marked.
+
+    Parameters
+    ----------
+    lit, unlit : (h, w) arrays
+        DN, C-contiguous, of one type.
+    x0, y0, x1, y1 : int
+        Columns x0 to x1 and rows y0 to y1, px.
+    saturation, noise
+        Those of `mark_dead`.
+
+    Returns
+    -------
+    lit, unlit : (y1 - y0, x1 - x0) arrays
+        DN.
+
+    """
+    above, below = lit[y0:y1, x0:x1].copy(), unlit[y0:y1, x0:x1].copy()
+    mark_dead(above, below, saturation, noise)
+    return above, below
+
+
+@kernel
 def mark_dead(lit: Pixels, unlit: Pixels, saturation: int, noise: float) -> int:
     """
     Set to full scale what cannot be light: the location leaves it out as it does the clipped.

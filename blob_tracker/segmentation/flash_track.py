@@ -1,92 +1,147 @@
-"""What lights up, frame by frame: the track of a light, and which candidate continues it."""
+"""The track of a light that lights up: where it may go on, and which light goes on with it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence, Set
-from dataclasses import dataclass
+from collections.abc import Sequence
 import math
 from typing import NamedTuple
 
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.candidate import Candidate
+from blob_tracker.segmentation.frame_clock import age_of, PERIOD_FRAMES
+import numpy as np
 
-PERIOD_FRAMES = 2  # frames from one flash to the next
 FOLLOWED_GATE_FRACTION = 0.3  # of the gate: what is left to chance once the motion is known
 FLANK_SIGMA = 4.0  # sigma: a wide blob's peak wanders so far
+ROOT_2 = math.sqrt(2.0)
 MAX_BRIGHTNESS_RATIO = 2.5  # times brighter or fainter than before, and still the same light
 
 
-@dataclass
-class FlashTrack:
-    """A light that may be the target, as it was last seen."""
+class FlashTrack(NamedTuple):
+    """
+    A light that may be the target, as it was last seen.
+
+    Parameters
+    ----------
+    x, y : float
+        Where, px.
+    sigma, height : float
+        How wide, px, and how bright, DN.
+    stamp : float
+        When, as `FrameClock` counts, ns.
+    flashes, run : float
+        How often so far, and how often since a flash was missed.
+    velocity_x, velocity_y : float
+        px a frame.
+    out_of_step : float
+        Whether it was once seen out of step; 0 or 1.
+    trusted : float
+        Whether nothing speaks against it; 0 or 1.
+
+    """
 
     x: float
     y: float
     sigma: float
     height: float
-    stamp_ns: int
-    flashes: int = 1
-    run: int = 1  # of them since one was missed
-    velocity_x: float = 0.0  # px a frame
+    stamp: float
+    flashes: float = 1.0
+    run: float = 1.0
+    velocity_x: float = 0.0
     velocity_y: float = 0.0
-    out_of_step: bool = False
-    trusted: bool = False
-
-    def position_at(self, age: float) -> tuple[float, float]:
-        """Return where it is expected so many frames later, px."""
-        return self.x + self.velocity_x * age, self.y + self.velocity_y * age
-
-    def gate_radius_px(self, gate_px: float, age: float) -> float:
-        """Return how far from there it may be, px."""
-        moved = gate_px if self.flashes == 1 else FOLLOWED_GATE_FRACTION * gate_px
-        return FLANK_SIGMA * self.sigma + moved * max(age, 1.0) / PERIOD_FRAMES
+    out_of_step: float = 0.0
+    trusted: float = 0.0
 
 
-class Reach(NamedTuple):
-    """Where a track is expected in a frame, and how far from there it may be, px."""
+# The same as columns of a table of tracks.
+X, Y, SIGMA, HEIGHT, SEEN, FLASHES, RUN, VX, VY, OUT_OF_STEP, TRUSTED = range(11)
+FIELDS = 11
+# Columns of a light in a frame: those of a new track, whether it is not rejected, and its SNR.
+ALLOWED, SNR, LIGHT_FIELDS = 4, 5, 6
 
-    track: FlashTrack
-    x: float
-    y: float
-    radius: float
+# Of a candidate: what goes into a light's row stands in these columns, and the SNR in this one.
+CANDIDATE_FIELDS = Candidate._fields.index('height') + 1
+SNR_FIELD = Candidate._fields.index('snr')
 
 
-def partners_of(
-    candidates: Sequence[Candidate],
-    reaches: Mapping[int, Reach],
-    beside: Set[int],
-    target: int,
-) -> dict[int, FlashTrack]:
+def rows_of(candidates: Sequence[Candidate]) -> Array:
+    """Return (n, 13) fields of candidates up to the height, and whether they are not rejected."""
+    if not candidates:
+        return np.empty((0, CANDIDATE_FIELDS + 1))
+    return np.array([(*each[:CANDIDATE_FIELDS], not each.rejected) for each in candidates])
+
+
+@kernel
+def lights_in(rows: Array) -> Array:
+    """Return (n, 6) X, Y, SIGMA, HEIGHT, ALLOWED and SNR of what `rows_of` returns."""
+    lights = np.empty((rows.shape[0], LIGHT_FIELDS))
+    for i in range(rows.shape[0]):
+        row, light = rows[i], lights[i]
+        light[X], light[Y] = row[0], row[1]
+        light[SIGMA] = math.hypot(row[2], row[3]) / ROOT_2
+        light[HEIGHT], light[ALLOWED] = row[CANDIDATE_FIELDS - 1], row[CANDIDATE_FIELDS]
+        light[SNR] = row[SNR_FIELD]
+    return lights
+
+
+@kernel
+def gate_radius(track: Array, gate_px: float, age: float) -> float:
+    """Return how far from where it is expected a track may be so many frames later, px."""
+    moved = gate_px if track[FLASHES] == 1.0 else FOLLOWED_GATE_FRACTION * gate_px
+    return FLANK_SIGMA * track[SIGMA] + moved * max(age, 1.0) / PERIOD_FRAMES
+
+
+@kernel
+def place_of(track: Array, clock: Array, expected: Array) -> tuple[float, float]:
+    """Return where a track is in this frame, px: where it is expected, if anywhere."""
+    if expected[2] >= 0.0:
+        return expected[0], expected[1]
+    age = age_of(clock, track[SEEN])
+    return track[X] + track[VX] * age, track[Y] + track[VY] * age
+
+
+@kernel
+def reach_of(
+    track: Array, clock: Array, expected: Array, gate_px: float
+) -> tuple[float, float, float]:
     """
-    Return the tracks that candidates belong to, by their index; the nearest pairs first.
+    Return where a track may go on in this frame.
 
-    The candidates `beside` the target do not belong to its track, whose key is `target`.
+    Parameters
+    ----------
+    track : (11,) array
+        See `FlashTrack`.
+    clock : (15,) array
+        See `FrameClock`.
+    expected : (3,) array
+        Where somebody else expects it, and how far from there it may be, px; below 0 where nobody
+        says.
+    gate_px : float
+        Greatest way of a light from one flash to the next, px.
+
+    Returns
+    -------
+    x, y, radius : float
+        Place, and how far from there it may be, px.
+
     """
-    pairs = []
-    for index, candidate in enumerate(candidates):
-        x, y = candidate.x, candidate.y
-        for key, reach in reaches.items():
-            _, there_x, there_y, radius = reach
-            # Most of a crowd is far away: told by the first of these.
-            if -radius < x - there_x < radius and -radius < y - there_y < radius:
-                offset_px = offset_px_of(reach, candidate)
-                if offset_px < math.inf and not (key == target and index in beside):
-                    pairs.append((offset_px, index, key))
-    pairs.sort()
-    partners: dict[int, FlashTrack] = {}
-    taken: set[int] = set()
-    for _, index, key in pairs:
-        if index not in partners and key not in taken:
-            partners[index] = reaches[key].track
-            taken.add(key)
-    return partners
+    x, y = place_of(track, clock, expected)
+    if expected[2] >= 0.0:
+        return x, y, FLANK_SIGMA * track[SIGMA] + expected[2]
+    return x, y, gate_radius(track, gate_px, age_of(clock, track[SEEN]))
 
 
-def offset_px_of(reach: Reach, candidate: Candidate) -> float:
-    """Return how far a candidate is from where a track is expected; infinity for another light."""
-    track, x, y, radius = reach
-    offset_px = math.hypot(candidate.x - x, candidate.y - y)
+@kernel
+def offset_of(track: Array, reach: tuple[float, float, float], light: Array) -> float:
+    """Return how far a light is from where a track is expected, px; infinity for another one."""
+    x, y, radius = reach
+    dx, dy = light[X] - x, light[Y] - y
+    # Most of a crowd is far away: told by the first of these.
+    if not (-radius < dx < radius and -radius < dy < radius):
+        return np.inf
+    away = math.hypot(dx, dy)
     alike = (
-        track.height < MAX_BRIGHTNESS_RATIO * candidate.height
-        and candidate.height < MAX_BRIGHTNESS_RATIO * track.height
+        track[HEIGHT] < MAX_BRIGHTNESS_RATIO * light[HEIGHT]
+        and light[HEIGHT] < MAX_BRIGHTNESS_RATIO * track[HEIGHT]
     )
-    return offset_px if offset_px < radius and alike else math.inf
+    return away if away < radius and alike else np.inf

@@ -73,9 +73,13 @@ class FlashWatch:
     def __init__(self) -> None:
         self._drift, self._instants, self._shift = no_drift(), no_instants(), no_shift()
         self._memory = (*self._drift, *self._instants, *self._shift)
+        self._flashes = 0
 
     def forget(self) -> None:
         """Begin anew."""
+        if self._flashes == 0:
+            return
+        self._flashes = 0
         self._drift.known[:] = NOTHING_KNOWN
         self._instants.against[:] = 0.0
         for counts in (self._drift.counts, self._instants.counts, self._shift.counts):
@@ -108,6 +112,7 @@ class FlashWatch:
             s.
 
         """
+        self._flashes += 1
         sigma = math.sqrt(light.sigma_major * light.sigma_minor)
         return Seen(*_watch_flash(
             *self._memory, lit, unlit, light.x, light.y, sigma, light.noise, before, times

@@ -10,7 +10,7 @@ from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.compression import compression_noise
 from blob_tracker.segmentation.contrast import Contrast
-from blob_tracker.segmentation.dead_pixels import mark_dead
+from blob_tracker.segmentation.dead_pixels import cut_out
 from blob_tracker.segmentation.history import FrameError
 from blob_tracker.types import Frame, Glimpse, Pixels, Window
 import numpy as np
@@ -88,19 +88,22 @@ class FrameStack:
             Where the sum does not fit into 16 bits.
 
         """
-        frames = self.count * len(contrast.lit_frames)
-        saturation = contrast.frame.sample_saturation
-        if frames > most_frames(saturation):
+        frame, lit = contrast.frame, contrast.lit_frames
+        saturation = frame.sample_saturation
+        frames = self.count * len(lit)
+        if frames > 1 and frames > most_frames(saturation):
             raise FrameError(
                 f'{frames} frames of up to {saturation} DN do not fit into the 16 bits of a '
                 f"window, {most_frames(saturation)} would; sum fewer looks, or set the camera's "
                 'true full scale (saturation)'
             )
         look = _Pair(
-            candidate.x, candidate.y, contrast.frame, contrast.lit_frames,
+            candidate.x, candidate.y, frame, lit,
             contrast.unlit_frames if candidate.unlit is None else (candidate.unlit,),
             candidate.noise, round(1e9 * candidate.tau),
         )
+        if self.count == 1:
+            return _cut([look], box, candidate)
         pairs = self._pairs.pop(name, [])
         if pairs and not _goes_on(pairs, look, candidate.sigma_minor, contrast.duration):
             pairs = []
@@ -127,55 +130,56 @@ def _goes_on(pairs: Sequence[_Pair], look: _Pair, sigma: float, duration: float)
 def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
     """Return the raw pixels of a box, summed over all frames of the looks."""
     frame = pairs[-1].frame
-    binning, sites, line_ns = frame.binning, None, frame.line_time_ns
+    (across, down), line_ns, mosaic = frame.binning, frame.line_time_ns, frame.mosaic
     first_ns = begun_ns = pairs[0].frame.stamp_ns
-    x0, y0 = frame.x0 + binning[0] * box.x0, frame.y0 + binning[1] * box.y0
-    added_noise = compression_noise(frame.quantisation, candidate, frame.raw_steps)
-    saturation = frame.sample_saturation
-    if frame.mosaic is not None:
-        binning = binning[0] // 2, binning[1] // 2
-        sites = np.tile(frame.mosaic.sites, (box.y1 - box.y0, box.x1 - box.x0))
-        box = Box(*(2 * edge for edge in box))
+    left, top, right, bottom = box
+    x0, y0 = frame.x0 + across * left, frame.y0 + down * top
+    added_noise = 0.0 if frame.quantisation is None else compression_noise(
+        frame.quantisation, candidate, frame.raw_steps
+    )
+    sites = None
+    if mosaic is not None:
+        across, down = across // 2, down // 2
+        sites = np.tile(mosaic.sites, (bottom - top, right - left))
+        left, top, right, bottom = 2 * left, 2 * top, 2 * right, 2 * bottom
         line_ns /= 2
         first_ns -= round(line_ns / 2)  # from the middle of a cell to its first line
-    inside = box.slices
     lit: list[Pixels] = []
     unlit: list[Pixels] = []
     seen_ns = 0
     for pair in pairs:
-        for image in pair.lit:
-            lit.append(image[inside].copy())
-        for image in pair.unlit:
-            dark = image[inside].copy()
-            mark_dead(lit[len(unlit)], dark, frame.saturation, pair.noise)
-            unlit.append(dark)
+        for image, dark in zip(pair.lit, pair.unlit):
+            above, below = cut_out(
+                image, dark, left, top, right, bottom, frame.saturation, pair.noise
+            )
+            lit.append(above)
+            unlit.append(below)
+        for image in pair.lit[len(pair.unlit):]:
+            lit.append(image[top:bottom, left:right].copy())
         seen_ns += pair.frame.stamp_ns - begun_ns + pair.tau_ns
-    seen_ns //= len(pairs)
-    middle_line = 0.5 * (box.y0 + box.y1 - 1)
+    stamp_ns = first_ns + seen_ns // len(pairs)
+    if line_ns:
+        stamp_ns += round(line_ns * (0.5 * (top + bottom - 1)))  # of the middle line
+    looks, saturation, has_unlit = len(lit), frame.sample_saturation, len(unlit) == len(lit)
     # No message says where linear pixels clip, and a locator without the response would not know.
-    marked = len(lit) > 1 or frame.raw_steps is not None
+    if looks > 1 or frame.raw_steps is not None:
+        whole_lit = sum_frames(lit, saturation)
+        whole_unlit = sum_frames(unlit, saturation) if has_unlit else None
+        saturation = FULL_SCALE_DN
+    else:
+        whole_lit, whole_unlit = lit[0], unlit[0] if has_unlit else None
+    glimpse = candidate.glimpse
+    if glimpse is not None:
+        glimpse = _on_sensor(glimpse, frame) if len(pairs) == 1 else None
+    # By their places: names take a microsecond.
     return Window(
-        lit=sum_frames(lit, saturation, marked=marked),
-        unlit=(
-            sum_frames(unlit, saturation, marked=marked) if len(unlit) == len(lit) else None
-        ),
-        x0=x0,
-        y0=y0,
-        stamp_ns=first_ns + seen_ns + round(line_ns * middle_line),
-        saturation=FULL_SCALE_DN if marked else saturation,
-        binning=binning,
-        looks=len(lit),
-        sites=sites,
-        added_noise=added_noise,
-        glimpse=_on_sensor(candidate.glimpse, frame) if len(pairs) == 1 else None,
-        line_time_ns=line_ns,
+        whole_lit, whole_unlit, x0, y0, stamp_ns, saturation, (across, down), looks, sites,
+        added_noise, glimpse, line_ns,
     )
 
 
-def _on_sensor(glimpse: Glimpse | None, frame: Frame) -> Glimpse | None:
+def _on_sensor(glimpse: Glimpse, frame: Frame) -> Glimpse:
     """Return how a light was seen in px of the full, unbinned sensor."""
-    if glimpse is None:
-        return None
     scale = np.array(frame.binning, dtype=float)
     seen = Glimpse(
         glimpse.share, glimpse.way * scale, glimpse.way_sigma * float(scale.max()),
@@ -191,7 +195,7 @@ def most_frames(saturation: int) -> int:
     return max((FULL_SCALE_DN - 1) // max(saturation - 1, 1), 1)
 
 
-def sum_frames(images: Sequence[Pixels], saturation: int, *, marked: bool = True) -> Pixels:
+def sum_frames(images: Sequence[Pixels], saturation: int) -> Pixels:
     """
     Return the sum of n frames, pixel by pixel.
 
@@ -205,18 +209,13 @@ def sum_frames(images: Sequence[Pixels], saturation: int, *, marked: bool = True
         DN, of one type.
     saturation : int
         The DN at which a pixel of one frame is clipped.
-    marked : bool
-        Whether a pixel that is clipped in any of them is 65535 in the sum; else there must be one
-        frame, which is returned as it is.
 
     Returns
     -------
-    (h, w) array
-        DN, uint16 if marked.
+    (h, w) uint16 array
+        DN; 65535 where a pixel is clipped in any of them.
 
     """
-    if not marked:
-        return images[0]
     total = np.zeros(images[0].shape, dtype=np.uint16)
     clipped = np.zeros(images[0].shape, dtype=bool)
     for image in images:

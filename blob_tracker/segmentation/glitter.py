@@ -10,7 +10,8 @@ from blob_tracker.segmentation.chance import (
     advance, BRIGHTNESS, FAMILY, FIELDS, FLASHES, FRAME, GAIN, KIND, KINDS, LIGHT, SCORE, SEEN,
     STEADY, VAR_V, VAR_X, VX, VY, X, Y,
 )
-from blob_tracker.segmentation.flash_track import FlashTrack, PERIOD_FRAMES
+from blob_tracker.segmentation.flash_track import FlashTrack
+from blob_tracker.segmentation.frame_clock import PERIOD_FRAMES
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -181,8 +182,8 @@ class Glitter:
             return None
         index = int(best[LIGHT])
         track = FlashTrack(
-            float(best[X]), float(best[Y]), 0.0, math.exp(best[BRIGHTNESS]), 0,
-            flashes=int(best[FLASHES]), run=int(best[FLASHES]),
+            float(best[X]), float(best[Y]), 0.0, math.exp(best[BRIGHTNESS]), 0.0,
+            flashes=float(best[FLASHES]), run=float(best[FLASHES]),
             velocity_x=float(best[VX]) / PERIOD_FRAMES, velocity_y=float(best[VY]) / PERIOD_FRAMES,
         )
         return index, track

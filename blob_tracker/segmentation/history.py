@@ -6,7 +6,7 @@ from collections import deque
 from dataclasses import replace
 from statistics import median
 
-from blob_tracker.types import Frame
+from blob_tracker.types import Frame, Pixels
 import numpy as np
 
 LEAST_INTERVAL_S = 0.1  # s: frames that are nearer may follow each other, whatever the rate
@@ -68,7 +68,7 @@ class FrameHistory:
             jumped back or the channel, size, crop or depth changed (this frame starts afresh).
 
         """
-        frame = _plain(frame)
+        frame = plain(frame)
         if not self.frames:
             self.frames.append(frame)
             return None
@@ -108,12 +108,20 @@ class FrameHistory:
         self.frames.append(frame)
 
 
-def _plain(frame: Frame) -> Frame:
+def plain(frame: Frame) -> Frame:
     """Return the frame with pixels that the kernels take: they are compiled for no others."""
-    flags = frame.image.flags
-    if flags.c_contiguous and flags.writeable:
-        return frame
-    return replace(frame, image=np.array(frame.image, order='C'))
+    mosaic = frame.mosaic
+    if mosaic is not None and not _is_plain(mosaic.pixels):
+        frame = replace(frame, mosaic=replace(mosaic, pixels=np.array(mosaic.pixels, order='C')))
+    return frame if _is_plain(frame.image) else replace(
+        frame, image=np.array(frame.image, order='C')
+    )
+
+
+def _is_plain(pixels: Pixels) -> bool:
+    """Tell whether pixels lie one after the other in memory, and may be written."""
+    flags = pixels.flags
+    return flags.c_contiguous and flags.writeable
 
 
 def _alike(one: Frame, other: Frame) -> bool:

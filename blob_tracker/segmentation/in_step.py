@@ -14,8 +14,8 @@ from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.drift import light_at
 from blob_tracker.segmentation.expectation import Expectation
-from blob_tracker.segmentation.flash_track import PERIOD_FRAMES
 from blob_tracker.segmentation.flash_watch import FlashWatch, Seen
+from blob_tracker.segmentation.frame_clock import PERIOD_FRAMES
 from blob_tracker.segmentation.history import FrameError
 from blob_tracker.segmentation.switching import Switching
 from blob_tracker.types import Frame, Glimpse

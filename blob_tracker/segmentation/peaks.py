@@ -7,7 +7,7 @@ from blob_tracker.segmentation.adaptive_moments import measure, stands_out
 from blob_tracker.segmentation.description import describe, distance2, FIELDS, WINDOW_SIGMA
 from blob_tracker.segmentation.illumination import row_gains
 from blob_tracker.segmentation.local_maxima import brightest_square, level_at, local_maxima
-from blob_tracker.segmentation.rejection import GLOW_WIDTH_RATIO
+from blob_tracker.segmentation.rejection import fault, GLOW_WIDTH_RATIO
 from blob_tracker.segmentation.streak import measure_streak
 from blob_tracker.segmentation.tile_noise import tile_noise, TILE_PX
 from blob_tracker.types import Pixels
@@ -74,8 +74,9 @@ def measure_peaks(
 
     Returns
     -------
-    table : (n, 22) array
-        A row for each peak of at least that SNR: the fields of `Candidate` in their order.
+    table : (n, 23) array
+        A row for each peak of at least that SNR: the fields of `Candidate` in their order, and
+        its `fault`.
     gains : (n, 2) array
         How the light on the scene changed, see `row_gains`.
     change : float
@@ -102,7 +103,7 @@ def measure_peaks(
         else:
             threshold *= 2.0
         count, strongest = local_maxima(lit, unlit, region, mask, levels, noises, threshold, peaks)
-    table = np.empty((FEW_CANDIDATES, FIELDS))
+    table = np.empty((FEW_CANDIDATES, FIELDS + 1))
     found = 0
     for index in np.argsort(-peaks[:count, 2]):
         column, row = int(peaks[index, 0]), int(peaks[index, 1])
@@ -130,7 +131,7 @@ def measure_peaks(
             if found == MOST_CANDIDATES:
                 break
             if found == table.shape[0]:
-                more = np.empty((MOST_CANDIDATES, FIELDS))
+                more = np.empty((MOST_CANDIDATES, FIELDS + 1))
                 more[:found] = table
                 table = more
     if found == 0 and followed and (x1 - x0) * (y1 - y0) <= SMALL_REGION_PX:
@@ -144,6 +145,8 @@ def measure_peaks(
                 noise, height - local_level, False,
             )
             found = 1
+    for k in range(found):
+        table[k, FIELDS] = fault(table[k], followed, min_snr)
     return table[:found], gains, change, level, np.median(noises), np.median(bright), strongest
 
 

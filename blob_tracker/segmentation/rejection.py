@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 import math
 
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.segmentation.candidate import Candidate
 
 # The four neighbours of the peak pixel have a third of its height where sigma is 0.6 px, and more
@@ -36,65 +37,92 @@ GLOW_WIDTH_RATIO = 3.0
 GLOW_REACH_SIGMA = 3.0  # within so many sigma of its middle is the glow of that one
 
 
-def reject(candidate: Candidate, followed: bool, min_snr: float = 0.0) -> str:
+# What may speak against a candidate, in the order in which it is asked.
+(
+    NOTHING, LONE_PIXEL, LONG, FALL, NO_BLOB, RESTLESS, STANDING, TEXTURE, CLIPPED,
+) = range(9)
+FIELDS = Candidate._fields.index('rejected')  # that are measured
+FIELD = {name: place for place, name in enumerate(Candidate._fields)}
+HEIGHT, AMPLITUDE, MISFIT, SNR = (FIELD[n] for n in ('height', 'amplitude', 'misfit', 'snr'))
+MAJOR, MINOR, STREAK = (FIELD[n] for n in ('sigma_major', 'sigma_minor', 'streak'))
+NEIGHBOURS, FELL, WAS_CLIPPED = (FIELD[n] for n in ('neighbour_ratio', 'fall', 'clipped'))
+UNLIT, SCENE, NOISE, AROUND = (
+    FIELD[n] for n in ('unlit_amplitude', 'texture', 'noise', 'surround_noise')
+)
+
+
+@kernel
+def fault(row: Array, followed: bool, min_snr: float) -> int:
     """
-    Say why a candidate is no target.
+    Return what speaks against a candidate, one of the above.
 
     Parameters
     ----------
-    candidate : Candidate
-        What lit up.
+    row : (22,) array
+        Its fields, see `Candidate`.
     followed : bool
         Whether it is where a target is expected, by what was seen before.
     min_snr : float
         Least SNR in the matched filter.
 
-    Returns
-    -------
-    str
-        Empty where nothing speaks against it.
-
     """
+    if row[NEIGHBOURS] < LEAST_NEIGHBOUR_RATIO:
+        return LONE_PIXEL
+    if row[MAJOR] > MAX_ELONGATION * max(row[MINOR], NARROWEST_PX) and row[STREAK] == 0.0:
+        return LONG
+    if row[FELL] > max(MAX_FALL_RATIO * row[HEIGHT], NOISE_FALL_SIGMA * row[NOISE]):
+        return FALL
+    if row[MISFIT] > (MAX_MISFIT if row[MINOR] > SAMPLED_SIGMA_PX else MAX_UNSAMPLED_MISFIT):
+        return NO_BLOB
+    if row[SNR] * row[NOISE] < min_snr * row[AROUND]:
+        return RESTLESS
+    standing = max(MAX_UNLIT_RATIO * row[AMPLITUDE], TEXTURE_SIGMA * row[SCENE])
+    if row[UNLIT] > standing * (FOLLOWED_ALLOWANCE if followed else 1.0):
+        return STANDING
+    if not followed and row[AMPLITUDE] < LEAST_TEXTURE_RATIO * row[SCENE]:
+        return TEXTURE
+    return CLIPPED if row[WAS_CLIPPED] != 0.0 else NOTHING
+
+
+def in_words(fault: int, candidate: Candidate) -> str:
+    """Say why a candidate is no target; empty where nothing speaks against it."""
     height = candidate.height
-    if candidate.neighbour_ratio < LEAST_NEIGHBOUR_RATIO:
+    if fault == LONE_PIXEL:
         return (
             f'a lone pixel rose by {height:.0f} DN: it is hot, or was hit by a particle; or a '
             'light is narrower than a pixel, or a cell of the colour mosaic: defocus it a little'
         )
-    long = candidate.sigma_major > MAX_ELONGATION * max(candidate.sigma_minor, NARROWEST_PX)
-    if long and not candidate.streak:
+    if fault == LONG:
         return (
             f'what lit up is {candidate.sigma_major:.1f} px long and '
             f'{candidate.sigma_minor:.1f} px wide (sigma): an edge that moved, or a band'
         )
-    if candidate.fall > max(MAX_FALL_RATIO * height, NOISE_FALL_SIGMA * candidate.noise):
+    if fault == FALL:
         return (
             f'a rise of {height:.0f} DN beside a fall of {candidate.fall:.0f} DN: '
             'something moved, or the light was on in both frames'
         )
-    shaped = candidate.sigma_minor > SAMPLED_SIGMA_PX
-    if candidate.misfit > (MAX_MISFIT if shaped else MAX_UNSAMPLED_MISFIT):
+    if fault == NO_BLOB:
         return (
             f'a rise of {height:.0f} DN that is no blob: a Gaussian leaves '
             f'{100 * candidate.misfit:.0f} % of it'
         )
-    if candidate.snr * candidate.noise < min_snr * candidate.surround_noise:
+    if fault == RESTLESS:
         return (
             f'a rise of {height:.0f} DN where all about it changes by '
             f"{candidate.surround_noise:.1f} DN: the scene's own, or the codec's"
         )
-    standing = max(MAX_UNLIT_RATIO * candidate.amplitude, TEXTURE_SIGMA * candidate.texture)
-    if candidate.unlit_amplitude > standing * (FOLLOWED_ALLOWANCE if followed else 1.0):
+    if fault == STANDING:
         return (
             f'a rise of {candidate.amplitude:.0f} DN on {candidate.unlit_amplitude:.0f} DN that '
             'were there before: a lamp that flickers'
         )
-    if not followed and candidate.amplitude < LEAST_TEXTURE_RATIO * candidate.texture:
+    if fault == TEXTURE:
         return (
             f'a rise of {candidate.amplitude:.0f} DN where the scene itself varies by '
             f'{candidate.texture:.0f} DN: an edge that moved a little'
         )
-    if candidate.clipped:
+    if fault == CLIPPED:
         return (
             f'a rise of {height:.0f} DN beside pixels that were clipped before: the rim of '
             'the sun or of a lamp'

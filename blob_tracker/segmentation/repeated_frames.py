@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import functools
 import math
 
-from blob_tracker.types import Frame
+from blob_tracker.kernel import kernel
+from blob_tracker.types import Frame, Pixels
 import numpy as np
 
 # Rows that are looked at first, and pixels in the middle of each: these lie beside each other in
@@ -41,22 +41,28 @@ class RepeatedFrames:
         self._noisy = False
 
     def push(self, frame: Frame) -> bool:
-        """Take the next frame; tell whether it is the one before once more."""
+        """
+        Take the next frame; tell whether it is the one before once more.
+
+        Its pixels lie one after the other in memory, see `history.plain`.
+        """
         last, self._last = self._last, frame
         self.warning = ''
+        if last is None:
+            return False
+        image, before = frame.image, last.image
         if (
-            last is None
-            or last.image.shape != frame.image.shape
+            before.shape != image.shape
+            or before.dtype != image.dtype
             or last.stamp_ns >= frame.stamp_ns  # a frame that is refused, or another sequence
         ):
             self._noisy = False
             return False
-        changed = 0
-        rows, enough = _sampled(frame.image.shape)
-        for row in rows:
-            changed += np.count_nonzero(frame.image[row] != last.image[row])
-            if changed >= enough:
-                break
+        planes = 1
+        if image.ndim == 3:
+            planes = image.shape[2]
+            image, before = (each.reshape(len(each), -1) for each in (image, before))
+        changed, enough = _changed(image, before, planes)
         if changed > 0:
             self._noisy = changed >= enough
             return False
@@ -72,14 +78,18 @@ class RepeatedFrames:
         return True
 
 
-@functools.cache
-def _sampled(shape: tuple[int, ...]) -> tuple[list[tuple[int, slice]], int]:
-    """Return which parts of rows are looked at first, and how many changes there are noise."""
-    height, width = shape[:2]
-    left = max((width - ROW_PX) // 2, 0)
-    middle = slice(left, left + ROW_PX)
-    rows = [
-        (row, middle) for row in range(height // (2 * ROWS), height, height // ROWS or 1)
-    ]
-    samples = min(width, ROW_PX) * math.prod(shape[2:])
-    return rows, math.ceil(LEAST_CHANGE * ROWS * samples)
+@kernel
+def _changed(image: Pixels, before: Pixels, planes: int) -> tuple[int, int]:
+    """Return how many samples of a few rows changed, and how many tell that there is noise."""
+    height, width = image.shape
+    most = ROW_PX * planes
+    left = max((width // planes - ROW_PX) // 2, 0) * planes
+    right = min(left + most, width)
+    enough = int(math.ceil(LEAST_CHANGE * ROWS * (right - left)))
+    changed = 0
+    for j in range(height // (2 * ROWS), height, max(height // ROWS, 1)):
+        for i in range(left, right):
+            changed += image[j, i] != before[j, i]
+        if changed >= enough:
+            break
+    return changed, enough

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from blob_tracker.kernel import Array
 from blob_tracker.segmentation.box import Box
@@ -14,8 +14,7 @@ from blob_tracker.segmentation.flood import flood_rise, whole_scene, without_flo
 from blob_tracker.segmentation.illumination import relit
 from blob_tracker.segmentation.overexposure import with_clipping
 from blob_tracker.segmentation.peaks import measure_peaks
-from blob_tracker.segmentation.rejection import reject, without_glows
-from blob_tracker.types import Pixels
+from blob_tracker.segmentation.rejection import in_words, without_glows
 import numpy as np
 from numpy.typing import NDArray
 
@@ -101,30 +100,22 @@ def search(
         The candidates, rejected or not, and the noise.
 
     """
-    if min(region.x1 - region.x0, region.y1 - region.y0) < SMALLEST_REGION_PX:
+    left, top, right, bottom = region
+    if right - left < SMALLEST_REGION_PX or bottom - top < SMALLEST_REGION_PX:
         return SearchResult((), 0.0, contrast.floor * contrast.unit, 0.0, '')
-
-    def measured(unlit: Pixels) -> tuple[Array, Array, float, float, float, float, float]:
-        return measure_peaks(
-            contrast.lit,
-            unlit,
-            (region.x0, region.y0, region.x1, region.y1),
-            mask,
-            contrast.floor,
-            _threshold(region.size),
-            min_snr,
-            LARGEST_SIGMA_PX,
-            contrast.saturation,
-            not contrast.unlit_frames,
-            followed,
-        )
-
-    table, gains, change, level, noise, brightness, strongest = measured(contrast.unlit)
+    lit, unlit, saturation = contrast.lit, contrast.unlit, contrast.saturation
+    paired = bool(contrast.unlit_frames)
+    where, threshold = (left, top, right, bottom), _threshold((right - left) * (bottom - top))
+    table, gains, change, level, noise, brightness, strongest = measure_peaks(
+        lit, unlit, where, mask, contrast.floor, threshold, min_snr, LARGEST_SIGMA_PX, saturation,
+        not paired, followed,
+    )
     reason, step = '', level
-    if contrast.unlit_frames:
+    if paired:
         if change > RELIGHTING_SIGMA * noise:
-            table, _, _, level, noise, _, strongest = measured(
-                relit(contrast.unlit, gains, contrast.saturation)
+            table, _, _, level, noise, _, strongest = measure_peaks(
+                lit, relit(unlit, gains, saturation), where, mask, contrast.floor, threshold,
+                min_snr, LARGEST_SIGMA_PX, saturation, not paired, followed,
             )
         # In the new light: before, what the scene's texture gained or lost passes for noise.
         jump = EXPOSURE_JUMP * brightness + JUMP_NOISE_SIGMA * noise + JUMP_GLARE * strongest
@@ -141,11 +132,13 @@ def search(
         level, noise, strongest = unit * level, unit * noise, unit * strongest
     judged: tuple[Candidate, ...] = ()
     if len(table) > 0:
-        judged = with_clipping(contrast, without_glows([
-            _judged(row, followed, min_snr) for row in table.tolist()
-        ]))
+        judged, has_rejected = _judged(table)
+        if len(judged) > 1:
+            judged = without_glows(judged)
+        if has_rejected:
+            judged = with_clipping(contrast, judged)
     # Near a target that is followed its own glow may be all over.
-    if contrast.unlit_frames and not followed and (
+    if paired and not followed and (
         level > LEAST_FLOOD_DN or unit * step > max(LEAST_FLOOD_DN, brightness)
     ):
         rise = unit * flood_rise(contrast, region)
@@ -163,11 +156,18 @@ def _is_gain(gains: Array) -> bool:
     return bool(high - low <= 2.0 * SAME_GAIN * middle)
 
 
-def _judged(row: list[Any], followed: bool, min_snr: float) -> Candidate:
-    """Return the candidate of a row of the table, with the reason where it is no target."""
-    candidate = Candidate(*row)
-    rejected = reject(candidate, followed, min_snr)
-    return candidate._replace(rejected=rejected) if rejected else candidate
+def _judged(table: Array) -> tuple[tuple[Candidate, ...], bool]:
+    """Return the candidates of a table, and whether any of them is rejected, with its reason."""
+    candidates = []
+    has_rejected = False
+    for row in table.tolist():
+        fault = int(row.pop())
+        candidate = Candidate(*row)
+        if fault:
+            candidate = candidate._replace(rejected=in_words(fault, candidate))
+            has_rejected = True
+        candidates.append(candidate)
+    return tuple(candidates), has_rejected
 
 
 @functools.lru_cache

@@ -15,7 +15,7 @@ from blob_tracker.segmentation.detections import Detections
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.frame_stack import FrameStack
-from blob_tracker.segmentation.history import FrameError
+from blob_tracker.segmentation.history import FrameError, plain
 from blob_tracker.segmentation.in_step import InStep
 from blob_tracker.segmentation.repeated_frames import RepeatedFrames
 from blob_tracker.segmentation.search import NO_MASK, search, SearchResult
@@ -124,7 +124,8 @@ class Segmenter:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Say what is wrong though there may be a window, of the frames and of other lights."""
-        return tuple(filter(None, (self._repeated.warning, self.flash.warning)))
+        repeated, flash = self._repeated.warning, self.flash.warning
+        return tuple(filter(None, (repeated, flash))) if repeated or flash else ()
 
     def update(self, frame: Frame, expected: Expectation | None = None) -> Window | None:
         """
@@ -162,11 +163,12 @@ class Segmenter:
             channel.
 
         """
-        if self._mask.size > 0 and self._mask.shape != frame.image.shape[:2]:
+        if self._mask is not NO_MASK and self._mask.shape != frame.image.shape[:2]:
             raise FrameError(
                 f'the mask is {self._mask.shape[1]} x {self._mask.shape[0]} px and the frame '
                 f'{frame.image.shape[1]} x {frame.image.shape[0]}; they must be of one size'
             )
+        frame = plain(frame)
         if self._repeated.push(frame):
             self.flash.skip(frame)
             self.reason = self._repeated.warning
@@ -178,9 +180,10 @@ class Segmenter:
             self.reason = self.flash.reason
             return []
         contrast, found = self._search(contrast)
-        wider = self.flash.widened(contrast, () if found.reason else found.candidates)
-        if wider is not None:
-            contrast, found = self._search(wider)
+        if expected is not None:
+            wider = self.flash.widened(contrast, () if found.reason else found.candidates)
+            if wider is not None:
+                contrast, found = self._search(wider)
         sightings: list[Sighting] = []
         windows: dict[str, Box] = {}
         if found.reason:
@@ -219,7 +222,8 @@ class Segmenter:
 
     def _in_channel(self, frame: Frame) -> Frame:
         """Return the colour of a frame that is searched; begin afresh where it is another one."""
-        region = self._region if self.flash.locked else None
+        has_colours = frame.layout != 'grey'
+        region = self._region if has_colours and self.flash.locked else None
         frame, before = self.channel.take(frame, region)
         if before is not None:
             self._unlit = None
@@ -231,7 +235,7 @@ class Segmenter:
         """Return what lit up in the region in which the target can be, and what it is seen in."""
         self._region = region = self.flash.region(contrast)
         # Within the gate there is little room for chance.
-        followed = self.flash.locked and 2 * region.size < contrast.lit.size
+        followed = 2 * region.size < contrast.lit.size and self.flash.locked
         min_snr = self.min_snr * (GATED_SNR_FRACTION if followed else 1.0)
         mask = self._mask_of(contrast)
         found = search(contrast, region, min_snr=min_snr, followed=followed, mask=mask)
@@ -271,10 +275,9 @@ class Segmenter:
     def _window(self, contrast: Contrast, candidate: Candidate) -> Box | None:
         """Return the window of the target, or None with the reason why there is none."""
         box = self.threshold(contrast, candidate, self.max_blob)
-        if box is None or max(box.x1 - box.x0, box.y1 - box.y0) > 2 * self.max_blob + 1:
-            self.reason = (
-                f'what lit up is no blob of at most {2 * self.max_blob + 1} px (max_blob)'
-            )
+        most = 2 * self.max_blob + 1
+        if box is None or box[2] - box[0] > most or box[3] - box[1] > most:
+            self.reason = f'what lit up is no blob of at most {most} px (max_blob)'
             return None
         if box.cut_through(*candidate.peak, contrast.shape):
             self.reason = "the target is cut by the frame's edge"

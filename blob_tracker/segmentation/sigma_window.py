@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 
-from blob_tracker.segmentation.box import Box, box_about
+from blob_tracker.kernel import kernel
+from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
+import numpy as np
 
 SMALLEST_HALF_PX = 3  # px: 7 x 7 hold a blob of sigma 1 and its background
 
@@ -38,8 +40,25 @@ def sigma_window(
         blob would not fit into `largest`.
 
     """
-    half_x = max(math.ceil(sigmas * candidate.sigma_x), SMALLEST_HALF_PX)
-    half_y = max(math.ceil(sigmas * candidate.sigma_y), SMALLEST_HALF_PX)
+    height, width = contrast.lit.shape
+    box = _about(
+        candidate.x, candidate.y, sigmas * candidate.sigma_x, sigmas * candidate.sigma_y, largest,
+        width, height,
+    )
+    return Box(*box) if box[0] < box[2] else None
+
+
+@kernel
+def _about(
+    x: float, y: float, reach_x: float, reach_y: float, largest: int, width: int, height: int
+) -> tuple[int, int, int, int]:
+    """Return the edges of the box so far about a place; an empty one where it is too large."""
+    half_x = max(int(math.ceil(reach_x)), SMALLEST_HALF_PX)
+    half_y = max(int(math.ceil(reach_y)), SMALLEST_HALF_PX)
     if max(half_x, half_y) > largest:
-        return None
-    return box_about(round(candidate.x), round(candidate.y), half_x, half_y, contrast.shape)
+        return 0, 0, 0, 0
+    column, row = int(np.rint(x)), int(np.rint(y))
+    return (
+        max(column - half_x, 0), max(row - half_y, 0),
+        min(column + half_x + 1, width), min(row + half_y + 1, height),
+    )

@@ -6,8 +6,9 @@ from collections.abc import Callable
 
 from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
-from blob_tracker.segmentation.confirmation import Confirmation, MAX_AGE_FRAMES
+from blob_tracker.segmentation.confirmation import Confirmation
 from blob_tracker.segmentation.expectation import Expectation
+from blob_tracker.segmentation.flash_tracks import MAX_AGE_FRAMES
 import numpy as np
 import pytest
 from support.contrasts import candidate_at

@@ -52,9 +52,11 @@ def test_a_pixel_clipped_once_is_clipped() -> None:
 
 
 def test_one_look_is_left_as_it_is() -> None:
-    """No other type, no copy."""
-    frame = np.full((2, 3), 255, np.uint8)
-    assert sum_frames([frame], 255, marked=False) is frame
+    """No other type, and none of its pixels is that of the frame itself."""
+    window = add(FrameStack(1), 6.0)
+    assert window is not None and window.unlit is not None
+    assert window.lit.dtype == np.uint8 and window.lit.base is not window.unlit.base
+    assert (window.lit == 50).all() and (window.unlit == 25).all()
 
 
 def test_every_kth_look_gives_the_window_of_all() -> None:

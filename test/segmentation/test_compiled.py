@@ -1,0 +1,59 @@
+"""After `compile_ahead` no frame waits for a compiler."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+SCENES = """
+import numpy as np
+from blob_tracker import kernel
+from blob_tracker.pipeline import compile_ahead
+from blob_tracker.segmentation import Expectation, Segmenter
+from blob_tracker.segmentation.in_step import InStep
+from blob_tracker.types import Frame
+
+compile_ahead(['maximum_likelihood'])
+late, missed = [], kernel._Kernel.missed
+
+
+def noted(each, *arguments, **named):
+    late.append(each.py_func.__qualname__)
+    return missed(each, *arguments, **named)
+
+
+kernel._Kernel.missed = noted
+random = np.random.default_rng(1)
+y, x = np.indices((96, 128))
+
+
+def blob(column, row, height):
+    return height * np.exp(-0.5 * ((x - column) ** 2 + (y - row) ** 2) / 2.0)
+
+
+for kind, full in ((np.uint8, 255), (np.uint16, 4095)):
+    for lights in (1, 2, 40):
+        flash = InStep()
+        segmenter = Segmenter(flash=flash)
+        for index in range(40):
+            scene = np.full(x.shape, 20.0)
+            if index % 2 == 0 and not 20 <= index < 30:
+                scene += blob(60.0 + 0.2 * index, 40.0, 100.0)
+            if lights == 2 and index % 2 == 0:
+                scene += blob(20.0, 70.0, 60.0)
+            for _ in range(lights if lights > 2 else 0):
+                scene += blob(random.uniform(5, 120), random.uniform(5, 90), 80.0)
+            image = np.clip(random.normal(scene, 1.0), 0, full).astype(kind)
+            image.flags.writeable = index % 5 > 0
+            flash.agree_with(Expectation(62.0, 40.0, np.eye(2)) if index % 7 == 0 else None)
+            expected = Expectation(60.0 + 0.2 * index, 40.0, np.eye(2)) if index % 3 else None
+            segmenter.update(Frame(image, 10**9 + index * 16_666_667, full), expected)
+assert not late, late
+"""
+
+
+def test_compile_ahead_leaves_nothing_to_compile() -> None:
+    """For lights, glints and all that is told of them, of 8 and of 16 bits: in a process alone."""
+    environment = os.environ | {'PYTHONPATH': os.pathsep.join(sys.path)}
+    subprocess.run([sys.executable, '-c', SCENES], check=True, env=environment)
