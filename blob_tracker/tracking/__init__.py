@@ -15,6 +15,7 @@ from blob_tracker.tracking.models import MODELS
 from blob_tracker.tracking.pan_tilt_angles import PanTiltAngles
 from blob_tracker.tracking.platform_rates import PlatformRates
 from blob_tracker.tracking.restart import update_or_restart
+from blob_tracker.tracking.sight import Sight
 from blob_tracker.tracking.simultaneous import Simultaneous
 from blob_tracker.tracking.track import Track
 from blob_tracker.tracking.tracker import Tracker
@@ -22,7 +23,7 @@ from blob_tracker.tracking.triangulation import Position, triangulate
 
 __all__ = [
     'CameraPose', 'GyroFault', 'GyroWatch', 'MODELS', 'PanTiltAngles', 'ParallelRays',
-    'PlatformGap', 'PlatformRates', 'Position', 'RaysApart', 'Simultaneous', 'StampJump',
+    'PlatformGap', 'PlatformRates', 'Position', 'RaysApart', 'Sight', 'Simultaneous', 'StampJump',
     'Track', 'Tracker', 'TrackingError', 'TriangulationError', 'compile_ahead', 'triangulate',
     'update_or_restart',
 ]

@@ -102,6 +102,13 @@ JOINT_STATES = Topic(
     'sensor_msgs/JointState',
     'with `joints.pan` or `joints.tilt`: where the pan/tilt under the camera stands, rad',
 )
+TF = Topic(
+    '/tf',
+    'tf2_msgs/TFMessage',
+    'with `imu.use_tf`, `joints.use_tf` or `use_tf`: how frames move in each other; with '
+    '`publish_tf`: the body in the optical frame',
+)
+TF_STATIC = Topic('/tf_static', TF.kind, 'likewise: how frames lie in each other for good')
 JOINT_COMMAND = Topic(
     'joint_command',
     'sensor_msgs/JointState',
