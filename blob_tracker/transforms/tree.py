@@ -143,6 +143,39 @@ class TransformTree:
             Where it is not known, with a reason.
 
         """
+        up, down = self._ways(frame, reference)
+        moving = tuple(link.frame for link in (*up, *down) if link.fixed is None)
+        own, others = _along(up, stamp_ns), _along(down, stamp_ns)
+        return Found(product(inverse(others), own), moving)
+
+    def fixed(self, frame: str, reference: str) -> Transform:
+        """
+        Return how a frame lies in another for good.
+
+        Parameters
+        ----------
+        frame, reference : str
+            As in `lookup`.
+
+        Raises
+        ------
+        NoTransform
+            Where it is not known, or moves, with a reason.
+
+        """
+        moving = [
+            link for links in self._ways(frame, reference) for link in links if link.fixed is None
+        ]
+        if moving:
+            words = ', '.join(f"'{link.frame}' in '{link.parent}'" for link in moving)
+            raise NoTransform(
+                f"'{frame}' is to be fixed in '{reference}', and moves: {words} comes on /tf; it "
+                'must come on /tf_static'
+            )
+        return self.lookup(frame, reference, 0).transform
+
+    def _ways(self, frame: str, reference: str) -> tuple[list[Link], list[Link]]:
+        """Return the links from each of two frames to the first that both lie in."""
         for name in (frame, reference):
             fault = wrong_name(name)
             if fault:
@@ -155,9 +188,7 @@ class TransformTree:
         while up and down and up[-1] is down[-1]:
             up.pop()
             down.pop()
-        moving = tuple(link.frame for link in (*up, *down) if link.fixed is None)
-        own, others = _along(up, stamp_ns), _along(down, stamp_ns)
-        return Found(product(inverse(others), own), moving)
+        return up, down
 
     def _link(self, frame: str, parent: str) -> Link:
         """Return how a frame lies in a parent, made anew where nothing was said of it."""

@@ -95,6 +95,15 @@ def test_two_trees_are_named(tree: TransformTree) -> None:
         TransformTree().lookup('left', 'map', NOW)
 
 
+def test_what_holds_for_good_is_told_from_what_moves(tree: TransformTree) -> None:
+    """An IMU must not ride on the pan/tilt."""
+    assert tree.fixed('imu', 'map') == tree.lookup('imu', 'map', 1).transform
+    with pytest.raises(NoTransform, match=(
+        "'imu' is to be fixed in 'camera', and moves: 'pan' in 'boat' comes on /tf"
+    )):
+        tree.fixed('imu', 'camera')
+
+
 def test_two_parents_are_refused_until_one_is_silent(tree: TransformTree) -> None:
     """Whatever hangs below it; what does not goes on."""
     tree.put('pan', 'mast', turned(0.3), NOW + 95 * MS)

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
-import math
 from typing import Any, NamedTuple
 
 from blob_tracker.nodes.interface.triangulator import CAMERAS, PARAMETERS, POSE
 from blob_tracker.ros.diagnostics.health import Health, WARN
-from blob_tracker.ros.endpoints.transforms import Transforms
+from blob_tracker.ros.endpoints.transforms import AGREED_RAD, angle_between, Transforms
 from blob_tracker.ros.messages.imu import turn_of
 from blob_tracker.tracking import CameraPose
 from blob_tracker.transforms import NoTransform, Transform
@@ -20,8 +19,7 @@ from rclpy.node import Node
 
 # s between two transforms that are interpolated: of a vehicle in its map, they come seldom.
 HOLD = 1.0
-# By which parameters and TF may differ that are said to agree: what is measured with a tape.
-AGREED_RAD, AGREED_M = 0.01, 0.05
+AGREED_M = 0.05  # m by which the places of parameters and of TF may differ: that of a tape
 DEFAULTS = {each.name: each.default for each in PARAMETERS}
 
 
@@ -163,8 +161,7 @@ class CameraPlaces:
             return  # the parameters do
         given = self._given[name]
         apart_m = float(np.linalg.norm(np.array(found.translation) - given.position))
-        cosine = 0.5 * (float(np.trace(found.matrix.T @ given.rotation)) - 1.0)
-        apart_rad = math.acos(min(max(cosine, -1.0), 1.0))
+        apart_rad = angle_between(found.matrix, given.rotation)
         if apart_m > AGREED_M or apart_rad > AGREED_RAD:
             self._health.fault(
                 WARN,

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from functools import partial
+import math
 import time
 from typing import Any
 
@@ -19,10 +20,17 @@ from blob_tracker.ros.endpoints.qos import publisher, QuietPublisher, subscripti
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.ros.messages.transform import to_transform
-from blob_tracker.transforms import Found, NoTransform, TransformError, TransformTree
+from blob_tracker.transforms import (
+    Found, NoTransform, Transform, TransformError, TransformTree,
+)
 from geometry_msgs.msg import TransformStamped
+import numpy as np
+from numpy.typing import NDArray
 from rclpy.node import Node
 
+# By which turns of parameters and of TF may differ that are said to agree, rad: those of a drawing,
+# and of a camera that was screwed on by hand.
+AGREED_RAD = 0.01
 APART_NS = 1_000_000_000  # ns: no transform is so late, a clock may be
 MOST_REFUSED = 20  # frames of which it is kept why their transforms were refused
 
@@ -85,6 +93,10 @@ class Transforms:
 
         """
         return self._tree.lookup(frame, reference, stamp_ns)
+
+    def fixed(self, frame: str, reference: str) -> Transform:
+        """Return how a frame lies in another for good, else as `lookup`."""
+        return self._tree.fixed(frame, reference)
 
     def explain(self, gap: NoTransform) -> str:
         """Return why a transform is not known, and what to do."""
@@ -168,6 +180,13 @@ class TransformBroadcaster:
     def send(self, transforms: Sequence[TransformStamped]) -> None:
         """Publish transforms."""
         self._publisher.publish(self._kind(transforms=transforms))
+
+
+def angle_between(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    """Return the angle of the turn from one (3, 3) turn to another, rad."""
+    # Of the difference, which is 2 sqrt(2) sin(angle / 2) long: small angles keep their digits.
+    chord = float(np.linalg.norm(one - other)) / math.sqrt(8.0)
+    return 2.0 * math.asin(min(chord, 1.0))
 
 
 def tf_message(asked_by: str) -> Any:

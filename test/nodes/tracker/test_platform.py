@@ -20,6 +20,7 @@ BEFORE = {
     'imu.yaw': 0.0, 'imu.stamp_offset': 0.0, 'imu.bias_x': 0.0, 'imu.bias_y': 0.0,
     'imu.bias_z': 0.0, 'joints.pan': 'pan', 'joints.tilt': 'tilt', 'joints.pan_reversed': False,
     'joints.tilt_reversed': False, 'joints.sigma': 0.03, 'joints.frame_id': 'base',
+    'imu.use_tf': False, 'joints.use_tf': False, 'tf_patience': 0.1,
 }
 
 
