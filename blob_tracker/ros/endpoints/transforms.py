@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rclpy.node import Node
 
-# By which turns of parameters and of TF may differ that are said to agree, rad: those of a drawing,
+# rad by which turns of parameters and of TF may differ that are said to agree: those of a drawing,
 # and of a camera that was screwed on by hand.
 AGREED_RAD = 0.01
 APART_NS = 1_000_000_000  # ns: no transform is so late, a clock may be
