@@ -12,6 +12,9 @@ from blob_tracker.tracking.rotation import pan_tilt
 from blob_tracker.transforms import TransformTree
 import numpy as np
 import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
 from support.urdf import frames, read_urdf
 
 URDF = Path(__file__).parents[2] / 'examples' / 'pan_tilt.urdf'
@@ -61,6 +64,24 @@ def test_optical_frames_are_those_of_rep_103() -> None:
             turn, [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]], atol=1e-9
         )
         np.testing.assert_allclose(turn, turn_of(ROLL, PITCH, YAW), atol=1e-9)
+
+
+def test_ros_takes_it_from_a_command_line(domain: int) -> None:
+    """As the value of a parameter it is read as YAML, which a colon or # in it would end."""
+    context = Context()
+    text = URDF.read_text()
+    rclpy.init(
+        args=['--ros-args', '-p', f'robot_description:={text}'], context=context,
+        domain_id=domain,
+    )
+    node = Node('robot_state_publisher', context=context)
+    try:
+        value = node.declare_parameter('robot_description', '').value
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown(context=context)
+    # YAML folds the lines, and XML does not mind.
+    assert value.split() == text.split()
 
 
 def test_the_limits_are_those_of_the_servo_client() -> None:
