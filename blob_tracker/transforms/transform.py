@@ -57,13 +57,13 @@ def checked(transform: Transform) -> Transform:
     numbers = *transform.translation, *transform.rotation
     if not all(map(isfinite, numbers)):
         raise TransformError(f'its numbers are {_listed(numbers)}; all must be finite')
-    length = sqrt(sum(each * each for each in transform.rotation))
+    x, y, z, w = transform.rotation
+    length = sqrt(x * x + y * y + z * z + w * w)
     if not abs(length - 1.0) <= UNIT:
         raise TransformError(
             f'its quaternion {_listed(transform.rotation)} has the length {length:g}; it must '
             'have the length 1'
         )
-    x, y, z, w = transform.rotation
     return Transform(transform.translation, (x / length, y / length, z / length, w / length))
 
 

@@ -108,11 +108,8 @@ class TransformTree:
         if stamp_ns <= 0:
             raise TransformError('it has no stamp; on /tf each must have that of its instant')
         jumped = self._link(frame, parent).put(transform, stamp_ns)
-        for other, link in list(self._links[frame].items()):
-            newest_ns = link.newest_ns
-            gone = newest_ns is not None and newest_ns < stamp_ns - self._memory_ns
-            if other != parent and gone and link.fixed is None:
-                del self._links[frame][other]
+        if len(self._links[frame]) > 1:
+            self._part_with_others(frame, parent, stamp_ns)
         return 1e-9 * jumped
 
     def forget(self, after_ns: int) -> None:
@@ -211,6 +208,14 @@ class TransformTree:
         link = Link(frame, parent, self._hold_ns, self._memory_ns)
         self._links.setdefault(frame, {})[parent] = link
         return link
+
+    def _part_with_others(self, frame: str, parent: str, stamp_ns: int) -> None:
+        """Forget the parents of a frame of which nothing was said for long; not this one."""
+        for other, link in list(self._links[frame].items()):
+            newest_ns = link.newest_ns
+            gone = newest_ns is not None and newest_ns < stamp_ns - self._memory_ns
+            if other != parent and gone and link.fixed is None:
+                del self._links[frame][other]
 
     def _above(self, frame: str) -> set[str]:
         """Return all frames in which one lies, by any of its parents."""

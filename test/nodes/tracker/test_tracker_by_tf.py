@@ -1,4 +1,4 @@
-"""The tracker whose camera rides on a pan/tilt that TF places: beside one that hears its joints."""
+"""The tracker whose camera TF turns with the pan/tilt, beside one that hears the joints."""
 
 from __future__ import annotations
 
