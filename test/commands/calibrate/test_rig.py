@@ -111,7 +111,7 @@ def test_a_wand(wand: Path) -> None:
 def test_its_static_transforms_are_its_parameters(
     wand: Path, domain: int, tf2_messages: None
 ) -> None:
-    """One triangulator takes the parameters, one TF: of the same rays both make the same points."""
+    """One triangulator takes the parameters, one TF: of the same rays they make one point."""
     text = wand.read_text()
     parameters = yaml.safe_load(text)['/**/triangulator']['ros__parameters']
     published = {}
