@@ -129,10 +129,10 @@ PARAMETERS = (
     Parameter(
         'imu.use_tf',
         False,
-        'Take that turn from TF: of the frame of the rays, or of joints.frame_id where the camera '
-        'rides on a pan/tilt, in the frame of each message of the IMU; imu.frame_id is not asked. '
-        'If imu.roll, imu.pitch or imu.yaw is given, they count, and the diagnostics say if TF '
-        'differs by more than 10 mrad.',
+        'Take that turn from TF. It is that of the frame of the rays, or of joints.frame_id where '
+        'the camera rides on a pan/tilt, in the frame of each message of the IMU; imu.frame_id is '
+        'not asked. If imu.roll, imu.pitch or imu.yaw is given, they count, and the diagnostics '
+        'say if TF differs by more than 10 mrad.',
     ),
     Parameter(
         'imu.stamp_offset',
@@ -185,8 +185,8 @@ PARAMETERS = (
     Parameter(
         'joints.use_tf',
         False,
-        'Take from TF how the camera is turned in joints.frame_id, by the frame and the stamp of '
-        'each ray, in place of joint_states. If joints.pan or joints.tilt is given, they count, '
+        'Take from TF how the camera is turned. It is looked up in joints.frame_id, by the frame '
+        'and the stamp of each ray, in place of joint_states. If joints.pan or joints.tilt is given, they count, '
         'and the diagnostics say if TF differs by more than 10 mrad.',
     ),
     Parameter(
@@ -202,7 +202,7 @@ PARAMETERS = (
     Parameter(
         'joints.frame_id',
         'base_optical_frame',
-        'Name of the frame of the predictions where joints are read, or TF in their place: the '
+        'Name of the frame of the predictions with a pan/tilt, by joint_states or by TF: the '
         'optical frame as it stands at pan = tilt = 0.',
     ),
     TF_PATIENCE,

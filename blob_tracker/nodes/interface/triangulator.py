@@ -72,10 +72,9 @@ PARAMETERS = (
     Parameter(
         'use_tf',
         False,
-        'Take from TF where a camera is in frame_id, by the frame and the stamp of each of its '
-        'rays, if none of x ... yaw is given for it; where one is, that counts, and the '
-        'diagnostics say if TF has it elsewhere by more than 10 mrad or 5 cm. A camera may move '
-        'then.',
+        'Take from TF where the cameras are. A camera is looked up in frame_id, by the frame and '
+        'the stamp of each of its rays, and may move. If one of x ... yaw is given for it, they '
+        'count, and the diagnostics say if TF has it elsewhere by more than 10 mrad or 5 cm.',
     ),
     TF_PATIENCE,
     *_camera(
