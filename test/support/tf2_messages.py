@@ -65,6 +65,8 @@ def provide_tf2_messages() -> None:
     if find_spec(NAME) is not None:
         return
     missing = [name for name in GENERATORS if find_spec(name) is None]
+    headers = Path(sysconfig.get_path('include')) / 'Python.h'
+    missing += [] if headers.is_file() else [str(headers)]
     missing += [compiler for compiler, _ in COMPILERS.values() if shutil.which(compiler) is None]
     if missing:
         reason = f'tf2_msgs is not installed, nor {", ".join(missing)}, which would make it'

@@ -186,8 +186,8 @@ PARAMETERS = (
         'joints.use_tf',
         False,
         'Take from TF how the camera is turned. It is looked up in joints.frame_id, by the frame '
-        'and the stamp of each ray, in place of joint_states. If joints.pan or joints.tilt is given, they count, '
-        'and the diagnostics say if TF differs by more than 10 mrad.',
+        'and the stamp of each ray, in place of joint_states. If joints.pan or joints.tilt is '
+        'given, they count, and the diagnostics say if TF differs by more than 10 mrad.',
     ),
     Parameter(
         'joints.sigma',
