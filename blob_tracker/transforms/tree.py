@@ -160,16 +160,15 @@ class TransformTree:
             Where it is not known, or moves, with a reason.
 
         """
-        moving = [
-            link for links in self._ways(frame, reference) for link in links if link.fixed is None
-        ]
+        up, down = self._ways(frame, reference)
+        moving = [link for link in (*up, *down) if link.fixed is None]
         if moving:
             words = ', '.join(f"'{link.frame}' in '{link.parent}'" for link in moving)
             raise NoTransform(
                 f"'{frame}' is to be fixed in '{reference}', and moves: {words} comes on /tf; it "
                 'must come on /tf_static'
             )
-        return self.lookup(frame, reference, 0).transform
+        return product(inverse(_along(down, 0)), _along(up, 0))
 
     def _ways(self, frame: str, reference: str) -> tuple[list[Link], list[Link]]:
         """Return the links from each of two frames to the first that both lie in."""

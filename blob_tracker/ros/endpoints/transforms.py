@@ -1,9 +1,9 @@
 """
 /tf and /tf_static: read into a tree of transforms, and published.
 
-Not by tf2_ros: its listener has a node and a thread of its own or blocks this one, its filter of
-messages is for C++, it takes two parents of a frame in turns, and where no ROS is installed there
-is none. Two topics, their QoS and one message are all that there is to TF.
+Not by tf2_ros: to wait with its buffer takes a second thread, its filter that holds messages back
+is for C++, it believes whoever named a frame's parent last, and where no ROS is installed there is
+none. Two topics, their QoS and one message are all that there is to TF.
 """
 
 from __future__ import annotations
