@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 import shutil
 
-from blob_tracker.commands.replay import missing_nodes
+from blob_tracker.commands.replay import _offered_qos, missing_nodes
 from blob_tracker.resources import config_path
+from blob_tracker.ros.bags import Topic
 from blob_tracker.ros.messages.stamp import to_ns
 from geometry_msgs.msg import PointStamped, Vector3Stamped
 import pytest
@@ -126,6 +127,17 @@ def test_nodes_are_awaited_by_name_or_by_full_name() -> None:
     assert not missing_nodes(['left/segmenter'], there)
     strange = ['/segmenter', '/right/segmenter', 'left', 'rosout']
     assert missing_nodes(strange, there) == set(strange)
+
+
+@pytest.mark.parametrize('name, durability', [
+    ('/tf_static', DurabilityPolicy.TRANSIENT_LOCAL), ('/tf', DurabilityPolicy.VOLATILE),
+])
+def test_static_transforms_are_kept_for_who_comes_late(
+    name: str, durability: DurabilityPolicy
+) -> None:
+    """Also where the bag does not remember how they were offered."""
+    topic = Topic(name, 'tf2_msgs/msg/TFMessage')
+    assert _offered_qos(topic, 5).durability == durability
 
 
 def test_nodes_that_do_not_come_are_named(domain: int) -> None:

@@ -237,6 +237,21 @@ def test_transforms_that_do_not_come_are_named(boat: Boat) -> None:
     boat.node.spin_until(lambda: boat.run(0.3) and boat.tracks['by_tf'])
 
 
+def test_a_frame_that_never_comes_is_named(boat: Boat) -> None:
+    """With what would connect it, for the camera and for the IMU."""
+    assert boat.node.set_parameter('by_tf/tracker', 'joints.frame_id', 'mast').successful
+    boat.tracks['by_tf'].clear()
+    boat.diagnostics.clear()
+    boat.node.spin_until(lambda: boat.run(0.3) and boat.says(
+        "the bearing has no direction in the base: nothing was said of 'mast'; publish where "
+        "'base_link' lies in 'mast'", "imu is not used: nothing was said of 'mast'",
+        'known are base_link > base_optical_frame, imu_link, pan_link; camera_link >',
+    ))
+    assert not boat.tracks['by_tf']
+    assert boat.node.set_parameter('by_tf/tracker', 'joints.frame_id', BASE).successful
+    boat.node.spin_until(lambda: boat.run(0.3) and boat.tracks['by_tf'])
+
+
 def test_where_both_are_there_the_joints_count_and_a_difference_is_told(boat: Boat) -> None:
     """TF has the tilt 30 mrad higher."""
     for name, value in (('joints.use_tf', True), ('imu.use_tf', True)):
