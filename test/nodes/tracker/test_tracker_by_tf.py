@@ -190,11 +190,11 @@ def test_by_tf_it_is_as_by_the_joints(boat: Boat) -> None:
     """The same tracks, with the gyro's mount by TF; predictions point to where the light is."""
     for each in (*boat.tracks.values(), boat.predictions, boat.diagnostics):
         each.clear()
-    stamps = boat.run(2.0)
+    stamps = boat.run(1.5)
     both = [boat.tracked(name) for name in ('by_joints', 'by_tf')]
     # After the first ones, of which those by the joints know a rate past their newest sample.
     common = sorted(both[0].keys() & both[1].keys() & set(stamps[10:]))
-    assert len(common) > 35
+    assert len(common) > 25
     apart = np.abs([both[0][each].state - both[1][each].state for each in common])
     # Angles of joints and quaternions are interpolated alike, to rounding. Where a busy machine
     # has the joints come late, they are extrapolated, and TF is waited for.
@@ -203,7 +203,7 @@ def test_by_tf_it_is_as_by_the_joints(boat: Boat) -> None:
     # Their rates are over other intervals: 10 ms of 3 rad/s^2.
     assert apart[:, 2:].max() < 30.0
     late = [each for each in boat.predictions if to_ns(each.header.stamp) > stamps[15]]
-    assert len(late) > 30
+    assert len(late) > 20
     errors = []
     for each in late:
         assert each.header.frame_id == BASE
@@ -219,14 +219,14 @@ def test_by_tf_it_is_as_by_the_joints(boat: Boat) -> None:
 def test_transforms_that_come_late_are_awaited(boat: Boat) -> None:
     """They are 35 ms behind the rays, and each ray but the first two becomes a track."""
     boat.tracks['by_tf'].clear()
-    stamps = boat.run(1.2, tf_late_ms=60)
+    stamps = boat.run(0.8, tf_late_ms=60)
     boat.run(0.2)
     assert set(stamps[2:]) <= boat.tracked('by_tf').keys()
 
 
 def test_transforms_that_do_not_come_are_named(boat: Boat) -> None:
     """Nothing is tracked meanwhile, by angles of long ago least of all."""
-    boat.node.settle(0.5)
+    boat.node.settle(0.2)
     boat.tracks['by_tf'].clear()
     boat.diagnostics.clear()
     boat.run(1.3, moves=False)
