@@ -57,7 +57,7 @@ setup(
         (f'share/{NAME}/config', glob('config/*.*')),
         (f'share/{NAME}/config/security', glob('config/security/*')),
         (f'share/{NAME}/launch', glob('launch/*.launch.py')),
-        (f'share/{NAME}/examples', glob('examples/*.py')),
+        (f'share/{NAME}/examples', glob('examples/*.py') + glob('examples/*.urdf')),
     ],
     python_requires='>=3.10',
     install_requires=DEPENDENCIES,

@@ -14,6 +14,7 @@ from typing import Any
 from blob_tracker.resources import config_path
 import pytest
 from support.slowness import measure_reference, slowness
+from support.tf2_messages import provide_tf2_messages
 
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 os.environ['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(config_path('fastdds.xml'))
@@ -142,3 +143,9 @@ def domain() -> int:
 def module_domain() -> int:
     """Give one to all tests of a file."""
     return next(_DOMAINS)
+
+
+@pytest.fixture(scope='session')
+def tf2_messages() -> None:
+    """Have the messages of TF, here and in the nodes that are started from now on."""
+    provide_tf2_messages()

@@ -25,6 +25,7 @@ ROS_MODULES = {
     'sensor_msgs',
     'std_msgs',
     'std_srvs',
+    'tf2_msgs',
 }
 # A row of the table of rooms: the room, what is in it, what it may import.
 ROW = re.compile(r'^\| `([^`]+)` \| (.+) \| ([^|`]+) \|$', re.M)

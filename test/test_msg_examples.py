@@ -54,6 +54,7 @@ def test_every_topic_has_an_example() -> None:
     assert {path.stem for path in FOLDER.glob('*.yaml')} == set(TOPICS)
 
 
+@pytest.mark.usefixtures('tf2_messages')
 @pytest.mark.parametrize('name', TOPICS)
 def test_example_is_a_message_of_its_type(name: str) -> None:
     """Each field exists, has the right type, and none is missing."""

@@ -17,6 +17,9 @@ import security_policy
 from support.node_classes import CHANGED, OPENED
 from support.processes import Probe, probe, start
 
+# Of the topics that parameters open.
+pytestmark = pytest.mark.usefixtures('tf2_messages')
+
 POLICY = config_path('security/policy.xml')
 # The schema of SROS2 (sros2/policy/schemas/policy.xsd, version 0.2.0): the children that an
 # element may have, and the attributes that it must or may have.

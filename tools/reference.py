@@ -71,6 +71,7 @@ def topics(interfaces: Iterable[Interface]) -> str:
     published = {
         each.resolved(topic.name): topic for each in interfaces for topic in each.published
     }
+    speaking = [each.node for each in interfaces if each.published]
     rows = []
     for name, topic in published.items():
         sources = [
@@ -78,7 +79,7 @@ def topics(interfaces: Iterable[Interface]) -> str:
             if name in (each.resolved(own.name) for own in each.published)
         ]
         readers = [each.node for each in interfaces if topic in each.subscribed]
-        way = 'all' if name.startswith('/') else ', '.join(sources)
+        way = 'all' if sources == speaking else ', '.join(sources)
         if readers:
             way += ' → ' + ', '.join(readers)
         rows.append((f'`{name}`', topic.kind, way, topic.description))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 import sys
@@ -11,7 +11,7 @@ import time
 
 from blob_tracker.ros.bags import Bag, opened, READABLE, RecordingError, Topic
 from blob_tracker.ros.diagnostics.connections import disagreements, full_name
-from blob_tracker.ros.endpoints.qos import RESULT
+from blob_tracker.ros.endpoints.qos import RESULT, TF_STATIC
 from blob_tracker.ros.endpoints.recording import (
     COMPRESSED, IMAGE, image_topic, info_topic, USUAL,
 )
@@ -48,7 +48,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='seconds to wait at most for subscribers before the first message',
     )
     parser.add_argument(
-        '--nodes', nargs='+', default=[], metavar='NODE', help='wait for these as well'
+        '--nodes', nargs='+', default=[], metavar='NODE',
+        help='wait for these as well: by name, or with namespace as /left/segmenter',
     )
     parser.add_argument(
         '--topics', nargs='+', metavar='TOPIC', help='play these alone; without it all of the bag'
@@ -89,7 +90,7 @@ def main(arguments: argparse.Namespace) -> int:
             try:
                 stage = _Stage(node, bag, topics, names)
                 clock = node.create_publisher(Clock, '/clock', RESULT) if arguments.clock else None
-                missing = _await(node, set(arguments.nodes), stage, arguments.wait)
+                missing = _await(node, arguments.nodes, stage, arguments.wait)
                 if missing:
                     reason = (
                         f'{", ".join(sorted(missing))} of --nodes did not come '
@@ -158,9 +159,20 @@ def _chosen(
         chosen = set(bag.topics)
     else:
         wanted = {_full(name) for name in asked}
+        there = {name for each in names for name in (names[each], _full(each.name))}
         chosen = {each for each, name in names.items() if {name, _full(each.name)} & wanted}
+        strange = wanted - there
         if _full(USUAL) in wanted and _full(USUAL) not in names.values():
-            chosen.update(_lone_images(bag))
+            lone = _lone_images(bag)
+            chosen.update(lone)
+            if lone:
+                strange.difference_update(_usual_names())
+        if strange and chosen:
+            print(
+                f'--topics: {bag.path} has no {_listed(strange)}; its topics are '
+                f'{_listed(topic.name for topic in bag.topics)}',
+                file=sys.stderr,
+            )
     topics = {topic: count for topic, count in bag.topics.items() if topic in chosen}
     if not any(topics.values()):
         images = [names[each] for each in bag.topics if each.kind == IMAGE]
@@ -170,6 +182,11 @@ def _chosen(
             f'its topics are {_listed(topic.name for topic in bag.topics)}{hint}'
         )
     return topics
+
+
+def _usual_names() -> tuple[str, str]:
+    """Return the topics on which nodes take images and their camera_info."""
+    return _full(USUAL), f'{_full(USUAL).rpartition("/")[0]}/camera_info'
 
 
 def _lone_images(bag: Bag) -> list[Topic]:
@@ -322,7 +339,7 @@ class _Stage:
 def _offered_qos(topic: Topic, count: int) -> QoSProfile:
     """Return the QoS that the bag remembers, but reliable: that serves best effort as well."""
     if not topic.qos:
-        return RESULT
+        return TF_STATIC if topic.name.rpartition('/')[2] == 'tf_static' else RESULT
     # A number until Jazzy, a word since.
     offered = {key: str(value).lower() for key, value in topic.qos[0].items()}
     depth = offered.get('depth', '')
@@ -342,7 +359,9 @@ def _offered_qos(topic: Topic, count: int) -> QoSProfile:
     )
 
 
-def _await(node: Node, awaited: set[str], stage: _Stage, longest: float) -> set[str]:
+def _await(
+    node: Node, awaited: Iterable[str], stage: _Stage, longest: float
+) -> set[str]:
     """
     Wait until nodes and subscribers are there and no more come: none misses the beginning.
 
@@ -356,7 +375,7 @@ def _await(node: Node, awaited: set[str], stage: _Stage, longest: float) -> set[
     known = 0
     missing = set(awaited)
     while time.monotonic() - began < longest:
-        absent = awaited.difference(node.get_node_names())
+        absent = missing_nodes(awaited, node.get_node_names_and_namespaces())
         if stage.subscribers != known or absent != missing:
             known, missing, changed = stage.subscribers, absent, time.monotonic()
         if not missing and time.monotonic() - changed >= QUIET:
@@ -366,6 +385,27 @@ def _await(node: Node, awaited: set[str], stage: _Stage, longest: float) -> set[
                 return set()
         time.sleep(0.05)
     return missing
+
+
+def missing_nodes(
+    awaited: Iterable[str], there: Collection[tuple[str, str]]
+) -> set[str]:
+    """
+    Return which nodes are not there.
+
+    Parameters
+    ----------
+    awaited : iterable of str
+        Their names; one with a / in it is a full name, and is in that namespace alone.
+    there : collection of (str, str)
+        Name and namespace of each node of the graph.
+
+    """
+    known = {name for name, _ in there}
+    full = {f'{namespace.rstrip("/")}/{name}' for name, namespace in there}
+    return {
+        each for each in awaited if (_full(each) not in full if '/' in each else each not in known)
+    }
 
 
 def _play(

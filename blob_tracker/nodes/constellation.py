@@ -16,8 +16,11 @@ from blob_tracker.ros.diagnostics.connections import Connections
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
 from blob_tracker.ros.endpoints.names import check_light, target_topic
 from blob_tracker.ros.endpoints.qos import publisher, RESULT, subscription
+from blob_tracker.ros.endpoints.transforms import TransformBroadcaster
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.body import body_pose_message, body_twist_message
+from blob_tracker.ros.messages.body import (
+    body_pose_message, body_transform_message, body_twist_message,
+)
 from blob_tracker.ros.messages.target import to_bearing
 from blob_tracker.ros.parameters.declaration import declare, on_change
 from blob_tracker.ros.parameters.rooms import body_of
@@ -46,6 +49,8 @@ class ConstellationNode(Node):
         )
         self._connections = Connections(self, self._health)
         self._pose: Pose | None = None
+        self._body_frame = values['body']
+        self._broadcaster: TransformBroadcaster | None = None
         self._frame_id: str | None = None  # that of the first ray
         self._sighting = Sighting(self._body.names, values['max_interval'])
         self._change(values)()
@@ -62,9 +67,12 @@ class ConstellationNode(Node):
 
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Return what puts these parameters into effect."""
+        if values['publish_tf'] and self._broadcaster is None:
+            self._broadcaster = TransformBroadcaster(self, 'publish_tf')
 
         def use() -> None:
             self._sighting.max_interval = values['max_interval']
+            self._publishes_tf = values['publish_tf']
             self._options = {
                 'speed_sigma': values['speed_sigma'],
                 'rate_sigma': values['rate_sigma'],
@@ -118,6 +126,10 @@ class ConstellationNode(Node):
         pose = self._pose = found[0]
         self._poses.publish(body_pose_message(pose, str(self._frame_id)))
         self._twists.publish(body_twist_message(pose, str(self._frame_id)))
+        if self._broadcaster is not None and self._publishes_tf:
+            self._broadcaster.send(
+                [body_transform_message(pose, str(self._frame_id), self._body_frame)]
+            )
         self._health.left(pose.stamp_ns)
         self._health.count('poses')
         self._health.ok('body placed')

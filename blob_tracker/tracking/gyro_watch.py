@@ -8,7 +8,7 @@ from blob_tracker.tracking.direction import placed
 from blob_tracker.tracking.errors import TrackingError
 from blob_tracker.tracking.gyro_fit import Fit, fit_gyro, GyroFault, Moves, moves_of
 from blob_tracker.tracking.measurement import measured
-from blob_tracker.tracking.pan_tilt_angles import PanTiltAngles
+from blob_tracker.tracking.pan_tilt import PanTilt
 from blob_tracker.types import Bearing
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -43,7 +43,7 @@ class GyroWatch:
         """Take a sample of the gyro, rad/s in the base's axes, by its stamp, ns."""
         _keep(self._samples, stamp_ns, rate, DENSEST_S)
 
-    def saw(self, light: str, bearing: Bearing, pan_tilt: PanTiltAngles | None) -> None:
+    def saw(self, light: str, bearing: Bearing, pan_tilt: PanTilt | None) -> None:
         """Take a bearing of a light; one that has no direction in the base is left out."""
         try:
             azimuth, elevation, _, _, _, camera = measured(bearing, pan_tilt)

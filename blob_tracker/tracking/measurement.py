@@ -6,7 +6,7 @@ from math import isfinite, pi, sqrt
 
 from blob_tracker.tracking.errors import PlatformGap, TrackingError
 from blob_tracker.tracking.kalman import Measurement
-from blob_tracker.tracking.pan_tilt_angles import PanTiltAngles
+from blob_tracker.tracking.pan_tilt import PanTilt
 from blob_tracker.tracking.rotation import NO_TURN
 from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
@@ -21,7 +21,7 @@ ASYMMETRY = 1e-9  # of a covariance, of its standard deviations' product: roundi
 LEAST_DETERMINANT = 1e-12
 
 
-def measured(bearing: Bearing, pan_tilt: PanTiltAngles | None) -> Measurement:
+def measured(bearing: Bearing, pan_tilt: PanTilt | None) -> Measurement:
     """
     Return a bearing with how the camera stood.
 
@@ -29,7 +29,7 @@ def measured(bearing: Bearing, pan_tilt: PanTiltAngles | None) -> Measurement:
     ----------
     bearing : Bearing
         In the camera's optical frame.
-    pan_tilt : PanTiltAngles or None
+    pan_tilt : PanTilt or None
         How the camera is turned against the base.
 
     Returns

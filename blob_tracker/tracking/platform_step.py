@@ -11,7 +11,7 @@ from blob_tracker.tracking.hypothesis import (
 )
 from blob_tracker.tracking.kalman import Step
 from blob_tracker.tracking.packed import with_motion_forgotten, with_rates
-from blob_tracker.tracking.pan_tilt_angles import PanTiltAngles
+from blob_tracker.tracking.pan_tilt import PanTilt
 from blob_tracker.tracking.platform_rates import PlatformRates
 from blob_tracker.tracking.rotation import NO_TURN
 from blob_tracker.units import MRAD
@@ -83,7 +83,7 @@ def step_to(
 
 
 def as_seen(
-    hypothesis: Hypothesis, platform: PlatformRates | None, pan_tilt: PanTiltAngles | None
+    hypothesis: Hypothesis, platform: PlatformRates | None, pan_tilt: PanTilt | None
 ) -> tuple[Array, Array]:
     """
     Return a hypothesis with the rates of the picture.

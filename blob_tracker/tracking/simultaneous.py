@@ -1,37 +1,36 @@
-"""Bearings of two cameras that see at different instants -> pairs of one instant."""
+"""Sights of two cameras that see at different instants -> pairs of one instant."""
 
 from __future__ import annotations
 
 from collections import deque
 
-from blob_tracker.tracking.interpolation import interpolated
-from blob_tracker.types import Bearing
+from blob_tracker.tracking.sight import between, Sight
 
-MOST = 256  # bearings that wait; a second of the fastest camera
+MOST = 256  # sights that wait; a second of the fastest camera
 
 
 class Simultaneous:
     """
-    Bring the bearings of a second camera to the instants of a first one.
+    Bring the sights of a second camera to the instants of a first one.
 
-    Each bearing of the first camera that lies between two of the second gives a pair, with the
+    Each sight of the first camera that lies between two of the second gives a pair, with the
     second's interpolated. So it waits for the next one of the second camera: half an interval of
     it on average, none at all where the stamps are equal, as of cameras with one trigger. The
-    pairs depend on the stamps alone, not on the order in which the cameras' bearings arrive.
+    pairs depend on the stamps alone, not on the order in which the cameras' sights arrive.
 
     Parameters
     ----------
     max_interval : float
-        Greatest time between the two bearings of the second camera, s.
+        Greatest time between the two sights of the second camera, s.
     acceleration : float
         How the light moves between them, mrad/s^2, see `interpolated`.
 
     Attributes
     ----------
     skipped : int
-        Bearings of the first camera that had none of the second near enough.
+        Sights of the first camera that had none of the second near enough.
     interval : float
-        Time between the two bearings of the second camera about the last of the first one that
+        Time between the two sights of the second camera about the last of the first one that
         was paired or skipped, s; NaN before.
 
     """
@@ -41,12 +40,12 @@ class Simultaneous:
         self.acceleration = acceleration
         self.skipped = 0
         self.interval = float('nan')
-        self._first: deque[Bearing] = deque(maxlen=MOST)
-        self._second: deque[Bearing] = deque(maxlen=MOST)
+        self._first: deque[Sight] = deque(maxlen=MOST)
+        self._second: deque[Sight] = deque(maxlen=MOST)
 
-    def first(self, bearing: Bearing) -> list[tuple[Bearing, Bearing]]:
+    def first(self, sight: Sight) -> list[tuple[Sight, Sight]]:
         """
-        Take the next bearing of the first camera; return the pairs that it completes.
+        Take the next sight of the first camera; return the pairs that it completes.
 
         Raises
         ------
@@ -55,12 +54,12 @@ class Simultaneous:
             jumped back by more than `max_interval`, all that waits is.
 
         """
-        self._take(self._first, bearing)
+        self._take(self._first, sight)
         return self._pairs()
 
-    def second(self, bearing: Bearing) -> list[tuple[Bearing, Bearing]]:
-        """Take the next bearing of the second camera; else as `first`."""
-        self._take(self._second, bearing)
+    def second(self, sight: Sight) -> list[tuple[Sight, Sight]]:
+        """Take the next sight of the second camera; else as `first`."""
+        self._take(self._second, sight)
         return self._pairs()
 
     def forget(self, after_ns: int) -> None:
@@ -69,22 +68,22 @@ class Simultaneous:
             while waiting and waiting[-1].stamp_ns > after_ns:
                 waiting.pop()
 
-    def _take(self, waiting: deque[Bearing], bearing: Bearing) -> None:
-        """Let a bearing wait."""
+    def _take(self, waiting: deque[Sight], sight: Sight) -> None:
+        """Let a sight wait."""
         if waiting:
-            late = 1e-9 * (waiting[-1].stamp_ns - bearing.stamp_ns)
+            late = 1e-9 * (waiting[-1].stamp_ns - sight.stamp_ns)
             if late > self.max_interval:
                 self.forget(-1)
-                waiting.append(bearing)
+                waiting.append(sight)
                 raise ValueError(f'the stamps jumped back by {late:.3f} s; starting afresh')
             if late >= 0.0:
                 raise ValueError(
                     f'ray left out: its stamp is {late:.3f} s older than the one before or the '
                     'same; stamps must grow'
                 )
-        waiting.append(bearing)
+        waiting.append(sight)
 
-    def _pairs(self) -> list[tuple[Bearing, Bearing]]:
+    def _pairs(self) -> list[tuple[Sight, Sight]]:
         """Return the pairs of which both ends are there."""
         pairs = []
         while self._first and self._second and self._second[-1].stamp_ns >= (
@@ -104,5 +103,5 @@ class Simultaneous:
             if before.stamp_ns > seen.stamp_ns or self.interval > self.max_interval:
                 self.skipped += 1
                 continue
-            pairs.append((seen, interpolated(before, after, seen.stamp_ns, self.acceleration)))
+            pairs.append((seen, between(before, after, seen.stamp_ns, self.acceleration)))
         return pairs

@@ -12,7 +12,7 @@ from blob_tracker.tracking.measurement import measured
 from blob_tracker.tracking.memory import Memory
 from blob_tracker.tracking.models import MODELS
 from blob_tracker.tracking.packed import as_angles
-from blob_tracker.tracking.pan_tilt_angles import PanTiltAngles
+from blob_tracker.tracking.pan_tilt import PanTilt
 from blob_tracker.tracking.platform_rates import PlatformRates
 from blob_tracker.tracking.platform_step import as_seen, ProcessNoise
 from blob_tracker.tracking.rotation import NO_TURN
@@ -52,7 +52,7 @@ class Tracker:
         the next bearing ends: its gate would let anything in.
     platform : PlatformRates, optional
         Rotation of the base.
-    pan_tilt : PanTiltAngles, optional
+    pan_tilt : PanTilt, optional
         How the camera is turned against the base.
 
     Attributes
@@ -84,7 +84,7 @@ class Tracker:
         coast: float = 0.5,
         max_sigma: float = 20.0,
         platform: PlatformRates | None = None,
-        pan_tilt: PanTiltAngles | None = None,
+        pan_tilt: PanTilt | None = None,
     ) -> None:
         if model not in MODELS:
             raise TrackingError(f"no model '{model}'; there is {', '.join(MODELS)}")

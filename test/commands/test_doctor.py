@@ -138,6 +138,14 @@ def test_middleware(tmp_path: Path) -> None:
          'rmw_zenoh_cpp', 'not installed', 'unset RMW_IMPLEMENTATION')
 
 
+def test_messages_of_tf(tmp_path: Path) -> None:
+    """There; to be installed where ROS is; and not to be had where it is not."""
+    told(installation.check_tf({}, tmp_path / 'tf2_msgs' / '__init__.py'), Level.OK, 'work')
+    told(installation.check_tf({'ROS_DISTRO': 'jazzy'}, None), Level.WARN,
+         'sudo apt install ros-jazzy-tf2-msgs')
+    told(installation.check_tf({}, None), Level.OK, 'leave use_tf and publish_tf false')
+
+
 def test_package(tmp_path: Path) -> None:
     """Not installed, without executables, older than what is imported, and well."""
     imported = tmp_path / 'checkout' / 'blob_tracker'
@@ -636,8 +644,8 @@ def test_real_nodes_pass_the_self_test() -> None:
     # A machine busy with other tests may be told so, but bearings come and are right.
     (self_test,) = [f for f in findings if f['subject'] == 'self-test']
     assert ' px rms a coordinate' in self_test['message']
-    for subject in ('Python', 'libraries', 'ROS', 'RMW', 'package', 'kernels', 'shared memory',
-                    'Fast DDS', 'discovery', 'security', 'log folder', 'camera'):
+    for subject in ('Python', 'libraries', 'ROS', 'RMW', 'TF', 'package', 'kernels',
+                    'shared memory', 'Fast DDS', 'discovery', 'security', 'log folder', 'camera'):
         assert [f for f in findings if f['subject'] == subject], subject
     library = profile.fast_dds(installation.library_folders(os.environ, Path(rclpy.__file__)))
     assert f'has {"the" if security.has_security(library) else "no"} security plugins' in next(

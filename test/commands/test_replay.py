@@ -5,7 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 import shutil
 
+from blob_tracker.commands.replay import _offered_qos, missing_nodes
 from blob_tracker.resources import config_path
+from blob_tracker.ros.bags import Topic
 from blob_tracker.ros.messages.stamp import to_ns
 from geometry_msgs.msg import PointStamped, Vector3Stamped
 import pytest
@@ -97,12 +99,15 @@ def test_clock_runs_with_the_bag(domain: int) -> None:
 
 
 def test_chosen_topics_are_played_to_a_node_that_is_awaited(domain: int) -> None:
-    """--topics leaves out the others; --nodes waits."""
+    """--topics leaves out the others, and says what is not there; --nodes waits."""
     with probe(domain) as node:
         truths = node.record(Vector3Stamped, 'simulator/truth/bearing')
-        arguments = ('--topics', '/simulator/truth/bearing', '--rate', '20', '--wait', '3')
+        arguments = (
+            '--topics', '/simulator/truth/bearing', '/camera/image_row', '--rate', '20',
+            '--wait', '3',
+        )
         with start_replay(
-            BAGS / 'flash_mcap', domain, *arguments, '--nodes', 'probe'
+            BAGS / 'flash_mcap', domain, *arguments, '--nodes', '/probe'
         ) as replay:
             node.spin_until(lambda: not replay.running or node.count_publishers(
                 'simulator/truth/bearing'))
@@ -111,6 +116,28 @@ def test_chosen_topics_are_played_to_a_node_that_is_awaited(domain: int) -> None
             assert replay.wait() == 0, replay.output
             node.settle(0.2)
     assert len(truths) == LIT
+    assert 'flash_mcap has no /camera/image_row; its topics are /camera/camera_info, ' in (
+        replay.output)
+
+
+def test_nodes_are_awaited_by_name_or_by_full_name() -> None:
+    """A name alone is that of any namespace."""
+    there = [('probe', '/'), ('segmenter', '/left')]
+    assert not missing_nodes(['probe', '/probe', 'segmenter', '/left/segmenter'], there)
+    assert not missing_nodes(['left/segmenter'], there)
+    strange = ['/segmenter', '/right/segmenter', 'left', 'rosout']
+    assert missing_nodes(strange, there) == set(strange)
+
+
+@pytest.mark.parametrize('name, durability', [
+    ('/tf_static', DurabilityPolicy.TRANSIENT_LOCAL), ('/tf', DurabilityPolicy.VOLATILE),
+])
+def test_static_transforms_are_kept_for_who_comes_late(
+    name: str, durability: DurabilityPolicy
+) -> None:
+    """Also where the bag does not remember how they were offered."""
+    topic = Topic(name, 'tf2_msgs/msg/TFMessage')
+    assert _offered_qos(topic, 5).durability == durability
 
 
 def test_nodes_that_do_not_come_are_named(domain: int) -> None:

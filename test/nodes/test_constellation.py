@@ -7,6 +7,7 @@ from math import atan2, hypot
 from pathlib import Path
 from typing import Any
 
+from blob_tracker.ros.endpoints.qos import TF
 from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.ros.messages.target import ray_message
 from blob_tracker.types import Bearing
@@ -92,14 +93,35 @@ class Camera:
 
 
 @pytest.fixture(scope='module')
-def camera(module_domain: int, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Camera]:
+def camera(
+    module_domain: int, tmp_path_factory: pytest.TempPathFactory, tf2_messages: None
+) -> Iterator[Camera]:
     """Start the node once: surviving everything, one after the other, is the test."""
     path = tmp_path_factory.mktemp('body') / 'drone.yaml'
     path.write_text(yaml.safe_dump({'lights': LIGHTS}, sort_keys=False))
     with probe(module_domain) as node, start(
         'constellation', module_domain, body_url=f'file://{path}', body='drone',
+        publish_tf='true',
     ) as process:
         yield Camera(node, process)
+
+
+def test_tf_has_the_poses(camera: Camera) -> None:
+    """The frame of the body in the optical one, at the stamp of the pose."""
+    from tf2_msgs.msg import TFMessage
+
+    transforms = camera.node.record(TFMessage, '/tf', TF)
+    camera.node.spin_until(lambda: camera.see() and transforms)
+    found, = transforms[-1].transforms
+    camera.node.spin_until(lambda: any(
+        to_ns(each.header.stamp) == to_ns(found.header.stamp) for each in camera.poses
+    ))
+    pose = next(each for each in camera.poses if each.header.stamp == found.header.stamp)
+    assert (found.header.frame_id, found.child_frame_id) == (FRAME_ID, 'drone')
+    place, turn = pose.pose.pose.position, pose.pose.pose.orientation
+    assert found.transform.rotation == turn
+    where = found.transform.translation
+    assert (where.x, where.y, where.z) == (place.x, place.y, place.z)
 
 
 def test_poses_and_twists_are_right_within_their_covariance(camera: Camera) -> None:

@@ -14,6 +14,9 @@ from rclpy.parameter import Parameter
 from support.node_classes import CHANGED, CLASSES, OPENED
 import yaml
 
+# Of the topics that parameters open.
+pytestmark = pytest.mark.usefixtures('tf2_messages')
+
 # What rclpy gives to every node.
 TOPICS = {'/rosout', '/parameter_events'}
 SERVICES = (

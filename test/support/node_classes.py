@@ -16,7 +16,9 @@ CLASSES: dict[str, type[Node]] = {
 OPENED: dict[str, dict[str, Any]] = {
     'locator': {'noise.online': True},
     'segmenter': {'noise.measure': True, 'follow_prediction': True},
-    'tracker': {'imu.enabled': True, 'joints.pan': 'pan'},
+    'tracker': {'imu.enabled': True, 'imu.use_tf': True, 'joints.pan': 'pan'},
+    'triangulator': {'use_tf': True},
+    'constellation': {'publish_tf': True},
     'simulator': {'pan_tilt': True},
 }
 # What a change opens besides: at the start it would be in place of another.

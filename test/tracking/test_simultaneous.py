@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from itertools import permutations
 
+from blob_tracker.tracking import CameraPose, Sight
 from blob_tracker.tracking.simultaneous import MOST, Simultaneous
 from blob_tracker.types import Bearing
 import numpy as np
 import pytest
 
 MS = 1_000_000
+POSE = CameraPose(np.zeros(3))
 
 
-def at(ms: float) -> Bearing:
-    """Return the bearing of a light that moves by 1 mrad in 1 ms."""
-    return Bearing(ms, -ms, 0.01 * np.eye(2), 10**12 + round(ms * MS))
+def at(ms: float) -> Sight:
+    """Return what a camera sees of a light that moves by 1 mrad in 1 ms."""
+    return Sight(Bearing(ms, -ms, 0.01 * np.eye(2), 10**12 + round(ms * MS)), POSE)
 
 
 def test_pairs_are_of_one_instant_and_one_direction() -> None:
@@ -31,8 +33,8 @@ def test_pairs_are_of_one_instant_and_one_direction() -> None:
     assert pairing.skipped == 1
     for one, other in pairs:
         assert one.stamp_ns == other.stamp_ns
-        assert other.azimuth == pytest.approx(one.azimuth)
-        assert other.elevation == pytest.approx(one.elevation)
+        assert other.bearing.azimuth == pytest.approx(one.bearing.azimuth)
+        assert other.bearing.elevation == pytest.approx(one.bearing.elevation)
     assert pairing.interval == pytest.approx(0.01)
 
 
@@ -47,14 +49,16 @@ def test_the_order_of_arrival_changes_nothing() -> None:
         for letter in order:
             take = pairing.first if letter == 'f' else pairing.second
             pairs += take(next(waiting[letter]))
-        results.add(tuple((one.azimuth, other.azimuth, *other.covariance.flat)
-                          for one, other in pairs))
+        results.add(tuple(
+            (one.bearing.azimuth, other.bearing.azimuth, *other.bearing.covariance.flat)
+            for one, other in pairs
+        ))
     assert len(results) == 1
     assert len(results.pop()) == 3
 
 
 def test_equal_stamps_need_no_interpolation() -> None:
-    """Cameras with one trigger: at once, and the very bearing."""
+    """Cameras with one trigger: at once, and the very sight."""
     pairing = Simultaneous(0.1, 1e6)
     assert pairing.first(at(10)) == []
     second = at(10)

@@ -217,12 +217,16 @@ def _parameters(
 ) -> str:
     """Return the parameter file: a triangulator for the first camera and each other one."""
     poses = [_pose(result, number) for number in range(len(result.names))]
-    if len(set(frames)) < len(frames):  # TF has one place for each
-        frames = [f'{name}/{frame or "optical"}' for name, frame in zip(result.names, frames)]
     lines = [
         '# python3 -m blob_tracker calibrate rig: poses of the optical frames; x looks ahead of',
-        f'# {result.names[0]}, y to its left, z up. For TF, in place of these:',
+        f'# {result.names[0]}, y to its left, z up. For TF, in place of these, with use_tf:',
     ]
+    if len(set(frames)) < len(frames):  # TF has one place for each
+        frames = [f'{name}/{frame or "optical"}' for name, frame in zip(result.names, frames)]
+        lines.append(
+            f'# (rays of several cameras are in one frame so far: set frame_id to {frames[0]} for '
+            f'{result.names[0]}, and likewise for the others)'
+        )
     for name, frame, pose in zip(result.names, frames, poses, strict=True):
         options = ' '.join(f'--{key} {pose[key]}' for key in POSE)
         lines.append(

@@ -22,7 +22,7 @@ from blob_tracker.commands.doctor.compiled import check_compiled
 from blob_tracker.commands.doctor.discovery import check_domain, check_multicast, check_range
 from blob_tracker.commands.doctor.finding import error, Finding, Level, warn
 from blob_tracker.commands.doctor.installation import (
-    check_package, check_rmw, check_ros, DEFAULT_RMW, installed_at, library_folders,
+    check_package, check_rmw, check_ros, check_tf, DEFAULT_RMW, installed_at, library_folders,
 )
 from blob_tracker.commands.doctor.log_folder import check_log_folder
 from blob_tracker.commands.doctor.profile import check_profile, fast_dds
@@ -105,6 +105,7 @@ def checks(device: str | None, self_test: bool) -> Iterator[tuple[str, Check]]:
     yield 'ROS', lambda: check_ros(environment, rclpy, _wheels())
     if rclpy is not None:
         yield 'RMW', lambda: check_rmw(environment, folders)
+        yield 'TF', lambda: check_tf(environment, _file_of('tf2_msgs'))
         yield 'package', lambda: check_package(environment, imported)
     elsewhere = Path('/') if installed_at(environment) else None
     yield 'kernels', lambda: check_compiled(environment, elsewhere)

@@ -168,6 +168,33 @@ def check_rmw(environment: Mapping[str, str], folders: Sequence[Path]) -> Iterat
         yield ok('RMW', f'{wanted or DEFAULT_RMW} (installed: {have})')
 
 
+def check_tf(environment: Mapping[str, str], messages: Path | None) -> Iterator[Finding]:
+    """
+    Look at whether nodes can take places from TF, and publish on it.
+
+    Parameters
+    ----------
+    environment : mapping
+        Environment variables.
+    messages : Path or None
+        File __init__.py of tf2_msgs where Python finds it.
+
+    """
+    if messages is not None:
+        yield ok('TF', f'tf2_msgs at {messages.parent}: use_tf and publish_tf work')
+    elif environment.get('ROS_DISTRO'):
+        yield warn(
+            'TF', 'tf2_msgs is not installed; with use_tf or publish_tf no node starts',
+            'install it', f'sudo apt install ros-{DISTRIBUTION}-tf2-msgs',
+        )
+    else:
+        yield ok(
+            'TF',
+            'there is no tf2_msgs, which no registry of Python has: leave use_tf and publish_tf '
+            'false',
+        )
+
+
 def installed_at(environment: Mapping[str, str]) -> Path | None:
     """Return the prefix in which ROS finds this package, None where it does not."""
     marker = Path('share/ament_index/resource_index/packages/blob_tracker')

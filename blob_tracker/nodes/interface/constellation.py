@@ -1,7 +1,7 @@
 """What the constellation node shows of itself."""
 
 from blob_tracker.nodes.interface.topics import (
-    BODY_POSE, BODY_RAYS, BODY_TWIST, DIAGNOSTICS,
+    BODY_POSE, BODY_RAYS, BODY_TWIST, DIAGNOSTICS, TF,
 )
 from blob_tracker.ros.interface import Interface, Parameter
 
@@ -18,6 +18,12 @@ PARAMETERS = (
         'body',
         'Name of the body in target/body/pose; two bodies have two nodes.',
         fixed='the topics are announced at the start',
+    ),
+    Parameter(
+        'publish_tf',
+        False,
+        'Publish each pose on /tf as well: the frame `body` in the frame of the rays. A frame has '
+        'one parent: let one camera publish it.',
     ),
     Parameter(
         'max_interval',
@@ -60,7 +66,7 @@ INTERFACE = Interface(
     'Tells where a body is and how it is turned whose coded lights one camera sees.',
     PARAMETERS,
     subscribed=BODY_RAYS,
-    published=(BODY_POSE, BODY_TWIST, DIAGNOSTICS),
+    published=(BODY_POSE, BODY_TWIST, TF, DIAGNOSTICS),
     examples=(
         'ros2 run blob_tracker constellation --ros-args -p body_url:=drone.yaml',
         'ros2 topic echo /target/body/pose',

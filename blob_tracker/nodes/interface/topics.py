@@ -59,7 +59,7 @@ PREDICTED = Topic(
 TRACK = Topic(
     'target/track',
     'nav_msgs/Odometry',
-    'with each bearing: filtered angle as target/ray has it, in `twist.angular` x the rate of the '
+    'with each bearing: filtered angle as target/ray has it; in `twist.angular` x the rate of the '
     'elevation and y that of the azimuth, rad/s, each with covariance; `twist.linear` z is what '
     'was taken off the stamps (stamp_offset), s',
 )
@@ -102,6 +102,13 @@ JOINT_STATES = Topic(
     'sensor_msgs/JointState',
     'with `joints.pan` or `joints.tilt`: where the pan/tilt under the camera stands, rad',
 )
+TF = Topic(
+    '/tf',
+    'tf2_msgs/TFMessage',
+    'how frames move in each other; with `imu.use_tf`, `joints.use_tf` or `use_tf`; with '
+    '`publish_tf` the body in the optical frame',
+)
+TF_STATIC = Topic('/tf_static', TF.kind, 'how frames lie in each other for good; likewise')
 JOINT_COMMAND = Topic(
     'joint_command',
     'sensor_msgs/JointState',

@@ -4,8 +4,9 @@ from inspect import signature
 from math import pi
 
 from blob_tracker.nodes.interface.optical_frame import PITCH, ROLL, YAW
+from blob_tracker.nodes.interface.tf_patience import TF_PATIENCE
 from blob_tracker.nodes.interface.topics import (
-    DIAGNOSTICS, IMU, JOINT_STATES, PREDICTED, RAY, TRACK, TRACKED,
+    DIAGNOSTICS, IMU, JOINT_STATES, PREDICTED, RAY, TF, TF_STATIC, TRACK, TRACKED,
 )
 from blob_tracker.ros.interface import Interface, Parameter
 from blob_tracker.tracking import MODELS, Tracker
@@ -126,6 +127,14 @@ PARAMETERS = (
         'imu.yaw', YAW, 'The third angle of that turn.', least=-pi, most=pi, unit='rad'
     ),
     Parameter(
+        'imu.use_tf',
+        False,
+        'Take that turn from TF. It is that of the frame of the rays, or of joints.frame_id where '
+        'the camera rides on a pan/tilt, in the frame of each message of the IMU; imu.frame_id is '
+        'not asked. If imu.roll, imu.pitch or imu.yaw is given, they count, and the diagnostics '
+        'say if TF differs by more than 10 mrad.',
+    ),
+    Parameter(
         'imu.stamp_offset',
         0.0,
         'How late the stamps of the IMU are, by those of the bearings; it is taken off. '
@@ -174,6 +183,13 @@ PARAMETERS = (
     Parameter('joints.pan_reversed', False, 'Whether a growing angle turns it to the left.'),
     Parameter('joints.tilt_reversed', False, 'Whether a growing angle turns it down.'),
     Parameter(
+        'joints.use_tf',
+        False,
+        'Take from TF how the camera is turned. It is looked up in joints.frame_id, by the frame '
+        'and the stamp of each ray, in place of joint_states. If joints.pan or joints.tilt is '
+        'given, they count, and the diagnostics say if TF differs by more than 10 mrad.',
+    ),
+    Parameter(
         'joints.sigma',
         0.03,
         "Standard deviation of the joints' angles, which is added to the bearings'. It is the "
@@ -186,9 +202,10 @@ PARAMETERS = (
     Parameter(
         'joints.frame_id',
         'base_optical_frame',
-        'Name of the frame of the predictions where joints are read: the optical frame as it '
-        'stands at pan = tilt = 0.',
+        'Name of the frame of the predictions with a pan/tilt, by joint_states or by TF: the '
+        'optical frame as it stands at pan = tilt = 0.',
     ),
+    TF_PATIENCE,
 )
 INTERFACE = Interface(
     'tracker',
@@ -196,11 +213,12 @@ INTERFACE = Interface(
     'Filters the bearings over time and predicts the angle at which the target will be when the '
     'servo moves.',
     PARAMETERS,
-    subscribed=(RAY, IMU, JOINT_STATES),
+    subscribed=(RAY, IMU, JOINT_STATES, TF, TF_STATIC),
     published=(PREDICTED, TRACK, TRACKED, DIAGNOSTICS),
     each_light=(RAY, PREDICTED, TRACK, TRACKED),
     examples=(
         'ros2 run blob_tracker tracker --ros-args -p servo_delay:=0.03',
+        'ros2 run blob_tracker tracker --ros-args -p joints.use_tf:=true -p servo_delay:=0.03',
         'ros2 param set /tracker acceleration 500.0',
         'ros2 topic echo /target/bearing_predicted',
     ),

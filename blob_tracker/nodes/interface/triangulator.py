@@ -4,12 +4,14 @@ from collections.abc import Iterator
 from math import pi
 
 from blob_tracker.nodes.interface.optical_frame import PITCH, ROLL, YAW
+from blob_tracker.nodes.interface.tf_patience import TF_PATIENCE
 from blob_tracker.nodes.interface.topics import (
-    DIAGNOSTICS, FIRST_RAY, POINT, POSE, SECOND_RAY,
+    DIAGNOSTICS, FIRST_RAY, POINT, POSE as POSE_TOPIC, SECOND_RAY, TF, TF_STATIC,
 )
 from blob_tracker.ros.interface import Interface, Parameter
 
 CAMERAS = ('first', 'second')
+POSE = ('x', 'y', 'z', 'roll', 'pitch', 'yaw')  # of each
 SUBSCRIBED = 'the topics are subscribed to at the start'
 
 
@@ -67,6 +69,14 @@ PARAMETERS = (
     Parameter(
         'frame_id', 'map', 'Frame in which the poses of the cameras, and the position, are given.'
     ),
+    Parameter(
+        'use_tf',
+        False,
+        'Take from TF where the cameras are. A camera is looked up in frame_id, by the frame and '
+        'the stamp of each of its rays, and may move. If one of x ... yaw is given for it, they '
+        'count, and the diagnostics say if TF has it elsewhere by more than 10 mrad or 5 cm.',
+    ),
+    TF_PATIENCE,
     *_camera(
         'first', 'left',
         'A position is for the stamp of its ray: the first camera is the one with fewer of them.',
@@ -105,11 +115,12 @@ INTERFACE = Interface(
     'where it is in space, of two cameras',
     'Tells where in space a light is that two cameras see, with its covariance.',
     PARAMETERS,
-    subscribed=(FIRST_RAY, SECOND_RAY),
-    published=(POINT, POSE, DIAGNOSTICS),
+    subscribed=(FIRST_RAY, SECOND_RAY, TF, TF_STATIC),
+    published=(POINT, POSE_TOPIC, DIAGNOSTICS),
     examples=(
         'ros2 run blob_tracker triangulator --ros-args -p first.y:=0.5 -p second.y:=-0.5',
         'ros2 run blob_tracker triangulator --ros-args --params-file cameras.yaml -p light:=port',
+        'ros2 run blob_tracker triangulator --ros-args -p use_tf:=true -p frame_id:=base_link',
         'ros2 topic echo /target/point',
     ),
 )

@@ -24,10 +24,6 @@ FEWEST = 30  # of them that are worth a word
 SUSPICIOUS = 4.0
 MOST = 50.0  # that one bearing counts in it: a target that leaps says nothing of the filter
 MISSED = 2.5  # usual times between two bearings, after which one is missing
-# ns of wall time that a bearing waits for the joints' angles at its stamp: an interval of
-# joint_states at 50 Hz. By angles that are extrapolated over the half of it, a pan/tilt that
-# accelerates is worse known than by the bearing; later than this, the news is worth less.
-PATIENCE = 20_000_000
 MOST_HELD = 100  # bearings that wait: 5 kHz
 
 
@@ -104,16 +100,18 @@ class LightTrack:
         """
         Filter the bearings that need not wait any longer, in the order in which they came.
 
-        A bearing waits until the joints' angles at its stamp are there, for `PATIENCE` at most;
-        then it is used with those that the former angles lead to, and their variance. Who is at
-        the head of the line decides for those behind. With each that became part of the track it
-        is published where the light will be in so many ns.
+        A bearing waits until it is known how the camera is turned at its stamp, for so long as
+        the platform's patience lasts; then it is used with the angles that the former ones of the
+        joints lead to, and their variance, or, where TF tells them, refused. Who is at the head of
+        the line decides for those behind. With each that became part of the track it is published
+        where the light will be in so many ns.
         """
         while self._held:
             delivery, came_ns = self._held[0]
+            self._platform.looks_through(delivery.frame_id, delivery.item.stamp_ns)
             early = self._platform.awaits(delivery.item.stamp_ns)
             waited_ns = time.monotonic_ns() - came_ns
-            if early and waited_ns < PATIENCE and len(self._held) <= MOST_HELD:
+            if early and waited_ns < self._platform.patience_ns and len(self._held) <= MOST_HELD:
                 return
             self._held.popleft()
             self._early += early
@@ -208,7 +206,8 @@ class LightTrack:
                     'of the images?',
                 )
         if tracker.pan_tilt is not None:
-            self._health.show(f'{self._name}ahead of the joints', self._early)
+            ahead = 'ahead of the joints' if self._platform.angles else 'ahead of TF'
+            self._health.show(f'{self._name}{ahead}', self._early)
         self._judge_innovations()
 
     def _judge_innovations(self) -> None:
@@ -225,8 +224,9 @@ class LightTrack:
             parameter = f'imu.{parameter}'
         joints = ''
         if self._tracker.pan_tilt is not None:
+            source = 'joint_states' if self._platform.angles else 'TF'
             joints = (
-                'the joints are elsewhere than joint_states says, see to it that their stamps are '
+                f'the joints are elsewhere than {source} says, see to it that their stamps are '
                 'the instants at which they were read, by the clock of the images, and raise '
                 'joints.sigma to their error; '
             )

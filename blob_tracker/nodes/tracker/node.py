@@ -110,7 +110,7 @@ class TrackerNode(Node):
                     **asked,
                     **limits,
                     platform=self._platform.rates,
-                    pan_tilt=self._platform.angles,
+                    pan_tilt=self._platform.pan_tilt,
                 )
                 for light in self._lights.values():
                     if restart:
@@ -187,7 +187,7 @@ class TrackerNode(Node):
         """
         Take the next bearing of a light; publish its track and where it will be.
 
-        Where joints are read, once their angles at its stamp are there, see `LightTrack.release`.
+        With a pan/tilt, once it is known how that stood at its stamp, see `LightTrack.release`.
         """
         came_ns = time.monotonic_ns()
         with self._lock:
@@ -251,6 +251,7 @@ class TrackerNode(Node):
             self._time = steady, now
         stands_still = (steady - self._time[0]).nanoseconds > 1e9 * STANDSTILL
         with self._lock:
+            self._release()
             for light in self._lights.values():
                 if stands_still:
                     light.lose()

@@ -7,20 +7,24 @@ from math import isnan
 from threading import Lock
 from typing import Any
 
+from blob_tracker.nodes.interface.tracker import PARAMETERS
+from blob_tracker.nodes.tracker.camera_turns import CameraTurns
 from blob_tracker.ros.diagnostics.connections import full_name
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
 from blob_tracker.ros.diagnostics.joint_news import JointNews
 from blob_tracker.ros.endpoints.qos import SAMPLES_IN, subscription
+from blob_tracker.ros.endpoints.transforms import AGREED_RAD, angle_between, Transforms
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.imu import angles_of, to_rate, turn_of
 from blob_tracker.ros.messages.joint_states import to_angles
 from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.tracking import (
-    GyroFault, GyroWatch, PanTiltAngles, PlatformRates, StampJump, TrackingError,
+    GyroFault, GyroWatch, PanTiltAngles, PlatformGap, PlatformRates, StampJump, TrackingError,
     update_or_restart,
 )
+from blob_tracker.transforms import NoTransform, Transform
 from blob_tracker.types import Bearing
-from blob_tracker.units import MRAD
+from blob_tracker.units import MRAD, MRAD_PER_RAD
 import numpy as np
 from rclpy.node import Node
 from rclpy.subscription import Subscription
@@ -31,15 +35,22 @@ TURN = 'imu.roll', 'imu.pitch', 'imu.yaw'
 TURNED = 1e-3  # of a trace: axes that are off by 2 degrees
 NAMES = 'joints.pan', 'joints.tilt'
 JOINTS = *NAMES, 'joints.pan_reversed', 'joints.tilt_reversed'
+BY_TF = 'imu.use_tf', 'joints.use_tf'
 MINE = (
-    'imu.enabled', 'imu.frame_id', 'imu.stamp_offset', *BIAS, *TURN, *JOINTS,
-    'joints.sigma', 'joints.frame_id',
+    'imu.enabled', 'imu.frame_id', 'imu.stamp_offset', *BIAS, *TURN, *JOINTS, *BY_TF,
+    'joints.sigma', 'joints.frame_id', 'tf_patience',
 )
+DEFAULTS = {each.name: each.default for each in PARAMETERS}
+HOLD = 0.2  # s between two transforms that are interpolated, as between two angles of a joint
+# ns of wall time that a bearing waits for the joints' angles at its stamp: an interval of
+# joint_states at 50 Hz. By angles that are extrapolated over the half of it, a pan/tilt that
+# accelerates is worse known than by the bearing; later than this, the news is worth less.
+PATIENCE = 20_000_000
 
 
 class Platform:
     """
-    Take imu and joint_states, once they are asked for.
+    Take imu, joint_states and TF, once they are asked for.
 
     Parameters
     ----------
@@ -57,9 +68,13 @@ class Platform:
     rates : PlatformRates or None
         How the platform turns; None where the IMU is not asked for.
     angles : PanTiltAngles or None
-        Where the pan/tilt stands; None where there is none.
+        Where the pan/tilt stands by its joints; None where they are not read.
+    turns : CameraTurns or None
+        How the camera is turned by TF; None where TF is not asked.
+    patience_ns : int
+        For how long, ns of wall time, a bearing waits for what `awaits` tells of.
     frame_id : str
-        Name of the frame that the joints do not turn; empty where it is the camera's.
+        Name of the frame that the pan/tilt does not turn; empty where it is the camera's.
 
     """
 
@@ -68,10 +83,17 @@ class Platform:
     ) -> None:
         self.rates: PlatformRates | None = None
         self.angles: PanTiltAngles | None = None
+        self.turns: CameraTurns | None = None
+        self.patience_ns = PATIENCE
         self.frame_id = ''
         self._node, self._health, self._lock, self._moved = node, health, lock, moved
         self._asked: dict[str, Any] = {}
         self._turn = turn_of(0.0, 0.0, 0.0)
+        self._mount: Transform | None = None  # of which the turn is, where TF has it
+        self._imu_frame = ''  # of the last sample
+        self._camera = ''  # frame of the last bearing
+        self._seen_ns = 0  # its stamp, ns
+        self._transforms: Transforms | None = None
         self._watch = GyroWatch()
         self._imu: Subscription | None = None
         self._joint_states: Subscription | None = None
@@ -91,7 +113,7 @@ class Platform:
         Raises
         ------
         ParameterError
-            Where one joint is to do both.
+            Where one joint is to do both, or TF is asked for and its messages are not installed.
 
         """
         asked = {name: values[name] for name in MINE}
@@ -102,25 +124,44 @@ class Platform:
                 'two joints, or one of them empty'
             )
         turn = turn_of(*(asked[name] for name in TURN))
+        asking = [name for name in BY_TF if asked[name]]
+        if asking and self._transforms is None:
+            self._transforms = Transforms(
+                self._node, self._health, self._moved, self._lock, hold=HOLD, asked_by=asking[0]
+            )
 
         def use() -> bool:
             other_rates = (self.rates is not None) != asked['imu.enabled'] or (
                 asked['imu.enabled']
-                and self._differs(asked, (*TURN, *BIAS, 'imu.stamp_offset'))
+                and self._differs(asked, (*TURN, *BIAS, 'imu.stamp_offset', 'imu.use_tf'))
             )
-            other_angles = self._differs(asked, JOINTS)
-            self._asked, self._turn = asked, turn
+            joints = bool(pan or tilt)
+            by_tf = asked['joints.use_tf'] and not joints
+            other_angles = (
+                self._differs(asked, JOINTS)
+                or by_tf is not (self.turns is not None)
+                or (by_tf and self._differs(asked, ['joints.frame_id']))
+            )
+            if other_rates or self._differs(asked, ['imu.use_tf']):
+                self._turn, self._mount = turn, None
+            self._asked = asked
             if other_rates:
                 self.rates = PlatformRates() if asked['imu.enabled'] else None
                 self._watch = GyroWatch()
             if other_angles:
-                self.angles = PanTiltAngles() if pan or tilt else None
+                self.angles = PanTiltAngles() if joints else None
+                self.turns = None
+                if by_tf:
+                    assert self._transforms is not None
+                    self.turns = CameraTurns(self._transforms, asked['joints.frame_id'])
                 self._joints = {name: asked[name] for name in NAMES if asked[name]}
                 self._news = JointNews(self._joints, self._now_ns())
             self.frame_id = ''
-            if self.angles is not None:
-                self.angles.sigma = MRAD * asked['joints.sigma']
-                self.frame_id = asked['joints.frame_id']
+            for each in (self.angles, self.turns):
+                if each is not None:
+                    each.sigma = MRAD * asked['joints.sigma']
+                    self.frame_id = asked['joints.frame_id']
+            self.patience_ns = PATIENCE if joints else round(1e9 * asked['tf_patience'])
             # They stay when they are no longer asked for, see `process.run`.
             if self.rates is not None and self._imu is None:
                 self._imu = subscription(self._node, Imu, 'imu', self._take_imu, SAMPLES_IN)
@@ -133,8 +174,21 @@ class Platform:
 
         return use
 
+    @property
+    def pan_tilt(self) -> PanTiltAngles | CameraTurns | None:
+        """How the camera is turned against the platform; None where it is not."""
+        return self.angles or self.turns
+
+    def looks_through(self, camera: str, stamp_ns: int) -> None:
+        """Be told of which camera the next bearing is, by its frame, and of its stamp, ns."""
+        self._camera, self._seen_ns = camera, stamp_ns
+        if self.turns is not None:
+            self.turns.camera = camera
+
     def awaits(self, stamp_ns: int) -> bool:
-        """Tell whether the angles at a stamp, ns, are still to come."""
+        """Tell whether it is still to come how the camera is turned at a stamp, ns."""
+        if self.turns is not None:
+            return self.turns.awaits(stamp_ns)
         if self.angles is None:
             return False
         newest_ns = self.angles.newest_ns
@@ -145,18 +199,21 @@ class Platform:
         for samples in (self.rates, self.angles):
             if samples is not None:
                 samples.reset()
+        if self._transforms is not None:
+            self._transforms.forget(-1)
         self._watch.reset()
         self._news.restart(self._now_ns())
 
     def saw(self, light: str, bearing: Bearing) -> None:
         """Take a bearing, of which the gyro ought to know how the platform turned."""
         if self.rates is not None:
-            self._watch.saw(light, bearing, self.angles)
+            self._watch.saw(light, bearing, self.pan_tilt)
 
     def describe(self) -> None:
         """Report a gyro that says other than the picture, and joints that are not as they must."""
         self._judge_gyro()
         self._describe_joints()
+        self._compare_with_tf()
 
     def _judge_gyro(self) -> None:
         """Do without a gyro that says other than the picture, and say what is wrong with it."""
@@ -210,17 +267,80 @@ class Platform:
                 f'leap between them: of {names} let one do so',
             )
 
+    def _compare_with_tf(self) -> None:
+        """Say where TF has another turn than the parameters or the joints, which are used."""
+        transforms = self._transforms
+        if transforms is None:
+            return
+        try:
+            if self._asked['imu.use_tf'] and self._is_mount_given and self._imu_frame:
+                mount = transforms.fixed(self._base, self._imu_frame)
+                self._tell_apart(
+                    angle_between(mount.matrix, self._turn),
+                    f"{', '.join(TURN)} have '{self._base}' in '{self._imu_frame}'",
+                    'leave them at their defaults',
+                )
+            if self._asked['joints.use_tf'] and self.angles is not None:
+                turn = transforms.lookup(self._camera, self._base, self._seen_ns).transform
+                self._tell_apart(
+                    angle_between(turn.matrix, self.angles.at(self._seen_ns)),
+                    f"joint_states has '{self._camera}' in '{self._base}'",
+                    'leave joints.pan and joints.tilt empty',
+                )
+        except (NoTransform, PlatformGap):
+            return  # what is used is there
+
+    def _tell_apart(self, angle: float, what: str, remedy: str) -> None:
+        """Say that TF has another turn, if it has, and what to do to have it used."""
+        if angle > AGREED_RAD:
+            self._health.fault(
+                WARN,
+                f'{what} {MRAD_PER_RAD * angle:.1f} mrad from where TF has it, and is used: '
+                f'correct one of the two, or {remedy}, and TF is used',
+            )
+
+    @property
+    def _is_mount_given(self) -> bool:
+        """Tell whether parameters say how the IMU is turned."""
+        return any(self._asked[name] != DEFAULTS[name] for name in TURN)
+
+    @property
+    def _base(self) -> str:
+        """Return the frame of the bearings, or that which the pan/tilt does not turn."""
+        return self.frame_id or self._camera
+
+    def _find_mount(self, imu: str) -> None:
+        """Take the turn of the IMU from TF; what it said by another one means nothing."""
+        assert self._transforms is not None and self.rates is not None
+        mount = self._transforms.fixed(self._base, imu)
+        if mount != self._mount:
+            if self._mount is not None:
+                self.rates.reset()
+                self._watch.reset()
+            self._mount, self._turn = mount, mount.matrix
+
     def _take_imu(self, message: Imu) -> None:
         """Take a sample of the gyro."""
         with self._lock:
             if self.rates is None:
                 return
+            own = self._imu_frame = message.header.frame_id
             try:
+                if self._asked['imu.use_tf'] and not self._is_mount_given:
+                    if not self._base:  # no ray has told yet what the camera's frame is
+                        return
+                    self._find_mount(own)
+                else:
+                    own = self._asked['imu.frame_id']
                 rate, variance = to_rate(
-                    message, self._asked['imu.frame_id'], self._turn,
-                    [self._asked[name] for name in BIAS],
+                    message, own, self._turn, [self._asked[name] for name in BIAS]
                 )
                 self._watch.push(self._push('imu', self.rates, message, rate, variance), rate)
+            except NoTransform as gap:
+                assert self._transforms is not None
+                self._health.fault(
+                    WARN, f'imu is not used: {self._transforms.explain(gap)}'
+                )
             except (MessageError, TrackingError) as error:
                 self._health.fault(ERROR, f'imu: {error}')
 

@@ -1,10 +1,14 @@
-"""Pose of a body to the messages on target/<body>/pose and target/<body>/twist."""
+"""Pose of a body to the messages on target/<body>/pose, target/<body>/twist and /tf."""
 
 from __future__ import annotations
 
 from blob_tracker.constellation import Pose
 from blob_tracker.ros.messages.stamp import from_ns
-from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
+from blob_tracker.ros.messages.transform import transform_message
+from blob_tracker.transforms import Transform
+from geometry_msgs.msg import (
+    PoseWithCovarianceStamped, TransformStamped, TwistWithCovarianceStamped,
+)
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,6 +39,13 @@ def body_twist_message(pose: Pose, frame_id: str) -> TwistWithCovarianceStamped:
     linear.x, linear.y, linear.z, angular.x, angular.y, angular.z = pose.twist.tolist()
     message.twist.covariance = pose.twist_covariance.ravel().tolist()
     return message
+
+
+def body_transform_message(pose: Pose, frame_id: str, body: str) -> TransformStamped:
+    """Return the same for /tf: how the frame of the body lies in the optical one."""
+    x, y, z = pose.position.tolist()
+    transform = Transform((x, y, z), quaternion(pose.rotation))
+    return transform_message(transform, body, frame_id, pose.stamp_ns)
 
 
 def quaternion(rotation: NDArray[np.float64]) -> tuple[float, float, float, float]:

@@ -4,23 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+import re
 from typing import Any
 
 from blob_tracker.__main__ import main
-from blob_tracker.ros.messages.target import ray_covariance, turn_onto
+from blob_tracker.ros.messages.stamp import to_ns
+from blob_tracker.ros.messages.target import ray_covariance, ray_message, turn_onto
 from blob_tracker.simulation.waved_light import RigCamera, WavedLight
+from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
-from geometry_msgs.msg import Quaternion
+from geometry_msgs.msg import (
+    PointStamped, PoseWithCovarianceStamped as Ray, Quaternion,
+)
 import numpy as np
 import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
+from scipy.spatial.transform import Rotation
 from support.bags import TYPES
+from support.processes import probe, start
+from support.transforms import Broadcaster, transform
 import yaml
 
 KIND = 'geometry_msgs/msg/PoseWithCovarianceStamped'
 CAMERAS = (RigCamera((-1.0, 0.0, 0.0)), RigCamera((1.0, 0.0, 0.0), offset=0.012))
 SIGMA = 1e-4  # rad
 START_NS = 1_700_000_000_000_000_000
+NODES = 'given', 'tf_alone'  # namespaces
+LIGHT = np.array([4.0, -0.5, 0.3])
 
 
 def serialized(stamp_ns: int, angles: np.ndarray, covariance: np.ndarray) -> bytes:
@@ -66,13 +76,21 @@ def run(*words: object) -> int:
     return main(['calibrate', 'rig', *map(str, words)])
 
 
-def test_a_wand(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Poses, clocks and sigmas go into the file that the triangulator takes, and a picture."""
-    bag = recorded(tmp_path / 'bag', 0.5, ('red', 'blue'))
-    out = tmp_path / 'rig.yaml'
+@pytest.fixture(scope='module')
+def wand(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the parameters of two cameras before which a wand was waved."""
+    folder = tmp_path_factory.mktemp('wand')
+    bag = recorded(folder / 'bag', 0.5, ('red', 'blue'))
+    out = folder / 'rig.yaml'
     assert run(
         bag, '--cameras', 'left', '/right', '--wand', 'red', 'blue', 0.5, 0.0001, '--out', out
     ) == 0
+    return out
+
+
+def test_a_wand(wand: Path) -> None:
+    """Poses, clocks and sigmas go into the file that the triangulator takes, and a picture."""
+    out = wand
     text = out.read_text()
     found = yaml.safe_load(text)['/**/triangulator']['ros__parameters']
     left, right = found['first'], found['second']
@@ -86,8 +104,61 @@ def test_a_wand(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert abs((right['yaw'] - left['yaw']) - 2.0 * np.arctan(1.0 / 3.0)) < 1e-3
     assert 'right +12.0' in text or 'right +11.9' in text  # 16 us is its sigma
     assert '--child-frame-id right/optical' in text
+    assert 'set frame_id to left/optical for left' in text
     assert out.with_suffix('.png').read_bytes().startswith(b'\x89PNG')
-    assert 'right clock ahead' in capsys.readouterr().out
+
+
+def test_its_static_transforms_are_its_parameters(
+    wand: Path, domain: int, tf2_messages: None
+) -> None:
+    """One triangulator takes the parameters, one TF: of the same rays they make one point."""
+    text = wand.read_text()
+    parameters = yaml.safe_load(text)['/**/triangulator']['ros__parameters']
+    published = {}
+    for line in re.findall('static_transform_publisher (.+)', text):
+        words = dict(re.findall(r'--(\S+) (\S+)', line))
+        parent, child = words.pop('frame-id'), words.pop('child-frame-id')
+        published[child] = parent, transform(**{key: float(each) for key, each in words.items()})
+    with (
+        probe(domain) as node,
+        start('triangulator', domain, '-r', '__ns:=/given', '--params-file', str(wand)),
+        start('triangulator', domain, '-r', '__ns:=/tf_alone', use_tf='true'),
+    ):
+        Broadcaster(node).hold(**published)
+        points = {
+            name: node.record(PointStamped, f'{name}/target/point') for name in NODES
+        }
+        rays = {
+            (name, camera): node.create_publisher(Ray, f'{name}/{camera}/target/ray', 10)
+            for name in NODES for camera in ('left', 'right')
+        }
+        node.spin_until(lambda: all(each.get_subscription_count() for each in rays.values()))
+
+        def see() -> int:
+            stamp_ns = node.get_clock().now().nanoseconds
+            for role, camera in (('first', 'left'), ('second', 'right')):
+                pose = parameters[role]
+                turn = Rotation.from_euler('xyz', [pose[key] for key in ('roll', 'pitch', 'yaw')])
+                x, y, z = turn.inv().apply(LIGHT - [pose[key] for key in 'xyz'])
+                bearing = Bearing(
+                    np.arctan2(x, z) / MRAD, np.arctan2(-y, np.hypot(x, z)) / MRAD,
+                    0.01 * np.eye(2), stamp_ns,
+                )
+                for name in NODES:
+                    rays[name, camera].publish(ray_message(bearing, f'{camera}/optical'))
+            node.spin(0.05)
+            return stamp_ns
+
+        node.spin_until(lambda: see() and all(points.values()))
+        stamp_ns = see()
+        node.spin_until(lambda: all(
+            to_ns(each[-1].header.stamp) == stamp_ns for each in points.values()
+        ))
+    for each in points.values():
+        assert each[-1].header.frame_id == 'map'
+        point = each[-1].point
+        # What seven digits of the angles leave at 4 m.
+        np.testing.assert_allclose([point.x, point.y, point.z], LIGHT, atol=1e-6)
 
 
 def test_without_a_scale_nothing_is_written(

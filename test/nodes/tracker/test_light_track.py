@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Lock
 
-from blob_tracker.nodes.tracker import light_track
-from blob_tracker.nodes.tracker.light_track import LightTrack
+from blob_tracker.nodes.tracker import platform
+from blob_tracker.nodes.tracker.light_track import LightTrack, MOST_HELD
 from blob_tracker.nodes.tracker.platform import Platform
 from blob_tracker.ros.diagnostics.health import Health
 from blob_tracker.ros.endpoints.delivery import Delivery
@@ -25,6 +25,7 @@ NO_JOINTS = {
     'imu.yaw': 0.0, 'imu.stamp_offset': 0.0, 'imu.bias_x': 0.0, 'imu.bias_y': 0.0,
     'imu.bias_z': 0.0, 'joints.pan': '', 'joints.tilt': '', 'joints.pan_reversed': False,
     'joints.tilt_reversed': False, 'joints.sigma': 0.03, 'joints.frame_id': 'base',
+    'imu.use_tf': False, 'joints.use_tf': False, 'tf_patience': 0.1,
 }
 JOINTS = {**NO_JOINTS, 'joints.pan': 'pan', 'joints.tilt': 'tilt'}
 FOREVER = 10**18  # ns
@@ -109,7 +110,7 @@ def light(domain: int) -> Iterator[Light]:
 @pytest.fixture
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let bearings wait for as long as the test runs."""
-    monkeypatch.setattr(light_track, 'PATIENCE', FOREVER)
+    monkeypatch.setattr(platform, 'PATIENCE', FOREVER)
 
 
 def test_a_bearing_waits_for_the_joints(patient: None, domain: int) -> None:
@@ -153,7 +154,7 @@ def test_no_bearing_waits_longer_than_it_may(
     monkeypatch: pytest.MonkeyPatch, domain: int
 ) -> None:
     """It is used with what the angles lead to; without any there is no direction."""
-    monkeypatch.setattr(light_track, 'PATIENCE', 0)
+    monkeypatch.setattr(platform, 'PATIENCE', 0)
     with light(domain) as seen:
         seen.hold(0)
         assert seen.released() == []
@@ -167,10 +168,10 @@ def test_the_line_is_bounded(patient: None, domain: int) -> None:
     """Whatever a source sends, the oldest go first."""
     with light(domain) as seen:
         seen.joints(0), seen.joints(5)
-        for count in range(light_track.MOST_HELD):
+        for count in range(MOST_HELD):
             seen.hold(10 + count)
         assert seen.released() == []
-        seen.hold(10 + light_track.MOST_HELD)
+        seen.hold(10 + MOST_HELD)
         assert seen.released() == [10]
 
 

@@ -3,23 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import pi
 from threading import Lock
 from types import SimpleNamespace
 from typing import Any
 
+from blob_tracker.nodes.interface.optical_frame import PITCH, ROLL, YAW
 from blob_tracker.nodes.tracker.platform import Platform
 from blob_tracker.ros.diagnostics.health import Health
 from blob_tracker.ros.diagnostics.joint_news import SILENCE_NS
+from blob_tracker.ros.messages.stamp import from_ns
+from blob_tracker.tracking import PlatformGap
+import numpy as np
 import pytest
 import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
+from sensor_msgs.msg import Imu
+from support.transforms import transform
 
+MS = 1_000_000
 BEFORE = {
     'imu.enabled': True, 'imu.frame_id': 'imu_link', 'imu.roll': 0.0, 'imu.pitch': 0.0,
     'imu.yaw': 0.0, 'imu.stamp_offset': 0.0, 'imu.bias_x': 0.0, 'imu.bias_y': 0.0,
     'imu.bias_z': 0.0, 'joints.pan': 'pan', 'joints.tilt': 'tilt', 'joints.pan_reversed': False,
     'joints.tilt_reversed': False, 'joints.sigma': 0.03, 'joints.frame_id': 'base',
+    'imu.use_tf': False, 'joints.use_tf': False, 'tf_patience': 0.1,
 }
 
 
@@ -89,6 +98,67 @@ def test_angles_are_awaited_until_one_is_as_new(platform: Platform) -> None:
     assert platform.awaits(1)
     platform.change({**BEFORE, 'joints.pan': '', 'joints.tilt': ''})()
     assert not platform.awaits(2)
+
+
+def sample(platform: Platform, milliseconds: int, *rate: float) -> None:
+    """Have a sample of the IMU come, rad/s."""
+    message = Imu()
+    message.header.stamp = from_ns(milliseconds * MS)
+    message.header.frame_id = 'xsens'
+    vector = message.angular_velocity
+    vector.x, vector.y, vector.z = rate
+    platform._take_imu(message)
+
+
+def test_the_mount_of_the_imu_is_that_of_tf(tf2_messages: None, platform: Platform) -> None:
+    """Of the frame of its messages against that of the rays; other samples go with another one."""
+    platform.change({
+        **BEFORE, 'joints.pan': '', 'joints.tilt': '', 'imu.use_tf': True, 'imu.roll': ROLL,
+        'imu.pitch': PITCH, 'imu.yaw': YAW,
+    })()
+    tree = platform._transforms._tree
+    tree.put_static('optical', 'xsens', transform(1.0, 2.0, 3.0, yaw=pi / 2))
+    sample(platform, 1000, 1.0, 2.0, 3.0)
+    assert platform.rates.newest_ns is None  # no ray has told what the camera is called
+    platform.looks_through('optical', 1000 * MS)
+    sample(platform, 1001, 1.0, 2.0, 3.0), sample(platform, 1002, 1.0, 2.0, 3.0)
+    # The optical x axis is the IMU's y axis.
+    np.testing.assert_allclose(platform.rates.rate_at(1001 * MS), [2.0, -1.0, 3.0], atol=1e-12)
+    tree.put_static('optical', 'xsens', transform())
+    sample(platform, 1003, 1.0, 2.0, 3.0)
+    np.testing.assert_allclose(platform.rates.rate_at(1003 * MS), [1.0, 2.0, 3.0])
+    with pytest.raises(PlatformGap):
+        platform.rates.rate_at(1001 * MS)
+
+
+def test_a_mount_that_is_given_is_used(tf2_messages: None, platform: Platform) -> None:
+    """And imu.frame_id counts with it."""
+    platform.change({
+        **BEFORE, 'imu.use_tf': True, 'imu.frame_id': 'xsens', 'imu.roll': 0.0,
+    })()
+    sample(platform, 1000, 1.0, 2.0, 3.0), sample(platform, 1001, 1.0, 2.0, 3.0)
+    np.testing.assert_allclose(platform.rates.rate_at(1000 * MS), [1.0, 2.0, 3.0])
+
+
+def test_tf_is_in_place_of_the_joints(tf2_messages: None, platform: Platform) -> None:
+    """Where none is named; its base is the frame of the predictions."""
+    without = {**BEFORE, 'joints.pan': '', 'joints.tilt': '', 'joints.use_tf': True}
+    assert platform.change(without)()
+    assert platform.angles is None
+    assert platform.pan_tilt is platform.turns
+    assert (platform.frame_id, platform.patience_ns) == ('base', 100 * MS)
+    turns = platform.turns
+    platform.change({**without, 'tf_patience': 0.5, 'joints.sigma': 0.5})()
+    assert platform.turns is turns
+    assert (platform.patience_ns, turns.sigma) == (500 * MS, pytest.approx(5e-4))
+    assert platform.change({**without, 'joints.frame_id': 'mast'})()
+    assert platform.turns is not turns
+    platform.looks_through('optical', 1)
+    assert platform.awaits(1)
+    platform._transforms._tree.put_static('optical', 'mast', transform())
+    assert not platform.awaits(1)
+    assert platform.change(BEFORE)()
+    assert platform.pan_tilt is platform.angles is not None
 
 
 @pytest.mark.parametrize('starting', [True, False])

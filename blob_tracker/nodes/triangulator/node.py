@@ -2,30 +2,32 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 import sys
 import time
-from typing import Any
+from typing import Any, NamedTuple
 
 from blob_tracker.nodes.interface.triangulator import CAMERAS, PARAMETERS
+from blob_tracker.nodes.triangulator.camera_places import CameraPlaces
 from blob_tracker.ros.diagnostics.clock_jumps import on_clock_jump
 from blob_tracker.ros.diagnostics.connections import Connections
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
 from blob_tracker.ros.endpoints.names import check_light, target_topic
 from blob_tracker.ros.endpoints.qos import publisher, RESULT, subscription
 from blob_tracker.ros.errors import MessageError, ParameterError
-from blob_tracker.ros.messages.imu import turn_of
 from blob_tracker.ros.messages.position import point_message, pose_message
 from blob_tracker.ros.messages.target import to_bearing
 from blob_tracker.ros.parameters.declaration import declare, on_change
 from blob_tracker.ros.parameters.values import about
 from blob_tracker.ros.process import run
 from blob_tracker.tracking import (
-    CameraPose, Position, Simultaneous, triangulate, TriangulationError,
+    Position, Sight, Simultaneous, triangulate, TriangulationError,
 )
 from blob_tracker.tracking.triangulation import check_bearing
+from blob_tracker.transforms import NoTransform
 from blob_tracker.types import Bearing
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped
 import numpy as np
@@ -37,6 +39,15 @@ SILENCE_S = 2.0  # s of wall time without a ray, while the other camera has some
 TOGETHER_S = 0.1  # s of wall time within which the ages of two rays are compared
 APART_S = 1.0  # s by which they may differ: no camera is so much later than another
 LEAST_BASELINE_M = 1e-9  # m
+MOST_HELD = 256  # rays that wait for their transforms; a second of the fastest camera
+
+
+class _Held(NamedTuple):
+    """A ray that waits for the transforms of its stamp, and when it came."""
+
+    bearing: Bearing
+    frame_id: str
+    came: float  # monotonic time, s
 
 
 @dataclass
@@ -46,6 +57,7 @@ class _Camera:
     topic: str
     came: float  # monotonic time, s
     age: float = 0.0  # of the last ray as it came, s
+    held: deque[_Held] = field(default_factory=deque)
 
 
 class TriangulatorNode(Node):
@@ -61,6 +73,8 @@ class TriangulatorNode(Node):
             describe=self._describe,
         )
         self._connections = Connections(self, self._health)
+        self._cameras: dict[str, _Camera] = {}
+        self._places = CameraPlaces(self, self._health, self._release)
         self._position: Position | None = None
         self._pairing = Simultaneous(values['max_interval'], values['acceleration'])
         self._skipped = 0  # when it was last told
@@ -73,7 +87,6 @@ class TriangulatorNode(Node):
         target = target_topic(light)
         self._points = publisher(self, PointStamped, f'{target}/point', RESULT)
         self._poses = publisher(self, PoseWithCovarianceStamped, f'{target}/pose', RESULT)
-        self._cameras: dict[str, _Camera] = {}
         for name in CAMERAS:
             topic = f'{values[f"{name}.namespace"]}/{target}/ray'
             try:
@@ -95,18 +108,11 @@ class TriangulatorNode(Node):
 
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Build what these parameters ask for; return what puts it into effect."""
-        poses = [
-            CameraPose(
-                np.array([values[f'{name}.{axis}'] for axis in 'xyz']),
-                turn_of(*(values[f'{name}.{angle}'] for angle in ('roll', 'pitch', 'yaw'))),
-                position_sigma=values[f'{name}.position_sigma'],
-                rotation_sigma=values[f'{name}.rotation_sigma'],
-            )
-            for name in CAMERAS
-        ]
+        change_places = self._places.change(values)
 
         def use() -> None:
-            self._camera_poses, self._frame_id = poses, values['frame_id']
+            change_places()
+            self._frame_id, self._patience = values['frame_id'], values['tf_patience']
             self._gate_sigma = values['gate']
             self._pairing.max_interval = values['max_interval']
             self._pairing.acceleration = values['acceleration']
@@ -114,11 +120,14 @@ class TriangulatorNode(Node):
         return use
 
     def _forget(self, after_ns: int) -> None:
-        """Forget the rays that have a later stamp, ns."""
+        """Forget the rays and transforms that have a later stamp, ns."""
         self._pairing.forget(after_ns)
+        self._places.forget(after_ns)
+        for camera in self._cameras.values():
+            camera.held = deque(each for each in camera.held if each.bearing.stamp_ns <= after_ns)
 
     def _take(self, name: str, message: PoseWithCovarianceStamped) -> None:
-        """Take a ray of a camera; publish the positions for which it was missing."""
+        """Take a ray of a camera, once it is known where that was; see `_release`."""
         camera = self._cameras[name]
         try:
             bearing = to_bearing(message)
@@ -133,11 +142,39 @@ class TriangulatorNode(Node):
         if self._clocks_differ():
             self._pairing.forget(-1)
             return
+        camera.held.append(_Held(bearing, message.header.frame_id, camera.came))
+        self._release()
+
+    def _release(self) -> None:
+        """Pair the rays that need not wait any longer; publish the positions that they give."""
+        for name, camera in self._cameras.items():
+            while camera.held:
+                bearing, frame_id, came = camera.held[0]
+                waited = time.monotonic() - came
+                try:
+                    pose = self._places.pose(name, frame_id, bearing.stamp_ns)
+                except NoTransform as gap:
+                    if (
+                        gap.may_come and waited < self._patience and len(camera.held) <= MOST_HELD
+                    ):
+                        break
+                    camera.held.popleft()
+                    self._health.count('rays without a transform')
+                    self._health.fault(
+                        WARN, f'{camera.topic}: ray left out: {self._places.explain(gap)}'
+                    )
+                    continue
+                camera.held.popleft()
+                self._places.waited = max(self._places.waited, waited)
+                self._pair(name, Sight(bearing, pose))
+
+    def _pair(self, name: str, sight: Sight) -> None:
+        """Publish the positions for which a ray of a camera was missing."""
+        take = self._pairing.first if name == CAMERAS[0] else self._pairing.second
         try:
-            take = self._pairing.first if name == CAMERAS[0] else self._pairing.second
-            pairs = take(bearing)
+            pairs = take(sight)
         except ValueError as error:
-            self._health.fault(WARN, f'{camera.topic}: {error}')
+            self._health.fault(WARN, f'{self._cameras[name].topic}: {error}')
             return
         for pair in pairs:
             self._triangulate(pair)
@@ -157,12 +194,15 @@ class TriangulatorNode(Node):
         )
         return True
 
-    def _triangulate(self, pair: tuple[Bearing, Bearing]) -> None:
+    def _triangulate(self, pair: tuple[Sight, Sight]) -> None:
         """Publish where the rays meet, or nothing at all."""
         if self._at_one_place():  # which is said each second
             return
         try:
-            position = triangulate(pair, self._camera_poses, gate_sigma=self._gate_sigma)
+            position = triangulate(
+                [each.bearing for each in pair], [each.pose for each in pair],
+                gate_sigma=self._gate_sigma,
+            )
         except TriangulationError as error:
             self._health.fault(WARN, f'no position: {error}')
             self._health.count('pairs refused')
@@ -177,16 +217,20 @@ class TriangulatorNode(Node):
 
     def _at_one_place(self) -> bool:
         """Tell whether no one has said yet where the cameras are."""
-        first, second = self._camera_poses
+        poses = self._places.last()
+        if len(poses) < len(CAMERAS):
+            return False
+        first, second = poses
         return float(np.linalg.norm(first.position - second.position)) < LEAST_BASELINE_M
 
     def _check_cameras(self) -> None:
         """Report cameras at one place, one that is silent, and rays that come in vain."""
+        self._release()
         if self._at_one_place():
             self._health.fault(
                 ERROR,
                 'both cameras are at the same place; set first.x, first.y, first.z and second.x, '
-                'second.y, second.z to where they are in frame_id',
+                'second.y, second.z to where they are in frame_id, or use_tf where TF has them',
             )
         now = time.monotonic()
         silent = [each for each in self._cameras.values() if now - each.came > SILENCE_S]
@@ -208,6 +252,7 @@ class TriangulatorNode(Node):
 
     def _describe(self) -> None:
         """Show in the diagnostics what was found last."""
+        self._places.describe()
         self._health.show(
             'time between the rays that are interpolated (s)', f'{self._pairing.interval:.4f}'
         )

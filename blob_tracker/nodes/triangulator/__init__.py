@@ -1,0 +1,6 @@
+"""<camera>/target/ray of two cameras -> target/point and target/pose."""
+
+from blob_tracker.nodes.interface.triangulator import PARAMETERS
+from blob_tracker.nodes.triangulator.node import main, TriangulatorNode
+
+__all__ = ['main', 'PARAMETERS', 'TriangulatorNode']
