@@ -21,8 +21,8 @@
 #      BLOB_TRACKER_DATA=folder   where the real pixels are
 # make study              the thesis' tables and figures done again, out/studies/report.html
 #      STUDY='table_3_3 beyond --quick'   a part of them, less of it
-# make reference          config/tracker.yaml, README's tables and config/security/policy.xml, from
-#                         the nodes' declarations
+# make reference          config/tracker.yaml, config/security/policy.xml, docs/nodes.md and docs/nodes/,
+#                         from the nodes' declarations
 # PYTHON=python3.12       another interpreter, 3.10 to 3.13, after `make clean`
 
 SHELL := /bin/bash

@@ -108,9 +108,10 @@ JOINT_COMMAND = Topic(
     'with `pan_tilt`: where the simulated pan/tilt is to go, rad; examples/servo_client.py',
 )
 _PICTURE = '~/debug_image', 'sensor_msgs/Image'
-FRAME_PICTURE = Topic(*_PICTURE, 'bgr8, while somebody subscribes, at most 10 Hz: the frame')
-SEGMENTER_PICTURE = Topic(*_PICTURE, 'likewise: frame, difference, candidates and window')
-WINDOW_PICTURE = Topic(*_PICTURE, 'likewise: the window, the fit and what it leaves')
+_PICTURED = 'bgr8, while somebody subscribes, at most 10 Hz: '
+FRAME_PICTURE = Topic(*_PICTURE, _PICTURED + 'the frame')
+SEGMENTER_PICTURE = Topic(*_PICTURE, _PICTURED + 'frame, difference, candidates and window')
+WINDOW_PICTURE = Topic(*_PICTURE, _PICTURED + 'the window, the fit and what it leaves')
 TRUE_CENTROID = Topic(
     'simulator/truth/centroid',
     'geometry_msgs/PointStamped',
