@@ -31,7 +31,8 @@ extensions = [
 source_suffix = {'.md': 'markdown', '.rst': 'restructuredtext'}
 html_theme = 'sphinx_rtd_theme'
 html_theme_options = {'navigation_depth': 3, 'style_external_links': True}
-html_static_path: list[str] = []
+html_static_path = ['_static']
+html_css_files = ['site.css']
 
 myst_heading_anchors = 3
 myst_enable_extensions = ['colon_fence']
@@ -59,7 +60,15 @@ def without_files(app: object, name: str, text: list[str]) -> None:
     text[0] = FILE_LINK.sub(r'`\1`', text[0])
 
 
+def without_fields(
+    app: object, what: str, name: str, obj: object, skip: bool, options: object,
+) -> bool | None:
+    """Leave out the fields of named tuples, which their class describes."""
+    return True if type(obj).__name__ == '_tuplegetter' else None
+
+
 def setup(app: Any) -> None:
     """Connect to Sphinx."""
     app.connect('autodoc-process-docstring', with_equations, priority=400)
+    app.connect('autodoc-skip-member', without_fields)
     app.connect('source-read', without_files)

@@ -56,8 +56,9 @@ def test_the_page_of_a_node_is_that_of_its_declaration(node: str) -> None:
     text = (DOCS / 'nodes' / f'{node}.md').read_text()
     assert text == reference.node_page(node), 'run `make reference`'
     interface = interface_of(node)
-    shown = [*interface.parameters, *interface.services]
-    assert all(f'| `{each.name}` |' in text for each in shown)
+    shown = [each.name for each in interface.parameters]
+    shown += [each.name for each in interface.services]
+    assert all(f'| `{name}` |' in text for name in shown)
     assert '`memory (MB)`' in text, 'the diagnostics of all nodes'
     assert '`/blob_tracker/' in text
 

@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from blob_tracker import CameraModel, Frame
 from blob_tracker.camera import pinhole_matrix
@@ -95,7 +96,7 @@ def _picture(
     return np.hstack([frame, beside])
 
 
-def _shades(image: Pixels) -> NDArray[np.float32]:
+def _shades(image: NDArray[Any]) -> NDArray[np.float32]:
     """Return an image with few shades of grey."""
     return np.asarray(STEP * np.round(image / STEP), dtype=np.float32)
 
