@@ -1,4 +1,4 @@
-"""The files in config/ and the pages of the nodes say what is declared; Fast DDS reads its profile."""
+"""The files in config/ and docs/nodes/ say what is declared; Fast DDS reads its profile."""
 
 from __future__ import annotations
 

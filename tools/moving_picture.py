@@ -82,7 +82,7 @@ def _picture(
         height, width = window.lit.shape
         first, last = (window.x0 - 1, window.y0 - 1), (window.x0 + width, window.y0 + height)
         cv2.rectangle(frame, first, last, FOUND if lit else TEXT, 1)
-        for column, (name, pixels) in enumerate({'lit': window.lit, 'unlit': window.unlit}.items()):
+        for column, (name, pixels) in enumerate((('lit', window.lit), ('unlit', window.unlit))):
             left = GAP_PX + column * (INSET + GAP_PX)
             inset = in_grey(_shades(pixels), 0.0, WHITE, INSET / max(height, width))
             beside[LINE_PX:LINE_PX + inset.shape[0], left:left + inset.shape[1]] = inset

@@ -29,8 +29,8 @@ def test_blocks_that_are_set_off() -> None:
     """An equation becomes mathematics, a command a literal block; all else stays."""
     found = typeset([
         'The variance is', '', '    v = m / gain,', '    m = a + b', '', 'DN^2, of |m|:', '',
-        '    python tools/reference.py', '', 'Parameters', '----------', 'x : float', '    DN.', '',
-        '    More of it.',
+        '    python tools/reference.py', '', 'Parameters', '----------', 'x : float', '    DN.',
+        '', '    More of it.',
     ])
     assert found == [
         'The variance is', '', '.. math::', '', r'   \begin{aligned}',

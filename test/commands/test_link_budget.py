@@ -1,0 +1,51 @@
+"""`optics --led`: a link budget from the command line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from blob_tracker.__main__ import main
+from blob_tracker.commands.link_budget import watts
+import pytest
+
+
+def test_powers() -> None:
+    """With a unit or none."""
+    assert [watts(text) for text in ('3W', '500mW', '1.5kW', '3')] == [3.0, 0.5, 1500.0, 3.0]
+
+
+def test_a_light_in_the_sun(capsys: pytest.CaptureFixture[str]) -> None:
+    """Electrons, SNR and mrad; that daylight saturates it, and what exposure fits."""
+    assert main(['optics', '--led', '3W', '--range', '1000']) == 0
+    text = ' '.join(capsys.readouterr().out.split())
+    assert 'the background alone saturates the pixels' in text
+    assert 'exposure that fits' in text and 'nothing is clipped' in text
+    for column in ('sun', 'overcast', 'dusk', 'night'):
+        assert column in text
+
+
+def test_with_a_filter_it_is_found(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """Options are in the units of their help; the picture is drawn."""
+    words = 'optics --led 3W --range 1000 --filter 10 --exposure 1 --visibility 23 --pixel 3.45'
+    picture = tmp_path / 'budget.png'
+    assert main([*words.split(), '--plot', str(picture)]) == 0
+    text = capsys.readouterr().out
+    assert 'At 1000 m: found' in text and 'nothing is clipped' not in text
+    assert picture.stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    'words, sentence',
+    [
+        (['--range', '0'], 'the range, m, is 0; it must be above 0'),
+        (['--visibility', '0'], 'the visibility, km, is 0'),
+        (['--efficiency', '2'], 'the efficiency is 2'),
+        (['--focal-length', '8', '16'], '--led takes one --focal-length'),
+    ],
+)
+def test_impossible_numbers(
+    words: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One sentence, and the exit code of wrong use."""
+    assert main(['optics', '--led', '3W', *words]) == 2
+    assert sentence in capsys.readouterr().err
