@@ -34,10 +34,12 @@ TOKEN = re.compile(
     r'(?P<gap>\s{2,})|(?P<space>\s)|(?P<power>\^)|(?P<sub>_)'
     rf'|(?P<parameter>(?!(?:{WORDS})_)[A-Za-z]{{3,}}(?:_[A-Za-z]{{2,}})+)'
     r'|(?P<name>[A-Za-z][A-Za-z0-9]*)|(?P<number>\d+(?:[.,]\d+)*(?:e-?\d+)?)'
-    r"|(?P<sign><=|>=|->|\+-|-\+|\.\.\.|.)"
+    r'|(?P<sign><=|>=|->|\+-|-\+|\.\.\.|.)'
 )
 # A block with one of these is a command or a program, one without any of those says nothing.
-PROGRAM = re.compile(r"^(?:import|from|for|if|python|ros2|make|pip|\$|>>>)\b|\w\(\w+=|'\w{2,}|:=|--\w")
+PROGRAM = re.compile(
+    r"^(?:import|from|for|if|python|ros2|make|pip|\$|>>>)\b|\w\(\w+=|'\w{2,}|:=|--\w"
+)
 RELATION = re.compile(r'(?<![<>=!])=(?!=)|<=|>=|<|>|->|\^|sqrt|sum_|\[.+\]|\w\(.+\)')
 
 

@@ -1,4 +1,4 @@
-"""`optics --led`: how far a light is seen, by day and by night, and how well its angle is known."""
+"""`optics --led`: how far a light is seen, by day and by night."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import argparse
 from dataclasses import replace
 from math import inf, isfinite
 from pathlib import Path
+from typing import Any
 
 from blob_tracker.radiometry import (
     Budget, Led, LEVELS, link_budget, Receiver, Surroundings,
@@ -99,6 +100,24 @@ def print_budget(
         For an impossible number.
 
     """
+    led, camera, around = asked(arguments, focal_length, pixel)
+    budget = link_budget(led, camera, around, arguments.range)
+    _print_what_is_reckoned(console, led, camera, around)
+    _print_one(console, budget, arguments.range)
+    if budget.full >= 1.0:
+        shorter = fitted(led, camera, around, arguments.range)
+        console.print(f'At {_time(budget.fitting_exposure)} nothing is clipped:')
+        _print_one(console, shorter, arguments.range)
+    _print_ranges(console, led, camera, around, arguments.range)
+    if arguments.plot is not None:
+        _draw(arguments.plot, led, camera, around, arguments.range)
+        console.print(str(arguments.plot))
+
+
+def asked(
+    arguments: argparse.Namespace, focal_length: float, pixel: float
+) -> tuple[Led, Receiver, Surroundings]:
+    """Return light, camera and surroundings as `print_budget` is asked for them."""
     led = Led(power=arguments.led, **_given(arguments, LED_OPTIONS))
     camera = replace(
         CAMERA, focal_length=focal_length, pixel=pixel, **_given(arguments, CAMERA_OPTIONS)
@@ -106,18 +125,7 @@ def print_budget(
     around = Surroundings(
         light=arguments.light, sky=arguments.sky, **_given(arguments, AIR_OPTIONS)
     )
-    budget = link_budget(led, camera, around, arguments.range)
-    _print_what_is_reckoned(console, led, camera, around)
-    _print_one(console, led, camera, budget, arguments.range)
-    if budget.full >= 1.0:
-        fitted = camera.exposed(budget.fitting_exposure)
-        console.print(f'At {_time(fitted.exposure)} nothing is clipped:')
-        _print_one(console, led, fitted, link_budget(led, fitted, around, arguments.range),
-                   arguments.range)
-    _print_ranges(console, led, camera, around, arguments.range)
-    if arguments.plot is not None:
-        _draw(arguments.plot, led, camera, around, arguments.range)
-        console.print(str(arguments.plot))
+    return led, camera, around
 
 
 def fitted(led: Led, camera: Receiver, around: Surroundings, distance: float) -> Budget:
@@ -143,7 +151,7 @@ def _add(
 
 def _given(
     arguments: argparse.Namespace, options: dict[str, tuple[str, float, str, str]]
-) -> dict[str, float]:
+) -> dict[str, Any]:
     """Return what options set, in its own units."""
     return {
         field: unit * getattr(arguments, name.replace('-', '_'))
@@ -168,9 +176,7 @@ def _print_what_is_reckoned(
     )
 
 
-def _print_one(
-    console: Console, led: Led, camera: Receiver, budget: Budget, distance: float
-) -> None:
+def _print_one(console: Console, budget: Budget, distance: float) -> None:
     """Print what comes of it at one range."""
     table = Table(
         title=f'At {distance:g} m: {budget.verdict}', title_justify='left', show_header=False
@@ -231,8 +237,9 @@ def _draw(
         budgets = [fitted(led, camera, replace(around, light=light), each) for each in ranges]
         snr = np.array([each.snr for each in budgets])
         bound = np.array([each.bound_mrad for each in budgets])
-        left.loglog(ranges, snr, label=light)
-        right.loglog(ranges, np.where(snr >= LEAST_SNR, bound, np.nan), label=light)
+        style = '--' if light == 'night' else '-'  # it may lie on the line of dusk
+        left.loglog(ranges, snr, style, label=light)
+        right.loglog(ranges, np.where(snr >= LEAST_SNR, bound, np.nan), style, label=light)
     left.axhline(LEAST_SNR, color='grey', linestyle=':', label=f'found above {LEAST_SNR:g}')
     left.set(xlabel='range, m', ylabel='SNR, lit less unlit', ylim=(1.0, None))
     right.set(xlabel='range, m', ylabel='Cramer-Rao bound, mrad')
@@ -252,4 +259,3 @@ def _time(seconds: float) -> str:
     if seconds == inf or seconds >= 1.0:
         return 'more than 1 s'
     return f'{1e3 * seconds:.3g} ms' if seconds >= 1e-3 else f'{1e6 * seconds:.3g} us'
-

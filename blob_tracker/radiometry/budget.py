@@ -133,7 +133,9 @@ def link_budget(
     unsampled = electrons / (2.0 * pi * sigma**2)
     pattern = surroundings.texture * background * 2.0 * sigma * sqrt(pi)
     full = (background + peak) / camera.full_well
-    bound = inf if full >= 1.0 or unsampled == 0.0 else _bound(camera, sigma, unsampled, background)
+    bound = inf
+    if full < 1.0 and unsampled > 0.0:
+        bound = _bound(camera, sigma, unsampled, background)
     return Budget(
         transmittance, irradiance, electrons, sigma, peak, background,
         snr=matched_snr(unsampled, sigma, 2.0 * variance),

@@ -33,8 +33,8 @@ DIRECT = np.array([
 # The sun stands 48.19 degrees from the zenith (air mass 1.5), so that its rays meet the tilted
 # surface at this angle.
 INCIDENCE = radians(48.19 - 37.0)
-# Light on the scene as a part of that of full sun, 110,000 lx: thick clouds, civil twilight (10 lx)
-# and a clear night with some moon (0.01 lx). Orders of magnitude, in the colour of sunlight.
+# Light on the scene as a part of that of full sun, 110,000 lx: thick clouds, civil twilight
+# (10 lx) and a clear night with some moon (0.01 lx). Orders of magnitude, in sunlight's colour.
 LEVELS = {'sun': 1.0, 'overcast': 0.1, 'dusk': 1e-4, 'night': 1e-7}
 
 

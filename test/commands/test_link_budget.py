@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
+import re
 
 from blob_tracker.__main__ import main
-from blob_tracker.commands.link_budget import watts
+from blob_tracker.commands import optics
+from blob_tracker.commands.link_budget import asked, CAMERA, fitted, watts
+from blob_tracker.radiometry.budget import LEAST_SNR
 import pytest
 
 
@@ -49,3 +53,27 @@ def test_impossible_numbers(
     """One sentence, and the exit code of wrong use."""
     assert main(['optics', '--led', '3W', *words]) == 2
     assert sentence in capsys.readouterr().err
+
+
+def test_the_page_says_what_is_printed() -> None:
+    """Each row of the table in docs/limits.md, to its last digit."""
+    page = (Path(__file__).parents[2] / 'docs' / 'limits.md').read_text()
+    rows = re.findall(
+        r'^\| .+ \| `(.+)` \| ([\d.,]+) \| ([\d.]+|-) \|$',
+        page.partition('<!-- budgets -->')[2].partition('<!-- end -->')[0], re.M,
+    )
+    assert len(rows) == 10
+    parser = argparse.ArgumentParser()
+    optics.add_arguments(parser)
+    for options, snr, bound in rows:
+        arguments = parser.parse_args(options.split())
+        length = (arguments.focal_length or [CAMERA.focal_length])[0]
+        led, camera, around = asked(arguments, length, CAMERA.pixel)
+        budget = fitted(led, camera, around, arguments.range)
+        digits = len(snr.partition('.')[2])
+        assert round(budget.snr, digits) == float(snr.replace(',', '')), options
+        if bound == '-':
+            assert budget.snr < LEAST_SNR, options
+        else:
+            digits = len(bound.partition('.')[2])
+            assert round(budget.bound_mrad, digits) == float(bound), options
