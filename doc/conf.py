@@ -29,6 +29,7 @@ extensions = [
     'sphinx.ext.viewcode',
 ]
 source_suffix = {'.md': 'markdown', '.rst': 'restructuredtext'}
+html_show_copyright = False
 html_theme = 'sphinx_rtd_theme'
 html_theme_options = {'navigation_depth': 3, 'style_external_links': True}
 html_static_path = ['_static']

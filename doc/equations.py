@@ -36,6 +36,8 @@ TOKEN = re.compile(
     r'|(?P<name>[A-Za-z][A-Za-z0-9]*)|(?P<number>\d+(?:[.,]\d+)*(?:e-?\d+)?)'
     r'|(?P<sign><=|>=|->|\+-|-\+|\.\.\.|.)'
 )
+# A unit alone, as `mm.`, which would be the number 2000 of a list.
+ENUMERATED = re.compile(r'^(\s*[A-Za-z]{1,3})\.(?=\s|$)')
 # A block with one of these is a command or a program, one without any of those says nothing.
 PROGRAM = re.compile(
     r"^(?:import|from|for|if|python|ros2|make|pip|\$|>>>)\b|\w\(\w+=|'\w{2,}|:=|--\w"
@@ -66,7 +68,7 @@ def typeset(lines: list[str]) -> list[str]:
         column = len(line) - len(line.lstrip())
         set_off = found and not found[-1].strip() and column >= before + INDENT
         if not line.strip() or not set_off:
-            found.append(line.replace('|', r'\|'))
+            found.append(ENUMERATED.sub(r'\1\\.', line.replace('|', r'\|')))
             before = column if line.strip() else before
             index += 1
             continue

@@ -29,14 +29,21 @@ def test_blocks_that_are_set_off() -> None:
     """An equation becomes mathematics, a command a literal block; all else stays."""
     found = typeset([
         'The variance is', '', '    v = m / gain,', '    m = a + b', '', 'DN^2, of |m|:', '',
-        '    python tools/reference.py', '', 'Parameters', '----------', 'x : float', '    DN.',
+        '    python tools/reference.py', '', 'Parameters', '----------', 'x : float', r'    DN\.',
         '', '    More of it.',
     ])
     assert found == [
         'The variance is', '', '.. math::', '', r'   \begin{aligned}',
         r'   & v = m / \mathrm{gain}, \\', r'   & m = a + b \\', r'   \end{aligned}', '',
         r'DN^2, of \|m\|:', '', '::', '', '    python tools/reference.py', '', 'Parameters',
-        '----------', 'x : float', '    DN.', '', '    More of it.',
+        '----------', 'x : float', r'    DN\.', '', '    More of it.',
+    ]
+
+
+def test_a_unit_alone_is_no_list() -> None:
+    """`mm.` would be a Roman number, `s.` a letter."""
+    assert typeset(['f : float', '    mm.', '    Of s. it says']) == [
+        'f : float', r'    mm\.', '    Of s. it says',
     ]
 
 
