@@ -21,7 +21,7 @@ GREEK = frozenset((
 FUNCTIONS = frozenset('exp ln log sin cos tan det min max'.split())
 NAMED = {
     'sqrt2': r'\sqrt{2}', 'sum': r'\sum', 'integral': r'\int', 'prod': r'\prod', 'grad': r'\nabla',
-    'infinity': r'\infty',
+    'infinity': r'\infty', 'Delta': r'\Delta ',
 }
 SIGNS = {
     '<=': r'\le ', '>=': r'\ge ', '->': r'\to ', '+-': r'\pm ', '-+': r'\mp ', '~': r'\sim ',

@@ -104,9 +104,12 @@ class Receiver:
 
     def electrons_per_joule(self, wavelength: float) -> float:
         """
-        Return the electrons that light of a wavelength makes behind lens and glass of the filter.
+        Return the electrons that a joule before the lens makes in the sensor, within the filter.
 
-            QE wavelength / (h c) tau
+        With the quantum efficiency eta, the wavelength lambda and the transmission tau of lens and
+        filter:
+
+            r = tau eta lambda / (h c)
 
         Parameters
         ----------
@@ -120,10 +123,10 @@ class Receiver:
         """
         Return the electrons of a flash in all its pixels.
 
-        With the irradiance E before the lens, the aperture's diameter D and the time t for which
-        the light is on within the exposure:
+        With the irradiance E before the lens, the aperture's diameter D, the time t for which the
+        light is on within the exposure, and the part s of it that the filter lets pass:
 
-            N = E pi D^2 / 4 t QE wavelength / (h c) tau
+            N = E (pi D^2 / 4) t s r,    r = tau eta lambda / (h c)
 
         Parameters
         ----------
@@ -145,12 +148,13 @@ class Receiver:
         """
         Return the electrons of what is behind the light, in each pixel.
 
-        The image of a wide surface of the radiance L has the irradiance pi L tau / (4 N^2), with
-        the f-number N, at any distance (the camera equation, on the axis):
+        The image of a wide surface of the radiance L has the irradiance pi L tau / (4 F^2), with
+        the f-number F, at any distance (the camera equation, on the axis). On a pixel of the pitch
+        p, in the exposure t, with the electrons r a joule:
 
-            b = sum_k pi L_k / (4 N^2) p^2 t QE_k wavelength_k / (h c) tau step
+            b = p^2 t sum_k pi L_k / (4 F^2) r_k Delta_k
 
-        over the wavelengths that the filter passes.
+        over the steps of the wavelength, of which the filter passes Delta_k nm each.
 
         Parameters
         ----------
@@ -174,7 +178,7 @@ class Receiver:
         Of blur, diffraction and the disc itself (`blob_tracker.simulation.Optics`), in um with
         the pitch p:
 
-            sigma^2 = blur^2 + (0.42 wavelength N / p)^2 + (d f / (4 R p))^2
+            sigma^2 = blur^2 + (0.42 lambda F / p)^2 + (d f / (4 R p))^2
 
         Parameters
         ----------
