@@ -151,6 +151,11 @@ def test_links_lead_somewhere() -> None:
             assert not heading or heading in _headings(target), f'{path.name}: {link}'
 
 
+def test_the_readme_is_a_front_door() -> None:
+    """No longer than is read at one go."""
+    assert len((ROOT / 'README.md').read_text().splitlines()) <= 150
+
+
 def test_the_site_is_whole() -> None:
     """Each page is in a table of contents of doc/, once, and what one names is there."""
     listed: list[Path] = []

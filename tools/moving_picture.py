@@ -62,14 +62,14 @@ def main() -> None:
             bearing = camera.bearing(place)
             trail.append((place.x, place.y))
         if index >= FIRST and index % 4 < 2:
-            pictures.append(_picture(image, window, bearing, trail, lit=found is not None))
+            pictures.append(picture(image, window, bearing, trail, lit=found is not None))
     rgb = [Image.fromarray(each[:, :, ::-1]) for each in pictures]
     palette = rgb[0].quantize(COLOURS)
     first, *rest = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in rgb]
     first.save(OUT, save_all=True, append_images=rest, duration=INTERVAL, loop=0, optimize=True)
 
 
-def _picture(
+def picture(
     image: Pixels, window: Window | None, bearing: Bearing | None,
     trail: Iterable[tuple[float, float]], lit: bool,
 ) -> Picture:

@@ -77,6 +77,23 @@ def watts(text: str) -> float:
     return float(text)
 
 
+def in_vain(arguments: argparse.Namespace) -> list[str]:
+    """Return the options of a link budget that were given without --led."""
+    if arguments.led is not None:
+        return []
+    given = [
+        name for options, defaults in (
+            (LED_OPTIONS, LIGHT), (CAMERA_OPTIONS, CAMERA), (AIR_OPTIONS, AIR),
+        )
+        for name, (field, *_) in options.items()
+        if _given(arguments, {name: options[name]})[field] != getattr(defaults, field)
+    ]
+    given += ['sky'] if arguments.sky else []
+    given += ['light'] if arguments.light != AIR.light else []
+    given += ['plot'] if arguments.plot is not None else []
+    return [f'--{name}' for name in given]
+
+
 def print_budget(
     console: Console, arguments: argparse.Namespace, focal_length: float, pixel: float
 ) -> None:

@@ -79,6 +79,9 @@ def main(arguments: argparse.Namespace) -> int:
 
     """
     console = Console()
+    if options := link_budget.in_vain(arguments):
+        print(f'{", ".join(options)}: of a light, which --led gives', file=sys.stderr)
+        return 2
     if arguments.led is not None:
         return _budget(console, arguments)
     own = (arguments.focal_length, arguments.pixel, arguments.width, arguments.height)

@@ -55,6 +55,15 @@ def test_impossible_numbers(
     assert sentence in capsys.readouterr().err
 
 
+def test_options_without_a_light_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    """None is taken and does nothing; without any the lens table is as ever."""
+    words = 'optics --filter 10 --exposure 2 --sky --light dusk --plot budget.png'
+    assert main(words.split()) == 2
+    said = '--filter, --exposure, --sky, --light, --plot: of a light, which --led gives'
+    assert said in capsys.readouterr().err
+    assert main(['optics', '--focal-length', '6']) == 0
+
+
 def test_the_page_says_what_is_printed() -> None:
     """Each row of the table in docs/limits.md, to its last digit."""
     page = (Path(__file__).parents[2] / 'docs' / 'limits.md').read_text()
