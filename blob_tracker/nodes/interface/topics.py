@@ -118,8 +118,9 @@ TRUE_CENTROID = Topic(
     'where the simulated light is, in px, while it is lit, at the instant at which it is seen',
 )
 TRUE_BEARING = Topic(
-    'simulator/truth/bearing', 'geometry_msgs/Vector3Stamped',
-    'the true azimuth and elevation, mrad, likewise while it is lit'
+    'simulator/truth/bearing',
+    'geometry_msgs/Vector3Stamped',
+    'its azimuth and elevation, mrad, while it is lit',
 )
 DIAGNOSTICS = Topic(
     '/diagnostics',
