@@ -21,8 +21,10 @@
 #      BLOB_TRACKER_DATA=folder   where the real pixels are
 # make study              the thesis' tables and figures done again, out/studies/report.html
 #      STUDY='table_3_3 beyond --quick'   a part of them, less of it
-# make reference          config/tracker.yaml, README's tables and config/security/policy.xml, from
-#                         the nodes' declarations
+# make reference          config/tracker.yaml, config/security/policy.xml, docs/nodes.md and docs/nodes/,
+#                         from the nodes' declarations
+# make docs               the documents and the Python interface as a site, out/docs; offline too, once
+#                         its tools are installed
 # PYTHON=python3.12       another interpreter, 3.10 to 3.13, after `make clean`
 
 SHELL := /bin/bash
@@ -47,13 +49,13 @@ ENVIRONMENT := source install/setup.bash && export PATH="$(CURDIR)/$(BIN):$$PATH
 IN_PLACE := export PATH="$(CURDIR)/$(BIN):$$PATH" PYTHONPATH="$(CURDIR)" \
 	AMENT_PREFIX_PATH="$(CURDIR)/.cache/overlay" \
 	FASTRTPS_DEFAULT_PROFILES_FILE="$(CURDIR)/config/fastdds.xml"
-LINTED := blob_tracker test launch benchmarks examples tools setup.py
+LINTED := blob_tracker test launch benchmarks examples tools doc setup.py
 # Runs the linters while a command runs; what they say comes after it.
 LINT_BESIDE = mkdir -p .cache && { $(MAKE) --no-print-directory lint >.cache/lint.log 2>&1 & \
 	  lint=$$!; ended=0; $(1) || ended=$$?; \
 	  wait $$lint && tail -n 1 .cache/lint.log || { cat .cache/lint.log; ended=1; }; exit $$ended; }
 
-.PHONY: help demo doctor check lint test soak bench study reference clean
+.PHONY: help demo doctor check lint test soak bench study reference docs clean
 help:
 	@grep '^# ' Makefile | cut -c3-
 
@@ -96,6 +98,11 @@ study: .venv/.run  # as bench does
 reference: .venv/.run  # as bench does
 	@PYTHONPATH=. $(BIN)/python tools/reference.py
 
+docs: .venv/.docs  # as bench does; the links in doc/ are followed, as rosdoc2 does
+	@rm -rf .cache/docs && mkdir -p .cache && cp -rL doc .cache/docs
+	@PYTHONPATH=. $(BIN)/python -m sphinx -W --keep-going -q -d .cache/doctrees .cache/docs $(OUT)/docs
+	@echo '$(OUT)/docs/index.html'
+
 .venv/.run: requirements.txt
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 10) <= v <= (3, 13) else \
 	  "Python %d.%d cannot run the ROS wheels; set PYTHON to one of 3.10 to 3.13" % v)'
@@ -112,6 +119,10 @@ reference: .venv/.run  # as bench does
 
 .venv/.bench: requirements/benchmarks.txt .venv/.run
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps -r $<
+	@touch $@
+
+.venv/.docs: requirements/docs.txt .venv/.run
+	$(BIN)/pip install --quiet --disable-pip-version-check -r $<
 	@touch $@
 
 install/.built: .venv/.run $(SOURCES)

@@ -46,7 +46,7 @@ EXTENSIONS = [] if numpy is None else [
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version='0.2.0',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
     package_data={
         NAME: ['config/*', 'config/security/*', 'studies/runner/*.css', 'studies/printed/*.yaml'],

@@ -1,4 +1,4 @@
-"""The files in config/ and the README say what is declared; Fast DDS reads its profile."""
+"""The files in config/ and docs/nodes/ say what is declared; Fast DDS reads its profile."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ import reference
 import yaml
 
 
-ROOT = Path(__file__).parents[1]
+DOCS = Path(__file__).parents[1] / 'docs'
 # A node in a process whose files may have no more than 1 MiB, those of shared memory, too.
 SMALL_FILES = """
 import resource
@@ -43,10 +43,24 @@ def test_parameter_file_is_that_of_the_declarations() -> None:
     }
 
 
-def test_tables_of_the_readme_are_those_of_the_declarations() -> None:
-    """Topics, services and parameters are what `make reference` writes."""
-    text = (ROOT / 'README.md').read_text()
-    assert text == reference.readme(text), 'run `make reference`'
+def test_tables_of_the_nodes_are_those_of_the_declarations() -> None:
+    """Nodes, topics and services are what `make reference` writes."""
+    text = (DOCS / 'nodes.md').read_text()
+    assert text == reference.nodes_page(text), 'run `make reference`'
+    assert {path.stem for path in (DOCS / 'nodes').iterdir()} == set(NODES)
+
+
+@pytest.mark.parametrize('node', NODES)
+def test_the_page_of_a_node_is_that_of_its_declaration(node: str) -> None:
+    """It is what `make reference` writes, with each parameter, topic and service."""
+    text = (DOCS / 'nodes' / f'{node}.md').read_text()
+    assert text == reference.node_page(node), 'run `make reference`'
+    interface = interface_of(node)
+    shown = [each.name for each in interface.parameters]
+    shown += [each.name for each in interface.services]
+    assert all(f'| `{name}` |' in text for name in shown)
+    assert '`memory (MB)`' in text, 'the diagnostics of all nodes'
+    assert '`/blob_tracker/' in text
 
 
 @pytest.mark.parametrize('node', NODES)

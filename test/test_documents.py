@@ -21,8 +21,12 @@ ROOT = Path(__file__).parents[1]
 DOCUMENTS = [
     ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', ROOT / 'DEVELOPING.md',
     ROOT / 'config' / 'security' / 'README.md', ROOT / 'findings' / 'README.md',
-    *sorted((ROOT / 'docs').glob('*.md')),
+    *sorted((ROOT / 'docs').rglob('*.md')),
+    ROOT / 'doc' / 'api' / 'index.md',
 ]
+DOC = ROOT / 'doc'
+# Of Markdown and of reStructuredText.
+CONTENTS = re.compile(r'{toctree}\n([^`]*)```|toctree::\n((?:   .*\n|\n)*)')
 HOLE = None  # in a sentence of the code: what is put in when it is said
 
 
@@ -147,6 +151,25 @@ def test_links_lead_somewhere() -> None:
             assert not heading or heading in _headings(target), f'{path.name}: {link}'
 
 
+def test_the_readme_is_a_front_door() -> None:
+    """No longer than is read at one go."""
+    assert len((ROOT / 'README.md').read_text().splitlines()) <= 150
+
+
+def test_the_site_is_whole() -> None:
+    """Each page is in a table of contents of doc/, once, and what one names is there."""
+    listed: list[Path] = []
+    for path in (DOC / 'index.rst', DOC / 'api' / 'index.md'):
+        for contents in CONTENTS.findall(path.read_text()):
+            for entry in re.findall(r'^ *([^:\s].*)$', ''.join(contents), re.M):
+                found = [*path.parent.glob(f'{entry}.md'), *path.parent.glob(f'{entry}.rst')]
+                assert found, f'{path.name}: {entry}'
+                listed += [each.resolve() for each in found]
+    assert len(listed) == len(set(listed))
+    pages = {*DOCUMENTS, ROOT / 'CHANGELOG.rst', *(DOC / 'api').iterdir()} - {ROOT / 'README.md'}
+    assert pages == set(listed)
+
+
 def test_findings_are_listed_and_can_be_run() -> None:
     """Each once; they are not run here, which takes a quarter of an hour and a network."""
     scripts = sorted((ROOT / 'findings').glob('*.sh'))
@@ -170,6 +193,8 @@ def said_in_tables() -> list[Quote]:
     """Return what tables say that nodes say: sentences, and keys of the diagnostics."""
     found = []
     for path in DOCUMENTS:
+        if path.parent.name == 'nodes':
+            continue  # what it quotes is written from docs/diagnostics.md
         column = ''
         for line in path.read_text().splitlines():
             if not line.startswith('|'):

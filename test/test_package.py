@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from email.message import Message
 from email.parser import Parser
+from importlib.metadata import metadata
 import os
 from pathlib import Path
 import re
@@ -121,14 +122,51 @@ def test_a_wheel_is_whole(tmp_path: Path) -> None:
     with ZipFile(wheel) as archive:
         inside = archive.namelist()
         info = next(each for each in inside if each.endswith('.dist-info/METADATA'))
-        metadata: Message = Parser().parsestr(archive.read(info).decode())
+        described: Message = Parser().parsestr(archive.read(info).decode())
         commands = archive.read(info.replace('METADATA', 'entry_points.txt')).decode()
     assert {'blob_tracker/config/tracker.yaml', 'blob_tracker/pipeline.py'} <= set(inside)
     assert commands.split() == ['[console_scripts]', 'blob_tracker', '=',
                                 'blob_tracker.__main__:main']
-    asked = [each for each in metadata.get_all('Requires-Dist') if 'extra ==' not in each]
+    asked = [each for each in described.get_all('Requires-Dist') if 'extra ==' not in each]
     assert names(asked) == names(in_setup('DEPENDENCIES'))
-    assert set(metadata.get_all('Provides-Extra')) == set(in_setup('EXTRAS'))
+    assert set(described.get_all('Provides-Extra')) == set(in_setup('EXTRAS'))
+
+
+def test_the_version_is_that_of_the_changelog_and_of_the_citation() -> None:
+    """The newest one of the changelog, whose other versions are older, each with its date."""
+    lines = (ROOT / 'CHANGELOG.rst').read_text()
+    found = re.findall(r'^(\d+)\.(\d+)\.(\d+) \((\d{4}-\d\d-\d\d)\)\n-+$', lines, re.M)
+    versions = [(tuple(map(int, numbers)), date) for *numbers, date in found]
+    assert len(versions) >= 2 and versions == sorted(versions, reverse=True)
+    citation = yaml.safe_load((ROOT / 'CITATION.cff').read_text())
+    newest = '.'.join(map(str, versions[0][0]))
+    assert parse_package(str(ROOT)).version == citation['version'] == newest
+    assert str(citation['date-released']) == versions[0][1]
+    assert f"version='{newest}'" in (ROOT / 'setup.py').read_text()
+
+
+def test_the_licence_is_apache_and_no_library_is_under_the_gpl() -> None:
+    """By its text, by package.xml, and by what each library says of itself."""
+    package = parse_package(str(ROOT))
+    text = (ROOT / str(package.licenses[0].file)).read_text()
+    assert text.split()[:4] == ['Apache', 'License', 'Version', '2.0,']
+    assert 'END OF TERMS AND CONDITIONS' in text
+    assert yaml.safe_load((ROOT / 'CITATION.cff').read_text())['license'] == 'Apache-2.0'
+    for name in names(in_setup('DEPENDENCIES')):
+        told = metadata(name)
+        said = [told['License-Expression'] or '', *told.get_all('Classifier', [])]
+        said.append((told['License'] or '').partition('\n')[0])
+        assert any(said) and not any(re.search(r'\bA?GPL|GNU', each) for each in said), name
+
+
+def test_the_site_is_what_rosdoc2_looks_for() -> None:
+    """The file that package.xml names, with the two parts and the folder that it wants."""
+    exported, = [each for each in parse_package(str(ROOT)).exports if each.tagname == 'rosdoc2']
+    kind, settings = yaml.safe_load_all((ROOT / exported.content).read_text())
+    assert kind == {'type': 'rosdoc2 config', 'version': 1}
+    assert settings['settings']['never_run_sphinx_apidoc']
+    builder, = settings['builders']
+    assert (ROOT / builder['sphinx']['sphinx_sourcedir'] / 'conf.py').is_file()
 
 
 def test_colcon_sees_an_ament_python_package() -> None:

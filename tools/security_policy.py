@@ -50,15 +50,20 @@ def policy() -> str:
     return HEAD + ''.join(_enclaves()) + FOOT
 
 
-def _enclaves() -> Iterator[str]:
-    """Yield the enclave of each process: a node alone, or the pipeline with each source."""
+def processes() -> Iterator[tuple[str, Sequence[str]]]:
+    """Yield each process and the nodes in it: a node alone, or the pipeline with each source."""
     for node in NODES:
         if node != 'pipeline':
-            yield _enclave(node, [node])
+            yield node, [node]
             continue
         for index, (source, first) in enumerate(SOURCES.items()):
-            name = f'{node}_{source}' if index else node
-            yield _enclave(name, [node, *first, *CHAIN], HANDED_OVER)
+            yield f'{node}_{source}' if index else node, [node, *first, *CHAIN]
+
+
+def _enclaves() -> Iterator[str]:
+    """Yield the enclave of each process."""
+    for name, nodes in processes():
+        yield _enclave(name, nodes, HANDED_OVER if len(nodes) > 1 else ())
 
 
 def _enclave(name: str, nodes: Sequence[str], handed_over: Sequence[Topic] = ()) -> str:

@@ -27,7 +27,7 @@ def write_calibration(
     model : CameraModel
         The calibration.
     comments : sequence of str
-        Lines put on top, each after a `# `: the standard deviations, say, and the command.
+        Lines put on top, each after ``#``: the standard deviations, say, and the command.
     region : Region, optional
         Of the images, where they are not the whole sensor.
 

@@ -1,4 +1,4 @@
-"""What a lens sees and resolves by its data sheet: the thesis' Table 2.1, and any lens' own."""
+"""What a lens sees and resolves by its data sheet, and how far a light is seen with it."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import argparse
 import sys
 
 from blob_tracker.camera import CalibrationError, DataSheet
+from blob_tracker.commands import link_budget
+from blob_tracker.radiometry import OpticsError
 from blob_tracker.studies.chapters_2_to_4.lens_table import (
     computed, printed, THESIS_HEIGHT, THESIS_PIXEL, THESIS_WIDTH, WIDTH_IN_THE_TEXT,
 )
@@ -20,7 +22,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Without a lens' numbers: Table 2.1 of the thesis, computed and as printed. With them: "
         'what that lens sees, what a location in px is worth as an angle and at a range, and how '
-        'far its data sheet can be trusted.'
+        'far its data sheet can be trusted. With --led: how far that light is seen, by day and '
+        'by night.'
     )
     lens = parser.add_argument_group('lens and sensor')
     lens.add_argument(
@@ -57,6 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--centre-tolerance', type=float, default=0.2, metavar='MM',
         help="of the optical axis' place on the sensor (default 0.2)",
     )
+    link_budget.add_arguments(parser)
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -75,6 +79,11 @@ def main(arguments: argparse.Namespace) -> int:
 
     """
     console = Console()
+    if options := link_budget.in_vain(arguments):
+        print(f'{", ".join(options)}: of a light, which --led gives', file=sys.stderr)
+        return 2
+    if arguments.led is not None:
+        return _budget(console, arguments)
     own = (arguments.focal_length, arguments.pixel, arguments.width, arguments.height)
     try:
         for name in ('resolution', 'range'):
@@ -89,6 +98,23 @@ def main(arguments: argparse.Namespace) -> int:
         _print_comparison(console)
     _print_resolution(console, sheets, arguments.resolution, arguments.range)
     _print_trust(console, sheets)
+    return 0
+
+
+def _budget(console: Console, arguments: argparse.Namespace) -> int:
+    """Print the link budget of a light; a usual machine-vision lens and sensor by default."""
+    camera = link_budget.CAMERA
+    lengths = arguments.focal_length or [camera.focal_length]
+    try:
+        if len(lengths) > 1:
+            raise OpticsError('--led takes one --focal-length')
+        link_budget.print_budget(
+            console, arguments, lengths[0],
+            camera.pixel if arguments.pixel is None else arguments.pixel,
+        )
+    except OpticsError as error:
+        print(error, file=sys.stderr)
+        return 2
     return 0
 
 

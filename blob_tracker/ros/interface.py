@@ -1,8 +1,8 @@
 """
 What a node shows of itself, as data: its parameters, topics and services.
 
-One declaration of each is read by the node, by its `--help`, by config/tracker.yaml, by the
-README's tables and by config/security/policy.xml.
+One declaration of each is read by the node, by its `--help`, by config/tracker.yaml, by its page
+in docs/nodes and by config/security/policy.xml.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ PARAMETERS = (
 )
 INTERFACE = Interface(
     'pipeline',
-    'all of them in one process, each with the parameters above',
+    'all of them in one process, each with its own parameters',
     'Runs camera (or simulator), segmenter, locator and tracker in one process and hands frames '
     'over in memory. Nodes, topics, services and parameters are those of the four, see their '
     '--help; '

@@ -48,7 +48,7 @@ CENTROID = Topic(
 RAY = Topic(
     'target/ray',
     'geometry_msgs/PoseWithCovarianceStamped',
-    'the same as a turn, with covariance in rad^2',
+    'the bearing as a rotation, with covariance in rad^2',
 )
 PREDICTED = Topic(
     'target/bearing_predicted',
@@ -68,15 +68,15 @@ TRACKED = Topic(
     'std_msgs/Bool',
     'transient local, on change: whether the target is predicted',
 )
-FIRST_RAY = Topic('left/target/ray', RAY.kind, 'the one camera sees it, see `first.namespace`')
-SECOND_RAY = Topic('right/target/ray', RAY.kind, 'the other sees it, see `second.namespace`')
+FIRST_RAY = Topic('left/target/ray', RAY.kind, 'of the one camera, see `first.namespace`')
+SECOND_RAY = Topic('right/target/ray', RAY.kind, 'of the other camera, see `second.namespace`')
 POINT = Topic(
     'target/point', 'geometry_msgs/PointStamped', 'where the light is in `frame_id`, m'
 )
 POSE = Topic(
     'target/pose',
     'geometry_msgs/PoseWithCovarianceStamped',
-    'the same with covariance in m^2; the orientation is unknown, as its variance says',
+    'where the light is, with covariance in m^2; the orientation is unknown, as its variance says',
 )
 # Of the lights in config/body.yaml.
 BODY_RAYS = tuple(
@@ -115,16 +115,19 @@ JOINT_COMMAND = Topic(
     'with `pan_tilt`: where the simulated pan/tilt is to go, rad; examples/servo_client.py',
 )
 _PICTURE = '~/debug_image', 'sensor_msgs/Image'
-FRAME_PICTURE = Topic(*_PICTURE, 'bgr8, while somebody subscribes, at most 10 Hz: the frame')
-SEGMENTER_PICTURE = Topic(*_PICTURE, 'likewise: frame, difference, candidates and window')
-WINDOW_PICTURE = Topic(*_PICTURE, 'likewise: the window, the fit and what it leaves')
+_PICTURED = 'bgr8, while somebody subscribes, at most 10 Hz: '
+FRAME_PICTURE = Topic(*_PICTURE, _PICTURED + 'the frame')
+SEGMENTER_PICTURE = Topic(*_PICTURE, _PICTURED + 'frame, difference, candidates and window')
+WINDOW_PICTURE = Topic(*_PICTURE, _PICTURED + 'the window, the fit and what it leaves')
 TRUE_CENTROID = Topic(
     'simulator/truth/centroid',
     'geometry_msgs/PointStamped',
     'where the simulated light is, in px, while it is lit, at the instant at which it is seen',
 )
 TRUE_BEARING = Topic(
-    'simulator/truth/bearing', 'geometry_msgs/Vector3Stamped', 'the same in mrad'
+    'simulator/truth/bearing',
+    'geometry_msgs/Vector3Stamped',
+    'its azimuth and elevation, mrad, while it is lit',
 )
 DIAGNOSTICS = Topic(
     '/diagnostics',

@@ -38,7 +38,7 @@ def write_report(
     folder: Path, outcomes: Sequence[Outcome], *, quick: bool, when: datetime
 ) -> Path:
     """
-    Write a page that needs no other file, and of all studies the table of the README.
+    Write a page that needs no other file, and of all studies the table of docs/thesis.md.
 
     report.html and summary.md are of all studies, part.html of some; a quick run adds _quick, so
     that it leaves the page of the full one.

@@ -1,0 +1,75 @@
+"""
+The documents and the Python interface as a site: `make docs`, and rosdoc2 on docs.ros.org.
+
+The pages are those of docs/, to which doc/docs is a link; nothing is copied.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+import re
+import sys
+from typing import Any
+from xml.etree import ElementTree
+
+import blob_tracker
+
+ROOT = Path(blob_tracker.__file__).resolve().parents[1]
+# rosdoc2 runs a copy of this file elsewhere: what lies beside it is found by the package.
+sys.path.insert(0, str(ROOT / 'doc'))
+
+from equations import typeset  # noqa: E402, I100
+
+project = 'blob_tracker'
+author = 'blob_tracker maintainers'
+release = ElementTree.parse(ROOT / 'package.xml').getroot().findtext('version')
+
+extensions = [
+    'myst_parser', 'sphinx.ext.autodoc', 'sphinx.ext.mathjax', 'sphinx.ext.napoleon',
+    'sphinx.ext.viewcode',
+]
+source_suffix = {'.md': 'markdown', '.rst': 'restructuredtext'}
+html_show_copyright = False
+html_theme = 'sphinx_rtd_theme'
+html_theme_options = {'navigation_depth': 3, 'style_external_links': True}
+html_static_path = ['_static']
+html_css_files = ['site.css']
+
+myst_heading_anchors = 3
+myst_enable_extensions = ['colon_fence']
+
+autodoc_member_order = 'bysource'
+autodoc_typehints = 'none'  # numpydoc's sections have them, with shapes and units
+napoleon_use_ivar = True
+napoleon_use_param = False  # types are words: '(N, h, w) array', no references
+napoleon_use_rtype = False
+napoleon_google_docstring = False
+
+# A link to what is here and no document: [words](path).
+FILE_LINK = re.compile(r'(?<!!)\[`?([^\]`]+)`?\]\((?!https?:|#)(?![^)]*\.(?:md|rst)\b)[^)\s]+\)')
+
+
+def with_equations(
+    app: object, what: str, name: str, obj: object, options: object, lines: list[str],
+) -> None:
+    """Typeset the equations of a docstring, in place."""
+    lines[:] = typeset(lines)
+
+
+def without_files(app: object, name: str, text: list[str]) -> None:
+    """Leave of links to sources and folders of the repository their words: they have no page."""
+    text[0] = FILE_LINK.sub(r'`\1`', text[0])
+
+
+def without_fields(
+    app: object, what: str, name: str, obj: object, skip: bool, options: object,
+) -> bool | None:
+    """Leave out the fields of named tuples, which their class describes."""
+    return True if type(obj).__name__ == '_tuplegetter' else None
+
+
+def setup(app: Any) -> None:
+    """Connect to Sphinx."""
+    app.connect('autodoc-process-docstring', with_equations, priority=400)
+    app.connect('autodoc-skip-member', without_fields)
+    app.connect('source-read', without_files)
