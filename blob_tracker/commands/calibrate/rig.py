@@ -9,7 +9,8 @@ from pathlib import Path
 
 from blob_tracker.calibration.rig import calibrate_rig, RigCalibration
 from blob_tracker.calibration.rig_picture import draw_rig
-from blob_tracker.calibration.rig_rays import Rays, RigError
+from blob_tracker.calibration.rays import Rays
+from blob_tracker.calibration.rig_start import RigError
 from blob_tracker.commands.calibrate.report import results_table, Row, row, tell_of
 from blob_tracker.commands.exit_code import check_out, UsageError
 from blob_tracker.nodes.interface.optical_frame import PITCH, ROLL, YAW
