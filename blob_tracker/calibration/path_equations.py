@@ -30,18 +30,19 @@ class Unknown(Protocol):
 
 
 U = TypeVar('U', bound=Unknown)
+U_contra = TypeVar('U_contra', bound=Unknown, contravariant=True)
 
 
-class Equations(Protocol[U]):
+class Equations(Protocol[U_contra]):
     """Chi-square of rays and its derivatives."""
 
-    def chi2_of_rays(self, unknown: U) -> Array:
+    def chi2_of_rays(self, unknown: U_contra) -> Array:
         """Return the chi-square of each ray, (n,); NaN outside the pieces of the path."""
 
-    def chi2(self, unknown: U, weight: Array) -> float:
+    def chi2(self, unknown: U_contra, weight: Array) -> float:
         """Return that of all, each ray with its weight of 0 to 1."""
 
-    def linear(self, unknown: U, weight: Array) -> Linear:
+    def linear(self, unknown: U_contra, weight: Array) -> Linear:
         """Return the normal equations about a place."""
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import math
 
 from blob_tracker.calibration.light_path import covered, LightPath
-from blob_tracker.calibration.rig_equations import Equations, Measured, Unknown
 from blob_tracker.calibration.path_equations import without_strays
 from blob_tracker.calibration.rays import DARK_S, Rays
+from blob_tracker.calibration.rig_equations import Equations, Measured, Unknown
 from blob_tracker.calibration.rig_start import meeting_points, RigError, Start, start_rig
 from blob_tracker.calibration.scatter import variance_factor
 import numpy as np

@@ -169,10 +169,59 @@ def poses(
             'its size'
         )
     likely = [each for each in found if each.cost <= best.cost + AMBIGUOUS]
+    likely = [_in_metres(each, body.size_sigma) for each in likely]
     if rates[0] > 0.0:
         return likely
     before = np.diag(np.repeat(known**2, 3))  # of one instant the bearings add nothing
     return [replace(each, twist_covariance=before) for each in likely]
+
+
+def pose_near(
+    body: Body,
+    bearings: Sequence[tuple[str, Bearing]],
+    rotation: Array,
+    position: Array,
+    *,
+    speed_sigma: float = 3.0,
+    rate_sigma: float = 3.0,
+    gate_sigma: float = 5.0,
+) -> Pose | None:
+    """
+    Return the pose that bearings leave near another one, the last one say; None if there is none.
+
+    No other is looked for: `poses` tells whether there are others.
+
+    Parameters
+    ----------
+    body, bearings, speed_sigma, rate_sigma, gate_sigma
+        As `poses` has them; no bearing may be of another light.
+    rotation, position : (3, 3), (3,) arrays
+        Of the other one.
+
+    Raises
+    ------
+    ConstellationError
+        Where a name is not the body's or there twice, or a bearing can be none.
+
+    """
+    seen, stamp_ns = _seen(body, bearings)
+    moved = np.ptp(seen.apart) > 0.0 if len(bearings) else False
+    rates = np.array([speed_sigma, rate_sigma]) if moved else np.zeros(2)
+    pose = _climbed(
+        seen, [name for name, _ in bearings], rates, rotation.copy(), position.copy(), False, (),
+        gate_sigma, stamp_ns,
+    )
+    return pose and _in_metres(pose, body.size_sigma)
+
+
+def _in_metres(pose: Pose, size_sigma: float) -> Pose:
+    """Return it with the error of the body's size in its covariances: all lengths err alike."""
+    if size_sigma == 0.0:
+        return pose
+    covariance, of_twist = pose.covariance.copy(), pose.twist_covariance.copy()
+    covariance[:3, :3] += size_sigma**2 * np.outer(pose.position, pose.position)
+    of_twist[:3, :3] += size_sigma**2 * np.outer(pose.twist[:3], pose.twist[:3])
+    return replace(pose, covariance=covariance, twist_covariance=of_twist)
 
 
 def _seen(body: Body, bearings: Sequence[tuple[str, Bearing]]) -> tuple[_Seen, int]:
