@@ -252,7 +252,7 @@ def _seen(body: Body, bearings: Sequence[tuple[str, Bearing]]) -> tuple[_Seen, i
                 f'the bearing of {name} or its covariance is not finite, or the covariance not '
                 'positive definite'
             )
-    rays, bases = _rays(angles)
+    rays, bases = rays_of(angles)
     stamps = [each.stamp_ns for _, each in bearings]
     latest = max(stamps, default=0)
     apart = NS * np.array([each - latest for each in stamps], dtype=float)
@@ -260,7 +260,7 @@ def _seen(body: Body, bearings: Sequence[tuple[str, Bearing]]) -> tuple[_Seen, i
     return seen, latest
 
 
-def _rays(angles: Array) -> tuple[Array, Array]:
+def rays_of(angles: Array) -> tuple[Array, Array]:
     """Return unit vectors, and what is along azimuth and elevation across them."""
     sines, cosines = np.sin(angles), np.cos(angles)
     (sine, rise), (cosine, level) = sines.T, cosines.T

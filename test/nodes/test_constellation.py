@@ -35,15 +35,17 @@ SIGHTINGS = 60
 class Camera:
     """A camera that the test plays, before a running constellation."""
 
-    def __init__(self, node: Probe, process: Process) -> None:
+    def __init__(
+        self, node: Probe, process: Process, topics: tuple[str, ...] = tuple(LIGHTS)
+    ) -> None:
         self.node, self.process = node, process
         self.random = np.random.default_rng(7)
         self.poses = node.record(PoseWithCovarianceStamped, 'target/drone/pose')
         self.twists = node.record(TwistWithCovarianceStamped, 'target/drone/twist')
         self.diagnostics = node.record(DiagnosticArray, '/diagnostics')
         self._rays = {
-            name: node.create_publisher(PoseWithCovarianceStamped, f'target/{name}/ray', 100)
-            for name in LIGHTS
+            name: node.create_publisher(PoseWithCovarianceStamped, f'target/{topic}/ray', 100)
+            for name, topic in zip(LIGHTS, topics, strict=True)
         }
         node.spin_until(lambda: all(each.get_subscription_count() for each in self._rays.values()))
         node.spin_until(lambda: self.see() and self.poses and self.twists)
@@ -176,8 +178,25 @@ def test_rays_of_another_camera_are_refused(camera: Camera) -> None:
     camera.expect('body placed', DiagnosticStatus.OK)
 
 
+def test_lights_without_names(domain: int, tmp_path: Path) -> None:
+    """They are told by where they are; a body that is far away is doubted."""
+    path = tmp_path / 'drone.yaml'
+    path.write_text(yaml.safe_dump({'lights': LIGHTS}, sort_keys=False))
+    topics = ('d', 'a', 'e', 'b', 'c')
+    with probe(domain) as node, start(
+        'constellation', domain, body_url=f'file://{path}', body='drone', unnamed='a,b,c,d,e',
+        max_distance=1.0,
+    ) as process:
+        camera = Camera(node, process, topics)
+        place = camera.poses[-1].pose.pose.position
+        np.testing.assert_allclose([place.x, place.y, place.z], POSITION, atol=0.05)
+        camera.expect(
+            'by its file the body is 2 m away, further than max_distance', DiagnosticStatus.WARN)
+
+
 @pytest.mark.parametrize(('lights', 'parameters', 'sentence'), [
     ({**LIGHTS, 'a/b': [0.0, 1.0, 0.0]}, {}, "'body_url': 'a/b' is no name of a light"),
+    (LIGHTS, {'unnamed': 'a,b/c'}, "'unnamed': 'b/c' is no name of a light"),
     (LIGHTS, {'body_url': '/no/such.yaml'}, "'body_url': cannot read the body file /no/such"),
 ])
 def test_what_cannot_be_is_said(

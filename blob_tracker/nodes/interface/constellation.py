@@ -20,6 +20,15 @@ PARAMETERS = (
         fixed='the topics are announced at the start',
     ),
     Parameter(
+        'unnamed',
+        '',
+        'Names of lights in target/<name>/ray that say not which light of the body each is, '
+        'comma-separated: codes that were mounted in any order. It is found out by where they '
+        'are; of a body that looks the same from several sides there is no pose. Empty: the '
+        'lights have the names of the body file.',
+        fixed='the topics are subscribed to at the start',
+    ),
+    Parameter(
         'max_interval',
         0.1,
         'Greatest time between the first and the last ray of a pose. So long is a hidden light '
@@ -43,6 +52,14 @@ PARAMETERS = (
         least=1e-3,
         most=1e3,
         unit='rad/s',
+    ),
+    Parameter(
+        'max_distance',
+        200.0,
+        'A body that is further away is published and warned of: its file may be in mm.',
+        least=0.1,
+        most=1e6,
+        unit='m',
     ),
     Parameter(
         'gate',
