@@ -8,7 +8,7 @@ import sys
 from typing import Any
 
 from blob_tracker.constellation import (
-    Assignment, Body, compile_ahead, ConstellationError, Pose, poses, Sighting,
+    Assignment, Body, compile_ahead, ConstellationError, Following, Pose, Sighting,
 )
 from blob_tracker.nodes.interface.constellation import PARAMETERS
 from blob_tracker.ros.diagnostics.clock_jumps import on_clock_jump
@@ -51,6 +51,7 @@ class ConstellationNode(Node):
         )
         self._connections = Connections(self, self._health)
         self._pose: Pose | None = None
+        self._following = Following(self._body)
         self._frame_id: str | None = None  # that of the first ray
         self._sighting = Sighting(lights, values['max_interval'])
         self._change(values)()
@@ -63,7 +64,7 @@ class ConstellationNode(Node):
                 self, PoseWithCovarianceStamped, f'{target_topic(light)}/ray',
                 partial(self._take, light), RESULT,
             )
-        self._clock_jumps = on_clock_jump(self, self._health, self._sighting.forget)
+        self._clock_jumps = on_clock_jump(self, self._health, self._forget)
 
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Return what puts these parameters into effect."""
@@ -106,6 +107,11 @@ class ConstellationNode(Node):
         if bearings:
             self._publish(bearings)
 
+    def _forget(self, after_ns: int) -> None:
+        """Give up what is later than a jump of the clock, and begin to follow anew."""
+        self._sighting.forget(after_ns)
+        self._following.forget()
+
     def _publish(self, bearings: list[tuple[str, Bearing]]) -> None:
         """Publish the pose of these bearings, or say why there is none."""
         try:
@@ -114,14 +120,15 @@ class ConstellationNode(Node):
                     [each for _, each in bearings], **self._options)
             names = [name for name, _ in bearings]
             self._health.show('lights seen together', ', '.join(names))
-            found = poses(self._body, bearings, **self._options)
+            found = self._following.take(bearings, **self._options)
         except ConstellationError as error:
             self._refuse(str(error))
             return
         if len(found) > 1:
             self._refuse(
-                f'{len(found)} poses of the body explain the bearings of {", ".join(names)}; '
-                'let more lights be seen, and one of them out of the plane of the others'
+                f'{len(found)} poses of the body explain the bearings of {", ".join(names)}, and '
+                'none is refuted by those before; let more lights be seen, and one of them out of '
+                'the plane of the others'
             )
             return
         pose = self._pose = found[0]

@@ -40,7 +40,8 @@ PARAMETERS = (
     Parameter(
         'speed_sigma',
         3.0,
-        'How fast the body moves along each axis, standard deviation.',
+        'How fast the body moves along each axis, standard deviation; within 0.3 s it may '
+        'change by as much.',
         least=1e-3,
         most=1e4,
         unit='m/s',
@@ -48,7 +49,7 @@ PARAMETERS = (
     Parameter(
         'rate_sigma',
         3.0,
-        'How fast it turns about each axis, standard deviation.',
+        'How fast it turns about each axis, standard deviation; it may change likewise.',
         least=1e-3,
         most=1e3,
         unit='rad/s',
