@@ -11,7 +11,7 @@ from blob_tracker.constellation.pose import Pose, pose_near, poses
 from blob_tracker.constellation.sighting import Sighting
 
 __all__ = [
-    'Assigned', 'assigned', 'Assignment', 'Body', 'BodyError', 'ConstellationError',
-    'Following', 'Inconsistent', 'Pose', 'Sighting', 'TooFewLights', 'compile_ahead', 'pose_near', 'poses',
+    'Assigned', 'assigned', 'Assignment', 'Body', 'BodyError', 'ConstellationError', 'Following',
+    'Inconsistent', 'Pose', 'Sighting', 'TooFewLights', 'compile_ahead', 'pose_near', 'poses',
     'read_body', 'write_body',
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 from itertools import combinations
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from blob_tracker.constellation.body import Body
 from blob_tracker.constellation.errors import ConstellationError, Inconsistent, TooFewLights
@@ -105,7 +105,7 @@ def assigned(
     lights = np.empty((KEPT, len(bearings)), dtype=np.int64)
     count = _assignments(
         body.places, rays, _spread(len(bearings)), (NEAR * span)**2, lights, np.empty(KEPT))
-    options = {
+    options: dict[str, Any] = {
         'speed_sigma': speed_sigma, 'rate_sigma': rate_sigma, 'gate_sigma': gate_sigma,
     }
     found: list[Assigned] = []
@@ -180,7 +180,7 @@ class Assignment:
         self._body, self._longest = body, longest
         self._last: Pose | None = None
 
-    def name(self, bearings: Sequence[Bearing], **options: float) -> list[tuple[str, Bearing]]:
+    def name(self, bearings: Sequence[Bearing], **options: Any) -> list[tuple[str, Bearing]]:
         """
         Return the bearings that are lights of the body, with their names.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from blob_tracker.constellation.body import Body
 from blob_tracker.constellation.errors import ConstellationError, Inconsistent
@@ -77,7 +78,7 @@ class Following:
         after = [NS * (latest - way.pose.stamp_ns) for way in self._ways]
         if not after or min(after) > LONGEST_S or min(after) <= 0.0:
             self.forget()
-        loose = {
+        loose: dict[str, Any] = {
             'speed_sigma': speed_sigma, 'rate_sigma': rate_sigma, 'gate_sigma': gate_sigma,
         }
         found = self._found(bearings, loose)
@@ -104,7 +105,7 @@ class Following:
         self._ways, self._twist = [], None
 
     def _found(
-        self, bearings: Sequence[tuple[str, Bearing]], loose: dict[str, float]
+        self, bearings: Sequence[tuple[str, Bearing]], loose: dict[str, Any]
     ) -> list[Pose]:
         """Return the poses of a sighting, with the twist that is expected where one is."""
         if self._twist is not None:

@@ -222,8 +222,8 @@ def pose_near(
     moved = np.ptp(seen.apart) > 0.0 if len(bearings) else False
     rates = np.array([speed_sigma, rate_sigma]) if moved else np.zeros(2)
     pose = _climbed(
-        seen, [name for name, _ in bearings], _Motion(rates, twist), rotation.copy(), position.copy(), False, (),
-        gate_sigma, stamp_ns,
+        seen, [name for name, _ in bearings], _Motion(rates, twist), rotation.copy(),
+        position.copy(), False, (), gate_sigma, stamp_ns,
     )
     return pose and _in_metres(pose, body.size_sigma)
 
@@ -286,8 +286,8 @@ def rays_of(angles: Array) -> tuple[Array, Array]:
 
 
 def _fits(
-    seen: _Seen, names: list[str], motion: _Motion, effort: tuple[int, int, bool], gate_sigma: float,
-    stamp_ns: int,
+    seen: _Seen, names: list[str], motion: _Motion, effort: tuple[int, int, bool],
+    gate_sigma: float, stamp_ns: int,
 ) -> list[Pose]:
     """Return the poses of greatest likelihood that the bearings allow, the likeliest first."""
     triples, most, others = effort
@@ -366,8 +366,8 @@ def _inliers(
 ) -> Array:
     """Return which bearings count: all but the one in five that fits a start the least."""
     fit(
-        *seen, np.zeros(len(chi2)), np.zeros(2), motion.expected, rotation.copy(), position.copy(), twist,
-        information, chi2,
+        *seen, np.zeros(len(chi2)), np.zeros(2), motion.expected, rotation.copy(),
+        position.copy(), twist, information, chi2,
     )
     used = np.ones(len(chi2))
     worst = np.argsort(chi2)[len(chi2) - len(chi2) // OUTLIERS:]
