@@ -161,9 +161,10 @@ def _row(case: Case, count: int, random: np.random.Generator) -> Row:
         compared[''].append(float(error @ information @ error) / 6.0)
         for name, method in PEERS.items():
             other = _peer(places, pixels, method)
-            compared[name].append(
-                float(_squared(_error(*other, rotation, position), information))
-            )
+            if other is not None:
+                compared[name].append(
+                    float(_squared(_error(*other, rotation, position), information))
+                )
     ratios = {
         name: float(np.sqrt(np.mean(values))) if values else float('nan')
         for name, values in compared.items()
@@ -257,11 +258,13 @@ def _information(places: Array, rotation: Array, position: Array, noise: Array) 
     return np.asarray(np.einsum('pka,kab,qkb->pq', slopes, np.linalg.inv(noise), slopes))
 
 
-def _peer(places: Array, pixels: Array, method: int) -> tuple[Array, Array]:
-    """Return rotation and position by OpenCV; its iterative one starts from SQPnP."""
-    _, turn, position = cv2.solvePnP(
+def _peer(places: Array, pixels: Array, method: int) -> tuple[Array, Array] | None:
+    """Return rotation and position by OpenCV, None where it has none; SQPnP is its start."""
+    done, turn, position = cv2.solvePnP(
         places, pixels, CAMERA.matrix, None, flags=cv2.SOLVEPNP_SQPNP
     )
+    if not done:
+        return None
     if method != cv2.SOLVEPNP_SQPNP:
         _, turn, position = cv2.solvePnP(
             places, pixels, CAMERA.matrix, None, turn, position, True, flags=method

@@ -7,12 +7,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from benchmarks import (
-    accuracy, bearing, blink, capture, detection, files, lab, latency, motion, pose, real_frames,
-    real_pixels, search, speed, tracking, world,
+    accuracy, bearing, blink, body, capture, detection, files, lab, latency, motion, pose,
+    real_frames, real_pixels, search, speed, tracking, world,
 )
 from benchmarks.accuracy import Bias, Row
 from benchmarks.bearing import Row as BearingRow
 from benchmarks.blink import Row as BlinkRow
+from benchmarks.body import Row as BodyRow
 from benchmarks.capture import Row as CaptureRow
 from benchmarks.contender import Contender
 from benchmarks.detection import Counts, Row as DetectionRow
@@ -88,6 +89,7 @@ class Report:
     blink: list[BlinkRow] = field(default_factory=list)
     files: list[FileRow] = field(default_factory=list)
     pose: list[PoseRow] = field(default_factory=list)
+    body: list[BodyRow] = field(default_factory=list)
 
 
 def steps(parts: Collection[str], sizes: Sizes, beside: Path | None = None) -> int:
@@ -105,7 +107,7 @@ def steps(parts: Collection[str], sizes: Sizes, beside: Path | None = None) -> i
         'world': world.steps(),
         'blink': blink.steps(),
         'files': files.steps(),
-        'pose': pose.steps(),
+        'pose': pose.steps() + body.steps(),
     }
     return sum(each[part] for part in parts)
 
@@ -158,4 +160,5 @@ def measure(
         report.files.extend(files.run(sizes.repeats, tick))
     if 'pose' in parts:
         report.pose.extend(pose.run(sizes.pose, tick))
+        report.body.extend(body.run(sizes.pose, tick))
     return report

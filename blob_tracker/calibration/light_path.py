@@ -87,16 +87,22 @@ class LightPath:
         ) / (2.0 * self.spacing)
 
 
-def covered(times: Sequence[Sequence[Array]], spacing: float) -> LightPath:
+def covered(
+    times: Sequence[Sequence[Array]], spacing: float, least: int = 2
+) -> LightPath:
     """
     Return the pieces of time in which each light is seen by two cameras, but for short gaps.
+
+    Or in which one camera sees so many lights.
 
     Parameters
     ----------
     times : sequence of sequences of (n,) arrays
-        When each light was seen by each camera, s of one clock.
+        When each light was seen by each camera, s of one clock; or, in one group, each light.
     spacing : float
         Of the knots, s.
+    least : int
+        How many of a group see, or are seen, at once.
 
     Returns
     -------
@@ -115,7 +121,7 @@ def covered(times: Sequence[Sequence[Array]], spacing: float) -> LightPath:
             number = np.floor((each - start) / spacing).astype(np.intp)
             number = number[(number >= 0) & (number < count)]
             cameras += np.bincount(number, minlength=count) > 0
-        enough &= cameras >= 2
+        enough &= cameras >= least
     seen = np.flatnonzero(enough)
     for before, after in zip(seen[:-1], seen[1:], strict=True):  # the dark bits of a code
         if after - before <= BRIDGED + 1:

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import math
 
 from blob_tracker.calibration.light_path import covered, LightPath
+from blob_tracker.calibration.path_equations import without_strays
+from blob_tracker.calibration.rays import DARK_S, Rays
 from blob_tracker.calibration.rig_equations import Equations, Measured, Unknown
-from blob_tracker.calibration.rig_rays import Rays, RigError
-from blob_tracker.calibration.rig_start import meeting_points, Start, start_rig
+from blob_tracker.calibration.rig_start import meeting_points, RigError, Start, start_rig
 from blob_tracker.calibration.scatter import variance_factor
 import numpy as np
 from numpy.typing import NDArray
@@ -18,18 +19,10 @@ Array = NDArray[np.float64]
 
 LEAST_SECONDS = 5.0  # s of the light seen by two cameras
 KNOTS = 1.5  # intervals of the slowest camera between two knots: six numbers for three unknown
-DARK_S = 0.5  # s without a ray that are more than the dark bits of a code
 LONGEST_S = 3600.0  # s: stamps further apart are of other clocks, or none
 LONGEST = 2.5  # intervals of a camera across which its rays are interpolated for the start
-ITERATIONS = 20  # of a round
-ROUNDS = 15  # of leaving out strays
-LEAST_DAMPING, MOST_DAMPING = 1e-12, 1e9
-MEDIAN_OF_TWO = 1.386  # of chi-square with two degrees of freedom
-CONVERGED = 1e-4  # of chi-square: a step that gains less is the last
-GATE = 25.0  # chi-square of a ray, 4 in a million if it is one of the light
 MOST_LEFT_OUT = 0.2  # of a camera's rays: with more, it is not the light that is odd
 RESTRAINT = 0.3  # of the path's extent: third differences of its knots are far less
-EQUAL_GAIN = 1e-9  # of chi-square: less is rounding
 VAGUE, WORTHLESS = 0.02, 0.05  # of the distance: a camera's position that is known no better
 LONGEST_WAND_M = 20.0
 
@@ -183,7 +176,7 @@ def calibrate_rig(
         unknown = unknown.scaled(wand[0] / unknown.rod_length())
         equations = Equations(measured, path, None, wand[0], RESTRAINT)
     try:
-        unknown, chi2, weight = _without_strays(equations, unknown)
+        unknown, chi2, weight = without_strays(equations, unknown)
     except np.linalg.LinAlgError:
         raise RigError(
             'the rays determine no rig: are their covariances right, and do the clocks run evenly?'
@@ -226,52 +219,6 @@ def calibrate_rig(
     return replace(result, notes=tuple(_notes(result)))
 
 
-def _without_strays(equations: Equations, unknown: Unknown) -> tuple[Unknown, float, Array]:
-    """
-    Return the parameters of least chi-square, that, and the weights of the rays, 0 or 1.
-
-    Rays beyond the gate weigh the less the further they are off, and are left out in the end,
-    when the others have found their places: where a part of the path began wrong, its own rays
-    are beyond the gate at first.
-    """
-    of_rays = equations.chi2_of_rays(unknown)
-    near = np.zeros(len(of_rays), dtype=bool)
-    for soft in (True, False):
-        for _ in range(ROUNDS):
-            scale = max(float(np.nanmedian(of_rays)) / MEDIAN_OF_TWO, 1.0)
-            far = GATE * scale / np.fmax(of_rays, GATE * scale)
-            weight = far if soft else (of_rays <= GATE).astype(float)
-            unknown, chi2, done = _adjusted(equations, unknown, weight)
-            of_rays = equations.chi2_of_rays(unknown)
-            before, near = near, of_rays <= GATE
-            if done and (near == before).all():
-                break
-    return unknown, chi2, weight
-
-
-def _adjusted(
-    equations: Equations, unknown: Unknown, weight: Array
-) -> tuple[Unknown, float, bool]:
-    """Return the parameters of least chi-square, that, and whether it is the least."""
-    damping = 1e-3
-    chi2 = equations.chi2(unknown, weight)
-    for _ in range(ITERATIONS):
-        system = equations.linear(unknown, weight)
-        while True:
-            moved = unknown.moved(system.step(damping))
-            after = equations.chi2(moved, weight)
-            if after < chi2 * (1.0 + EQUAL_GAIN):
-                break
-            damping *= 10.0
-            if damping > MOST_DAMPING:
-                return unknown, chi2, True
-        gained, unknown, chi2 = chi2 - after, moved, min(after, chi2)
-        damping = max(0.1 * damping, LEAST_DAMPING)
-        if gained < CONVERGED:
-            return unknown, chi2, True
-    return unknown, chi2, False
-
-
 def _check(
     rays: Sequence[Sequence[Rays]], names: Sequence[str],
     baseline: tuple[str, str, float, float] | None, wand: tuple[float, float] | None,
@@ -306,11 +253,10 @@ def _interval(rays: Sequence[Sequence[Rays]], names: Sequence[str]) -> float:
     for of_camera, name in zip(rays, names, strict=True):
         if min(len(each.times) for each in of_camera) < 2:
             raise RigError(f'{name} has no rays of the light, or of one light of the wand')
-        steps = np.concatenate([np.diff(each.times) for each in of_camera])
-        lit = steps[steps <= DARK_S]
-        if not len(lit):
+        own = float(np.nanmean([each.interval() for each in of_camera]))
+        if np.isnan(own):
             raise RigError(f'{name} has rays more than {DARK_S:g} s apart only')
-        longest = max(longest, float(lit.mean()))
+        longest = max(longest, own)
     times = np.concatenate([each.times for of_camera in rays for each in of_camera])
     if np.ptp(times) > LONGEST_S:
         raise RigError(

@@ -6,7 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from blob_tracker.calibration.light_path import LightPath, ORDER
-from blob_tracker.calibration.rig_rays import Rays
+from blob_tracker.calibration.path_equations import (
+    add_band, Linear, restraint, times_restraint, windows_of,
+)
+from blob_tracker.calibration.rays import angles_of, by_place_of, Rays
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_solve_banded, cholesky_banded
@@ -93,10 +96,10 @@ class Unknown:
         for times, places in lights:
             number, share = path.place(times)
             inside = number >= 0
-            band = _restraint(path, 1, 1.0)
+            band = restraint(path, np.ones(1))
             right = np.zeros((path.size, 3))
             weights = 10.0 * path.weights(share[inside])
-            _add_band(band, number[inside, None] + np.arange(ORDER), weights)
+            add_band(band, number[inside, None] + np.arange(ORDER), weights)
             np.add.at(
                 right, number[inside, None] + np.arange(ORDER),
                 10.0 * weights[:, :, None] * places[inside, None, :],
@@ -113,7 +116,8 @@ class Unknown:
 
     def moved(self, step: tuple[Array, Array]) -> Unknown:
         """Return it after a step of the cameras and of the path."""
-        of_cameras = step[0].reshape(-1, OF_CAMERA)
+        of_first = np.zeros(OF_CAMERA)
+        of_cameras = np.concatenate([of_first, step[0]]).reshape(-1, OF_CAMERA)
         turns = Rotation.from_rotvec(of_cameras[:, :3]).as_matrix()
         return replace(
             self,
@@ -131,36 +135,8 @@ class Unknown:
     def middles(self, path: LightPath) -> Array:
         """Return where the lights were at the middle of each interval, (m, 3)."""
         weights = path.weights(np.array([0.5]))[0]
-        places = np.einsum('k,mkla->mla', weights, self.coefficients[_windows(path)])
+        places = np.einsum('k,mkla->mla', weights, self.coefficients[windows_of(path)])
         return np.asarray(places.reshape(-1, 3))
-
-
-@dataclass(frozen=True)
-class Linear:
-    """Normal equations: of the cameras, of both, and of the path as a band, lower form."""
-
-    cameras: Array
-    both: Array
-    band: Array
-    right_cameras: Array
-    right_path: Array
-
-    def step(self, damping: float) -> tuple[Array, Array]:
-        """Return the step of the cameras and that of the path, with damped diagonals."""
-        band = self.band.copy()
-        band[0] *= 1.0 + damping
-        factor = (cholesky_banded(band, lower=True), True)
-        by_path = cho_solve_banded(factor, np.column_stack([self.both.T, self.right_path]))
-        reduced = self.cameras - self.both @ by_path[:, :-1]
-        reduced[np.diag_indices_from(reduced)] += damping * np.diag(self.cameras)
-        of_cameras = np.linalg.solve(reduced, self.right_cameras - self.both @ by_path[:, -1])
-        of_path = by_path[:, -1] - by_path[:, :-1] @ of_cameras
-        return np.concatenate([np.zeros(OF_CAMERA), of_cameras]), of_path
-
-    def covariance(self) -> Array:
-        """Return the inverse of the information about the cameras, whatever the path."""
-        factor = (cholesky_banded(self.band, lower=True), True)
-        return np.linalg.inv(self.cameras - self.both @ cho_solve_banded(factor, self.both.T))
 
 
 @dataclass(frozen=True)
@@ -224,8 +200,10 @@ class Equations:
         lights = unknown.coefficients.shape[1]
         count = OF_CAMERA * len(unknown.positions)
         size = unknown.coefficients.size
-        band = _restraint(self.path, 3 * lights, 1.0 / (self.restraint * unknown.extent))
-        right_path = -_times_restraint(
+        band = restraint(
+            self.path, np.full(3 * lights, 1.0 / (self.restraint * unknown.extent))
+        )
+        right_path = -times_restraint(
             self.path, unknown.coefficients, 1.0 / (self.restraint * unknown.extent)
         )
         # Of the path: (n, 2, 4, 3) derivatives by four coefficients of three components each.
@@ -238,7 +216,7 @@ class Equations:
         ).reshape(len(by_path), 3 * ORDER)
         by_path = by_path.reshape(len(by_path), 2, 3 * ORDER)
         for row in range(2):
-            _add_band(band, columns, by_path[:, row])
+            add_band(band, columns, by_path[:, row])
         np.add.at(
             right_path, columns, np.einsum('nrk,nr->nk', by_path, rest)
         )
@@ -264,7 +242,7 @@ class Equations:
             cameras += np.outer(along, along) / (TIGHT * length) ** 2
         if self.rod is not None:
             off, derivative, rod_columns = self._rod_residuals(unknown)
-            _add_band(band, rod_columns, derivative)
+            add_band(band, rod_columns, derivative)
             np.add.at(right_path, rod_columns, derivative * off[:, None])
         free = slice(OF_CAMERA, None)
         return Linear(
@@ -283,22 +261,18 @@ class Equations:
         weights = self.path.weights(share)
         places = np.einsum('nk,nka->na', weights, four)
         rotations = unknown.rotations[camera]
-        x, y, z = np.einsum('nba,nb->an', rotations, places - unknown.positions[camera])
-        level = np.hypot(x, z)
-        rest = self.measured.angles - np.stack([np.arctan2(x, z), np.arctan2(-y, level)], axis=1)
+        seen = np.einsum('nba,nb->na', rotations, places - unknown.positions[camera])
+        rest = self.measured.angles - angles_of(seen)
         rest[:, 0] = np.remainder(rest[:, 0] + np.pi, 2.0 * np.pi) - np.pi
         rest[number < 0] = np.nan
         roots = self.measured.roots
         residuals = np.einsum('nij,nj->ni', roots, rest)
         if not derive:
             return residuals, number, (weights, weights, weights)
-        square = level**2 + y**2
-        none = np.zeros_like(x)
-        by_local = roots @ np.stack([
-            np.stack([z / level**2, none, -x / level**2], axis=1),
-            np.stack([x * y / level, -level, z * y / level], axis=1) / square[:, None],
-        ], axis=1)
+        by_local = roots @ by_place_of(seen)
         by_place = np.einsum('nrb,nab->nra', by_local, rotations)
+        x, y, z = seen.T
+        none = np.zeros_like(x)
         crossed = np.stack([
             np.stack([none, -z, y], axis=1), np.stack([z, none, -x], axis=1),
             np.stack([-y, x, none], axis=1),
@@ -312,7 +286,7 @@ class Equations:
     def _rod_residuals(self, unknown: Unknown) -> tuple[Array, Array, NDArray[np.intp]]:
         """Return residuals of the wand's length amid each interval, and their derivatives."""
         assert self.rod is not None
-        windows = _windows(self.path)
+        windows = windows_of(self.path)
         weights = self.path.weights(np.array([0.5]))[0]
         ends = np.einsum('k,mkla->mla', weights, unknown.coefficients[windows])
         between = ends[:, 0] - ends[:, 1]
@@ -331,47 +305,3 @@ class Equations:
             (self.rod - length) / sigma, derivative.reshape(count, -1),
             columns.reshape(count, -1),
         )
-
-
-def _windows(path: LightPath) -> NDArray[np.intp]:
-    """Return the four coefficients of each interval, (m, 4)."""
-    before = np.concatenate([[0], np.cumsum(path.intervals + ORDER - 1)[:-1]])
-    firsts = np.concatenate(
-        [start + np.arange(count) for start, count in zip(before, path.intervals, strict=True)]
-    )
-    return firsts[:, None] + np.arange(ORDER)
-
-
-def _restraint(path: LightPath, components: int, weight: float) -> Array:
-    """
-    Return the band of the third differences' information, for each component of the path.
-
-    It is far too little to bend a path that is seen, and enough for the ends of a piece.
-    """
-    band = np.zeros((ORDER * components, path.size * components))
-    difference = weight * np.array([1.0, -3.0, 3.0, -1.0])
-    windows = _windows(path)
-    for part in range(components):
-        _add_band(
-            band, windows * components + part, np.broadcast_to(difference, windows.shape)
-        )
-    return band
-
-
-def _times_restraint(path: LightPath, coefficients: Array, weight: float) -> Array:
-    """Return the gradient of the third differences' half chi-square, flat."""
-    difference = weight * np.array([1.0, -3.0, 3.0, -1.0])
-    windows = _windows(path)
-    bends = np.einsum('k,mkla->mla', difference, coefficients[windows])
-    gradient = np.zeros_like(coefficients)
-    np.add.at(gradient, windows, difference[None, :, None, None] * bends[:, None])
-    return gradient.ravel()
-
-
-def _add_band(band: Array, columns: NDArray[np.intp], rows: Array) -> None:
-    """Add each row's outer product with itself to a matrix in lower banded form."""
-    for one in range(columns.shape[1]):
-        for other in range(one, columns.shape[1]):
-            low = np.minimum(columns[:, one], columns[:, other])
-            apart = np.abs(columns[:, other] - columns[:, one])
-            np.add.at(band, (apart, low), rows[:, one] * rows[:, other])

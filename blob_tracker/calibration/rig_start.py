@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from blob_tracker.calibration.rig_rays import Rays, RigError
+from blob_tracker.calibration.rays import Rays
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,6 +21,10 @@ OFFSET_STEP = 0.005  # s: a hand's light moves by some mrad
 LOOKED_AT = 6  # offsets that a first look likes best
 PLANAR = 1e-3  # of the second singular value over the first: two answers, or none
 ASTRAY_RAD = 0.03  # median distance of rays from each other: they are not of one light
+
+
+class RigError(ValueError):
+    """Rays from which no rig can be told; the message says what is wrong and what is right."""
 
 
 @dataclass

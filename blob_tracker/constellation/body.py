@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from blob_tracker.camera.yaml_file import CalibrationError, content_of
+from blob_tracker.camera.yaml_file import CalibrationError, content_of, write_content
 from blob_tracker.constellation.errors import BodyError
 from blob_tracker.kernel import Array
 import numpy as np
@@ -14,6 +15,9 @@ import yaml
 
 LEAST_LIGHTS = 3
 MOST_EXTENT_M = 50.0  # a larger file is in millimetres
+LEAST_EXTENT_M = 2e-3  # a smaller one is in kilometres, or a size and not places
+DIGITS = 7  # of a place, m, that are written
+KEYS, OF_LIGHT = ('sigma', 'size_sigma', 'lights'), ('place', 'sigma')
 IN_LINE = 0.02  # second singular value of the places over the first
 
 
@@ -30,18 +34,21 @@ class Body:
         Of the lights in the body's frame, m.
     sigmas : (n,) array
         Standard deviation of each place along each axis, m.
+    size_sigma : float
+        Standard deviation of the size of the whole, over it: of one length that it is made by.
 
     Raises
     ------
     BodyError
         Where it can have no pose: fewer than three lights, a name twice, lights in one line or at
-        one place, or further apart than 50 m.
+        one place, or further apart than 50 m or less than 2 mm.
 
     """
 
     names: tuple[str, ...]
     places: Array
     sigmas: Array
+    size_sigma: float = 0.0
 
     def __post_init__(self) -> None:
         count = len(self.names)
@@ -57,6 +64,11 @@ class Body:
             raise BodyError(f'two lights of the body have the name {", ".join(twice)}')
         if not (np.isfinite(self.places).all() and np.isfinite(self.sigmas).all()):
             raise BodyError('the places of the lights and their sigmas must be finite')
+        if not 0.0 <= self.size_sigma < 1.0:
+            raise BodyError(
+                f'the size_sigma of the body is {self.size_sigma:g}; it must be 0 to 1, of its '
+                'size'
+            )
         if (self.sigmas < 0.0).any():
             raise BodyError(f'the least sigma is {self.sigmas.min():g} m; it must be 0 or more')
         extent, nearest = _distances(self.places)
@@ -64,6 +76,11 @@ class Body:
             raise BodyError(
                 f'the lights of the body are {extent:g} m apart, and may be {MOST_EXTENT_M:g}; '
                 'their places are in metres, not millimetres'
+            )
+        if 0.0 < extent < LEAST_EXTENT_M:
+            raise BodyError(
+                f'the lights of the body are {extent:g} m apart, and must be '
+                f'{LEAST_EXTENT_M:g}; their places are in metres'
             )
         if nearest <= 0.0:
             raise BodyError('two lights of the body are at the same place')
@@ -93,6 +110,7 @@ def read_body(path: str | Path) -> Body:
     ::
 
         sigma: 0.001                    # m, of each place along each axis; 0 where it is left out
+        size_sigma: 0.003               # of the size of the whole, over it; 0 where it is left out
         lights:
           port: [0.15, 0.10, 0.0]       # m, in the body's frame
           starboard: {place: [0.15, -0.10, 0.0], sigma: 0.002}
@@ -111,7 +129,9 @@ def read_body(path: str | Path) -> Body:
     try:
         with content_of(path, 'body file') as content:
             _check_names(path)
+            _check_keys('a body file', content, KEYS)
             sigma = float(content.get('sigma', 0.0))
+            size_sigma = float(content.get('size_sigma', 0.0))
             lights = content['lights']
             if not isinstance(lights, dict):
                 raise TypeError('lights must be names, each with its [x, y, z] in m')
@@ -123,18 +143,59 @@ def read_body(path: str | Path) -> Body:
             tuple(map(str, lights)),
             np.array([place for place, _ in entries]).reshape(-1, 3),
             np.array([each for _, each in entries]),
+            size_sigma,
         )
     except BodyError as error:
         raise BodyError(f'{path}: {error}') from None
 
 
+def write_body(path: str | Path, body: Body, comments: Sequence[str] = ()) -> None:
+    """
+    Write a file that `read_body` reads.
+
+    Parameters
+    ----------
+    path : str or Path
+        The YAML file.
+    body : Body
+        Its lights, to 0.1 um.
+    comments : sequence of str
+        Lines put on top.
+
+    Raises
+    ------
+    CalibrationError
+        Where it cannot be written there.
+
+    """
+    lights = {
+        name: {'place': [round(each, DIGITS) for each in place], 'sigma': round(sigma, DIGITS)}
+        for name, place, sigma in zip(
+            body.names, body.places.tolist(), body.sigmas.tolist(), strict=True)
+    }
+    write_content(
+        path, 'body file', {'size_sigma': round(body.size_sigma, DIGITS), 'lights': lights},
+        comments,
+    )
+
+
 def _entry(name: str, entry: Any, sigma: float) -> tuple[list[float], float]:
     """Return the place of a light and its sigma, m."""
     own = entry if isinstance(entry, dict) else {'place': entry}
+    _check_keys(f'the light {name}', own, OF_LIGHT)
     place = [float(each) for each in own['place']]
     if len(place) != 3:
         raise ValueError(f'the place of {name} has {len(place)} numbers, not 3')
     return place, float(own.get('sigma', sigma))
+
+
+def _check_keys(what: str, content: dict[str, Any], keys: tuple[str, ...]) -> None:
+    """Refuse a key that says nothing: it is a misspelt one."""
+    unknown = sorted(str(key) for key in content if key not in keys)
+    if unknown:
+        raise CalibrationError(
+            f'{what} has no {", ".join(unknown)}; it has {", ".join(keys[:-1])} and {keys[-1]}'
+        )
 
 
 def _check_names(path: str | Path) -> None:

@@ -14,7 +14,7 @@ ALIKE_RAD = 0.05  # candidates that are turned less apart lead to the same pose
 @kernel
 def candidates(
     places: Array, variances: Array, rays: Array, bases: Array, noise: Array, apart: Array,
-    triples: NDArray[np.int64], most_chi2: float, rotations: Array, positions: Array,
+    twist: Array, triples: NDArray[np.int64], most_chi2: float, rotations: Array, positions: Array,
 ) -> int:
     """
     Find the best poses of three rays, by what all bearings say of them.
@@ -26,6 +26,8 @@ def candidates(
     ----------
     places, variances, rays, bases, noise, apart
         As `likelihood.fit` has them.
+    twist : (6,) array
+        How the body moves, m/s and rad/s.
     triples : (m, 3) int array
         The bearings that are taken together.
     most_chi2 : float
@@ -41,7 +43,7 @@ def candidates(
     """
     count = len(rays)
     still, used = np.zeros(2), np.ones(count)
-    twist, gradient, chi2 = np.zeros(6), np.empty(12), np.empty(count)
+    gradient, chi2 = np.empty(12), np.empty(count)
     information = np.empty((12, 12))
     found_rotations, found_positions = np.empty((MOST, 3, 3)), np.empty((MOST, 3))
     scores = np.full(len(rotations), np.inf)
@@ -50,7 +52,7 @@ def candidates(
         number = three_rays(places[triple], rays[triple], found_rotations, found_positions)
         for each in range(number):
             linearise(
-                places, variances, rays, bases, noise, apart, used, still,
+                places, variances, rays, bases, noise, apart, used, still, twist,
                 found_rotations[each], found_positions[each], twist, information, gradient, chi2,
             )
             score = 0.0

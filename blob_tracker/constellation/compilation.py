@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import atan2, hypot
 
+from blob_tracker.constellation.assignment import assigned
 from blob_tracker.constellation.body import Body
 from blob_tracker.constellation.pose import poses
 from blob_tracker.types import Bearing
@@ -24,4 +25,6 @@ def compile_ahead() -> None:
         )
         for stamp_ns, (x, y, z) in enumerate(places.tolist())
     ]
-    poses(Body(names, places, np.zeros(len(names))), list(zip(names, bearings, strict=True)))
+    body = Body(names, places, np.zeros(len(names)))
+    poses(body, list(zip(names, bearings, strict=True)))
+    assigned(body, bearings)

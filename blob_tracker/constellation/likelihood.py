@@ -15,7 +15,7 @@ HOPELESS, GAIN = 100.0, 1e-3
 @kernel
 def fit(
     places: Array, variances: Array, rays: Array, bases: Array, noise: Array, apart: Array,
-    used: Array, rates: Array, rotation: Array, position: Array, twist: Array,
+    used: Array, rates: Array, expected: Array, rotation: Array, position: Array, twist: Array,
     information: Array, chi2: Array,
 ) -> float:
     """
@@ -32,7 +32,7 @@ def fit(
 
     with the basis B along azimuth and elevation. Its covariance is that of the bearing and of the
     light's place, S = C + sigma^2 / |p|^2 I. Minimised is sum r^T S^-1 r, and, where there is more
-    than one instant, the squared twist over its variances.
+    than one instant, the squared twist less its mean over its variances.
 
     Parameters
     ----------
@@ -48,6 +48,8 @@ def fit(
     rates : (2,) array
         Standard deviations of velocity, m/s, and angular rate, rad/s; zero where all bearings are
         of one instant: there is no twist then.
+    expected : (6,) array
+        Their means.
     rotation, position, twist : (3, 3), (3,), (6,) arrays
         Start; hold the fit afterwards. Body's frame to optical frame; m; v, m/s, and w, rad/s.
     information : (12, 12) array
@@ -67,8 +69,8 @@ def fit(
     spare = np.empty(len(chi2))
     new_rotation, new_position, new_twist = np.empty((3, 3)), np.empty(3), np.empty(6)
     cost = linearise(
-        places, variances, rays, bases, noise, apart, used, rates, rotation, position, twist,
-        information, gradient, chi2,
+        places, variances, rays, bases, noise, apart, used, rates, expected, rotation, position,
+        twist, information, gradient, chi2,
     )
     damping = 1e-4
     for _ in range(STEPS):
@@ -79,7 +81,7 @@ def fit(
         _move(rotation, position, twist, step, size, new_rotation, new_position, new_twist)
         pull = np.empty(12)
         new_cost = linearise(
-            places, variances, rays, bases, noise, apart, used, rates,
+            places, variances, rays, bases, noise, apart, used, rates, expected,
             new_rotation, new_position, new_twist, trial, pull, spare,
         )
         square = 0.0
@@ -104,7 +106,7 @@ def fit(
 @kernel
 def linearise(
     places: Array, variances: Array, rays: Array, bases: Array, noise: Array, apart: Array,
-    used: Array, rates: Array, rotation: Array, position: Array, twist: Array,
+    used: Array, rates: Array, expected: Array, rotation: Array, position: Array, twist: Array,
     information: Array, gradient: Array, chi2: Array,
 ) -> float:
     """Return what `fit` minimises; fill information, gradient (downhill) and chi2 at a pose."""
@@ -182,8 +184,8 @@ def linearise(
     for i in range(6, size):
         weight = 1.0 / rates[(i - 6) // 3]**2
         information[i, i] += weight
-        gradient[i] -= weight * twist[i - 6]
-        cost += weight * twist[i - 6]**2
+        gradient[i] -= weight * (twist[i - 6] - expected[i - 6])
+        cost += weight * (twist[i - 6] - expected[i - 6])**2
     return cost
 
 

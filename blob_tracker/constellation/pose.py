@@ -14,7 +14,7 @@ from blob_tracker.constellation.candidates import candidates
 from blob_tracker.constellation.errors import (
     ConstellationError, Inconsistent, TooFewLights,
 )
-from blob_tracker.constellation.likelihood import fit
+from blob_tracker.constellation.likelihood import fit, linearise
 from blob_tracker.kernel import Array
 from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
@@ -32,6 +32,7 @@ ROUNDS = 4  # in which bearings of other lights settle
 SAME_RAD = 1e-3  # poses that are turned less apart are one
 MOST_TURN_SIGMA = 0.3  # rad: beyond it the error of a turn is not Gaussian
 NS = 1e-9  # s
+STILL: Array = np.zeros(6)  # m/s, rad/s
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,13 @@ class _Seen(NamedTuple):
     apart: Array
 
 
+class _Motion(NamedTuple):
+    """What is known of the twist before: deviations, zero for none, and mean; `likelihood.fit`."""
+
+    rates: Array
+    expected: Array
+
+
 def poses(
     body: Body,
     bearings: Sequence[tuple[str, Bearing]],
@@ -96,6 +104,7 @@ def poses(
     speed_sigma: float = 3.0,
     rate_sigma: float = 3.0,
     gate_sigma: float = 5.0,
+    twist: Array = STILL,
 ) -> list[Pose]:
     """
     Return the poses of a body that bearings of its lights leave, the likeliest first.
@@ -120,6 +129,8 @@ def poses(
         How fast the body moves, m/s, and turns, rad/s, along each axis: standard deviations.
     gate_sigma : float
         How improbable chi2 may be, as a Gaussian deviate beyond +-gate_sigma.
+    twist : (6,) array
+        Velocity, m/s, and rate, rad/s, that these are about: what poses before it tell.
 
     Returns
     -------
@@ -146,13 +157,13 @@ def poses(
             'turned about it cannot be seen'
         )
     known = np.array([speed_sigma, rate_sigma])
-    rates = known if np.ptp(seen.apart) > 0.0 else np.zeros(2)
-    found = _fits(seen, names, rates, FIRST, gate_sigma, stamp_ns)
+    motion = _Motion(known if np.ptp(seen.apart) > 0.0 else np.zeros(2), twist)
+    found = _fits(seen, names, motion, FIRST, gate_sigma, stamp_ns)
     if not found or found[0].chi2 > found[0].degrees_of_freedom + AMBIGUOUS:
-        found = _fits(seen, names, rates, MORE, gate_sigma, stamp_ns)
+        found = _fits(seen, names, motion, MORE, gate_sigma, stamp_ns)
     if not found:
         mirrored = seen._replace(places=seen.places * [-1.0, 1.0, 1.0])
-        if _fits(mirrored, names, rates, FIRST, gate_sigma, stamp_ns):
+        if _fits(mirrored, names, motion, FIRST, gate_sigma, stamp_ns):
             raise Inconsistent(
                 'the bearings fit a mirror image of the body: an axis of its file has the '
                 'wrong sign, for the axes are right-handed'
@@ -169,10 +180,62 @@ def poses(
             'its size'
         )
     likely = [each for each in found if each.cost <= best.cost + AMBIGUOUS]
-    if rates[0] > 0.0:
+    if len(likely) == 1:
+        likely += _in_one_valley(seen, names, motion, best)
+    likely = [_in_metres(each, body.size_sigma) for each in likely]
+    if motion.rates[0] > 0.0:
         return likely
     before = np.diag(np.repeat(known**2, 3))  # of one instant the bearings add nothing
-    return [replace(each, twist_covariance=before) for each in likely]
+    return [replace(each, twist=twist, twist_covariance=before) for each in likely]
+
+
+def pose_near(
+    body: Body,
+    bearings: Sequence[tuple[str, Bearing]],
+    rotation: Array,
+    position: Array,
+    *,
+    speed_sigma: float = 3.0,
+    rate_sigma: float = 3.0,
+    gate_sigma: float = 5.0,
+    twist: Array = STILL,
+) -> Pose | None:
+    """
+    Return the pose that bearings leave near another one, the last one say; None if there is none.
+
+    No other is looked for: `poses` tells whether there are others.
+
+    Parameters
+    ----------
+    body, bearings, speed_sigma, rate_sigma, gate_sigma, twist
+        As `poses` has them; no bearing may be of another light.
+    rotation, position : (3, 3), (3,) arrays
+        Of the other one.
+
+    Raises
+    ------
+    ConstellationError
+        Where a name is not the body's or there twice, or a bearing can be none.
+
+    """
+    seen, stamp_ns = _seen(body, bearings)
+    moved = np.ptp(seen.apart) > 0.0 if len(bearings) else False
+    rates = np.array([speed_sigma, rate_sigma]) if moved else np.zeros(2)
+    pose = _climbed(
+        seen, [name for name, _ in bearings], _Motion(rates, twist), rotation.copy(),
+        position.copy(), False, (), gate_sigma, stamp_ns,
+    )
+    return pose and _in_metres(pose, body.size_sigma)
+
+
+def _in_metres(pose: Pose, size_sigma: float) -> Pose:
+    """Return it with the error of the body's size in its covariances: all lengths err alike."""
+    if size_sigma == 0.0:
+        return pose
+    covariance, of_twist = pose.covariance.copy(), pose.twist_covariance.copy()
+    covariance[:3, :3] += size_sigma**2 * np.outer(pose.position, pose.position)
+    of_twist[:3, :3] += size_sigma**2 * np.outer(pose.twist[:3], pose.twist[:3])
+    return replace(pose, covariance=covariance, twist_covariance=of_twist)
 
 
 def _seen(body: Body, bearings: Sequence[tuple[str, Bearing]]) -> tuple[_Seen, int]:
@@ -203,7 +266,7 @@ def _seen(body: Body, bearings: Sequence[tuple[str, Bearing]]) -> tuple[_Seen, i
                 f'the bearing of {name} or its covariance is not finite, or the covariance not '
                 'positive definite'
             )
-    rays, bases = _rays(angles)
+    rays, bases = rays_of(angles)
     stamps = [each.stamp_ns for _, each in bearings]
     latest = max(stamps, default=0)
     apart = NS * np.array([each - latest for each in stamps], dtype=float)
@@ -211,7 +274,7 @@ def _seen(body: Body, bearings: Sequence[tuple[str, Bearing]]) -> tuple[_Seen, i
     return seen, latest
 
 
-def _rays(angles: Array) -> tuple[Array, Array]:
+def rays_of(angles: Array) -> tuple[Array, Array]:
     """Return unit vectors, and what is along azimuth and elevation across them."""
     sines, cosines = np.sin(angles), np.cos(angles)
     (sine, rise), (cosine, level) = sines.T, cosines.T
@@ -223,24 +286,26 @@ def _rays(angles: Array) -> tuple[Array, Array]:
 
 
 def _fits(
-    seen: _Seen, names: list[str], rates: Array, effort: tuple[int, int, bool], gate_sigma: float,
-    stamp_ns: int,
+    seen: _Seen, names: list[str], motion: _Motion, effort: tuple[int, int, bool],
+    gate_sigma: float, stamp_ns: int,
 ) -> list[Pose]:
     """Return the poses of greatest likelihood that the bearings allow, the likeliest first."""
     triples, most, others = effort
     starts, positions = np.empty((most, 3, 3)), np.empty((most, 3))
     # What a body that moves does meanwhile is not in the pose of three rays.
-    doubt = seen.variances + (rates[0]**2 + rates[1]**2 * np.sum(seen.places**2, 1)) * (
-        seen.apart**2)
+    speed2, rate2 = motion.rates**2 + (motion.expected**2).reshape(2, 3).sum(axis=1) * (
+        motion.rates > 0.0)
+    doubt = seen.variances + (speed2 + rate2 * np.sum(seen.places**2, 1)) * seen.apart**2
     count = candidates(
-        seen.places, doubt, *seen[2:], _triples(len(names), triples), PRICE, starts, positions,
+        seen.places, doubt, *seen[2:], motion.expected, _triples(len(names), triples), PRICE,
+        starts, positions,
     )
     found: list[Pose] = []
     tried = [(starts[i], positions[i]) for i in range(count)]
     tried += [_mirrored(seen.places, *each) for each in tried[:1]]
     for start, position in tried:
         pose = _climbed(
-            seen, names, rates, start.copy(), position.copy(), others, found, gate_sigma, stamp_ns
+            seen, names, motion, start.copy(), position.copy(), others, found, gate_sigma, stamp_ns
         )
         if pose is not None:
             found.append(pose)
@@ -248,22 +313,22 @@ def _fits(
 
 
 def _climbed(
-    seen: _Seen, names: list[str], rates: Array, rotation: Array, position: Array,
+    seen: _Seen, names: list[str], motion: _Motion, rotation: Array, position: Array,
     others: bool, found: Sequence[Pose], gate_sigma: float, stamp_ns: int,
 ) -> Pose | None:
     """Return the pose of greatest likelihood from a start; None where it is none, or found."""
     count = len(names)
     used, chi2 = np.ones(count), np.empty(count)
-    information, twist = np.zeros((12, 12)), np.zeros(6)
+    information, twist = np.zeros((12, 12)), motion.expected.copy()
     first = rotation.copy(), position.copy()
     most = _most(gate_sigma, 2)
-    cost = fit(*seen, used, rates, rotation, position, twist, information, chi2)
+    cost = fit(*seen, used, *motion, rotation, position, twist, information, chi2)
     if others and count >= OUTLIERS and cost > _most(gate_sigma, 2 * count - 6):
         rotation, position = first  # the outlier has drawn the fit away
-        twist[:] = 0.0
-        used = _inliers(seen, rates, rotation, position, twist, information, chi2)
+        twist[:] = motion.expected
+        used = _inliers(seen, motion, rotation, position, twist, information, chi2)
         for _ in range(ROUNDS):
-            cost = fit(*seen, used, rates, rotation, position, twist, information, chi2)
+            cost = fit(*seen, used, *motion, rotation, position, twist, information, chi2)
             now = (chi2 < most).astype(float)
             if (now == used).all():
                 break
@@ -282,7 +347,7 @@ def _climbed(
     along = np.sum(seen.rays * (seen.places @ rotation.T + position), axis=1)
     if along[used > 0.0].min() < 0.0:
         return None
-    size = 12 if rates[0] > 0.0 else 6
+    size = 12 if motion.rates[0] > 0.0 else 6
     try:
         whole = np.asarray(np.linalg.inv(information[:size, :size]), dtype=np.float64)
     except np.linalg.LinAlgError:
@@ -296,13 +361,13 @@ def _climbed(
 
 
 def _inliers(
-    seen: _Seen, rates: Array, rotation: Array, position: Array, twist: Array,
+    seen: _Seen, motion: _Motion, rotation: Array, position: Array, twist: Array,
     information: Array, chi2: Array,
 ) -> Array:
     """Return which bearings count: all but the one in five that fits a start the least."""
     fit(
-        *seen, np.zeros(len(chi2)), np.zeros(2), rotation.copy(), position.copy(), twist,
-        information, chi2,
+        *seen, np.zeros(len(chi2)), np.zeros(2), motion.expected, rotation.copy(),
+        position.copy(), twist, information, chi2,
     )
     used = np.ones(len(chi2))
     worst = np.argsort(chi2)[len(chi2) - len(chi2) // OUTLIERS:]
@@ -327,6 +392,30 @@ def _mirrored(
     turned = rotation - (2.0 * sight)[:, None] * (sight @ rotation)
     other = turned - (turned @ (2.0 * thin))[:, None] * thin
     return other, centre - other @ middle
+
+
+def _in_one_valley(
+    seen: _Seen, names: list[str], motion: _Motion, pose: Pose
+) -> list[Pose]:
+    """
+    Return the mirrored pose where it is as likely, and no maximum of its own.
+
+    Seen nearly from the front both are in one valley of the likelihood, whose length the
+    covariance at its bottom does not tell.
+    """
+    rotation, position = _mirrored(seen.places, pose.rotation, pose.position)
+    used = np.array([float(name not in pose.outliers) for name in names])
+    cost = linearise(
+        *seen, used, *motion, rotation, position, pose.twist, np.empty((12, 12)), np.empty(12),
+        np.empty(len(names)),
+    )
+    if not cost <= pose.chi2 + AMBIGUOUS:
+        return []
+    turned = scipy.spatial.transform.Rotation.from_matrix(rotation @ pose.rotation.T)
+    way = np.concatenate([position - pose.position, turned.as_rotvec()])
+    if way @ np.linalg.solve(pose.covariance, way) < AMBIGUOUS:
+        return []
+    return [replace(pose, rotation=rotation, position=position, chi2=float(cost))]
 
 
 @cache

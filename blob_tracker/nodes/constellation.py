@@ -8,13 +8,13 @@ import sys
 from typing import Any
 
 from blob_tracker.constellation import (
-    Body, compile_ahead, ConstellationError, Pose, poses, Sighting,
+    Assignment, Body, compile_ahead, ConstellationError, Following, Pose, Sighting,
 )
 from blob_tracker.nodes.interface.constellation import PARAMETERS
 from blob_tracker.ros.diagnostics.clock_jumps import on_clock_jump
 from blob_tracker.ros.diagnostics.connections import Connections
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
-from blob_tracker.ros.endpoints.names import check_light, target_topic
+from blob_tracker.ros.endpoints.names import check_light, lights_from_text, target_topic
 from blob_tracker.ros.endpoints.qos import publisher, RESULT, subscription
 from blob_tracker.ros.endpoints.transforms import TransformBroadcaster
 from blob_tracker.ros.errors import MessageError
@@ -31,6 +31,8 @@ from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStam
 import numpy as np
 from rclpy.node import Node
 
+FOLLOWED_S = 0.5  # after which a light without a name may be another one
+
 
 class ConstellationNode(Node):
     """See the module's first line; the work is that of the room `constellation`."""
@@ -41,29 +43,33 @@ class ConstellationNode(Node):
         self._body: Body = body_of(values['body_url'])
         with about('body'):
             check_light(values['body'])
+        unnamed = tuple(filter(None, lights_from_text(values['unnamed'], 'unnamed')))
+        lights = unnamed or self._body.names
+        self._assignment = Assignment(self._body, FOLLOWED_S) if unnamed else None
         self._health = Health(
             self,
-            f'no ray arrives of {", ".join(self._body.names)}; does a locator run, and do its '
-            'lights and flash.codes of the segmenter have the names of the body file?',
+            f'no ray arrives of {", ".join(lights)}; does a locator run, and do its lights and '
+            'flash.codes of the segmenter have the names of the body file, or those of unnamed?',
             describe=self._describe,
         )
         self._connections = Connections(self, self._health)
         self._pose: Pose | None = None
         self._body_frame = values['body']
         self._broadcaster: TransformBroadcaster | None = None
+        self._following = Following(self._body)
         self._frame_id: str | None = None  # that of the first ray
-        self._sighting = Sighting(self._body.names, values['max_interval'])
+        self._sighting = Sighting(lights, values['max_interval'])
         self._change(values)()
         on_change(self, PARAMETERS, self._change)
         target = target_topic(values['body'])
         self._poses = publisher(self, PoseWithCovarianceStamped, f'{target}/pose', RESULT)
         self._twists = publisher(self, TwistWithCovarianceStamped, f'{target}/twist', RESULT)
-        for light in self._body.names:
+        for light in lights:
             subscription(
                 self, PoseWithCovarianceStamped, f'{target_topic(light)}/ray',
                 partial(self._take, light), RESULT,
             )
-        self._clock_jumps = on_clock_jump(self, self._health, self._sighting.forget)
+        self._clock_jumps = on_clock_jump(self, self._health, self._forget)
 
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Return what puts these parameters into effect."""
@@ -73,6 +79,7 @@ class ConstellationNode(Node):
         def use() -> None:
             self._sighting.max_interval = values['max_interval']
             self._publishes_tf = values['publish_tf']
+            self._max_distance = values['max_distance']
             self._options = {
                 'speed_sigma': values['speed_sigma'],
                 'rate_sigma': values['rate_sigma'],
@@ -108,19 +115,28 @@ class ConstellationNode(Node):
         if bearings:
             self._publish(bearings)
 
+    def _forget(self, after_ns: int) -> None:
+        """Give up what is later than a jump of the clock, and begin to follow anew."""
+        self._sighting.forget(after_ns)
+        self._following.forget()
+
     def _publish(self, bearings: list[tuple[str, Bearing]]) -> None:
         """Publish the pose of these bearings, or say why there is none."""
-        names = [name for name, _ in bearings]
-        self._health.show('lights seen together', ', '.join(names))
         try:
-            found = poses(self._body, bearings, **self._options)
+            if self._assignment is not None:
+                bearings = self._assignment.name(
+                    [each for _, each in bearings], **self._options)
+            names = [name for name, _ in bearings]
+            self._health.show('lights seen together', ', '.join(names))
+            found = self._following.take(bearings, **self._options)
         except ConstellationError as error:
             self._refuse(str(error))
             return
         if len(found) > 1:
             self._refuse(
-                f'{len(found)} poses of the body explain the bearings of {", ".join(names)}; '
-                'let more lights be seen, and one of them out of the plane of the others'
+                f'{len(found)} poses of the body explain the bearings of {", ".join(names)}, and '
+                'none is refuted by those before; let more lights be seen, and one of them out of '
+                'the plane of the others'
             )
             return
         pose = self._pose = found[0]
@@ -133,6 +149,13 @@ class ConstellationNode(Node):
         self._health.left(pose.stamp_ns)
         self._health.count('poses')
         self._health.ok('body placed')
+        distance = float(np.linalg.norm(pose.position))
+        if distance > self._max_distance:
+            self._health.fault(
+                WARN,
+                f'by its file the body is {distance:.0f} m away, further than max_distance: are '
+                'its places in mm? They must be in m',
+            )
         if pose.outliers:
             self._health.fault(
                 WARN,

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from blob_tracker.calibration.rays import Rays
 from blob_tracker.calibration.rig import calibrate_rig, RigCalibration
-from blob_tracker.calibration.rig_rays import Rays, RigError
+from blob_tracker.calibration.rig_start import RigError
 from blob_tracker.simulation.waved_light import RigCamera, WavedLight
 import numpy as np
 import pytest

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from blob_tracker.constellation import BodyError, read_body
+from blob_tracker.constellation import Body, BodyError, read_body, write_body
 import numpy as np
 import pytest
 
@@ -27,6 +27,25 @@ def test_a_file_is_read(tmp_path: Path) -> None:
     np.testing.assert_array_equal(body.sigmas, [0.001, 0.002, 0.001])
 
 
+def test_what_is_written_is_read(tmp_path: Path) -> None:
+    """To a tenth of a micrometre."""
+    places = np.random.default_rng(1).normal(size=(3, 3))
+    body = Body(('a', 'b', 'c'), places, np.full(3, 1e-4), 0.003)
+    write_body(tmp_path / 'body.yaml', body, ['by hand'])
+    found = read_body(tmp_path / 'body.yaml')
+    assert found.names == body.names
+    np.testing.assert_allclose(found.places, body.places, atol=1e-7)
+    np.testing.assert_allclose(found.sigmas, body.sigmas, atol=1e-7)
+    assert found.size_sigma == 0.003
+    assert (tmp_path / 'body.yaml').read_text().startswith('# by hand')
+
+
+def test_places_in_kilometres_are_named() -> None:
+    """As those in millimetres are."""
+    with pytest.raises(BodyError, match='and must be 0.002; their places are in metres'):
+        Body(('a', 'b', 'c'), 2e-4 * np.eye(3), np.zeros(3))
+
+
 @pytest.mark.parametrize(('old', 'new', 'reason'), [
     ('[-0.2, 0.0, 0.05]', '[-200.0, 0.0, 50.0]', 'are in metres, not millimetres'),
     ('[-0.2, 0.0, 0.05]', '[0.15, 0.0, 0.0]', 'are in one line'),
@@ -37,7 +56,11 @@ def test_a_file_is_read(tmp_path: Path) -> None:
     ('  tail: [-0.2, 0.0, 0.05]', '', 'has 2 lights; a pose needs three'),
     ('sigma: 0.001', 'sigma: 1.0', 'the greatest sigma is 1 m on a body of'),
     ('sigma: 0.001', 'sigma: -1.0', 'must be 0 or more'),
-    ('lights', 'lamps', 'has no lights'),
+    ('lights', 'lamps', 'a body file has no lamps; it has sigma, size_sigma and lights'),
+    ('sigma: 0.002', 'sigmas: 0.002', 'the light starboard has no sigmas; it has place and'),
+    ('place: [', 'at: [', 'the light starboard has no at; it has place and sigma'),
+    (FILE[FILE.index('lights'):], '', 'has no lights'),
+    ('sigma: 0.001', 'size_sigma: 2.0', 'it must be 0 to 1, of its size'),
     (FILE, '[', 'is not YAML'),
 ])
 def test_what_can_be_no_body_is_named(tmp_path: Path, old: str, new: str, reason: str) -> None:

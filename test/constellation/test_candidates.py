@@ -23,7 +23,7 @@ def test_the_true_pose_is_first() -> None:
     rotations, positions = np.empty((4, 3, 3)), np.empty((4, 3))
     count = candidates(
         places, np.zeros(10), rays, bases, np.tile(1e-6 * np.eye(2), (10, 1, 1)), np.zeros(10),
-        triples, PRICE, rotations, positions,
+        np.zeros(6), triples, PRICE, rotations, positions,
     )
     assert 1 <= count <= 4
     np.testing.assert_allclose(rotations[0], rotation, atol=1e-2)

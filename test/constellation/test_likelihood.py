@@ -36,6 +36,7 @@ def test_the_gradient_is_that_of_the_cost() -> None:
         turn = Rotation.from_rotvec(step[3:6]).as_matrix()
         value = linearise(
             places, np.zeros(count), rays, bases, noise, apart, np.ones(count), np.ones(2),
+            np.full(6, 0.05),
             turn @ rotation, position + step[:3], twist + step[6:],
             np.empty((12, 12)), gradient, np.empty(count),
         )

@@ -11,6 +11,7 @@ from blob_tracker.commands.sources import SourceError
 
 CALIBRATIONS: dict[str, str] = {
     'board': 'lens, from images of a chessboard, a ChArUco board or a grid of dots',
+    'body': 'where the lights are on a body, from turning it before one camera',
     'convert': "another program's calibration file, written as ROS has it",
     'flash': 'which lights blink, how, and the parameters that track them',
     'imu': 'how the IMU sits beside the camera, its clock and its bias',

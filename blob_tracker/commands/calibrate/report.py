@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from math import isfinite
 from pathlib import Path
 import sys
 
+from blob_tracker.commands.exit_code import UsageError
 from rich.console import Console
 from rich.table import Table
 
 Row = tuple[str, str, str, str]
+LENGTH_SIGMA = 1e-3  # m: of a tape measure
 WORTHLESS = 0.1  # of the focal length: a data sheet knows it better
 
 
@@ -60,3 +63,19 @@ def picture_size(words: str) -> tuple[int, int]:
     if not (separator and width.isdigit() and height.isdigit() and int(width) * int(height)):
         raise argparse.ArgumentTypeError(f"'{words}' is not WIDTHxHEIGHT, 640x480 say")
     return int(width), int(height)
+
+
+def length_of(
+    option: str, form: str, words: Sequence[str] | None
+) -> tuple[str, str, float, float] | None:
+    """Return two names, what is between them and its standard deviation, m."""
+    if words is None:
+        return None
+    try:
+        one, other, *numbers = words
+        length, sigma = (*map(float, numbers), LENGTH_SIGMA)[:2]
+        if len(numbers) not in (1, 2) or not (isfinite(length) and isfinite(sigma)):
+            raise ValueError
+    except ValueError:
+        raise UsageError(f'{option} {" ".join(words)}: it must be {form}') from None
+    return one, other, length, sigma

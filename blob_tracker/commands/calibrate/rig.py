@@ -4,29 +4,28 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from math import isfinite
 from pathlib import Path
 
+from blob_tracker.calibration.rays import Rays
 from blob_tracker.calibration.rig import calibrate_rig, RigCalibration
 from blob_tracker.calibration.rig_picture import draw_rig
-from blob_tracker.calibration.rig_rays import Rays, RigError
-from blob_tracker.commands.calibrate.report import results_table, Row, row, tell_of
+from blob_tracker.calibration.rig_start import RigError
+from blob_tracker.commands.calibrate.ray_sources import rays_of, recorded_bearings
+from blob_tracker.commands.calibrate.report import (
+    length_of, results_table, Row, row, tell_of,
+)
 from blob_tracker.commands.exit_code import check_out, UsageError
 from blob_tracker.nodes.interface.optical_frame import PITCH, ROLL, YAW
 from blob_tracker.ros.bags import Bag, opened, RecordingError
 from blob_tracker.ros.endpoints.names import check_light, target_topic
-from blob_tracker.ros.errors import MessageError, ParameterError
+from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.messages.imu import turn_of
-from blob_tracker.ros.messages.target import to_bearing
-from blob_tracker.units import MRAD, MRAD_PER_RAD
+from blob_tracker.units import MRAD_PER_RAD
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from scipy.spatial.transform import Rotation
 
 FAILURES = (RecordingError, RigError)
-KIND = 'geometry_msgs/msg/PoseWithCovarianceStamped'
-BASELINE_SIGMA = 1e-3  # m: of a tape measure
 POSE = ('x', 'y', 'z', 'roll', 'pitch', 'yaw')  # as static_transform_publisher has it
 MS_PER_S, MM_PER_M = 1e3, 1e3
 
@@ -74,8 +73,8 @@ def main(arguments: argparse.Namespace) -> None:
     """Calibrate."""
     check_out(arguments.out, '.png', arguments.bag)
     names = [name.strip('/') for name in arguments.cameras]
-    wand = _length('--wand', 'LIGHT LIGHT M [SIGMA]', arguments.wand)
-    baseline = _length('--baseline', 'CAMERA CAMERA M [SIGMA]', arguments.baseline)
+    wand = length_of('--wand', 'LIGHT LIGHT M [SIGMA]', arguments.wand)
+    baseline = length_of('--baseline', 'CAMERA CAMERA M [SIGMA]', arguments.baseline)
     if wand and wand[0] == wand[1]:
         raise UsageError(f'--wand {wand[0]} {wand[1]}: a wand has two lights')
     if not arguments.frame_id or set(arguments.frame_id) & set('"\\\n'):
@@ -113,72 +112,25 @@ def main(arguments: argparse.Namespace) -> None:
         )
 
 
-def _length(
-    option: str, form: str, words: Sequence[str] | None
-) -> tuple[str, str, float, float] | None:
-    """Return two names, what is between them and its standard deviation, m."""
-    if words is None:
-        return None
-    try:
-        one, other, *numbers = words
-        length, sigma = (*map(float, numbers), BASELINE_SIGMA)[:2]
-        if len(numbers) not in (1, 2) or not (isfinite(length) and isfinite(sigma)):
-            raise ValueError
-    except ValueError:
-        raise UsageError(f'{option} {" ".join(words)}: it must be {form}') from None
-    return one, other, length, sigma
-
-
 def _rays(
     bag: Bag, names: Sequence[str], lights: Sequence[str]
 ) -> tuple[list[list[Rays]], list[str]]:
     """Return the rays of each camera to each light, and the frames that they are in."""
-    wanted = {
-        _topic(name, light): camera for camera, name in enumerate(names) for light in lights
-    }
-    topics = {
-        topic.name: topic for topic in bag.topics if topic.name in wanted and topic.kind == KIND
-    }
-    missing = [name for name in wanted if name not in topics or not bag.topics[topics[name]]]
-    if missing:
-        there = ', '.join(topic.name for topic in bag.topics if topic.kind == KIND) or 'none'
-        raise RecordingError(
-            f'{bag.path} has no rays on {", ".join(missing)}; of that type it has: {there}'
-        )
-    came: dict[str, list[tuple[int, NDArray[np.float64]]]] = {name: [] for name in wanted}
-    frames = [''] * len(names)
-    for message in bag.messages(list(topics.values())):
-        ray = bag.decoded(message)
-        try:
-            bearing = to_bearing(ray)
-        except MessageError as error:
-            raise RecordingError(f'{bag.path}, {message.topic.name}: {error}') from None
-        numbers = np.concatenate(
-            [[bearing.azimuth, bearing.elevation], bearing.covariance.ravel()]
-        )
-        came[message.topic.name].append((bearing.stamp_ns, numbers))
-        frames[wanted[message.topic.name]] = str(ray.header.frame_id)
-    first_ns = min(each[0] for series in came.values() for each in series)
-    return [
-        [_series(came[_topic(name, light)], first_ns) for light in lights]
-        for name in names
-    ], frames
+    found = recorded_bearings(
+        bag, [_topic(name, light) for name in names for light in lights]
+    )
+    series = [found[_topic(name, light)] for name in names for light in lights]
+    rays = rays_of([bearings for bearings, _ in series])
+    count = len(lights)
+    return (
+        [rays[count * camera:count * (camera + 1)] for camera in range(len(names))],
+        [frame for _, frame in series[count - 1::count]],
+    )
 
 
 def _topic(camera: str, light: str) -> str:
     """Return the topic of a camera's rays to a light."""
     return f'/{camera}/{target_topic(light)}/ray'
-
-
-def _series(came: list[tuple[int, NDArray[np.float64]]], first_ns: int) -> Rays:
-    """Return the rays of a topic that are valid, in the order of their stamps, each stamp once."""
-    in_order = dict(sorted(came, key=lambda each: each[0]))
-    numbers = np.array(list(in_order.values()))
-    times = np.array([1e-9 * (stamp_ns - first_ns) for stamp_ns in in_order])
-    covariance = MRAD**2 * numbers[:, 2:].reshape(-1, 2, 2)
-    valid = np.isfinite(numbers).all(axis=1)
-    valid[valid] = np.linalg.eigvalsh(covariance[valid])[:, 0] > 0.0
-    return Rays(times, MRAD * numbers[:, :2], covariance).part(valid)
 
 
 def _report(console: Console, result: RigCalibration) -> None:

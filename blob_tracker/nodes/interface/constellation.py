@@ -26,6 +26,15 @@ PARAMETERS = (
         'one parent: let one camera publish it.',
     ),
     Parameter(
+        'unnamed',
+        '',
+        'Names of lights in target/<name>/ray that say not which light of the body each is, '
+        'comma-separated: codes that were mounted in any order. It is found out by where they '
+        'are; of a body that looks the same from several sides there is no pose. Empty: the '
+        'lights have the names of the body file.',
+        fixed='the topics are subscribed to at the start',
+    ),
+    Parameter(
         'max_interval',
         0.1,
         'Greatest time between the first and the last ray of a pose. So long is a hidden light '
@@ -37,7 +46,8 @@ PARAMETERS = (
     Parameter(
         'speed_sigma',
         3.0,
-        'How fast the body moves along each axis, standard deviation.',
+        'How fast the body moves along each axis, standard deviation; within 0.3 s it may '
+        'change by as much.',
         least=1e-3,
         most=1e4,
         unit='m/s',
@@ -45,10 +55,18 @@ PARAMETERS = (
     Parameter(
         'rate_sigma',
         3.0,
-        'How fast it turns about each axis, standard deviation.',
+        'How fast it turns about each axis, standard deviation; it may change likewise.',
         least=1e-3,
         most=1e3,
         unit='rad/s',
+    ),
+    Parameter(
+        'max_distance',
+        200.0,
+        'A body that is further away is published and warned of: its file may be in mm.',
+        least=0.1,
+        most=1e6,
+        unit='m',
     ),
     Parameter(
         'gate',

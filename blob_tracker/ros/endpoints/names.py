@@ -16,9 +16,9 @@ def target_topic(light: str) -> str:
     return f'target/{light}' if light else 'target'
 
 
-def lights_from_text(text: str) -> list[str]:
+def lights_from_text(text: str, parameter: str = 'lights') -> list[str]:
     """
-    Return the names of the lights in the parameter `lights`; where it is empty, the one of none.
+    Return the names of lights in a parameter; where it is empty, the one of none.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def lights_from_text(text: str) -> list[str]:
                 check_light(light)
             except ParameterError as error:
                 raise ParameterError(
-                    f"parameter 'lights': {error}; write port,starboard"
+                    f"parameter '{parameter}': {error}; write port,starboard"
                 ) from None
     return lights
 

@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-import time
 from typing import Any, NamedTuple
 
 from blob_tracker.ros.bags import opened, RecordingError
+from blob_tracker.ros.endpoints.live_rays import listen
 from blob_tracker.ros.endpoints.qos import RESULT, SAMPLES_IN
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.imu import NO_DATA
 from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.ros.messages.target import to_bearing
-from blob_tracker.ros.process import shut_down
 from blob_tracker.types import Bearing
 from geometry_msgs.msg import PoseWithCovarianceStamped
 import numpy as np
 from numpy.typing import NDArray
-import rclpy
-from rclpy.exceptions import InvalidTopicNameException
-from rclpy.signals import SignalHandlerOptions
+from rclpy.node import Node
 from sensor_msgs.msg import Imu
-
-LISTEN_S = 0.1  # s after which Ctrl-C is looked for
 
 
 class Turning(NamedTuple):
@@ -118,17 +113,10 @@ def live_turning(ray: str, imu: str, seconds: float) -> Turning:
 
     """
     taken = _Taken()
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node('calibrate')
-    try:
+
+    def subscribe(node: Node) -> None:
         node.create_subscription(PoseWithCovarianceStamped, ray, taken.ray, RESULT)
         node.create_subscription(Imu, imu, taken.imu, SAMPLES_IN)
-        until = time.monotonic() + seconds
-        while time.monotonic() < until:
-            rclpy.spin_once(node, timeout_sec=LISTEN_S)
-    except InvalidTopicNameException as error:
-        raise RecordingError(str(error)) from None
-    finally:
-        node.destroy_node()
-        shut_down()
+
+    listen(subscribe, seconds)
     return taken.result()

@@ -1,4 +1,4 @@
-"""What the cameras of a rig saw of the lights that were waved before them."""
+"""What cameras saw of lights that moved before them."""
 
 from __future__ import annotations
 
@@ -11,10 +11,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 LEAP = 10.0  # times the median: so far no light strays from the middle of its neighbours
-
-
-class RigError(ValueError):
-    """Rays from which no rig can be told; the message says what is wrong and what is right."""
+DARK_S = 0.5  # s without a ray that are more than the dark bits of a code
 
 
 @dataclass(frozen=True)
@@ -85,3 +82,26 @@ class Rays:
         middle = 0.5 * (directions[:-2] + directions[2:])
         bend[1:-1] = np.linalg.norm(directions[1:-1] - middle, axis=1)
         return self.part(bend <= LEAP * np.median(bend[1:-1]))
+
+    def interval(self) -> float:
+        """Return the time between two rays while the light is seen, s; NaN without such."""
+        steps = np.diff(self.times)
+        lit = steps[steps <= DARK_S]
+        return float(lit.mean()) if len(lit) else np.nan
+
+
+def angles_of(places: Array) -> Array:
+    """Return azimuth and elevation of (n, 3) places in the optical frame, rad, (n, 2)."""
+    x, y, z = places.T
+    return np.stack([np.arctan2(x, z), np.arctan2(-y, np.hypot(x, z))], axis=1)
+
+
+def by_place_of(places: Array) -> Array:
+    """Return the (n, 2, 3) derivatives of azimuth and elevation by (n, 3) places."""
+    x, y, z = places.T
+    level = np.hypot(x, z)
+    square = level**2 + y**2
+    return np.stack([
+        np.stack([z / level**2, np.zeros_like(x), -x / level**2], axis=1),
+        np.stack([x * y / level, -level, z * y / level], axis=1) / square[:, None],
+    ], axis=1)
