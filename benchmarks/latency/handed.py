@@ -1,0 +1,55 @@
+"""
+A process with the pipeline of a source tree, which notes when each bearing left for Fast DDS.
+
+`python .../handed.py` in the folder of any tree: its own pipeline.py runs. Each frame of which that
+tells has a fourth number: the monotonic time, ns, at which publish() of its bearing returned; None
+where none was published.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+import os
+from runpy import run_module
+from struct import unpack_from
+import sys
+import time
+from typing import Any
+
+from rclpy.publisher import Publisher
+
+SECOND_NS = 1_000_000_000  # ns
+
+
+def _stamp_ns(message: Any) -> int:
+    """Return the stamp of a message, or of its serialised form, ns."""
+    if isinstance(message, bytes):  # CDR: four bytes about it, then the header with the stamp
+        sec, nanosec = unpack_from('<iI', message, 4)
+    else:
+        sec, nanosec = message.header.stamp.sec, message.header.stamp.nanosec
+    return int(sec * SECOND_NS + nanosec)
+
+
+def main() -> None:
+    """Run it."""
+    sys.path[0] = os.getcwd()  # in place of the folder of this file
+    source = import_module('benchmarks.latency.source')
+    handed: dict[int, int] = {}
+    publish, send = Publisher.publish, source.send
+
+    def noted(self: Publisher, message: Any) -> None:
+        publish(self, message)
+        if self.topic.endswith('target/bearing'):
+            handed[_stamp_ns(message)] = time.monotonic_ns()
+
+    def sent(*asked: Any) -> list[tuple[int, int, bool, int | None]]:
+        handed.clear()
+        return [(*each, handed.get(each[0])) for each in send(*asked)]
+
+    Publisher.publish = noted
+    source.send = sent
+    run_module('benchmarks.latency.pipeline', run_name='__main__', alter_sys=True)
+
+
+if __name__ == '__main__':
+    main()
