@@ -33,7 +33,7 @@ def _stamp_ns(message: Any) -> int:
 def main() -> None:
     """Run it."""
     sys.path[0] = os.getcwd()  # in place of the folder of this file
-    source = import_module('benchmarks.latency.source')
+    source: Any = import_module('benchmarks.latency.source')
     handed: dict[int, int] = {}
     publish, send = Publisher.publish, source.send
 

@@ -10,7 +10,6 @@ from blob_tracker.__main__ import main
 from blob_tracker.ros.messages.target import ray_covariance, turn_onto
 from blob_tracker.simulation.waved_light import RigCamera, WavedLight
 from blob_tracker.units import MRAD
-from geometry_msgs.msg import Quaternion
 import numpy as np
 import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
@@ -25,13 +24,11 @@ START_NS = 1_700_000_000_000_000_000
 
 def serialized(stamp_ns: int, angles: np.ndarray, covariance: np.ndarray) -> bytes:
     """Return a ray as the locator publishes it."""
-    turn = Quaternion()
     azimuth, elevation = (angles / MRAD).tolist()
-    turn_onto(azimuth, elevation, turn)
     types = TYPES.types
     pose = types['geometry_msgs/msg/Pose'](
         types['geometry_msgs/msg/Point'](0.0, 0.0, 0.0),
-        types['geometry_msgs/msg/Quaternion'](turn.x, turn.y, turn.z, turn.w))
+        types['geometry_msgs/msg/Quaternion'](*turn_onto(azimuth, elevation)))
     stamp = types['builtin_interfaces/msg/Time'](*divmod(stamp_ns, 10**9))
     message = types[KIND](
         types['std_msgs/msg/Header'](stamp, 'optical'),
