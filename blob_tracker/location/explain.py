@@ -8,18 +8,19 @@ import math
 
 from blob_tracker.location.alternatives import Alternative, ALTERNATIVES
 from blob_tracker.location.alternatives.streak import streak
-from blob_tracker.location.coarse import coarse, fine
+from blob_tracker.location.coarse import coarse, fine, WIDEST
 from blob_tracker.location.doubt import misfitting, sandwich
 from blob_tracker.location.estimates import Failure
 from blob_tracker.location.hypotheses import (
     choose, Fit, History, Motion, Pair, SWITCHED, Way,
 )
+from blob_tracker.location.noise import mean_variance
 from blob_tracker.location.pair_likelihood import Floats
 from blob_tracker.location.pair_model import fill_one_pulse, no_pulse, one_pulse, to_fit
 from blob_tracker.location.prospects import promising
-from blob_tracker.location.sites import pair_of
+from blob_tracker.location.sites import lacks_samples, pair_of
 from blob_tracker.location.suspicion import Suspicion
-from blob_tracker.location.unlit_pulse import shows_pulse
+from blob_tracker.location.unlit_pulse import is_texture, shows_pulse
 from blob_tracker.types import SensorNoise
 import numpy as np
 
@@ -47,6 +48,28 @@ def explain(pair: Pair, theta: Floats | None, suspicion: int) -> Fit | None:
     pair, theta = coarse(pair, theta)
     fit = _best(pair, theta, suspicion)
     return None if fit is None else fine(fit, pair.pitch)
+
+
+def is_explained(
+    lit: Floats, unlit: Floats | None, noise: SensorNoise, suspicion: int
+) -> bool:
+    """
+    Tell at once whether all that is odd about a window is a texture that both frames show.
+
+    Parameters
+    ----------
+    lit, unlit : (h, w) arrays
+        DN, as of `pair_of`.
+    noise : SensorNoise
+        Of a pixel.
+    suspicion : int
+        What is odd about it. Where this is true `explain` has no other answer than None, which
+        takes it much longer.
+
+    """
+    if unlit is None or suspicion & ~Suspicion.IN_UNLIT or min(lit.shape) > WIDEST:
+        return False
+    return not lacks_samples(lit) and is_texture(unlit, mean_variance(unlit, noise))
 
 
 def _best(pair: Pair, theta: Floats | None, suspicion: int) -> Fit | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 import math
 from typing import Any
 
@@ -110,7 +111,7 @@ class Locator:
         if memory is None:
             memory = self._memories[light] = FlashMemory()
         if self._remembers:
-            options['history'] = memory.history(window)
+            options['history'] = partial(memory.history, window)
 
         def placed(pulse: EffectivePsf | None) -> Estimates:
             given = {} if pulse is None else {'pulse': pulse}

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import math
 
 from blob_tracker.kernel import Array, kernel, written_into_kernels
 from blob_tracker.location.doubt import LOPSIDED_LIGHT
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimates, Failure
-from blob_tracker.location.explain import explain
-from blob_tracker.location.hypotheses import Fit, History, UNKNOWN, Way
+from blob_tracker.location.explain import explain, is_explained
+from blob_tracker.location.hypotheses import Fit, History, Way
 from blob_tracker.location.learned_pulse import learned_pulse, pulse_of
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
 from blob_tracker.location.normal_equations import (
@@ -52,7 +53,7 @@ def maximum_likelihood(
     saturation: float | None,
     *,
     elliptical: bool = False,
-    history: History = UNKNOWN,
+    history: Callable[[], History] = History,
     pulse: EffectivePsf | None = None,
     way: Way | None = None,
 ) -> Estimates:
@@ -101,9 +102,9 @@ def maximum_likelihood(
         DN of a clipped pixel.
     elliptical : bool
         Fit a width along x and one along y in place of one for both.
-    history : History
-        What the light's last flashes say of this one: what a ghost in the unlit window is told by,
-        and which of two models that fit as well.
+    history : callable
+        Returns what the light's last flashes say of this one: what a ghost in the unlit window is
+        told by, and which of two models that fit as well. Called where something is odd.
     pulse : EffectivePsf or None
         Fit this one, and the Gaussian only where it does not fit the window or the Gaussian
         explains the window better. `elliptical` is for the Gaussian.
@@ -125,15 +126,18 @@ def maximum_likelihood(
     estimates, odd = fit_gaussians(lit, unlit, noise, saturation, elliptical=elliptical)
     limit = math.inf if saturation is None else float(saturation)
     for n, suspicion in suspicions(odd):
-        pair = pair_of(
-            lit[n], None if unlit is None else unlit[n], noise, limit, history=history, way=way,
-            haunted=bool(suspicion & Suspicion.IN_UNLIT),
-        )
-        theta = np.array([
-            estimates.x[n], estimates.y[n], estimates.amplitude[n], estimates.background[n],
-            estimates.sigma[n],
-        ])
-        fit = explain(pair, theta if estimates.failure[n] == _NONE else None, suspicion)
+        fit = None
+        behind = None if unlit is None else unlit[n]
+        if not is_explained(lit[n], behind, noise, suspicion):
+            pair = pair_of(
+                lit[n], behind, noise, limit, history=history(), way=way,
+                haunted=bool(suspicion & Suspicion.IN_UNLIT),
+            )
+            theta = np.array([
+                estimates.x[n], estimates.y[n], estimates.amplitude[n], estimates.background[n],
+                estimates.sigma[n],
+            ])
+            fit = explain(pair, theta if estimates.failure[n] == _NONE else None, suspicion)
         if fit is not None:
             _adopt(estimates, n, fit)
         elif suspicion & Suspicion.LOPSIDED and lean(estimates.lopsided[n]) > 2.0 * ODD_SHIFT:
@@ -196,7 +200,7 @@ def _with_pulse(
     saturation: float | None,
     pulse: EffectivePsf,
     elliptical: bool,
-    history: History,
+    history: Callable[[], History],
     way: Way | None,
 ) -> Estimates:
     """Fit the pulse, and in the windows that it does not explain the Gaussian."""
