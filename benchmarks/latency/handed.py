@@ -16,6 +16,7 @@ import sys
 import time
 from typing import Any
 
+from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 SECOND_NS = 1_000_000_000  # ns
@@ -35,18 +36,25 @@ def main() -> None:
     sys.path[0] = os.getcwd()  # in place of the folder of this file
     source: Any = import_module('benchmarks.latency.source')
     handed: dict[int, int] = {}
-    publish, send = Publisher.publish, source.send
+    create, send = Node.create_publisher, source.send
 
-    def noted(self: Publisher, message: Any) -> None:
-        publish(self, message)
-        if self.topic.endswith('target/bearing'):
+    def created(self: Node, kind: Any, topic: str, *options: Any, **named: Any) -> Publisher:
+        found = create(self, kind, topic, *options, **named)
+        publish = found.publish
+
+        def noted(message: Any) -> None:
+            publish(message)
             handed[_stamp_ns(message)] = time.monotonic_ns()
+
+        if topic.endswith('target/bearing'):
+            found.publish = noted
+        return found
 
     def sent(*asked: Any) -> list[tuple[int, int, bool, int | None]]:
         handed.clear()
         return [(*each, handed.get(each[0])) for each in send(*asked)]
 
-    Publisher.publish = noted
+    Node.create_publisher = created
     source.send = sent
     run_module('benchmarks.latency.pipeline', run_name='__main__', alter_sys=True)
 

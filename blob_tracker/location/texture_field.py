@@ -94,8 +94,15 @@ def _least_deviance(
                 squares[i, k] += half[i, j] * across[j, k]
         for k in range(width):
             squares[i, k] *= squares[i, k]
+    # In the order in which one is soonest found that is enough: from the pixels' own scatter.
+    total = 0.0
+    for row in squares:
+        for square in row:
+            total += square
+    nearest = np.searchsorted(STRENGTHS, total / (pixels.size * variance) - 1.0)
     least = math.inf
-    for strength in STRENGTHS:
+    for index in range(STRENGTHS.size):
+        strength = STRENGTHS[(nearest + index) % STRENGTHS.size]
         deviance = 0.0
         for i in range(height):
             product = 1.0
