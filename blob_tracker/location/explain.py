@@ -14,13 +14,12 @@ from blob_tracker.location.estimates import Failure
 from blob_tracker.location.hypotheses import (
     choose, Fit, History, Motion, Pair, SWITCHED, Way,
 )
-from blob_tracker.location.noise import mean_variance
 from blob_tracker.location.pair_likelihood import Floats
 from blob_tracker.location.pair_model import fill_one_pulse, no_pulse, one_pulse, to_fit
 from blob_tracker.location.prospects import promising
-from blob_tracker.location.sites import lacks_samples, pair_of
+from blob_tracker.location.sites import pair_of
 from blob_tracker.location.suspicion import Suspicion
-from blob_tracker.location.unlit_pulse import is_texture, shows_pulse
+from blob_tracker.location.unlit_pulse import hides_no_pulse, shows_pulse
 from blob_tracker.types import SensorNoise
 import numpy as np
 
@@ -69,7 +68,7 @@ def is_explained(
     """
     if unlit is None or suspicion & ~Suspicion.IN_UNLIT or min(lit.shape) > WIDEST:
         return False
-    return not lacks_samples(lit) and is_texture(unlit, mean_variance(unlit, noise))
+    return hides_no_pulse(lit, unlit, noise)
 
 
 def _best(pair: Pair, theta: Floats | None, suspicion: int) -> Fit | None:
@@ -161,4 +160,5 @@ def compile_alternatives() -> None:
                 promising(pair, optimum.theta)
         for alternative in ALTERNATIVES:
             alternative(pair, base)
+    hides_no_pulse(lit, unlit, noise)
     shows_pulse(pair_of(lit, unlit, noise, math.inf))

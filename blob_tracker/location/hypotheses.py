@@ -8,7 +8,7 @@ import functools
 import math
 
 from blob_tracker.location.estimates import Beside, Failure
-from blob_tracker.location.noise import mean_variance
+from blob_tracker.location.noise import variance_at
 from blob_tracker.location.texture_field import log_likelihood_of_texture
 from blob_tracker.types import SensorNoise
 import numpy as np
@@ -193,7 +193,7 @@ class Pair:
     def unlit_variance(self) -> float:
         """Return the variance of an unlit pixel at the window's mean, DN^2."""
         assert self.unlit is not None
-        return mean_variance(self.unlit, self.noise)
+        return variance_at(float(self.unlit.sum()) / self.unlit.size, self.noise)
 
     @functools.cached_property
     def log_likelihood_of_texture(self) -> float:

@@ -233,8 +233,8 @@ def _at_once(
     window: Window, method: str, noise: SensorNoise, elliptical: bool = False, **_: Any
 ) -> Estimate | None:
     """Return the estimate of a window that nothing is odd about; None of any other."""
-    lit = _one(window.lit, 'lit')
-    unlit = None if window.unlit is None else _one(window.unlit, 'unlit')
+    lit = _one(window.lit)
+    unlit = None if window.unlit is None else _one(window.unlit)
     if lit is None or (window.unlit is not None and (unlit is None or unlit.shape != lit.shape)):
         return None
     noise = _noise_in(window, noise)
@@ -352,13 +352,13 @@ def _numbers(pixels: ArrayLike, name: str) -> NDArray[Any]:
     return array
 
 
-def _one(pixels: ArrayLike, name: str) -> NDArray[np.float64] | None:
-    """Return the pixels of one window as `_stack` does those of several; None where it cannot."""
-    window = _numbers(pixels, name)
-    if window.ndim != 2 or min(window.shape) < SMALLEST_PX:
+def _one(pixels: ArrayLike) -> NDArray[np.float64] | None:
+    """Return a copy of the pixels of one window as the kernels take it; None where it is none."""
+    if type(pixels) is not np.ndarray or pixels.dtype.kind not in 'buif' or pixels.ndim != 2 or (
+        min(pixels.shape) < SMALLEST_PX
+    ):
         return None
-    window = np.ascontiguousarray(window, dtype=np.float64)
-    return window if window.flags.writeable else window.copy()
+    return np.array(pixels, dtype=np.float64, order='C')
 
 
 def _stack(pixels: ArrayLike, name: str) -> NDArray[np.float64]:

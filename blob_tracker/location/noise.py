@@ -34,11 +34,6 @@ def variance_at(mean: float, noise: SensorNoise) -> float:
     return max(mean, noise.black_level) / noise.gain + _floor(noise)
 
 
-def mean_variance(pixels: NDArray[np.float64], noise: SensorNoise) -> float:
-    """Return the variance of a pixel at the mean of pixels, DN^2."""
-    return variance_at(float(pixels.sum()) / pixels.size, noise)
-
-
 def _floor(noise: SensorNoise) -> float:
     """Return the variance that a mean of 0 DN would have if shot noise went on below black."""
     return noise.read_noise**2 + 1.0 / 12.0 - noise.black_level / noise.gain

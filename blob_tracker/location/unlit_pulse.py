@@ -8,7 +8,9 @@ from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.hypotheses import Pair
 from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
 from blob_tracker.location.pair_model import bounds, brightest, fill_elliptical, SIGMA
+from blob_tracker.location.sites import lacks_samples
 from blob_tracker.location.texture_field import log_likelihood, Modes, modes_of
+from blob_tracker.types import SensorNoise
 import numpy as np
 
 WIDEST = 1.0 / 3.0  # of the window, a sigma
@@ -46,9 +48,30 @@ def is_texture(samples: Floats, variance: float) -> bool:
     return bool(_is_texture(samples, variance, modes_of(samples)))
 
 
+def hides_no_pulse(lit: Floats, unlit: Floats, noise: SensorNoise) -> bool:
+    """
+    Return whether the unlit pixels of a window are a texture, in one compiled call.
+
+    False, too, where some pixels are no samples: then it takes `shows_pulse` to tell.
+    """
+    return bool(_hides_no_pulse(
+        lit, unlit, 1.0 / noise.gain, noise.read_noise**2 + 1.0 / 12.0, modes_of(unlit)
+    ))
+
+
 def outdoes_texture(pair: Pair, fit: Optimum) -> bool:
     """Return whether the unlit window is likelier to be the model's than a random texture."""
     return _gain(pair, fit.means[1]) > CLEARLY
+
+
+@kernel
+def _hides_no_pulse(
+    lit: Array, unlit: Array, shot: float, floor: float, modes: Modes
+) -> bool:
+    if lacks_samples(lit):
+        return False
+    mean = unlit.sum() / unlit.size
+    return _is_texture(unlit, max(mean, 0.0) * shot + floor, modes)
 
 
 @kernel
