@@ -76,7 +76,7 @@ class RecentPlaces:
 
     @property
     def last(self) -> Location | None:
-        """The last of them."""
+        """Return the last of them."""
         return self._places[-1] if self._places else None
 
     @property
