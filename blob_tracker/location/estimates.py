@@ -189,7 +189,7 @@ class Estimates:
         )
 
     def first(self) -> Estimate:
-        """Return that of the first window, or raise LocationError with the reason of its failure."""
+        """Return that of the first window, or raise LocationError with the reason."""
         failure = Failure(int(self.failure[0]))
         if failure != Failure.NONE:
             raise LocationError(REASONS[failure])

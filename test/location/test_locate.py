@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from importlib import import_module
+from typing import Any
 
 from blob_tracker.location import locate_batch
 from blob_tracker.location.locate import estimate, single
@@ -13,7 +14,7 @@ NOISE = SensorNoise(20.0, 1.5, 12.0)
 METHOD = 'maximum_likelihood'
 
 
-def _window(random: np.random.Generator, **changed: object) -> Window:
+def _window(random: np.random.Generator, **changed: Any) -> Window:
     """Return a light of some place before a slope."""
     x, y = random.uniform(5.0, 7.0, 2)
     rows, columns = np.mgrid[:13, :13]
@@ -21,14 +22,15 @@ def _window(random: np.random.Generator, **changed: object) -> Window:
     unlit = 40.0 + columns
     noisy = [np.rint(random.normal(each, np.sqrt(each / 20.0 + 2.0))) for each in
              (unlit + pulse, unlit)]
-    return replace(Window(*(each.astype(np.uint8) for each in noisy), saturation=255), **changed)
+    lit, unlit = (each.astype(np.uint8) for each in noisy)
+    return replace(Window(lit, unlit, saturation=255), **changed)
 
 
 @pytest.mark.parametrize('changed', [
     {}, {'unlit': None}, {'binning': (1, 2)}, {'looks': 3}, {'added_noise': 0.7},
     {'saturation': 140}, {'saturation': None},
 ])
-def test_one_is_placed_as_a_stack_of_one(changed: dict[str, object]) -> None:
+def test_one_is_placed_as_a_stack_of_one(changed: dict[str, Any]) -> None:
     """To the last bit, whatever the window is."""
     random = np.random.default_rng(3)
     for _ in range(40):
@@ -53,7 +55,7 @@ def test_nothing_is_fitted_twice_where_nothing_is_odd(monkeypatch: pytest.Monkey
     (np.full((9, 9), 50), 'flat'), (np.full((9, 9), np.nan), 'NaN'), (np.eye(2), 'at least 3 x 3'),
     (np.ones(9), 'must have 2'), (np.full((9, 9), 1j), 'real numbers'), ([[1, 2], [3]], 'array'),
 ])
-def test_what_is_no_window_is_refused_as_in_a_stack(lit: object, reason: str) -> None:
+def test_what_is_no_window_is_refused_as_in_a_stack(lit: Any, reason: str) -> None:
     """With the same words."""
     with pytest.raises(LocationError, match=reason):
         single(Window(lit), method=METHOD, noise=NOISE)

@@ -1,8 +1,8 @@
 """
 Messages of a header and numbers as the middleware sends them: OMG's XCDR1, little-endian.
 
-rclpy publishes bytes as they are. To fill a message with Python's numbers, and have rclpy turn each
-into one of C again, takes several times as long as all else that is done to publish it.
+rclpy publishes bytes as they are. To fill a message with Python's numbers, and have rclpy turn
+each into one of C again, takes several times as long as all else that is done to publish it.
 """
 
 from __future__ import annotations
