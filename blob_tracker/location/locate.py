@@ -358,7 +358,7 @@ def _one(pixels: ArrayLike) -> NDArray[np.float64] | None:
         min(pixels.shape) < SMALLEST_PX
     ):
         return None
-    return np.array(pixels, dtype=np.float64, order='C')
+    return pixels.astype(np.float64, order='C')
 
 
 def _stack(pixels: ArrayLike, name: str) -> NDArray[np.float64]:
