@@ -12,7 +12,7 @@ from math import isfinite
 from typing import NamedTuple
 
 from blob_tracker import location, segmentation, tracking
-from blob_tracker.camera import CalibrationError, CameraModel, LensError
+from blob_tracker.camera import CalibrationError, CameraModel, compile_lens, LensError
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.camera.response import Response
 from blob_tracker.location import EffectivePsf, Learned, Locator, method_options, METHODS
@@ -37,6 +37,7 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
 
     """
     location.compile_ahead(methods)
+    compile_lens()
     segmentation.compile_ahead()
     tracking.compile_ahead()
 

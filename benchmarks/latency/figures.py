@@ -15,6 +15,10 @@ HOP, THREE, ONE = 'bare hop', 'three processes', 'one process'
 NO_FRAME = (0, 0)  # the size of a hop that carries a bearing
 WARM_UP_S = 1.0  # s
 
+Floats = np.ndarray[Any, np.dtype[np.float64]]
+# Of each frame: stamp and monotonic time, ns, whether lit, and when its bearing left, if known.
+Sent = Sequence[tuple[int, int, bool]] | Sequence[tuple[int, int, bool, int | None]]
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -139,9 +143,9 @@ class Comparison:
     what, unit : str
         Which.
     own, other : float
-        Medians over the rounds.
+        Medians over the rounds; of the 99.9th percentile, of all rounds together.
     ratio : float
-        Median over the rounds of the one over the other.
+        Median over the rounds of the one over the other; or the one over the other.
 
     """
 
@@ -175,12 +179,16 @@ class Stream:
         How many should have come.
     busy : dict
         Share of one core of each process.
+    handed : (m,) array
+        Of the bearings that left for Fast DDS in the process that had the frame, s; empty where
+        that is another one.
 
     """
 
-    delays: np.ndarray[Any, np.dtype[np.float64]]
+    delays: Floats
     expected: int
     busy: dict[str, float] = field(default_factory=dict)
+    handed: Floats = field(default_factory=lambda: np.empty(0))
 
     @property
     def lost(self) -> int:
@@ -189,7 +197,7 @@ class Stream:
 
 
 def pair(
-    sent: Sequence[tuple[int, int, bool]],
+    sent: Sent,
     arrived: Sequence[tuple[int, int]],
     *,
     lit_alone: bool,
@@ -200,8 +208,9 @@ def pair(
 
     Parameters
     ----------
-    sent : sequence of (int, int, bool)
-        Stamp, monotonic time and whether lit, ns.
+    sent : sequence of (int, int, bool) or (int, int, bool, int or None)
+        Stamp, monotonic time and whether lit, ns; of a process that publishes bearings itself,
+        when it did.
     arrived : sequence of (int, int)
         Stamp and monotonic time, ns.
     lit_alone : bool
@@ -213,11 +222,12 @@ def pair(
     times = dict(arrived)
     first_ns = sent[0][1] + int(1e9 * warm_up)
     counted = [
-        (stamp_ns, left_ns) for stamp_ns, left_ns, lit in sent
+        (stamp_ns, left_ns, handed_ns) for stamp_ns, left_ns, lit, *handed_ns in sent
         if left_ns >= first_ns and (lit or not lit_alone)
     ]
-    delays = [times[stamp] - left_ns for stamp, left_ns in counted if stamp in times]
-    return Stream(np.array(delays) / 1e9, len(counted))
+    delays = [times[stamp] - left_ns for stamp, left_ns, _ in counted if stamp in times]
+    handed = [each - left_ns for _, left_ns, told in counted for each in told if each is not None]
+    return Stream(np.array(delays) / 1e9, len(counted), handed=np.array(handed) / 1e9)
 
 
 def row(
@@ -226,12 +236,12 @@ def row(
 ) -> Row:
     """Return the row of a way's rounds; `hops` are those of each bare hop, round by round."""
     came = np.concatenate([each.delays for each in streams])
-    medians = [percentile(each, 50.0) for each in streams]
-    tails = [percentile(each, 99.0) for each in streams]
+    medians = [percentile(each.delays, 50.0) for each in streams]
+    tails = [percentile(each.delays, 99.0) for each in streams]
     names = streams[0].busy
     return Row(
         way, size, rate, medians, tails,
-        float(np.percentile(came, 99.9)) if len(came) else nan,
+        percentile(came, 99.9),
         _over(medians, hops, 50.0),
         _over(tails, hops, 99.0),
         sum(each.expected for each in streams),
@@ -240,14 +250,14 @@ def row(
     )
 
 
-def percentile(each: Stream, percent: float) -> float:
-    """Return a percentile of a stream's delays, s; NaN where nothing came."""
-    return float(np.percentile(each.delays, percent)) if len(each.delays) else nan
+def percentile(delays: Floats, percent: float) -> float:
+    """Return a percentile of delays, s; NaN where nothing came."""
+    return float(np.percentile(delays, percent)) if len(delays) else nan
 
 
 def _over(own: Sequence[float], hops: Sequence[Sequence[Stream]], percent: float) -> float:
     """Return the median over the rounds of a figure over the sum of that of the hops."""
     if not hops:
         return nan
-    sums = [sum(percentile(each, percent) for each in round_) for round_ in zip(*hops)]
+    sums = [sum(percentile(each.delays, percent) for each in round_) for round_ in zip(*hops)]
     return median(figure / total for figure, total in zip(own, sums))

@@ -42,7 +42,7 @@ class Process:
     Parameters
     ----------
     module : str
-        Its name.
+        Its name; or the path of a file of this tree's.
     arguments : str
         Its command line.
     root : Path
@@ -53,8 +53,9 @@ class Process:
     def __init__(self, module: str, *arguments: str, root: Path = ROOT) -> None:
         self._name = ' '.join((module, *arguments))
         self._words = TemporaryFile()
+        run = [module] if module.endswith('.py') else ['-m', f'benchmarks.latency.{module}']
         self._popen = subprocess.Popen(
-            [sys.executable, '-m', f'benchmarks.latency.{module}', *arguments],
+            [sys.executable, *run, *arguments],
             # The folder it runs in comes before PYTHONPATH.
             env=environment(root), cwd=root, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
             stderr=self._words, text=True,

@@ -4,12 +4,14 @@ from blob_tracker.camera.calibration_reader import read_calibration, Region
 from blob_tracker.camera.calibration_writer import write_calibration
 from blob_tracker.camera.data_sheet import DataSheet
 from blob_tracker.camera.lens import LensError
+from blob_tracker.camera.lens.polynomial import compile_lens
 from blob_tracker.camera.model import CameraModel, pinhole_matrix
 from blob_tracker.camera.yaml_file import CalibrationError
 
 __all__ = [
     'CalibrationError',
     'CameraModel',
+    'compile_lens',
     'DataSheet',
     'LensError',
     'pinhole_matrix',

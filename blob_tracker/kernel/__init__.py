@@ -19,7 +19,9 @@ try:
 except ImportError:  # built without a C compiler
     Direct = object  # type: ignore[assignment, misc]
 
-__all__ = ['Array', 'compiled', 'fingerprint', 'kernel', 'written_into_kernels']
+__all__ = [
+    'Array', 'compiled', 'exact_kernel', 'fingerprint', 'kernel', 'written_into_kernels',
+]
 
 Array = NDArray[np.float64]
 Kernel = TypeVar('Kernel', bound=Callable[..., Any])
@@ -38,6 +40,16 @@ def kernel(function: Kernel) -> Kernel:
     if made is not function:
         _KERNELS.append(made)
     return made
+
+
+def exact_kernel(function: Kernel) -> Kernel:
+    """
+    Compile as `kernel` does, but to what Python itself would compute, to the last bit.
+
+    For arithmetic on a few numbers, in which the compiler's licence to reorder saves nothing.
+    """
+    vars(function)['is_exact'] = True
+    return kernel(function)
 
 
 def written_into_kernels(function: Kernel) -> Kernel:

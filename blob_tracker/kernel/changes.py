@@ -11,8 +11,14 @@ import numpy as np
 
 # Everything but the licence to ignore NaN and infinity: a masked pixel's variance is infinite.
 FAST = {'reassoc', 'contract', 'nsz', 'arcp'}
+EXACT: set[str] = set()  # the arithmetic of Python
 # What a kernel may read, and what its repr tells all of.
 CONSTANTS = (bool, int, float, complex, str, bytes, type(None), type(...), np.generic, np.dtype)
+
+
+def licence(function: Callable[..., Any]) -> set[str]:
+    """Return by what a kernel's arithmetic may depart from Python's: see `exact_kernel`."""
+    return EXACT if getattr(function, 'is_exact', False) else FAST
 
 
 def fingerprint(function: Callable[..., Any]) -> str:
@@ -43,7 +49,7 @@ def fingerprint(function: Callable[..., Any]) -> str:
         one = waiting.pop()
         if _name(one) not in found:
             found[_name(one)] = _parts(one, waiting)
-    whole = [sorted(FAST), _name(function), *sorted(found.items())]
+    whole = [sorted(licence(function)), _name(function), *sorted(found.items())]
     return sha256(repr(whole).encode()).hexdigest()
 
 

@@ -7,7 +7,7 @@ from functools import cached_property
 import pickle
 from typing import Any
 
-from blob_tracker.kernel.changes import FAST, fingerprint
+from blob_tracker.kernel.changes import fingerprint, licence
 from blob_tracker.kernel.kept import CODES, Kept
 from numba import njit, types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
@@ -22,7 +22,7 @@ SCALARS = {
 
 def compiler(function: Callable[..., Any], inline: str = 'never') -> Any:
     """Return Numba's dispatcher for a kernel, which keeps its machine code on disk."""
-    found = njit(inline=inline, fastmath=FAST)(function)
+    found = njit(inline=inline, fastmath=licence(function))(function)
     # Not where NUMBA_DISABLE_JIT is set, nor for what is only ever a part of others.
     if inline == 'never' and hasattr(found, '_cache'):
         found._cache = _Cache(function)

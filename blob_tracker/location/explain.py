@@ -8,7 +8,7 @@ import math
 
 from blob_tracker.location.alternatives import Alternative, ALTERNATIVES
 from blob_tracker.location.alternatives.streak import streak
-from blob_tracker.location.coarse import coarse, fine
+from blob_tracker.location.coarse import coarse, fine, WIDEST
 from blob_tracker.location.doubt import misfitting, sandwich
 from blob_tracker.location.estimates import Failure
 from blob_tracker.location.hypotheses import (
@@ -19,7 +19,7 @@ from blob_tracker.location.pair_model import fill_one_pulse, no_pulse, one_pulse
 from blob_tracker.location.prospects import promising
 from blob_tracker.location.sites import pair_of
 from blob_tracker.location.suspicion import Suspicion
-from blob_tracker.location.unlit_pulse import shows_pulse
+from blob_tracker.location.unlit_pulse import hides_no_pulse, shows_pulse
 from blob_tracker.types import SensorNoise
 import numpy as np
 
@@ -47,6 +47,28 @@ def explain(pair: Pair, theta: Floats | None, suspicion: int) -> Fit | None:
     pair, theta = coarse(pair, theta)
     fit = _best(pair, theta, suspicion)
     return None if fit is None else fine(fit, pair.pitch)
+
+
+def is_explained(
+    lit: Floats, unlit: Floats | None, noise: SensorNoise, suspicion: int
+) -> bool:
+    """
+    Tell at once whether all that is odd about a window is a texture that both frames show.
+
+    Parameters
+    ----------
+    lit, unlit : (h, w) arrays
+        DN, as of `pair_of`.
+    noise : SensorNoise
+        Of a pixel.
+    suspicion : int
+        What is odd about it. Where this is true `explain` has no other answer than None, which
+        takes it much longer.
+
+    """
+    if unlit is None or suspicion & ~Suspicion.IN_UNLIT or min(lit.shape) > WIDEST:
+        return False
+    return hides_no_pulse(lit, unlit, noise)
 
 
 def _best(pair: Pair, theta: Floats | None, suspicion: int) -> Fit | None:
@@ -138,4 +160,5 @@ def compile_alternatives() -> None:
                 promising(pair, optimum.theta)
         for alternative in ALTERNATIVES:
             alternative(pair, base)
+    hides_no_pulse(lit, unlit, noise)
     shows_pulse(pair_of(lit, unlit, noise, math.inf))

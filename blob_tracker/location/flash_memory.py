@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 import math
 
-from blob_tracker.location.estimates import Beside, Estimates
+from blob_tracker.location.estimates import Beside
 from blob_tracker.location.hypotheses import History, Motion, SWITCHED
 from blob_tracker.location.suspicion import HEAD, LEANING
 from blob_tracker.types import Location, Window
@@ -26,7 +26,6 @@ SUMMED = 64  # flashes, over which a light's lopsidedness is summed
 # A chi-square of two degrees of freedom that noise exceeds once in 1e4: of a light's lopsidedness,
 # summed over these flashes
 LOPSIDED_FLASHES = 18.4
-NO_EVIDENCE: Mapping[str, float] = {}  # that the light is anything but one round pulse
 IMAGE_AXES = np.eye(2)
 SAME_SHIFT = 0.5  # of a shift, by which another one may be off and be the same
 LEAST_EXCESS = -20.0  # sum that chance makes of equal lights once in 3e3: its sigma is 5.7
@@ -180,7 +179,7 @@ class FlashMemory:
         )
 
     def leaning(
-        self, found: Estimates, location: Location
+        self, lopsided: Sequence[float], location: Location
     ) -> NDArray[np.float64] | None:
         """
         Return the covariance that a lopsided light has beside its fit's, window px^2.
@@ -188,7 +187,7 @@ class FlashMemory:
         Coma and a lamp beside the light stay where they are in the picture; the tail of a shutter
         that leaks, or of a light that fades, turns with the light's way.
         """
-        score_x, score_y, x, y = found.lopsided[0].tolist()
+        score_x, score_y, x, y = lopsided
         lean = self._lopsided
         lean.add(score_x, score_y, x, y)
         way = self._way(location)

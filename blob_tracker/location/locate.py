@@ -8,20 +8,20 @@ from inspect import signature
 import math
 from typing import Any
 
-from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.centroid import centroid
+from blob_tracker.location.contract import flag_invalid, LARGEST_DN, validate
 from blob_tracker.location.effective_psf import EffectivePsf
-from blob_tracker.location.estimates import Estimates, Failure, NOTHING, REASONS
+from blob_tracker.location.estimates import Estimate, Estimates, Failure, NOTHING
 from blob_tracker.location.explain import compile_alternatives
 from blob_tracker.location.gaussian_linear import gaussian_linear, gaussian_linear_elliptical
 from blob_tracker.location.hypotheses import Way
 from blob_tracker.location.locale_table import locale_table
-from blob_tracker.location.maximum_likelihood import maximum_likelihood
+from blob_tracker.location.maximum_likelihood import at_once, maximum_likelihood
 from blob_tracker.location.multi_gaussian_lm import multi_gaussian_lm
 from blob_tracker.location.multi_gaussian_simplex import multi_gaussian_simplex
 from blob_tracker.location.noise import noise_of_sum
 from blob_tracker.location.noise_check import compile_check
-from blob_tracker.location.sites import ABSENT_DN, blanked, BY_SITES
+from blob_tracker.location.sites import blanked, BY_SITES
 from blob_tracker.location.skew import centroid_skew_corrected
 from blob_tracker.types import Location, LocationError, SensorNoise, Window
 import numpy as np
@@ -37,14 +37,12 @@ METHODS: dict[str, Callable[..., Estimates]] = {
     'locale_table': locale_table,
     'maximum_likelihood': maximum_likelihood,
 }
+# Of those that have one, what does all to a window that nothing is odd about.
+AT_ONCE: dict[str, Callable[..., Estimate | None]] = {'maximum_likelihood': at_once}
+UNASKED = {'elliptical', 'history'}  # the options that such a window may come with
 # The parameters of each.
 PARAMETERS = {name: frozenset(signature(method).parameters) for name, method in METHODS.items()}
-LARGEST_DN = 1e9  # DN: no sensor counts so far, and its fourth power is still a number
-LEAST_ROUND = 1.0 - 1e-9  # of an ellipse's correlation squared: beyond it rounding decides
 SMALLEST_PX = 3  # px: below this the position, level and width of a pulse are not determined
-_NONE, _NOT_FINITE = int(Failure.NONE), int(Failure.NOT_FINITE)
-_SATURATED, _FLAT = int(Failure.SATURATED), int(Failure.FLAT)
-_OUTSIDE, _NOT_CONVERGED = int(Failure.OUTSIDE), int(Failure.NOT_CONVERGED)
 
 
 def method_options(
@@ -154,7 +152,7 @@ def locate_batch(
     if sites is not None:
         lit, limit = blanked(lit, sites), min(limit, LARGEST_DN)
     invalid = np.zeros(lit.shape[0], dtype=np.uint8)
-    if _flag_invalid(lit, lit if unlit is None else unlit, limit, invalid):
+    if flag_invalid(lit, lit if unlit is None else unlit, limit, invalid):
         # A method sees only numbers that it can work on; the flagged rows are overwritten below.
         lit = np.where((invalid == Failure.NONE)[:, None, None], lit, 0.0)
         if unlit is not None:
@@ -162,7 +160,7 @@ def locate_batch(
     estimates = METHODS[method](
         lit, unlit, noise, None if math.isinf(limit) else limit, **options
     )
-    _validate(
+    validate(
         estimates.x,
         estimates.y,
         np.ascontiguousarray(estimates.covariance),
@@ -217,8 +215,51 @@ def locate(
         Where the blob cannot be placed; the message gives the reason.
 
     """
-    found = estimate(window, method=method, noise=noise, **options)
-    return to_location(window, found)
+    return to_location(window, single(window, method=method, noise=noise, **options))
+
+
+def single(
+    window: Window, *, method: str, noise: SensorNoise, **options: Any
+) -> Estimate:
+    """Return the estimate of one window, in its own coordinates, or raise; see `locate`."""
+    if method in AT_ONCE and options.keys() <= UNASKED and window.sites is None:
+        found = _at_once(window, method, noise, **options)
+        if found is not None:
+            return found
+    return estimate(window, method=method, noise=noise, **options).first()
+
+
+def _at_once(
+    window: Window, method: str, noise: SensorNoise, elliptical: bool = False, **_: Any
+) -> Estimate | None:
+    """Return the estimate of a window that nothing is odd about; None of any other."""
+    lit = _one(window.lit)
+    unlit = None if window.unlit is None else _one(window.unlit)
+    if lit is None or (window.unlit is not None and (unlit is None or unlit.shape != lit.shape)):
+        return None
+    noise = _noise_in(window, noise)
+    black_level = noise.black_level
+    saturation = math.inf if window.saturation is None else float(window.saturation)
+    if black_level != 0.0:
+        lit = lit - black_level
+        unlit = None if unlit is None else unlit - black_level
+        saturation -= black_level
+        noise = replace(noise, black_level=0.0)
+    across, down = window.binning
+    found = AT_ONCE[method](
+        lit, unlit, noise, saturation, elliptical=elliptical or across != down
+    )
+    if found is not None and black_level != 0.0:
+        found = found._replace(background=found.background + black_level)
+    return found
+
+
+def _noise_in(window: Window, noise: SensorNoise) -> SensorNoise:
+    """Return the noise of a window's pixel, of one frame's."""
+    if window.added_noise > 0.0:
+        read_noise = math.hypot(noise.read_noise, window.added_noise)
+        noise = replace(noise, read_noise=read_noise)
+    return noise_of_sum(noise, window.looks)
 
 
 def estimate(
@@ -227,9 +268,6 @@ def estimate(
     """Return the estimates of one window, in its own coordinates; see `locate`."""
     lit = _numbers(window.lit, 'lit')[None]
     unlit = None if window.unlit is None else _numbers(window.unlit, 'unlit')[None]
-    if window.added_noise > 0.0:
-        read_noise = math.hypot(noise.read_noise, window.added_noise)
-        noise = replace(noise, read_noise=read_noise)
     if window.binning[0] != window.binning[1] and 'elliptical' in PARAMETERS[method]:
         options['elliptical'] = True  # a round light is not, in the lines of a field
     if window.glimpse is not None and 'way' in PARAMETERS[method]:
@@ -243,20 +281,17 @@ def estimate(
         lit,
         unlit,
         method=method,
-        noise=noise_of_sum(noise, window.looks),
+        noise=_noise_in(window, noise),
         saturation=window.saturation,
         sites=window.sites,
         **options,
     )
 
 
-def to_location(window: Window, found: Estimates) -> Location:
-    """Return the location of a window from its estimates, or raise LocationError."""
-    failure = int(found.failure[0])
-    if failure != _NONE:
-        raise LocationError(REASONS[Failure(failure)])
+def to_location(window: Window, found: Estimate) -> Location:
+    """Return the location of a window from its estimate."""
     across, down = window.binning
-    covariance = found.covariance[0]
+    covariance = found.covariance
     if window.binning != (1, 1):
         covariance = covariance * np.outer(window.binning, window.binning)
     lag_x = lag_y = 0.0
@@ -264,19 +299,19 @@ def to_location(window: Window, found: Estimates) -> Location:
         covariance = covariance + window.glimpse.doubt
         lag_x, lag_y = window.glimpse.lag.tolist()
         lag_y += window.glimpse.drawn
-    below = float(found.y[0]) - 0.5 * (len(window.lit) - 1)  # the window's middle line
+    below = found.y - 0.5 * (len(window.lit) - 1)  # the window's middle line
     return Location(
-        x=window.x0 + across * (float(found.x[0]) + 0.5) - 0.5 - lag_x,
-        y=window.y0 + down * (float(found.y[0]) + 0.5) - 0.5 - lag_y,
-        covariance=covariance,
-        amplitude=float(found.amplitude[0]),
-        background=float(found.background[0]),
-        sigma=float(found.sigma[0]),
-        snr=float(found.snr[0]),
-        chi2=float(found.chi2[0]),
-        saturated=int(found.saturated[0]),
-        stamp_ns=window.stamp_ns + round(below * window.line_time_ns),
-        warning=found.warnings.get(0, ''),
+        window.x0 + across * (found.x + 0.5) - 0.5 - lag_x,
+        window.y0 + down * (found.y + 0.5) - 0.5 - lag_y,
+        covariance,
+        found.amplitude,
+        found.background,
+        found.sigma,
+        found.snr,
+        found.chi2,
+        found.saturated,
+        window.stamp_ns + round(below * window.line_time_ns),
+        found.warning,
     )
 
 
@@ -299,6 +334,8 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     dark = np.full_like(lit, 10.0)
     for method in methods:
         locate_batch(lit, dark, method=method, noise=noise)
+        if method in AT_ONCE:
+            locate(Window(lit[0], dark[0]), method=method, noise=noise)
         if 'history' in PARAMETERS[method]:
             compile_alternatives()
     compile_check()
@@ -315,6 +352,15 @@ def _numbers(pixels: ArrayLike, name: str) -> NDArray[Any]:
     return array
 
 
+def _one(pixels: ArrayLike) -> NDArray[np.float64] | None:
+    """Return a copy of the pixels of one window as the kernels take it; None where it is none."""
+    if type(pixels) is not np.ndarray or pixels.dtype.kind not in 'buif' or pixels.ndim != 2 or (
+        min(pixels.shape) < SMALLEST_PX
+    ):
+        return None
+    return pixels.astype(np.float64, order='C')
+
+
 def _stack(pixels: ArrayLike, name: str) -> NDArray[np.float64]:
     """Return the pixels as a contiguous (N, h, w) float64 stack, or raise LocationError."""
     stack = _numbers(pixels, name)
@@ -323,65 +369,3 @@ def _stack(pixels: ArrayLike, name: str) -> NDArray[np.float64]:
     stack = np.ascontiguousarray(stack, dtype=np.float64)
     # Numba compiles anew for a read-only array; a copy is a millionth of that.
     return stack if stack.flags.writeable else stack.copy()
-
-
-@kernel
-def _flag_invalid(
-    lit: Array, unlit: Array, saturation: float, invalid: NDArray[np.uint8]
-) -> bool:
-    """Flag the windows that no method can work on; tell whether there are such."""
-    found = False
-    for n in range(lit.shape[0]):
-        low, high = math.inf, -math.inf
-        finite = True
-        for j in range(lit.shape[1]):
-            for i in range(lit.shape[2]):
-                value = lit[n, j, i]
-                # An unlit window may well be flat; it may not hold NaN.
-                finite = finite and (
-                    abs(unlit[n, j, i]) <= LARGEST_DN or unlit[n, j, i] == ABSENT_DN
-                )
-                if value == ABSENT_DN:
-                    continue
-                finite = finite and abs(value) <= LARGEST_DN
-                low = min(low, value)
-                high = max(high, value)
-        if not finite:
-            invalid[n] = _NOT_FINITE
-        elif low >= saturation:
-            invalid[n] = _SATURATED
-        elif low == high:
-            invalid[n] = _FLAT
-        found = found or invalid[n] != _NONE
-    return found
-
-
-@kernel
-def _validate(
-    x: Array,
-    y: Array,
-    covariance: Array,
-    amplitude: Array,
-    background: Array,
-    sigma: Array,
-    snr: Array,
-    chi2: Array,
-    shape: tuple[int, int],
-    invalid: NDArray[np.uint8],
-    failure: NDArray[np.uint8],
-) -> None:
-    """Hold every method to the contract: finite, inside, with a positive definite covariance."""
-    for n in range(failure.size):
-        if invalid[n] != _NONE:
-            failure[n] = invalid[n]
-        if failure[n] != _NONE:
-            continue
-        inside = -0.5 <= x[n] <= shape[1] - 0.5 and -0.5 <= y[n] <= shape[0] - 0.5
-        if not inside:
-            failure[n] = _OUTSIDE
-        xx, xy, yy = covariance[n, 0, 0], covariance[n, 0, 1], covariance[n, 1, 1]
-        valid = 0.0 < xx < math.inf and 0.0 < yy < math.inf and xy * xy < LEAST_ROUND * xx * yy
-        for value in (amplitude[n], background[n], sigma[n], snr[n], chi2[n]):
-            valid = valid and abs(value) < math.inf
-        if not valid:
-            failure[n] = _NOT_CONVERGED

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 import math
 from typing import Any
 
 from blob_tracker.location.doubt import LOPSIDED_LIGHT
 from blob_tracker.location.effective_psf import EffectivePsf
-from blob_tracker.location.estimates import Estimates
-from blob_tracker.location.flash_memory import FlashMemory, NO_EVIDENCE
+from blob_tracker.location.estimates import Estimate, Estimates
+from blob_tracker.location.flash_memory import FlashMemory
 from blob_tracker.location.hypotheses import Pair
-from blob_tracker.location.locate import estimate, PARAMETERS, to_location
+from blob_tracker.location.locate import estimate, PARAMETERS, single, to_location
 from blob_tracker.location.noise import noise_of_sum
 from blob_tracker.location.pulse_learner import compile_ahead, PulseLearner
 from blob_tracker.location.uneven_rows import variance_of_uneven_rows
@@ -105,41 +106,37 @@ class Locator:
             Where the blob cannot be placed.
 
         """
-        options = dict(self._options)
         memory = self._memories.get(light)
         if memory is None:
             memory = self._memories[light] = FlashMemory()
+        options = self._options
         if self._remembers:
-            options['history'] = memory.history(window)
-
-        def placed(pulse: EffectivePsf | None) -> Estimates:
-            given = {} if pulse is None else {'pulse': pulse}
-            return estimate(window, method=self._method, noise=noise, **options, **given)
-
+            options = {**options, 'history': partial(memory.history, window)}
         if self._learns:
-            learner = self.learners.setdefault(light, PulseLearner())
-            found = placed(learner.pulse or self.pulse)
-            learner.take(window, noise, found, lambda: placed(self.pulse))
+            found = self._learned(window, noise, light, options)
+        elif self.pulse is not None:
+            found = single(window, method=self._method, noise=noise, **options, pulse=self.pulse)
         else:
-            found = placed(self.pulse)
+            found = single(window, method=self._method, noise=noise, **options)
         location = to_location(window, found)
-        if found.lopsided.size:
-            doubt = memory.leaning(found, location)
-            if doubt is not None and not found.warnings:
+        if found.lopsided:
+            doubt = memory.leaning(found.lopsided, location)
+            if doubt is not None and not found.warning:
                 doubt *= np.outer(window.binning, window.binning)
                 location = replace(
                     location, covariance=location.covariance + doubt, warning=LOPSIDED_LIGHT
                 )
-        model = _model(found)
-        drawn = found.drawn.get(0, 0.0) * window.binning[1]
+        evidence = found.evidence
+        model = max(evidence, key=evidence.__getitem__) if evidence else ''
+        drawn = found.drawn * window.binning[1]
         if self._remembers and not drawn:
             location = _with_cut_rows(location, memory.drawn)
         alike = _shines_as_ever(window) and not _is_between_sites(window, location)
-        beside = found.beside.get(0)
+        beside = found.beside
         if beside is not None:
             beside = replace(beside, shift=beside.shift * window.binning)
         memory.add(
-            location, found.evidence.get(0, NO_EVIDENCE), beside=beside, drawn=drawn,
+            location, evidence, beside=beside, drawn=drawn,
             # Amplitude and sigma of another shape are not those of a round one.
             alike=alike and model in ROUND_MODELS,
         )
@@ -147,6 +144,19 @@ class Locator:
         if self._remembers and flicker > 0.0 and model not in IN_BOTH_FRAMES:
             location = _with_uneven_rows(location, window, noise, flicker)
         return location
+
+    def _learned(
+        self, window: Window, noise: SensorNoise, light: str, options: dict[str, Any]
+    ) -> Estimate:
+        """Return the estimate by the pulse that is learned, and have it learned."""
+        def placed(pulse: EffectivePsf | None) -> Estimates:
+            given = {} if pulse is None else {'pulse': pulse}
+            return estimate(window, method=self._method, noise=noise, **options, **given)
+
+        learner = self.learners.setdefault(light, PulseLearner())
+        found = placed(learner.pulse or self.pulse)
+        learner.take(window, noise, found, lambda: placed(self.pulse))
+        return found.first()
 
     def learn(self, light: str = '') -> None:
         """Learn from the last window of a light, for a millisecond; its bearing is out by now."""
@@ -167,12 +177,6 @@ def _shines_as_ever(window: Window) -> bool:
     if glimpse is None:
         return True
     return glimpse.share >= WHOLE and float(np.hypot(*glimpse.way)) < ROUND_PX
-
-
-def _model(found: Estimates) -> str:
-    """Return the name of the model that the pixels speak for; '' of one round pulse."""
-    evidence = found.evidence.get(0)
-    return max(evidence, key=lambda name: evidence[name]) if evidence else ''
 
 
 def _is_between_sites(window: Window, location: Location) -> bool:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import math
 
 from blob_tracker.kernel import Array, kernel, written_into_kernels
+from blob_tracker.location.contract import flag_invalid, validate
 from blob_tracker.location.doubt import LOPSIDED_LIGHT
 from blob_tracker.location.effective_psf import EffectivePsf
-from blob_tracker.location.estimates import Estimates, Failure
-from blob_tracker.location.explain import explain
-from blob_tracker.location.hypotheses import Fit, History, UNKNOWN, Way
+from blob_tracker.location.estimates import Estimate, Estimates, Failure
+from blob_tracker.location.explain import explain, is_explained
+from blob_tracker.location.hypotheses import Fit, History, Way
 from blob_tracker.location.learned_pulse import learned_pulse, pulse_of
 from blob_tracker.location.likelihood import empty_profiles, Observation, score_and_information
 from blob_tracker.location.normal_equations import (
@@ -52,7 +54,7 @@ def maximum_likelihood(
     saturation: float | None,
     *,
     elliptical: bool = False,
-    history: History = UNKNOWN,
+    history: Callable[[], History] = History,
     pulse: EffectivePsf | None = None,
     way: Way | None = None,
 ) -> Estimates:
@@ -101,9 +103,9 @@ def maximum_likelihood(
         DN of a clipped pixel.
     elliptical : bool
         Fit a width along x and one along y in place of one for both.
-    history : History
-        What the light's last flashes say of this one: what a ghost in the unlit window is told by,
-        and which of two models that fit as well.
+    history : callable
+        Returns what the light's last flashes say of this one: what a ghost in the unlit window is
+        told by, and which of two models that fit as well. Called where something is odd.
     pulse : EffectivePsf or None
         Fit this one, and the Gaussian only where it does not fit the window or the Gaussian
         explains the window better. `elliptical` is for the Gaussian.
@@ -125,15 +127,18 @@ def maximum_likelihood(
     estimates, odd = fit_gaussians(lit, unlit, noise, saturation, elliptical=elliptical)
     limit = math.inf if saturation is None else float(saturation)
     for n, suspicion in suspicions(odd):
-        pair = pair_of(
-            lit[n], None if unlit is None else unlit[n], noise, limit, history=history, way=way,
-            haunted=bool(suspicion & Suspicion.IN_UNLIT),
-        )
-        theta = np.array([
-            estimates.x[n], estimates.y[n], estimates.amplitude[n], estimates.background[n],
-            estimates.sigma[n],
-        ])
-        fit = explain(pair, theta if estimates.failure[n] == _NONE else None, suspicion)
+        fit = None
+        behind = None if unlit is None else unlit[n]
+        if not is_explained(lit[n], behind, noise, suspicion):
+            pair = pair_of(
+                lit[n], behind, noise, limit, history=history(), way=way,
+                haunted=bool(suspicion & Suspicion.IN_UNLIT),
+            )
+            theta = np.array([
+                estimates.x[n], estimates.y[n], estimates.amplitude[n], estimates.background[n],
+                estimates.sigma[n],
+            ])
+            fit = explain(pair, theta if estimates.failure[n] == _NONE else None, suspicion)
         if fit is not None:
             _adopt(estimates, n, fit)
         elif suspicion & Suspicion.LOPSIDED and lean(estimates.lopsided[n]) > 2.0 * ODD_SHIFT:
@@ -189,6 +194,36 @@ def fit_gaussians(
     return estimates, odd
 
 
+def at_once(
+    lit: NDArray[np.float64],
+    unlit: NDArray[np.float64] | None,
+    noise: SensorNoise,
+    saturation: float,
+    *,
+    elliptical: bool,
+) -> Estimate | None:
+    """
+    Do to one (h, w) window what `locate_batch` does by `maximum_likelihood`, in one compiled call.
+
+    None where that fails or something is odd about the window: then it takes more than that.
+    `saturation` is infinite where no pixel can be clipped.
+    """
+    covariance = np.zeros((1, 2, 2))
+    (
+        sound, odd, clipped, x, y, amplitude, background, sigma, snr, chi2, *lopsided,
+    ) = _fit_one(
+        lit, lit[:0] if unlit is None else unlit, 1.0 / noise.gain,
+        noise.read_noise**2 + 1.0 / 12.0, saturation, elliptical, covariance,
+    )
+    if not sound or odd and not (
+        chi2 <= WARNED_CHI2 and is_explained(lit, unlit, noise, odd)
+    ):
+        return None
+    return Estimate(
+        x, y, amplitude, background, sigma, snr, chi2, clipped, covariance[0], lopsided
+    )
+
+
 def _with_pulse(
     lit: NDArray[np.float64],
     unlit: NDArray[np.float64] | None,
@@ -196,7 +231,7 @@ def _with_pulse(
     saturation: float | None,
     pulse: EffectivePsf,
     elliptical: bool,
-    history: History,
+    history: Callable[[], History],
     way: Way | None,
 ) -> Estimates:
     """Fit the pulse, and in the windows that it does not explain the Gaussian."""
@@ -237,6 +272,45 @@ def _adopt(estimates: Estimates, n: int, fit: Fit) -> None:
     estimates.other_models[n] = fit.log_likelihood, fit.parameters
     if fit.warning:
         estimates.warnings[n] = fit.warning
+
+
+@kernel
+def _fit_one(
+    lit: Array,
+    unlit: Array,
+    shot: float,
+    floor: float,
+    saturation: float,
+    elliptical: bool,
+    covariance: Array,
+) -> tuple[
+    bool, int, int, float, float, float, float, float, float, float, float, float, float, float
+]:
+    """Fit one window; return whether it has a location, what is odd, its clipped pixels, table."""
+    height, width = lit.shape
+    one = lit.reshape((1, height, width))
+    behind = one[:0]
+    if unlit.shape[0] > 0:
+        behind = unlit.reshape((1, height, width))
+    table = np.zeros((_ROWS, 1))
+    clipped = np.zeros(1, dtype=np.int64)
+    failure, odd = np.zeros(1, dtype=np.uint8), np.zeros(1, dtype=np.uint8)
+    invalid = np.zeros(1, dtype=np.uint8)
+    flag_invalid(one, behind if unlit.shape[0] > 0 else one, saturation, invalid)
+    if invalid[0] == _NONE:
+        _fit_all(
+            one, behind, shot, floor, saturation, elliptical, table, covariance, clipped, failure,
+            odd,
+        )
+    validate(
+        table[0], table[1], covariance, table[2], table[3], table[4], table[5], table[6],
+        (height, width), invalid, failure,
+    )
+    return (
+        failure[0] == _NONE, int(odd[0]), clipped[0], table[0, 0], table[1, 0], table[2, 0],
+        table[3, 0], table[4, 0], table[5, 0], table[6, 0], table[7, 0], table[8, 0], table[9, 0],
+        table[10, 0],
+    )
 
 
 @kernel

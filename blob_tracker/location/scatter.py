@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass, replace
 import math
 
@@ -63,44 +64,34 @@ class RecentPlaces:
     count : int
         Places that are kept.
 
-    Attributes
-    ----------
-    last : Location or None
-        The last of them.
-
     """
 
     def __init__(self, count: int) -> None:
-        self._stamps = np.zeros(count, dtype=np.int64)
-        self._places = np.zeros((count, 2))
-        self._covariances = np.zeros((count, 2, 2))
-        self._chi2 = np.zeros(count)
-        self._taken = 0
-        self.last: Location | None = None
+        # What is asked once a second is worked out then, not with each place.
+        self._places: deque[Location] = deque(maxlen=count)
 
     def add(self, location: Location) -> None:
         """Take the next place."""
-        index = self._taken % self._stamps.size
-        self._stamps[index] = location.stamp_ns
-        self._places[index] = location.x, location.y
-        self._covariances[index] = location.covariance
-        self._chi2[index] = location.chi2
-        self.last = location
-        self._taken += 1
+        self._places.append(location)
+
+    @property
+    def last(self) -> Location | None:
+        """Return the last of them."""
+        return self._places[-1] if self._places else None
 
     @property
     def chi2(self) -> float:
         """Mean chi-square of their fits per degree of freedom; NaN where there is none."""
-        chi2 = self._chi2[:self._taken]
-        return float(chi2.mean()) if chi2.size else math.nan
+        chi2 = [each.chi2 for each in self._places]
+        return float(np.mean(chi2)) if chi2 else math.nan
 
     def scatter(self) -> Scatter | None:
         """Return the scatter of the places, as `scatter` does."""
-        if self._taken < self._stamps.size:
-            order = np.arange(self._taken)
-        else:
-            order = np.arange(self._taken, self._taken + self._stamps.size) % self._stamps.size
-        return scatter(self._stamps[order], self._places[order], self._covariances[order])
+        return scatter(
+            np.array([each.stamp_ns for each in self._places], dtype=np.int64),
+            np.array([(each.x, each.y) for each in self._places]).reshape(-1, 2),
+            np.array([each.covariance for each in self._places]).reshape(-1, 2, 2),
+        )
 
 
 def scatter(

@@ -48,7 +48,7 @@ def pair_of(
         As of `Pair`.
 
     """
-    if not _lacks_samples(lit):
+    if not lacks_samples(lit):
         return Pair(lit, unlit, noise, saturation, history, way, haunted=haunted)
     sites = lit != ABSENT_DN
     pictures = []
@@ -63,7 +63,7 @@ def pair_of(
 
 
 @kernel
-def _lacks_samples(lit: Array) -> bool:
+def lacks_samples(lit: Array) -> bool:
     """Tell whether a window has pixels that are no samples."""
     found = False
     for j in range(lit.shape[0]):

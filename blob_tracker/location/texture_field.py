@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 import functools
 import math
+from typing import NamedTuple
 
 from blob_tracker.kernel import Array, kernel
 import numpy as np
@@ -18,11 +18,28 @@ ROUGH = (3.0, 30.0)  # of exp(-|d| / l) along x times the same along y
 STRENGTHS = np.concatenate([[0.0], np.geomspace(0.02, 5000.0, 14)])  # variance over the noise's
 
 
-def log_likelihoods_of_textures(
-    pixels: Floats, variance: float, enough: float = math.inf
-) -> Iterator[float]:
+class Modes(NamedTuple):
     """
-    Yield the likelihood of pixels that are a random texture and noise, by its correlation.
+    The modes of the textures of each correlation in windows of one size.
+
+    Parameters
+    ----------
+    down, across : (n, h, h) and (n, w, w) arrays
+        Eigenvectors of the correlations along y and along x.
+    rows, columns : (n, h) and (n, w) arrays
+        Their eigenvalues.
+
+    """
+
+    down: Array
+    rows: Array
+    across: Array
+    columns: Array
+
+
+def log_likelihood_of_texture(pixels: Floats, variance: float) -> float:
+    """
+    Return the likelihood of pixels that are a random texture and noise, of the best correlation.
 
     The texture is a Gaussian process of the mean of the pixels, whose covariance is a product
     of one along x and one along y, K = K_y (x) K_x with the eigenvalues k_i k_j. In the basis
@@ -39,22 +56,24 @@ def log_likelihoods_of_textures(
         DN.
     variance : float
         V, of a pixel's noise, DN^2.
-    enough : float
-        Where one is as likely as that, how much likelier it is need not be known.
 
     """
-    height, width = pixels.shape
-    for smooth, lengths in ((True, SMOOTH), (False, ROUGH)):
-        for length in lengths:
-            yield -0.5 * _least_deviance(
-                pixels, *_modes(height, length, smooth), *_modes(width, length, smooth), variance,
-                -2.0 * enough,
-            )
+    return float(log_likelihood(pixels, modes_of(pixels), variance, math.inf))
 
 
-def log_likelihood_of_texture(pixels: Floats, variance: float) -> float:
-    """Return that of the likeliest correlation."""
-    return max(log_likelihoods_of_textures(pixels, variance))
+@kernel
+def log_likelihood(pixels: Array, modes: Modes, variance: float, enough: float) -> float:
+    """Return that of `log_likelihood_of_texture`, or of the first that is `enough`."""
+    best = -math.inf
+    for k in range(modes.rows.shape[0]):
+        deviance = _least_deviance(
+            pixels, modes.down[k], modes.rows[k], modes.across[k], modes.columns[k], variance,
+            -2.0 * enough,
+        )
+        best = max(best, -0.5 * deviance)
+        if best >= enough:
+            break
+    return best
 
 
 @kernel
@@ -75,8 +94,15 @@ def _least_deviance(
                 squares[i, k] += half[i, j] * across[j, k]
         for k in range(width):
             squares[i, k] *= squares[i, k]
+    # In the order in which one is soonest found that is enough: from the pixels' own scatter.
+    total = 0.0
+    for row in squares:
+        for square in row:
+            total += square
+    nearest = np.searchsorted(STRENGTHS, total / (pixels.size * variance) - 1.0)
     least = math.inf
-    for strength in STRENGTHS:
+    for index in range(STRENGTHS.size):
+        strength = STRENGTHS[(nearest + index) % STRENGTHS.size]
         deviance = 0.0
         for i in range(height):
             product = 1.0
@@ -94,10 +120,17 @@ def _least_deviance(
     return least
 
 
-@functools.cache
-def _modes(count: int, length: float, smooth: bool) -> tuple[Floats, Floats]:
-    """Return the eigenvectors and eigenvalues of the correlation along one axis."""
-    distance = np.abs(np.subtract.outer(np.arange(count), np.arange(count))) / length
-    correlation = np.exp(-(distance**2) / 2.0) if smooth else np.exp(-distance)
-    values, vectors = np.linalg.eigh(correlation)
-    return np.ascontiguousarray(vectors), np.maximum(values, 0.0)
+def modes_of(pixels: Floats) -> Modes:
+    """Return the modes in windows of the size of this one."""
+    height, width = pixels.shape
+    return Modes(*_modes(height), *_modes(width))
+
+
+@functools.lru_cache
+def _modes(count: int) -> tuple[Floats, Floats]:
+    """Return eigenvectors (n, count, count) and eigenvalues (n, count) along one axis."""
+    distance = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
+    found = [np.linalg.eigh(np.exp(-((distance / length) ** 2) / 2.0)) for length in SMOOTH]
+    found += [np.linalg.eigh(np.exp(-(distance / length))) for length in ROUGH]
+    values, vectors = zip(*found)
+    return np.array(vectors), np.maximum(values, 0.0)

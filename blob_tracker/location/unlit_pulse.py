@@ -8,7 +8,9 @@ from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.hypotheses import Pair
 from blob_tracker.location.pair_likelihood import climb, Floats, Optimum
 from blob_tracker.location.pair_model import bounds, brightest, fill_elliptical, SIGMA
-from blob_tracker.location.texture_field import log_likelihoods_of_textures
+from blob_tracker.location.sites import lacks_samples
+from blob_tracker.location.texture_field import log_likelihood, Modes, modes_of
+from blob_tracker.types import SensorNoise
 import numpy as np
 
 WIDEST = 1.0 / 3.0  # of the window, a sigma
@@ -25,10 +27,8 @@ def shows_pulse(pair: Pair) -> bool:
     samples = pair.unlit
     if pair.sites is not None:
         samples = np.ascontiguousarray(samples[pair.lattice])
-    likeliest = _log_likelihood(pair, samples.size, _least_squares(samples))
-    for each in log_likelihoods_of_textures(samples, pair.unlit_variance, likeliest):
-        if each >= likeliest:
-            return False  # whatever the pulse
+    if is_texture(samples, pair.unlit_variance):
+        return False
     alone = Pair(pair.unlit, None, pair.noise, pair.saturation, sites=pair.sites)
     lower, upper = bounds(alone)
     upper[SIGMA] = WIDEST * max(pair.unlit.shape)
@@ -43,9 +43,42 @@ def shows_pulse(pair: Pair) -> bool:
     return fit is not None and _gain(pair, fit.means[0]) > 0.0
 
 
+def is_texture(samples: Floats, variance: float) -> bool:
+    """Return whether unlit pixels are likelier a random texture than any pulse, on any level."""
+    return bool(_is_texture(samples, variance, modes_of(samples)))
+
+
+def hides_no_pulse(lit: Floats, unlit: Floats, noise: SensorNoise) -> bool:
+    """
+    Return whether the unlit pixels of a window are a texture, in one compiled call.
+
+    False, too, where some pixels are no samples: then it takes `shows_pulse` to tell.
+    """
+    return bool(_hides_no_pulse(
+        lit, unlit, 1.0 / noise.gain, noise.read_noise**2 + 1.0 / 12.0, modes_of(unlit)
+    ))
+
+
 def outdoes_texture(pair: Pair, fit: Optimum) -> bool:
     """Return whether the unlit window is likelier to be the model's than a random texture."""
     return _gain(pair, fit.means[1]) > CLEARLY
+
+
+@kernel
+def _hides_no_pulse(
+    lit: Array, unlit: Array, shot: float, floor: float, modes: Modes
+) -> bool:
+    if lacks_samples(lit):
+        return False
+    mean = unlit.sum() / unlit.size
+    return _is_texture(unlit, max(mean, 0.0) * shot + floor, modes)
+
+
+@kernel
+def _is_texture(samples: Array, variance: float, modes: Modes) -> bool:
+    squares = _least_squares(samples)
+    likeliest = -0.5 * (squares / variance + samples.size * math.log(variance))
+    return log_likelihood(samples, modes, variance, likeliest) >= likeliest
 
 
 @kernel

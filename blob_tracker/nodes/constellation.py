@@ -7,6 +7,7 @@ from functools import partial
 import sys
 from typing import Any
 
+from blob_tracker.camera import compile_lens
 from blob_tracker.constellation import (
     Assignment, Body, compile_ahead, ConstellationError, Following, Pose, Sighting,
 )
@@ -186,6 +187,7 @@ def compile_fit() -> None:
     """Compile the fit, before the first ray could wait for it."""
     say('loading the fit; the first start compiles it for half a minute')
     compile_ahead()
+    compile_lens()
 
 
 def main() -> None:

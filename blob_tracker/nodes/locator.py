@@ -12,7 +12,7 @@ import time
 from typing import Any
 
 from blob_tracker.calibration.pulse_file import PulseFile
-from blob_tracker.camera import CalibrationError, CameraModel, LensError
+from blob_tracker.camera import CalibrationError, CameraModel, compile_lens, LensError
 from blob_tracker.camera.response import OTHER_DEPTH, Response
 from blob_tracker.location import compile_ahead, Learned, Locator, method_options
 from blob_tracker.location.noise import noise_in_words, variance_ratio
@@ -437,6 +437,7 @@ def compile_default() -> None:
     """Compile the fits, before the first target could wait for them."""
     say('loading the fits; the first start compiles them for 20 s or so')
     compile_ahead([DEFAULT_METHOD])
+    compile_lens()
 
 
 def main() -> None:

@@ -23,9 +23,12 @@ import pytest
 MS = 1_000_000  # ns
 
 
-def _stream(delays_ms: Sequence[float], *, lost: int = 0) -> latency.Stream:
+def _stream(
+    delays_ms: Sequence[float], *, lost: int = 0, handed_ms: Sequence[float] = ()
+) -> latency.Stream:
     delays = np.array(delays_ms) / 1e3
-    return latency.Stream(delays, len(delays) + lost, {'node': 0.1 * len(delays)})
+    busy = {'node': 0.1 * len(delays)}
+    return latency.Stream(delays, len(delays) + lost, busy, np.array(handed_ms) / 1e3)
 
 
 def test_delays_are_those_of_the_lit_frames_after_the_first_second() -> None:
@@ -36,6 +39,18 @@ def test_delays_are_those_of_the_lit_frames_after_the_first_second() -> None:
     assert found.delays.tolist() == [0.007, 0.002]
     assert (found.expected, found.lost) == (3, 1)
     assert latency.pair(sent, arrived, lit_alone=False).expected == 6
+    assert not found.handed.size
+
+
+def test_bearings_are_handed_over_before_they_arrive() -> None:
+    """Their time is told by the process that publishes them, of the frames that count."""
+    sent = [
+        (place, place * 500 * MS, place % 2 == 0, None if place % 4 else (place * 500 + 1) * MS)
+        for place in range(10)
+    ]
+    found = latency.pair(sent, [(4, 2003 * MS), (8, 4005 * MS)], lit_alone=True)
+    assert found.delays.tolist() == [0.003, 0.005]
+    assert found.handed.tolist() == [0.001, 0.001]
 
 
 def test_ratios_are_taken_round_by_round() -> None:
@@ -96,10 +111,11 @@ def test_two_source_trees_take_turns(monkeypatch: pytest.MonkeyPatch) -> None:
             self._root, self._factor = root, 1 + (root != ROOT)
             self._walks = 0
 
-        def walk(self, *_: object) -> latency.Stream:
+        def walk(self, way: str, *_: object) -> latency.Stream:
             order.append(self._root)
             self._walks += 1
-            return _stream([self._factor * self._walks])
+            delays = [float(self._factor * self._walks)] * beside.FEWEST
+            return _stream(delays, handed_ms=delays[:2] if way == ONE else [])
 
         def proportional_memory(self, way: str) -> float:
             return 100.0 * self._factor
@@ -116,12 +132,17 @@ def test_two_source_trees_take_turns(monkeypatch: pytest.MonkeyPatch) -> None:
     other = ROOT.parent / 'other'
     figures = latency.run(plan, ticks.append, other)
     assert compiled == [ROOT, other]
-    assert order == [ROOT, other] * 3 + [other, ROOT] * 3
+    walks = len(beside.WALKS)
+    assert order == [ROOT, other] * walks + [other, ROOT] * walks
     assert len(ticks) == latency.steps(plan, other)
     # As much of a core, which is the number of its answers in these streams.
     assert {each.ratio for each in figures.beside if each.unit != '%'} == {0.5}
     assert not judge(Report(latency=figures), [])
-    assert beside_table(figures.beside).row_count == 13
+    late = [each.what for each in figures.beside if each.what.endswith('p99.9')]
+    assert len(late) == walks and not any('hand' in each for each in late)  # two are too few
+    handed = [each for each in figures.beside if 'in the hand of DDS' in each.what]
+    assert len(handed) == 2 * sum(each.way == ONE for each in beside.WALKS)
+    assert beside_table(figures.beside).row_count == len(figures.beside)
 
 
 def test_the_light_flashes_in_step_and_never_jumps() -> None:

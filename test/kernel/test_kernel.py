@@ -213,6 +213,17 @@ def test_what_the_nodes_call_needs_no_compiler(tmp_path: Path) -> None:
 
 # --- What the fingerprint changes with ---
 
+
+def test_exact_arithmetic_is_other_machine_code() -> None:
+    """It is the licence to reorder that differs."""
+    def sums(x: float) -> float:
+        return x + 1.0
+
+    before = fingerprint(sums)
+    vars(sums)['is_exact'] = True
+    assert fingerprint(sums) != before
+
+
 SOURCE = """\
 LEVELS = (1, 2.0, frozenset('abcd'))
 WEIGHTS = np.array([1.0, 2.0])

@@ -16,9 +16,11 @@ description"; the tilt: Louhichi et al., Meas. Sci. Technol. 18 (2007).)
 from __future__ import annotations
 
 from functools import lru_cache
+import math
 from typing import Any, TypeVar
 
 from blob_tracker.camera.lens.definition import Coefficients, Derivative, Projection, Vector
+from blob_tracker.kernel import exact_kernel, written_into_kernels
 import numpy as np
 from numpy.typing import NDArray
 
@@ -41,7 +43,7 @@ def image(rays: NDArray[np.float64], coefficients: Coefficients) -> NDArray[np.f
         x, y = rays[:, 0] / rays[:, 2], rays[:, 1] / rays[:, 2]
         seen = (rays[:, 2] > 0.0) & (np.hypot(x, y) < _fold_radius(coefficients))
         x, y = np.where(seen, x, np.nan), np.where(seen, y, np.nan)
-        places = np.column_stack(_distorted(x, y, coefficients)[:2])
+        places = np.column_stack(_distorted(x, y, _padded(coefficients)[:12])[:2])
     tilt = _tilt(coefficients)
     if tilt is not None:
         tilted = places @ tilt[:, :2].T + tilt[:, 2]
@@ -65,33 +67,20 @@ def ray(x: float, y: float, coefficients: Coefficients) -> tuple[Vector, Derivat
     fold = _fold_radius(coefficients)
     # Without distortion the ray would be the place itself: a start, if it is within the fold.
     shrink = min(1.0, 0.9 * fold / max((x * x + y * y) ** 0.5, 1e-300))
-    at_x, at_y = shrink * x, shrink * y
-    best = float('inf')
-    step_x = step_y = 0.0
-    for _ in range(MOST_STEPS):
-        new_x, new_y = at_x + step_x, at_y + step_y
-        if new_x * new_x + new_y * new_y < fold * fold:
-            place_x, place_y, (xx, xy, yx, yy) = _distorted(new_x, new_y, coefficients)
-            error_x, error_y = x - place_x, y - place_y
-            error = max(abs(error_x), abs(error_y))
-            if error < best:
-                at_x, at_y, best = new_x, new_y, error
-                determinant = xx * yy - xy * yx
-                xx, xy, yx, yy = (
-                    yy / determinant, -xy / determinant, -yx / determinant, xx / determinant
-                )
-                if error < CLOSE_ENOUGH:
-                    a, b, c, d = upright
-                    return (at_x, at_y, 1.0), (
-                        (xx * a + xy * c, xx * b + xy * d),
-                        (yx * a + yy * c, yx * b + yy * d),
-                        (0.0, 0.0),
-                    )
-                step_x = xx * error_x + xy * error_y
-                step_y = yx * error_x + yy * error_y
-                continue
-        step_x, step_y = 0.5 * step_x, 0.5 * step_y
-    return None
+    found, at_x, at_y, xx, xy, yx, yy = _climbed(
+        x, y, shrink * x, shrink * y, fold * fold, _padded(coefficients)[:12]
+    )
+    if not found:
+        return None
+    a, b, c, d = upright
+    return (at_x, at_y, 1.0), (
+        (xx * a + xy * c, xx * b + xy * d), (yx * a + yy * c, yx * b + yy * d), (0.0, 0.0),
+    )
+
+
+def compile_lens() -> None:
+    """Compile the search for a ray, or load it."""
+    ray(0.1, 0.1, (-0.1, 0.01, 1e-3, 1e-3))
 
 
 def project(
@@ -132,8 +121,8 @@ def slopes(
 def _distorted(
     x: Value, y: Value, coefficients: Coefficients
 ) -> tuple[Value, Value, tuple[Value, Value, Value, Value]]:
-    """Return the place of a ray (x, y, 1) on an upright sensor: x', y', their derivatives."""
-    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4 = _padded(coefficients)[:12]
+    """Return the place of a ray (x, y, 1) on an upright sensor, and its derivatives; of twelve."""
+    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4 = coefficients
     r2 = x * x + y * y
     above = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
     below = 1.0 + r2 * (k4 + r2 * (k5 + r2 * k6))
@@ -161,6 +150,52 @@ def _padded(coefficients: Coefficients) -> Coefficients:
     return coefficients + COUNT * (0.0,)
 
 
+_distorted_inside = written_into_kernels(_distorted)
+
+
+@exact_kernel
+def _climbed(
+    x: float, y: float, at_x: float, at_y: float, fold2: float, coefficients: Coefficients
+) -> tuple[bool, float, float, float, float, float, float]:
+    """
+    Return whether there is a ray onto a place, where, and its derivative by that place.
+
+    Parameters
+    ----------
+    x, y : float
+        The place.
+    at_x, at_y : float
+        Where to begin.
+    fold2 : float
+        Square of the radius of the fold.
+    coefficients : tuple of 12 floats
+        As of `_distorted`.
+
+    """
+    best = math.inf
+    step_x, step_y = 0.0, 0.0
+    for _ in range(MOST_STEPS):
+        new_x, new_y = at_x + step_x, at_y + step_y
+        if new_x * new_x + new_y * new_y < fold2:
+            place_x, place_y, derivative = _distorted_inside(new_x, new_y, coefficients)
+            error_x, error_y = x - place_x, y - place_y
+            error = max(abs(error_x), abs(error_y))
+            if error < best:
+                at_x, at_y, best = new_x, new_y, error
+                xx, xy, yx, yy = derivative
+                determinant = xx * yy - xy * yx
+                xx, xy, yx, yy = (
+                    yy / determinant, -xy / determinant, -yx / determinant, xx / determinant
+                )
+                if error < CLOSE_ENOUGH:
+                    return True, at_x, at_y, xx, xy, yx, yy
+                step_x = xx * error_x + xy * error_y
+                step_y = yx * error_x + yy * error_y
+                continue
+        step_x, step_y = 0.5 * step_x, 0.5 * step_y
+    return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+
+
 @lru_cache(maxsize=8)
 def _fold_radius(coefficients: Coefficients) -> float:
     """
@@ -178,7 +213,7 @@ def _fold_radius(coefficients: Coefficients) -> float:
     def holds(radius: NDArray[np.float64]) -> NDArray[np.bool_]:
         with np.errstate(divide='ignore', invalid='ignore'):
             xx, xy, yx, yy = _distorted(
-                radius * np.cos(phi), radius * np.sin(phi), coefficients
+                radius * np.cos(phi), radius * np.sin(phi), _padded(coefficients)[:12]
             )[2]
         below = 1.0 + radius**2 * (k4 + radius**2 * (k5 + radius**2 * k6))
         return (xx * yy - xy * yx > 0.0) & (below > 0.0)

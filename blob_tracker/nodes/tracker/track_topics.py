@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.ros.endpoints.qos import publisher, RESULT, STATE
-from blob_tracker.ros.messages.track import prediction_message, track_message
+from blob_tracker.ros.messages.track import prediction_bytes, track_bytes
 from blob_tracker.tracking import Track
 from geometry_msgs.msg import Vector3Stamped
 from nav_msgs.msg import Odometry
@@ -28,20 +28,19 @@ class TrackTopics:
         self._predictions = publisher(node, Vector3Stamped, f'{topic}/bearing_predicted', RESULT)
         self._tracks = publisher(node, Odometry, f'{topic}/track', RESULT)
         self._tracked = publisher(node, Bool, f'{topic}/tracked', STATE)
-        self._prediction, self._track = Vector3Stamped(), Odometry()
         self._target = topic.replace('/', '_')
         self._said_tracked: bool | None = None
 
     def predict(self, track: Track, frame_id: str) -> None:
         """Publish where the light will be, and that it is tracked."""
-        self._predictions.publish(prediction_message(track, frame_id, self._prediction))
+        self._predictions.publish(prediction_bytes(track, frame_id))
         self._say(True)
 
     def publish(self, track: Track, frame_id: str, stamp_offset: float) -> None:
         """Publish the track as the camera sees it, and what was taken off its stamps, s."""
-        self._tracks.publish(track_message(
-            track, frame_id, self._target, self._track, stamp_offset=stamp_offset
-        ))
+        self._tracks.publish(
+            track_bytes(track, frame_id, self._target, stamp_offset=stamp_offset)
+        )
 
     def lose(self) -> None:
         """Say that the light is not tracked: nothing is predicted."""

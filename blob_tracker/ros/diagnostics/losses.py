@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections import deque
-import statistics
 
 LAST = 300  # messages over which a loss is a share
 GRAVE, SEVERAL = 0.01, 3  # share and count of those lost from which on it is worth a word
-RECENT = 15  # intervals of which the usual one is the median
+RECENT = 15  # intervals, an odd number, of which the usual one is the median
 GAP = 1.5  # usual intervals from which on one is missing
 PAUSE = 30.0  # usual intervals from which on it is a pause and no loss
 
@@ -72,6 +71,7 @@ class StampGaps:
         if previous is None or stamp_ns <= previous:
             return 0
         interval = stamp_ns - previous
-        usual = statistics.median(self._intervals) if len(self._intervals) == RECENT else interval
+        known = len(self._intervals) == RECENT
+        usual = sorted(self._intervals)[RECENT // 2] if known else interval  # their median
         self._intervals.append(interval)
         return round(interval / usual) - 1 if GAP < interval / usual < PAUSE else 0

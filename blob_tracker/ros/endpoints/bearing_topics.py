@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.ros.endpoints.qos import publisher, RESULT
-from blob_tracker.ros.messages.target import bearing_message, centroid_message, ray_message
+from blob_tracker.ros.messages.target import bearing_bytes, centroid_bytes, ray_bytes
 from blob_tracker.types import Bearing, Location
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
 from rclpy.node import Node
@@ -31,13 +31,11 @@ class BearingTopics:
                 (PoseWithCovarianceStamped, 'ray'),
             )
         )
-        self._bearing, self._centroid = Vector3Stamped(), PointStamped()
-        self._ray = PoseWithCovarianceStamped()
 
     def publish(self, bearing: Bearing, location: Location, frame_id: str) -> None:
         """Publish the bearing, which the servo waits for first, and what else is wanted."""
-        self._bearings.publish(bearing_message(bearing, frame_id, self._bearing))
+        self._bearings.publish(bearing_bytes(bearing, frame_id))
         if self._centroids.is_wanted:
-            self._centroids.publish(centroid_message(location, frame_id, self._centroid))
+            self._centroids.publish(centroid_bytes(location, frame_id))
         if self._rays.is_wanted:
-            self._rays.publish(ray_message(bearing, frame_id, self._ray))
+            self._rays.publish(ray_bytes(bearing, frame_id))

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+import time
 
 from blob_tracker.ros.endpoints.qos import IMAGE_OUT, publisher
 from blob_tracker.ros.messages.image import from_picture
 import numpy as np
 from numpy.typing import NDArray
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from sensor_msgs.msg import Image
 
 PAUSE_S = 0.1  # s from one picture to the next
+ASK_S = 0.02  # s from one question whether somebody subscribes to the next
 
 
 class DebugImage:
@@ -28,8 +29,8 @@ class DebugImage:
 
     def __init__(self, node: Node) -> None:
         self._publisher = publisher(node, Image, '~/debug_image', IMAGE_OUT)
-        self._clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._drawn_ns = 0
+        self._asked_ns = 0  # when it was last asked whether somebody subscribes
 
     def offer(
         self,
@@ -54,9 +55,10 @@ class DebugImage:
             interest.
 
         """
-        if not self._publisher.is_wanted:
+        now_ns = time.monotonic_ns()
+        if now_ns - self._drawn_ns < 1e9 * pause or now_ns - self._asked_ns < 1e9 * ASK_S:
             return
-        now_ns = self._clock.now().nanoseconds
-        if now_ns - self._drawn_ns >= 1e9 * pause:
+        self._asked_ns = now_ns
+        if self._publisher.is_wanted:
             self._drawn_ns = now_ns
             self._publisher.publish(from_picture(draw(), stamp_ns, frame_id))

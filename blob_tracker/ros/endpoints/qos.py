@@ -70,12 +70,17 @@ class QuietPublisher(Publisher):
     def __init__(self, context: Context, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
         self._context = context
+        self._held = self.handle
         self._is_latched = self.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
 
     def publish(self, msg: Any) -> None:
-        """Publish a message, if ROS is still there."""
+        """Publish a message, or the bytes of one, if ROS is still there."""
         try:
-            super().publish(msg)
+            if type(msg) is bytes:  # as rclpy does, which looks for all else first
+                with self._held:
+                    self._held.publish_raw(msg)
+            else:
+                super().publish(msg)
         except RuntimeError:  # of rclpy's C layer, whose type is not public
             if self._context.ok():
                 raise
@@ -88,7 +93,8 @@ class QuietPublisher(Publisher):
     def get_subscription_count(self) -> int:
         """Return how many listen: nobody where ROS has ended."""
         try:
-            return super().get_subscription_count()
+            with self._held:  # as rclpy does: it is asked several times a frame
+                return int(self._held.get_subscription_count())
         except RuntimeError:
             if self._context.ok():
                 raise

@@ -15,11 +15,6 @@ def to_ns(stamp: Time) -> int:
     return int(stamp.sec) * SECOND_NS + int(stamp.nanosec)
 
 
-def fill_ns(stamp: Time, stamp_ns: int) -> None:
-    """Set a stamp in place, in ns."""
-    stamp.sec, stamp.nanosec = divmod(stamp_ns, SECOND_NS)
-
-
 def from_ns(stamp_ns: int) -> Time:
     """Return the message of a stamp in ns."""
     from builtin_interfaces.msg import Time

@@ -5,7 +5,8 @@ from __future__ import annotations
 from math import atan2, cos, hypot, pi, sin
 
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.stamp import fill_ns, from_ns, to_ns
+from blob_tracker.ros.messages.serialised import serialised
+from blob_tracker.ros.messages.stamp import from_ns, to_ns
 from blob_tracker.types import Bearing, Location, SensorNoise
 from blob_tracker.units import MRAD
 from geometry_msgs.msg import (
@@ -13,64 +14,71 @@ from geometry_msgs.msg import (
 )
 import numpy as np
 from numpy.typing import NDArray
+from rclpy.serialization import deserialize_message
 
 LEAST_GAIN, MOST_GAIN = 1e-3, 1e6  # electrons per DN: those of no camera lie outside
 MOST_READ_NOISE_DN, MOST_BLACK_LEVEL_DN = 1e4, 65535.0  # DN
 # The turn about the ray cannot be seen: evenly spread over the circle, rad^2.
 ROLL_VARIANCE = pi**2 / 3.0
+NOWHERE = 0.0, 0.0, 0.0  # m: a ray begins in the camera
 UNIT = 1e-3  # that the length of a quaternion may be off 1: more is no rounding
 
 
-def bearing_message(
-    bearing: Bearing, frame_id: str, message: Vector3Stamped | None = None
-) -> Vector3Stamped:
-    """Return target/bearing: x azimuth mrad, y elevation mrad, z 0; `message` is filled again."""
-    message = Vector3Stamped() if message is None else message
-    fill_ns(message.header.stamp, bearing.stamp_ns)
-    message.header.frame_id = frame_id
-    message.vector.x = bearing.azimuth
-    message.vector.y = bearing.elevation
+def bearing_bytes(bearing: Bearing, frame_id: str) -> bytes:
+    """Return target/bearing, serialised: x azimuth mrad, y elevation mrad, z 0."""
+    return serialised(bearing.stamp_ns, (frame_id,), [bearing.azimuth, bearing.elevation, 0.0])
+
+
+def bearing_message(bearing: Bearing, frame_id: str) -> Vector3Stamped:
+    """Return the message of `bearing_bytes`."""
+    message: Vector3Stamped = deserialize_message(
+        bearing_bytes(bearing, frame_id), Vector3Stamped
+    )
     return message
 
 
-def centroid_message(
-    location: Location, frame_id: str, message: PointStamped | None = None
-) -> PointStamped:
-    """Return target/centroid: x and y in px of the full sensor, z 0; `message` is filled again."""
-    message = PointStamped() if message is None else message
-    fill_ns(message.header.stamp, location.stamp_ns)
-    message.header.frame_id = frame_id
-    message.point.x = location.x
-    message.point.y = location.y
+def centroid_bytes(location: Location, frame_id: str) -> bytes:
+    """Return target/centroid, serialised: x and y in px of the full sensor, z 0."""
+    return serialised(location.stamp_ns, (frame_id,), [location.x, location.y, 0.0])
+
+
+def centroid_message(location: Location, frame_id: str) -> PointStamped:
+    """Return the message of `centroid_bytes`."""
+    message: PointStamped = deserialize_message(centroid_bytes(location, frame_id), PointStamped)
     return message
 
 
-def ray_message(
-    bearing: Bearing, frame_id: str, message: PoseWithCovarianceStamped | None = None
-) -> PoseWithCovarianceStamped:
+def ray_bytes(bearing: Bearing, frame_id: str) -> bytes:
     """
-    Return target/ray: the turn that takes the optical z axis onto the ray.
+    Return target/ray, serialised: the turn that takes the optical z axis onto the ray.
 
     It is a turn by the elevation about x and then by the azimuth about y, q = q_y q_x. The
-    covariance, in rad^2, is that of the two angles about x (elevation) and y (azimuth). A
-    `message` that is given is filled again.
+    covariance, in rad^2, is that of the two angles about x (elevation) and y (azimuth).
     """
-    message = PoseWithCovarianceStamped() if message is None else message
-    fill_ns(message.header.stamp, bearing.stamp_ns)
-    message.header.frame_id = frame_id
-    turn_onto(bearing.azimuth, bearing.elevation, message.pose.pose.orientation)
-    message.pose.covariance = ray_covariance(bearing.covariance)
+    return serialised(bearing.stamp_ns, (frame_id,), [
+        *NOWHERE, *turn_onto(bearing.azimuth, bearing.elevation),
+        *ray_covariance(bearing.covariance),
+    ])
+
+
+def ray_message(bearing: Bearing, frame_id: str) -> PoseWithCovarianceStamped:
+    """Return the message of `ray_bytes`."""
+    message: PoseWithCovarianceStamped = deserialize_message(
+        ray_bytes(bearing, frame_id), PoseWithCovarianceStamped
+    )
     return message
 
 
-def turn_onto(azimuth: float, elevation: float, turn: Quaternion) -> None:
-    """Fill in the turn q = q_y q_x that takes the z axis to these angles, mrad."""
+def turn_onto(azimuth: float, elevation: float) -> tuple[float, float, float, float]:
+    """Return x, y, z, w of the turn q = q_y q_x that takes the z axis to these angles, mrad."""
     half_azimuth = 0.5 * MRAD * azimuth
     half_elevation = 0.5 * MRAD * elevation
-    turn.x = cos(half_azimuth) * sin(half_elevation)
-    turn.y = sin(half_azimuth) * cos(half_elevation)
-    turn.z = -sin(half_azimuth) * sin(half_elevation)
-    turn.w = cos(half_azimuth) * cos(half_elevation)
+    return (
+        cos(half_azimuth) * sin(half_elevation),
+        sin(half_azimuth) * cos(half_elevation),
+        -sin(half_azimuth) * sin(half_elevation),
+        cos(half_azimuth) * cos(half_elevation),
+    )
 
 
 def ray_covariance(of_angles: NDArray[np.float64]) -> list[float]:
@@ -83,10 +91,10 @@ def ray_covariance(of_angles: NDArray[np.float64]) -> list[float]:
 def about_x_and_y(of_angles: NDArray[np.float64]) -> list[float]:
     """Return the same without the roll, as of rates: rad^2 about x (elevation), y (azimuth)."""
     covariance = [0.0] * 36
-    in_rad2 = MRAD**2 * of_angles
-    covariance[3 * 6 + 3] = float(in_rad2[1, 1])
-    covariance[4 * 6 + 4] = float(in_rad2[0, 0])
-    covariance[3 * 6 + 4] = covariance[4 * 6 + 3] = float(in_rad2[0, 1])
+    (xx, xy), (_, yy) = of_angles.tolist()
+    covariance[3 * 6 + 3] = MRAD**2 * yy
+    covariance[4 * 6 + 4] = MRAD**2 * xx
+    covariance[3 * 6 + 4] = covariance[4 * 6 + 3] = MRAD**2 * xy
     return covariance
 
 

@@ -3,37 +3,40 @@
 from __future__ import annotations
 
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.stamp import fill_ns, to_ns
+from blob_tracker.ros.messages.serialised import serialised
+from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.ros.messages.target import (
-    about_x_and_y, ray_covariance, to_angles, to_covariance, turn_onto,
+    about_x_and_y, NOWHERE, ray_covariance, to_angles, to_covariance, turn_onto,
 )
 from blob_tracker.tracking import Track
 from blob_tracker.units import MRAD
 from geometry_msgs.msg import Vector3Stamped
 from nav_msgs.msg import Odometry
 import numpy as np
+from rclpy.serialization import deserialize_message
 
 MOST_OFFSET_S = 2e9  # as `stamp_offset` of the tracker
 
 
-def prediction_message(
-    track: Track, frame_id: str, message: Vector3Stamped | None = None
-) -> Vector3Stamped:
-    """Return target/bearing_predicted: x azimuth mrad, y elevation mrad; filled again."""
-    message = Vector3Stamped() if message is None else message
-    fill_ns(message.header.stamp, track.stamp_ns)
-    message.header.frame_id = frame_id
-    message.vector.x = track.azimuth
-    message.vector.y = track.elevation
+def prediction_bytes(track: Track, frame_id: str) -> bytes:
+    """Return target/bearing_predicted, serialised: x azimuth mrad, y elevation mrad."""
+    return serialised(track.stamp_ns, (frame_id,), [track.azimuth, track.elevation, 0.0])
+
+
+def prediction_message(track: Track, frame_id: str) -> Vector3Stamped:
+    """Return the message of `prediction_bytes`."""
+    message: Vector3Stamped = deserialize_message(
+        prediction_bytes(track, frame_id), Vector3Stamped
+    )
     return message
 
 
-def track_message(
-    track: Track, frame_id: str, target: str, message: Odometry | None = None,
-    *, stamp_offset: float = 0.0,
-) -> Odometry:
+def track_bytes(track: Track, frame_id: str, target: str, *, stamp_offset: float = 0.0) -> bytes:
     """
-    Return target/track: the turn that takes the z axis onto the target, and its rates.
+    Return target/track, serialised: the turn that takes the z axis onto the target, its rates.
+
+    The pose is that of target/ray. In the twist, angular x is the rate of the elevation and y that
+    of the azimuth, rad/s, with their covariance; linear z is the offset of the stamps.
 
     Parameters
     ----------
@@ -43,29 +46,26 @@ def track_message(
         Name of the optical frame.
     target : str
         Name of the target: that of the child frame.
-    message : Odometry, optional
-        Is filled again.
     stamp_offset : float
         What was taken off the camera's stamps, s.
 
-    Returns
-    -------
-    Odometry
-        The pose is that of target/ray. In the twist, angular x is the rate of the elevation and
-        y that of the azimuth, rad/s, with their covariance; linear z is the offset of the stamps.
-
     """
-    message = Odometry() if message is None else message
-    fill_ns(message.header.stamp, track.stamp_ns)
-    message.header.frame_id = frame_id
-    message.child_frame_id = target
-    turn_onto(track.azimuth, track.elevation, message.pose.pose.orientation)
-    message.pose.covariance = ray_covariance(track.angle_covariance)
-    azimuth_rate, elevation_rate = track.rate
-    message.twist.twist.angular.x = MRAD * float(elevation_rate)
-    message.twist.twist.angular.y = MRAD * float(azimuth_rate)
-    message.twist.twist.linear.z = stamp_offset
-    message.twist.covariance = about_x_and_y(track.rate_covariance)
+    azimuth_rate, elevation_rate = track.rate.tolist()
+    return serialised(track.stamp_ns, (frame_id, target), [
+        *NOWHERE, *turn_onto(track.azimuth, track.elevation),
+        *ray_covariance(track.angle_covariance),
+        0.0, 0.0, stamp_offset, MRAD * elevation_rate, MRAD * azimuth_rate, 0.0,
+        *about_x_and_y(track.rate_covariance),
+    ])
+
+
+def track_message(
+    track: Track, frame_id: str, target: str, *, stamp_offset: float = 0.0
+) -> Odometry:
+    """Return the message of `track_bytes`."""
+    message: Odometry = deserialize_message(
+        track_bytes(track, frame_id, target, stamp_offset=stamp_offset), Odometry
+    )
     return message
 
 

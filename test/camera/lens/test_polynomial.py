@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 from blob_tracker.camera import LensError
+from blob_tracker.camera.lens import polynomial
 from hypothesis import given, settings, strategies
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,21 @@ RATIONAL = strategies.tuples(PLUMB_BOB, drawn(1.0, 0.5, 0.1)).map(
 )
 PRISM = strategies.tuples(RATIONAL, drawn(0.01, 0.01, 0.01, 0.01)).map(lambda c: c[0] + c[1])
 TILTED = strategies.tuples(PRISM, drawn(0.1, 0.1)).map(lambda c: c[0] + c[1])
+
+
+def test_the_ray_is_the_same_with_and_without_the_compiler(
+    monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """To the last bit: it is a kernel with Python's own arithmetic."""
+    polynomial.compile_lens()
+    monkeypatch.setattr(polynomial, '_distorted_inside', polynomial._distorted)
+    plain = getattr(polynomial._climbed, 'py_func', polynomial._climbed)
+    random = np.random.default_rng(5)
+    padded = (-0.3, 0.13, 1e-3, -1e-3, 0.02, 0.1, 0.01, 1e-3, 1e-3, 2e-3, 1e-3, -1e-3)
+    for x, y in random.uniform(-0.8, 0.8, (200, 2)).tolist():
+        for fold2 in (1.0, 0.3):
+            told = x, y, 0.5 * x, 0.5 * y, fold2, padded
+            assert polynomial._climbed(*told) == plain(*told)
 
 
 @pytest.mark.parametrize('name', ['pinhole', 'plumb_bob', 'rational', 'prism', 'tilted'])

@@ -13,9 +13,7 @@ from blob_tracker.ros.messages.target import ray_covariance, ray_message, turn_o
 from blob_tracker.simulation.waved_light import RigCamera, WavedLight
 from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
-from geometry_msgs.msg import (
-    PointStamped, PoseWithCovarianceStamped as Ray, Quaternion,
-)
+from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped as Ray
 import numpy as np
 import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
@@ -35,13 +33,11 @@ LIGHT = np.array([4.0, -0.5, 0.3])
 
 def serialized(stamp_ns: int, angles: np.ndarray, covariance: np.ndarray) -> bytes:
     """Return a ray as the locator publishes it."""
-    turn = Quaternion()
     azimuth, elevation = (angles / MRAD).tolist()
-    turn_onto(azimuth, elevation, turn)
     types = TYPES.types
     pose = types['geometry_msgs/msg/Pose'](
         types['geometry_msgs/msg/Point'](0.0, 0.0, 0.0),
-        types['geometry_msgs/msg/Quaternion'](turn.x, turn.y, turn.z, turn.w))
+        types['geometry_msgs/msg/Quaternion'](*turn_onto(azimuth, elevation)))
     stamp = types['builtin_interfaces/msg/Time'](*divmod(stamp_ns, 10**9))
     message = types[KIND](
         types['std_msgs/msg/Header'](stamp, 'optical'),
