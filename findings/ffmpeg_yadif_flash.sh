@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# A flash in the second field of a frame is not in the film that yadif made, in that of bwdif it
-# is.
+# A flash in the second field of a frame is lost by yadif and kept by bwdif.
 #
 # Expected: a filter that makes whole pictures of interlaced ones keeps what both fields have seen,
 # at half the lines; yadif and bwdif differ in quality.

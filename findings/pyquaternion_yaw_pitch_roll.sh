@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # pyquaternion's yaw, pitch and roll are those of the other order of the three turns.
 #
-# Expected: yaw_pitch_roll are, as its help says, angles of the convention z-y'-x'': a turn by yaw
+# Expected: yaw_pitch_roll are, as its help begins, angles of the convention z-y'-x'': a turn by yaw
 # about z, by pitch about the new y and by roll about the new x is the quaternion again.
-# Happens: they are those of x-y'-z'', where the roll comes first and the yaw last.
-# Matters: one turn alone is right, and small ones nearly are. A camera that looks 40 degrees to
-# the side and 30 down, rolled by 20, is put 21 degrees off by who takes the help at its word.
+# Happens: they are those of x-y'-z'', where the roll comes first and the yaw last, as a product of
+# matrices further down in the help has it.
+# Matters: one turn alone is right, and small ones nearly are. A camera that looks 40 degrees to the
+# side and 30 down, rolled by 20, is put 21 degrees off by who keeps to the name of the convention.
 #
 # pyquaternion 0.9.9, made of yaw, pitch and roll of 40, 30 and 20 degrees:
 #   yaw_pitch_roll: 35.5 35.4 -2.8
