@@ -6,8 +6,8 @@
 # Happens: radian and steradian are the plain number 1, as in the SI: intensity and flux are of one
 # dimension and convert by a factor of 1. A turn is 2 pi, so that Hz, which is 1/s, is taken for
 # radians a second.
-# Matters: the solid angle of a beam can be left out of a link budget unnoticed, which is what units
-# were to prevent; a rate of flashes that came as rpm is wrong by 6.28.
+# Matters: the solid angle of a beam can be left out of a link budget unnoticed, which is what
+# units were to prevent; a rate of flashes that came as rpm is wrong by 6.28.
 #
 # Pint 0.26.2:
 #   100 lm is 100 cd

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # pyquaternion's yaw, pitch and roll are those of the other order of the three turns.
 #
-# Expected: yaw_pitch_roll are, as its help begins, angles of the convention z-y'-x'': a turn by yaw
-# about z, by pitch about the new y and by roll about the new x is the quaternion again.
+# Expected: yaw_pitch_roll are, as its help begins, angles of the convention z-y'-x'': a turn by
+# yaw about z, by pitch about the new y and by roll about the new x is the quaternion again.
 # Happens: they are those of x-y'-z'', where the roll comes first and the yaw last, as a product of
 # matrices further down in the help has it.
 # Matters: one turn alone is right, and small ones nearly are. A camera that looks 40 degrees to the
