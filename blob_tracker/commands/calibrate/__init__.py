@@ -14,6 +14,7 @@ CALIBRATIONS: dict[str, str] = {
     'body': 'where the lights are on a body, from turning it before one camera',
     'convert': "another program's calibration file, written as ROS has it",
     'flash': 'which lights blink, how, and the parameters that track them',
+    'hand_eye': 'how the camera sits on a pan/tilt, from turning it before a still light',
     'imu': 'how the IMU sits beside the camera, its clock and its bias',
     'jitter': 'line offsets of an analogue grabber, from frames of a vertical edge',
     'line_time': 'how fast a rolling shutter reads its lines, from the bands of a lamp',
