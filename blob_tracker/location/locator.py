@@ -149,6 +149,10 @@ class Locator:
         self, window: Window, noise: SensorNoise, light: str, options: dict[str, Any]
     ) -> Estimate:
         """Return the estimate by the pulse that is learned, and have it learned."""
+        if 'history' in options:
+            known = options['history']()  # the learner asks when this flash is part of it
+            options = {**options, 'history': lambda: known}
+
         def placed(pulse: EffectivePsf | None) -> Estimates:
             given = {} if pulse is None else {'pulse': pulse}
             return estimate(window, method=self._method, noise=noise, **options, **given)

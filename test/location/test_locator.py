@@ -1,6 +1,7 @@
 """What the last flashes tell of the next: motion and flicker."""
 
 from blob_tracker.location import locate, Locator
+from blob_tracker.location.locate import estimate
 from blob_tracker.simulation.sensor import expose
 from blob_tracker.types import LocationError, Window
 import numpy as np
@@ -34,6 +35,25 @@ def test_a_clean_light_is_placed_as_by_locate():
         placed, alone = locator.locate(window, noise=NOISE), locate(window, noise=NOISE)
         assert (placed.x, placed.y, placed.warning) == (alone.x, alone.y, '')
         np.testing.assert_array_equal(placed.covariance, alone.covariance)
+
+
+def test_what_is_learned_later_knows_the_past_of_its_flash(monkeypatch):
+    """And not that flash itself, which is remembered by then."""
+    seen = pairs(12, evenly(1.0), evenly(0.0))
+    locator = Locator(learn=True)
+    asked = []
+    monkeypatch.setattr(
+        'blob_tracker.location.locator.estimate',
+        lambda *_, history, **options: asked.append(history()) or estimate(*_, **options),
+    )
+    for n in range(12):
+        window = Window(seen.lit[n], seen.unlit[n], saturation=SATURATION, stamp_ns=n * 33_000_000)
+        asked.clear()
+        locator.locate(window, noise=NOISE)
+        _, _, _, base = locator.learners['']._window
+        base()
+        first, later = asked
+        assert later is first and (n < 3 or first.motion.place is not None)
 
 
 @pytest.mark.parametrize('share', [0.05, 0.2, 0.4])
