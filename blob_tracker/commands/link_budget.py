@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from blob_tracker.radiometry import (
-    Budget, Led, LEVELS, link_budget, Receiver, Surroundings,
+    Budget, Led, LEVELS, link_budget, OpticsError, Receiver, Surroundings,
 )
 from blob_tracker.radiometry.budget import LEAST_SNR
 import numpy as np
@@ -30,7 +30,7 @@ LED_OPTIONS = {
     'flash': ('flash', 1e-3, 'MS', 'how long it is on; 0 is for the whole exposure'),
 }
 CAMERA_OPTIONS = {
-    'f-number': ('f_number', 1.0, '', 'of the lens'),
+    'f-number': ('f_number', 1.0, 'F', 'of the lens'),
     'transmission': ('transmission', 1.0, '', 'of the lens'),
     'filter': ('filter_width', 1.0, 'NM', 'pass band about the wavelength; inf is no filter'),
     'filter-transmission': ('filter_transmission', 1.0, '', 'in its pass band'),
@@ -263,7 +263,10 @@ def _draw(
     for axes in (left, right):
         axes.grid(True, alpha=0.3)
     left.legend()
-    figure.savefig(path, dpi=110)
+    try:
+        figure.savefig(path, dpi=110)
+    except (OSError, ValueError) as error:  # no such folder, no such format
+        raise OpticsError(f'--plot {path}: {error}') from error
 
 
 def _number(value: float) -> str:

@@ -28,10 +28,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     lens = parser.add_argument_group('lens and sensor')
     lens.add_argument(
         '--focal-length', type=float, nargs='+', metavar='MM',
-        help="one or more, mm; those of the thesis' table where left out",
+        help="one or more, mm; those of the thesis' table where left out, with --led "
+        f'{link_budget.CAMERA.focal_length:g}',
     )
     lens.add_argument(
-        '--pixel', type=float, metavar='UM', help=f'pixel pitch, um (default {THESIS_PIXEL:g})'
+        '--pixel', type=float, metavar='UM',
+        help=f'pixel pitch, um (default {THESIS_PIXEL:g}, with --led '
+        f'{link_budget.CAMERA.pixel:g})',
     )
     lens.add_argument(
         '--width', type=int, metavar='PX', help=f'of the sensor, px (default {THESIS_WIDTH})'
