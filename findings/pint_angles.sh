@@ -9,7 +9,7 @@
 # Matters: the solid angle of a beam can be left out of a link budget unnoticed, which is what
 # units were to prevent; a rate of flashes that came as rpm is wrong by 6.28.
 #
-# Pint 0.26.2:
+# Pint 0.25.3:
 #   100 lm is 100 cd
 #   0.2 W/sr + 0.2 W is 0.4 W/sr
 #   1 Hz is 9.549 rpm
@@ -19,7 +19,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 "${PYTHON:-python3}" -m venv "$folder/venv"
 "$folder/venv/bin/pip" install --quiet --disable-pip-version-check --only-binary=:all: \
-    pint==0.26.2
+    pint==0.25.3
 "$folder/venv/bin/python" -I - <<'END'
 import pint
 
