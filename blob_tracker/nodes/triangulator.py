@@ -1,15 +1,20 @@
-"""<camera>/target/ray of two cameras -> target/point and target/pose."""
+"""<camera>/target/ray of two cameras or more -> target/point and target/pose."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import combinations
+import math
 import sys
 import time
 from typing import Any
 
-from blob_tracker.nodes.interface.triangulator import CAMERAS, PARAMETERS
+from blob_tracker.kernel import Array
+from blob_tracker.nodes.interface.triangulator import (
+    ANGLES, AXES, OWN, pose_of, pose_parameters,
+)
 from blob_tracker.ros.diagnostics.clock_jumps import on_clock_jump
 from blob_tracker.ros.diagnostics.connections import Connections
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
@@ -19,8 +24,8 @@ from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.imu import turn_of
 from blob_tracker.ros.messages.position import point_message, pose_message
 from blob_tracker.ros.messages.target import to_bearing
-from blob_tracker.ros.parameters.declaration import declare, on_change
-from blob_tracker.ros.parameters.values import about
+from blob_tracker.ros.parameters.declaration import declare, given, on_change, undeclared
+from blob_tracker.ros.parameters.values import about, unknown
 from blob_tracker.ros.process import run
 from blob_tracker.tracking import (
     CameraPose, Position, Simultaneous, triangulate, TriangulationError,
@@ -33,19 +38,23 @@ from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
 from rclpy.validate_topic_name import validate_topic_name
 
-SILENCE_S = 2.0  # s of wall time without a ray, while the other camera has some
-TOGETHER_S = 0.1  # s of wall time within which the ages of two rays are compared
+SILENCE_S = 2.0  # s of wall time without a ray, while another camera has some
+TOGETHER_S = 1.0  # s of wall time within which the ages of two rays are compared
 APART_S = 1.0  # s by which they may differ: no camera is so much later than another
 LEAST_BASELINE_M = 1e-9  # m
+LEAST_EIGENVALUE = -1e-6  # of a covariance, of the greatest: written with seven digits
+FORMER = ('first', 'second')  # what the two cameras were called that there could be
 
 
 @dataclass
 class _Camera:
     """What has come of a camera."""
 
+    name: str
     topic: str
-    came: float  # monotonic time, s
-    age: float = 0.0  # of the last ray as it came, s
+    came: float = -math.inf  # monotonic time, s
+    age: float = math.nan  # of the last ray as it came, s
+    frame_id: str = ''  # of the first ray
 
 
 class TriangulatorNode(Node):
@@ -53,119 +62,157 @@ class TriangulatorNode(Node):
 
     def __init__(self) -> None:
         super().__init__('triangulator')
-        values = declare(self, PARAMETERS)
-        self._health = Health(
-            self,
-            'no ray arrives; are two locators running, in the namespaces of first.namespace and '
-            'second.namespace?',
-            describe=self._describe,
-        )
-        self._connections = Connections(self, self._health)
-        self._position: Position | None = None
-        self._pairing = Simultaneous(values['max_interval'], values['acceleration'])
-        self._skipped = 0  # when it was last told
-        self._change(values)()
-        on_change(self, PARAMETERS, self._change)
+        values = declare(self, OWN, complete=False)
+        names: list[str] = values['cameras']
         light = values['light']
         if light:
             with about('light'):
                 check_light(light)
         target = target_topic(light)
+        self._cameras = [
+            _Camera(name, self.resolve_topic_name(topic))
+            for name, topic in _topics(names, target).items()
+        ]
+        parameters = (*OWN, *pose_parameters(names))
+        values |= declare(self, parameters[len(OWN):], complete=False)
+        for name in undeclared(self):
+            raise _unknown(name, values, names)
+        self._health = Health(
+            self,
+            f'no ray arrives of {", ".join(names)}; is there a locator in the namespace of each?',
+            describe=self._describe,
+        )
+        self._connections = Connections(self, self._health)
+        self._position: Position | None = None
+        self._seen_by = ''
+        self._pairing = Simultaneous(len(names), values['max_interval'], values['acceleration'])
+        self._skipped = 0  # when it was last told
+        self._late = list(self._pairing.late)
+        self._change(values)()
+        on_change(self, parameters, self._change)
         self._points = publisher(self, PointStamped, f'{target}/point', RESULT)
         self._poses = publisher(self, PoseWithCovarianceStamped, f'{target}/pose', RESULT)
-        self._cameras: dict[str, _Camera] = {}
-        for name in CAMERAS:
-            topic = f'{values[f"{name}.namespace"]}/{target}/ray'
-            try:
-                validate_topic_name(topic)
-            except InvalidTopicNameException as error:
-                raise ParameterError(f"parameter '{name}.namespace': {error}") from None
+        for number, camera in enumerate(self._cameras):
             subscription(
-                self, PoseWithCovarianceStamped, topic, partial(self._take, name), RESULT
-            )
-            self._cameras[name] = _Camera(self.resolve_topic_name(topic), time.monotonic())
-        first, second = (self._cameras[name].topic for name in CAMERAS)
-        if first == second:
-            raise ParameterError(
-                f'first.namespace and second.namespace are both that of {first}; each camera has '
-                'a namespace of its own'
+                self, PoseWithCovarianceStamped, camera.topic, partial(self._take, number), RESULT
             )
         self._health.watch(self._check_cameras)
         self._clock_jumps = on_clock_jump(self, self._health, self._forget)
 
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Build what these parameters ask for; return what puts it into effect."""
-        poses = [
-            CameraPose(
-                np.array([values[f'{name}.{axis}'] for axis in 'xyz']),
-                turn_of(*(values[f'{name}.{angle}'] for angle in ('roll', 'pitch', 'yaw'))),
-                position_sigma=values[f'{name}.position_sigma'],
-                rotation_sigma=values[f'{name}.rotation_sigma'],
-            )
-            for name in CAMERAS
-        ]
+        poses = [self._camera_pose(camera.name, values) for camera in self._cameras]
+        shared = _shared(values['pose_covariance'], len(poses))
 
         def use() -> None:
-            self._camera_poses, self._frame_id = poses, values['frame_id']
+            self._camera_poses, self._shared = poses, shared
+            self._frame_id = values['frame_id']
             self._gate_sigma = values['gate']
             self._pairing.max_interval = values['max_interval']
             self._pairing.acceleration = values['acceleration']
 
         return use
 
+    def _camera_pose(self, camera: str, values: dict[str, Any]) -> CameraPose | None:
+        """Return where a camera is, by the parameters; None where nobody has said it yet."""
+        of = {name.rpartition('.')[2]: name for name in values if (
+            name.startswith(f'{pose_of(camera)}.')
+        )}
+        defaults = {each.name: each.default for each in pose_parameters([camera])}
+        if all(values[name] == defaults[name] for name in of.values()) and not (
+            given(self).keys() & set(of.values())
+        ):
+            return None
+        return CameraPose(
+            np.array([values[of[axis]] for axis in AXES]),
+            turn_of(*(values[of[angle]] for angle in ANGLES)),
+            position_sigma=values[of['position_sigma']],
+            rotation_sigma=values[of['rotation_sigma']],
+        )
+
     def _forget(self, after_ns: int) -> None:
         """Forget the rays that have a later stamp, ns."""
         self._pairing.forget(after_ns)
+        for camera in self._cameras:
+            camera.age = math.nan
 
-    def _take(self, name: str, message: PoseWithCovarianceStamped) -> None:
+    def _take(self, number: int, message: PoseWithCovarianceStamped) -> None:
         """Take a ray of a camera; publish the positions for which it was missing."""
-        camera = self._cameras[name]
+        camera = self._cameras[number]
         try:
             bearing = to_bearing(message)
             check_bearing(bearing)
         except (MessageError, TriangulationError) as error:
             self._health.fault(ERROR, f'{camera.topic}: {error}')
             return
+        if not self._is_of(camera, message.header.frame_id):
+            return
         self._health.arrived(bearing.stamp_ns)
-        self._health.count(f'rays of the {name} camera')
+        self._health.count(f'rays of {camera.name}')
         camera.came = time.monotonic()
         camera.age = 1e-9 * (self.get_clock().now().nanoseconds - bearing.stamp_ns)
-        if self._clocks_differ():
-            self._pairing.forget(-1)
+        if self._clock_differs(camera):
+            self._pairing.leave_out(number)
+            return
+        if self._camera_poses[number] is None:  # which is said each second
             return
         try:
-            take = self._pairing.first if name == CAMERAS[0] else self._pairing.second
-            pairs = take(bearing)
+            complete = self._pairing.take(number, bearing)
         except ValueError as error:
             self._health.fault(WARN, f'{camera.topic}: {error}')
             return
-        for pair in pairs:
-            self._triangulate(pair)
+        for seen in complete:
+            self._triangulate(seen)
 
-    def _clocks_differ(self) -> bool:
-        """Tell, and say, whether the rays that come together have stamps of different clocks."""
-        first, second = (self._cameras[name] for name in CAMERAS)
-        apart = second.age - first.age
-        if abs(first.came - second.came) > TOGETHER_S or abs(apart) <= APART_S:
-            return False
-        late, early = (second, first) if apart > 0.0 else (first, second)
+    def _is_of(self, camera: _Camera, frame_id: str) -> bool:
+        """Tell whether a ray is in the frame of the camera's first one; say so where not."""
+        camera.frame_id = camera.frame_id or frame_id
+        if frame_id == camera.frame_id:
+            return True
         self._health.fault(
             ERROR,
-            f'the rays on {late.topic} are {abs(apart):.1f} s older as they come than those on '
-            f'{early.topic}: they have stamps of different clocks; set both machines by NTP or '
-            'PTP, and use_sim_time alike',
+            f'{camera.topic}: the ray is in the frame {frame_id!r:.80} and the first was in '
+            f'{camera.frame_id!r:.80}: it is of another camera, and left out; restart the node if '
+            'the camera has another name now',
+        )
+        return False
+
+    def _clock_differs(self, camera: _Camera) -> bool:
+        """Tell, and say, whether a camera's stamps are of another clock than most others'."""
+        others = [
+            each for each in self._cameras
+            if each is not camera and camera.came - each.came < TOGETHER_S
+            and not math.isnan(each.age)
+        ]
+        apart = [each for each in others if abs(each.age - camera.age) > APART_S]
+        if 2 * len(apart) <= len(others):
+            return False
+        by = apart[0].age - camera.age
+        late, early = (apart, [camera]) if by > 0.0 else ([camera], apart)
+        self._health.fault(
+            ERROR,
+            f'the rays on {_topics_of(late)} are {abs(by):.1f} s older as they come than those on '
+            f'{_topics_of(early)}: they have stamps of different clocks; set all machines by NTP '
+            'or PTP, and use_sim_time alike'
+            + (f'; {camera.topic} is left out' if len(others) > 1 else ''),
         )
         return True
 
-    def _triangulate(self, pair: tuple[Bearing, Bearing]) -> None:
+    def _triangulate(self, seen: Sequence[tuple[int, Bearing]]) -> None:
         """Publish where the rays meet, or nothing at all."""
         if self._at_one_place():  # which is said each second
             return
+        which = [number for number, _ in seen]
+        names = [self._cameras[number].name for number in which]
+        poses = [pose for number in which if (pose := self._camera_poses[number]) is not None]
         try:
-            position = triangulate(pair, self._camera_poses, gate_sigma=self._gate_sigma)
+            position = triangulate(
+                [bearing for _, bearing in seen], poses, gate_sigma=self._gate_sigma,
+                shared=_part(self._shared, which), names=names,
+            )
         except TriangulationError as error:
             self._health.fault(WARN, f'no position: {error}')
-            self._health.count('pairs refused')
+            self._health.count('instants refused')
             self._health.show('last refusal', error)
             return
         self._points.publish(point_message(position, self._frame_id))
@@ -174,37 +221,87 @@ class TriangulatorNode(Node):
         self._health.count('positions')
         self._health.ok('target placed')
         self._position = position
+        odd = {name for name, _ in position.outliers}
+        self._seen_by = ', '.join(name for name in names if name not in odd)
+        for name, sigmas in position.outliers:
+            self._health.count(f'rays of {name} that pass by')
+            self._health.fault(
+                WARN,
+                f'the ray of {name} passes the others by, {sigmas:.1f} sigma: it is of another '
+                f'light, a reflection say, or {name} is not where its pose says; it is not used',
+            )
 
-    def _at_one_place(self) -> bool:
-        """Tell whether no one has said yet where the cameras are."""
-        first, second = self._camera_poses
-        return float(np.linalg.norm(first.position - second.position)) < LEAST_BASELINE_M
+    def _at_one_place(self) -> str:
+        """Return which cameras are at one place; empty where none are."""
+        placed = [
+            (camera.name, pose.position)
+            for camera, pose in zip(self._cameras, self._camera_poses, strict=True) if pose
+        ]
+        return next((
+            f'{one} and {other}' for (one, place), (other, another) in combinations(placed, 2)
+            if float(np.linalg.norm(place - another)) < LEAST_BASELINE_M
+        ), '')
 
     def _check_cameras(self) -> None:
-        """Report cameras at one place, one that is silent, and rays that come in vain."""
-        if self._at_one_place():
+        """Report cameras without a place of their own, silent ones, and rays in vain."""
+        for camera, pose in zip(self._cameras, self._camera_poses, strict=True):
+            if pose is None:
+                begin = pose_of(camera.name)
+                self._health.fault(
+                    ERROR,
+                    f'{camera.name} has no pose and is not used; set {begin}.x, {begin}.y, '
+                    f'{begin}.z and its turn to where it is in frame_id, or take the file that '
+                    'calibrate rig writes',
+                )
+        if both := self._at_one_place():
             self._health.fault(
                 ERROR,
-                'both cameras are at the same place; set first.x, first.y, first.z and second.x, '
-                'second.y, second.z to where they are in frame_id',
+                f'{both} are at the same place, and there is no position; set x, y and z of their '
+                'poses to where they are in frame_id',
             )
-        now = time.monotonic()
-        silent = [each for each in self._cameras.values() if now - each.came > SILENCE_S]
-        if len(silent) == 1 and not self._health.starting:
-            heard = next(each for each in self._cameras.values() if each not in silent)
-            self._health.fault(
-                WARN,
-                f'{silent[0].topic} is silent and {heard.topic} is not: there is no position; '
-                'does that camera see the light, and is the name right?',
-            )
+        if not self._health.starting:
+            self._check_silence()
         skipped, self._skipped = self._pairing.skipped - self._skipped, self._pairing.skipped
-        if skipped and not silent:
+        if skipped:
             self._health.fault(
                 WARN,
-                f'{skipped} rays of the first camera had none of the second near enough, last '
+                f'{skipped} rays had none of another camera near enough, last '
                 f'{self._pairing.interval:.3f} s; raise max_interval, or name the camera with '
                 'fewer rays first',
             )
+        for camera, late, told in zip(
+            self._cameras, self._pairing.late, self._late, strict=True
+        ):
+            if late > told:
+                self._health.fault(
+                    WARN,
+                    f'{late - told} rays on {camera.topic} came too late to be used: more than '
+                    'max_interval after those of other cameras; raise it, or look for what holds '
+                    'them up',
+                )
+        self._late = list(self._pairing.late)
+
+    def _check_silence(self) -> None:
+        """Report cameras of which nothing ever came, and those that leave a single one."""
+        now = time.monotonic()
+        heard = [each for each in self._cameras if now - each.came < SILENCE_S]
+        silent = [each for each in self._cameras if each not in heard]
+        if len(heard) == 1:
+            self._health.fault(
+                WARN,
+                f'{_topics_of(silent)} {"is" if len(silent) == 1 else "are"} silent and '
+                f'{heard[0].topic} is not: there is no position; does that camera see the light, '
+                'and is the name right?',
+            )
+        elif heard:
+            for camera in silent:
+                if camera.came == -math.inf:
+                    self._health.fault(
+                        WARN,
+                        f'nothing has ever come on {camera.topic}; is the name right, and does '
+                        'the camera run and see the light?',
+                    )
+        self._health.show('silent cameras', ', '.join(each.name for each in silent) or 'none')
 
     def _describe(self) -> None:
         """Show in the diagnostics what was found last."""
@@ -221,7 +318,89 @@ class TriangulatorNode(Node):
         ):
             self._health.show(f'{axis} (m)', f'{place:.4f} +- {sigma:.4f}')
             self._health.show(f'of it by the camera poses, {axis} (m)', f'{lasting:.4f}')
-        self._health.show('chi-square', f'{position.chi2:.2f}')
+        self._health.show('chi-square', f'{position.chi2:.2f} of {position.degrees_of_freedom}')
+        self._health.show('placed by', self._seen_by)
+
+
+def _topics(names: Sequence[str], target: str) -> dict[str, str]:
+    """Return the topic of each camera; raise ParameterError where one cannot be."""
+    if len(names) < 2:
+        raise ParameterError(
+            f"parameter 'cameras' is [{', '.join(names)}]; where a light is two cameras tell, or "
+            'more: cameras:=[left, right]'
+        )
+    topics: dict[str, str] = {}
+    for name in names:
+        topic = f'{name.rstrip("/")}/{target}/ray'
+        try:
+            validate_topic_name(topic)
+        except InvalidTopicNameException as error:
+            raise ParameterError(f"parameter 'cameras': {error}") from None
+        if not name.strip('/') or pose_of(name) in map(pose_of, topics):
+            raise ParameterError(
+                f"parameter 'cameras' is [{', '.join(names)}], with "
+                f'{f"{name} twice" if name.strip("/") else "a camera without a name"}; each '
+                'camera has a namespace of its own'
+            )
+        topics[name] = topic
+    return topics
+
+
+def _unknown(name: str, names: Iterable[str], cameras: Sequence[str]) -> ParameterError:
+    """Return the error for a parameter that there is not, or no more."""
+    role, _, rest = name.partition('.')
+    if role in FORMER and rest:
+        camera = dict(zip(FORMER, cameras))[role]
+        now = 'cameras' if rest == 'namespace' else f'{pose_of(camera)}.{rest}'
+        return ParameterError(
+            f"no parameter '{name}'; it is '{now}' now: the cameras have names, and there may be "
+            'more than two'
+        )
+    if role == 'poses':
+        return ParameterError(
+            f"no parameter '{name}'; cameras is [{', '.join(cameras)}], and each of these has a "
+            f'pose, {pose_of(cameras[0])}.x and so on'
+        )
+    return unknown(name, names)
+
+
+def _shared(triangle: Sequence[float], cameras: int) -> Array | None:
+    """Return the covariance of the cameras' poses of its lower triangle, row by row."""
+    if list(triangle) == [0.0]:
+        return None
+    size = 6 * cameras
+    count = size * (size + 1) // 2
+    if len(triangle) != count:
+        raise ParameterError(
+            f"parameter 'pose_covariance' has {len(triangle)} numbers; for {cameras} cameras it "
+            f'must be {count}, or a single 0.0'
+        )
+    lower = np.zeros((size, size))
+    lower[np.tril_indices(size)] = triangle
+    covariance = lower + np.tril(lower, -1).T
+    deviations = np.sqrt(np.abs(covariance.diagonal()))
+    scale = np.where(deviations > 0.0, deviations, 1.0)
+    values = np.linalg.eigvalsh(covariance / np.outer(scale, scale)) if (
+        np.isfinite(covariance).all()
+    ) else np.array([-math.inf])
+    if values[0] < LEAST_EIGENVALUE:
+        raise ParameterError(
+            "parameter 'pose_covariance' is no covariance: it must be finite and positive "
+            'semidefinite; take it from the file that calibrate rig writes'
+        )
+    return covariance
+
+
+def _part(shared: Array | None, which: Sequence[int]) -> Array | None:
+    """Return the covariance of the poses of some cameras."""
+    if shared is None:
+        return None
+    rows = [6 * number + each for number in which for each in range(6)]
+    return shared[np.ix_(rows, rows)]
+
+
+def _topics_of(cameras: Iterable[_Camera]) -> str:
+    return ', '.join(each.topic for each in cameras)
 
 
 def main() -> None:

@@ -160,7 +160,7 @@ def _flat(section: Mapping[str, Any], before: str = '') -> Iterator[tuple[str, A
 def _reader(name: str) -> Any:
     """Return what turns a word of the command line into a parameter's value."""
     parameter = PARAMETERS[name]
-    kind = type(parameter.default)
+    kind: Any = type(parameter.default)
 
     def read(word: str) -> Any:
         try:

@@ -68,8 +68,11 @@ TRACKED = Topic(
     'std_msgs/Bool',
     'transient local, on change: whether the target is predicted',
 )
-FIRST_RAY = Topic('left/target/ray', RAY.kind, 'the one camera sees it, see `first.namespace`')
-SECOND_RAY = Topic('right/target/ray', RAY.kind, 'the other sees it, see `second.namespace`')
+# Of the cameras that the parameter `cameras` names if nobody sets it.
+RAYS = tuple(
+    Topic(f'{camera}/target/ray', RAY.kind, 'of each camera in `cameras`')
+    for camera in ('left', 'right')
+)
 POINT = Topic(
     'target/point', 'geometry_msgs/PointStamped', 'where the light is in `frame_id`, m'
 )

@@ -2,63 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from blob_tracker.__main__ import main
-from blob_tracker.ros.messages.target import ray_covariance, turn_onto
-from blob_tracker.simulation.waved_light import RigCamera, WavedLight
-from blob_tracker.units import MRAD
-from geometry_msgs.msg import Quaternion
+from blob_tracker.simulation.waved_light import RigCamera
 import numpy as np
 import pytest
-from rosbags.rosbag2 import StoragePlugin, Writer
-from support.bags import TYPES
+from support.bags_of_rays import recorded_rays
 import yaml
 
-KIND = 'geometry_msgs/msg/PoseWithCovarianceStamped'
-CAMERAS = (RigCamera((-1.0, 0.0, 0.0)), RigCamera((1.0, 0.0, 0.0), offset=0.012))
-SIGMA = 1e-4  # rad
-START_NS = 1_700_000_000_000_000_000
-
-
-def serialized(stamp_ns: int, angles: np.ndarray, covariance: np.ndarray) -> bytes:
-    """Return a ray as the locator publishes it."""
-    turn = Quaternion()
-    azimuth, elevation = (angles / MRAD).tolist()
-    turn_onto(azimuth, elevation, turn)
-    types = TYPES.types
-    pose = types['geometry_msgs/msg/Pose'](
-        types['geometry_msgs/msg/Point'](0.0, 0.0, 0.0),
-        types['geometry_msgs/msg/Quaternion'](turn.x, turn.y, turn.z, turn.w))
-    stamp = types['builtin_interfaces/msg/Time'](*divmod(stamp_ns, 10**9))
-    message = types[KIND](
-        types['std_msgs/msg/Header'](stamp, 'optical'),
-        types['geometry_msgs/msg/PoseWithCovariance'](
-            pose, np.array(ray_covariance(covariance / MRAD**2))))
-    return bytes(TYPES.serialize_cdr(message, KIND))
-
-
-def recorded(
-    folder: Path, wand: float, lights: Sequence[str], cameras: Sequence[str] = ('left', 'right')
-) -> Path:
-    """Write a bag of rays of a waved light; return it."""
-    rng = np.random.default_rng(4)
-    light = WavedLight(rng, wand)
-    messages: list[tuple[int, Any, bytes]] = []
-    with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-        for name, camera in zip(cameras, CAMERAS, strict=True):
-            for number, of in enumerate(lights):
-                topic = f'/{name}/target/{of + "/" if of else ""}ray'
-                connection = writer.add_connection(topic, KIND, typestore=TYPES)
-                for time, angles, covariance in zip(*light.seen(camera, number, 15.0, SIGMA, rng)):
-                    stamp_ns = START_NS + round(1e9 * time)
-                    messages.append((stamp_ns, connection, serialized(
-                        stamp_ns, angles, covariance)))
-        for stamp_ns, connection, data in sorted(messages, key=lambda each: each[0]):
-            writer.write(connection, stamp_ns, data)
-    return folder
+CAMERAS = {
+    'left': RigCamera((-1.0, 0.0, 0.0)), 'right': RigCamera((1.0, 0.0, 0.0), offset=0.012),
+}
 
 
 def run(*words: object) -> int:
@@ -68,22 +23,30 @@ def run(*words: object) -> int:
 
 def test_a_wand(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Poses, clocks and sigmas go into the file that the triangulator takes, and a picture."""
-    bag = recorded(tmp_path / 'bag', 0.5, ('red', 'blue'))
+    bag = recorded_rays(tmp_path / 'bag', 0.5, ('red', 'blue'), CAMERAS)
     out = tmp_path / 'rig.yaml'
     assert run(
         bag, '--cameras', 'left', '/right', '--wand', 'red', 'blue', 0.5, 0.0001, '--out', out
     ) == 0
     text = out.read_text()
     found = yaml.safe_load(text)['/**/triangulator']['ros__parameters']
-    left, right = found['first'], found['second']
-    assert (left['namespace'], right['namespace']) == ('left', 'right')
-    assert left['x'] == left['position_sigma'] == 0.0
+    assert found['cameras'] == ['left', 'right']
+    left, right = (
+        {key: found[f'poses.{name}.{key}'] for key in ('x', 'y', 'z', 'yaw')}
+        for name in ('left', 'right')
+    )
+    covariance = np.zeros((12, 12))
+    covariance[np.tril_indices(12)] = found['pose_covariance']
+    assert not covariance[:6].any()
+    assert left['x'] == 0.0
     # The cameras look at a point 3 m ahead from 1 m aside each: 2 m apart, turned towards it.
     apart = np.hypot(right['x'], right['y'])
-    assert abs(apart - 2.0) < 5.0 * 2.0 * right['position_sigma'] + 0.0004
-    assert 0.0 < right['position_sigma'] < 0.002
-    assert abs(right['z']) < 5.0 * right['position_sigma']
+    sigma = np.sqrt(covariance.diagonal()[9:].max())
+    assert 0.0 < sigma < 0.002
+    assert abs(apart - 2.0) < 5.0 * sigma
+    assert abs(right['z']) < 5.0 * sigma
     assert abs((right['yaw'] - left['yaw']) - 2.0 * np.arctan(1.0 / 3.0)) < 1e-3
+    assert max(map(len, text.splitlines()[-10:])) <= 99
     assert 'right +12.0' in text or 'right +11.9' in text  # 16 us is its sigma
     assert '--child-frame-id right/optical' in text
     assert out.with_suffix('.png').read_bytes().startswith(b'\x89PNG')
@@ -94,7 +57,7 @@ def test_without_a_scale_nothing_is_written(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The picture is there, and the exit code tells."""
-    bag = recorded(tmp_path / 'bag', 0.0, ('',))
+    bag = recorded_rays(tmp_path / 'bag', 0.0, ('',), CAMERAS)
     out = tmp_path / 'rig.yaml'
     assert run(bag, '--cameras', 'left', 'right', '--out', out) == 1
     assert not out.exists()
