@@ -15,7 +15,7 @@
 #      PYTEST='-k grows'   the tracker alone
 # make bench              beside other people's methods, 20 minutes, out/benchmarks
 #      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion, tracking,
-#                              capture, latency, world, blink, files, pose), less of it
+#                              capture, latency, world, blink, files, pose, triangulation), less
 #      BENCH='latency --beside folder'   the nodes beside those of another source tree (a git
 #                              worktree of another commit), in turns: ratios; ten minutes
 #      BLOB_TRACKER_DATA=folder   where the real pixels are

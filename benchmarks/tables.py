@@ -9,7 +9,9 @@ from benchmarks.contender import Contender
 from benchmarks.report import Report
 from benchmarks.speed import PAIRED
 from benchmarks.tables_of_finding import capture, detection, files, frames, lab, search
-from benchmarks.tables_of_locating import accuracy, bearing, bias, motion, peers, pose, real, speed
+from benchmarks.tables_of_locating import (
+    accuracy, bearing, bias, motion, peers, pose, real, speed, triangulation,
+)
 from benchmarks.tables_of_running import beside, latency, tracking
 from benchmarks.targets import against_peers, Target
 from benchmarks.world import baseline, tables as world_tables
@@ -51,6 +53,7 @@ def figures(report: Report, ours: Sequence[str]) -> list[Table]:
     tables += [blink_tables.table(report.blink)] if report.blink else []
     tables += [files(report.files)] if report.files else []
     tables += [pose(report.pose)] if report.pose else []
+    tables += [triangulation(report.triangulation)] if report.triangulation else []
     return tables
 
 

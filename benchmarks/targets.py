@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import inf, isnan
 from statistics import geometric_mean
 
-from benchmarks import blink, pose
+from benchmarks import blink, pose, triangulation
 from benchmarks.accuracy import Bias, Row, TARGET
 from benchmarks.bearing import Row as BearingRow
 from benchmarks.capture import Row as CaptureRow
@@ -115,6 +115,8 @@ def judge(report: Report, ours: Sequence[str]) -> list[Target]:
         judged += [Target(*each) for each in blink.limits(report.blink)]
     if report.pose:
         judged += [Target(*each) for each in pose.limits(report.pose)]
+    if report.triangulation:
+        judged += [Target(*each) for each in triangulation.limits(report.triangulation)]
     return judged
 
 

@@ -28,10 +28,9 @@ from blob_tracker.ros.parameters.declaration import declare, given, on_change, u
 from blob_tracker.ros.parameters.values import about, unknown
 from blob_tracker.ros.process import run
 from blob_tracker.tracking import (
-    CameraPose, Position, Simultaneous, triangulate, TriangulationError,
+    CameraPose, Instant, Position, Simultaneous, triangulate, TriangulationError,
 )
 from blob_tracker.tracking.triangulation import check_bearing
-from blob_tracker.types import Bearing
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped
 import numpy as np
 from rclpy.exceptions import InvalidTopicNameException
@@ -198,17 +197,18 @@ class TriangulatorNode(Node):
         )
         return True
 
-    def _triangulate(self, seen: Sequence[tuple[int, Bearing]]) -> None:
+    def _triangulate(self, seen: Instant) -> None:
         """Publish where the rays meet, or nothing at all."""
         if self._at_one_place():  # which is said each second
             return
-        which = [number for number, _ in seen]
-        names = [self._cameras[number].name for number in which]
-        poses = [pose for number in which if (pose := self._camera_poses[number]) is not None]
+        names = [self._cameras[number].name for number in seen.cameras]
+        poses = [
+            pose for number in seen.cameras if (pose := self._camera_poses[number]) is not None
+        ]
         try:
             position = triangulate(
-                [bearing for _, bearing in seen], poses, gate_sigma=self._gate_sigma,
-                shared=_part(self._shared, which), names=names,
+                seen.bearings, poses, gate_sigma=self._gate_sigma, names=names,
+                shared=_part(self._shared, seen.cameras), strayed=seen.strayed,
             )
         except TriangulationError as error:
             self._health.fault(WARN, f'no position: {error}')

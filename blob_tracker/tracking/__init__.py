@@ -15,13 +15,13 @@ from blob_tracker.tracking.models import MODELS
 from blob_tracker.tracking.pan_tilt_angles import PanTiltAngles
 from blob_tracker.tracking.platform_rates import PlatformRates
 from blob_tracker.tracking.restart import update_or_restart
-from blob_tracker.tracking.simultaneous import Simultaneous
+from blob_tracker.tracking.simultaneous import Instant, Simultaneous
 from blob_tracker.tracking.track import Track
 from blob_tracker.tracking.tracker import Tracker
 from blob_tracker.tracking.triangulation import Position, triangulate
 
 __all__ = [
-    'CameraPose', 'GyroFault', 'GyroWatch', 'MODELS', 'PanTiltAngles', 'ParallelRays',
+    'CameraPose', 'GyroFault', 'GyroWatch', 'Instant', 'MODELS', 'PanTiltAngles', 'ParallelRays',
     'PlatformGap', 'PlatformRates', 'Position', 'RaysApart', 'Simultaneous', 'StampJump',
     'Track', 'Tracker', 'TrackingError', 'TriangulationError', 'compile_ahead', 'triangulate',
     'update_or_restart',

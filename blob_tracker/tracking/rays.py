@@ -33,6 +33,8 @@ class Rays(NamedTuple):
     of_poses : (n, n, 6, 6) array
         Covariance of the cameras' poses: of each turn about its own axes, rad, and position, m,
         with each other's.
+    strayed : (n, n) array
+        Covariance of what the light strays from where it is, seen across each ray, rad^2.
 
     """
 
@@ -42,10 +44,12 @@ class Rays(NamedTuple):
     centres: Array
     directions: Array
     of_poses: Array
+    strayed: Array
 
     @classmethod
     def of(
-        cls, bearings: Sequence[Bearing], poses: Sequence[CameraPose], shared: Array | None
+        cls, bearings: Sequence[Bearing], poses: Sequence[CameraPose], shared: Array | None,
+        strayed: Array | None,
     ) -> Rays:
         """Return the rays of bearings, one of each camera; see `triangulate`."""
         count = len(poses)
@@ -59,6 +63,7 @@ class Rays(NamedTuple):
             (rotations @ directions(seen)[..., None])[..., 0],
             _of_poses(poses) if shared is None
             else _of_poses(poses) + shared.reshape(count, 6, count, 6).transpose(0, 2, 1, 3),
+            np.zeros((count, count)) if strayed is None else strayed,
         )
 
     def some(self, which: Sequence[int]) -> Rays:
@@ -67,6 +72,7 @@ class Rays(NamedTuple):
         return Rays(
             self.seen[chosen], self.noise[chosen], self.rotations[chosen], self.centres[chosen],
             self.directions[chosen], self.of_poses[np.ix_(chosen, chosen)],
+            self.strayed[np.ix_(chosen, chosen)],
         )
 
 
@@ -106,15 +112,15 @@ def nearest_point(rays: Rays) -> Array:
     ))
 
 
-def linearised(position: Array, rays: Rays) -> tuple[Array, Array, Array]:
+def linearised(position: Array, rays: Rays) -> tuple[Array, Array, Array, Array]:
     """
     Return what each camera sees of a position.
 
     Returns
     -------
-    (2 n,) array, (2 n, 3) array, (2 n, 2 n) array
+    (2 n,) array, (2 n, 3) array, (2 n, 2 n) array, (2 n, 2 n) array
         Residuals, rad, their derivative J by the position, rad/m, less its sign, and the
-        covariance E of the angles by the errors of the poses, rad^2.
+        covariances of the angles by the errors of the poses and by what the light strays, rad^2.
 
     """
     to_local = np.swapaxes(rays.rotations, 1, 2)
@@ -135,8 +141,12 @@ def linearised(position: Array, rays: Rays) -> tuple[Array, Array, Array]:
     residuals = rays.seen - np.stack([np.arctan2(x, z), np.arctan2(-y, level)], axis=1)
     residuals[:, 0] -= TURN_RAD * np.round(residuals[:, 0] / TURN_RAD)
     errors = by_pose[:, None] @ rays.of_poses @ np.swapaxes(by_pose, 1, 2)
+    # Over the distances: it is the same way in space that all see.
+    across = by_place * np.sqrt(square)[:, None, None]
+    strayed = rays.strayed[:, :, None, None] * (across[:, None] @ np.swapaxes(across, 1, 2))
     size = 2 * len(x)
     return (
         residuals.ravel(), by_place.reshape(size, 3),
         errors.transpose(0, 2, 1, 3).reshape(size, size),
+        strayed.transpose(0, 2, 1, 3).reshape(size, size),
     )

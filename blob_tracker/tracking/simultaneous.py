@@ -3,12 +3,37 @@
 from __future__ import annotations
 
 from collections import deque
+from typing import NamedTuple
 
-from blob_tracker.tracking.interpolation import interpolated
+from blob_tracker.kernel import Array
+from blob_tracker.tracking.interpolation import interpolated, strays
 from blob_tracker.types import Bearing
+from blob_tracker.units import MRAD
+import numpy as np
 
 MOST = 256  # bearings that wait; a second of the fastest camera
 NEVER_NS = -1
+
+
+class Instant(NamedTuple):
+    """
+    What cameras see at one instant.
+
+    Parameters
+    ----------
+    cameras : tuple of int
+        Their places in the row, two or more; the stamp is that of a bearing of the first.
+    bearings : tuple of Bearing
+        Of each.
+    strayed : (n, n) array
+        Covariance of what the light may have strayed from the lines on which bearings were
+        interpolated, seen across each ray, rad^2; see `strays`.
+
+    """
+
+    cameras: tuple[int, ...]
+    bearings: tuple[Bearing, ...]
+    strayed: Array
 
 
 class Simultaneous:
@@ -32,7 +57,8 @@ class Simultaneous:
     max_interval : float
         Greatest time between two bearings that are interpolated, s.
     acceleration : float
-        How the light moves between them, mrad/s^2, see `interpolated`.
+        How the light moves between them: standard deviation of the change of its angular rate in
+        one second, mrad/s^2.
 
     Attributes
     ----------
@@ -56,7 +82,7 @@ class Simultaneous:
         # Those that may give an instant: of all but the last camera.
         self._waiting: list[deque[Bearing]] = [deque(maxlen=MOST) for _ in range(cameras - 1)]
 
-    def take(self, camera: int, bearing: Bearing) -> list[tuple[tuple[int, Bearing], ...]]:
+    def take(self, camera: int, bearing: Bearing) -> list[Instant]:
         """
         Take the next bearing of a camera; return what it completes.
 
@@ -69,8 +95,8 @@ class Simultaneous:
 
         Returns
         -------
-        list of tuple of (int, Bearing)
-            For each instant two cameras or more with their bearings.
+        list of Instant
+            In the order of their stamps.
 
         Raises
         ------
@@ -113,8 +139,8 @@ class Simultaneous:
         if camera < len(self._waiting):
             self._waiting[camera].clear()
 
-    def _complete(self) -> list[tuple[tuple[int, Bearing], ...]]:
-        """Return what is there of all cameras, in the order of the stamps."""
+    def _complete(self) -> list[Instant]:
+        """Return what is there of all cameras."""
         complete = []
         while any(self._waiting):
             # The earliest; of equal stamps that of the first camera.
@@ -130,9 +156,7 @@ class Simultaneous:
             self._done_ns = bearing.stamp_ns
             if not any(around[:camera]):
                 if any(around[camera + 1:]):
-                    complete.append((
-                        (camera, bearing), *self._brought(camera, around, bearing.stamp_ns),
-                    ))
+                    complete.append(self._brought(around, bearing.stamp_ns))
                 else:
                     self._skip(camera, bearing.stamp_ns)
             for seen in self._seen:
@@ -175,20 +199,21 @@ class Simultaneous:
         self.interval = min(gaps, default=float('nan'))
 
     def _brought(
-        self, camera: int, around: list[tuple[Bearing, Bearing] | None], stamp_ns: int
-    ) -> list[tuple[int, Bearing]]:
-        """Return the bearings of the later cameras at an instant."""
-        brought = []
-        self.interval = 0.0
-        for number, pair in enumerate(around):
-            if pair is None or number <= camera:
-                continue
-            before, after = pair
-            if before is not after:
-                self.interval = max(self.interval, _apart(before, after))
-                before = interpolated(before, after, stamp_ns, self.acceleration)
-            brought.append((number, before))
-        return brought
+        self, around: list[tuple[Bearing, Bearing] | None], stamp_ns: int
+    ) -> Instant:
+        """Return what all that see the light see at an instant."""
+        pairs = {number: pair for number, pair in enumerate(around) if pair}
+        since = np.array([1e-9 * (stamp_ns - before.stamp_ns) for before, _ in pairs.values()])
+        until = np.array([1e-9 * (after.stamp_ns - stamp_ns) for _, after in pairs.values()])
+        self.interval = float((since + until).max())
+        return Instant(
+            tuple(pairs),
+            tuple(
+                before if before is after else interpolated(before, after, stamp_ns)
+                for before, after in pairs.values()
+            ),
+            (MRAD * self.acceleration) ** 2 * strays(since, until),
+        )
 
 
 def _apart(before: Bearing, after: Bearing) -> float:

@@ -76,6 +76,7 @@ def triangulate(
     *,
     gate_sigma: float = 5.0,
     shared: Array | None = None,
+    strayed: Array | None = None,
     names: Sequence[str] = (),
 ) -> Position:
     """
@@ -99,9 +100,11 @@ def triangulate(
     is the inverse of the Fisher information. The covariance of all angles together, S, is that of
     the bearings and what the errors of the poses do to them,
 
-        S = C + E,    E = P Q P^T,    P_i = A_i ([p]x, -R_i^T)
+        S = C + E + D,    E = P Q P^T,    P_i = A_i ([p]x, -R_i^T)
+        D_ij = V_ij d_i d_j J_i J_j^T
 
-    with A_i = dh_i/dp and the covariance Q of the cameras' turns and positions. The errors of the
+    with A_i = dh_i/dp, the covariance Q of the cameras' turns and positions, and that of what the
+    light strays between two rays, V, at the distances d_i. The errors of the
     poses weigh as those of the bearings do in a single position, but from one position to the
     next they stay: `systematic` is their part of the covariance, G E G^T with
     G = covariance J^T S^-1.
@@ -122,6 +125,8 @@ def triangulate(
     shared : (6 n, 6 n) array, optional
         What the cameras' poses err by in common, besides their own sigmas: the covariance of each
         camera's turn about its own axes, rad, and its position, m, in this order.
+    strayed : (n, n) array, optional
+        V, rad^2, of bearings that were interpolated, see `Instant`.
     names : sequence of str
         Of the cameras, for what is said of them; their numbers where there are none.
 
@@ -150,7 +155,7 @@ def triangulate(
     for bearing in bearings:
         check_bearing(bearing)
     names = names or [f'camera {number}' for number in range(1, len(poses) + 1)]
-    rays = Rays.of(bearings, poses, shared)
+    rays = Rays.of(bearings, poses, shared, strayed)
     parallax = _parallax(rays)
     try:
         _check_parallax(parallax)
@@ -206,8 +211,8 @@ def _without_outliers(
 
 def _away(ray: Rays, position: Position) -> float:
     """Return how many standard deviations one ray is away from a position."""
-    residual, jacobian, errors = linearised(position.position, ray)
-    spread = ray.noise[0] + errors + jacobian @ position.covariance @ jacobian.T
+    residual, jacobian, errors, strayed = linearised(position.position, ray)
+    spread = ray.noise[0] + errors + strayed + jacobian @ position.covariance @ jacobian.T
     return math.sqrt(float(residual @ np.linalg.solve(spread, residual)))
 
 
@@ -221,8 +226,8 @@ def _met(rays: Rays, names: Sequence[str], gate_sigma: float) -> Position:
     noise = scipy.linalg.block_diag(*rays.noise)
     for _ in range(STEPS):
         _check_ahead(position, rays, names)
-        residuals, jacobian, errors = linearised(position, rays)
-        weights = np.linalg.inv(noise + errors)
+        residuals, jacobian, errors, strayed = linearised(position, rays)
+        weights = np.linalg.inv(noise + errors + strayed)
         weighted = jacobian.T @ weights
         information = weighted @ jacobian
         step = np.linalg.solve(information, weighted @ residuals)
@@ -284,7 +289,8 @@ def _parallax(rays: Rays) -> tuple[Array, Array]:
     of_turns = rays.of_poses[:, :, :3, :3]
     numbers = np.arange(len(sines))
     variances = (
-        np.einsum('ija,iab,ijb->ij', by_angles, rays.noise, by_angles)
+        rays.strayed.diagonal()[:, None]
+        + np.einsum('ija,iab,ijb->ij', by_angles, rays.noise, by_angles)
         + np.einsum('ija,iab,ijb->ij', by_turns, of_turns[numbers, numbers], by_turns)
         # The perpendicular of the other two is the opposite one.
         + np.einsum('ija,ijab,jib->ij', by_turns, of_turns, by_turns)

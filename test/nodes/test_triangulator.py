@@ -327,7 +327,8 @@ def test_a_camera_without_a_pose_and_one_that_never_comes_are_named(domain: int)
         node.spin_until(lambda: said(
             'top has no pose and is not used; set poses.top.x', 'rear has no pose'))
         for name in ('top', 'rear'):
-            assert node.set_parameter('triangulator', f'poses.{name}.x', 0.1 * len(name)).successful
+            away = 0.1 * len(name)
+            assert node.set_parameter('triangulator', f'poses.{name}.x', away).successful
         played.diagnostics.clear()
         node.spin_until(lambda: said(
             'nothing has ever come on /top/target/port/ray',
@@ -379,7 +380,7 @@ def test_what_calibrate_rig_writes_is_what_the_node_takes(domain: int, tmp_path:
     ({'cameras': '[left]'}, "parameter 'cameras' is [left]; where a light is two cameras tell"),
     ({'cameras': '[left, right, left]'}, 'with left twice'),
     ({'cameras': '[left, my camera]'}, "parameter 'cameras': "),
-    ({'cameras': 'left'}, "must be a list of strings, as [left, right]"),
+    ({'cameras': 'left'}, 'must be a list of strings, as [left, right]'),
     ({'first__y': 0.5}, "no parameter 'first.y'; it is 'poses.left.y' now"),
     ({'second__namespace': 'top'}, "no parameter 'second.namespace'; it is 'cameras' now"),
     ({'poses__top__x': 1.0}, "'poses.top.x'; cameras is [left, right], and each of these"),

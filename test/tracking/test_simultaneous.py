@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import permutations
 
-from blob_tracker.tracking.simultaneous import MOST, Simultaneous
+from blob_tracker.tracking.simultaneous import Instant, MOST, Simultaneous
 from blob_tracker.types import Bearing
 import numpy as np
 import pytest
@@ -19,15 +19,15 @@ def at(ms: float) -> Bearing:
 
 def played(
     pairing: Simultaneous, *stamps: np.ndarray | list[float]
-) -> list[tuple[tuple[int, Bearing], ...]]:
+) -> list[Instant]:
     """Return what comes of cameras that see at these instants, ms, as they come."""
     due = sorted((ms, camera) for camera, of in enumerate(stamps) for ms in of)
     return [each for ms, camera in due for each in pairing.take(camera, at(ms))]
 
 
-def cameras(found: list[tuple[tuple[int, Bearing], ...]]) -> list[tuple[int, ...]]:
+def cameras(found: list[Instant]) -> list[tuple[int, ...]]:
     """Return the cameras of each instant."""
-    return [tuple(camera for camera, _ in of) for of in found]
+    return [each.cameras for each in found]
 
 
 def test_pairs_are_of_one_instant_and_one_direction() -> None:
@@ -37,7 +37,7 @@ def test_pairs_are_of_one_instant_and_one_direction() -> None:
     pairs = played(pairing, slow, np.arange(7.0, 420.0, 10.0))
     assert len(pairs) == len(slow) - 1
     assert pairing.skipped == 1
-    for (_, one), (_, other) in pairs:
+    for _, (one, other), _ in pairs:
         assert one.stamp_ns == other.stamp_ns
         assert other.azimuth == pytest.approx(one.azimuth)
         assert other.elevation == pytest.approx(one.elevation)
@@ -53,9 +53,9 @@ def test_any_cameras_that_see_the_light_give_an_instant() -> None:
         each[(each < begin) | (each > end)] for each, (begin, end) in zip(stamps, dark)
     ))
     for instant in found:
-        assert len({bearing.stamp_ns for _, bearing in instant}) == 1
-        assert len({round(bearing.azimuth, 6) for _, bearing in instant}) == 1
-    of = dict(zip((round(each[0][1].azimuth) for each in found), cameras(found)))
+        assert len({bearing.stamp_ns for bearing in instant.bearings}) == 1
+        assert len({round(bearing.azimuth, 6) for bearing in instant.bearings}) == 1
+    of = dict(zip((round(each.bearings[0].azimuth) for each in found), cameras(found)))
     assert of[200] == of[580] == of[1120] == (0, 1, 2)
     assert of[407] == (1, 2)  # by the stamps of the second
     assert of[700] == (0, 2)
@@ -83,8 +83,8 @@ def test_the_order_of_arrival_changes_nothing(count: int) -> None:
             found += pairing.take(int(letter), at(next(waiting[int(letter)])))
         assert not any(pairing.late)
         results.add(tuple(
-            (camera, bearing.azimuth, *bearing.covariance.flat)
-            for of in found for camera, bearing in of
+            (camera, bearing.azimuth, *bearing.covariance.flat, *of.strayed.flat)
+            for of in found for camera, bearing in zip(of.cameras, of.bearings)
         ))
     assert len(results) == 1
     assert len(results.pop()) == 8
@@ -98,7 +98,8 @@ def test_equal_stamps_need_no_interpolation() -> None:
     assert pairing.take(0, at(10)) == []
     second, third = at(10), at(10)
     assert pairing.take(2, third) == []
-    ((_, _), (_, other), (_, last)), = pairing.take(1, second)
+    (_, (_, other, last), strayed), = pairing.take(1, second)
+    assert not strayed.any()
     assert other is second
     assert last is third
     assert pairing.interval == 0.0

@@ -110,7 +110,7 @@ OWN = (
         [0.0],
         'What the poses err by together, as calibrate rig writes it: the lower triangle, row by '
         'row, of the covariance of the turn of each camera about its own axes, rad, and its '
-        'position, m, in the order of cameras. A single 0: the sigmas of the poses are all there is.',
+        'position, m, in the order of cameras. A single 0: the sigmas of the poses are all.',
     ),
 )
 PARAMETERS = (*OWN, *pose_parameters(CAMERAS))
