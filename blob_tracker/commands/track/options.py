@@ -25,7 +25,8 @@ OF_NODE: dict[str, dict[str, Parameter]] = {
 LEFT_OUT = {
     each.name: each for each in (*OF_SEGMENTER, *OF_LOCATOR) if each.name in (
         'follow_prediction', 'lights', 'lost_after', 'noise.measure', 'noise.online',
-        'pulse.learn',
+        'pulse.learn', 'range.calibration_sigma', 'range.diameter', 'range.psf_sigma',
+        'range.reference_distance', 'range.reference_flux',
     )
 }
 OF_CALIBRATION = ('camera_info_url', 'field_of_view')

@@ -56,6 +56,12 @@ PREDICTED = Topic(
     'as target/bearing, for the instant in the stamp, now + `servo_delay`; with `joints.pan` and '
     '`joints.tilt` x and y are the angles to command; silent while the target is not tracked',
 )
+RANGE = Topic(
+    'target/range',
+    'sensor_msgs/Range',
+    'with `range.diameter` or `range.reference_flux`: how far away the light is, m, with its '
+    'variance, m^2',
+)
 TRACK = Topic(
     'target/track',
     'nav_msgs/Odometry',
