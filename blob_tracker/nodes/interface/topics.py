@@ -128,6 +128,12 @@ TRUE_CENTROID = Topic(
 TRUE_BEARING = Topic(
     'simulator/truth/bearing', 'geometry_msgs/Vector3Stamped', 'the same in mrad'
 )
+TRUE_POSE = Topic(
+    'simulator/truth/pose',
+    'geometry_msgs/PoseStamped',
+    'with `body_url`: where the simulated body is in the optical frame, m, and how it is turned, '
+    'in each frame',
+)
 DIAGNOSTICS = Topic(
     '/diagnostics',
     'diagnostic_msgs/DiagnosticArray',

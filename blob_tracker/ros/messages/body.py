@@ -1,12 +1,18 @@
-"""Pose of a body to the messages on target/<body>/pose and target/<body>/twist."""
+"""Pose of a body to the messages on target/<body>/pose, target/<body>/twist and its truth."""
 
 from __future__ import annotations
 
-from blob_tracker.constellation import Pose
+from typing import TYPE_CHECKING
+
 from blob_tracker.ros.messages.stamp import from_ns
-from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
+from geometry_msgs.msg import (
+    PoseStamped, PoseWithCovarianceStamped, TwistWithCovarianceStamped,
+)
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:  # it loads Numba, and the simulator needs no more than the truth
+    from blob_tracker.constellation import Pose
 
 
 def body_pose_message(pose: Pose, frame_id: str) -> PoseWithCovarianceStamped:
@@ -34,6 +40,19 @@ def body_twist_message(pose: Pose, frame_id: str) -> TwistWithCovarianceStamped:
     linear, angular = message.twist.twist.linear, message.twist.twist.angular
     linear.x, linear.y, linear.z, angular.x, angular.y, angular.z = pose.twist.tolist()
     message.twist.covariance = pose.twist_covariance.ravel().tolist()
+    return message
+
+
+def true_pose_message(
+    rotation: NDArray[np.float64], position: NDArray[np.float64], stamp_ns: int, frame_id: str
+) -> PoseStamped:
+    """Return simulator/truth/pose: where a body is, m, and how it is turned."""
+    message = PoseStamped()
+    message.header.stamp = from_ns(stamp_ns)
+    message.header.frame_id = frame_id
+    place, turn = message.pose.position, message.pose.orientation
+    place.x, place.y, place.z = position.tolist()
+    turn.x, turn.y, turn.z, turn.w = quaternion(rotation)
     return message
 
 
