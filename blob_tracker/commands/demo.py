@@ -72,12 +72,13 @@ LIGHTS[CONSTELLATION] = (
         'flash.mode': 'coded',
         'flash.codes': 'nose:1111010010,port:1111110100,starboard:1111011010,tail:1110111010,'
         'mast:1110010110',
-        'flash.bits_per_second': '40.0',
+        'flash.bits_per_second': '20.0',
     },
     ('nose', 'port', 'starboard', 'tail', 'mast'),
 )
 BODY, BODY_URL = 'drone', 'package://blob_tracker/config/drone.yaml'
 FLIGHT = {'speed_sigma': '0.5', 'rate_sigma': '0.6'}  # m/s and rad/s, as it flies
+RATE = '30.0'  # Hz: five lights are more work for each frame
 LEAST_POSES = 20
 CLOCK_ERROR = '0.003'  # of lights that run free: more than that of any quartz
 EXPOSURE = '0.008333'  # s: half of the frame interval
@@ -160,7 +161,7 @@ def main(arguments: argparse.Namespace) -> int:
                     nodes['segmenter']['flash.exposure'] = EXPOSURE
                     nodes['simulator']['clock_error'] = CLOCK_ERROR
                 if flies:
-                    nodes['simulator']['body_url'] = BODY_URL
+                    nodes['simulator'].update(body_url=BODY_URL, rate=RATE)
                     nodes['constellation'] = {'body': BODY, 'body_url': BODY_URL, **FLIGHT}
             else:
                 nodes['camera'] = _camera_parameters(arguments, console)

@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation, RotationSpline
 Array = NDArray[np.float64]
 
 FEWEST = 10  # truths that splines need
+LONGEST_GAP_NS = 100_000_000  # ns between two truths: across more the true pose is not known
 
 
 class BodyScore(NamedTuple):
@@ -95,7 +96,11 @@ class WatchedBody:
         knots = sorted(self._truths)
         if len(knots) < FEWEST:
             return None
-        stamps = [each for each in sorted(self._poses) if knots[0] <= each <= knots[-1]]
+        after = np.searchsorted(knots, sorted(self._poses))
+        stamps = [
+            stamp for stamp, later in zip(sorted(self._poses), after.tolist())
+            if 0 < later < len(knots) and knots[later] - knots[later - 1] < LONGEST_GAP_NS
+        ]
         if not stamps:
             return None
         at, since = (
