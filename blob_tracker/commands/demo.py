@@ -244,7 +244,8 @@ def _table(monitor: Monitor, elapsed: float, duration: float) -> Group:
         for name, (level, message) in sorted(monitor.states.items())
     ]
     if np.isfinite(duration):
-        return Group(table, *bodies, *states, ProgressBar(duration, min(elapsed, duration), width=64))
+        bar = ProgressBar(duration, min(elapsed, duration), width=64)
+        return Group(table, *bodies, *states, bar)
     return Group(table, *bodies, *states, Text('Ctrl-C ends it'))
 
 
@@ -332,8 +333,8 @@ def _judge_body(console: Console, body: WatchedBody, picture: Path) -> int:
     place, turn = score.rms
     met = score.scatter <= MOST_SCATTER
     console.print(
-        f'[{"green" if met else "red"}]{body.name}: {count} poses, the place {MM_PER_M * place:.1f} '
-        f'mm rms off, the turn {np.degrees(turn):.2f} degrees, scatter / sigma '
+        f'[{"green" if met else "red"}]{body.name}: {count} poses, the place '
+        f'{MM_PER_M * place:.1f} mm rms off, the turn {np.degrees(turn):.2f} degrees, scatter / sigma '
         f'{score.scatter:.2f}: {"as" if met else "MORE than"} the covariances say[/]',
         soft_wrap=True,
     )

@@ -22,7 +22,6 @@ from blob_tracker.ros.endpoints.names import check_light
 from blob_tracker.ros.endpoints.qos import publisher, RESULT, subscription
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.body import true_pose_message
-from blob_tracker.ros.messages.body import true_pose_message
 from blob_tracker.ros.messages.camera_info import from_camera_model
 from blob_tracker.ros.messages.imu import NO_DATA
 from blob_tracker.ros.messages.joint_states import to_angles

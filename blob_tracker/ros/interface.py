@@ -83,7 +83,7 @@ class Parameter:
         if isinstance(self.default, bool):
             return str(self.default).lower()
         if isinstance(self.default, list):
-            return f'[{", ".join(map(str, self.default))}]'
+            return f'[{",".join(map(str, self.default))}]'
         return str(self.default) or "''"
 
 

@@ -44,7 +44,7 @@ def draw_flight(
 
     """
     figure = Figure(figsize=(14, 6.4), layout='constrained')
-    left, right = figure.subfigures(1, 2, width_ratios=[1.2, 1.0])
+    left, right = np.asarray(figure.subfigures(1, 2, width_ratios=[1.2, 1.0]))
     scene = left.add_subplot(projection='3d')
     scene.plot(*_in_room(true), color=TRUE, linewidth=1.0, alpha=0.4)
     scene.plot(*_in_room(positions), '.', color=FOUND, markersize=2.5)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from blob_tracker.location import locate
 from blob_tracker.location.disc import fit_disc
 from blob_tracker.types import LocationError
@@ -27,7 +29,7 @@ def test_errors_are_those_of_the_covariance(
         window = disc_window(radius, psf, flux, side, random, unlit=unlit)
         disc = fit_disc(window, locate(window, noise=NOISE), noise=NOISE, psf_sigma=psf)
         error = np.array([disc.square - radius**2, disc.flux - flux])
-        squared += error @ np.linalg.solve(disc.covariance, error)
+        squared += float(error @ np.linalg.solve(disc.covariance, error))
         scaled.append(error / np.sqrt(disc.covariance.diagonal()))
     low, high = chi2.ppf([1e-4, 1.0 - 1e-4], 2 * RUNS)
     assert 0.97 * low < squared < 1.03 * high
@@ -49,11 +51,12 @@ def test_what_is_no_disc_is_doubted_or_refused() -> None:
     window = disc_window(0.0, 1.2, 3000.0, 19, random)
     location = locate(window, noise=NOISE)
     once = fit_disc(window, location, noise=NOISE, psf_sigma=1.2)
-    window.lit[:, 13] += 60
+    brighter = np.array(window.lit)
+    brighter[:, 13] += 60
+    window = replace(window, lit=brighter)
     twice = fit_disc(window, location, noise=NOISE, psf_sigma=1.2)
     assert once.chi2 < 1.3 < 5.0 < twice.chi2
     assert twice.covariance[1, 1] > 3.0 * once.covariance[1, 1]
     with pytest.raises(LocationError, match='too few pixels'):
-        small = disc_window(0.0, 1.2, 3000.0, 19, random)
-        object.__setattr__(small, 'saturation', 1)
+        small = replace(disc_window(0.0, 1.2, 3000.0, 19, random), saturation=1)
         fit_disc(small, location, noise=NOISE, psf_sigma=1.2)

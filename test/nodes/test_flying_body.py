@@ -24,9 +24,10 @@ def test_the_pose_of_the_body_is_told(domain: int) -> None:
     ])
     times = 1e-9 * np.array([to_ns(each.header.stamp) - to_ns(poses[0].header.stamp)
                              for each in poses])
-    begin = min(
-        np.arange(0.0, 9.0, 0.05), key=lambda time: np.abs(Flight().pose(time)[1] - places[0]).max()
-    )
+    def away(time: float) -> float:
+        return float(np.abs(Flight().pose(time)[1] - places[0]).max())
+
+    begin = min(np.arange(0.0, 9.0, 0.05).tolist(), key=away)
     true = np.array([Flight().pose(begin + time)[1] for time in times])
     np.testing.assert_allclose(places, true, atol=1e-6)
 

@@ -8,6 +8,7 @@ from blob_tracker.camera import CameraModel
 from blob_tracker.ros.endpoints.qos import IMAGE_OUT
 from blob_tracker.ros.messages.camera_info import from_camera_model, of_window
 from blob_tracker.ros.messages.image import from_window
+from blob_tracker.types import Window
 from diagnostic_msgs.msg import DiagnosticArray
 import numpy as np
 from sensor_msgs.msg import CameraInfo, Image, Range
@@ -38,7 +39,7 @@ def test_range_by_size_and_flux(domain: int) -> None:
         infos = node.create_publisher(CameraInfo, 'target/window/camera_info', IMAGE_OUT)
         stamp_ns = 10**18
 
-        def send(window: object) -> None:
+        def send(window: Window) -> None:
             nonlocal stamp_ns
             stamp_ns += 10**7
             sent = replace(window, stamp_ns=stamp_ns)
@@ -46,7 +47,7 @@ def test_range_by_size_and_flux(domain: int) -> None:
             infos.publish(of_window(info, sent, 'optical'))
             node.spin(0.02)
 
-        def wait_for(window: object, *, sized: bool) -> Range:
+        def wait_for(window: Window, *, sized: bool) -> Range:
             ranges.clear()
             node.spin_until(lambda: send(window) or any(
                 (each.field_of_view > 0.0) is sized for each in ranges))

@@ -380,7 +380,7 @@ def test_what_calibrate_rig_writes_is_what_the_node_takes(domain: int, tmp_path:
     ({'cameras': '[left]'}, "parameter 'cameras' is [left]; where a light is two cameras tell"),
     ({'cameras': '[left, right, left]'}, 'with left twice'),
     ({'cameras': '[left, my camera]'}, "parameter 'cameras': "),
-    ({'cameras': 'left'}, 'must be a list of strings, as [left, right]'),
+    ({'cameras': 'left'}, 'must be a list of strings, as [left,right]'),
     ({'first__y': 0.5}, "no parameter 'first.y'; it is 'poses.left.y' now"),
     ({'second__namespace': 'top'}, "no parameter 'second.namespace'; it is 'cameras' now"),
     ({'poses__top__x': 1.0}, "'poses.top.x'; cameras is [left, right], and each of these"),

@@ -97,7 +97,7 @@ PARAMETERS = (
         'range.psf_sigma',
         0.0,
         'Width of the picture of a point: that of the blob, which the diagnostics show, of a light '
-        'so far away that its size does not matter. Above 0 they show radius and flux as well.',
+        'so far away that its size does not matter. Above 0 they show radius and flux too.',
         least=0.0,
         most=100.0,
         unit='px',
