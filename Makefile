@@ -1,7 +1,8 @@
 # make demo               the whole tracker on a simulated camera, three processes, no ROS needed
 # make demo DEVICE=/dev/video0   the same on a real camera, until Ctrl-C
 #      CAMERA_INFO=file.yaml   its calibration
-# make demo LIGHT=free    simulated: a light that runs free at 13.7 Hz; LIGHT=coded: three with codes
+# make demo LIGHT=free    simulated: a light that runs free at 13.7 Hz; LIGHT=coded: three with codes;
+#                         LIGHT=constellation: a drone with five, and its pose
 # make doctor             what is wrong with this machine, and what to do about it
 # make check              from the source tree, nothing is built: all tests that start no node and
 #                         no virtual machine, the linters and mypy beside them; five minutes
@@ -15,7 +16,7 @@
 #      PYTEST='-k grows'   the tracker alone
 # make bench              beside other people's methods, 20 minutes, out/benchmarks
 #      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion, tracking,
-#                              capture, latency, world, blink, files, pose), less of it
+#                              capture, latency, world, blink, files, pose, triangulation), less
 #      BENCH='latency --beside folder'   the nodes beside those of another source tree (a git
 #                              worktree of another commit), in turns: ratios; ten minutes
 #      BLOB_TRACKER_DATA=folder   where the real pixels are

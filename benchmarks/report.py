@@ -8,7 +8,7 @@ from pathlib import Path
 
 from benchmarks import (
     accuracy, bearing, blink, body, capture, detection, files, lab, latency, motion, pose,
-    real_frames, real_pixels, search, speed, tracking, world,
+    real_frames, real_pixels, search, speed, tracking, triangulation, world,
 )
 from benchmarks.accuracy import Bias, Row
 from benchmarks.bearing import Row as BearingRow
@@ -25,10 +25,11 @@ from benchmarks.real_frames import Row as FrameRow
 from benchmarks.real_pixels import Row as RealRow
 from benchmarks.search import Row as SearchRow
 from benchmarks.speed import Pace
+from benchmarks.triangulation import Row as TriangulationRow
 from benchmarks.world import Row as WorldRow
 
 PARTS = ('accuracy', 'speed', 'real', 'detection', 'search', 'motion', 'tracking', 'capture',
-         'latency', 'world', 'blink', 'files', 'pose')
+         'latency', 'world', 'blink', 'files', 'pose', 'triangulation')
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class Sizes:
     Windows a scene, phase, lens and stack; repeats of the timing; frames of the clutter scenes
     and of the moving camera; length of a vehicle's ride, s; rounds and starts of the latency;
     flashes of each situation outside the lab; frames and paths of the blinking lights; sights of
-    a body.
+    a body, and of a light by several cameras.
     """
 
     scene: int
@@ -54,17 +55,20 @@ class Sizes:
     world: int
     blink: blink.Size
     pose: int
+    triangulation: int
 
 
 FULL = Sizes(
     scene=10_000, phase=400, bearing=2_000, stack=10_000, repeats=7,
     detection=detection.FULL, motion=1_200, tracking=120.0, latency=latency.FULL,
     world=world.FULL, blink=blink.FULL, pose=2_000,
+    triangulation=4_000,
 )
 QUICK = Sizes(
     scene=1_000, phase=60, bearing=500, stack=2_000, repeats=3,
     detection=detection.QUICK, motion=100, tracking=30.0, latency=latency.QUICK,
     world=world.QUICK, blink=blink.QUICK, pose=300,
+    triangulation=2_000,
 )
 
 
@@ -90,6 +94,7 @@ class Report:
     files: list[FileRow] = field(default_factory=list)
     pose: list[PoseRow] = field(default_factory=list)
     body: list[BodyRow] = field(default_factory=list)
+    triangulation: list[TriangulationRow] = field(default_factory=list)
 
 
 def steps(parts: Collection[str], sizes: Sizes, beside: Path | None = None) -> int:
@@ -108,6 +113,7 @@ def steps(parts: Collection[str], sizes: Sizes, beside: Path | None = None) -> i
         'blink': blink.steps(),
         'files': files.steps(),
         'pose': pose.steps() + body.steps(),
+        'triangulation': triangulation.steps(),
     }
     return sum(each[part] for part in parts)
 
@@ -161,4 +167,6 @@ def measure(
     if 'pose' in parts:
         report.pose.extend(pose.run(sizes.pose, tick))
         report.body.extend(body.run(sizes.pose, tick))
+    if 'triangulation' in parts:
+        report.triangulation.extend(triangulation.run(sizes.triangulation, tick))
     return report

@@ -10,7 +10,7 @@ from benchmarks.report import Report
 from benchmarks.speed import PAIRED
 from benchmarks.tables_of_finding import capture, detection, files, frames, lab, search
 from benchmarks.tables_of_locating import (
-    accuracy, bearing, bias, body, motion, peers, pose, real, speed,
+    accuracy, bearing, bias, body, motion, peers, pose, real, speed, triangulation,
 )
 from benchmarks.tables_of_running import beside, latency, tracking
 from benchmarks.targets import against_peers, Target
@@ -54,6 +54,7 @@ def figures(report: Report, ours: Sequence[str]) -> list[Table]:
     tables += [files(report.files)] if report.files else []
     tables += [pose(report.pose)] if report.pose else []
     tables += [body(report.body)] if report.body else []
+    tables += [triangulation(report.triangulation)] if report.triangulation else []
     return tables
 
 

@@ -12,6 +12,7 @@ from benchmarks.pose import Row as PoseRow
 from benchmarks.real_pixels import Row as RealRow
 from benchmarks.speed import Pace
 from benchmarks.targets import Comparison
+from benchmarks.triangulation import Row as TriangulationRow
 import numpy as np
 from rich.table import Table
 
@@ -217,5 +218,21 @@ def body(rows: Sequence[BodyRow]) -> Table:
         out.add_row(
             row.case.name, f'{row.rms_mm:.4f}', f'{row.sigma_mm:.4f}', f'{row.nees:.3f}',
             f'{row.refused}/{row.count}', f'{row.seconds:.2f}',
+        )
+    return out
+
+
+def triangulation(rows: Sequence[TriangulationRow]) -> Table:
+    """Return a line for each case of a light's place by several cameras."""
+    out = Table(
+        'cameras', 'rms / bound', 'NEES/3', 'others, rms / bound', 'refused', 'wrong', 'ms',
+        title='Place of a light by several cameras',
+        caption='wrong: the position is that of another light, and given all the same',
+    )
+    for row in rows:
+        out.add_row(
+            row.case.name, f'{row.ratio:.3f}', f'{row.nees:.3f}',
+            ', '.join(f'{name} {each:.3g}' for name, each in row.peers.items()),
+            f'{row.refused}/{row.count}', str(row.wrong), f'{row.ms:.3f}',
         )
     return out

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import inf, isnan
 from statistics import geometric_mean
 
-from benchmarks import blink, body, pose
+from benchmarks import blink, body, pose, triangulation
 from benchmarks.accuracy import Bias, Row, TARGET
 from benchmarks.bearing import Row as BearingRow
 from benchmarks.capture import Row as CaptureRow
@@ -117,6 +117,8 @@ def judge(report: Report, ours: Sequence[str]) -> list[Target]:
         judged += [Target(*each) for each in pose.limits(report.pose)]
     if report.body:
         judged += [Target(*each) for each in body.limits(report.body)]
+    if report.triangulation:
+        judged += [Target(*each) for each in triangulation.limits(report.triangulation)]
     return judged
 
 

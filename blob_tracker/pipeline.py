@@ -8,14 +8,18 @@ pipeline` starts is another thing, the nodes in one process: `blob_tracker.nodes
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from math import isfinite
+from math import isfinite, prod, sqrt
 from typing import NamedTuple
 
 from blob_tracker import location, segmentation, tracking
 from blob_tracker.camera import CalibrationError, CameraModel, compile_lens, LensError
+from blob_tracker.camera.light_range import (
+    angle_per_pixel, combined, LightRange, range_by_flux, range_by_size, RangeError, Ranging,
+)
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.camera.response import Response
 from blob_tracker.location import EffectivePsf, Learned, Locator, method_options, METHODS
+from blob_tracker.location.disc import Disc, fit_disc
 from blob_tracker.location.noise_check import NoiseCheck
 from blob_tracker.segmentation import Expectation, FieldSegmenter, FrameError, Segmenter
 from blob_tracker.tracking import Track, Tracker, TrackingError, update_or_restart
@@ -150,6 +154,71 @@ def window_to_bearing(
             location, gain=noise.gain, looks=window.looks, field=window.field
         )
     return location, camera_model.bearing(location)
+
+
+def window_to_range(
+    window: Window,
+    location: Location,
+    bearing: Bearing,
+    *,
+    noise: SensorNoise,
+    ranging: Ranging,
+) -> tuple[Disc, LightRange | None]:
+    """
+    Tell how large and bright a light is, and how far away that makes it.
+
+    Parameters
+    ----------
+    window : Window
+        Lit and unlit pixels, DN.
+    location, bearing : Location, Bearing
+        What `window_to_bearing` has made of it.
+    noise : SensorNoise
+        Of the camera.
+    ranging : Ranging
+        What is known of the light.
+
+    Returns
+    -------
+    disc : Disc
+        Size and flux in the picture.
+    light_range : LightRange or None
+        By what tells it of size and flux, or both; None where neither is known.
+
+    Raises
+    ------
+    LocationError
+        Where no disc fits the light.
+    RangeError
+        Where neither tells the range, or they contradict each other.
+
+    """
+    disc = fit_disc(window, location, noise=noise, psf_sigma=ranging.psf_sigma)
+    ranges, refusals = [], []
+    if ranging.diameter > 0.0:
+        pixel = sqrt(prod(window.binning)) * angle_per_pixel(location, bearing)
+        try:
+            ranges.append(range_by_size(
+                disc.square, disc.covariance[0, 0], pixel=pixel, diameter=ranging.diameter,
+                psf_sigma=ranging.psf_sigma, calibration_sigma=ranging.calibration_sigma,
+            ))
+        except RangeError as error:
+            refusals.append(error)
+    if ranging.reference_flux > 0.0:
+        try:
+            ranges.append(range_by_flux(
+                disc.flux, disc.covariance[1, 1],
+                reference_distance=ranging.reference_distance,
+                reference_flux=ranging.reference_flux,
+                calibration_sigma=ranging.calibration_sigma,
+            ))
+        except RangeError as error:
+            refusals.append(error)
+    if ranges:
+        return disc, combined(ranges)
+    if refusals:
+        raise refusals[0]
+    return disc, None
 
 
 class Placed(NamedTuple):

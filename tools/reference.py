@@ -220,7 +220,9 @@ def _word(word: str) -> str:
 
 def _as_yaml(parameter: Parameter) -> str:
     """Return one line of YAML."""
-    return yaml.safe_dump({parameter.name: parameter.default}, default_flow_style=False)
+    # None: a list on the line of its name, and not the line in braces.
+    style = None if isinstance(parameter.default, list) else False
+    return yaml.safe_dump({parameter.name: parameter.default}, default_flow_style=style)
 
 
 if __name__ == '__main__':

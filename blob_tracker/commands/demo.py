@@ -15,9 +15,12 @@ import time
 from ament_index_python.packages import get_package_prefix, PackageNotFoundError
 from blob_tracker.commands.child import child
 from blob_tracker.commands.monitor import Monitor
+from blob_tracker.commands.watched_body import WatchedBody
 from blob_tracker.commands.watched_light import BUDGET, RECENT, Score, WatchedLight
+from blob_tracker.constellation import read_body
 from blob_tracker.resources import config_path
 from blob_tracker.ros.process import shut_down
+from blob_tracker.studies.flight_report import draw_flight
 from blob_tracker.studies.track_report import draw_track
 from blob_tracker.units import MRAD_PER_RAD
 import numpy as np
@@ -29,12 +32,14 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
+MM_PER_M = 1e3
 LEAST_BEARINGS = 100  # fewer say nothing of an rms
 # Its own: a servo on this machine that listens to /target/bearing must not follow a simulation.
 NAMESPACE = f'/demo_{os.getpid()}'
 STOPPED = 'stopped'
 COMPILE = (
-    'from blob_tracker.pipeline import compile_ahead; compile_ahead(["maximum_likelihood"])'
+    'from blob_tracker.pipeline import compile_ahead; compile_ahead(["maximum_likelihood"])\n'
+    'from blob_tracker.constellation import compile_ahead; compile_ahead()'
 )
 # Rows of the table. The light that a frame shows for a moment is placed as badly as its sigma
 # says; the budget is for those bearings that claim to be within it.
@@ -61,9 +66,24 @@ LIGHTS: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
         ('port', 'starboard', 'mast'),
     ),
 }
+CONSTELLATION = 'constellation'
+LIGHTS[CONSTELLATION] = (
+    {
+        'flash.mode': 'coded',
+        'flash.codes': 'nose:1111010010,port:1111110100,starboard:1111011010,tail:1110111010,'
+        'mast:1110010110',
+        'flash.bits_per_second': '20.0',
+    },
+    ('nose', 'port', 'starboard', 'tail', 'mast'),
+)
+BODY, BODY_URL = 'drone', 'package://blob_tracker/config/drone.yaml'
+FLIGHT = {'speed_sigma': '0.5', 'rate_sigma': '0.6'}  # m/s and rad/s, as it flies
+RATE = '30.0'  # Hz: five lights are more work for each frame
+LEAST_POSES = 20
 CLOCK_ERROR = '0.003'  # of lights that run free: more than that of any quartz
 EXPOSURE = '0.008333'  # s: half of the frame interval
 STARTUP = 40.0  # s within which the first bearing must come: three on a quiet machine
+FEW, WIDE, NARROW = 3, 12, 8  # lights whose columns are wide, and columns, characters
 REFRESH = 0.25  # s between two drawings of the table
 LEVELS = {b'\x00': 'green', b'\x01': 'yellow', b'\x02': 'red', b'\x03': 'red'}
 
@@ -76,7 +96,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=tuple(LIGHTS),
         default=IN_STEP,
         help='what is simulated: a light in step with the camera, one that runs free at 13.7 Hz, '
-        'or three that blink codes; a real camera looks for one in step',
+        'three that blink codes, or five of them on a drone, whose pose is shown; a real camera '
+        'looks for one in step',
     )
     parser.add_argument(
         '--camera-info', help='its calibration; without one a lens of 60 degrees is assumed'
@@ -127,7 +148,8 @@ def main(arguments: argparse.Namespace) -> int:
     # A terminal that is closed ends the nodes as Ctrl-C does: they are in sessions of their own.
     signal.signal(signal.SIGHUP, signal.default_int_handler)
     parameters, lights = LIGHTS[arguments.light if arguments.device is None else IN_STEP]
-    monitor = Monitor(NAMESPACE, lights=lights)
+    flies = arguments.light == CONSTELLATION and arguments.device is None
+    monitor = Monitor(NAMESPACE, lights=lights, body=BODY if flies else '')
     try:
         with ExitStack() as stack:
             nodes: dict[str, dict[str, str]] = {'segmenter': {**parameters}, 'locator': {}}
@@ -138,6 +160,9 @@ def main(arguments: argparse.Namespace) -> int:
                 if parameters:
                     nodes['segmenter']['flash.exposure'] = EXPOSURE
                     nodes['simulator']['clock_error'] = CLOCK_ERROR
+                if flies:
+                    nodes['simulator'].update(body_url=BODY_URL, rate=RATE)
+                    nodes['constellation'] = {'body': BODY, 'body_url': BODY_URL, **FLIGHT}
             else:
                 nodes['camera'] = _camera_parameters(arguments, console)
             processes = {
@@ -205,20 +230,23 @@ def _table(monitor: Monitor, elapsed: float, duration: float) -> Group:
     table = Table(title='blob_tracker', min_width=64)
     table.add_column('quantity')
     columns = [_column(monitor, light) for light in monitor.lights.values()]
+    width = WIDE if len(columns) <= FEW else NARROW
     for name in monitor.lights:
-        table.add_column(name or 'now', justify='right', min_width=12)
+        table.add_column(name or 'now', justify='right', min_width=width)
     for quantity in ROWS:
         if any(quantity in column for column in columns):
             table.add_row(quantity, *(column.get(quantity, '') for column in columns))
     if len(monitor.frames) > 1:
         table.add_row('frames/s', f'{_rate(monitor.frames):.1f}')
+    bodies = [] if monitor.body is None else [_of_body(monitor.body)]
     states = [
         Text(f'{name}: {message}', style=LEVELS.get(level, ''))
         for name, (level, message) in sorted(monitor.states.items())
     ]
     if np.isfinite(duration):
-        return Group(table, *states, ProgressBar(duration, min(elapsed, duration), width=64))
-    return Group(table, *states, Text('Ctrl-C ends it'))
+        bar = ProgressBar(duration, min(elapsed, duration), width=64)
+        return Group(table, *bodies, *states, bar)
+    return Group(table, *bodies, *states, Text('Ctrl-C ends it'))
 
 
 def _column(monitor: Monitor, light: WatchedLight) -> dict[str, Text]:
@@ -247,6 +275,22 @@ def _column(monitor: Monitor, light: WatchedLight) -> dict[str, Text]:
     return column
 
 
+def _of_body(body: WatchedBody) -> Table:
+    """Return the table of a body's pose."""
+    table = Table(title=body.name, min_width=64)
+    for name in ('x, y, z (m)', 'place off (mm rms)', 'turn off (degrees rms)', 'poses/s'):
+        table.add_column(name, justify='right')
+    score = body.score()
+    if score is not None:
+        place, turn = score.rms
+        x, y, z = score.positions[-1]
+        table.add_row(
+            f'{x:+.3f} {y:+.3f} {z:.3f}', f'{MM_PER_M * place:.2f}', f'{np.degrees(turn):.3f}',
+            f'{_rate(body.arrivals):.1f}' if len(body.arrivals) > 1 else '',
+        )
+    return table
+
+
 def _rate(times: deque[float]) -> float:
     """Return the events a second."""
     return (len(times) - 1) / max(times[-1] - times[0], 1e-9)
@@ -266,11 +310,35 @@ def _conclude(
             lines = log.read_text(errors='replace').splitlines()[-5:]
             console.print(*[f'  {log.stem}: {line}' for line in lines], sep='\n', markup=False)
         return 1
+    if monitor.body is not None:  # of its lights that hide one another more is asked than of one
+        return _judge_body(console, monitor.body, out / 'demo_pose.png')
     codes = [
         _judge(console, monitor, name, out / f'demo{f"_{name}" if name else ""}.png', simulated)
         for name in monitor.lights
     ]
     return max(codes)
+
+
+def _judge_body(console: Console, body: WatchedBody, picture: Path) -> int:
+    """Draw a body's flight, print its verdict, and return the exit code."""
+    score = body.score()
+    count = 0 if score is None else len(score.times)
+    if score is None or count < LEAST_POSES:
+        console.print(f'[red]{body.name}: only {count} poses came: nothing to judge[/red]')
+        return 1
+    lights = read_body(config_path('drone.yaml')).places
+    draw_flight(picture, score.times, score.true, score.true_turns, score.positions, score.turns,
+                score.errors, score.covariances, lights)
+    console.print(f'picture: {picture}')
+    place, turn = score.rms
+    met = score.scatter <= MOST_SCATTER
+    console.print(
+        f'[{"green" if met else "red"}]{body.name}: {count} poses, the place '
+        f'{MM_PER_M * place:.1f} mm rms off, the turn {np.degrees(turn):.2f} degrees, scatter / sigma '
+        f'{score.scatter:.2f}: {"as" if met else "MORE than"} the covariances say[/]',
+        soft_wrap=True,
+    )
+    return 0 if met else 1
 
 
 def _judge(

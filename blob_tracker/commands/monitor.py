@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from functools import partial
 import time
 
+from blob_tracker.commands.watched_body import WatchedBody
 from blob_tracker.commands.watched_light import RECENT, WatchedLight
 from blob_tracker.ros.endpoints.names import target_topic
 from blob_tracker.ros.endpoints.qos import IMAGE_IN, RESULT
@@ -14,7 +15,9 @@ from blob_tracker.ros.messages.camera_info import to_camera_model
 from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.units import MRAD_PER_RAD
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
+from geometry_msgs.msg import (
+    PointStamped, PoseStamped, PoseWithCovarianceStamped, Vector3Stamped,
+)
 import numpy as np
 from numpy.typing import NDArray
 from rclpy.context import Context
@@ -34,17 +37,21 @@ class Monitor(Node):
         The default one where left out.
     lights : sequence of str
         Names of the lights; that of the only one is empty.
+    body : str
+        Name of the body that carries them; empty where none does.
 
     """
 
     def __init__(
-        self, namespace: str, context: Context | None = None, lights: Sequence[str] = ('',)
+        self, namespace: str, context: Context | None = None, lights: Sequence[str] = ('',),
+        body: str = '',
     ) -> None:
         super().__init__('monitor', namespace=namespace, context=context)
         self.frames: deque[float] = deque(maxlen=2 * RECENT)
         self.stamps: deque[int] = deque(maxlen=2 * RECENT)
         self.camera_info = CameraInfo()
         self.lights = {name: WatchedLight() for name in lights}
+        self.body = WatchedBody(body) if body else None
         self.states: dict[str, tuple[bytes, str]] = {}
         self.create_subscription(CameraInfo, 'camera/camera_info', self._camera_info, IMAGE_IN)
         self.create_subscription(DiagnosticArray, '/diagnostics', self._diagnostics, RESULT)
@@ -58,6 +65,13 @@ class Monitor(Node):
                 (PointStamped, f'{truth}/centroid', self._truth),
             ):
                 self.create_subscription(kind, topic, partial(callback, light), RESULT)
+
+        if self.body is not None:
+            for kind, topic, take in (
+                (PoseWithCovarianceStamped, f'{target_topic(body)}/pose', self.body.take),
+                (PoseStamped, 'simulator/truth/pose', self.body.take_truth),
+            ):
+                self.create_subscription(kind, topic, take, RESULT)
 
     def forget(self) -> None:
         """Restart: know nothing of what came before."""

@@ -13,6 +13,7 @@ from typing import Any
 
 from blob_tracker.calibration.pulse_file import PulseFile
 from blob_tracker.camera import CalibrationError, CameraModel, compile_lens, LensError
+from blob_tracker.camera.light_range import RangeError, Ranging
 from blob_tracker.camera.response import OTHER_DEPTH, Response
 from blob_tracker.location import compile_ahead, Learned, Locator, method_options
 from blob_tracker.location.noise import noise_in_words, variance_ratio
@@ -20,7 +21,7 @@ from blob_tracker.location.noise_check import NoiseCheck
 from blob_tracker.location.picture import draw
 from blob_tracker.location.scatter import RecentPlaces
 from blob_tracker.nodes.interface.locator import DEFAULT_METHOD, PARAMETERS
-from blob_tracker.pipeline import window_to_bearing
+from blob_tracker.pipeline import window_to_bearing, window_to_range
 from blob_tracker.ros.diagnostics.clock_jumps import on_clock_jump
 from blob_tracker.ros.diagnostics.connections import Connections
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
@@ -29,11 +30,12 @@ from blob_tracker.ros.endpoints.debug_image import DebugImage
 from blob_tracker.ros.endpoints.delivery import Deliver, Delivery
 from blob_tracker.ros.endpoints.names import lights_from_text, target_topic
 from blob_tracker.ros.endpoints.pairing import FramePairs
-from blob_tracker.ros.endpoints.qos import STATE, subscription
+from blob_tracker.ros.endpoints.qos import publisher, QuietPublisher, RESULT, STATE, subscription
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.camera_info import KnownCamera
 from blob_tracker.ros.messages.clipping import clipping_window
 from blob_tracker.ros.messages.image import to_window
+from blob_tracker.ros.messages.light_range import range_message
 from blob_tracker.ros.messages.target import to_noise
 from blob_tracker.ros.parameters.declaration import declare, on_change
 from blob_tracker.ros.parameters.rooms import line_jitter_of, pulse_of, response_of
@@ -44,12 +46,15 @@ from geometry_msgs.msg import Vector3Stamped
 import numpy as np
 from rclpy.node import Node
 from rclpy.subscription import Subscription
-from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.msg import CameraInfo, Image, Range
 
 PLACES = 240  # of which the scatter is told to 5 %: the last 8 s at 30 Hz
 # Ratio of the scatter of the places to their sigmas, or of the pixels' variance to their noise's:
 # half more is more than calibrations differ by.
 SUSPICIOUS = 1.5
+RANGING = (
+    'psf_sigma', 'diameter', 'reference_distance', 'reference_flux', 'calibration_sigma',
+)
 DIFFERENT = 1.5  # ratio of two variances; what is measured has sigmas far below that
 
 
@@ -92,6 +97,7 @@ class LocatorNode(Node):
         self._camera = KnownCamera()
         self._targets: dict[str, BearingTopics] = {}
         self._windows: dict[str, FramePairs] = {}
+        self._ranges: dict[str, QuietPublisher] = {}
         self._keep_at: Path | None = None  # of the pulse that is learned first
         self._not_kept = ''
         self._response: Response | None = None
@@ -120,6 +126,10 @@ class LocatorNode(Node):
         keep_at = _new_file(values['pulse_url']) if values['pulse.learn'] else None
         if keep_at is not None:
             no_pulse = ''  # it is still to be learned
+        try:
+            ranging = Ranging(*(values[f'range.{name}'] for name in RANGING))
+        except ValueError as error:
+            raise ParameterError(str(error)) from None
         lights = lights_from_text(values['lights'])
         if self._listen:
             self._make_topics(lights)
@@ -134,6 +144,7 @@ class LocatorNode(Node):
                 self._line_jitter, self._response = line_jitter, response
                 self._not_linear = ''
                 self._pulse, self._no_pulse = pulse, no_pulse
+                self._ranging = ranging
                 self._places.clear()  # the next ones are placed in another way
                 if self._listen:
                     self._follow(lights)
@@ -274,12 +285,39 @@ class LocatorNode(Node):
             self._health.fault(WARN, f'pulse_url: {self._no_pulse}; the Gaussian is fitted')
         elif self._not_kept:
             self._health.fault(WARN, f'pulse_url: {self._not_kept}; the pulse is used')
+        if self._ranging.psf_sigma > 0.0:
+            self._range(light, window, location, bearing, noise, frame_id)
         self._compare_noise(window, location, check)
         self._learn(light, camera_model)
         self._debug_image.offer(
             lambda: draw(window, noise, location, bearing, name=light),
             window.stamp_ns,
             frame_id,
+        )
+
+    def _range(
+        self, light: str, window: Window, location: Location, bearing: Bearing,
+        noise: SensorNoise, frame_id: str,
+    ) -> None:
+        """Publish how far away a light is, if its size or flux tell."""
+        about = f'{light}: ' if light else ''
+        try:
+            disc, found = window_to_range(
+                window, location, bearing, noise=noise, ranging=self._ranging
+            )
+        except (LocationError, RangeError) as error:
+            self._health.fault(WARN, f'{target_topic(light)}: no range: {error}')
+            self._health.count(f'{about}ranges refused')
+            return
+        self._health.show(f'{about}flux (DN)', f'{disc.flux:.6g}')
+        self._health.show(f'{about}radius (px)', f'{max(disc.square, 0.0) ** 0.5:.3f}')
+        if found is None:
+            return
+        if light not in self._ranges:
+            self._ranges[light] = publisher(self, Range, f'{target_topic(light)}/range', RESULT)
+        self._ranges[light].publish(range_message(found, location.stamp_ns, frame_id))
+        self._health.show(
+            f'{about}range (m)', f'{found.distance:.4g} +- {found.variance ** 0.5:.2g}'
         )
 
     def _clipped_at(self, window: Window, info: CameraInfo) -> int:
@@ -377,6 +415,7 @@ class LocatorNode(Node):
             ('chi-square', f'{last.chi2:.2f}'),
             ('chi-square mean', f'{places.chi2:.2f}'),
             ('saturated pixels', last.saturated),
+            ('width of the blob, sigma (px)', f'{last.sigma:.4f}'),
             ('sigma x (px)', f'{sigma_x:.4f}'),
             ('sigma y (px)', f'{sigma_y:.4f}'),
             ('scatter / sigma', scatter),

@@ -21,6 +21,7 @@ from blob_tracker.ros.endpoints.frame_topics import FrameTopics
 from blob_tracker.ros.endpoints.names import check_light
 from blob_tracker.ros.endpoints.qos import publisher, RESULT, subscription
 from blob_tracker.ros.errors import MessageError, ParameterError
+from blob_tracker.ros.messages.body import true_pose_message
 from blob_tracker.ros.messages.camera_info import from_camera_model
 from blob_tracker.ros.messages.imu import NO_DATA
 from blob_tracker.ros.messages.joint_states import to_angles
@@ -30,8 +31,9 @@ from blob_tracker.ros.parameters.declaration import declare, on_change
 from blob_tracker.ros.parameters.values import about
 from blob_tracker.ros.process import run
 from blob_tracker.simulation import (
-    blinking_lights, flashing_light, PROFILES, Scene, Sensor, Truth, truth_of, waveforms_of,
+    blinking_lights, flashing_light, Light, PROFILES, Scene, Sensor, Truth, truth_of, waveforms_of,
 )
+from blob_tracker.simulation.flying_body import Flight, flying_body
 from blob_tracker.simulation.gyro import Gyro
 from blob_tracker.simulation.pan_tilt import Joints, KEPT_S, PanTilt
 from blob_tracker.simulation.pan_tilt_camera import PanTiltCamera
@@ -39,7 +41,7 @@ from blob_tracker.simulation.platform_motion import MOTIONS, Ride
 from blob_tracker.simulation.spot import LightSource
 from blob_tracker.simulation.steered_camera import Felt, SteeredCamera
 from blob_tracker.types import Frame, Location, SensorNoise
-from geometry_msgs.msg import PointStamped, Vector3Stamped
+from geometry_msgs.msg import PointStamped, PoseStamped, Vector3Stamped
 import numpy as np
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -91,6 +93,7 @@ class SimulatorNode(Node):
         self._beats: list[Timer] = []
         self._pan_tilt_states: Publisher | None = None
         self._imus: Publisher | None = None
+        self._true_poses: Publisher | None = None
         self._vehicle: SteeredCamera | None = None
         self._steered = False
         self._change(values)()
@@ -101,6 +104,7 @@ class SimulatorNode(Node):
         settings = dict(values)
         frame_id, focal_length = settings.pop('frame_id'), settings.pop('focal_length')
         platform, steered = settings.pop('platform'), settings.pop('pan_tilt')
+        body_url = settings.pop('body_url')
         sensor = Sensor(
             SensorNoise(settings.pop('noise.gain'), settings.pop('noise.read_noise')),
             settings.pop('bits'),
@@ -116,6 +120,12 @@ class SimulatorNode(Node):
             )
         width, height = scene.width, scene.height
         model = CameraModel(width, height, pinhole_matrix(focal_length, width, height))
+        flight: Flight | None = None
+        if body_url:
+            scene, lights, flight = _on_body(body_url, scene, lights, model)
+            if self._true_poses is None:
+                self._true_poses = publisher(
+                    self, PoseStamped, 'simulator/truth/pose', RESULT)
         try:
             pixels = scene.frame(0)
         except MemoryError:
@@ -158,6 +168,7 @@ class SimulatorNode(Node):
             self._scene = scene
             self._lights = lights
             self._free = free
+            self._flight = flight
             self._stamp_ns: int | None = None
             self._camera_model = model
             self._info = from_camera_model(model, width, height)
@@ -279,6 +290,12 @@ class SimulatorNode(Node):
         self._health.arrived(stamp_ns)
         self._frames.publish(frame, self._info, self._frame_id)
         self._health.left(stamp_ns)
+        if self._flight is not None and self._true_poses is not None:
+            shot = self._scene.shot(self._index)
+            self._true_poses.publish(true_pose_message(
+                *self._flight.pose(shot.time),
+                stamp_ns + round(shot.middle_row * frame.line_time_ns), self._frame_id,
+            ))
         for name, truth in zip(self._lights, truths):
             # The row that it lies in is exposed so much later than the first.
             self._tell(name, truth, stamp_ns + round(np.nan_to_num(truth.y) * frame.line_time_ns))
@@ -375,6 +392,26 @@ def _scene(
         raise ParameterError(f'{error}; lower row_time, height or rate') from None
     in_step = mode == 'coded' and not frequencies and not flash['flash.bits_per_second']
     return scene, {**lights}, not in_step
+
+
+def _on_body(
+    url: str, scene: Scene, lights: dict[str, LightSource], model: CameraModel
+) -> tuple[Scene, dict[str, LightSource], Flight]:
+    """Return the scene with its lights on a body, these, and how it flies."""
+    # Loads Numba: lights by themselves do without.
+    from blob_tracker.ros.parameters.rooms import body_of
+
+    body = body_of(url)
+    alone = {name: light for name, light in lights.items() if isinstance(light, Light)}
+    if not body.names or set(alone) != set(body.names):
+        raise ParameterError(
+            f"parameter 'body_url': the body has the lights {', '.join(body.names)}, and "
+            f'flash.codes, in flash.mode coded, {", ".join(filter(None, alone)) or "none"}; they '
+            'must be the same'
+        )
+    places = dict(zip(body.names, body.places, strict=True))
+    scene, of_body, flight = flying_body(scene, alone, places, model.matrix)
+    return scene, {**of_body}, flight
 
 
 @lru_cache(maxsize=2)

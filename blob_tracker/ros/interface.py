@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 _TYPES = {bool: 'a boolean', int: 'an integer', float: 'a number with a point', str: 'a string'}
+_LISTS = {float: 'a list of numbers with a point', str: 'a list of strings'}
 MOST_CHOICES, SOME_CHOICES = 12, 6  # of more than the first, a table names the second
 
 
@@ -23,8 +24,9 @@ class Parameter:
     ----------
     name : str
         Its name; dots part groups.
-    default : bool, int, float or str
-        Gives the type as well.
+    default : bool, int, float, str or list
+        Gives the type as well; a list is one of strings or of floats, and not empty, for rcl takes
+        an empty one for no value.
     description : str
         What it does and why one would change it.
     least, most : int or float, optional
@@ -39,7 +41,7 @@ class Parameter:
     """
 
     name: str
-    default: bool | int | float | str
+    default: bool | int | float | str | list[str] | list[float]
     description: str
     least: float | None = None
     most: float | None = None
@@ -52,6 +54,8 @@ class Parameter:
         """Say in words what the value must be."""
         if self.choices:
             return 'one of ' + ', '.join(choice or "''" for choice in self.choices)
+        if isinstance(self.default, list):
+            return f'{_LISTS[type(self.default[0])]}, as {self.value}'
         words = _TYPES[type(self.default)]
         if self.least is not None and self.most is not None:
             words += f' from {_number(self.least)} to {_number(self.most)}'
@@ -67,6 +71,8 @@ class Parameter:
             return ', '.join(self.choices)
         if isinstance(self.default, bool):
             return 'true, false'
+        if isinstance(self.default, list):
+            return _LISTS[type(self.default[0])].removeprefix('a ')
         if self.least is not None and self.most is not None:
             return f'{_number(self.least)} to {_number(self.most)} {self.unit}'.strip()
         return self.unit
@@ -76,6 +82,8 @@ class Parameter:
         """Return the default as YAML and `ros2 param set` have it."""
         if isinstance(self.default, bool):
             return str(self.default).lower()
+        if isinstance(self.default, list):
+            return f'[{",".join(map(str, self.default))}]'
         return str(self.default) or "''"
 
 

@@ -17,13 +17,13 @@ from blob_tracker.tracking.pan_tilt_angles import PanTiltAngles
 from blob_tracker.tracking.platform_rates import PlatformRates
 from blob_tracker.tracking.restart import update_or_restart
 from blob_tracker.tracking.sight import Sight
-from blob_tracker.tracking.simultaneous import Simultaneous
+from blob_tracker.tracking.simultaneous import Instant, Simultaneous
 from blob_tracker.tracking.track import Track
 from blob_tracker.tracking.tracker import Tracker
 from blob_tracker.tracking.triangulation import Position, triangulate
 
 __all__ = [
-    'CameraPose', 'GyroFault', 'GyroWatch', 'MODELS', 'PanTilt', 'PanTiltAngles',
+    'CameraPose', 'GyroFault', 'GyroWatch', 'Instant', 'MODELS', 'PanTilt', 'PanTiltAngles',
     'ParallelRays', 'PlatformGap', 'PlatformRates', 'Position', 'RaysApart', 'Sight',
     'Simultaneous', 'StampJump',
     'Track', 'Tracker', 'TrackingError', 'TriangulationError', 'compile_ahead', 'triangulate',

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from blob_tracker.tracking.camera_pose import CameraPose
 from blob_tracker.tracking.interpolation import interpolated
-from blob_tracker.tracking.rays import direction, tangents
+from blob_tracker.tracking.rays import directions, tangents
 from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
 import numpy as np
@@ -36,7 +36,7 @@ class Sight(NamedTuple):
         return self.bearing.stamp_ns
 
 
-def between(before: Sight, after: Sight, stamp_ns: int, acceleration: float) -> Sight:
+def between(before: Sight, after: Sight, stamp_ns: int) -> Sight:
     """
     Return what a camera would have seen at an instant between two others.
 
@@ -47,16 +47,16 @@ def between(before: Sight, after: Sight, stamp_ns: int, acceleration: float) -> 
     ----------
     before, after : Sight
         Of the same camera, the earlier one first.
-    stamp_ns, acceleration
+    stamp_ns : int
         See `interpolated`.
 
     """
     pose = before.pose
     if after.pose is pose:
-        return Sight(interpolated(before.bearing, after.bearing, stamp_ns, acceleration), pose)
+        return Sight(interpolated(before.bearing, after.bearing, stamp_ns), pose)
     part = (stamp_ns - before.stamp_ns) / (after.stamp_ns - before.stamp_ns)
     return Sight(
-        interpolated(before.bearing, _in_axes_of(pose, after), stamp_ns, acceleration),
+        interpolated(before.bearing, _in_axes_of(pose, after), stamp_ns),
         replace(pose, position=(1.0 - part) * pose.position + part * after.pose.position),
     )
 
@@ -64,15 +64,15 @@ def between(before: Sight, after: Sight, stamp_ns: int, acceleration: float) -> 
 def _in_axes_of(pose: CameraPose, sight: Sight) -> Bearing:
     """Return a bearing as a camera sees it that stands at the same place, turned otherwise."""
     bearing = sight.bearing
-    angles = MRAD * bearing.azimuth, MRAD * bearing.elevation
+    angles = MRAD * np.array([bearing.azimuth, bearing.elevation])
     turn = pose.rotation.T @ sight.pose.rotation
-    x, y, z = turn @ direction(*angles)
+    x, y, z = turn @ directions(angles)
     level = math.hypot(x, z)
     by_direction = np.array([
         [z / level**2, 0.0, -x / level**2],
         [x * y / level, -level, z * y / level],
     ])
-    derivative = by_direction @ turn @ tangents(*angles)
+    derivative = by_direction @ turn @ tangents(angles)
     return Bearing(
         azimuth=math.atan2(x, z) / MRAD,
         elevation=math.atan2(-y, level) / MRAD,

@@ -1,51 +1,102 @@
-"""Sights of two cameras that see at different instants -> pairs of one instant."""
+"""Sights of several cameras that see at different instants -> those of one instant."""
 
 from __future__ import annotations
 
 from collections import deque
+from typing import NamedTuple
 
+from blob_tracker.kernel import Array
+from blob_tracker.tracking.interpolation import strays
 from blob_tracker.tracking.sight import between, Sight
+from blob_tracker.units import MRAD
+import numpy as np
 
 MOST = 256  # sights that wait; a second of the fastest camera
+NEVER_NS = -1
+
+
+class Instant(NamedTuple):
+    """
+    What cameras see at one instant.
+
+    Parameters
+    ----------
+    cameras : tuple of int
+        Their places in the row, two or more; the stamp is that of a bearing of the first.
+    sights : tuple of Sight
+        Of each.
+    strayed : (n, n) array
+        Covariance of what the light may have strayed from the lines on which bearings were
+        interpolated, seen across each ray, rad^2; see `strays`.
+
+    """
+
+    cameras: tuple[int, ...]
+    sights: tuple[Sight, ...]
+    strayed: Array
 
 
 class Simultaneous:
     """
-    Bring the sights of a second camera to the instants of a first one.
+    Bring the sights of cameras to the instants of the first one of them that sees the light.
 
-    Each sight of the first camera that lies between two of the second gives a pair, with the
-    second's interpolated. So it waits for the next one of the second camera: half an interval of
-    it on average, none at all where the stamps are equal, as of cameras with one trigger. The
-    pairs depend on the stamps alone, not on the order in which the cameras' sights arrive.
+    A camera sees the light at an instant if it has a bearing of it, or one before and one after
+    that are no further apart than `max_interval`. The stamps of the first camera in the row that
+    does so stand, and the bearings of the later ones are interpolated to them. So what is given
+    waits for the next bearing of each: half an interval on average, none at all where the stamps
+    are equal, as of cameras with one trigger.
+
+    What is given depends on the stamps alone, not on the order in which the cameras' sights
+    arrive, as long as no camera's come more than `max_interval` later than another's: so long is
+    one that is silent waited for, and longer if a single one is left without it.
 
     Parameters
     ----------
+    cameras : int
+        How many there are.
     max_interval : float
-        Greatest time between the two sights of the second camera, s.
+        Greatest time between two bearings that are interpolated, s.
     acceleration : float
-        How the light moves between them, mrad/s^2, see `interpolated`.
+        How the light moves between them: standard deviation of the change of its angular rate in
+        one second, mrad/s^2.
 
     Attributes
     ----------
     skipped : int
-        Sights of the first camera that had none of the second near enough.
+        Bearings to whose instants no later camera had any near enough, nor an earlier one.
+    late : list of int
+        Of each camera, bearings that came when what there was of their instant had been given.
     interval : float
-        Time between the two sights of the second camera about the last of the first one that
-        was paired or skipped, s; NaN before.
+        Longest time between two bearings that were interpolated last, or in vain, s; NaN before.
 
     """
 
-    def __init__(self, max_interval: float, acceleration: float) -> None:
+    def __init__(self, cameras: int, max_interval: float, acceleration: float) -> None:
         self.max_interval = max_interval
         self.acceleration = acceleration
         self.skipped = 0
+        self.late = [0] * cameras
         self.interval = float('nan')
-        self._first: deque[Sight] = deque(maxlen=MOST)
-        self._second: deque[Sight] = deque(maxlen=MOST)
+        self._done_ns = NEVER_NS  # what came of the instants up to it is given
+        self._seen: list[deque[Sight]] = [deque(maxlen=MOST) for _ in range(cameras)]
+        # Those that may give an instant: of all but the last camera.
+        self._waiting: list[deque[Sight]] = [deque(maxlen=MOST) for _ in range(cameras - 1)]
 
-    def first(self, sight: Sight) -> list[tuple[Sight, Sight]]:
+    def take(self, camera: int, sight: Sight) -> list[Instant]:
         """
-        Take the next sight of the first camera; return the pairs that it completes.
+        Take the next sight of a camera; return what it completes.
+
+        Parameters
+        ----------
+        camera : int
+            Its place in the row.
+        sight : Sight
+            What it has seen.
+
+        Returns
+        -------
+        list of Instant
+            In the order of their stamps.
 
         Raises
         ------
@@ -54,54 +105,117 @@ class Simultaneous:
             jumped back by more than `max_interval`, all that waits is.
 
         """
-        self._take(self._first, sight)
-        return self._pairs()
-
-    def second(self, sight: Sight) -> list[tuple[Sight, Sight]]:
-        """Take the next sight of the second camera; else as `first`."""
-        self._take(self._second, sight)
-        return self._pairs()
-
-    def forget(self, after_ns: int) -> None:
-        """Give up what has a later stamp, ns."""
-        for waiting in (self._first, self._second):
-            while waiting and waiting[-1].stamp_ns > after_ns:
-                waiting.pop()
-
-    def _take(self, waiting: deque[Sight], sight: Sight) -> None:
-        """Let a sight wait."""
-        if waiting:
-            late = 1e-9 * (waiting[-1].stamp_ns - sight.stamp_ns)
+        seen = self._seen[camera]
+        jump = ''
+        if seen:
+            late = 1e-9 * (seen[-1].stamp_ns - sight.stamp_ns)
             if late > self.max_interval:
-                self.forget(-1)
-                waiting.append(sight)
-                raise ValueError(f'the stamps jumped back by {late:.3f} s; starting afresh')
-            if late >= 0.0:
+                self.forget(NEVER_NS)
+                jump = f'the stamps jumped back by {late:.3f} s; starting afresh'
+            elif late >= 0.0:
                 raise ValueError(
                     f'ray left out: its stamp is {late:.3f} s older than the one before or the '
                     'same; stamps must grow'
                 )
-        waiting.append(sight)
+        seen.append(sight)
+        if sight.stamp_ns <= self._done_ns:
+            self.late[camera] += 1
+        elif camera < len(self._waiting):
+            self._waiting[camera].append(sight)
+        if jump:
+            raise ValueError(jump)
+        return self._complete()
 
-    def _pairs(self) -> list[tuple[Sight, Sight]]:
-        """Return the pairs of which both ends are there."""
-        pairs = []
-        while self._first and self._second and self._second[-1].stamp_ns >= (
-            self._first[0].stamp_ns
-        ):
-            seen = self._first.popleft()
-            while len(self._second) > 1 and self._second[1].stamp_ns <= seen.stamp_ns:
-                self._second.popleft()
-            before = self._second[0]
-            if before.stamp_ns == seen.stamp_ns:
-                self.interval = 0.0
-                pairs.append((seen, before))
-                continue
-            # The only one is later: there was none before.
-            after = self._second[1] if len(self._second) > 1 else before
-            self.interval = 1e-9 * (after.stamp_ns - min(before.stamp_ns, seen.stamp_ns))
-            if before.stamp_ns > seen.stamp_ns or self.interval > self.max_interval:
-                self.skipped += 1
-                continue
-            pairs.append((seen, between(before, after, seen.stamp_ns, self.acceleration)))
-        return pairs
+    def forget(self, after_ns: int) -> None:
+        """Give up what has a later stamp, ns."""
+        self._done_ns = min(self._done_ns, after_ns)
+        for sights in (*self._seen, *self._waiting):
+            while sights and sights[-1].stamp_ns > after_ns:
+                sights.pop()
+
+    def leave_out(self, camera: int) -> None:
+        """Give up all that came of a camera."""
+        self._seen[camera].clear()
+        if camera < len(self._waiting):
+            self._waiting[camera].clear()
+
+    def _complete(self) -> list[Instant]:
+        """Return what is there of all cameras."""
+        complete = []
+        while any(self._waiting):
+            # The earliest; of equal stamps that of the first camera.
+            camera = min(
+                (each for each, waiting in enumerate(self._waiting) if waiting),
+                key=lambda each: self._waiting[each][0].stamp_ns,
+            )
+            sight = self._waiting[camera][0]
+            around = self._around(sight.stamp_ns)
+            if around is None or self._alone(camera, sight.stamp_ns):
+                break
+            self._waiting[camera].popleft()
+            self._done_ns = sight.stamp_ns
+            if not any(around[:camera]):
+                if any(around[camera + 1:]):
+                    complete.append(self._brought(around, sight.stamp_ns))
+                else:
+                    self._skip(camera, sight.stamp_ns)
+            for seen in self._seen:
+                while len(seen) > 1 and seen[1].stamp_ns <= sight.stamp_ns:
+                    seen.popleft()
+        return complete
+
+    def _around(self, stamp_ns: int) -> list[tuple[Sight, Sight] | None] | None:
+        """Return each camera's sights about an instant, or None while one may still come."""
+        newest_ns = max(seen[-1].stamp_ns for seen in self._seen if seen)
+        around: list[tuple[Sight, Sight] | None] = []
+        for seen in self._seen:
+            if seen and seen[-1].stamp_ns < stamp_ns and (
+                1e-9 * (newest_ns - seen[-1].stamp_ns) <= self.max_interval
+            ):
+                return None
+            before = next((each for each in reversed(seen) if each.stamp_ns <= stamp_ns), None)
+            after = next((each for each in seen if each.stamp_ns >= stamp_ns), None)
+            if before and after and _apart(before, after) <= self.max_interval:
+                around.append((before, after))
+            else:
+                around.append(None)
+        return around
+
+    def _alone(self, camera: int, stamp_ns: int) -> bool:
+        """Tell whether no other camera has come so far."""
+        return not any(
+            seen and seen[-1].stamp_ns >= stamp_ns
+            for number, seen in enumerate(self._seen) if number != camera
+        )
+
+    def _skip(self, camera: int, stamp_ns: int) -> None:
+        """Count an instant that a single camera has seen."""
+        self.skipped += 1
+        gaps = [
+            _apart(seen[0], seen[1]) if len(seen) > 1 and seen[0].stamp_ns < stamp_ns
+            else 1e-9 * (seen[0].stamp_ns - stamp_ns)
+            for seen in self._seen[camera + 1:] if seen
+        ]
+        self.interval = min(gaps, default=float('nan'))
+
+    def _brought(
+        self, around: list[tuple[Sight, Sight] | None], stamp_ns: int
+    ) -> Instant:
+        """Return what all that see the light see at an instant."""
+        pairs = {number: pair for number, pair in enumerate(around) if pair}
+        since = np.array([1e-9 * (stamp_ns - before.stamp_ns) for before, _ in pairs.values()])
+        until = np.array([1e-9 * (after.stamp_ns - stamp_ns) for _, after in pairs.values()])
+        self.interval = float((since + until).max())
+        return Instant(
+            tuple(pairs),
+            tuple(
+                before if before is after else between(before, after, stamp_ns)
+                for before, after in pairs.values()
+            ),
+            (MRAD * self.acceleration) ** 2 * strays(since, until),
+        )
+
+
+def _apart(before: Sight, after: Sight) -> float:
+    """Return the time between two sights, s."""
+    return 1e-9 * (after.stamp_ns - before.stamp_ns)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import combinations
 import math
@@ -12,7 +12,7 @@ from typing import NamedTuple
 from blob_tracker.kernel import Array
 from blob_tracker.tracking.camera_pose import CameraPose
 from blob_tracker.tracking.errors import ParallelRays, RaysApart, TriangulationError
-from blob_tracker.tracking.rays import direction, linearised, nearest_point, tangents
+from blob_tracker.tracking.rays import linearised, nearest_point, Rays, tangents
 from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
 import numpy as np
@@ -24,6 +24,16 @@ PARALLAX_SIGMA = 5.0
 ROUNDING_RAD = 1e-12  # angles of less are not known to double precision
 STEPS = 30
 CONVERGED_SIGMA = 1e-3  # of the position
+# Of chi-square: which rays are of another light is told if it is a thousand times as likely as
+# any other answer with as many, 2 ln 1000.
+TOLD = 13.8
+
+
+class Outlier(NamedTuple):
+    """A ray that passes the others by: which, and by how many standard deviations."""
+
+    name: str
+    sigmas: float
 
 
 @dataclass(frozen=True)
@@ -46,6 +56,8 @@ class Position:
         Mean of `chi2` where they do: two for each ray, less three.
     stamp_ns : int
         That of the first bearing, ns of ROS time.
+    outliers : tuple of Outlier
+        The rays that are of something else, and not used.
 
     """
 
@@ -55,10 +67,17 @@ class Position:
     chi2: float
     degrees_of_freedom: int
     stamp_ns: int = 0
+    outliers: tuple[Outlier, ...] = ()
 
 
 def triangulate(
-    bearings: Sequence[Bearing], poses: Sequence[CameraPose], *, gate_sigma: float = 5.0
+    bearings: Sequence[Bearing],
+    poses: Sequence[CameraPose],
+    *,
+    gate_sigma: float = 5.0,
+    shared: Array | None = None,
+    strayed: Array | None = None,
+    names: Sequence[str] = (),
 ) -> Position:
     """
     Return where the rays of one light meet: the position of maximum likelihood.
@@ -69,24 +88,30 @@ def triangulate(
 
     and X minimises the squared residuals of all cameras over their covariance,
 
-        chi2 = sum_i r_i^T S_i^-1 r_i,    r_i = z_i - h_i(X)
+        chi2 = r^T S^-1 r,    r_i = z_i - h_i(X)
 
     (Hartley & Zisserman, Multiple View Geometry, 2nd ed., section 12.3, eq. 12.1, with angles in
     place of pixels), by Gauss-Newton steps from the point that is nearest to all rays, the
     solution of sum_i (I - d_i d_i^T)(X - c_i) = 0 with the directions d_i (the midpoint of two
     rays; Hartley & Sturm, Triangulation, CVIU 68 (1997), section 5.3). With J_i = dh_i/dX,
 
-        covariance = (sum_i J_i^T S_i^-1 J_i)^-1
+        covariance = (J^T S^-1 J)^-1
 
-    is the inverse of the Fisher information. S_i is the bearing's covariance and what the errors
-    of the camera's pose do to its angles,
+    is the inverse of the Fisher information. The covariance of all angles together, S, is that of
+    the bearings and what the errors of the poses do to them,
 
-        S_i = C_i + E_i,    E_i = sigma_p^2 J_i J_i^T + sigma_r^2 A_i [p]x [p]x^T A_i^T
+        S = C + E + D,    E = P Q P^T,    P_i = A_i ([p]x, -R_i^T)
+        D_ij = V_ij d_i d_j J_i J_j^T
 
-    with A_i = dh_i/dp. Errors of the poses are taken as independent from camera to camera. They
-    weigh as those of the bearings do in a single position, but from one position to the next they
-    stay: `systematic` is their part of the covariance, sum_i G_i E_i G_i^T with
-    G_i = covariance J_i^T S_i^-1.
+    with A_i = dh_i/dp, the covariance Q of the cameras' turns and positions, and that of what the
+    light strays between two rays, V, at the distances d_i. The errors of the
+    poses weigh as those of the bearings do in a single position, but from one position to the
+    next they stay: `systematic` is their part of the covariance, G E G^T with
+    G = covariance J^T S^-1.
+
+    Of three rays or more that do not meet, as few as possible are left out, and fewer than the
+    rest, so that the rest meet: the choice of least chi2, which must be a thousand times as likely
+    as the next one with as many. Nothing is left out where it is not: then no position is right.
 
     Parameters
     ----------
@@ -97,6 +122,13 @@ def triangulate(
     gate_sigma : float
         How far apart rays may pass that are said to meet, in standard deviations: chi2 may be as
         improbable as a Gaussian deviate beyond +-gate_sigma.
+    shared : (6 n, 6 n) array, optional
+        What the cameras' poses err by in common, besides their own sigmas: the covariance of each
+        camera's turn about its own axes, rad, and its position, m, in this order.
+    strayed : (n, n) array, optional
+        V, rad^2, of bearings that were interpolated, see `Instant`.
+    names : sequence of str
+        Of the cameras, for what is said of them; their numbers where there are none.
 
     Returns
     -------
@@ -108,7 +140,8 @@ def triangulate(
     ParallelRays
         Where no two rays differ by more than five standard deviations of the angle between them.
     RaysApart
-        Where the rays do not meet within the gate, or meet behind a camera.
+        Where the rays do not meet within the gate, or meet behind a camera, and it is not told
+        which of them are of another light.
     TriangulationError
         Where there are fewer than two bearings, or one or its covariance is not finite, or the
         covariance is not positive definite.
@@ -121,65 +154,102 @@ def triangulate(
         )
     for bearing in bearings:
         check_bearing(bearing)
-    seen = MRAD * np.array([[each.azimuth, each.elevation] for each in bearings])
-    noise = MRAD**2 * np.array([each.covariance for each in bearings])
-    directions = np.array(
-        [pose.rotation @ direction(*angles) for pose, angles in zip(poses, seen, strict=True)]
+    names = names or [f'camera {number}' for number in range(1, len(poses) + 1)]
+    rays = Rays.of(bearings, poses, shared, strayed)
+    parallax = _parallax(rays)
+    try:
+        _check_parallax(parallax)
+        position = _met(rays, names, gate_sigma)
+    except RaysApart:
+        if len(bearings) == 2:
+            raise
+        position = _without_outliers(rays, names, gate_sigma, parallax)
+    return replace(position, stamp_ns=bearings[0].stamp_ns)
+
+
+def _without_outliers(
+    rays: Rays, names: Sequence[str], gate_sigma: float, parallax: tuple[Array, Array]
+) -> Position:
+    """Return where the rays meet if those that pass the others by are left out."""
+    count = len(names)
+    for number in range(1, (count + 1) // 2):
+        found: list[tuple[float, tuple[int, ...], Position | ParallelRays]] = []
+        for left_out in combinations(range(count), number):
+            rest = [each for each in range(count) if each not in left_out]
+            of_rest = [names[each] for each in rest]
+            try:
+                angles, ratios = (each[np.ix_(rest, rest)] for each in parallax)
+                _check_parallax((angles, ratios))
+                position = _met(rays.some(rest), of_rest, gate_sigma)
+                found.append((position.chi2, left_out, position))
+            except ParallelRays as error:  # they may meet, and nothing speaks for others
+                found.append((0.0, left_out, error))
+            except RaysApart:
+                continue
+        if not found:
+            continue
+        found.sort(key=lambda each: each[0])
+        best, left_out, answer = found[0]
+        if len(found) > 1 and found[1][0] - best < TOLD:
+            raise RaysApart(
+                'the rays do not meet, and which is of another light cannot be told: the others '
+                'do without ' + ', or without '.join(
+                    ' and '.join(names[each] for each in which)
+                    for chi2, which, _ in found if chi2 - best < TOLD
+                )
+            )
+        if isinstance(answer, ParallelRays):
+            raise answer
+        return replace(answer, outliers=tuple(
+            Outlier(names[each], _away(rays.some([each]), answer)) for each in left_out
+        ))
+    raise RaysApart(
+        f'no more than half of the rays of {", ".join(names)} meet: they are of different lights '
+        'or instants, or the cameras are not where their poses say'
     )
-    _check_parallax(seen, noise, directions, poses)
-    fit = _fitted(seen, noise, directions, poses)
-    degrees = 2 * len(bearings) - 3
-    most = _most(gate_sigma, degrees)
-    if fit.chi2 > most:
-        raise RaysApart(
-            f'the rays do not meet: chi-square is {fit.chi2:.1f} and may be {most:.1f} (gate '
-            f'{gate_sigma:g}); they are of different lights or instants, or a camera is not where '
-            'its pose says'
-        )
-    return Position(
-        position=fit.position,
-        covariance=fit.covariance,
-        systematic=fit.systematic,
-        chi2=max(fit.chi2, 0.0),
-        degrees_of_freedom=degrees,
-        stamp_ns=bearings[0].stamp_ns,
-    )
 
 
-class _Fit(NamedTuple):
-    """The position of maximum likelihood, m, its covariances, m^2, and chi-square."""
-
-    position: Array
-    covariance: Array
-    systematic: Array
-    chi2: float
+def _away(ray: Rays, position: Position) -> float:
+    """Return how many standard deviations one ray is away from a position."""
+    residual, jacobian, errors, strayed = linearised(position.position, ray)
+    spread = ray.noise[0] + errors + strayed + jacobian @ position.covariance @ jacobian.T
+    return math.sqrt(float(residual @ np.linalg.solve(spread, residual)))
 
 
-def _fitted(
-    seen: Array, noise: Array, directions: Array, poses: Sequence[CameraPose]
-) -> _Fit:
-    """Return the fit by Gauss-Newton steps from the point that is nearest to all rays."""
-    position = nearest_point(directions, np.array([pose.position for pose in poses]))
+def _met(rays: Rays, names: Sequence[str], gate_sigma: float) -> Position:
+    """
+    Return where all rays meet, by Gauss-Newton steps from the point that is nearest to them.
+
+    Raises RaysApart where they do not.
+    """
+    position = nearest_point(rays)
+    noise = scipy.linalg.block_diag(*rays.noise)
     for _ in range(STEPS):
-        _check_ahead(position, directions, poses)
-        residuals, jacobians, errors = linearised(position, seen, poses)
-        weights = np.linalg.inv(noise + errors)
-        information = np.einsum('iab,iac,icd->bd', jacobians, weights, jacobians)
-        step = np.linalg.solve(
-            information, np.einsum('iab,iac,ic->b', jacobians, weights, residuals)
-        )
+        _check_ahead(position, rays, names)
+        residuals, jacobian, errors, strayed = linearised(position, rays)
+        weights = np.linalg.inv(noise + errors + strayed)
+        weighted = jacobian.T @ weights
+        information = weighted @ jacobian
+        step = np.linalg.solve(information, weighted @ residuals)
         position = position + step
-        if step @ information @ step < CONVERGED_SIGMA**2:
+        gained = step @ information @ step
+        if gained < CONVERGED_SIGMA**2:
             break
     else:
         raise RaysApart(f'the rays meet nowhere: no position was found in {STEPS} steps')
-    _check_ahead(position, directions, poses)
-    chi2 = float(np.einsum('ia,iab,ib->', residuals, weights, residuals) - step @ (
-        information @ step
-    ))
+    _check_ahead(position, rays, names)
+    chi2 = max(float(residuals @ weights @ residuals - gained), 0.0)
+    degrees = 2 * len(names) - 3
+    most = _most(gate_sigma, degrees)
+    if chi2 > most:
+        raise RaysApart(
+            f'the rays of {", ".join(names)} do not meet: chi-square is {chi2:.1f} and may be '
+            f'{most:.1f} (gate {gate_sigma:g}); they are of different lights or instants, or a '
+            'camera is not where its pose says'
+        )
     covariance = np.linalg.inv(information)
-    gains = covariance @ np.swapaxes(jacobians, 1, 2) @ weights
-    return _Fit(position, covariance, np.einsum('iab,ibc,idc->ad', gains, errors, gains), chi2)
+    gains = covariance @ weighted
+    return Position(position, covariance, gains @ errors @ gains.T, chi2, degrees)
 
 
 def check_bearing(bearing: Bearing) -> None:
@@ -205,26 +275,36 @@ def check_bearing(bearing: Bearing) -> None:
         )
 
 
-def _check_parallax(
-    seen: Array, noise: Array, directions: Array, poses: Sequence[CameraPose]
-) -> None:
+def _parallax(rays: Rays) -> tuple[Array, Array]:
+    """Return the angles between all rays, (n, n), rad, and those over their deviations."""
+    one, other = rays.directions[:, None], rays.directions[None]
+    across = np.cross(one, other)
+    sines = np.linalg.norm(across, axis=2)
+    known = sines >= ROUNDING_RAD
+    across = across / np.where(known, sines, 1.0)[:, :, None]
+    # How each ray turns about the common perpendicular of both, and each camera.
+    aside = np.einsum('iba,ijb->ija', rays.rotations, np.cross(across, one))
+    by_angles = aside @ tangents(rays.seen)
+    by_turns = np.einsum('iba,ijb->ija', rays.rotations, across)
+    of_turns = rays.of_poses[:, :, :3, :3]
+    numbers = np.arange(len(sines))
+    variances = (
+        rays.strayed.diagonal()[:, None]
+        + np.einsum('ija,iab,ijb->ij', by_angles, rays.noise, by_angles)
+        + np.einsum('ija,iab,ijb->ij', by_turns, of_turns[numbers, numbers], by_turns)
+        # The perpendicular of the other two is the opposite one.
+        + np.einsum('ija,ijab,jib->ij', by_turns, of_turns, by_turns)
+    )
+    deviations = np.sqrt(np.where(known, variances + variances.T, 1.0))
+    return np.arcsin(np.minimum(sines, 1.0)), np.where(known, sines / deviations, 0.0)
+
+
+def _check_parallax(parallax: tuple[Array, Array]) -> None:
     """Refuse rays of which no two differ in direction by more than their errors."""
-    best, angle = 0.0, 0.0
-    for one, other in combinations(range(len(poses)), 2):
-        across = np.cross(directions[one], directions[other])
-        sine = float(np.linalg.norm(across))
-        if sine < ROUNDING_RAD:
-            continue
-        variance = 0.0
-        for index in (one, other):
-            # How the ray turns about the common perpendicular of both.
-            pose = poses[index]
-            aside = pose.rotation.T @ np.cross(across / sine, directions[index])
-            turn = aside @ tangents(*seen[index])
-            variance += float(turn @ noise[index] @ turn) + pose.rotation_sigma**2
-        if sine > best * math.sqrt(variance):
-            best, angle = sine / math.sqrt(variance), math.asin(min(sine, 1.0))
+    angles, ratios = parallax
+    best = float(ratios.max())
     if best < PARALLAX_SIGMA:
+        angle = float(angles.flat[ratios.argmax()])
         raise ParallelRays(
             f'the rays are parallel: they differ by {angle / MRAD:.3g} mrad, {best:.1f} times the '
             f'standard deviation of that angle, and must by {PARALLAX_SIGMA:g} times; the light '
@@ -232,14 +312,15 @@ def _check_parallax(
         )
 
 
-def _check_ahead(position: Array, directions: Array, poses: Sequence[CameraPose]) -> None:
+def _check_ahead(position: Array, rays: Rays, names: Sequence[str]) -> None:
     """Refuse a position that lies behind a camera, seen along its ray."""
-    for number, (ray, pose) in enumerate(zip(directions, poses, strict=True), 1):
-        if not ray @ (position - pose.position) > 0.0:  # nor NaN
-            raise RaysApart(
-                f'the rays meet behind camera {number}: they are of different lights, or a camera '
-                'is not where its pose says'
-            )
+    along = (rays.directions * (position - rays.centres)).sum(axis=1)
+    behind = np.flatnonzero(~(along > 0.0))  # nor NaN
+    if len(behind):
+        raise RaysApart(
+            f'the rays of {", ".join(names)} meet behind {names[behind[0]]}: they are of '
+            'different lights, or a camera is not where its pose says'
+        )
 
 
 @cache

@@ -153,7 +153,7 @@ def test_positions_are_right_within_their_covariance(rig: Rig, late_ms: int) -> 
     low, high = chi2.ppf([0.0005, 0.9995], 3 * count)
     assert 0.5 * low < total < high
     values = rig.values()
-    assert values['place of the second camera'] == 'by TF'
+    assert values['place of right'] == 'by TF'
     assert values.get('rays without a transform', '0') == '0'
 
 
@@ -197,13 +197,14 @@ def test_parameters_win_and_a_difference_is_told(rig: Rig) -> None:
     for name, value in zip(
         ('y', 'z', 'roll', 'pitch', 'yaw'), (2.1, 1.0, *OPTICAL), strict=True
     ):
-        assert rig.node.set_parameter('triangulator', f'first.{name}', float(value)).successful
+        done = rig.node.set_parameter('triangulator', f'poses.left.{name}', float(value))
+        assert done.successful
     words = "the parameters have 'left_optical' 0.100 m and 0.0 mrad from where TF has it"
     rig.diagnostics.clear()
     rig.node.spin_until(lambda: rig.run(0.1) or any(
         words in each.status[0].message for each in rig.diagnostics
     ))
-    assert rig.values()['place of the first camera'] == 'by parameters'
+    assert rig.values()['place of left'] == 'by parameters'
 
 
 def test_without_the_messages_that_is_said(domain: int, monkeypatch: pytest.MonkeyPatch) -> None:

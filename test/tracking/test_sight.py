@@ -6,7 +6,7 @@ from math import atan2, hypot, pi
 
 from blob_tracker.tracking import CameraPose, Sight
 from blob_tracker.tracking.interpolation import interpolated
-from blob_tracker.tracking.rays import direction
+from blob_tracker.tracking.rays import directions
 from blob_tracker.tracking.sight import between
 from blob_tracker.types import Bearing
 import numpy as np
@@ -37,16 +37,16 @@ def sight(ms: float) -> Sight:
 def test_a_light_at_rest_stays_where_it_is() -> None:
     """However the camera pans; a line in its own axes would be off by 0.25 mrad."""
     before, after = sight(0.0), sight(20.0)
-    found = between(before, after, 10 * MS, 0.0)
-    ray = found.pose.rotation @ direction(
-        1e-3 * found.bearing.azimuth, 1e-3 * found.bearing.elevation
+    found = between(before, after, 10 * MS)
+    ray = found.pose.rotation @ directions(
+        1e-3 * np.array([found.bearing.azimuth, found.bearing.elevation])
     )
     right = LIGHT - found.pose.position
     off = np.cross(ray, right / np.linalg.norm(right))
     # The drive of 20 mm by a light at 20 m: 1 mrad, whose bend is a part in a thousand of it.
     assert np.linalg.norm(off) < 1e-6
     np.testing.assert_allclose(found.pose.position, [0.0, 0.01, 0.0])
-    simple = interpolated(before.bearing, after.bearing, 10 * MS, 0.0)
+    simple = interpolated(before.bearing, after.bearing, 10 * MS)
     there = sight(10.0).bearing
     assert hypot(simple.azimuth - there.azimuth, simple.elevation - there.elevation) > 0.2
 
@@ -64,7 +64,7 @@ def test_the_covariance_turns_with_the_ray() -> None:
         after = Sight(
             Bearing(120.0 + azimuth, -200.0 + elevation, COVARIANCE, stamp_ns), rolled
         )
-        found = between(before, after, stamp_ns, 0.0).bearing
+        found = between(before, after, stamp_ns).bearing
         seen.append([found.azimuth, found.elevation])
     stated = found.covariance
     # 4000 draws know a variance to 2.2 %, at four of its standard errors.
@@ -76,8 +76,8 @@ def test_a_camera_at_rest_is_interpolated_as_ever() -> None:
     """To the bit, where both have the one pose."""
     before = sight(0.0)
     after = Sight(sight(20.0).bearing, before.pose)
-    found = between(before, after, 7 * MS, 300.0)
-    plain = interpolated(before.bearing, after.bearing, 7 * MS, 300.0)
+    found = between(before, after, 7 * MS)
+    plain = interpolated(before.bearing, after.bearing, 7 * MS)
     assert found.pose is before.pose
     assert (found.bearing.azimuth, found.bearing.elevation) == (plain.azimuth, plain.elevation)
     assert (found.bearing.covariance == plain.covariance).all()

@@ -225,8 +225,106 @@ def test_rays_that_do_not_meet_are_refused(sigmas: float, meet: bool) -> None:
     if meet:
         assert triangulate([one, other], PAIR).chi2 == pytest.approx(sigmas**2, rel=1e-3)
     else:
-        with pytest.raises(RaysApart, match='the rays do not meet: chi-square is .* may be 25.0'):
+        with pytest.raises(RaysApart, match='do not meet: chi-square is .* may be 25.0'):
             triangulate([one, other], PAIR)
+
+
+MANY = tuple(
+    looking([0.0, y, z], -pi / 2, 0.0, -pi / 2 - 0.1 * y)
+    for y, z in ((2.0, 1.0), (-2.0, 1.2), (0.3, 3.0), (1.0, -1.0), (-1.0, 4.0))
+)
+NAMES = 'left', 'right', 'top', 'bottom', 'mast'
+
+
+@pytest.mark.parametrize('count, odd', [
+    (3, (0,)), (3, (2,)), (4, (1,)), (5, (4,)), (5, (0, 3)),
+])
+def test_rays_of_another_light_are_named_and_left_out(count: int, odd: tuple[int, ...]) -> None:
+    """The position is that of the others, the errors those of its covariance."""
+    random = np.random.default_rng(10 * count + odd[0])
+    poses, runs = MANY[:count], 100
+    squared = []
+    for _ in range(runs):
+        bearings = [seen(TARGET, pose, random) for pose in poses]
+        for each in odd:
+            # Away from the others' planes, so that which it is can be told.
+            bearings[each] = replace(
+                bearings[each], azimuth=bearings[each].azimuth + 9.0 + 7.0 * each,
+                elevation=bearings[each].elevation + 5.0 - 3.0 * each,
+            )
+        found = triangulate(bearings, poses, names=NAMES[:count])
+        assert [each.name for each in found.outliers] == [NAMES[each] for each in odd]
+        assert min(each.sigmas for each in found.outliers) > 20.0
+        assert found.degrees_of_freedom == 2 * (count - len(odd)) - 3
+        squared.append(nees(found, TARGET))
+    assert within(sum(squared), 3 * runs)
+
+
+def test_an_outlier_is_as_far_off_as_is_told() -> None:
+    """The one that is off by 3 mrad where its sigma is 0.14, and the others' tell the position."""
+    bearings = [true_bearing(TARGET, pose) for pose in MANY]
+    bearings[2] = replace(bearings[2], elevation=bearings[2].elevation + 3.0)
+    outlier, = triangulate(bearings, MANY).outliers
+    assert outlier.name == 'camera 3'
+    deviation = np.sqrt(np.linalg.inv(COVARIANCE)[1, 1])  # by its own covariance alone
+    assert 0.7 * 3.0 * deviation < outlier.sigmas < 3.0 * deviation
+
+
+def test_which_is_of_another_light_may_not_be_told() -> None:
+    """In the plane of its ray and another's it meets both: there is no position."""
+    poses = MANY[0], MANY[1], looking([0.0, -2.0, 3.0], -pi / 2, 0.0, -pi / 2)
+    bearings = [true_bearing(TARGET, pose) for pose in poses]
+    # The second sees what is nearer on the ray of the first.
+    near = poses[0].position + 0.7 * (TARGET - poses[0].position)
+    bearings[1] = true_bearing(near, poses[1])
+    with pytest.raises(RaysApart, match='cannot be told: .* without (right|top), or without'):
+        triangulate(bearings, poses, names=NAMES[:3])
+    # All of three lights.
+    bearings[2] = true_bearing(TARGET + [0.0, 3.0, 9.0], poses[2])
+    bearings[1] = true_bearing(TARGET + [0.0, 0.0, 3.0], poses[1])
+    with pytest.raises(RaysApart, match='no more than half of the rays of left, right, top meet'):
+        triangulate(bearings, poses, names=NAMES[:3])
+
+
+def test_an_outlier_that_leaves_parallel_rays_leaves_no_position() -> None:
+    """Of three cameras two stand together, and the third sees another light."""
+    beside = replace(LEFT, position=LEFT.position + [0.0, 0.002, 0.0])
+    poses = LEFT, beside, RIGHT
+    bearings = [true_bearing(TARGET, pose) for pose in poses]
+    bearings[2] = replace(bearings[2], elevation=bearings[2].elevation + 20.0)
+    with pytest.raises(ParallelRays):
+        triangulate(bearings, poses)
+
+
+@pytest.mark.parametrize('count', [2, 5])
+def test_what_poses_err_by_together_is_in_the_covariance(count: int) -> None:
+    """A scale, and turns that go with places: NEES holds; chi-square too, for most cancels."""
+    random = np.random.default_rng(6)
+    poses, runs = MANY[:count], 800
+    places = np.array([pose.position for pose in poses])
+    spread = 0.0005 * random.normal(size=(6 * count, 8))
+    by_scale = np.concatenate([np.zeros((count, 3)), 0.003 * places], axis=1).ravel()
+    shared = spread @ spread.T + np.outer(by_scale, by_scale)
+    squared = chi_square = 0.0
+    for _ in range(runs):
+        errors = (
+            spread @ random.normal(size=8) + by_scale * random.normal()
+        ).reshape(count, 6)
+        true = [
+            replace(
+                pose, position=pose.position + error[3:],
+                rotation=pose.rotation @ Rotation.from_rotvec(error[:3]).as_matrix(),
+            )
+            for pose, error in zip(poses, errors)
+        ]
+        found = triangulate(
+            [seen(TARGET, pose, random) for pose in true], poses, gate_sigma=7.0, shared=shared
+        )
+        assert np.linalg.eigvalsh(found.covariance - found.systematic).min() > 0.0
+        squared += nees(found, TARGET)
+        chi_square += found.chi2
+    assert within(squared, 3 * runs)
+    assert within(chi_square, (2 * count - 3) * runs)
 
 
 @pytest.mark.parametrize('covariance', [

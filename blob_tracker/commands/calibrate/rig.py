@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
+from textwrap import wrap
 
 from blob_tracker.calibration.rays import Rays
 from blob_tracker.calibration.rig import calibrate_rig, RigCalibration
@@ -16,6 +17,7 @@ from blob_tracker.commands.calibrate.report import (
 )
 from blob_tracker.commands.exit_code import check_out, UsageError
 from blob_tracker.nodes.interface.optical_frame import PITCH, ROLL, YAW
+from blob_tracker.nodes.interface.triangulator import ANGLES, AXES, pose_of
 from blob_tracker.ros.bags import Bag, opened, RecordingError
 from blob_tracker.ros.endpoints.names import check_light, target_topic
 from blob_tracker.ros.errors import ParameterError
@@ -23,11 +25,14 @@ from blob_tracker.ros.messages.imu import turn_of
 from blob_tracker.units import MRAD_PER_RAD
 import numpy as np
 from rich.console import Console
+from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
 FAILURES = (RecordingError, RigError)
-POSE = ('x', 'y', 'z', 'roll', 'pitch', 'yaw')  # as static_transform_publisher has it
+POSE = (*AXES, *ANGLES)  # as static_transform_publisher has it
+NUMBERS = 7  # of a camera in the covariance: turn, position, clock
 MS_PER_S, MM_PER_M = 1e3, 1e3
+WIDTH = 99
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -167,7 +172,7 @@ def _parameters(
     result: RigCalibration, frames: Sequence[str], lights: Sequence[str],
     arguments: argparse.Namespace,
 ) -> str:
-    """Return the parameter file: a triangulator for the first camera and each other one."""
+    """Return the parameter file: a triangulator of all cameras."""
     poses = [_pose(result, number) for number in range(len(result.names))]
     lines = [
         '# python3 -m blob_tracker calibrate rig: poses of the optical frames; x looks ahead of',
@@ -180,7 +185,7 @@ def _parameters(
             f'{result.names[0]}, and likewise for the others)'
         )
     for name, frame, pose in zip(result.names, frames, poses, strict=True):
-        options = ' '.join(f'--{key} {pose[key]}' for key in POSE)
+        options = ' '.join(f'--{key} {value}' for key, value in pose.items())
         lines.append(
             f'#   ros2 run tf2_ros static_transform_publisher {options} '
             f'--frame-id {arguments.frame_id} --child-frame-id {frame or name}'
@@ -191,25 +196,45 @@ def _parameters(
     ):
         lines.append(f'#   {name} {MS_PER_S * offset:+.3f} ms, sigma {MS_PER_S * sigma:.3f} ms')
     lines += [f'# {note}' for note in result.notes]
-    if len(result.names) > 2:
+    lines += [
+        '/**/triangulator:', '  ros__parameters:', f'    frame_id: "{arguments.frame_id}"',
+        f'    cameras: [{", ".join(map(_quoted, result.names))}]',
+    ]
+    if len(lights) == 1 and lights[0]:
+        lines.append(f'    light: "{lights[0]}"')
+    for number, (name, pose) in enumerate(zip(result.names, poses, strict=True)):
         lines.append(
-            '# One node for each further camera: ros2 run blob_tracker triangulator --ros-args -r '
-            f'__node:={_node(result.names[1])} --params-file {arguments.out}'
+            f'    # sigma {MM_PER_M * result.position_sigmas[number]:.2f} mm and '
+            f'{MRAD_PER_RAD * result.rotation_sigmas[number]:.3f} mrad'
         )
-    for number, name in enumerate(result.names[1:], 1):
-        node = 'triangulator' if len(result.names) == 2 else _node(name)
-        lines += [f'/**/{node}:', '  ros__parameters:', f'    frame_id: "{arguments.frame_id}"']
-        if len(lights) == 1 and lights[0]:
-            lines.append(f'    light: "{lights[0]}"')
-        for role, camera in (('first', 0), ('second', number)):
-            lines += [f'    {role}:', f'      namespace: "{result.names[camera]}"']
-            lines += [f'      {key}: {value}' for key, value in poses[camera].items()]
+        lines += [f'    {pose_of(name)}.{key}: {value}' for key, value in pose.items()]
+    lines += [
+        '    # Of turns about their own axes, rad, and positions, m, of all cameras; row by row.',
+        *wrap(
+            f'pose_covariance: [{", ".join(map(_number, _triangle(result)))}]', WIDTH,
+            initial_indent='    ', subsequent_indent='      ', break_on_hyphens=False,
+        ),
+    ]
     return '\n'.join([*lines, ''])
 
 
-def _node(camera: str) -> str:
-    """Return the name of the triangulator of a further camera."""
-    return f'triangulator_{camera.replace("/", "_")}'
+def _quoted(name: str) -> str:
+    return f'"{name}"'
+
+
+def _number(value: float) -> str:
+    """Return a number of a list in YAML, which must have a point."""
+    return f'{value:.8e}' if value else '0.0'
+
+
+def _triangle(result: RigCalibration) -> list[float]:
+    """Return the lower triangle of the poses' covariance where x looks ahead and z up."""
+    upright = turn_of(ROLL, PITCH, YAW)
+    turn = block_diag(*len(result.names) * [np.eye(3), upright])
+    poses = np.arange(len(result.covariance)) % NUMBERS != NUMBERS - 1  # and no clocks
+    covariance = turn @ result.covariance[np.ix_(poses, poses)] @ turn.T
+    triangle: list[float] = covariance[np.tril_indices(len(covariance))].tolist()
+    return triangle
 
 
 def _pose(result: RigCalibration, number: int) -> dict[str, str]:
@@ -217,8 +242,4 @@ def _pose(result: RigCalibration, number: int) -> dict[str, str]:
     upright = turn_of(ROLL, PITCH, YAW)
     angles = Rotation.from_matrix(upright @ result.rotations[number]).as_euler('ZYX')
     numbers = (*(upright @ result.positions[number]), *angles[::-1])
-    return {
-        **{key: f'{value:.7f}' for key, value in zip(POSE, numbers, strict=True)},
-        'position_sigma': f'{result.position_sigmas[number]:.7f}',
-        'rotation_sigma': f'{result.rotation_sigmas[number]:.7f}',
-    }
+    return {key: f'{value:.7f}' for key, value in zip(POSE, numbers, strict=True)}

@@ -25,7 +25,8 @@ OF_NODE: dict[str, dict[str, Parameter]] = {
 LEFT_OUT = {
     each.name: each for each in (*OF_SEGMENTER, *OF_LOCATOR) if each.name in (
         'follow_prediction', 'lights', 'lost_after', 'noise.measure', 'noise.online',
-        'pulse.learn',
+        'pulse.learn', 'range.calibration_sigma', 'range.diameter', 'range.psf_sigma',
+        'range.reference_distance', 'range.reference_flux',
     )
 }
 OF_CALIBRATION = ('camera_info_url', 'field_of_view')
@@ -160,7 +161,7 @@ def _flat(section: Mapping[str, Any], before: str = '') -> Iterator[tuple[str, A
 def _reader(name: str) -> Any:
     """Return what turns a word of the command line into a parameter's value."""
     parameter = PARAMETERS[name]
-    kind = type(parameter.default)
+    kind: Any = type(parameter.default)
 
     def read(word: str) -> Any:
         try:

@@ -5,7 +5,7 @@ from blob_tracker.nodes.interface.line_time import LINE_TIME
 from blob_tracker.nodes.interface.response import RESPONSE
 from blob_tracker.nodes.interface.saturation import SATURATION
 from blob_tracker.nodes.interface.topics import (
-    BEARING, CENTROID, DIAGNOSTICS, NOISE, RAY, WINDOW_IMAGE, WINDOW_INFO, WINDOW_PICTURE,
+    BEARING, CENTROID, DIAGNOSTICS, NOISE, RANGE, RAY, WINDOW_IMAGE, WINDOW_INFO, WINDOW_PICTURE,
 )
 from blob_tracker.ros.interface import Interface, Parameter
 
@@ -93,6 +93,50 @@ PARAMETERS = (
         'Names of the lights that are to be placed, as flash.codes has them: '
         'port,starboard. Empty for a light without a name. Within the pipeline every light is.',
     ),
+    Parameter(
+        'range.psf_sigma',
+        0.0,
+        'Width of the picture of a point: that of the blob, which the diagnostics show, of a light '
+        'so far away that its size does not matter. Above 0 they show radius and flux too.',
+        least=0.0,
+        most=100.0,
+        unit='px',
+    ),
+    Parameter(
+        'range.diameter',
+        0.0,
+        'Diameter of the light, if it is an even disc or ball: target/range is then told by its '
+        'size in the picture. 0: unknown.',
+        least=0.0,
+        most=1e4,
+        unit='m',
+    ),
+    Parameter(
+        'range.reference_distance',
+        0.0,
+        'Where the flux was range.reference_flux: target/range is then told by the flux. 0: not '
+        'measured.',
+        least=0.0,
+        most=1e6,
+        unit='m',
+    ),
+    Parameter(
+        'range.reference_flux',
+        0.0,
+        'Flux of the light at range.reference_distance, as the diagnostics show it. Exposure and '
+        'gain must stay as they were then.',
+        least=0.0,
+        most=1e9,
+        unit='DN',
+    ),
+    Parameter(
+        'range.calibration_sigma',
+        0.01,
+        'How well these four are known, relative: it is in the variance of the range, and the '
+        'same error in each.',
+        least=0.0,
+        most=1.0,
+    ),
 )
 INTERFACE = Interface(
     'locator',
@@ -101,8 +145,8 @@ INTERFACE = Interface(
     'seen, with its covariance.',
     PARAMETERS,
     subscribed=(WINDOW_IMAGE, WINDOW_INFO, NOISE),
-    published=(BEARING, CENTROID, RAY, WINDOW_PICTURE, DIAGNOSTICS),
-    each_light=(WINDOW_IMAGE, WINDOW_INFO, BEARING, CENTROID, RAY),
+    published=(BEARING, CENTROID, RAY, RANGE, WINDOW_PICTURE, DIAGNOSTICS),
+    each_light=(WINDOW_IMAGE, WINDOW_INFO, BEARING, CENTROID, RAY, RANGE),
     examples=(
         'ros2 run blob_tracker locator --ros-args --params-file noise.yaml',
         'ros2 param set /locator method gaussian_linear',

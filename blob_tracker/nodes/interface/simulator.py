@@ -3,7 +3,7 @@
 from blob_tracker.nodes.interface.flash import FLASH
 from blob_tracker.nodes.interface.topics import (
     CAMERA_IMAGE, CAMERA_INFO, DIAGNOSTICS, FRAME_PICTURE, IMU, JOINT_COMMAND, JOINT_STATES,
-    TRUE_BEARING, TRUE_CENTROID,
+    TRUE_BEARING, TRUE_CENTROID, TRUE_POSE,
 )
 from blob_tracker.ros.interface import Interface, Parameter
 from blob_tracker.simulation import flashing_light, PROFILES
@@ -122,6 +122,12 @@ PARAMETERS = (
     ),
     Parameter('frame_id', 'camera_optical_frame', 'Name of the optical frame.'),
     Parameter(
+        'body_url',
+        '',
+        'Where the lights of flash.codes are on a body that flies before the camera, as the node '
+        'constellation takes it: path, file:// or package://. Empty: each light goes its way.',
+    ),
+    Parameter(
         'platform',
         STILL,
         'What the camera rides on. On a vehicle the light is far off and stands still, and imu '
@@ -143,8 +149,8 @@ INTERFACE = Interface(
     PARAMETERS,
     subscribed=(JOINT_COMMAND,),
     published=(
-        CAMERA_IMAGE, CAMERA_INFO, TRUE_CENTROID, TRUE_BEARING, IMU, JOINT_STATES, FRAME_PICTURE,
-        DIAGNOSTICS,
+        CAMERA_IMAGE, CAMERA_INFO, TRUE_CENTROID, TRUE_BEARING, TRUE_POSE, IMU, JOINT_STATES,
+        FRAME_PICTURE, DIAGNOSTICS,
     ),
     examples=(
         'ros2 run blob_tracker simulator --ros-args -p rate:=100.0 -p amplitude:=60.0',

@@ -56,6 +56,12 @@ PREDICTED = Topic(
     'as target/bearing, for the instant in the stamp, now + `servo_delay`; with `joints.pan` and '
     '`joints.tilt` x and y are the angles to command; silent while the target is not tracked',
 )
+RANGE = Topic(
+    'target/range',
+    'sensor_msgs/Range',
+    'with `range.diameter` or `range.reference_flux`: how far away the light is, m, with its '
+    'variance, m^2',
+)
 TRACK = Topic(
     'target/track',
     'nav_msgs/Odometry',
@@ -68,8 +74,11 @@ TRACKED = Topic(
     'std_msgs/Bool',
     'transient local, on change: whether the target is predicted',
 )
-FIRST_RAY = Topic('left/target/ray', RAY.kind, 'of the one camera, see `first.namespace`')
-SECOND_RAY = Topic('right/target/ray', RAY.kind, 'of the other camera, see `second.namespace`')
+# Of the cameras that the parameter `cameras` names if nobody sets it.
+RAYS = tuple(
+    Topic(f'{camera}/target/ray', RAY.kind, 'of each camera in `cameras`')
+    for camera in ('left', 'right')
+)
 POINT = Topic(
     'target/point', 'geometry_msgs/PointStamped', 'where the light is in `frame_id`, m'
 )
@@ -128,6 +137,12 @@ TRUE_BEARING = Topic(
     'simulator/truth/bearing',
     'geometry_msgs/Vector3Stamped',
     'its azimuth and elevation, mrad, while it is lit',
+)
+TRUE_POSE = Topic(
+    'simulator/truth/pose',
+    'geometry_msgs/PoseStamped',
+    'with `body_url`: where the simulated body is in the optical frame, m, and how it is turned, '
+    'in each frame',
 )
 DIAGNOSTICS = Topic(
     '/diagnostics',

@@ -1,4 +1,4 @@
-"""<camera>/target/ray of two cameras -> target/point and target/pose."""
+"""<camera>/target/ray of two cameras or more -> target/point and target/pose."""
 
 from blob_tracker.nodes.interface.triangulator import PARAMETERS
 from blob_tracker.nodes.triangulator.node import main, TriangulatorNode

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from blob_tracker.nodes.interface.triangulator import CAMERAS, PARAMETERS, POSE
+from blob_tracker.nodes.interface.triangulator import ANGLES, AXES, pose_of, pose_parameters
 from blob_tracker.ros.diagnostics.health import Health, WARN
 from blob_tracker.ros.endpoints.transforms import AGREED_RAD, angle_between, Transforms
 from blob_tracker.ros.messages.imu import turn_of
+from blob_tracker.ros.parameters.declaration import given
 from blob_tracker.tracking import CameraPose
 from blob_tracker.transforms import NoTransform, Transform
 from blob_tracker.units import MRAD_PER_RAD
@@ -20,7 +21,6 @@ from rclpy.node import Node
 # s between two transforms that are interpolated: of a vehicle in its map, they come seldom.
 HOLD = 1.0
 AGREED_M = 0.05  # m by which the places of parameters and of TF may differ: that of a tape
-DEFAULTS = {each.name: each.default for each in PARAMETERS}
 
 
 class _Seen(NamedTuple):
@@ -40,18 +40,26 @@ class CameraPlaces:
         Subscribes to TF, once it is asked for.
     health : Health
         Hears of transforms that cannot be used, and of parameters that say otherwise.
+    names : sequence of str
+        Of the cameras.
     moved : callable
         Called when transforms have come.
 
     Attributes
     ----------
+    unknown : list of str
+        Cameras of which neither parameters nor TF are to say where they are.
     waited : float
         Longest that a ray has waited in this second, s; whoever has it wait counts.
 
     """
 
-    def __init__(self, node: Node, health: Health, moved: Callable[[], None]) -> None:
+    def __init__(
+        self, node: Node, health: Health, names: Sequence[str], moved: Callable[[], None]
+    ) -> None:
         self.waited = 0.0
+        self.unknown: list[str] = []
+        self._names = names
         self._node, self._health, self._moved = node, health, moved
         self._given: dict[str, CameraPose] = {}
         self._by_parameters: set[str] = set()
@@ -70,21 +78,16 @@ class CameraPlaces:
             Where TF is asked for, and its messages are not installed.
 
         """
-        given = {
+        poses = {
             name: CameraPose(
-                np.array([values[f'{name}.{axis}'] for axis in 'xyz']),
-                turn_of(*(values[f'{name}.{angle}'] for angle in ('roll', 'pitch', 'yaw'))),
-                position_sigma=values[f'{name}.position_sigma'],
-                rotation_sigma=values[f'{name}.rotation_sigma'],
+                np.array([values[f'{pose_of(name)}.{axis}'] for axis in AXES]),
+                turn_of(*(values[f'{pose_of(name)}.{angle}'] for angle in ANGLES)),
+                position_sigma=values[f'{pose_of(name)}.position_sigma'],
+                rotation_sigma=values[f'{pose_of(name)}.rotation_sigma'],
             )
-            for name in CAMERAS
+            for name in self._names
         }
-        names = {
-            name for name in CAMERAS
-            if not values['use_tf'] or any(
-                values[f'{name}.{key}'] != DEFAULTS[f'{name}.{key}'] for key in POSE
-            )
-        }
+        names = {name for name in self._names if self._is_given(name, values)}
         if values['use_tf'] and self._transforms is None:
             self._transforms = Transforms(
                 self._node, self._health, self._moved, nullcontext(), hold=HOLD,
@@ -92,11 +95,28 @@ class CameraPlaces:
             )
 
         def use() -> None:
-            self._given, self._by_parameters = given, names
+            self._given, self._by_parameters = poses, names
+            self.unknown = [
+                name for name in self._names if name not in names and not values['use_tf']
+            ]
             self._found.clear()
             self._frame_id, self._compares = values['frame_id'], values['use_tf']
 
         return use
+
+    def is_fixed(self, name: str) -> bool:
+        """Tell whether the parameters place a camera, for good."""
+        return name in self._by_parameters
+
+    def _is_given(self, name: str, values: dict[str, Any]) -> bool:
+        """Tell whether the parameters say where a camera is."""
+        ours = {each.name: each.default for each in pose_parameters([name])}
+        if any(values[f'{pose_of(name)}.{key}'] != ours[f'{pose_of(name)}.{key}'] for key in (
+            *AXES, *ANGLES
+        )):
+            return True
+        # A camera may be at the origin; but a file with all defaults is no word against TF.
+        return not values['use_tf'] and bool(given(self._node).keys() & ours.keys())
 
     def pose(self, name: str, frame_id: str, stamp_ns: int) -> CameraPose:
         """
@@ -127,14 +147,11 @@ class CameraPlaces:
         assert self._transforms is not None
         return self._transforms.explain(gap)
 
-    def last(self) -> list[CameraPose]:
+    def last(self) -> dict[str, CameraPose]:
         """Return where the cameras were last, those of which it is known."""
-        poses = (
-            self._given[name] if name in self._by_parameters
-            else self._found[name][1] if name in self._found else None
-            for name in CAMERAS
-        )
-        return [pose for pose in poses if pose is not None]
+        found = {name: pose for name, (_, pose) in self._found.items()}
+        found |= {name: self._given[name] for name in self._by_parameters}
+        return {name: found[name] for name in self._names if name in found}
 
     def forget(self, after_ns: int) -> None:
         """Forget what has a later stamp, ns."""
@@ -143,9 +160,12 @@ class CameraPlaces:
 
     def describe(self) -> None:
         """Show where each place is from, and say where TF has another than the parameters."""
-        for name in CAMERAS:
-            source = 'parameters' if name in self._by_parameters else 'TF'
-            self._health.show(f'place of the {name} camera', f'by {source}')
+        for name in self._names:
+            source = (
+                'by parameters' if name in self._by_parameters
+                else 'unknown' if name in self.unknown else 'by TF'
+            )
+            self._health.show(f'place of {name}', source)
             if self._compares and name in self._by_parameters and name in self._seen:
                 self._compare(name, *self._seen[name])
         if self._compares:
@@ -167,6 +187,6 @@ class CameraPlaces:
                 WARN,
                 f"the parameters have '{frame_id}' {apart_m:.3f} m and "
                 f'{MRAD_PER_RAD * apart_rad:.1f} mrad from where TF has it, and are used: correct '
-                f'one of the two, or leave {name}.x ... {name}.yaw at their defaults, and TF is '
+                f'one of the two, or leave {pose_of(name)}.x ... yaw at their defaults, and TF is '
                 'used',
             )

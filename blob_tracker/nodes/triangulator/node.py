@@ -1,16 +1,19 @@
-"""<camera>/target/ray of two cameras -> target/point and target/pose."""
+"""<camera>/target/ray of two cameras or more -> target/point and target/pose."""
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import combinations
+import math
 import sys
 import time
 from typing import Any, NamedTuple
 
-from blob_tracker.nodes.interface.triangulator import CAMERAS, PARAMETERS
+from blob_tracker.kernel import Array
+from blob_tracker.nodes.interface.triangulator import OWN, pose_of, pose_parameters
 from blob_tracker.nodes.triangulator.camera_places import CameraPlaces
 from blob_tracker.ros.diagnostics.clock_jumps import on_clock_jump
 from blob_tracker.ros.diagnostics.connections import Connections
@@ -20,11 +23,11 @@ from blob_tracker.ros.endpoints.qos import publisher, RESULT, subscription
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.position import point_message, pose_message
 from blob_tracker.ros.messages.target import to_bearing
-from blob_tracker.ros.parameters.declaration import declare, on_change
-from blob_tracker.ros.parameters.values import about
+from blob_tracker.ros.parameters.declaration import declare, on_change, undeclared
+from blob_tracker.ros.parameters.values import about, unknown
 from blob_tracker.ros.process import run
 from blob_tracker.tracking import (
-    Position, Sight, Simultaneous, triangulate, TriangulationError,
+    Instant, Position, Sight, Simultaneous, triangulate, TriangulationError,
 )
 from blob_tracker.tracking.triangulation import check_bearing
 from blob_tracker.transforms import NoTransform
@@ -35,11 +38,13 @@ from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
 from rclpy.validate_topic_name import validate_topic_name
 
-SILENCE_S = 2.0  # s of wall time without a ray, while the other camera has some
-TOGETHER_S = 0.1  # s of wall time within which the ages of two rays are compared
+SILENCE_S = 2.0  # s of wall time without a ray, while another camera has some
+TOGETHER_S = 1.0  # s of wall time within which the ages of two rays are compared
 APART_S = 1.0  # s by which they may differ: no camera is so much later than another
 LEAST_BASELINE_M = 1e-9  # m
 MOST_HELD = 256  # rays that wait for their transforms; a second of the fastest camera
+LEAST_EIGENVALUE = -1e-6  # of a covariance, of the greatest: written with seven digits
+FORMER = ('first', 'second')  # what the two cameras were called that there could be
 
 
 class _Held(NamedTuple):
@@ -54,9 +59,11 @@ class _Held(NamedTuple):
 class _Camera:
     """What has come of a camera."""
 
+    name: str
     topic: str
-    came: float  # monotonic time, s
-    age: float = 0.0  # of the last ray as it came, s
+    came: float = -math.inf  # monotonic time, s
+    age: float = math.nan  # of the last ray as it came, s
+    frame_id: str = ''  # of the first ray
     held: deque[_Held] = field(default_factory=deque)
 
 
@@ -65,43 +72,40 @@ class TriangulatorNode(Node):
 
     def __init__(self) -> None:
         super().__init__('triangulator')
-        values = declare(self, PARAMETERS)
-        self._health = Health(
-            self,
-            'no ray arrives; are two locators running, in the namespaces of first.namespace and '
-            'second.namespace?',
-            describe=self._describe,
-        )
-        self._connections = Connections(self, self._health)
-        self._cameras: dict[str, _Camera] = {}
-        self._places = CameraPlaces(self, self._health, self._release)
-        self._position: Position | None = None
-        self._pairing = Simultaneous(values['max_interval'], values['acceleration'])
-        self._skipped = 0  # when it was last told
-        self._change(values)()
-        on_change(self, PARAMETERS, self._change)
+        values = declare(self, OWN, complete=False)
+        names: list[str] = values['cameras']
         light = values['light']
         if light:
             with about('light'):
                 check_light(light)
         target = target_topic(light)
+        self._cameras = [
+            _Camera(name, self.resolve_topic_name(topic))
+            for name, topic in _topics(names, target).items()
+        ]
+        parameters = (*OWN, *pose_parameters(names))
+        values |= declare(self, parameters[len(OWN):], complete=False)
+        for name in undeclared(self):
+            raise _unknown(name, values, names)
+        self._health = Health(
+            self,
+            f'no ray arrives of {", ".join(names)}; is there a locator in the namespace of each?',
+            describe=self._describe,
+        )
+        self._connections = Connections(self, self._health)
+        self._places = CameraPlaces(self, self._health, names, self._release)
+        self._position: Position | None = None
+        self._seen_by = ''
+        self._pairing = Simultaneous(len(names), values['max_interval'], values['acceleration'])
+        self._skipped = 0  # when it was last told
+        self._late = list(self._pairing.late)
+        self._change(values)()
+        on_change(self, parameters, self._change)
         self._points = publisher(self, PointStamped, f'{target}/point', RESULT)
         self._poses = publisher(self, PoseWithCovarianceStamped, f'{target}/pose', RESULT)
-        for name in CAMERAS:
-            topic = f'{values[f"{name}.namespace"]}/{target}/ray'
-            try:
-                validate_topic_name(topic)
-            except InvalidTopicNameException as error:
-                raise ParameterError(f"parameter '{name}.namespace': {error}") from None
+        for number, camera in enumerate(self._cameras):
             subscription(
-                self, PoseWithCovarianceStamped, topic, partial(self._take, name), RESULT
-            )
-            self._cameras[name] = _Camera(self.resolve_topic_name(topic), time.monotonic())
-        first, second = (self._cameras[name].topic for name in CAMERAS)
-        if first == second:
-            raise ParameterError(
-                f'first.namespace and second.namespace are both that of {first}; each camera has '
-                'a namespace of its own'
+                self, PoseWithCovarianceStamped, camera.topic, partial(self._take, number), RESULT
             )
         self._health.watch(self._check_cameras)
         self._clock_jumps = on_clock_jump(self, self._health, self._forget)
@@ -109,9 +113,11 @@ class TriangulatorNode(Node):
     def _change(self, values: dict[str, Any]) -> Callable[[], None]:
         """Build what these parameters ask for; return what puts it into effect."""
         change_places = self._places.change(values)
+        shared = _shared(values['pose_covariance'], len(self._cameras))
 
         def use() -> None:
             change_places()
+            self._shared = shared
             self._frame_id, self._patience = values['frame_id'], values['tf_patience']
             self._gate_sigma = values['gate']
             self._pairing.max_interval = values['max_interval']
@@ -123,36 +129,44 @@ class TriangulatorNode(Node):
         """Forget the rays and transforms that have a later stamp, ns."""
         self._pairing.forget(after_ns)
         self._places.forget(after_ns)
-        for camera in self._cameras.values():
+        for camera in self._cameras:
+            camera.age = math.nan
             camera.held = deque(each for each in camera.held if each.bearing.stamp_ns <= after_ns)
 
-    def _take(self, name: str, message: PoseWithCovarianceStamped) -> None:
+    def _take(self, number: int, message: PoseWithCovarianceStamped) -> None:
         """Take a ray of a camera, once it is known where that was; see `_release`."""
-        camera = self._cameras[name]
+        camera = self._cameras[number]
         try:
             bearing = to_bearing(message)
             check_bearing(bearing)
         except (MessageError, TriangulationError) as error:
             self._health.fault(ERROR, f'{camera.topic}: {error}')
             return
+        frame_id = message.header.frame_id
+        # TF places a ray by its own frame, whatever the others were in.
+        if self._places.is_fixed(camera.name) and not self._is_of(camera, frame_id):
+            return
         self._health.arrived(bearing.stamp_ns)
-        self._health.count(f'rays of the {name} camera')
+        self._health.count(f'rays of {camera.name}')
         camera.came = time.monotonic()
         camera.age = 1e-9 * (self.get_clock().now().nanoseconds - bearing.stamp_ns)
-        if self._clocks_differ():
-            self._pairing.forget(-1)
+        if self._clock_differs(camera):
+            self._pairing.leave_out(number)
+            camera.held.clear()
             return
-        camera.held.append(_Held(bearing, message.header.frame_id, camera.came))
+        if camera.name in self._places.unknown:  # which is said each second
+            return
+        camera.held.append(_Held(bearing, frame_id, camera.came))
         self._release()
 
     def _release(self) -> None:
         """Pair the rays that need not wait any longer; publish the positions that they give."""
-        for name, camera in self._cameras.items():
+        for number, camera in enumerate(self._cameras):
             while camera.held:
                 bearing, frame_id, came = camera.held[0]
                 waited = time.monotonic() - came
                 try:
-                    pose = self._places.pose(name, frame_id, bearing.stamp_ns)
+                    pose = self._places.pose(camera.name, frame_id, bearing.stamp_ns)
                 except NoTransform as gap:
                     if (
                         gap.may_come and waited < self._patience and len(camera.held) <= MOST_HELD
@@ -166,46 +180,66 @@ class TriangulatorNode(Node):
                     continue
                 camera.held.popleft()
                 self._places.waited = max(self._places.waited, waited)
-                self._pair(name, Sight(bearing, pose))
+                self._pair(number, Sight(bearing, pose))
 
-    def _pair(self, name: str, sight: Sight) -> None:
+    def _pair(self, number: int, sight: Sight) -> None:
         """Publish the positions for which a ray of a camera was missing."""
-        take = self._pairing.first if name == CAMERAS[0] else self._pairing.second
         try:
-            pairs = take(sight)
+            complete = self._pairing.take(number, sight)
         except ValueError as error:
-            self._health.fault(WARN, f'{self._cameras[name].topic}: {error}')
+            self._health.fault(WARN, f'{self._cameras[number].topic}: {error}')
             return
-        for pair in pairs:
-            self._triangulate(pair)
+        for seen in complete:
+            self._triangulate(seen)
 
-    def _clocks_differ(self) -> bool:
-        """Tell, and say, whether the rays that come together have stamps of different clocks."""
-        first, second = (self._cameras[name] for name in CAMERAS)
-        apart = second.age - first.age
-        if abs(first.came - second.came) > TOGETHER_S or abs(apart) <= APART_S:
-            return False
-        late, early = (second, first) if apart > 0.0 else (first, second)
+    def _is_of(self, camera: _Camera, frame_id: str) -> bool:
+        """Tell whether a ray is in the frame of the camera's first one; say so where not."""
+        camera.frame_id = camera.frame_id or frame_id
+        if frame_id == camera.frame_id:
+            return True
         self._health.fault(
             ERROR,
-            f'the rays on {late.topic} are {abs(apart):.1f} s older as they come than those on '
-            f'{early.topic}: they have stamps of different clocks; set both machines by NTP or '
-            'PTP, and use_sim_time alike',
+            f'{camera.topic}: the ray is in the frame {frame_id!r:.80} and the first was in '
+            f'{camera.frame_id!r:.80}: it is of another camera, and left out; restart the node if '
+            'the camera has another name now',
+        )
+        return False
+
+    def _clock_differs(self, camera: _Camera) -> bool:
+        """Tell, and say, whether a camera's stamps are of another clock than most others'."""
+        others = [
+            each for each in self._cameras
+            if each is not camera and camera.came - each.came < TOGETHER_S
+            and not math.isnan(each.age)
+        ]
+        apart = [each for each in others if abs(each.age - camera.age) > APART_S]
+        if 2 * len(apart) <= len(others):
+            return False
+        by = apart[0].age - camera.age
+        late, early = (apart, [camera]) if by > 0.0 else ([camera], apart)
+        self._health.fault(
+            ERROR,
+            f'the rays on {_topics_of(late)} are {abs(by):.1f} s older as they come than those on '
+            f'{_topics_of(early)}: they have stamps of different clocks; set all machines by NTP '
+            'or PTP, and use_sim_time alike'
+            + (f'; {camera.topic} is left out' if len(others) > 1 else ''),
         )
         return True
 
-    def _triangulate(self, pair: tuple[Sight, Sight]) -> None:
+    def _triangulate(self, seen: Instant) -> None:
         """Publish where the rays meet, or nothing at all."""
         if self._at_one_place():  # which is said each second
             return
+        names = [self._cameras[number].name for number in seen.cameras]
         try:
             position = triangulate(
-                [each.bearing for each in pair], [each.pose for each in pair],
-                gate_sigma=self._gate_sigma,
+                [each.bearing for each in seen.sights], [each.pose for each in seen.sights],
+                gate_sigma=self._gate_sigma, names=names,
+                shared=_part(self._shared, seen.cameras), strayed=seen.strayed,
             )
         except TriangulationError as error:
             self._health.fault(WARN, f'no position: {error}')
-            self._health.count('pairs refused')
+            self._health.count('instants refused')
             self._health.show('last refusal', error)
             return
         self._points.publish(point_message(position, self._frame_id))
@@ -214,41 +248,84 @@ class TriangulatorNode(Node):
         self._health.count('positions')
         self._health.ok('target placed')
         self._position = position
+        odd = {name for name, _ in position.outliers}
+        self._seen_by = ', '.join(name for name in names if name not in odd)
+        for name, sigmas in position.outliers:
+            self._health.count(f'rays of {name} that pass by')
+            self._health.fault(
+                WARN,
+                f'the ray of {name} passes the others by, {sigmas:.1f} sigma: it is of another '
+                f'light, a reflection say, or {name} is not where its pose says; it is not used',
+            )
 
-    def _at_one_place(self) -> bool:
-        """Tell whether no one has said yet where the cameras are."""
-        poses = self._places.last()
-        if len(poses) < len(CAMERAS):
-            return False
-        first, second = poses
-        return float(np.linalg.norm(first.position - second.position)) < LEAST_BASELINE_M
+    def _at_one_place(self) -> str:
+        """Return which cameras are at one place; empty where none are."""
+        placed = self._places.last().items()
+        return next((
+            f'{one} and {other}' for (one, place), (other, another) in combinations(placed, 2)
+            if float(np.linalg.norm(place.position - another.position)) < LEAST_BASELINE_M
+        ), '')
 
     def _check_cameras(self) -> None:
-        """Report cameras at one place, one that is silent, and rays that come in vain."""
+        """Report cameras without a place of their own, silent ones, and rays in vain."""
         self._release()
-        if self._at_one_place():
+        for name in self._places.unknown:
+            begin = pose_of(name)
             self._health.fault(
                 ERROR,
-                'both cameras are at the same place; set first.x, first.y, first.z and second.x, '
-                'second.y, second.z to where they are in frame_id, or use_tf where TF has them',
+                f'{name} has no pose and is not used; set {begin}.x, {begin}.y, {begin}.z and its '
+                'turn to where it is in frame_id, take the file that calibrate rig writes, or set '
+                'use_tf if TF has it',
             )
-        now = time.monotonic()
-        silent = [each for each in self._cameras.values() if now - each.came > SILENCE_S]
-        if len(silent) == 1 and not self._health.starting:
-            heard = next(each for each in self._cameras.values() if each not in silent)
+        if both := self._at_one_place():
             self._health.fault(
-                WARN,
-                f'{silent[0].topic} is silent and {heard.topic} is not: there is no position; '
-                'does that camera see the light, and is the name right?',
+                ERROR,
+                f'{both} are at the same place, and there is no position; set x, y and z of their '
+                'poses to where they are in frame_id, or use_tf if TF has them',
             )
+        if not self._health.starting:
+            self._check_silence()
         skipped, self._skipped = self._pairing.skipped - self._skipped, self._pairing.skipped
-        if skipped and not silent:
+        if skipped:
             self._health.fault(
                 WARN,
-                f'{skipped} rays of the first camera had none of the second near enough, last '
+                f'{skipped} rays had none of another camera near enough, last '
                 f'{self._pairing.interval:.3f} s; raise max_interval, or name the camera with '
                 'fewer rays first',
             )
+        for camera, late, told in zip(
+            self._cameras, self._pairing.late, self._late, strict=True
+        ):
+            if late > told:
+                self._health.fault(
+                    WARN,
+                    f'{late - told} rays on {camera.topic} came too late to be used: more than '
+                    'max_interval after those of other cameras; raise it, or look for what holds '
+                    'them up',
+                )
+        self._late = list(self._pairing.late)
+
+    def _check_silence(self) -> None:
+        """Report cameras of which nothing ever came, and those that leave a single one."""
+        now = time.monotonic()
+        heard = [each for each in self._cameras if now - each.came < SILENCE_S]
+        silent = [each for each in self._cameras if each not in heard]
+        if len(heard) == 1:
+            self._health.fault(
+                WARN,
+                f'{_topics_of(silent)} {"is" if len(silent) == 1 else "are"} silent and '
+                f'{heard[0].topic} is not: there is no position; does that camera see the light, '
+                'and is the name right?',
+            )
+        elif heard:
+            for camera in silent:
+                if camera.came == -math.inf:
+                    self._health.fault(
+                        WARN,
+                        f'nothing has ever come on {camera.topic}; is the name right, and does '
+                        'the camera run and see the light?',
+                    )
+        self._health.show('silent cameras', ', '.join(each.name for each in silent) or 'none')
 
     def _describe(self) -> None:
         """Show in the diagnostics what was found last."""
@@ -266,7 +343,89 @@ class TriangulatorNode(Node):
         ):
             self._health.show(f'{axis} (m)', f'{place:.4f} +- {sigma:.4f}')
             self._health.show(f'of it by the camera poses, {axis} (m)', f'{lasting:.4f}')
-        self._health.show('chi-square', f'{position.chi2:.2f}')
+        self._health.show('chi-square', f'{position.chi2:.2f} of {position.degrees_of_freedom}')
+        self._health.show('placed by', self._seen_by)
+
+
+def _topics(names: Sequence[str], target: str) -> dict[str, str]:
+    """Return the topic of each camera; raise ParameterError where one cannot be."""
+    if len(names) < 2:
+        raise ParameterError(
+            f"parameter 'cameras' is [{', '.join(names)}]; where a light is two cameras tell, or "
+            'more: cameras:=[left, right]'
+        )
+    topics: dict[str, str] = {}
+    for name in names:
+        topic = f'{name.rstrip("/")}/{target}/ray'
+        try:
+            validate_topic_name(topic)
+        except InvalidTopicNameException as error:
+            raise ParameterError(f"parameter 'cameras': {error}") from None
+        if not name.strip('/') or pose_of(name) in map(pose_of, topics):
+            raise ParameterError(
+                f"parameter 'cameras' is [{', '.join(names)}], with "
+                f'{f"{name} twice" if name.strip("/") else "a camera without a name"}; each '
+                'camera has a namespace of its own'
+            )
+        topics[name] = topic
+    return topics
+
+
+def _unknown(name: str, names: Iterable[str], cameras: Sequence[str]) -> ParameterError:
+    """Return the error for a parameter that there is not, or no more."""
+    role, _, rest = name.partition('.')
+    if role in FORMER and rest:
+        camera = dict(zip(FORMER, cameras))[role]
+        now = 'cameras' if rest == 'namespace' else f'{pose_of(camera)}.{rest}'
+        return ParameterError(
+            f"no parameter '{name}'; it is '{now}' now: the cameras have names, and there may be "
+            'more than two'
+        )
+    if role == 'poses':
+        return ParameterError(
+            f"no parameter '{name}'; cameras is [{', '.join(cameras)}], and each of these has a "
+            f'pose, {pose_of(cameras[0])}.x and so on'
+        )
+    return unknown(name, names)
+
+
+def _shared(triangle: Sequence[float], cameras: int) -> Array | None:
+    """Return the covariance of the cameras' poses of its lower triangle, row by row."""
+    if list(triangle) == [0.0]:
+        return None
+    size = 6 * cameras
+    count = size * (size + 1) // 2
+    if len(triangle) != count:
+        raise ParameterError(
+            f"parameter 'pose_covariance' has {len(triangle)} numbers; for {cameras} cameras it "
+            f'must be {count}, or a single 0.0'
+        )
+    lower = np.zeros((size, size))
+    lower[np.tril_indices(size)] = triangle
+    covariance = lower + np.tril(lower, -1).T
+    deviations = np.sqrt(np.abs(covariance.diagonal()))
+    scale = np.where(deviations > 0.0, deviations, 1.0)
+    values = np.linalg.eigvalsh(covariance / np.outer(scale, scale)) if (
+        np.isfinite(covariance).all()
+    ) else np.array([-math.inf])
+    if values[0] < LEAST_EIGENVALUE:
+        raise ParameterError(
+            "parameter 'pose_covariance' is no covariance: it must be finite and positive "
+            'semidefinite; take it from the file that calibrate rig writes'
+        )
+    return covariance
+
+
+def _part(shared: Array | None, which: Sequence[int]) -> Array | None:
+    """Return the covariance of the poses of some cameras."""
+    if shared is None:
+        return None
+    rows = [6 * number + each for number in which for each in range(6)]
+    return shared[np.ix_(rows, rows)]
+
+
+def _topics_of(cameras: Iterable[_Camera]) -> str:
+    return ', '.join(each.topic for each in cameras)
 
 
 def main() -> None:

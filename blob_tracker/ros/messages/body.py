@@ -1,16 +1,20 @@
-"""Pose of a body to the messages on target/<body>/pose, target/<body>/twist and /tf."""
+"""Pose of a body to the messages on target/<body>/pose and twist, /tf, and its truth."""
 
 from __future__ import annotations
 
-from blob_tracker.constellation import Pose
+from typing import TYPE_CHECKING
+
 from blob_tracker.ros.messages.stamp import from_ns
 from blob_tracker.ros.messages.transform import transform_message
 from blob_tracker.transforms import Transform
 from geometry_msgs.msg import (
-    PoseWithCovarianceStamped, TransformStamped, TwistWithCovarianceStamped,
+    PoseStamped, PoseWithCovarianceStamped, TransformStamped, TwistWithCovarianceStamped,
 )
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:  # it loads Numba, and the simulator needs no more than the truth
+    from blob_tracker.constellation import Pose
 
 
 def body_pose_message(pose: Pose, frame_id: str) -> PoseWithCovarianceStamped:
@@ -46,6 +50,19 @@ def body_transform_message(pose: Pose, frame_id: str, body: str) -> TransformSta
     x, y, z = pose.position.tolist()
     transform = Transform((x, y, z), quaternion(pose.rotation))
     return transform_message(transform, body, frame_id, pose.stamp_ns)
+
+
+def true_pose_message(
+    rotation: NDArray[np.float64], position: NDArray[np.float64], stamp_ns: int, frame_id: str
+) -> PoseStamped:
+    """Return simulator/truth/pose: where a body is, m, and how it is turned."""
+    message = PoseStamped()
+    message.header.stamp = from_ns(stamp_ns)
+    message.header.frame_id = frame_id
+    place, turn = message.pose.position, message.pose.orientation
+    place.x, place.y, place.z = position.tolist()
+    turn.x, turn.y, turn.z, turn.w = quaternion(rotation)
+    return message
 
 
 def quaternion(rotation: NDArray[np.float64]) -> tuple[float, float, float, float]:

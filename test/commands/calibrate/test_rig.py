@@ -2,69 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 import re
-from typing import Any
 
 from blob_tracker.__main__ import main
+from blob_tracker.nodes.interface.triangulator import ANGLES, AXES
 from blob_tracker.ros.messages.stamp import to_ns
-from blob_tracker.ros.messages.target import ray_covariance, ray_message, turn_onto
-from blob_tracker.simulation.waved_light import RigCamera, WavedLight
+from blob_tracker.ros.messages.target import ray_message
+from blob_tracker.simulation.waved_light import RigCamera
 from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped as Ray
 import numpy as np
 import pytest
-from rosbags.rosbag2 import StoragePlugin, Writer
 from scipy.spatial.transform import Rotation
-from support.bags import TYPES
+from support.bags_of_rays import recorded_rays
 from support.processes import probe, start
 from support.transforms import Broadcaster, transform
 import yaml
 
-KIND = 'geometry_msgs/msg/PoseWithCovarianceStamped'
-CAMERAS = (RigCamera((-1.0, 0.0, 0.0)), RigCamera((1.0, 0.0, 0.0), offset=0.012))
-SIGMA = 1e-4  # rad
-START_NS = 1_700_000_000_000_000_000
+CAMERAS = {
+    'left': RigCamera((-1.0, 0.0, 0.0)), 'right': RigCamera((1.0, 0.0, 0.0), offset=0.012),
+}
 NODES = 'given', 'tf_alone'  # namespaces
 LIGHT = np.array([4.0, -0.5, 0.3])
-
-
-def serialized(stamp_ns: int, angles: np.ndarray, covariance: np.ndarray) -> bytes:
-    """Return a ray as the locator publishes it."""
-    azimuth, elevation = (angles / MRAD).tolist()
-    types = TYPES.types
-    pose = types['geometry_msgs/msg/Pose'](
-        types['geometry_msgs/msg/Point'](0.0, 0.0, 0.0),
-        types['geometry_msgs/msg/Quaternion'](*turn_onto(azimuth, elevation)))
-    stamp = types['builtin_interfaces/msg/Time'](*divmod(stamp_ns, 10**9))
-    message = types[KIND](
-        types['std_msgs/msg/Header'](stamp, 'optical'),
-        types['geometry_msgs/msg/PoseWithCovariance'](
-            pose, np.array(ray_covariance(covariance / MRAD**2))))
-    return bytes(TYPES.serialize_cdr(message, KIND))
-
-
-def recorded(
-    folder: Path, wand: float, lights: Sequence[str], cameras: Sequence[str] = ('left', 'right')
-) -> Path:
-    """Write a bag of rays of a waved light; return it."""
-    rng = np.random.default_rng(4)
-    light = WavedLight(rng, wand)
-    messages: list[tuple[int, Any, bytes]] = []
-    with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-        for name, camera in zip(cameras, CAMERAS, strict=True):
-            for number, of in enumerate(lights):
-                topic = f'/{name}/target/{of + "/" if of else ""}ray'
-                connection = writer.add_connection(topic, KIND, typestore=TYPES)
-                for time, angles, covariance in zip(*light.seen(camera, number, 15.0, SIGMA, rng)):
-                    stamp_ns = START_NS + round(1e9 * time)
-                    messages.append((stamp_ns, connection, serialized(
-                        stamp_ns, angles, covariance)))
-        for stamp_ns, connection, data in sorted(messages, key=lambda each: each[0]):
-            writer.write(connection, stamp_ns, data)
-    return folder
 
 
 def run(*words: object) -> int:
@@ -76,7 +37,7 @@ def run(*words: object) -> int:
 def wand(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the parameters of two cameras before which a wand was waved."""
     folder = tmp_path_factory.mktemp('wand')
-    bag = recorded(folder / 'bag', 0.5, ('red', 'blue'))
+    bag = recorded_rays(folder / 'bag', 0.5, ('red', 'blue'), CAMERAS)
     out = folder / 'rig.yaml'
     assert run(
         bag, '--cameras', 'left', '/right', '--wand', 'red', 'blue', 0.5, 0.0001, '--out', out
@@ -86,22 +47,29 @@ def wand(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_wand(wand: Path) -> None:
     """Poses, clocks and sigmas go into the file that the triangulator takes, and a picture."""
-    out = wand
-    text = out.read_text()
+    text = wand.read_text()
     found = yaml.safe_load(text)['/**/triangulator']['ros__parameters']
-    left, right = found['first'], found['second']
-    assert (left['namespace'], right['namespace']) == ('left', 'right')
-    assert left['x'] == left['position_sigma'] == 0.0
+    assert found['cameras'] == ['left', 'right']
+    left, right = (
+        {key: found[f'poses.{name}.{key}'] for key in ('x', 'y', 'z', 'yaw')}
+        for name in ('left', 'right')
+    )
+    covariance = np.zeros((12, 12))
+    covariance[np.tril_indices(12)] = found['pose_covariance']
+    assert not covariance[:6].any()
+    assert left['x'] == 0.0
     # The cameras look at a point 3 m ahead from 1 m aside each: 2 m apart, turned towards it.
     apart = np.hypot(right['x'], right['y'])
-    assert abs(apart - 2.0) < 5.0 * 2.0 * right['position_sigma'] + 0.0004
-    assert 0.0 < right['position_sigma'] < 0.002
-    assert abs(right['z']) < 5.0 * right['position_sigma']
+    sigma = np.sqrt(covariance.diagonal()[9:].max())
+    assert 0.0 < sigma < 0.002
+    assert abs(apart - 2.0) < 5.0 * sigma
+    assert abs(right['z']) < 5.0 * sigma
     assert abs((right['yaw'] - left['yaw']) - 2.0 * np.arctan(1.0 / 3.0)) < 1e-3
+    assert max(map(len, text.splitlines()[-10:])) <= 99
     assert 'right +12.0' in text or 'right +11.9' in text  # 16 us is its sigma
     assert '--child-frame-id right/optical' in text
     assert 'set frame_id to left/optical for left' in text
-    assert out.with_suffix('.png').read_bytes().startswith(b'\x89PNG')
+    assert wand.with_suffix('.png').read_bytes().startswith(b'\x89PNG')
 
 
 def test_its_static_transforms_are_its_parameters(
@@ -126,16 +94,16 @@ def test_its_static_transforms_are_its_parameters(
         }
         rays = {
             (name, camera): node.create_publisher(Ray, f'{name}/{camera}/target/ray', 10)
-            for name in NODES for camera in ('left', 'right')
+            for name in NODES for camera in CAMERAS
         }
         node.spin_until(lambda: all(each.get_subscription_count() for each in rays.values()))
 
         def see() -> int:
             stamp_ns = node.get_clock().now().nanoseconds
-            for role, camera in (('first', 'left'), ('second', 'right')):
-                pose = parameters[role]
-                turn = Rotation.from_euler('xyz', [pose[key] for key in ('roll', 'pitch', 'yaw')])
-                x, y, z = turn.inv().apply(LIGHT - [pose[key] for key in 'xyz'])
+            for camera in CAMERAS:
+                pose = {key: parameters[f'poses.{camera}.{key}'] for key in (*AXES, *ANGLES)}
+                turn = Rotation.from_euler('xyz', [pose[key] for key in ANGLES])
+                x, y, z = turn.inv().apply(LIGHT - [pose[key] for key in AXES])
                 bearing = Bearing(
                     np.arctan2(x, z) / MRAD, np.arctan2(-y, np.hypot(x, z)) / MRAD,
                     0.01 * np.eye(2), stamp_ns,
@@ -161,7 +129,7 @@ def test_without_a_scale_nothing_is_written(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The picture is there, and the exit code tells."""
-    bag = recorded(tmp_path / 'bag', 0.0, ('',))
+    bag = recorded_rays(tmp_path / 'bag', 0.0, ('',), CAMERAS)
     out = tmp_path / 'rig.yaml'
     assert run(bag, '--cameras', 'left', 'right', '--out', out) == 1
     assert not out.exists()
