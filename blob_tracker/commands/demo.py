@@ -335,7 +335,8 @@ def _judge_body(console: Console, body: WatchedBody, picture: Path) -> int:
     console.print(
         f'[{"green" if met else "red"}]{body.name}: {count} poses, the place '
         f'{MM_PER_M * place:.1f} mm rms off, the turn {np.degrees(turn):.2f} degrees, '
-        f'scatter / sigma {score.scatter:.2f}: {"as" if met else "MORE than"} the covariances say[/]',
+        f'scatter / sigma {score.scatter:.2f}: {"as" if met else "MORE than"} the covariances '
+        'say[/]',
         soft_wrap=True,
     )
     return 0 if met else 1
