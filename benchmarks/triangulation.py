@@ -27,7 +27,7 @@ SPREAD_M = 0.7  # standard deviation of the light's place about the middle
 LEAST_SIGMA_PX, MOST_SIGMA_PX = 0.05, 0.2  # of each camera
 POSITION_SIGMA, ROTATION_SIGMA, SCALE_SIGMA = 2e-3, 3e-4, 2e-3  # m, rad, relative
 FAR_PX = 40.0  # an outlier's error
-FEWER = 8  # by which there are fewer sights with outliers, which take longer
+FEWER = 40  # by which there are fewer sights with outliers, which take longer
 LEAST_RATE_HZ, MOST_RATE_HZ = 20.0, 60.0
 # Of a light that moves: standard deviation of its velocity, and of how that changes in a second.
 SPEED, ACCELERATION = 0.5, 0.6  # m/s and m/s^2

@@ -70,13 +70,18 @@ class Ranging:
     reference_flux: float = 0.0
     calibration_sigma: float = 0.01
 
+    @property
+    def tells_range(self) -> bool:
+        """Whether size or flux is known."""
+        return self.diameter > 0.0 or self.reference_flux > 0.0
+
     def __post_init__(self) -> None:
         if (self.reference_distance > 0.0) != (self.reference_flux > 0.0):
             raise ValueError(
                 'range.reference_distance and range.reference_flux go together: what the '
                 'diagnostics show as flux at that distance'
             )
-        if not self.psf_sigma > 0.0 and (self.diameter > 0.0 or self.reference_flux > 0.0):
+        if not self.psf_sigma > 0.0 and self.tells_range:
             raise ValueError(
                 'range.psf_sigma is 0; it must be the sigma of a light so far away that it is a '
                 'point, px, which the locator shows in its diagnostics'

@@ -334,8 +334,9 @@ def _judge_body(console: Console, body: WatchedBody, picture: Path) -> int:
     met = score.scatter <= MOST_SCATTER
     console.print(
         f'[{"green" if met else "red"}]{body.name}: {count} poses, the place '
-        f'{MM_PER_M * place:.1f} mm rms off, the turn {np.degrees(turn):.2f} degrees, scatter / sigma '
-        f'{score.scatter:.2f}: {"as" if met else "MORE than"} the covariances say[/]',
+        f'{MM_PER_M * place:.1f} mm rms off, the turn {np.degrees(turn):.2f} degrees, '
+        f'scatter / sigma {score.scatter:.2f}: {"as" if met else "MORE than"} the covariances '
+        'say[/]',
         soft_wrap=True,
     )
     return 0 if met else 1

@@ -133,6 +133,8 @@ class LocatorNode(Node):
         lights = lights_from_text(values['lights'])
         if self._listen:
             self._make_topics(lights)
+        if ranging.tells_range:
+            self._make_range_topics()
 
         def use() -> None:
             with self._lock:
@@ -155,6 +157,8 @@ class LocatorNode(Node):
     def set_lights(self, lights: Collection[str]) -> None:
         """Be told by the segmenter in this process which lights it will hand over."""
         self._make_topics(lights)
+        if self._ranging.tells_range:
+            self._make_range_topics()
         with self._lock:
             self._follow(lights)
 
@@ -168,6 +172,12 @@ class LocatorNode(Node):
                     self, f'{target_topic(name)}/window', self._health, partial(self._take, name),
                     exact=True,
                 )
+
+    def _make_range_topics(self) -> None:
+        """Have the topics of the ranges of all lights that there ever were."""
+        for name in self._targets:
+            if name not in self._ranges:
+                self._ranges[name] = publisher(self, Range, f'{target_topic(name)}/range', RESULT)
 
     def _follow(self, lights: Collection[str]) -> None:
         """Place these lights and speak of no other."""
@@ -313,8 +323,6 @@ class LocatorNode(Node):
         self._health.show(f'{about}radius (px)', f'{max(disc.square, 0.0) ** 0.5:.3f}')
         if found is None:
             return
-        if light not in self._ranges:
-            self._ranges[light] = publisher(self, Range, f'{target_topic(light)}/range', RESULT)
         self._ranges[light].publish(range_message(found, location.stamp_ns, frame_id))
         self._health.show(
             f'{about}range (m)', f'{found.distance:.4g} +- {found.variance ** 0.5:.2g}'

@@ -93,7 +93,7 @@ class SimulatorNode(Node):
         self._beats: list[Timer] = []
         self._pan_tilt_states: Publisher | None = None
         self._imus: Publisher | None = None
-        self._true_poses: Publisher | None = None
+        self._true_poses = publisher(self, PoseStamped, 'simulator/truth/pose', RESULT)
         self._vehicle: SteeredCamera | None = None
         self._steered = False
         self._change(values)()
@@ -123,9 +123,6 @@ class SimulatorNode(Node):
         flight: Flight | None = None
         if body_url:
             scene, lights, flight = _on_body(body_url, scene, lights, model)
-            if self._true_poses is None:
-                self._true_poses = publisher(
-                    self, PoseStamped, 'simulator/truth/pose', RESULT)
         try:
             pixels = scene.frame(0)
         except MemoryError:
@@ -290,7 +287,7 @@ class SimulatorNode(Node):
         self._health.arrived(stamp_ns)
         self._frames.publish(frame, self._info, self._frame_id)
         self._health.left(stamp_ns)
-        if self._flight is not None and self._true_poses is not None:
+        if self._flight is not None:
             shot = self._scene.shot(self._index)
             self._true_poses.publish(true_pose_message(
                 *self._flight.pose(shot.time),

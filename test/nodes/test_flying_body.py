@@ -24,6 +24,7 @@ def test_the_pose_of_the_body_is_told(domain: int) -> None:
     ])
     times = 1e-9 * np.array([to_ns(each.header.stamp) - to_ns(poses[0].header.stamp)
                              for each in poses])
+
     def away(time: float) -> float:
         return float(np.abs(Flight().pose(time)[1] - places[0]).max())
 

@@ -139,8 +139,8 @@ def test_each_coded_light_has_these_topics_under_its_name(nodes: dict[str, Node]
     lights = {f'/target/{light}/{end}' for light in ('port', 'starboard') for end in ends}
     assert named == lights | before['segmenter']
     named = {name for name in published(locator) if name.startswith('/target/')}
-    ends = 'bearing', 'centroid', 'ray'
-    assert named == {f'/target/port/{end}' for end in ends} | before['locator']
+    of_locator = 'bearing', 'centroid', 'range', 'ray'
+    assert named == {f'/target/port/{end}' for end in of_locator} | before['locator']
     listened = {f'/target/port/window/{end}' for end in ('image_raw', 'camera_info')}
     assert set(subscribed(locator)) == listened | listened_before[locator]
     named = {name for name in published(tracker) if name.startswith('/target/')}

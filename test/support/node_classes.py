@@ -14,7 +14,7 @@ CLASSES: dict[str, type[Node]] = {
 }
 # What has a node take and give all that it can, where that is more than at its start.
 OPENED: dict[str, dict[str, Any]] = {
-    'locator': {'noise.online': True},
+    'locator': {'noise.online': True, 'range.psf_sigma': 1.2, 'range.diameter': 0.05},
     'segmenter': {'noise.measure': True, 'follow_prediction': True},
     'tracker': {'imu.enabled': True, 'imu.use_tf': True, 'joints.pan': 'pan'},
     'triangulator': {'use_tf': True},

@@ -96,8 +96,8 @@ PARAMETERS = (
     Parameter(
         'range.psf_sigma',
         0.0,
-        'Width of the picture of a point: that of the blob, which the diagnostics show, of a light '
-        'so far away that its size does not matter. Above 0 they show radius and flux too.',
+        'Width of the picture of a point: that of the blob, which the diagnostics show, of a '
+        'light so far away that its size does not matter. Above 0 they show radius and flux too.',
         least=0.0,
         most=100.0,
         unit='px',
