@@ -169,8 +169,8 @@ def _report(console: Console, result: HandEyeCalibration) -> None:
     if result.factor > 1.0:
         console.print(
             f'- the residuals are {result.factor**0.5:.2f} times what the sigmas say, and those '
-            'of the table were grown by it: a lens that is not calibrated well, backlash, or angles '
-            'that need --joint-sigma'
+            'of the table were grown by it: a lens that is not calibrated well, backlash, or '
+            'angles that need --joint-sigma'
         )
     if not result.is_metric:
         console.print('- the arms are over the range of the light: give --distance')
