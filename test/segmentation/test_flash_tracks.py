@@ -36,7 +36,7 @@ class Table:
 
     @property
     def kept(self) -> np.ndarray:
-        """The tracks that there are."""
+        """Return the tracks that there are."""
         return self.tracks[:self.counts[NUMBER]]
 
 
