@@ -12,7 +12,7 @@ from blob_tracker.constellation.pose import NS, Pose, poses
 from blob_tracker.kernel import Array
 from blob_tracker.types import Bearing
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy  # which loads its parts when they are first used
 
 REFUTED = 25.0  # of chi-square behind the best: as poses of one sighting are told apart
 BOUND = 12.0  # that one sighting can add: no two of them decide
@@ -155,7 +155,7 @@ def _is_near(pose: Pose, before: Pose, speed_sigma: float, rate_sigma: float) ->
     error = pose.covariance + before.covariance
     error[:3, :3] += (speed_sigma * after)**2 * np.eye(3)
     error[3:, 3:] += (rate_sigma * after)**2 * np.eye(3)
-    turned = Rotation.from_matrix(pose.rotation @ before.rotation.T).as_rotvec()
+    turned = _turned(pose, before)
     way = np.concatenate([pose.position - before.position, turned])
     return bool(way @ np.linalg.solve(error, way) < GATE**2 + 6.0)
 
@@ -165,7 +165,7 @@ def _twist(
 ) -> tuple[Array, float, float] | None:
     """Return the twist from one pose to the next, with the deviations of the one after it."""
     after = NS * (pose.stamp_ns - before.stamp_ns)
-    turned = Rotation.from_matrix(pose.rotation @ before.rotation.T).as_rotvec()
+    turned = _turned(pose, before)
     twist = np.concatenate([pose.position - before.position, turned]) / after
     error = np.sqrt((before.covariance + pose.covariance).diagonal()) / after
     changed = 1.5 * after / CHANGE_S  # from amid the two to the next
@@ -176,3 +176,9 @@ def _twist(
     if sigmas[0] >= speed_sigma or sigmas[1] >= rate_sigma:
         return None  # it is known no better than before
     return np.asarray(twist), sigmas[0], sigmas[1]
+
+
+def _turned(pose: Pose, before: Pose) -> Array:
+    """Return the turn from one pose to the other, rad."""
+    turn = scipy.spatial.transform.Rotation.from_matrix(pose.rotation @ before.rotation.T)
+    return np.asarray(turn.as_rotvec())

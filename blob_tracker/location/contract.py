@@ -15,6 +15,8 @@ LEAST_ROUND = 1.0 - 1e-9  # of an ellipse's correlation squared: beyond it round
 _NONE, _NOT_FINITE = int(Failure.NONE), int(Failure.NOT_FINITE)
 _SATURATED, _FLAT = int(Failure.SATURATED), int(Failure.FLAT)
 _OUTSIDE, _NOT_CONVERGED = int(Failure.OUTSIDE), int(Failure.NOT_CONVERGED)
+_VAGUE = int(Failure.VAGUE)
+EVEN = 1.0 / 12.0  # variance of a place that is anywhere in a window, over its size squared
 
 
 @kernel
@@ -62,7 +64,7 @@ def validate(
     invalid: NDArray[np.uint8],
     failure: NDArray[np.uint8],
 ) -> None:
-    """Hold every method to the contract: finite, inside, with a positive definite covariance."""
+    """Hold every method to the contract: finite, inside, with a covariance that says where."""
     for n in range(failure.size):
         if invalid[n] != _NONE:
             failure[n] = invalid[n]
@@ -77,3 +79,5 @@ def validate(
             valid = valid and abs(value) < math.inf
         if not valid:
             failure[n] = _NOT_CONVERGED
+        elif xx > EVEN * shape[1] ** 2 or yy > EVEN * shape[0] ** 2:
+            failure[n] = _VAGUE

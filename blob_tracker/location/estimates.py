@@ -26,6 +26,7 @@ class Failure(IntEnum):
     TOO_NARROW = 8
     TOO_WIDE = 9
     CLIPPED = 10
+    VAGUE = 11
 
 
 REASONS = {
@@ -40,6 +41,8 @@ REASONS = {
     Failure.TOO_WIDE: 'the blob is wider than the window; enlarge the window',
     Failure.CLIPPED: 'the blob holds saturated pixels, which no look-up can leave out; lower the '
     'exposure or take maximum_likelihood',
+    Failure.VAGUE: 'the pixels do not tell where in the window the light is: it is too faint, or '
+    'narrower than a pixel, or a cell of the colour mosaic',
 }
 
 

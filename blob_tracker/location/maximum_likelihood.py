@@ -43,7 +43,10 @@ ANOTHER_PULSE = (
 _ROWS = 11  # of the table: x, y, amplitude, background, sigma, snr, chi2, and from here on
 _LOPSIDED = 7  # how lopsided it is
 _NONE, _FEW = int(Failure.NONE), int(Failure.TOO_FEW_PIXELS)
-_DIVERGED = int(Failure.NOT_CONVERGED)
+_DIVERGED, _VAGUE = int(Failure.NOT_CONVERGED), int(Failure.VAGUE)
+# Of the pulse's sigma: of a place that is known less well the slopes of the pulse tell the wrong
+# covariance.
+MOST_VAGUE = 2.0
 _NARROW, _WIDE = int(Failure.TOO_NARROW), int(Failure.TOO_WIDE)
 
 
@@ -119,7 +122,8 @@ def maximum_likelihood(
         Failure TOO_FEW_PIXELS where fewer are left than parameters plus one, NO_SIGNAL where
         the amplitude is below five of the standard deviations that it has in its shape,
         OUTSIDE where the pulse's centre leaves the window, TOO_NARROW and TOO_WIDE where its
-        width does not tell its place, NOT_CONVERGED where the likelihood has no peak to climb.
+        width does not tell its place, NOT_CONVERGED where the likelihood has no peak to climb,
+        VAGUE where the place is known less well than twice the pulse's width.
 
     """
     if pulse is not None:
@@ -402,6 +406,11 @@ def _fit_all(
         odd[n] |= suspect_pixels(chi2, usable - size)
         scale = covariance_growth(chi2, usable - size, detection(theta, fisher))
         _fill_covariance(equations, size, scale, leaning, lopsided, covariance[n])
+        if max(covariance[n, 0, 0], covariance[n, 1, 1]) > (
+            scale * MOST_VAGUE**2 * theta[4] * theta[5]
+        ):
+            failure[n] = _VAGUE
+            continue
         peak = max(theta[2] + theta[3], 0.0) * shot + floor
         peak += left * (max(mean, 0.0) * shot + floor)
         table[0, n] = theta[0]

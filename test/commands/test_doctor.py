@@ -180,8 +180,8 @@ def test_kernels() -> None:
     all_needed = {name: (2, 2, '/c') for name in compiled.NEEDED}
     rooms = {'location': (3, 5, '/c'), 'segmentation': (1, 1, '/c'), 'tracking': (2, 2, '/c')}
     told([compiled.judge({**rooms, **all_needed})], Level.OK, 'location 3 of 5')
-    told([compiled.judge({**rooms, **all_needed, 'location.locate': (1, 2, '/c')})], Level.WARN,
-         'location 3 of 5', 'need (location.locate)', sys.executable, 'compile_ahead()')
+    told([compiled.judge({**rooms, **all_needed, 'location.contract': (1, 2, '/c')})], Level.WARN,
+         'location 3 of 5', 'need (location.contract)', sys.executable, 'compile_ahead()')
     told(compiled.check_compiled({'NUMBA_DISABLE_JIT': '1'}, None), Level.ERROR, 'unset')
     # The build compiles them ahead.
     told(compiled.check_compiled(os.environ, Path('/')), Level.OK, 'location', '__pycache__')

@@ -35,3 +35,16 @@ def test_what_is_no_location(name: str, value: float, failure: Failure) -> None:
         given['sigma'], given['snr'], given['chi2'], (9, 9), np.zeros(1, np.uint8), found,
     )
     assert found[0] == failure
+
+
+@pytest.mark.parametrize('xx, xy, yy', [(7.0, 0.0, 0.01), (0.02, 0.0, 7.0), (9.0, 8.9, 9.0)])
+def test_a_place_that_is_anywhere_in_the_window_is_none(xx: float, xy: float, yy: float) -> None:
+    """Along one axis is enough: a place of which nothing is known has a variance of 81/12."""
+    given = {key: np.array([number]) for key, number in SOUND.items()}
+    found = np.zeros(1, np.uint8)
+    validate(
+        given['x'], given['y'], np.array([[[xx, xy], [xy, yy]]]), np.array([90.0]),
+        given['background'], given['sigma'], given['snr'], given['chi2'], (9, 9),
+        np.zeros(1, np.uint8), found,
+    )
+    assert found[0] == Failure.VAGUE

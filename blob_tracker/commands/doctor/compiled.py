@@ -14,7 +14,7 @@ from blob_tracker.commands.doctor.finding import error, Finding, ok, warn
 ROOMS = ('location', 'segmentation', 'tracking')
 # Modules with the loops that run with the parameters as they are by default, and no others.
 NEEDED = (
-    'location.locate', 'location.maximum_likelihood', 'segmentation.adaptive_moments',
+    'location.contract', 'location.maximum_likelihood', 'segmentation.adaptive_moments',
     'segmentation.description', 'segmentation.local_maxima', 'segmentation.peaks',
     'segmentation.tile_noise', 'tracking.angular_velocity', 'tracking.constant_velocity',
     'tracking.direction', 'tracking.gyro_faults', 'tracking.kalman', 'tracking.packed',

@@ -31,7 +31,7 @@ def find(seen, **options):
 def test_what_is_left_of_a_moving_light_is_in_the_model(share):
     """Be as good as the lit window alone, and name the share: lit minus unlit has NEES 7 to 87."""
     seen = pairs(400, evenly(1.0), evenly(share), shift=SHIFT)
-    found = find(seen, history=History(MOTION))
+    found = find(seen, history=lambda: History(MOTION))
     # Three standard errors of the mean of 400 chi-squares of two degrees are 0.3.
     assert seen.nees(found) == pytest.approx(2.0, abs=0.4)
     # The unlit window's background is worth something, the rms of 400 is known to 4 %.
