@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
 
 from blob_tracker.simulation.point_light import Light
 from blob_tracker.simulation.profiles import Gaussian, Profile
@@ -13,7 +15,7 @@ from blob_tracker.simulation.spot import draw_light, Spot
 from blob_tracker.simulation.waveforms import always, Waveform
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
+import scipy  # which loads its parts when they are first used
 
 Array = NDArray[np.float64]
 
@@ -23,10 +25,17 @@ FREQUENCIES = np.array([2.0, 3.0, 1.0])  # times in a period
 PHASES = np.array([0.0, 0.5, 1.0])
 # Turns of the body about its own x, y and z, that fly with it: it banks, nods and looks about.
 SWING_RAD = np.array([0.25, 0.2, 0.5])
-# Its nose looks at the camera, from a little to the side and below, so that no light hides
-# another: turns about x, y and z of a body that looks along the optical axis and stands upright.
-UPRIGHT = Rotation.from_matrix([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
-AWAY = Rotation.from_euler('ZY', [2.5, 0.45])
+@cache
+def _mean_turn() -> Any:
+    """
+    Return the Rotation about which a body swings.
+
+    Its nose looks at the camera, from a little to the side and below, so that no light hides
+    another: turns about x, y and z of a body that looks along the optical axis and stands upright.
+    """
+    turns = scipy.spatial.transform.Rotation
+    upright = turns.from_matrix([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
+    return upright * turns.from_euler('ZY', [2.5, 0.45])
 
 
 @dataclass(frozen=True)
@@ -47,7 +56,8 @@ class Flight:
         """Return the (3, 3) turn from the body's frame to the optical one, and its place, m."""
         angles = 2.0 * np.pi * FREQUENCIES * time / self.period + PHASES
         place = np.array([0.0, 0.0, DISTANCE_M]) + REACH_M * np.sin(angles)
-        turn = UPRIGHT * AWAY * Rotation.from_euler('xyz', SWING_RAD * np.cos(angles))
+        swing = scipy.spatial.transform.Rotation.from_euler('xyz', SWING_RAD * np.cos(angles))
+        turn = _mean_turn() * swing
         return np.asarray(turn.as_matrix()), place
 
 
