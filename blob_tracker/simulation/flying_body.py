@@ -25,6 +25,8 @@ FREQUENCIES = np.array([2.0, 3.0, 1.0])  # times in a period
 PHASES = np.array([0.0, 0.5, 1.0])
 # Turns of the body about its own x, y and z, that fly with it: it banks, nods and looks about.
 SWING_RAD = np.array([0.25, 0.2, 0.5])
+
+
 @cache
 def _mean_turn() -> Any:
     """
