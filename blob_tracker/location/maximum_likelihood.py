@@ -406,9 +406,8 @@ def _fit_all(
         odd[n] |= suspect_pixels(chi2, usable - size)
         scale = covariance_growth(chi2, usable - size, detection(theta, fisher))
         _fill_covariance(equations, size, scale, leaning, lopsided, covariance[n])
-        if max(covariance[n, 0, 0], covariance[n, 1, 1]) > (
-            scale * MOST_VAGUE**2 * theta[4] * theta[5]
-        ):
+        known = scale * MOST_VAGUE**2 * theta[4] * theta[5]
+        if max(covariance[n, 0, 0], covariance[n, 1, 1]) > known:
             failure[n] = _VAGUE
             continue
         peak = max(theta[2] + theta[3], 0.0) * shot + floor
