@@ -39,7 +39,7 @@ FLASH = (
         'flash.codes',
         '',
         'Bits of the coded lights: port:1101000,starboard:1110100. Each has topics of its own, '
-        'target/port/... None may be another one begun elsewhere.',
+        'target/port/... No code may be a rotation of another one.',
     ),
     Parameter(
         'flash.frames_per_bit',
