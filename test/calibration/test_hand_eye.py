@@ -121,3 +121,20 @@ def test_what_cannot_be_told_is_said() -> None:
         calibrate_hand_eye(moved, pan, tilt)
     with pytest.raises(HandEyeError, match='pan turned by 1.7 degrees'):
         calibrate_hand_eye(*measured(replace(true, swing=0.015), 5))
+
+
+@pytest.mark.parametrize('wrong', ['moved', 'tilt below pan'])
+def test_a_misfit_that_no_sigma_covers_is_refused(wrong: str) -> None:
+    """A light that moves by 3 mrad half-way, or a tilt that carries the pan: the sigmas are 0.1."""
+    true = camera(6)
+    if wrong == 'moved':
+        rays, pan, tilt = measured(true, 6)
+        rays.angles[len(rays.times) // 2:, 0] += 3e-3
+    else:
+        below = replace(
+            true, pan_axis=true.tilt_axis, tilt_axis=true.pan_axis, pan_point=true.tilt_point,
+            tilt_point=true.pan_point,
+        )
+        rays, tilt, pan = measured(below, 6)
+    with pytest.raises(HandEyeError, match='the light moved, the tilt carries the pan'):
+        calibrate_hand_eye(rays, pan, tilt)
