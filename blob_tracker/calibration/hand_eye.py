@@ -256,6 +256,11 @@ class _Problem:
                 'pan and tilt were always turned together: turn each while the other stands still'
             )
         slopes = np.linalg.lstsq(design, self.rays.angles, rcond=None)[0]
+        if 0.5 < math.degrees(np.abs(slopes[:2]).max()) < 2.0:
+            raise HandEyeError(
+                'the light turns by a degree where a joint turns by 1: are the angles in '
+                'degrees, not rad?'
+            )
         across, up = -slopes[0], -slopes[1]
         if abs(across[0]) < abs(across[1]) or abs(up[1]) < abs(up[0]):
             raise HandEyeError(
@@ -330,7 +335,8 @@ def _judged(
         )
     if abs(values[CLOCK]) > most_offset:
         raise HandEyeError(
-            f'the stamps are {values[CLOCK]:.3f} s apart, more than --most-offset'
+            f'the stamps of the rays are {values[CLOCK]:.3f} s late by those of the angles, and '
+            f'may be {most_offset:g} s early or late: are they of one clock?'
         )
     return HandEyeCalibration(
         pan_axis, tilt_axis, scale * values[4:6] @ across_pan, scale * values[6:8] @ across_tilt,

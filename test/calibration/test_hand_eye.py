@@ -112,6 +112,9 @@ def test_what_cannot_be_told_is_said() -> None:
         ((rays, pan, still), 'tilt turned by 0.0 degrees'),
         ((rays, tilt, pan), 'are the two exchanged'),
         ((rays, pan, pan), 'always turned together'),
+        ((rays, *(Joint(each.times, np.degrees(each.angles)) for each in (pan, tilt))),
+         'are the angles in degrees, not rad'),
+        ((Rays(rays.times + 0.2, rays.angles, rays.covariance), pan, tilt), 'are they of one clock'),
         ((rays, Joint(pan.times + 100.0, pan.angles), tilt), 'are the stamps of one clock'),
     ):
         with pytest.raises(HandEyeError, match=sentence):
