@@ -33,7 +33,7 @@ class Sighting:
         self._names = tuple(names)
         self._bearings: dict[str, Bearing] = {}
         self._last_ns: dict[str, int] = {}  # of each light
-        self._late: set[str] = set()  # lights whose bearings came too late, since one was in time
+        self._late_ns: dict[str, int] = {}  # first that came too late, since any was in time
         self._first_ns = 0  # of all that came, also where a later one of that light counts
 
     def take(self, name: str, bearing: Bearing) -> list[tuple[str, Bearing]]:
@@ -53,11 +53,12 @@ class Sighting:
         newest_ns = max(self._last_ns.values(), default=bearing.stamp_ns)
         before_ns = self._last_ns.get(name, bearing.stamp_ns - 1)
         late = NS * (newest_ns - bearing.stamp_ns)
-        # Two of one light with none in time between them: the newest stamp was wrong, or jumped.
+        # Too late for an interval with none in time: the newest stamp was wrong, or all jumped.
+        late_ns = bearing.stamp_ns - self._late_ns.get(name, bearing.stamp_ns)
         if NS * (before_ns - bearing.stamp_ns) > self.max_interval or (
-                late > self.max_interval and name in self._late):
+                late > self.max_interval and NS * late_ns > self.max_interval):
             self._bearings, self._first_ns = {name: bearing}, bearing.stamp_ns
-            self._last_ns, self._late = {name: bearing.stamp_ns}, set()
+            self._last_ns, self._late_ns = {name: bearing.stamp_ns}, {}
             raise ConstellationError(f'the stamps jumped back by {late:.3f} s; starting afresh')
         if bearing.stamp_ns <= before_ns:
             raise ConstellationError(
@@ -65,12 +66,12 @@ class Sighting:
             )
         self._last_ns[name] = bearing.stamp_ns
         if late > self.max_interval:
-            self._late.add(name)
+            self._late_ns.setdefault(name, bearing.stamp_ns)
             raise ConstellationError(
                 f'its rays come {late:.3f} s later than those of other lights, and more than '
                 'max_interval: it is left out'
             )
-        self._late.clear()
+        self._late_ns.clear()
         ended: list[tuple[str, Bearing]] = []
         if self._bearings and NS * (bearing.stamp_ns - self._first_ns) > self.max_interval:
             ended = self._end()

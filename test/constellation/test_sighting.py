@@ -70,12 +70,13 @@ def test_a_light_that_is_late_is_said_and_the_others_go_on() -> None:
 
 
 def test_one_stamp_that_is_far_ahead_ends_nothing() -> None:
-    """Its light may never come again: the second that is late in a row begins afresh."""
+    """Its light may never come again: another that is late for an interval begins afresh."""
     sighting = Sighting('abc', 0.1)
     assert stamps(sighting, [('a', 1000), ('c', 99_000)]) == [[('a', 1000)]]
     for name, at, sentence in (
-        ('a', 1010, 'later than those'), ('b', 1010, 'later than'), ('a', 1020, 'jumped back'),
+        ('a', 1010, 'later than those'), ('b', 1010, 'later than those'),
+        ('a', 1110, 'later than those'), ('a', 1111, 'jumped back'),
     ):
         with pytest.raises(ConstellationError, match=sentence):
             stamps(sighting, [(name, at)])
-    assert stamps(sighting, [('b', 1021), ('c', 1022)]) == [[('a', 1020), ('b', 1021), ('c', 1022)]]
+    assert stamps(sighting, [('b', 1112), ('c', 1113)]) == [[('a', 1111), ('b', 1112), ('c', 1113)]]
