@@ -50,7 +50,8 @@ class BodyCalibration:
         The lights that make the frame: its origin, one on its x axis, and one on the side of its
         y axis.
     residuals : (n,) array
-        rms of each light's residuals over their standard deviations.
+        rms of each light's residuals over their standard deviations, 1 where these are right:
+        over its share of the degrees of freedom, by the number of its rays.
     used, left_out : (n,) arrays
         How many rays of each light were used, and how many were left out since they pass by.
     chi2 : float
@@ -171,10 +172,11 @@ def calibrate_body(
     _check_left_out(used, left_out, names)
     sums = np.bincount(light[kept], weights=of_rays[kept], minlength=len(names))
     factor = variance_factor(chi2, freedom, known=True)
+    degrees = used * max(freedom, 1) / used.sum()
     result = BodyCalibration(
         tuple(names), unknown.places, factor * equations.linear(unknown, weight).covariance(),
         0.0, _frame(frame, distance, unknown.places, names),
-        np.sqrt(sums / np.maximum(2 * used, 1)),
+        np.sqrt(sums / np.maximum(degrees, 1.0)),
         used, left_out, chi2, freedom, factor, _turned(unknown.turns), distance is not None, (),
     )
     result = _framed(_sized(result, distance))

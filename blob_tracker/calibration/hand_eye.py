@@ -26,6 +26,7 @@ LEAST_TURN = 0.05  # rad, of each joint
 GATE = 25.0  # chi-square of a ray, 4 in a million if it is one of the light
 ROUNDS = 5  # of leaving out strays
 MOST_LEFT_OUT = 0.2  # of the rays: with more, it is not the light that is odd
+MOST_FACTOR = 25.0  # chi-square per degree: beyond it the sigmas say nothing of what is wrong
 SQUARE_RAD = 0.35  # by which the axes may be off a right angle, and off x and y of the camera
 VAGUE_RAD = 0.02  # of an axis
 
@@ -150,8 +151,8 @@ def calibrate_hand_eye(
     Raises
     ------
     HandEyeError
-        Where the joints turned too little or together only, the light moved, or a value is
-        invalid.
+        Where the joints turned too little or together only, the rays are not those of a light
+        that stands still before such a pan/tilt, or a value is invalid.
 
     """
     _check(rays, pan, tilt, joint_sigma, distance)
@@ -255,6 +256,11 @@ class _Problem:
                 'pan and tilt were always turned together: turn each while the other stands still'
             )
         slopes = np.linalg.lstsq(design, self.rays.angles, rcond=None)[0]
+        if 0.5 < math.degrees(np.abs(slopes[:2]).max()) < 2.0:
+            raise HandEyeError(
+                'the light turns by a degree where a joint turns by 1: are the angles in '
+                'degrees, not rad?'
+            )
         across, up = -slopes[0], -slopes[1]
         if abs(across[0]) < abs(across[1]) or abs(up[1]) < abs(up[0]):
             raise HandEyeError(
@@ -298,6 +304,13 @@ def _judged(
     residuals = problem.residuals(values, problem.roots(values))[kept]
     chi2, freedom = float((residuals**2).sum()), 2 * int(kept.sum()) - len(NAMES)
     factor = variance_factor(chi2, freedom, known=True)
+    if factor > MOST_FACTOR:
+        raise HandEyeError(
+            f'the residuals are {factor**0.5:.0f} times what the sigmas say, and may be '
+            f'{MOST_FACTOR**0.5:.0f} times that: the light moved, the tilt carries the pan (the '
+            'pan must carry the tilt), the focal length is wrong, or the joints have backlash or '
+            'coarse angles: --joint-sigma'
+        )
     try:
         covariance = factor * np.linalg.inv(problem.information(values, kept))
     except np.linalg.LinAlgError:
@@ -322,7 +335,8 @@ def _judged(
         )
     if abs(values[CLOCK]) > most_offset:
         raise HandEyeError(
-            f'the stamps are {values[CLOCK]:.3f} s apart, more than --most-offset'
+            f'the stamps of the rays are {values[CLOCK]:.3f} s late by those of the angles, and '
+            f'may be {most_offset:g} s early or late: are they of one clock?'
         )
     return HandEyeCalibration(
         pan_axis, tilt_axis, scale * values[4:6] @ across_pan, scale * values[6:8] @ across_tilt,

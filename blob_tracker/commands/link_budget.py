@@ -11,7 +11,7 @@ from typing import Any
 from blob_tracker.radiometry import (
     Budget, Led, LEVELS, link_budget, OpticsError, Receiver, Surroundings,
 )
-from blob_tracker.radiometry.budget import LEAST_SNR
+from blob_tracker.radiometry.budget import LEAST_SNR, nearest
 import numpy as np
 from rich.console import Console
 from rich.table import Table
@@ -230,6 +230,8 @@ def _print_ranges(
     for light in LEVELS:
         table.add_column(light, justify='right')
     for step in STEPS:
+        if step * distance < nearest(led, camera):
+            continue
         budgets = [
             fitted(led, camera, replace(around, light=light), step * distance)
             for light in LEVELS
@@ -247,7 +249,7 @@ def _draw(
 ) -> None:
     """Draw SNR and bound against range, by the light on the scene."""
     from matplotlib.figure import Figure
-    ranges = np.geomspace(distance / 30.0, 10.0 * distance, PLOTTED)
+    ranges = np.geomspace(max(distance / 30.0, nearest(led, camera)), 10.0 * distance, PLOTTED)
     figure = Figure(figsize=(9.0, 4.0), layout='constrained')
     left, right = figure.subplots(1, 2)
     for light in LEVELS:

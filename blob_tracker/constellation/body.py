@@ -130,12 +130,12 @@ def read_body(path: str | Path) -> Body:
         with content_of(path, 'body file') as content:
             _check_names(path)
             _check_keys('a body file', content, KEYS)
-            sigma = float(content.get('sigma', 0.0))
-            size_sigma = float(content.get('size_sigma', 0.0))
+            sigma = _number('sigma', content.get('sigma', 0.0))
+            size_sigma = _number('size_sigma', content.get('size_sigma', 0.0))
             lights = content['lights']
             if not isinstance(lights, dict):
                 raise TypeError('lights must be names, each with its [x, y, z] in m')
-            entries = [_entry(str(name), each, sigma) for name, each in lights.items()]
+            entries = [_entry(name, each, sigma) for name, each in lights.items()]
     except CalibrationError as error:
         raise BodyError(str(error)) from None
     try:
@@ -179,14 +179,37 @@ def write_body(path: str | Path, body: Body, comments: Sequence[str] = ()) -> No
     )
 
 
-def _entry(name: str, entry: Any, sigma: float) -> tuple[list[float], float]:
+def _entry(name: Any, entry: Any, sigma: float) -> tuple[list[float], float]:
     """Return the place of a light and its sigma, m."""
+    if name is None or isinstance(name, bool):
+        raise CalibrationError(
+            f'YAML takes the name of a light for {name}, as it does on, off, yes, no and null: '
+            'put it in quotes'
+        )
     own = entry if isinstance(entry, dict) else {'place': entry}
     _check_keys(f'the light {name}', own, OF_LIGHT)
-    place = [float(each) for each in own['place']]
+    place = own.get('place')
+    if not isinstance(place, list):
+        raise CalibrationError(
+            f'the light {name} has {"no place" if place is None else f"the place {place!r:.40}"}; '
+            'it must be [x, y, z] in m'
+        )
     if len(place) != 3:
-        raise ValueError(f'the place of {name} has {len(place)} numbers, not 3')
-    return place, float(own.get('sigma', sigma))
+        raise CalibrationError(f'the place of {name} has {len(place)} numbers, not 3')
+    return (
+        [_number(f'the place of {name}', each) for each in place],
+        _number(f'the sigma of {name}', own.get('sigma', sigma)),
+    )
+
+
+def _number(what: str, value: Any) -> float:
+    """Return a number; YAML takes 1e-3, which has no point, for a word."""
+    try:
+        if isinstance(value, bool):
+            raise TypeError
+        return float(value)
+    except (TypeError, ValueError):
+        raise CalibrationError(f'{what} holds {value!r:.40}, which is no number') from None
 
 
 def _check_keys(what: str, content: dict[str, Any], keys: tuple[str, ...]) -> None:

@@ -16,7 +16,8 @@ class Sighting:
 
     Of each light the last bearing counts, and each counts once: poses of one sighting and the next
     have errors of their own. A light that is hidden is waited for until a bearing of another comes
-    whose stamp is more than the interval after the first.
+    whose stamp is more than the interval after the first. One whose bearings come later than that
+    after those of the others is not waited for.
 
     Parameters
     ----------
@@ -31,6 +32,8 @@ class Sighting:
         self.max_interval = max_interval
         self._names = tuple(names)
         self._bearings: dict[str, Bearing] = {}
+        self._last_ns: dict[str, int] = {}  # of each light
+        self._late_ns: dict[str, int] = {}  # first that came too late, since any was in time
         self._first_ns = 0  # of all that came, also where a later one of that light counts
 
     def take(self, name: str, bearing: Bearing) -> list[tuple[str, Bearing]]:
@@ -42,22 +45,35 @@ class Sighting:
         Raises
         ------
         ConstellationError
-            Where its stamp is not later than the last one of that light: it is left out, or,
-            where the stamps jumped back by more than `max_interval`, all others are.
+            Where its stamp is not later than the last one of that light, or more than
+            `max_interval` before that of another: it is left out. Where the stamps of that light
+            jumped back by more than `max_interval`, all others are.
 
         """
-        stamps = [each.stamp_ns for each in self._bearings.values()]
-        late = NS * (max(stamps, default=bearing.stamp_ns) - bearing.stamp_ns)
-        if late > self.max_interval:
+        newest_ns = max(self._last_ns.values(), default=bearing.stamp_ns)
+        before_ns = self._last_ns.get(name, bearing.stamp_ns - 1)
+        late = NS * (newest_ns - bearing.stamp_ns)
+        # Too late for an interval with none in time: the newest stamp was wrong, or all jumped.
+        late_ns = bearing.stamp_ns - self._late_ns.get(name, bearing.stamp_ns)
+        if NS * (before_ns - bearing.stamp_ns) > self.max_interval or (
+                late > self.max_interval and NS * late_ns > self.max_interval):
             self._bearings, self._first_ns = {name: bearing}, bearing.stamp_ns
+            self._last_ns, self._late_ns = {name: bearing.stamp_ns}, {}
             raise ConstellationError(f'the stamps jumped back by {late:.3f} s; starting afresh')
-        before = self._bearings.get(name)
-        if before is not None and bearing.stamp_ns <= before.stamp_ns:
+        if bearing.stamp_ns <= before_ns:
             raise ConstellationError(
                 'a ray has the stamp of the one before it, or an earlier one; it is left out'
             )
+        self._last_ns[name] = bearing.stamp_ns
+        if late > self.max_interval:
+            self._late_ns.setdefault(name, bearing.stamp_ns)
+            raise ConstellationError(
+                f'its rays come {late:.3f} s later than those of other lights, and more than '
+                'max_interval: it is left out'
+            )
+        self._late_ns.clear()
         ended: list[tuple[str, Bearing]] = []
-        if stamps and NS * (bearing.stamp_ns - self._first_ns) > self.max_interval:
+        if self._bearings and NS * (bearing.stamp_ns - self._first_ns) > self.max_interval:
             ended = self._end()
         if not self._bearings:
             self._first_ns = bearing.stamp_ns
@@ -71,6 +87,9 @@ class Sighting:
         """Give up what has a later stamp, ns."""
         self._bearings = {
             name: each for name, each in self._bearings.items() if each.stamp_ns <= after_ns
+        }
+        self._last_ns = {
+            name: stamp_ns for name, stamp_ns in self._last_ns.items() if stamp_ns <= after_ns
         }
 
     def _end(self) -> list[tuple[str, Bearing]]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, erf, inf, pi, sqrt
 
 from blob_tracker.location.limits import cramer_rao_bound
-from blob_tracker.radiometry.error import above_zero
+from blob_tracker.radiometry.error import above_zero, OpticsError
 from blob_tracker.radiometry.led import Led
 from blob_tracker.radiometry.receiver import matched_snr, Receiver
 from blob_tracker.radiometry.surroundings import Surroundings
@@ -17,6 +17,9 @@ LEAST_SNR = 7.0  # the segmenter's default `min_snr`
 DROWNED = 'drowned by the light behind it'
 AIM = 0.7  # of full scale at the peak, as find_exposure aims
 WINDOW_SIGMA = 4.0  # half-width of the window for the bound
+MOST_SIGMA = 8.0  # px: a wider blob has pixels of several, which tell as much of its position
+LEAST_FOCAL_LENGTHS = 10.0  # nearer the image is not in the focal plane, nor the lens a point
+MOST_WIDTH = 10_000.0  # px, of the image of what shines: a sensor has few more
 PHASES = (0.0, 0.25, 0.5)  # px: the bound depends on where in its pixel a narrow blob lies
 
 
@@ -85,6 +88,16 @@ class Budget:
         return 'too faint' if self.snr_in_the_dark < LEAST_SNR else DROWNED
 
 
+def nearest(light: Led, camera: Receiver) -> float:
+    """
+    Return the least range that has a budget, m.
+
+    That of ten focal lengths f, or where an image of d f / (R p) pixels is wider than a sensor.
+    """
+    width = 1e3 * camera.focal_length * light.diameter / camera.pixel  # px at 1 m
+    return max(LEAST_FOCAL_LENGTHS * 1e-3 * camera.focal_length, width / MOST_WIDTH)
+
+
 def link_budget(
     light: Led, camera: Receiver, surroundings: Surroundings, distance: float
 ) -> Budget:
@@ -117,10 +130,10 @@ def link_budget(
     Raises
     ------
     OpticsError
-        For a distance that is not above 0.
+        For a distance that is not above 0, or less than `nearest`.
 
     """
-    above_zero({'the range, m,': distance})
+    _check_range(light, camera, distance)
     transmittance = surroundings.transmittance(distance, light.wavelength)
     irradiance = light.intensity() * transmittance / distance**2
     electrons = camera.electrons_of(light, irradiance)
@@ -149,6 +162,18 @@ def link_budget(
     )
 
 
+def _check_range(light: Led, camera: Receiver, distance: float) -> None:
+    """Refuse a range that has no budget."""
+    above_zero({'the range, m,': distance})
+    least = nearest(light, camera)
+    if distance < least:
+        raise OpticsError(
+            f'the range is {distance:g} m; for a light of {1e3 * light.diameter:g} mm and '
+            f'{camera.focal_length:g} mm of focal length it must be {least:.3g} m or more, '
+            f'{LEAST_FOCAL_LENGTHS:g} focal lengths and an image of {MOST_WIDTH:g} px at most'
+        )
+
+
 def _in_its_pixel(sigma: float) -> float:
     """Return the part of a Gaussian that falls into the pixel about its centre."""
     return erf(0.5 / (sqrt(2.0) * sigma)) ** 2
@@ -156,17 +181,21 @@ def _in_its_pixel(sigma: float) -> float:
 
 def _bound(camera: Receiver, sigma: float, unsampled: float, background: float) -> float:
     """Return the Cramer-Rao bound along x of lit less unlit, px, rms over the phases."""
+    side = max(int(sigma / MOST_SIGMA), 1)  # px, of what is taken for one pixel
+    area, sigma = side**2, sigma / side
     half = max(ceil(WINDOW_SIGMA * sigma), 2)
     gain = camera.noise.gain
+    # Of each of them with its step of 1 DN, less the one that the bound adds.
+    read_noise = sqrt(area * (camera.noise.read_noise**2 + 1.0 / 12.0) - 1.0 / 12.0)
     variances = [
         cramer_rao_bound(
             (2 * half + 1, 2 * half + 1), x=half + phase, y=half + phase, sigma=sigma,
-            amplitude=unsampled / gain, background=background / gain, noise=camera.noise,
-            unlit=True,
+            amplitude=area * unsampled / gain, background=area * background / gain,
+            noise=replace(camera.noise, read_noise=read_noise), unlit=True,
         )[0, 0]
         for phase in PHASES
     ]
-    return float(np.sqrt(np.mean(variances)))
+    return side * float(np.sqrt(np.mean(variances)))
 
 
 def _fitting_exposure(light: Led, camera: Receiver, peak: float, background: float) -> float:

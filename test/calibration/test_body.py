@@ -79,6 +79,19 @@ def test_the_errors_are_those_of_the_covariance(
     assert low < total < high
 
 
+def test_the_residuals_are_over_their_degrees_of_freedom() -> None:
+    """
+    The way of the body takes two fifths of what the rays say, which is no merit of the lights.
+
+    Each light has some 190 degrees, an rms to 5 %.
+    """
+    result = calibrated(seen())
+    assert result.freedom < 0.65 * 2.0 * result.used.sum()
+    assert (result.residuals**2 @ result.used / result.used.sum()) == pytest.approx(
+        result.chi2 / result.freedom)
+    np.testing.assert_allclose(result.residuals, 1.0, atol=0.2)
+
+
 def test_lights_in_a_plane() -> None:
     """They are found as well, though their picture is nearly that of their back."""
     result = calibrated(seen(FLAT, 1, turning=0.25), FLAT)

@@ -107,11 +107,14 @@ def test_what_cannot_be_told_is_said() -> None:
     true = camera(5)
     rays, pan, tilt = measured(true, 5)
     still = Joint(tilt.times, 0.0 * tilt.angles)
+    in_degrees = Joint(pan.times, np.degrees(pan.angles)), Joint(tilt.times, np.degrees(tilt.angles))
     for given, sentence in (
         ((rays.part(rays.times < 1.0), pan, tilt), '20 rays; 40 are the least'),
         ((rays, pan, still), 'tilt turned by 0.0 degrees'),
         ((rays, tilt, pan), 'are the two exchanged'),
         ((rays, pan, pan), 'always turned together'),
+        ((rays, *in_degrees), 'are the angles in degrees, not rad'),
+        ((Rays(rays.times + 0.2, rays.angles, rays.covariance), pan, tilt), 'are they of one clock'),
         ((rays, Joint(pan.times + 100.0, pan.angles), tilt), 'are the stamps of one clock'),
     ):
         with pytest.raises(HandEyeError, match=sentence):
@@ -121,3 +124,20 @@ def test_what_cannot_be_told_is_said() -> None:
         calibrate_hand_eye(moved, pan, tilt)
     with pytest.raises(HandEyeError, match='pan turned by 1.7 degrees'):
         calibrate_hand_eye(*measured(replace(true, swing=0.015), 5))
+
+
+@pytest.mark.parametrize('wrong', ['moved', 'tilt below pan'])
+def test_a_misfit_that_no_sigma_covers_is_refused(wrong: str) -> None:
+    """A light that moves by 3 mrad half-way, or a tilt that carries the pan: the sigmas are 0.1."""
+    true = camera(6)
+    if wrong == 'moved':
+        rays, pan, tilt = measured(true, 6)
+        rays.angles[len(rays.times) // 2:, 0] += 3e-3
+    else:
+        below = replace(
+            true, pan_axis=true.tilt_axis, tilt_axis=true.pan_axis, pan_point=true.tilt_point,
+            tilt_point=true.pan_point,
+        )
+        rays, tilt, pan = measured(below, 6)
+    with pytest.raises(HandEyeError, match='the light moved, the tilt carries the pan'):
+        calibrate_hand_eye(rays, pan, tilt)

@@ -40,6 +40,13 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
     assert (tmp_path / 'body.yaml').read_text().startswith('# by hand')
 
 
+def test_numbers_without_a_point_are_read(tmp_path: Path) -> None:
+    """YAML takes 1e-3 for a word."""
+    (tmp_path / 'body.yaml').write_text(FILE.replace('0.001', '1e-3').replace('-0.2', '-2e-1'))
+    body = read_body(tmp_path / 'body.yaml')
+    assert (body.sigmas[0], body.places[2, 0]) == (1e-3, -0.2)
+
+
 def test_places_in_kilometres_are_named() -> None:
     """As those in millimetres are."""
     with pytest.raises(BodyError, match='and must be 0.002; their places are in metres'):
@@ -58,6 +65,14 @@ def test_places_in_kilometres_are_named() -> None:
     ('sigma: 0.001', 'sigma: -1.0', 'must be 0 or more'),
     ('lights', 'lamps', 'a body file has no lamps; it has sigma, size_sigma and lights'),
     ('sigma: 0.002', 'sigmas: 0.002', 'the light starboard has no sigmas; it has place and'),
+    ('place: [0.15, -0.10, 0.0], ', '', 'the light starboard has no place; it must be'),
+    ('[-0.2, 0.0, 0.05]', '', 'the light tail has no place; it must be'),
+    ('[-0.2, 0.0, 0.05]', '"123"', "the light tail has the place '123'; it must be"),
+    ('[-0.2, 0.0, 0.05]', '[a, 0.0, 0.05]', "the place of tail holds 'a', which is no number"),
+    ('[-0.2, 0.0, 0.05]', '[true, 0.0, 0.05]', 'the place of tail holds True, which is no'),
+    ('sigma: 0.002', 'sigma: 2mm', "the sigma of starboard holds '2mm', which is no number"),
+    ('sigma: 0.001', 'sigma: 1mm', "sigma holds '1mm', which is no number"),
+    ('  tail', '  on', 'name of a light for True, as it does on, .* put it in quotes'),
     ('place: [', 'at: [', 'the light starboard has no at; it has place and sigma'),
     (FILE[FILE.index('lights'):], '', 'has no lights'),
     ('sigma: 0.001', 'size_sigma: 2.0', 'it must be 0 to 1, of its size'),

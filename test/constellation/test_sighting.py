@@ -48,3 +48,35 @@ def test_stamps_that_go_back_are_said() -> None:
     assert not stamps(sighting, [('a', 500), ('b', 501)])
     sighting.forget(500 * MS)
     assert stamps(sighting, [('c', 502), ('b', 503)]) == [[('a', 500), ('b', 503), ('c', 502)]]
+
+
+def test_a_light_that_is_late_is_said_and_the_others_go_on() -> None:
+    """The others, whose bearings come 160 ms before its, make a sighting each interval."""
+    sighting = Sighting('abcd', 0.1)
+    come = sorted(
+        (at + 160 * (name == 'd'), at, name) for name in 'abcd' for at in range(0, 3000, 50))
+    said, found = [], []
+    for arrival, at, name in come:
+        if arrival >= 3000:
+            break
+        try:
+            found += stamps(sighting, [(name, at)])
+        except ConstellationError as error:
+            said.append(str(error))
+    assert len(said) == 57
+    assert all('later than those of other lights' in each for each in said)
+    assert len(found) == 19
+    assert {len(each) for each in found} == {3}
+
+
+def test_one_stamp_that_is_far_ahead_ends_nothing() -> None:
+    """Its light may never come again: another that is late for an interval begins afresh."""
+    sighting = Sighting('abc', 0.1)
+    assert stamps(sighting, [('a', 1000), ('c', 99_000)]) == [[('a', 1000)]]
+    for name, at, sentence in (
+        ('a', 1010, 'later than those'), ('b', 1010, 'later than those'),
+        ('a', 1110, 'later than those'), ('a', 1111, 'jumped back'),
+    ):
+        with pytest.raises(ConstellationError, match=sentence):
+            stamps(sighting, [(name, at)])
+    assert stamps(sighting, [('b', 1112), ('c', 1113)]) == [[('a', 1111), ('b', 1112), ('c', 1113)]]

@@ -89,12 +89,9 @@ def main(arguments: argparse.Namespace) -> None:
     _report(console, result)
     picture = arguments.out.with_suffix('.png')
     if result.is_metric:
+        body = Body(result.names, result.places, result.sigmas, result.size_sigma)
         tell_of(console, arguments.out)
-        write_body(
-            arguments.out,
-            Body(result.names, result.places, result.sigmas, result.size_sigma),
-            _comments(result),
-        )
+        write_body(arguments.out, body, _comments(result))
     tell_of(console, picture)
     draw_body(picture, result)
     if not result.is_metric:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+import json
 import math
 from pathlib import Path
 
@@ -114,12 +115,14 @@ def _angles(
     if len(topics) != 1:
         raise RecordingError(f'{bag.path} has {len(topics)} topics {name} of the type {KIND}')
     found: dict[str, dict[int, float]] = {joint: {} for joint in joints}
+    there: set[str] = set()
     for message in bag.messages(topics):
         # Not by rosbags: it wants padding before the empty list of velocities.
         try:
             states = deserialize_message(bag.serialized(message), JointState)
         except Exception as error:  # what a damaged message makes it raise comes from anywhere
             raise RecordingError(f'{bag.path}, {name}: a message is no {KIND}: {error}') from None
+        there.update(states.name)
         try:
             for joint, angle in to_angles(states, joints).items():
                 if math.isfinite(angle):
@@ -128,7 +131,10 @@ def _angles(
             raise RecordingError(f'{bag.path}, {name}: {error}') from None
     for joint, series in found.items():
         if not series:
-            raise RecordingError(f'{bag.path} has no angle of the joint {joint} on {name}')
+            raise RecordingError(
+                f'{bag.path} has no angle of the joint {joint} on {name}; it has those of '
+                f'{", ".join(sorted(there)) or "none"}: give --joints'
+            )
     in_order = [sorted(found[joint].items()) for joint in joints]
     return (
         [[stamp for stamp, _ in series] for series in in_order],
@@ -146,9 +152,11 @@ def _report(console: Console, result: HandEyeCalibration) -> None:
         ('tilt', result.tilt_axis, result.tilt_arm, 'x'),
     ):
         index = 'xyz'.index(own)
+        sign = math.copysign(1.0, axis[index])
         sigma = max(sigmas[f'{name}_axis_1'], sigmas[f'{name}_axis_2'])
         for other in (each for each in range(3) if each != index):
-            tilted = math.atan2(axis[other], abs(axis[index]))
+            # Of the line, whatever the sign of the joint.
+            tilted = math.atan2(sign * axis[other], sign * axis[index])
             rows.append(row(
                 f'{name} axis, {own} to {"xyz"[other]}', MRAD_PER_RAD * tilted,
                 MRAD_PER_RAD * sigma, 'mrad',
@@ -181,7 +189,8 @@ def _parameters(
 ) -> str:
     """Return the parameter file of the tracker, with the joints for a URDF as comments."""
     values = {
-        'joints.pan': joints[0], 'joints.tilt': joints[1],
+        # Quoted: 1, on and y are no strings to a reader of YAML.
+        'joints.pan': json.dumps(joints[0]), 'joints.tilt': json.dumps(joints[1]),
         'joints.pan_reversed': str(bool(result.pan_axis[1] < 0.0)).lower(),
         'joints.tilt_reversed': str(bool(result.tilt_axis[0] < 0.0)).lower(),
         'stamp_offset': f'{result.clock:.6f}',

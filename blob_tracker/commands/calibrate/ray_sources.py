@@ -32,7 +32,7 @@ def recorded_bearings(bag: Bag, topics: Sequence[str]) -> dict[str, tuple[list[B
     Raises
     ------
     RecordingError
-        Where the bag lacks one of them, or it holds what is no ray.
+        Where the bag lacks one of them, it holds what is no ray, or all rays have one stamp.
 
     """
     there = {
@@ -53,6 +53,7 @@ def recorded_bearings(bag: Bag, topics: Sequence[str]) -> dict[str, tuple[list[B
         except MessageError as error:
             raise RecordingError(f'{bag.path}, {message.topic.name}: {error}') from None
         frames[message.topic.name] = str(ray.header.frame_id)
+    _check_stamps(came, bag.path)
     return {name: (came[name], frames[name]) for name in topics}
 
 
@@ -110,9 +111,9 @@ def lights_seen(
             from blob_tracker.ros.endpoints.live_rays import live_rays
         except ImportError:
             raise SourceError('live topics need ROS: source its setup file') from None
-        return live_rays(
-            {name: _topic(namespace, name) for name in lights}, seconds
-        )
+        came = live_rays({name: _topic(namespace, name) for name in lights}, seconds)
+        _check_stamps(came, 'the topics')
+        return came
     with opened(source) as bag:
         topics = {_topic(namespace, name): name for name in lights}
         if not topics:
@@ -120,6 +121,13 @@ def lights_seen(
                 light = RAY.fullmatch(topic.name)
                 if light and topic.kind == KIND and topic.name == _topic(namespace, light[1]):
                     topics[topic.name] = light[1]
+        if not topics:
+            there = ', '.join(
+                topic.name for topic in bag.topics if topic.kind == KIND) or 'none'
+            raise RecordingError(
+                f'{source} has no rays on {_topic(namespace, "NAME")}; of that type it has: {there} '
+                '(--camera is the namespace before target)'
+            )
         found = recorded_bearings(bag, list(topics))
     return {topics[name]: bearings for name, (bearings, _) in found.items()}
 
@@ -159,7 +167,21 @@ def _table(path: Path) -> dict[str, list[Bearing]]:
         raise RecordingError(f'cannot read the table {path}: {error}') from None
     except (TypeError, ValueError) as error:
         raise RecordingError(f'{path}, line {rows.line_num}: {error}') from None
+    if not found:
+        raise RecordingError(f'{path} has no bearing of a light that has a name: see flash.codes')
+    _check_stamps(found, path)
     return found
+
+
+def _check_stamps(found: Mapping[str, list[Bearing]], source: Path | str) -> None:
+    """Refuse rays that all have one stamp, of which only one would count."""
+    for name, bearings in found.items():
+        stamps = {each.stamp_ns for each in bearings}
+        if len(bearings) > 1 and len(stamps) == 1:
+            raise RecordingError(
+                f'{source}: all {len(bearings)} rays of {name} have one stamp, '
+                f'{1e-9 * stamps.pop():.3f} s; does the driver of the camera set none?'
+            )
 
 
 def _bearing(row: Mapping[str, str]) -> Bearing:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from blob_tracker.__main__ import main
@@ -37,14 +38,16 @@ def bearings(at_once: bool = False) -> dict[str, list[Bearing]]:
     }
 
 
-def recorded(folder: Path, namespace: str = '') -> Path:
-    """Write a bag of it; return it."""
+def recorded(folder: Path, namespace: str = '', stamp_ns: int | None = None) -> Path:
+    """Write a bag of it, all of one stamp where it is given; return it."""
     with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         for name, series in bearings().items():
             topic = f'{namespace}/target/{name}/ray'
             connection = writer.add_connection(topic, KIND, typestore=TYPES)
             for each in series:
-                data = serialize_message(ray_message(each, 'optical'))
+                message = ray_message(
+                    each if stamp_ns is None else replace(each, stamp_ns=stamp_ns), 'optical')
+                data = serialize_message(message)
                 writer.write(connection, each.stamp_ns, data)
     return folder
 
@@ -108,6 +111,36 @@ def test_a_table_of_track_and_no_distance(
     (tmp_path / 'other.csv').write_text('a,b\n1,2\n')
     assert run(tmp_path / 'other.csv', '--out', out) == 1
     assert 'it must be a table as `python3 -m blob_tracker track`' in capsys.readouterr().err
+
+
+def test_rays_that_tell_nothing_are_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Those of a camera in a namespace, those of one stamp, and those without names."""
+    out = '--out', tmp_path / 'body.yaml'
+    assert run(recorded(tmp_path / 'left', '/left'), *out) == 1
+    error = capsys.readouterr().err
+    assert 'has no rays on /target/NAME/ray; of that type it has: /left/target/port/ray' in error
+    assert '--camera' in error
+    assert run(recorded(tmp_path / 'still', stamp_ns=START_NS), *out) == 1
+    assert 'rays of /target/port/ray have one stamp' in capsys.readouterr().err
+    table = tmp_path / 'track.csv'
+    table.write_text(','.join(COLUMNS) + '\n')
+    assert run(table, *out) == 1
+    assert 'has no bearing of a light that has a name' in capsys.readouterr().err
+
+
+def test_a_body_that_is_refused_is_not_announced(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Places of a distance in mm: the lights are 300 m apart."""
+    out = tmp_path / 'body.yaml'
+    bag = recorded(tmp_path / 'bag')
+    assert run(bag, '--distance', 'port', 'starboard', 1e3 * WIDTH, '--out', out) == 1
+    captured = capsys.readouterr()
+    assert 'are in metres, not millimetres' in captured.err
+    assert 'body.yaml' not in captured.out
+    assert not out.exists()
 
 
 @pytest.mark.parametrize('words, sentence', [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from blob_tracker.__main__ import main
@@ -26,9 +27,11 @@ CAMERA = PannedCamera(
 RANGE = float(np.linalg.norm(CAMERA.light))
 
 
-def recorded(folder: Path) -> Path:
+def recorded(
+    folder: Path, joints: tuple[str, str] = ('head_pan', 'head_tilt'), camera: PannedCamera = CAMERA
+) -> Path:
     """Write a bag of it; return it."""
-    rays, (ticks, turns) = CAMERA.seen(np.random.default_rng(1), seconds=10.0)
+    rays, (ticks, turns) = camera.seen(np.random.default_rng(1), seconds=10.0)
     with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         of_rays, of_joints = (
             writer.add_connection(topic, kind, typestore=TYPES) for topic, kind in (
@@ -42,7 +45,7 @@ def recorded(folder: Path) -> Path:
             data = serialize_message(ray_message(bearing, 'optical'))
             writer.write(of_rays, bearing.stamp_ns, data)
         for time, (pan, tilt) in zip(ticks, turns, strict=True):
-            message = JointState(name=['head_pan', 'head_tilt'], position=[pan, tilt])
+            message = JointState(name=list(joints), position=[pan, tilt])
             stamp_ns = START_NS + round(1e9 * time)
             message.header.stamp = from_ns(stamp_ns)
             writer.write(of_joints, stamp_ns, serialize_message(message))
@@ -71,7 +74,36 @@ def test_it_writes_what_the_tracker_takes(
     assert '<axis xyz="' in text
     assert 'pan arm z' in capsys.readouterr().out
     assert run(bag, '--out', out) == 1
-    assert 'has no angle of the joint pan on joint_states' in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert 'has no angle of the joint pan on joint_states' in error
+    assert 'it has those of head_pan, head_tilt' in error
+
+
+@pytest.mark.parametrize('joints', [('1', 'on'), ('a: b', 'y'), ('1e5', 'say "#"')])
+def test_names_of_joints_stay_strings(tmp_path: Path, joints: tuple[str, str]) -> None:
+    """Whatever YAML would take them for."""
+    out = tmp_path / 'hand_eye.yaml'
+    assert run(recorded(tmp_path / 'bag', joints), '--joints', *joints, '--out', out) == 0
+    found = yaml.safe_load(out.read_text())['/**/tracker']['ros__parameters']
+    assert (found['joints.pan'], found['joints.tilt']) == joints
+    assert f'joints.pan: "{joints[0]}"' in out.read_text()
+
+
+def test_the_tilt_of_an_axis_is_that_of_its_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A joint that counts the other way has the same: 20 mrad from y to x, -50 from x to z."""
+    pan, tilt = (
+        np.array(each) / np.linalg.norm(each) for each in ([0.02, 1.0, 0.0], [1.0, 0.0, -0.05]))
+    joints = 'head_pan', 'head_tilt'
+    for index, sign in enumerate((1.0, -1.0)):
+        camera = replace(CAMERA, pan_axis=sign * pan, tilt_axis=sign * tilt)
+        bag = recorded(tmp_path / f'bag{index}', joints, camera)
+        assert run(bag, '--joints', *joints, '--out', tmp_path / 'hand_eye.yaml') == 0
+        rows = [line.split('│') for line in capsys.readouterr().out.splitlines()]
+        tilts = {row[1].strip(): float(row[2]) for row in rows if len(row) > 2 and 'axis,' in row[1]}
+        assert tilts['pan axis, y to x'] == pytest.approx(20.0, abs=2.0)
+        assert tilts['tilt axis, x to z'] == pytest.approx(-50.0, abs=2.0)
 
 
 @pytest.mark.parametrize('words, sentence', [
