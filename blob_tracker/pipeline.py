@@ -28,6 +28,10 @@ from blob_tracker.types import Bearing, Frame, Location, LocationError, SensorNo
 # Each brings the time of a line nearer by the light's speed over the shutter's: 1/50 if it crosses
 # the picture in a second, and is read in 20 ms.
 ROUNDS = 3
+PART_OF_FLUX = (
+    'the light was on for a part of the exposure that is known too coarsely for its flux to tell '
+    'the range: have the camera switch it by wire, in mode alternate, or give range.diameter'
+)
 
 
 def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
@@ -183,7 +187,8 @@ def window_to_range(
     disc : Disc
         Size and flux in the picture.
     light_range : LightRange or None
-        By what tells it of size and flux, or both; None where neither is known.
+        By what tells it of size and flux, or both; None where neither is known. Flux tells
+        nothing where the window has a `Glimpse`: it is that of a part of the exposure.
 
     Raises
     ------
@@ -206,6 +211,8 @@ def window_to_range(
             refusals.append(error)
     if ranging.reference_flux > 0.0:
         try:
+            if window.glimpse is not None:
+                raise RangeError(PART_OF_FLUX)
             ranges.append(range_by_flux(
                 disc.flux, disc.covariance[1, 1],
                 reference_distance=ranging.reference_distance,
@@ -217,7 +224,7 @@ def window_to_range(
     if ranges:
         return disc, combined(ranges)
     if refusals:
-        raise refusals[0]
+        raise RangeError('; '.join(map(str, refusals)))
     return disc, None
 
 
