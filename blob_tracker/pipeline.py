@@ -199,33 +199,40 @@ def window_to_range(
 
     """
     disc = fit_disc(window, location, noise=noise, psf_sigma=ranging.psf_sigma)
-    ranges, refusals = [], []
+    by_size = by_flux = None
+    refusals = []
     if ranging.diameter > 0.0:
         pixel = sqrt(prod(window.binning)) * angle_per_pixel(location, bearing)
         try:
-            ranges.append(range_by_size(
+            by_size = range_by_size(
                 disc.square, disc.covariance[0, 0], pixel=pixel, diameter=ranging.diameter,
                 psf_sigma=ranging.psf_sigma, calibration_sigma=ranging.calibration_sigma,
-            ))
+            )
         except RangeError as error:
-            refusals.append(error)
+            refusals.append(str(error))
     if ranging.reference_flux > 0.0:
         try:
-            if window.glimpse is not None:
-                raise RangeError(PART_OF_FLUX)
-            ranges.append(range_by_flux(
-                disc.flux, disc.covariance[1, 1],
-                reference_distance=ranging.reference_distance,
-                reference_flux=ranging.reference_flux,
-                calibration_sigma=ranging.calibration_sigma,
-            ))
+            by_flux = _range_by_flux(window, disc, ranging)
         except RangeError as error:
-            refusals.append(error)
-    if ranges:
-        return disc, combined(ranges)
-    if refusals:
-        raise RangeError('; '.join(map(str, refusals)))
-    return disc, None
+            refusals.append(str(error))
+    if by_size is not None and by_flux is not None:
+        return disc, combined(
+            by_size, by_flux, disc.covariance[0, 1] / (4.0 * disc.square * disc.flux))
+    found = by_size or by_flux
+    if found is None and refusals:
+        raise RangeError('; '.join(refusals))
+    return disc, found
+
+
+def _range_by_flux(window: Window, disc: Disc, ranging: Ranging) -> LightRange:
+    """Return the range by the flux of a window, if that is of a whole exposure."""
+    if window.glimpse is not None:
+        raise RangeError(PART_OF_FLUX)
+    return range_by_flux(
+        disc.flux, disc.covariance[1, 1],
+        reference_distance=ranging.reference_distance, reference_flux=ranging.reference_flux,
+        calibration_sigma=ranging.calibration_sigma,
+    )
 
 
 class Placed(NamedTuple):

@@ -21,6 +21,7 @@ from blob_tracker.types import Bearing, Glimpse, Location, Window
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from scipy.stats import chi2
 from support.discs import disc_window, NOISE as DISC_NOISE
 from support.gamma import (
     FINENESS, gamma_response, gamma_scene, HEIGHT, light_of, linear_noise,
@@ -382,3 +383,24 @@ def test_the_flux_of_a_part_of_the_exposure_tells_no_range() -> None:
         told(0.0, seen, ranging)
     with pytest.raises(RangeError, match='^the light was on for a part .* mode alternate'):
         told(3.0, seen, replace(ranging, diameter=0.0))
+
+
+def test_the_range_by_size_and_flux_errs_as_its_variance_says() -> None:
+    """Both are of one fit; of what was calibrated next to nothing is unknown here."""
+    model = CameraModel.from_field_of_view(320, 240, 40.0)
+    random = np.random.default_rng(6)
+    distance = 0.025 * model.matrix[0, 0] / 2.0
+    ranging = Ranging(
+        1.2, diameter=0.05, reference_distance=distance, reference_flux=DISC_FLUX,
+        calibration_sigma=1e-6,
+    )
+    runs, squared = 300, 0.0
+    for _ in range(runs):
+        window = replace(disc_window(2.0, 1.2, DISC_FLUX, 19, random), x0=150, y0=110)
+        location, bearing = window_to_bearing(
+            window, model, locator=Locator(), noise=DISC_NOISE)
+        _, found = window_to_range(window, location, bearing, noise=DISC_NOISE, ranging=ranging)
+        assert found is not None
+        squared += (found.distance - distance) ** 2 / found.variance
+    low, high = chi2.ppf([1e-3, 1.0 - 1e-3], runs)
+    assert low < squared < high  # 1.37 runs if they were taken for independent
