@@ -47,8 +47,9 @@ class Simultaneous:
     are equal, as of cameras with one trigger.
 
     What is given depends on the stamps alone, not on the order in which the cameras' sights
-    arrive, as long as no camera's come more than `max_interval` later than another's: so long is
-    one that is silent waited for, and longer if a single one is left without it.
+    arrive, as long as no camera's come more than `max_interval` later than those of two others:
+    so long is one that is silent waited for, and longer if a single one is left without it. A
+    single camera whose stamps are ahead makes no other one late.
 
     Parameters
     ----------
@@ -166,7 +167,8 @@ class Simultaneous:
 
     def _around(self, stamp_ns: int) -> list[tuple[Sight, Sight] | None] | None:
         """Return each camera's sights about an instant, or None while one may still come."""
-        newest_ns = max(seen[-1].stamp_ns for seen in self._seen if seen)
+        # Of the second camera: the clock of the first may be ahead of all others.
+        newest_ns = sorted(seen[-1].stamp_ns for seen in self._seen if seen)[-2:][0]
         around: list[tuple[Sight, Sight] | None] = []
         for seen in self._seen:
             if seen and seen[-1].stamp_ns < stamp_ns and (

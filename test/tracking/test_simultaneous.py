@@ -141,6 +141,20 @@ def test_rays_that_come_too_late_are_counted() -> None:
     assert pairing.late == [0, 0, 75]
 
 
+@pytest.mark.parametrize('ahead', range(4))
+def test_a_camera_whose_clock_is_ahead_makes_no_other_late(ahead: int) -> None:
+    """By 0.3 s, one of four: the other three go on between them."""
+    pairing = Simultaneous(4, 0.1, 0.0)
+    found = []
+    for ms in range(0, 2000, 20):
+        for camera in range(4):
+            stamp = ms + 5 * camera + 300 * (camera == ahead)
+            found += pairing.take(camera, at(stamp))
+    others = {0, 1, 2, 3} - {ahead}
+    assert sum(others <= set(each) for each in cameras(found)) > 80
+    assert pairing.late == [0, 0, 0, 0]
+
+
 def test_a_pair_is_waited_for_however_late_it_is() -> None:
     """Of two cameras one is a second late: there is nothing to be given without it."""
     pairing = Simultaneous(2, 0.1, 0.0)

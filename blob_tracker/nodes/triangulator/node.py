@@ -300,7 +300,7 @@ class TriangulatorNode(Node):
                 self._health.fault(
                     WARN,
                     f'{late - told} rays on {camera.topic} came too late to be used: more than '
-                    'max_interval after those of other cameras; raise it, or look for what holds '
+                    'max_interval after those of two others; raise it, or look for what holds '
                     'them up',
                 )
         self._late = list(self._pairing.late)
