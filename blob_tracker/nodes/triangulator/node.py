@@ -29,7 +29,7 @@ from blob_tracker.ros.process import run
 from blob_tracker.tracking import (
     Instant, Position, Sight, Simultaneous, triangulate, TriangulationError,
 )
-from blob_tracker.tracking.triangulation import check_bearing
+from blob_tracker.tracking.triangulation import check_bearing, load_ahead
 from blob_tracker.transforms import NoTransform
 from blob_tracker.types import Bearing
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped
@@ -103,6 +103,7 @@ class TriangulatorNode(Node):
         on_change(self, parameters, self._change)
         self._points = publisher(self, PointStamped, f'{target}/point', RESULT)
         self._poses = publisher(self, PoseWithCovarianceStamped, f'{target}/pose', RESULT)
+        load_ahead()  # rays that wait for it would be old when they are taken
         for number, camera in enumerate(self._cameras):
             subscription(
                 self, PoseWithCovarianceStamped, camera.topic, partial(self._take, number), RESULT
