@@ -97,7 +97,7 @@ class TriangulatorNode(Node):
         self._position: Position | None = None
         self._seen_by = ''
         self._pairing = Simultaneous(len(names), values['max_interval'], values['acceleration'])
-        self._skipped = 0  # when it was last told
+        self._skipped = self._unseen = 0  # when they were last told
         self._late = list(self._pairing.late)
         self._change(values)()
         on_change(self, parameters, self._change)
@@ -290,9 +290,16 @@ class TriangulatorNode(Node):
         if skipped:
             self._health.fault(
                 WARN,
-                f'{skipped} rays had none of another camera near enough, last '
-                f'{self._pairing.interval:.3f} s; raise max_interval, or name the camera with '
+                f'{skipped} rays had none of another camera near enough, the last two were '
+                f'{self._pairing.gap:.3f} s apart; raise max_interval, or name the camera with '
                 'fewer rays first',
+            )
+        unseen, self._unseen = self._pairing.unseen - self._unseen, self._pairing.unseen
+        if unseen:
+            self._health.fault(
+                WARN,
+                f'{unseen} rays are of instants at which the other cameras do not see the light '
+                'yet, or no more; they give no position',
             )
         for camera, late, told in zip(
             self._cameras, self._pairing.late, self._late, strict=True
