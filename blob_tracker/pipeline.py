@@ -28,6 +28,10 @@ from blob_tracker.types import Bearing, Frame, Location, LocationError, SensorNo
 # Each brings the time of a line nearer by the light's speed over the shutter's: 1/50 if it crosses
 # the picture in a second, and is read in 20 ms.
 ROUNDS = 3
+PART_OF_FLUX = (
+    'the light was on for a part of the exposure that is known too coarsely for its flux to tell '
+    'the range: have the camera switch it by wire, in mode alternate, or give range.diameter'
+)
 
 
 def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
@@ -183,7 +187,8 @@ def window_to_range(
     disc : Disc
         Size and flux in the picture.
     light_range : LightRange or None
-        By what tells it of size and flux, or both; None where neither is known.
+        By what tells it of size and flux, or both; None where neither is known. Flux tells
+        nothing where the window has a `Glimpse`: it is that of a part of the exposure.
 
     Raises
     ------
@@ -194,31 +199,40 @@ def window_to_range(
 
     """
     disc = fit_disc(window, location, noise=noise, psf_sigma=ranging.psf_sigma)
-    ranges, refusals = [], []
+    by_size = by_flux = None
+    refusals = []
     if ranging.diameter > 0.0:
         pixel = sqrt(prod(window.binning)) * angle_per_pixel(location, bearing)
         try:
-            ranges.append(range_by_size(
+            by_size = range_by_size(
                 disc.square, disc.covariance[0, 0], pixel=pixel, diameter=ranging.diameter,
                 psf_sigma=ranging.psf_sigma, calibration_sigma=ranging.calibration_sigma,
-            ))
+            )
         except RangeError as error:
-            refusals.append(error)
+            refusals.append(str(error))
     if ranging.reference_flux > 0.0:
         try:
-            ranges.append(range_by_flux(
-                disc.flux, disc.covariance[1, 1],
-                reference_distance=ranging.reference_distance,
-                reference_flux=ranging.reference_flux,
-                calibration_sigma=ranging.calibration_sigma,
-            ))
+            by_flux = _range_by_flux(window, disc, ranging)
         except RangeError as error:
-            refusals.append(error)
-    if ranges:
-        return disc, combined(ranges)
-    if refusals:
-        raise refusals[0]
-    return disc, None
+            refusals.append(str(error))
+    if by_size is not None and by_flux is not None:
+        return disc, combined(
+            by_size, by_flux, disc.covariance[0, 1] / (4.0 * disc.square * disc.flux))
+    found = by_size or by_flux
+    if found is None and refusals:
+        raise RangeError('; '.join(refusals))
+    return disc, found
+
+
+def _range_by_flux(window: Window, disc: Disc, ranging: Ranging) -> LightRange:
+    """Return the range by the flux of a window, if that is of a whole exposure."""
+    if window.glimpse is not None:
+        raise RangeError(PART_OF_FLUX)
+    return range_by_flux(
+        disc.flux, disc.covariance[1, 1],
+        reference_distance=ranging.reference_distance, reference_flux=ranging.reference_flux,
+        calibration_sigma=ranging.calibration_sigma,
+    )
 
 
 class Placed(NamedTuple):

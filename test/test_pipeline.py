@@ -7,17 +7,22 @@ from dataclasses import replace
 
 from blob_tracker import CameraModel, Frame, Pipeline, SensorNoise
 from blob_tracker.camera import CalibrationError
+from blob_tracker.camera.light_range import RangeError, Ranging
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.location import locate, Locator
 from blob_tracker.location.limits import cramer_rao_bound
-from blob_tracker.pipeline import expectation, expectation_in, window_to_bearing
+from blob_tracker.pipeline import (
+    expectation, expectation_in, window_to_bearing, window_to_range,
+)
 from blob_tracker.resources import config_path
 from blob_tracker.simulation import flashing_light, in_step, Light, Scene, Sensor
 from blob_tracker.tracking import PlatformRates, Track, Tracker
-from blob_tracker.types import Bearing, Location, Window
+from blob_tracker.types import Bearing, Glimpse, Location, Window
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from scipy.stats import chi2
+from support.discs import disc_window, NOISE as DISC_NOISE
 from support.gamma import (
     FINENESS, gamma_response, gamma_scene, HEIGHT, light_of, linear_noise,
     NOISE as NOISE_8_BIT, WIDTH,
@@ -26,6 +31,8 @@ from support.pulses import BACKGROUND, drawn, NOISE, PEAK, shots
 
 FRAMES = 240
 BUDGET = 0.05  # px rms, what the thesis wanted
+DISC_FLUX = 5000.0  # DN
+DISC_DISTANCE = 3.66  # m, of a disc of 0.05 m that is one of 3 px
 
 
 def test_every_lit_frame_is_placed_within_the_budget() -> None:
@@ -350,3 +357,50 @@ def test_a_response_of_another_camera() -> None:
     pipeline = Pipeline(model, noise=NOISE_8_BIT, response=gamma_response(160, 120))
     with pytest.raises(CalibrationError, match='8 bits and these have 16'):
         list(pipeline.run([Frame(np.zeros((120, 160), np.uint16), 1, 65535)]))
+
+
+def test_the_flux_of_a_part_of_the_exposure_tells_no_range() -> None:
+    """Of a light that blinks freely the size goes on alone, and of a point nothing is left."""
+    model = CameraModel.from_field_of_view(320, 240, 40.0)
+    random = np.random.default_rng(5)
+    seen = Glimpse(1.0, np.zeros(2), 0.1, 0.01 * np.eye(2), np.zeros(2))
+    ranging = Ranging(
+        1.2, diameter=0.05, reference_distance=DISC_DISTANCE, reference_flux=DISC_FLUX)
+
+    def told(radius: float, glimpse: Glimpse | None, ranging: Ranging) -> float:
+        window = disc_window(radius, 1.2, DISC_FLUX, 21, random)
+        window = replace(window, x0=149, y0=109, glimpse=glimpse)
+        location, bearing = window_to_bearing(
+            window, model, locator=Locator(), noise=DISC_NOISE)
+        _, found = window_to_range(window, location, bearing, noise=DISC_NOISE, ranging=ranging)
+        assert found is not None
+        return found.variance
+
+    by_size = replace(ranging, reference_distance=0.0, reference_flux=0.0)
+    assert told(3.0, seen, ranging) > 0.9 * told(3.0, None, by_size)
+    assert told(3.0, None, ranging) < 0.8 * told(3.0, None, by_size)
+    with pytest.raises(RangeError, match='not resolved.*; the light was on for a part'):
+        told(0.0, seen, ranging)
+    with pytest.raises(RangeError, match='^the light was on for a part .* mode alternate'):
+        told(3.0, seen, replace(ranging, diameter=0.0))
+
+
+def test_the_range_by_size_and_flux_errs_as_its_variance_says() -> None:
+    """Both are of one fit; of what was calibrated next to nothing is unknown here."""
+    model = CameraModel.from_field_of_view(320, 240, 40.0)
+    random = np.random.default_rng(6)
+    distance = 0.025 * model.matrix[0, 0] / 2.0
+    ranging = Ranging(
+        1.2, diameter=0.05, reference_distance=distance, reference_flux=DISC_FLUX,
+        calibration_sigma=1e-6,
+    )
+    runs, squared = 300, 0.0
+    for _ in range(runs):
+        window = replace(disc_window(2.0, 1.2, DISC_FLUX, 19, random), x0=150, y0=110)
+        location, bearing = window_to_bearing(
+            window, model, locator=Locator(), noise=DISC_NOISE)
+        _, found = window_to_range(window, location, bearing, noise=DISC_NOISE, ranging=ranging)
+        assert found is not None
+        squared += (found.distance - distance) ** 2 / found.variance
+    low, high = chi2.ppf([1e-3, 1.0 - 1e-3], runs)
+    assert low < squared < high  # 1.37 runs if they were taken for independent

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 import math
 
@@ -192,28 +191,44 @@ def range_by_flux(
     return LightRange(distance, (relative * distance) ** 2)
 
 
-def combined(ranges: Sequence[LightRange]) -> LightRange:
+def combined(
+    by_size: LightRange, by_flux: LightRange, relative_covariance: float = 0.0
+) -> LightRange:
     """
-    Return the mean of the ranges of one light, each weighted by its inverse variance.
+    Return the range of a light of which both size and flux tell it.
+
+        r = w r_s + (1 - w) r_F,    w = (v_F - c) / (v_s + v_F - 2 c)
+        sigma_r^2 = (v_s v_F - c^2) / (v_s + v_F - 2 c)
+
+    of the variances v and the covariance c of the two: generalised least squares.
+
+    Parameters
+    ----------
+    by_size, by_flux : LightRange
+        As `range_by_size` and `range_by_flux` return them.
+    relative_covariance : float
+        Of the relative errors of both, c / r_s r_F. Of a squared radius q and a flux F of one fit
+        it is sigma_qF / 4 q F; what was calibrated has no part in it.
 
     Raises
     ------
     RangeError
-        Where two of them differ by more than five standard deviations of that.
+        Where the two differ by more than five standard deviations of that.
 
     """
-    for one, other in zip(ranges, ranges[1:]):
-        off = abs(one.distance - other.distance) / math.sqrt(one.variance + other.variance)
-        if off > APART_SIGMA:
-            raise RangeError(
-                f'size and flux tell {one.distance:.4g} m and {other.distance:.4g} m, {off:.1f} '
-                'sigma apart: are exposure and gain those of range.reference_flux, and '
-                'range.diameter and range.psf_sigma right?'
-            )
-    weights = [1.0 / each.variance for each in ranges]
-    total = sum(weights)
+    one, other = by_size.distance, by_flux.distance
+    shared = relative_covariance * one * other
+    apart = by_size.variance + by_flux.variance - 2.0 * shared
+    off = abs(one - other) / math.sqrt(apart)
+    if off > APART_SIGMA:
+        raise RangeError(
+            f'size and flux tell {one:.4g} m and {other:.4g} m, {off:.1f} '
+            'sigma apart: are exposure and gain those of range.reference_flux, and '
+            'range.diameter and range.psf_sigma right?'
+        )
+    weight = (by_flux.variance - shared) / apart
     return LightRange(
-        sum(weight * each.distance for weight, each in zip(weights, ranges, strict=True)) / total,
-        1.0 / total,
-        max(each.angle for each in ranges),
+        weight * one + (1.0 - weight) * other,
+        (by_size.variance * by_flux.variance - shared**2) / apart,
+        by_size.angle,
     )

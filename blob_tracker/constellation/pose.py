@@ -20,7 +20,7 @@ from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
 import numpy as np
 from numpy.typing import NDArray
-import scipy  # which loads its parts when they are first used
+import scipy  # which loads its parts when they are first used; stats takes a second
 
 PRICE = 50.0  # chi-square of a bearing that is another light's: fits with and without it are told
 AMBIGUOUS = 25.0  # of chi-square: poses that differ by less are both kept, as by five sigma
@@ -428,4 +428,4 @@ def _triples(count: int, most: int) -> NDArray[np.int64]:
 @cache
 def _most(gate_sigma: float, degrees: int) -> float:
     """Return the chi-square that is as improbable as a Gaussian deviate beyond +-gate_sigma."""
-    return float(scipy.stats.chi2.isf(math.erfc(gate_sigma / math.sqrt(2.0)), degrees))
+    return float(scipy.special.chdtri(degrees, math.erfc(gate_sigma / math.sqrt(2.0))))

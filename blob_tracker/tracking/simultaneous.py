@@ -47,8 +47,9 @@ class Simultaneous:
     are equal, as of cameras with one trigger.
 
     What is given depends on the stamps alone, not on the order in which the cameras' sights
-    arrive, as long as no camera's come more than `max_interval` later than another's: so long is
-    one that is silent waited for, and longer if a single one is left without it.
+    arrive, as long as no camera's come more than `max_interval` later than those of two others:
+    so long is one that is silent waited for, and longer if a single one is left without it. A
+    single camera whose stamps are ahead makes no other one late.
 
     Parameters
     ----------
@@ -63,18 +64,24 @@ class Simultaneous:
     Attributes
     ----------
     skipped : int
-        Bearings to whose instants no later camera had any near enough, nor an earlier one.
+        Bearings to whose instants no other camera had any near enough, before and after.
+    gap : float
+        Time between the two nearest about the last of them, s: more than `max_interval`. NaN
+        before.
+    unseen : int
+        Bearings to whose instants all others had none before, as they began later, or none after.
     late : list of int
         Of each camera, bearings that came when what there was of their instant had been given.
     interval : float
-        Longest time between two bearings that were interpolated last, or in vain, s; NaN before.
+        Longest time between two bearings that were interpolated last, s; NaN before.
 
     """
 
     def __init__(self, cameras: int, max_interval: float, acceleration: float) -> None:
         self.max_interval = max_interval
         self.acceleration = acceleration
-        self.skipped = 0
+        self.skipped = self.unseen = 0
+        self.gap = float('nan')
         self.late = [0] * cameras
         self.interval = float('nan')
         self._done_ns = NEVER_NS  # what came of the instants up to it is given
@@ -158,7 +165,7 @@ class Simultaneous:
                 if any(around[camera + 1:]):
                     complete.append(self._brought(around, sight.stamp_ns))
                 else:
-                    self._skip(camera, sight.stamp_ns)
+                    self._skip(sight.stamp_ns)
             for seen in self._seen:
                 while len(seen) > 1 and seen[1].stamp_ns <= sight.stamp_ns:
                     seen.popleft()
@@ -166,19 +173,16 @@ class Simultaneous:
 
     def _around(self, stamp_ns: int) -> list[tuple[Sight, Sight] | None] | None:
         """Return each camera's sights about an instant, or None while one may still come."""
-        newest_ns = max(seen[-1].stamp_ns for seen in self._seen if seen)
+        # Of the second camera: the clock of the first may be ahead of all others.
+        newest_ns = sorted(seen[-1].stamp_ns for seen in self._seen if seen)[-2:][0]
         around: list[tuple[Sight, Sight] | None] = []
         for seen in self._seen:
             if seen and seen[-1].stamp_ns < stamp_ns and (
                 1e-9 * (newest_ns - seen[-1].stamp_ns) <= self.max_interval
             ):
                 return None
-            before = next((each for each in reversed(seen) if each.stamp_ns <= stamp_ns), None)
-            after = next((each for each in seen if each.stamp_ns >= stamp_ns), None)
-            if before and after and _apart(before, after) <= self.max_interval:
-                around.append((before, after))
-            else:
-                around.append(None)
+            pair = _about(seen, stamp_ns)
+            around.append(pair if pair and _apart(*pair) <= self.max_interval else None)
         return around
 
     def _alone(self, camera: int, stamp_ns: int) -> bool:
@@ -188,15 +192,15 @@ class Simultaneous:
             for number, seen in enumerate(self._seen) if number != camera
         )
 
-    def _skip(self, camera: int, stamp_ns: int) -> None:
+    def _skip(self, stamp_ns: int) -> None:
         """Count an instant that a single camera has seen."""
-        self.skipped += 1
-        gaps = [
-            _apart(seen[0], seen[1]) if len(seen) > 1 and seen[0].stamp_ns < stamp_ns
-            else 1e-9 * (seen[0].stamp_ns - stamp_ns)
-            for seen in self._seen[camera + 1:] if seen
-        ]
-        self.interval = min(gaps, default=float('nan'))
+        pairs = [_about(seen, stamp_ns) for seen in self._seen]
+        gaps = [_apart(*pair) for pair in pairs if pair and pair[0] is not pair[1]]
+        if gaps:
+            self.skipped += 1
+            self.gap = min(gaps)
+        else:
+            self.unseen += 1
 
     def _brought(
         self, around: list[tuple[Sight, Sight] | None], stamp_ns: int
@@ -214,6 +218,13 @@ class Simultaneous:
             ),
             (MRAD * self.acceleration) ** 2 * strays(since, until),
         )
+
+
+def _about(seen: deque[Sight], stamp_ns: int) -> tuple[Sight, Sight] | None:
+    """Return the sights next to an instant, or the same one twice; None without one on a side."""
+    before = next((each for each in reversed(seen) if each.stamp_ns <= stamp_ns), None)
+    after = next((each for each in seen if each.stamp_ns >= stamp_ns), None)
+    return (before, after) if before and after else None
 
 
 def _apart(before: Sight, after: Sight) -> float:

@@ -16,7 +16,7 @@ from blob_tracker.tracking.rays import linearised, nearest_point, Rays, tangents
 from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
 import numpy as np
-import scipy  # which loads its parts when they are first used
+import scipy  # which loads its parts when they are first used; stats takes a second
 
 # Standard deviations of the angle between two rays: where it is less, the distance has no Gaussian
 # error. At five the mean distance is 4 % too great, a fifth of its standard deviation.
@@ -252,6 +252,12 @@ def _met(rays: Rays, names: Sequence[str], gate_sigma: float) -> Position:
     return Position(position, covariance, gains @ errors @ gains.T, chi2, degrees)
 
 
+def load_ahead() -> None:
+    """Have SciPy load the parts for which a first position would wait, by making one."""
+    poses = [CameraPose(np.array([x, 0.0, 0.0])) for x in (-1.0, 1.0)]
+    triangulate([Bearing(azimuth, 0.0, np.eye(2)) for azimuth in (100.0, -100.0)], poses)
+
+
 def check_bearing(bearing: Bearing) -> None:
     """Raise TriangulationError where a bearing or its covariance can be that of no ray."""
     covariance = bearing.covariance
@@ -326,4 +332,4 @@ def _check_ahead(position: Array, rays: Rays, names: Sequence[str]) -> None:
 @cache
 def _most(gate_sigma: float, degrees: int) -> float:
     """Return the chi-square that is as improbable as a Gaussian deviate beyond +-gate_sigma."""
-    return float(scipy.stats.chi2.isf(math.erfc(gate_sigma / math.sqrt(2.0)), degrees))
+    return float(scipy.special.chdtri(degrees, math.erfc(gate_sigma / math.sqrt(2.0))))

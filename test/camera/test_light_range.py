@@ -71,12 +71,36 @@ def test_what_tells_nothing_is_refused() -> None:
         range_by_flux(
             40.0, 100.0, reference_distance=1.0, reference_flux=1e3, calibration_sigma=0.0)
     one, other = LightRange(10.0, 0.01, 0.01), LightRange(10.2, 0.04)
-    both = combined([one, other])
+    both = combined(one, other)
     assert both.distance == pytest.approx(10.04)
     assert both.variance == pytest.approx(0.008)
     assert both.angle == 0.01
     with pytest.raises(RangeError, match='10 m and 13 m, 13.4 sigma apart'):
-        combined([one, LightRange(13.0, 0.04)])
+        combined(one, LightRange(13.0, 0.04))
+
+
+def test_size_and_flux_of_one_fit_go_together() -> None:
+    """Drawn with their covariance: the error is that of the variance, and the least there is."""
+    random = np.random.default_rng(2)
+    true, square, flux = 5.0, 4.0, 4e3
+    relative = np.array([[0.02**2, 0.7 * 0.02 * 0.01], [0.7 * 0.02 * 0.01, 0.01**2]])
+    squared = taken_apart = 0.0
+    for off_square, off_flux in random.multivariate_normal(np.zeros(2), relative, RUNS):
+        one = range_by_size(
+            square * (1.0 + off_square), relative[0, 0] * square**2, pixel=1e-3,
+            diameter=2.0 * true * np.tan(1e-3 * square**0.5), psf_sigma=1.2,
+            calibration_sigma=0.0,
+        )
+        other = range_by_flux(
+            flux * (1.0 + off_flux), relative[1, 1] * flux**2, reference_distance=true,
+            reference_flux=flux, calibration_sigma=0.0,
+        )
+        found = combined(one, other, relative[0, 1] / 4.0)
+        squared += (found.distance - true) ** 2 / found.variance
+        found = combined(one, other)
+        taken_apart += (found.distance - true) ** 2 / found.variance
+    assert within(squared)
+    assert taken_apart > 1.15 * squared
 
 
 @pytest.mark.parametrize('words, sentence', [

@@ -337,6 +337,13 @@ def test_a_camera_without_a_pose_and_one_that_never_comes_are_named(domain: int)
         assert process.running
 
 
+def test_what_a_first_position_needs_is_loaded_before_its_rays_come(domain: int) -> None:
+    """Half a second, in which they would grow old."""
+    with probe(domain) as node, start('triangulator', domain) as process:
+        node.spin_until(lambda: node.count_subscribers('left/target/ray') > 0)
+        assert '/scipy/special/' in process.libraries()
+
+
 def test_what_calibrate_rig_writes_is_what_the_node_takes(domain: int, tmp_path: Path) -> None:
     """Three cameras and a wand; the positions are as far off as their covariance says."""
     rig = {

@@ -75,14 +75,14 @@ class Rig:
 
     def run(
         self, seconds: float, late_ms: int = 0, moves: bool = True, behind_ns: int = 0,
-        frame_id: str = '',
+        frame_id: str = '', tf_ms: int = TF_MS,
     ) -> None:
-        """Play in real time; /tf so late, not at all, or by a clock that is behind."""
+        """Play in real time; /tf so late or seldom, not at all, or by a clock that is behind."""
         begin_ns, end = self.now_ns(), int(1e9 * seconds)
         due = [(at, at, 'left') for at in range(7 * MS, end, LEFT_MS * MS)]
         due += [(at, at, 'right') for at in range(0, end, RIGHT_MS * MS)]
         if moves:
-            due += [(at + late_ms * MS, at, 'pan') for at in range(-30 * MS, end, TF_MS * MS)]
+            due += [(at + late_ms * MS, at, 'pan') for at in range(-30 * MS, end, tf_ms * MS)]
         for when, at, what in sorted(due):
             stamp_ns = begin_ns + at
             self.node.spin(max(1e-9 * (begin_ns + when - self.now_ns()), 0.0))
@@ -91,14 +91,14 @@ class Rig:
             else:
                 self.see(what, stamp_ns, frame_id if what == 'left' else '')
 
-    def expect(self, *words: str, **options: object) -> None:
+    def expect(self, *words: str, seconds: float = 0.2, **options: object) -> None:
         """Play until a diagnostic warns of all this; no position is made meanwhile."""
         self.node.settle(0.2)
         self.diagnostics.clear()
         before = len(self.poses)
 
         def said() -> bool:
-            self.run(0.2, **options)  # type: ignore[arg-type]
+            self.run(seconds, **options)  # type: ignore[arg-type]
             return any(
                 each.status[0].level == DiagnosticStatus.WARN
                 and all(word in each.status[0].message for word in words)
@@ -168,6 +168,17 @@ def test_transforms_that_end_are_named(rig: Rig) -> None:
     rig.expect(
         "/right/target/ray: ray left out: the newest transform of 'pan' in 'mast' is",
         moves=False,
+    )
+    before = len(rig.poses)
+    rig.node.spin_until(lambda: rig.run(0.1) or len(rig.poses) > before)
+
+
+def test_transforms_that_come_too_seldom_are_named(rig: Rig) -> None:
+    """Between two of them the camera pans by up to 0.27 rad, and nobody knows how."""
+    rig.expect(
+        "/right/target/ray: ray left out: transforms of 'pan' in 'mast' are 0.300 s apart, and "
+        'may be 0.25 s; publish it more often',
+        seconds=0.9, tf_ms=300,
     )
     before = len(rig.poses)
     rig.node.spin_until(lambda: rig.run(0.1) or len(rig.poses) > before)

@@ -38,7 +38,7 @@ def test_pairs_are_of_one_instant_and_one_direction() -> None:
     slow = np.arange(5.0, 400.0, 33.3)
     pairs = played(pairing, slow, np.arange(7.0, 420.0, 10.0))
     assert len(pairs) == len(slow) - 1
-    assert pairing.skipped == 1
+    assert (pairing.skipped, pairing.unseen) == (0, 1)
     for _, (one, other), _ in pairs:
         assert one.stamp_ns == other.stamp_ns
         assert other.bearing.azimuth == pytest.approx(one.bearing.azimuth)
@@ -113,9 +113,32 @@ def test_too_wide_a_gap_gives_no_pair() -> None:
     pairing.take(1, at(0))
     assert pairing.take(0, at(10)) == []
     assert pairing.take(1, at(51)) == []
-    assert (pairing.skipped, pairing.interval) == (1, pytest.approx(0.051))
+    assert (pairing.skipped, pairing.gap) == (1, pytest.approx(0.051))
     pairing.take(0, at(60))
     assert len(pairing.take(1, at(101))) == 1
+    assert pairing.interval == pytest.approx(0.05)
+    assert (pairing.skipped, pairing.unseen, pairing.gap) == (1, 0, pytest.approx(0.051))
+
+
+def test_instants_that_the_others_do_not_see_yet_are_no_gap() -> None:
+    """The second begins later, near the first's rays or not: no interval would help."""
+    pairing = Simultaneous(2, 0.1, 0.0)
+    for ms in (0, 10, 20):
+        pairing.take(0, at(ms))
+    assert len(pairing.take(1, at(15))) == 0
+    assert len(pairing.take(1, at(25))) == 1
+    assert (pairing.unseen, pairing.skipped) == (2, 0)
+    assert np.isnan(pairing.gap)
+
+
+def test_the_gap_that_is_told_is_the_one_about_the_ray() -> None:
+    """Not one that lies before it, which is narrower than what is bridged."""
+    pairing = Simultaneous(2, 0.05, 0.0)
+    for ms in (-5, 3):
+        pairing.take(1, at(ms))
+    pairing.take(0, at(10))
+    pairing.take(1, at(90))
+    assert (pairing.skipped, pairing.gap) == (1, pytest.approx(0.087))
 
 
 def test_a_camera_that_is_slower_than_the_interval_gives_the_instants_alone() -> None:
@@ -139,6 +162,20 @@ def test_rays_that_come_too_late_are_counted() -> None:
     assert set(cameras(found)) == {(0, 1)}
     assert len(found) == 100
     assert pairing.late == [0, 0, 75]
+
+
+@pytest.mark.parametrize('ahead', range(4))
+def test_a_camera_whose_clock_is_ahead_makes_no_other_late(ahead: int) -> None:
+    """By 0.3 s, one of four: the other three go on between them."""
+    pairing = Simultaneous(4, 0.1, 0.0)
+    found = []
+    for ms in range(0, 2000, 20):
+        for camera in range(4):
+            stamp = ms + 5 * camera + 300 * (camera == ahead)
+            found += pairing.take(camera, at(stamp))
+    others = {0, 1, 2, 3} - {ahead}
+    assert sum(others <= set(each) for each in cameras(found)) > 80
+    assert pairing.late == [0, 0, 0, 0]
 
 
 def test_a_pair_is_waited_for_however_late_it_is() -> None:
@@ -191,4 +228,4 @@ def test_what_waits_in_vain_does_not_pile_up() -> None:
     for step in range(3 * MOST):
         pairing.take(0, at(step))
     assert len(pairing.take(1, at(3 * MOST))) == 0
-    assert pairing.skipped == MOST
+    assert pairing.unseen == MOST

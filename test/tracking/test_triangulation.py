@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import atan2, hypot, pi
+import subprocess
+import sys
 
 from blob_tracker.tracking import (
     CameraPose, ParallelRays, Position, RaysApart, triangulate, TriangulationError,
@@ -351,3 +353,13 @@ def test_what_is_no_pair_or_pose_is_refused() -> None:
         CameraPose(np.array([0.0, np.nan, 0.0]))
     with pytest.raises(ValueError, match='rotation_sigma is -1.0; it must be finite, 0 or more'):
         CameraPose(np.zeros(3), rotation_sigma=-1.0)
+
+
+def test_the_first_position_waits_for_nothing_to_load() -> None:
+    """Once that was done ahead; and SciPy's stats, which takes a second, is not needed at all."""
+    code = (
+        'import sys; from blob_tracker.tracking import triangulation as it; it.load_ahead(); '
+        'before = set(sys.modules); it.load_ahead(); '
+        'sys.exit("scipy.stats" in before or bool(set(sys.modules) - before))'
+    )
+    assert subprocess.run([sys.executable, '-c', code]).returncode == 0

@@ -29,7 +29,7 @@ from blob_tracker.ros.process import run
 from blob_tracker.tracking import (
     Instant, Position, Sight, Simultaneous, triangulate, TriangulationError,
 )
-from blob_tracker.tracking.triangulation import check_bearing
+from blob_tracker.tracking.triangulation import check_bearing, load_ahead
 from blob_tracker.transforms import NoTransform
 from blob_tracker.types import Bearing
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped
@@ -97,12 +97,13 @@ class TriangulatorNode(Node):
         self._position: Position | None = None
         self._seen_by = ''
         self._pairing = Simultaneous(len(names), values['max_interval'], values['acceleration'])
-        self._skipped = 0  # when it was last told
+        self._skipped = self._unseen = 0  # when they were last told
         self._late = list(self._pairing.late)
         self._change(values)()
         on_change(self, parameters, self._change)
         self._points = publisher(self, PointStamped, f'{target}/point', RESULT)
         self._poses = publisher(self, PoseWithCovarianceStamped, f'{target}/pose', RESULT)
+        load_ahead()  # rays that wait for it would be old when they are taken
         for number, camera in enumerate(self._cameras):
             subscription(
                 self, PoseWithCovarianceStamped, camera.topic, partial(self._take, number), RESULT
@@ -289,9 +290,16 @@ class TriangulatorNode(Node):
         if skipped:
             self._health.fault(
                 WARN,
-                f'{skipped} rays had none of another camera near enough, last '
-                f'{self._pairing.interval:.3f} s; raise max_interval, or name the camera with '
+                f'{skipped} rays had none of another camera near enough, the last two were '
+                f'{self._pairing.gap:.3f} s apart; raise max_interval, or name the camera with '
                 'fewer rays first',
+            )
+        unseen, self._unseen = self._pairing.unseen - self._unseen, self._pairing.unseen
+        if unseen:
+            self._health.fault(
+                WARN,
+                f'{unseen} rays are of instants at which the other cameras do not see the light '
+                'yet, or no more; they give no position',
             )
         for camera, late, told in zip(
             self._cameras, self._pairing.late, self._late, strict=True
@@ -300,7 +308,7 @@ class TriangulatorNode(Node):
                 self._health.fault(
                     WARN,
                     f'{late - told} rays on {camera.topic} came too late to be used: more than '
-                    'max_interval after those of other cameras; raise it, or look for what holds '
+                    'max_interval after those of two others; raise it, or look for what holds '
                     'them up',
                 )
         self._late = list(self._pairing.late)
