@@ -107,14 +107,17 @@ def test_what_cannot_be_told_is_said() -> None:
     true = camera(5)
     rays, pan, tilt = measured(true, 5)
     still = Joint(tilt.times, 0.0 * tilt.angles)
-    in_degrees = Joint(pan.times, np.degrees(pan.angles)), Joint(tilt.times, np.degrees(tilt.angles))
+    in_degrees = [Joint(each.times, np.degrees(each.angles)) for each in (pan, tilt)]
     for given, sentence in (
         ((rays.part(rays.times < 1.0), pan, tilt), '20 rays; 40 are the least'),
         ((rays, pan, still), 'tilt turned by 0.0 degrees'),
         ((rays, tilt, pan), 'are the two exchanged'),
         ((rays, pan, pan), 'always turned together'),
         ((rays, *in_degrees), 'are the angles in degrees, not rad'),
-        ((Rays(rays.times + 0.2, rays.angles, rays.covariance), pan, tilt), 'are they of one clock'),
+        (
+            (Rays(rays.times + 0.2, rays.angles, rays.covariance), pan, tilt),
+            'are they of one clock',
+        ),
         ((rays, Joint(pan.times + 100.0, pan.angles), tilt), 'are the stamps of one clock'),
     ):
         with pytest.raises(HandEyeError, match=sentence):
@@ -128,7 +131,7 @@ def test_what_cannot_be_told_is_said() -> None:
 
 @pytest.mark.parametrize('wrong', ['moved', 'tilt below pan'])
 def test_a_misfit_that_no_sigma_covers_is_refused(wrong: str) -> None:
-    """A light that moves by 3 mrad half-way, or a tilt that carries the pan: the sigmas are 0.1."""
+    """A light that moves by 3 mrad half-way, or a tilt that carries the pan."""
     true = camera(6)
     if wrong == 'moved':
         rays, pan, tilt = measured(true, 6)

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 from support.processes import Probe, probe, Process, start
+from support.slowness import slowness
 from support.transforms import Broadcaster, OPTICAL, transform
 
 pytestmark = pytest.mark.usefixtures('tf2_messages')
@@ -160,7 +161,8 @@ def test_positions_are_right_within_their_covariance(rig: Rig, late_ms: int) -> 
 def test_how_long_rays_wait_is_shown(rig: Rig) -> None:
     """The transforms come 60 ms after their stamps, and rays at once."""
     rig.run(1.3, late_ms=60)
-    assert 40.0 < float(rig.values()['longest wait for transforms (ms)']) < 100.0
+    waited = float(rig.values()['longest wait for transforms (ms)'])
+    assert 40.0 < waited < 100.0 * slowness()
 
 
 def test_transforms_that_end_are_named(rig: Rig) -> None:

@@ -196,7 +196,7 @@ def _parameters(
         'stamp_offset': f'{result.clock:.6f}',
     }
     if joint_sigma:
-        values['joints.sigma'] = f'{joint_sigma:g}'
+        values['joints.sigma'] = f'{joint_sigma:.6f}'  # with a point: the parameter is a double
     unit = 'm' if result.is_metric else 'of the range of the light'
     lines = [
         '# python3 -m blob_tracker calibrate hand_eye. In the optical frame at both angles 0, for',

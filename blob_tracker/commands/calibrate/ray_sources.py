@@ -125,8 +125,8 @@ def lights_seen(
             there = ', '.join(
                 topic.name for topic in bag.topics if topic.kind == KIND) or 'none'
             raise RecordingError(
-                f'{source} has no rays on {_topic(namespace, "NAME")}; of that type it has: {there} '
-                '(--camera is the namespace before target)'
+                f'{source} has no rays on {_topic(namespace, "NAME")}; of that type it has: '
+                f'{there} (--camera is the namespace before target)'
             )
         found = recorded_bearings(bag, list(topics))
     return {topics[name]: bearings for name, (bearings, _) in found.items()}

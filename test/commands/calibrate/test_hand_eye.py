@@ -28,7 +28,8 @@ RANGE = float(np.linalg.norm(CAMERA.light))
 
 
 def recorded(
-    folder: Path, joints: tuple[str, str] = ('head_pan', 'head_tilt'), camera: PannedCamera = CAMERA
+    folder: Path, joints: tuple[str, str] = ('head_pan', 'head_tilt'),
+    camera: PannedCamera = CAMERA,
 ) -> Path:
     """Write a bag of it; return it."""
     rays, (ticks, turns) = camera.seen(np.random.default_rng(1), seconds=10.0)
@@ -101,7 +102,9 @@ def test_the_tilt_of_an_axis_is_that_of_its_line(
         bag = recorded(tmp_path / f'bag{index}', joints, camera)
         assert run(bag, '--joints', *joints, '--out', tmp_path / 'hand_eye.yaml') == 0
         rows = [line.split('│') for line in capsys.readouterr().out.splitlines()]
-        tilts = {row[1].strip(): float(row[2]) for row in rows if len(row) > 2 and 'axis,' in row[1]}
+        tilts = {
+            row[1].strip(): float(row[2]) for row in rows if len(row) > 2 and 'axis,' in row[1]
+        }
         assert tilts['pan axis, y to x'] == pytest.approx(20.0, abs=2.0)
         assert tilts['tilt axis, x to z'] == pytest.approx(-50.0, abs=2.0)
 
