@@ -107,13 +107,15 @@ def test_what_cannot_be_told_is_said() -> None:
     true = camera(5)
     rays, pan, tilt = measured(true, 5)
     still = Joint(tilt.times, 0.0 * tilt.angles)
-    in_degrees = [Joint(each.times, np.degrees(each.angles)) for each in (pan, tilt)]
+    pan_degrees, tilt_degrees = (
+        Joint(each.times, np.degrees(each.angles)) for each in (pan, tilt)
+    )
     for given, sentence in (
         ((rays.part(rays.times < 1.0), pan, tilt), '20 rays; 40 are the least'),
         ((rays, pan, still), 'tilt turned by 0.0 degrees'),
         ((rays, tilt, pan), 'are the two exchanged'),
         ((rays, pan, pan), 'always turned together'),
-        ((rays, *in_degrees), 'are the angles in degrees, not rad'),
+        ((rays, pan_degrees, tilt_degrees), 'are the angles in degrees, not rad'),
         (
             (Rays(rays.times + 0.2, rays.angles, rays.covariance), pan, tilt),
             'are they of one clock',
