@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 from math import cos, sin
 from typing import Any
 
@@ -154,7 +155,11 @@ class PlayedCamera:
                 continue  # of more than ten at once the queue of the rays keeps ten
             assert sigma is not None, (bearing, 'of a stamp that was never sent')
             assert np.isfinite(sigma).all(), (bearing, sigma)
-            right = any(is_right(bearing, sigma, each) for each in sent)
+            # Of two calibrations under one stamp nobody can tell which goes with which frame.
+            right = any(
+                is_right(bearing, sigma, Sent(frame.place, other.info))
+                for frame, other in product(sent, repeat=2)
+            )
             assert right or stamp_ns in self.unknown, (bearing, sigma, sent)
         self.bearings.clear()
         self.rays.clear()

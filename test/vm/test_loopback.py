@@ -64,8 +64,9 @@ def test_what_is_written_is_read_whole_and_in_order(device):
     number = column(frames, 'number')
     assert (np.diff(number) > 0).all()
     lost = np.ptp(number) + 1 - len(number)
-    # 0.12 leaves a number out where the reader comes while pictures are written.
-    assert 0 <= np.ptp(column(frames, 'drops')) - lost <= 1
+    # 0.12 leaves a number out where the reader comes while pictures are written, and one more where
+    # it comes late.
+    assert 0 <= np.ptp(column(frames, 'drops')) - lost <= 2
 
 
 def test_stamps_are_monotonic_though_version_0_12_does_not_say_so(loopback, device):
