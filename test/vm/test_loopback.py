@@ -64,8 +64,8 @@ def test_what_is_written_is_read_whole_and_in_order(device):
     number = column(frames, 'number')
     assert (np.diff(number) > 0).all()
     lost = np.ptp(number) + 1 - len(number)
-    # 0.12 leaves a number out where the reader comes while pictures are written, and one more where
-    # it comes late.
+    # 0.12 leaves a number out where the reader comes while pictures are written, and another one
+    # where it comes late.
     assert 0 <= np.ptp(column(frames, 'drops')) - lost <= 2
 
 
