@@ -407,7 +407,7 @@ def _fit_all(
         scale = covariance_growth(chi2, usable - size, detection(theta, fisher))
         _fill_covariance(equations, size, scale, leaning, lopsided, covariance[n])
         known = scale * MOST_VAGUE**2 * theta[4] * theta[5]
-        if max(covariance[n, 0, 0], covariance[n, 1, 1]) > known:
+        if odd[n] == 0 and max(covariance[n, 0, 0], covariance[n, 1, 1]) > known:
             failure[n] = _VAGUE
             continue
         peak = max(theta[2] + theta[3], 0.0) * shot + floor
