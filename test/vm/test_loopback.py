@@ -80,8 +80,9 @@ def test_the_rate_is_that_of_the_writer_whatever_is_granted(loopback, device):
     # 0.12 keeps its own 30; later ones grant whatever is asked for.
     granted = 30.0 if loopback['version'] < '0.13' else ASKED_RATE
     assert device['frame_rate'] == granted
-    # Never faster than the pause between pictures; a busy machine adds to it.
-    assert 0.5 * RATE < device['measured_rate'] < 1.05 * RATE
+    # A busy machine adds to the pause between pictures; where it is the first of the 24 that is
+    # late, by three pauses, the others seem to come faster.
+    assert 0.5 * RATE < device['measured_rate'] < 1.15 * RATE
 
 
 def test_a_writer_that_has_ended_is_told(device):
