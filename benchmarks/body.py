@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from time import perf_counter
 
 from benchmarks.accuracy import Tick
-from blob_tracker.calibration.body import BodyCalibration, calibrate_body
+from benchmarks.limit import Limit, worst
+from blob_tracker.calibration.body import calibrate_body
 from blob_tracker.calibration.body_start import BodyCalibrationError
 from blob_tracker.calibration.rays import Rays
-from blob_tracker.simulation.turned_body import TurnedBody
+from blob_tracker.simulation.turned_body import places_error, TurnedBody
 import numpy as np
 from numpy.typing import NDArray
 
@@ -90,13 +91,11 @@ def run(count: int, tick: Tick) -> list[Row]:
     return rows
 
 
-def limits(rows: Sequence[Row]) -> list[tuple[str, float, float, bool, str, str]]:
-    """Return name, limit, figure, whether it is a floor, unit and case of each target."""
-    most = max(rows, key=lambda row: row.nees)
-    least = min(rows, key=lambda row: row.nees)
+def limits(rows: Sequence[Row]) -> list[Limit]:
+    """Return each target, see `worst`."""
     return [
-        ('body: NEES per number, greatest', 1.2, most.nees, False, '', most.case.name),
-        ('body: NEES per number, least', 0.8, least.nees, True, '', least.case.name),
+        worst('body: NEES per number, greatest', 1.2, rows, lambda row: row.nees),
+        worst('body: NEES per number, least', 0.8, rows, lambda row: row.nees, True),
     ]
 
 
@@ -120,8 +119,9 @@ def _row(case: Case, count: int) -> Row:
         except BodyCalibrationError:
             continue
         times.append(perf_counter() - begin)
-        squared, rms = _judged(result, places)
-        squares.append(squared)
+        squared, degrees, rms = places_error(
+            result.places, result.covariance, result.size_sigma, places)
+        squares.append(squared / degrees)
         errors.append(rms)
         beside = result.size_sigma * (result.places - result.places.mean(axis=0)).ravel()
         sigmas.append(np.sqrt(np.mean(result.covariance.diagonal() + beside**2)))
@@ -131,16 +131,3 @@ def _row(case: Case, count: int) -> Row:
         case, 1e3 * float(np.sqrt(np.mean(np.square(errors)))), 1e3 * float(np.mean(sigmas)),
         float(np.mean(squares)), count - len(squares), float(np.median(times)), count,
     )
-
-
-def _judged(result: BodyCalibration, places: Array) -> tuple[float, float]:
-    """Return the squared error over the covariance, per number, and the rms error, m."""
-    found, true = result.places - result.places.mean(axis=0), places - places.mean(axis=0)
-    left, _, right = np.linalg.svd(found.T @ true)
-    turn = left @ np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))]) @ right
-    error = (true @ turn.T - found).ravel()
-    beside = result.size_sigma * found.ravel()
-    values, vectors = np.linalg.eigh(result.covariance + np.outer(beside, beside))
-    degrees = places.size - 6
-    along = vectors[:, -degrees:].T @ error
-    return float((along**2 / values[-degrees:]).mean()), float(np.sqrt((error**2).mean()))

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
 from benchmarks.accuracy import target_scenes, Tick
+from benchmarks.limit import Limit, worst
 from benchmarks.ours import CHAMPION, estimate
 from benchmarks.scenes import sample
 from blob_tracker.camera.model import CameraModel, pinhole_matrix
@@ -106,16 +107,9 @@ def run(count: int, tick: Tick) -> list[Row]:
     return rows
 
 
-def limits(rows: Sequence[Row]) -> list[tuple[str, float, float, bool, str, str]]:
-    """Return name, limit, figure, whether it is a floor, unit and case of each target."""
+def limits(rows: Sequence[Row]) -> list[Limit]:
+    """Return each target, see `worst`."""
     plain = [row for row in rows if not row.case.outliers and row.case.lights > 3]
-
-    def worst(
-        name: str, limit: float, some: Sequence[Row], figure: Callable[[Row], float],
-        floor: bool = False, unit: str = '',
-    ) -> tuple[str, float, float, bool, str, str]:
-        row = (min if floor else max)(some, key=figure)
-        return name, limit, figure(row), floor, unit, row.case.name
 
     return [
         worst('pose: rms over the bound', 1.02, plain, lambda row: row.ratio),

@@ -93,17 +93,12 @@ def node_page(node: str) -> str:
     if node in PAGES:
         links = ', '.join(f'[{_title(page)}](../{page}.md)' for page in PAGES[node])
         parts.append(f'Read on: {links}.')
-    for title, entries in (
-        ('Subscribes to', interface.subscribed),
-        ('Publishes', interface.published),
-        ('Services', interface.services),
-    ):
-        if entries:
-            rows = [
-                (f'`{interface.resolved(each.name)}`', each.kind, _beside(each.description))
-                for each in entries
-            ]
-            parts.append(f'## {title}\n\n' + _table(('name', 'type', 'what'), rows).rstrip())
+    for title, entries in interface.sections:
+        rows = [
+            (f'`{interface.resolved(each.name)}`', each.kind, _beside(each.description))
+            for each in entries
+        ]
+        parts.append(f'## {title}\n\n' + _table(('name', 'type', 'what'), rows).rstrip())
     if interface.each_light:
         parts.append('Of a coded light `target/...` is `target/<name>/...`.')
     parts += [

@@ -33,7 +33,7 @@ def draw_board_calibration(path: Path, found: BoardCalibration) -> None:
     Raises
     ------
     OSError
-        Where it cannot be written there.
+        If writing there fails.
 
     """
     figure = Figure(figsize=(13.0, 10.0), layout='constrained')

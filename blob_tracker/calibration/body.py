@@ -11,7 +11,7 @@ from blob_tracker.calibration.body_start import (
     BodyCalibrationError, is_flat, LEAST_LIGHTS, Start, start_body,
 )
 from blob_tracker.calibration.light_path import covered, LightPath
-from blob_tracker.calibration.path_equations import GATE, without_strays
+from blob_tracker.calibration.path_equations import GATE, tally, without_strays
 from blob_tracker.calibration.rays import Rays
 from blob_tracker.calibration.scatter import variance_factor
 from blob_tracker.constellation.body import in_line
@@ -121,8 +121,8 @@ def calibrate_body(
     distance : (str, str, float, float), optional
         Two lights, how far apart they are, m, and the standard deviation of that.
     frame : sequence of str, optional
-        Three lights: the origin, one on the x axis, and one on the side of y. Where it is left
-        out, the two of `distance`, or the first two, and the light that is furthest from their
+        Three lights: the origin, one on the x axis, and one on the side of y. If it is left out,
+        the two of `distance`, or the first two, and the light that is furthest from their
         line.
 
     Returns
@@ -133,7 +133,7 @@ def calibrate_body(
     Raises
     ------
     BodyCalibrationError
-        Where there are fewer than four lights, they are in one line or were never seen together,
+        If there are fewer than four lights, they are in one line or were never seen together,
         the body is not rigid, was turned too little or is too far away, or a length is invalid.
 
     """
@@ -163,14 +163,8 @@ def calibrate_body(
                 'size; bring it nearer to the camera'
             )
     freedom = equations.freedom(unknown, weight)
-    light = equations.measured.light
-    kept = weight > 0.0
-    used, left_out = (
-        np.bincount(light[chosen & np.isfinite(of_rays)], minlength=len(names))
-        for chosen in (kept, ~kept)
-    )
+    used, left_out, sums = tally(equations.measured.light, of_rays, weight, len(names))
     _check_left_out(used, left_out, names)
-    sums = np.bincount(light[kept], weights=of_rays[kept], minlength=len(names))
     factor = variance_factor(chi2, freedom, known=True)
     degrees = used * max(freedom, 1) / used.sum()
     result = BodyCalibration(

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from blob_tracker.calibration.body import BodyCalibration
-from matplotlib.figure import Figure
+from blob_tracker.calibration.space_picture import AXES, draw_in_space
 import numpy as np
 
-AXES = (('x', '#c0392b'), ('y', '#27ae60'), ('z', '#2980b9'))
 LONG = 0.3  # of the body's size: the axes that are drawn
 MM_PER_M = 1e3
 
@@ -25,9 +25,14 @@ def draw_body(path: Path, result: BodyCalibration) -> None:
         What to draw.
 
     """
-    figure = Figure(figsize=(12, 6), layout='constrained')
-    space = figure.add_subplot(1, 2, 1, projection='3d')
-    bars = figure.add_subplot(1, 2, 2)
+    draw_in_space(
+        path, lambda space: _fill(space, result), result.names, result.residuals, result.used,
+        result.left_out,
+    )
+
+
+def _fill(space: Any, result: BodyCalibration) -> None:
+    """Draw the lights and the frame of the body."""
     unit, size = ('mm', MM_PER_M) if result.is_metric else ('of the first distance', 1.0)
     places = size * result.places
     middle = places.mean(axis=0)
@@ -43,18 +48,3 @@ def draw_body(path: Path, result: BodyCalibration) -> None:
         title='The lights in the frame of the body, with the sigma along an axis',
         xlabel=f'x ({unit})', ylabel=f'y ({unit})', zlabel=f'z ({unit})',
     )
-    space.set_aspect('equal')
-    space.locator_params(nbins=4)
-    space.legend(loc='upper left')
-    numbers = np.arange(len(result.names))
-    bars.bar(numbers, result.residuals, color='#2980b9')
-    bars.axhline(1.0, color='#c0392b', linewidth=1.0, label='what the covariances say')
-    bars.set_xticks(numbers, [
-        f'{name}\n{used} rays\n{gone} left out'
-        for name, used, gone in zip(result.names, result.used, result.left_out, strict=True)
-    ])
-    bars.set(
-        title='Residuals', ylabel='rms over the standard deviation of the rays', ylim=(0.0, None)
-    )
-    bars.legend(loc='lower right')
-    figure.savefig(path, dpi=110)

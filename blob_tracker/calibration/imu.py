@@ -208,12 +208,12 @@ def _trouble(gyro_times: Array, rates: Array) -> str:
     """Return what the samples of the gyro suffer from; empty where nothing is to be seen."""
     found = []
     most = np.abs(rates).max(axis=0)
-    at_limit = int((np.abs(rates) >= most * (1.0 - 1e-9)).sum(axis=0).max())
-    if at_limit >= LEAST_AT_LIMIT:
-        axis = int((np.abs(rates) >= most * (1.0 - 1e-9)).sum(axis=0).argmax())
+    at_limit = (np.abs(rates) >= most * (1.0 - 1e-9)).sum(axis=0)
+    axis = int(at_limit.argmax())
+    if at_limit[axis] >= LEAST_AT_LIMIT:
         found.append(
-            f'the gyro is at its limit about {"xyz"[axis]}, {most[axis]:.3g} rad/s, in {at_limit} '
-            'samples: turn slower, or choose a wider range'
+            f'the gyro is at its limit about {"xyz"[axis]}, {most[axis]:.3g} rad/s, in '
+            f'{at_limit[axis]} samples: turn slower, or choose a wider range'
         )
     steps = np.diff(gyro_times)
     gaps = steps > GAP * np.median(steps)

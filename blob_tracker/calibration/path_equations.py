@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import NamedTuple, Protocol, TypeVar
 
 from blob_tracker.calibration.light_path import LightPath, ORDER
 import numpy as np
@@ -44,6 +44,49 @@ class Equations(Protocol[U_contra]):
 
     def linear(self, unknown: U_contra, weight: Array) -> Linear:
         """Return the normal equations about a place."""
+
+
+class Tally(NamedTuple):
+    """
+    How the rays of several sources fit.
+
+    Parameters
+    ----------
+    used, left_out : (n,) arrays
+        How many rays of each source were used, and how many were left out.
+    chi2 : (n,) array
+        That of the rays that were used.
+
+    """
+
+    used: NDArray[np.intp]
+    left_out: NDArray[np.intp]
+    chi2: Array
+
+
+def tally(source: NDArray[np.intp], of_rays: Array, weight: Array, count: int) -> Tally:
+    """
+    Return how the rays of each of `count` sources fit.
+
+    Parameters
+    ----------
+    source : (m,) array
+        Of each ray.
+    of_rays : (m,) array
+        Chi-square of each; NaN for one that counts for nothing.
+    weight : (m,) array
+        0 for those that were left out.
+    count : int
+        How many sources there are.
+
+    """
+    seen, kept = np.isfinite(of_rays), weight > 0.0
+    used, left_out = (
+        np.bincount(source[chosen & seen], minlength=count) for chosen in (kept, ~kept)
+    )
+    chosen = kept & seen
+    chi2 = np.bincount(source[chosen], weights=of_rays[chosen], minlength=count)
+    return Tally(used, left_out, np.asarray(chi2, float))
 
 
 @dataclass(frozen=True)

@@ -107,7 +107,7 @@ class PulseFile:
         Raises
         ------
         CalibrationError
-            Where it cannot be written there.
+            If writing there fails.
 
         """
         learned, pulse = self.learned, self.learned.pulse

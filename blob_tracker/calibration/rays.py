@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+from blob_tracker.tracking.rays import directions
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,11 +38,7 @@ class Rays:
     @cached_property
     def directions(self) -> Array:
         """Return unit vectors in the camera's optical frame, (n, 3)."""
-        azimuth, elevation = self.angles.T
-        level = np.cos(elevation)
-        return np.stack(
-            [level * np.sin(azimuth), -np.sin(elevation), level * np.cos(azimuth)], axis=1
-        )
+        return directions(self.angles)
 
     def part(self, kept: NDArray[np.bool_]) -> Rays:
         """Return some of them."""
@@ -67,8 +64,8 @@ class Rays:
         after = np.clip(np.searchsorted(self.times, times), 1, len(self.times) - 1)
         start, end = self.times[after - 1], self.times[after]
         share = ((times - start) / np.where(end > start, end - start, np.inf))[:, None]
-        directions = self.directions
-        chord = (1.0 - share) * directions[after - 1] + share * directions[after]
+        seen = self.directions
+        chord = (1.0 - share) * seen[after - 1] + share * seen[after]
         near = (end - start <= longest) & (times >= start) & (times <= end)
         chord[~near] = np.nan
         return np.asarray(chord / np.linalg.norm(chord, axis=1, keepdims=True))
@@ -77,10 +74,10 @@ class Rays:
         """Return those that lie near the middle of the rays before and after, as most do."""
         if len(self.times) < 3:
             return self
-        directions = self.directions
-        bend = np.zeros(len(directions))
-        middle = 0.5 * (directions[:-2] + directions[2:])
-        bend[1:-1] = np.linalg.norm(directions[1:-1] - middle, axis=1)
+        seen = self.directions
+        bend = np.zeros(len(seen))
+        middle = 0.5 * (seen[:-2] + seen[2:])
+        bend[1:-1] = np.linalg.norm(seen[1:-1] - middle, axis=1)
         return self.part(bend <= LEAP * np.median(bend[1:-1]))
 
     def interval(self) -> float:

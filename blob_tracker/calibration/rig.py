@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import math
 
 from blob_tracker.calibration.light_path import covered, LightPath
-from blob_tracker.calibration.path_equations import without_strays
+from blob_tracker.calibration.path_equations import tally, without_strays
 from blob_tracker.calibration.rays import DARK_S, Rays
 from blob_tracker.calibration.rig_equations import Equations, Measured, Unknown
 from blob_tracker.calibration.rig_start import meeting_points, RigError, Start, start_rig
@@ -183,7 +183,7 @@ def calibrate_rig(
         ) from None
     by_ray = equations.chi2_of_rays(unknown)
     freedom = equations.freedom(unknown, weight)
-    residuals, used, left_out = _by_camera(measured, by_ray, weight > 0.0, len(names))
+    used, left_out, sums = tally(measured.camera, by_ray, weight, len(names))
     _check_left_out(used, left_out, names)
     factor = variance_factor(chi2, freedom, known=True)
     covariance = factor * equations.covariance(unknown, weight)
@@ -205,7 +205,7 @@ def calibrate_rig(
         positions=unknown.positions,
         offsets=unknown.offsets,
         covariance=covariance,
-        residuals=residuals,
+        residuals=np.sqrt(sums / np.maximum(2 * used, 1)),
         used=used,
         left_out=left_out,
         chi2=chi2,
@@ -294,18 +294,6 @@ def _scale_pair(
     if baseline is not None:
         return names.index(baseline[0]), names.index(baseline[1])
     return 0, int(np.argmax(np.linalg.norm(start.positions, axis=1)))
-
-
-def _by_camera(
-    measured: Measured, by_ray: Array, kept: NDArray[np.bool_], count: int
-) -> tuple[Array, NDArray[np.intp], NDArray[np.intp]]:
-    seen = np.isfinite(by_ray)
-    used = np.bincount(measured.camera[kept & seen], minlength=count)
-    left_out = np.bincount(measured.camera[~kept & seen], minlength=count)
-    sums = np.bincount(
-        measured.camera[kept & seen], weights=by_ray[kept & seen], minlength=count
-    )
-    return np.sqrt(sums / np.maximum(2 * used, 1)), used, left_out
 
 
 def _check_left_out(

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from blob_tracker.calibration.rig import RigCalibration
-from matplotlib.figure import Figure
+from blob_tracker.calibration.space_picture import AXES, draw_in_space
 import numpy as np
 
-AXES = (('x', '#c0392b'), ('y', '#27ae60'), ('z', '#2980b9'))
 LONG = 0.25  # of the greatest distance between cameras: the axes that are drawn
 # Down in the optical frame is down in the picture.
 UPRIGHT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
@@ -26,9 +26,14 @@ def draw_rig(path: Path, result: RigCalibration) -> None:
         What to draw.
 
     """
-    figure = Figure(figsize=(12, 6), layout='constrained')
-    space = figure.add_subplot(1, 2, 1, projection='3d')
-    bars = figure.add_subplot(1, 2, 2)
+    draw_in_space(
+        path, lambda space: _fill(space, result), result.names, result.residuals, result.used,
+        result.left_out,
+    )
+
+
+def _fill(space: Any, result: RigCalibration) -> None:
+    """Draw the cameras and the light."""
     unit = 'm' if result.is_metric else 'of the first distance'
     light = result.path @ UPRIGHT.T
     space.scatter(*light.T, s=2, color='#7f8c8d', label='light')
@@ -46,18 +51,3 @@ def draw_rig(path: Path, result: RigCalibration) -> None:
         title='Cameras with their optical axes (z looks ahead), and the light',
         xlabel=f'x ({unit})', ylabel=f'z ({unit})', zlabel=f'-y ({unit})',
     )
-    space.set_aspect('equal')
-    space.locator_params(nbins=4)
-    space.legend(loc='upper left')
-    numbers = np.arange(len(result.names))
-    bars.bar(numbers, result.residuals, color='#2980b9')
-    bars.axhline(1.0, color='#c0392b', linewidth=1.0, label='what the covariances say')
-    bars.set_xticks(numbers, [
-        f'{name}\n{used} rays\n{gone} left out'
-        for name, used, gone in zip(result.names, result.used, result.left_out, strict=True)
-    ])
-    bars.set(
-        title='Residuals', ylabel='rms over the standard deviation of the rays', ylim=(0.0, None)
-    )
-    bars.legend(loc='lower right')
-    figure.savefig(path, dpi=110)

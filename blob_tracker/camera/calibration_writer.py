@@ -34,7 +34,7 @@ def write_calibration(
     Raises
     ------
     CalibrationError
-        Where it cannot be written there.
+        If writing there fails.
 
     """
     content = {

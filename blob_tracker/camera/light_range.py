@@ -16,7 +16,7 @@ APART_SIGMA = 5.0  # between two ranges of one light that are said to agree
 
 
 class RangeError(ValueError):
-    """A light whose range cannot be told; the message says why."""
+    """A light whose range is not known; the message says why."""
 
 
 @dataclass(frozen=True)
@@ -172,7 +172,7 @@ def range_by_flux(
     flux, flux_variance : float
         Sum of the light over all pixels, DN, and its variance.
     reference_distance, reference_flux : float
-        Where it was measured, m, and what, DN.
+        The distance at which it was measured, m, and the flux, DN.
     calibration_sigma : float
         How well the reference's range is known, relative standard deviation.
 

@@ -103,7 +103,7 @@ class LineJitter:
         Raises
         ------
         CalibrationError
-            Where it cannot be written there.
+            If writing there fails.
 
         """
         content = {

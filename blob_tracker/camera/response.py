@@ -152,7 +152,7 @@ class Response:
         Raises
         ------
         CalibrationError
-            Where it cannot be written there.
+            If writing there fails.
 
         """
         content = {

@@ -123,7 +123,7 @@ class TrailingEdge:
         Raises
         ------
         CalibrationError
-            Where it cannot be written there.
+            If writing there fails.
 
         """
         content: dict[str, Any] = {'peaking': self.peaking, 'memory': self.memory}

@@ -87,7 +87,7 @@ def write_content(
     Raises
     ------
     CalibrationError
-        Where it cannot be written there.
+        If writing there fails.
 
     """
     lines = [f'# {line}'.rstrip() for text in comments for line in text.splitlines() or ['']]

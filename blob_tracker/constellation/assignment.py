@@ -81,11 +81,11 @@ def assigned(
     Raises
     ------
     TooFewLights
-        Where there are fewer than four bearings.
+        If there are fewer than four bearings.
     Inconsistent
         Where no assignment explains four of them.
     ConstellationError
-        Where there are too many, or one can be none.
+        If there are too many, or one is invalid.
 
     """
     if len(bearings) < LEAST_BEARINGS:

@@ -165,7 +165,7 @@ def write_body(path: str | Path, body: Body, comments: Sequence[str] = ()) -> No
     Raises
     ------
     CalibrationError
-        Where it cannot be written there.
+        If writing there fails.
 
     """
     lights = {

@@ -31,17 +31,12 @@ def help_text(interface: Interface, width: int) -> str:
         ),
         fill(interface.summary, width),
     ]
-    for title, entries in (
-        ('Subscribes to', interface.subscribed),
-        ('Publishes', interface.published),
-        ('Services', interface.services),
-    ):
-        if entries:
-            rows = [
-                (interface.resolved(entry.name), entry.kind, _short(entry.description))
-                for entry in entries
-            ]
-            parts.append(f'{title}\n' + _table(rows, width))
+    for title, entries in interface.sections:
+        rows = [
+            (interface.resolved(entry.name), entry.kind, _short(entry.description))
+            for entry in entries
+        ]
+        parts.append(f'{title}\n' + _table(rows, width))
     parts.append(
         'Parameters, defaults and what they may be; '
         f'`ros2 param describe /{interface.node} NAME` says more\n'

@@ -396,7 +396,7 @@ def _on_body(
 ) -> tuple[Scene, dict[str, LightSource], Flight]:
     """Return the scene with its lights on a body, these, and how it flies."""
     # Loads Numba: lights by themselves do without.
-    from blob_tracker.ros.parameters.rooms import body_of
+    from blob_tracker.ros.parameters.body import body_of
 
     body = body_of(url)
     alone = {name: light for name, light in lights.items() if isinstance(light, Light)}

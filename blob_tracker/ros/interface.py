@@ -161,6 +161,16 @@ class Interface:
     each_light: Sequence[Topic] = ()
     examples: Sequence[str] = ()
 
+    @property
+    def sections(self) -> list[tuple[str, Sequence[Topic] | Sequence[Service]]]:
+        """Topics and services, each kind that there is with its title."""
+        return [
+            (title, entries) for title, entries in (
+                ('Subscribes to', self.subscribed), ('Publishes', self.published),
+                ('Services', self.services),
+            ) if entries
+        ]
+
     def resolved(self, name: str) -> str:
         """Return the name of a topic without ~: relative, or from /."""
         return name.replace('~', self.node, 1) if name.startswith('~/') else name

@@ -84,3 +84,42 @@ class TurnedBody:
             covariance = np.broadcast_to(sigma**2 * np.eye(2), (len(times), 2, 2))
             found.append((times, seen, covariance))
         return found
+
+
+def places_error(
+    found: Array, covariance: Array, size_sigma: float, true: Array
+) -> tuple[float, int, float]:
+    """
+    Return by how much the places of a body's lights are off, whatever their frame.
+
+    Parameters
+    ----------
+    found : (n, 3) array
+        Places in any frame, m.
+    covariance : (3 n, 3 n) array
+        Of them among each other, m^2.
+    size_sigma : float
+        Standard deviation of the size that all of them share, over the size.
+    true : (n, 3) array
+        Where they are, m.
+
+    Returns
+    -------
+    squared : float
+        The squared error over the covariance.
+    degrees : int
+        Its mean where that is true: three for each light, less the six of the frame.
+    rms : float
+        Of the error of a coordinate, m.
+
+    """
+    found, true = found - found.mean(axis=0), true - true.mean(axis=0)
+    left, _, right = np.linalg.svd(found.T @ true)
+    turn = left @ np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))]) @ right
+    error = (true @ turn.T - found).ravel()
+    beside = size_sigma * found.ravel()
+    values, vectors = np.linalg.eigh(covariance + np.outer(beside, beside))
+    degrees = true.size - 6
+    along = vectors[:, -degrees:].T @ error
+    squared = float((along**2 / values[-degrees:]).sum())
+    return squared, degrees, float(np.sqrt((error**2).mean()))

@@ -8,7 +8,7 @@ from typing import Any
 from blob_tracker.calibration.body import BodyCalibration, calibrate_body
 from blob_tracker.calibration.body_start import BodyCalibrationError
 from blob_tracker.calibration.rays import Rays
-from blob_tracker.simulation.turned_body import TurnedBody
+from blob_tracker.simulation.turned_body import places_error, TurnedBody
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -49,15 +49,7 @@ def calibrated(
 
 def squared_error(result: BodyCalibration, places: Array) -> tuple[float, int]:
     """Return the squared error over the covariance, whatever the frame, and its degrees."""
-    found, true = result.places - result.places.mean(axis=0), places - places.mean(axis=0)
-    left, _, right = np.linalg.svd(found.T @ true)
-    turn = left @ np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))]) @ right
-    error = (true @ turn.T - found).ravel()
-    beside = result.size_sigma * found.ravel()
-    values, vectors = np.linalg.eigh(result.covariance + np.outer(beside, beside))
-    degrees = places.size - 6
-    along = vectors[:, -degrees:].T @ error
-    return float((along**2 / values[-degrees:]).sum()), degrees
+    return places_error(result.places, result.covariance, result.size_sigma, places)[:2]
 
 
 @pytest.mark.parametrize('places, conditions', [

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from blob_tracker.simulation.platform_motion import INTERVAL_S, Ride
+from blob_tracker.tracking.rays import directions
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -51,12 +52,9 @@ def draw(
     x, y, z = np.einsum('nij,ni->jn', ride.rotations(seen), light)
     azimuth = np.arctan2(x, z) + BEARING * random.standard_normal(len(seen))
     elevation = np.arctan2(-y, np.hypot(x, z)) + BEARING * random.standard_normal(len(seen))
-    directions = np.stack([
-        np.cos(elevation) * np.sin(azimuth), -np.sin(elevation),
-        np.cos(elevation) * np.cos(azimuth),
-    ], axis=1)
     covariances = np.tile(BEARING**2 * np.eye(2), (len(seen), 1, 1))
+    found = directions(np.stack([azimuth, elevation], axis=1))
     return Drawn(
-        (seen, directions, covariances, ticks + offset, said), turn,
+        (seen, found, covariances, ticks + offset, said), turn,
         np.array([offset, *bias, scale]),
     )

@@ -8,11 +8,12 @@ from pathlib import Path
 from blob_tracker.calibration.imu import calibrate_imu, ImuCalibration, ImuError
 from blob_tracker.calibration.imu_picture import draw_imu
 from blob_tracker.calibration.imu_problem import NAMES
+from blob_tracker.commands.calibrate.ray_sources import rays_of
 from blob_tracker.commands.calibrate.report import results_table, row, tell_of
 from blob_tracker.commands.exit_code import check_out, UsageError
 from blob_tracker.commands.sources import SourceError
 from blob_tracker.ros.bags import RecordingError
-from blob_tracker.units import MRAD, MRAD_PER_RAD
+from blob_tracker.units import MRAD_PER_RAD
 import numpy as np
 from rich.console import Console
 
@@ -61,17 +62,11 @@ def main(arguments: argparse.Namespace) -> None:
     for count, topic in ((len(bearings), arguments.ray), (len(rates), arguments.imu)):
         if count < 2:
             raise ImuError(f'{count} messages came on {topic} that can be used')
-    stamps, samples = sorted(bearings), sorted(rates)
-    seen = [bearings[each] for each in stamps]
-    azimuth, elevation = MRAD * np.array([(each.azimuth, each.elevation) for each in seen]).T
-    directions = np.stack([
-        np.cos(elevation) * np.sin(azimuth), -np.sin(elevation),
-        np.cos(elevation) * np.cos(azimuth),
-    ], axis=1)
+    first_ns, samples = min(bearings), sorted(rates)
+    rays, = rays_of([list(bearings.values())])
     result = calibrate_imu(
-        1e-9 * (np.array(stamps) - stamps[0]), directions,
-        MRAD**2 * np.array([each.covariance for each in seen]),
-        1e-9 * (np.array(samples) - stamps[0]), np.array([rates[each] for each in samples]),
+        rays.times, rays.directions, rays.covariance,
+        1e-9 * (np.array(samples) - first_ns), np.array([rates[each] for each in samples]),
     )
     angles = angles_of(result.turn.T)
     _report(console, result, angles)

@@ -32,7 +32,7 @@ def recorded_bearings(bag: Bag, topics: Sequence[str]) -> dict[str, tuple[list[B
     Raises
     ------
     RecordingError
-        Where the bag lacks one of them, it holds what is no ray, or all rays have one stamp.
+        If the bag lacks one of them, it holds an invalid ray, or all rays have one stamp.
 
     """
     there = {
@@ -88,7 +88,7 @@ def lights_seen(
     Parameters
     ----------
     source : Path, optional
-        The bag or the table; where it is left out the topics are listened to.
+        The bag or the table; if it is left out the topics are listened to.
     lights : sequence of str
         That are wanted; none: all that there are.
     namespace : str
@@ -99,9 +99,9 @@ def lights_seen(
     Raises
     ------
     RecordingError
-        Where it cannot be read, or lacks a light.
+        If it is unreadable, or lacks a light.
     SourceError
-        Where live topics need ROS, which is missing.
+        If live topics need ROS, which is missing.
 
     """
     if source is not None and source.suffix == '.csv':

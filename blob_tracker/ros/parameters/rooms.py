@@ -10,7 +10,6 @@ from blob_tracker.calibration.pulse_file import PulseFile
 from blob_tracker.camera import CameraModel
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.camera.response import Response
-from blob_tracker.constellation import Body, read_body
 from blob_tracker.flash_text import codes_from_text, frequencies_from_text
 from blob_tracker.location import method_options
 from blob_tracker.ros.endpoints.names import check_light
@@ -107,15 +106,6 @@ def response_of(url: str) -> Response | None:
         return None
     with about('response_url'):
         return Response.from_yaml(to_path(url))
-
-
-def body_of(url: str) -> Body:
-    """Return the body of the parameter `body_url`; its lights have names that topics can have."""
-    with about('body_url'):
-        body = read_body(to_path(url))
-        for name in body.names:
-            check_light(name)
-    return body
 
 
 def pulse_of(url: str, method: str) -> tuple[PulseFile | None, str]:
