@@ -43,6 +43,13 @@ def column(frames: list[dict[str, int]], name: str) -> np.ndarray:
     return np.array([frame[name] for frame in frames])
 
 
+def left_out(frames: list[dict[str, int]]) -> int:
+    """Return how many numbers the driver gave to no picture."""
+    number = column(frames, 'number')
+    lost = np.ptp(number) + 1 - len(number)
+    return int(np.ptp(column(frames, 'drops')) - lost)
+
+
 def age(frames: list[dict[str, int]]) -> np.ndarray:
     """Return how old frames are when they are read, s."""
     return (column(frames, 'read_ns') - column(frames, 'stamp_ns')) / 1e9
@@ -58,15 +65,14 @@ def test_a_device_without_a_writer_says_what_to_do(device):
         'the one that does, such as ffmpeg -f v4l2 or GStreamer with v4l2sink')
 
 
-def test_what_is_written_is_read_whole_and_in_order(device):
+def test_what_is_written_is_read_whole_and_in_order(loopback, device):
     frames = device['frames']
     assert (column(frames, 'greys') == 1).all()  # no frame has parts of two
     number = column(frames, 'number')
     assert (np.diff(number) > 0).all()
-    lost = np.ptp(number) + 1 - len(number)
     # 0.12 leaves a number out where the reader comes while pictures are written, and another one
     # where it comes late.
-    assert 0 <= np.ptp(column(frames, 'drops')) - lost <= 2
+    assert 0 <= left_out(frames) <= (2 if loopback['version'] < '0.13' else 1)
 
 
 def test_stamps_are_monotonic_though_version_0_12_does_not_say_so(loopback, device):
@@ -80,9 +86,10 @@ def test_the_rate_is_that_of_the_writer_whatever_is_granted(loopback, device):
     # 0.12 keeps its own 30; later ones grant whatever is asked for.
     granted = 30.0 if loopback['version'] < '0.13' else ASKED_RATE
     assert device['frame_rate'] == granted
-    # A busy machine adds to the pause between pictures; where it is the first of the 24 that is
-    # late, by three pauses, the others seem to come faster.
-    assert 0.5 * RATE < device['measured_rate'] < 1.15 * RATE
+    # Never faster than the pause between pictures, but for numbers that the driver left out; a
+    # busy machine adds to it.
+    more = max(left_out(device['frames']) - 1, 0) / np.ptp(column(device['frames'], 'number'))
+    assert 0.5 * RATE < device['measured_rate'] < 1.05 * RATE * (1.0 + more)
 
 
 def test_a_writer_that_has_ended_is_told(device):
