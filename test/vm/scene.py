@@ -109,7 +109,7 @@ def blinking_frames() -> NDArray[np.uint8]:
 def analogue_camera() -> InterlacedCamera:
     """Return a camera before a light in step with its pictures, on a closed path."""
     light = Light(
-        361.3, 283.6, SIGMA, AMPLITUDE, periodic(12.5, 0.5, 0.125), 60.0, 40.0,
+        361.3, 283.6, SIGMA, AMPLITUDE, periodic(12.5, 0.5, 0.125), 8.0, 5.0,
         period=ANALOGUE_PICTURES / 25.0)
     return InterlacedCamera(Simulated(
         light, width=ANALOGUE_WIDTH, height=ANALOGUE_HEIGHT, rate=50.0, exposure=0.1,
