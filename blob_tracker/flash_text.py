@@ -57,5 +57,5 @@ def _named(text: str) -> Iterator[tuple[str, str]]:
         if not (name and colon):
             right = part.strip(':').replace('=', ':')
             right = right if ':' in right else f'port:{right}'
-            raise ValueError(f"'{part}' is no light; write its name before it: '{right}'")
+            raise ValueError(f"'{part}' is not a light; write its name before it: '{right}'")
         yield name, value

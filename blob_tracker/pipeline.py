@@ -29,7 +29,7 @@ from blob_tracker.types import Bearing, Frame, Location, LocationError, SensorNo
 # the picture in a second, and is read in 20 ms.
 ROUNDS = 3
 PART_OF_FLUX = (
-    'the light was on for a part of the exposure that is known too coarsely for its flux to tell '
+    'the light was on for a part of the exposure that is known too coarsely for its flux to give '
     'the range: have the camera switch it by wire, in mode alternate, or give range.diameter'
 )
 

@@ -12,7 +12,7 @@ def describe(light: Light) -> str:
     rhythm = light.rhythm
     frequency = with_sigma(light.frequency, light.frequency_sigma)
     if rhythm.kind == 'short':
-        return f'blinks ({rhythm.changes} changes), but not for long enough to tell how'
+        return f'blinks ({rhythm.changes} changes), but not for long enough to say how'
     if rhythm.kind == 'irregular':
         return f'blinks ({rhythm.changes} changes) without a period'
     if light.mains:

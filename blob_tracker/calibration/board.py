@@ -221,8 +221,8 @@ def _refined(views: Sequence[View], distortion_model: str, name: str) -> BoardCa
 def _fitted(views: Sequence[View], distortion_model: str, name: str) -> BoardCalibration:
     """Calibrate with all of these views."""
     fault = (
-        'the views do not tell the camera: the board must be tilted by 20 to 45 degrees in most '
-        'of them, to the left, to the right, up and down'
+        'the views do not determine the camera: tilt the board by 20 to 45 degrees in most of '
+        'them, to the left, to the right, up and down'
     )
     count = sum(len(view.points) for view in views)
     lens = LENSES[distortion_model]

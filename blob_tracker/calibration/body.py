@@ -275,7 +275,7 @@ def _check(
 ) -> None:
     if len(names) < LEAST_LIGHTS:
         raise BodyCalibrationError(
-            f'{len(names)} lights: {", ".join(names)}; a body is told by {LEAST_LIGHTS} or more'
+            f'{len(names)} lights: {", ".join(names)}; a body needs {LEAST_LIGHTS} or more'
         )
     if len(set(names)) < len(names):
         raise BodyCalibrationError(f'two lights have one name: {", ".join(names)}')
@@ -319,8 +319,8 @@ def _check_places(result: BodyCalibration) -> None:
     """Refuse lights in one line, and places that are hardly known."""
     if in_line(result.places):
         raise BodyCalibrationError(
-            'the lights are in one line: how such a body is turned about it cannot be seen; put '
-            'one light beside it'
+            'the lights are in one line: its rotation about that line cannot be seen; put one '
+            'light beside it'
         )
     size = _size(result)
     worst = int(np.argmax(result.sigmas))
@@ -342,8 +342,8 @@ def _notes(result: BodyCalibration) -> list[str]:
     notes = []
     if not result.is_metric:
         notes.append(
-            'nothing tells the size: places are in units of a distance from the camera; measure '
-            'the distance of two lights'
+            'the size is unknown: positions are in units of a distance from the camera; measure '
+            'the distance between two lights'
         )
     if result.factor > 1.0:
         notes.append(

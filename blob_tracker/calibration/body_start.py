@@ -159,8 +159,8 @@ def _check_pictures(flat: Array) -> None:
     size = np.linalg.svd(flat, compute_uv=False)
     if (size[:, 1] < IN_LINE * size[:, 0]).all():
         raise BodyCalibrationError(
-            'the lights are in one line: how such a body is turned about it cannot be seen; put '
-            'one light beside it'
+            'the lights are in one line: its rotation about that line cannot be seen; put one '
+            'light beside it'
         )
     shapes = flat[..., 0] + 1j * flat[..., 1]
     first = shapes[np.argmax(np.linalg.norm(shapes, axis=1))]

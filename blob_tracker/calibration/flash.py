@@ -77,8 +77,8 @@ def flash_settings(lights: Sequence[Light], exposure: float) -> FlashSettings:
     if in_step and not chosen:
         if len(in_step) > 1:
             said.append(
-                f'{len(in_step)} lights are on in every other frame: one is followed, and '
-                'nothing tells which; give them codes'
+                f'{len(in_step)} lights are on in every other frame: one is followed, but which '
+                'one is chance; give them codes'
             )
         values = flash_values({'': light for light in in_step.values()})
         return FlashSettings(values, ('',) * len(lights), tuple(said))
@@ -183,8 +183,8 @@ def notes(light: Light) -> list[str]:
         )
     if rhythm.kind == 'irregular':
         said.append(
-            'it does not keep a rate, or flashes quicker than the frames, or two lights cross: '
-            'what blinks at random cannot be tracked'
+            'it does not keep a rate, or flashes quicker than the frames, or two lights cross: a '
+            'light that blinks at random cannot be tracked'
         )
     if light.mains:
         said.append(

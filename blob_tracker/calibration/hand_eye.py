@@ -314,7 +314,7 @@ def _judged(
     try:
         covariance = factor * np.linalg.inv(problem.information(values, kept))
     except np.linalg.LinAlgError:
-        raise HandEyeError('the rays do not tell the axes: turn both joints further') from None
+        raise HandEyeError('the rays do not give the axes: turn both joints further') from None
     (pan_axis, across_pan), (tilt_axis, across_tilt), (light, _) = problem.axes(values)
     scale, relative = (distance[0], distance[1] / distance[0]) if distance else (1.0, 0.0)
     sizes = np.ones(len(NAMES))
@@ -354,7 +354,7 @@ def _check(
         raise HandEyeError(f'{len(rays.times)} rays; {FEWEST} are the least')
     for name, joint in (('pan', pan), ('tilt', tilt)):
         if len(joint.times) < 4 or not np.isfinite(joint.angles).all():
-            raise HandEyeError(f'{name} has too few angles, or some that are no numbers')
+            raise HandEyeError(f'{name} has too few angles, or some that are not numbers')
     if not 0.0 <= joint_sigma < 0.1:
         raise HandEyeError(f'the sigma of a joint is {joint_sigma:g} rad; it must be 0 to 0.1')
     if distance and not (0.0 < distance[0] < math.inf and 0.0 <= distance[1] < distance[0]):

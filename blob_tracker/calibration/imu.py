@@ -122,7 +122,7 @@ def calibrate_imu(
     if len(gyro_times) < FEWEST:
         raise ImuError(f'{len(gyro_times)} samples of the gyro; {FEWEST} are the least')
     if not np.isfinite(rates).all():
-        raise ImuError('some rates of the gyro are no numbers: is it starting or failing?')
+        raise ImuError('some rates of the gyro are not numbers: is it starting or failing?')
     if not rates.any():
         raise ImuError('all rates of the gyro are 0: does its driver fill in angular_velocity?')
     within = (times > gyro_times[0] + MARGIN_S) & (times < gyro_times[-1] - MARGIN_S)

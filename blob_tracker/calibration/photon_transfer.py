@@ -295,7 +295,7 @@ def _of_the_line(
     if not line.separates:
         warnings.append(
             'shot noise is so little of the variance that the gain is known to '
-            f'{sqrt(line.covariance[0, 0]) / line.slope:.0%}; more frames tell it better'
+            f'{sqrt(line.covariance[0, 0]) / line.slope:.0%}; more frames measure it better'
         )
     if not line.fits:
         off = variances / (line.foot + line.slope * levels) - 1.0

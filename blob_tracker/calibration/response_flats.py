@@ -80,7 +80,7 @@ def response_of_flats(
         reach = f' from {level.min():.0f} to {level.max():.0f} DN' if lights else ''
         raise ResponseError(
             f'{level.size} of {len(pairs)} lights show their noise beside the rounding{reach}, '
-            f'which are too few to tell the response; take {FEWEST_FLATS} or more, from dark to '
+            f'which are too few for the response; take {FEWEST_FLATS} or more, from dark to '
             f"{full} DN, raise the camera's gain, or take exposures of a still scene"
         )
     black = 0.0 if dark is None else pair_of(*dark).mean

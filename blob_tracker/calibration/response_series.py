@@ -178,7 +178,7 @@ def _check_exposures(shots: Sequence[Shot]) -> None:
         )
     if len(times) < FEWEST_EXPOSURES or times[-1] < LEAST_RANGE * times[0]:
         raise ResponseError(
-            f'{len(times)} exposures from {times[0]:g} to {times[-1]:g} are too few to tell the '
+            f'{len(times)} exposures from {times[0]:g} to {times[-1]:g} are too few for the '
             f'response; take {FEWEST_EXPOSURES} or more, the longest {LEAST_RANGE:g} times the '
             'shortest at least'
         )
@@ -245,7 +245,7 @@ def _tiles_of(shots: Sequence[Shot], full: int) -> Tiles:
     if np.ptp(covered) < LEAST_SPAN * full:
         raise ResponseError(
             f'the levels reach from {covered.min():.0f} to {covered.max():.0f} of {full} DN, '
-            'which is too little to tell the response; expose longer and shorter'
+            'which is too little for the response; expose longer and shorter'
         )
     return tiles
 

@@ -333,8 +333,8 @@ def _notes(result: RigCalibration) -> list[str]:
     notes = []
     if not result.is_metric:
         notes.append(
-            'nothing tells the scale: positions are in units of a distance between two cameras; '
-            'give a wand of two lights, or the distance of two cameras'
+            'the scale is unknown: positions are in units of a distance between two cameras; give '
+            'a wand of two lights, or the distance of two cameras'
         )
     if result.factor > 1.0:
         notes.append(

@@ -243,8 +243,8 @@ def _check(
     places = len(np.unique(slide))
     if places < LEAST_STATIONS:
         raise SlideError(
-            f'the slide was read at {places} places; {LEAST_STATIONS} or more are needed, and '
-            'ten tell whether the path is straight'
+            f'the slide was read at {places} positions; {LEAST_STATIONS} or more are needed, and '
+            'ten show whether the path is straight'
         )
     if pixel_sigma is not None and not (
         np.shape(pixel_sigma) == pixels.shape

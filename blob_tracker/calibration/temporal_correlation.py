@@ -50,15 +50,15 @@ class TemporalCorrelation:
         if self.repeated:
             return (
                 f'{self.repeated} frames are the one before them bit for bit: the driver or the '
-                'recording repeats frames, and the difference of two tells no noise. Set the '
+                'recording repeats frames, and the difference of two shows no noise. Set the '
                 "camera's own frame rate, or record without a change of rate"
             )
         if abs(self.value) > max(CORRELATED, SIGNIFICANT_SIGMA * self.sigma):
             return (
                 f'the frames hang together in time (correlation {self.value:.2f} +- '
-                f'{self.sigma:.2g} from one to the next): their differences tell too little noise,'
-                " and a moving light is drawn towards where it was. Switch the camera's temporal "
-                'noise reduction (3D noise reduction, DNR) off and record again'
+                f'{self.sigma:.2g} from one to the next): their differences show too little '
+                "noise, and a moving light is drawn towards where it was. Switch the camera's "
+                'temporal noise reduction (3D noise reduction, DNR) off and record again'
             )
         return ''
 

@@ -318,13 +318,13 @@ def _covariance(jacobian: NDArray[np.float64], fitted: tuple[str, ...]) -> NDArr
     size = np.linalg.norm(jacobian, axis=0)
     if size.min() <= 0.0:
         blind = [name for name, norm in zip(fitted, size) if norm <= 0.0]
-        raise TurnError(f'the stations tell nothing of {", ".join(blind)}; turn further')
+        raise TurnError(f'the stations say nothing about {", ".join(blind)}; turn further')
     _, singular, right = np.linalg.svd(jacobian / size, full_matrices=False)
     if singular[-1] < SINGULAR * singular[0]:
         mixed = [name for name, part in zip(fitted, right[-1]) if abs(part) > 0.1]
         raise TurnError(
-            f'the stations cannot tell {", ".join(mixed)} apart: turn further, both axes, and '
-            'into the corners of the picture'
+            f'the stations cannot separate {", ".join(mixed)}: turn further, both axes, and into '
+            'the corners of the picture'
         )
     inverse = (right.T / singular) / size[:, None]
     return np.asarray(inverse @ inverse.T)

@@ -145,7 +145,7 @@ def range_by_size(
     if not 2.0 * square >= RESOLVED_SIGMA * spread:
         raise RangeError(
             f'the light is not resolved: its squared radius is {square:.2g} +- {spread:.2g} px^2, '
-            'and what the optics blur hides it; its size tells the range when it is nearer'
+            'and what the optics blur hides it; its size gives the range once it is nearer'
         )
     half = pixel * math.sqrt(square)
     if not half < math.pi / 2.0:
@@ -195,7 +195,7 @@ def combined(
     by_size: LightRange, by_flux: LightRange, relative_covariance: float = 0.0
 ) -> LightRange:
     """
-    Return the range of a light of which both size and flux tell it.
+    Return the range of a light of which both size and flux give it.
 
         r = w r_s + (1 - w) r_F,    w = (v_F - c) / (v_s + v_F - 2 c)
         sigma_r^2 = (v_s v_F - c^2) / (v_s + v_F - 2 c)
@@ -222,9 +222,9 @@ def combined(
     off = abs(one - other) / math.sqrt(apart)
     if off > APART_SIGMA:
         raise RangeError(
-            f'size and flux tell {one:.4g} m and {other:.4g} m, {off:.1f} '
-            'sigma apart: are exposure and gain those of range.reference_flux, and '
-            'range.diameter and range.psf_sigma right?'
+            f'size and flux give {one:.4g} m and {other:.4g} m, {off:.1f} sigma apart: are '
+            'exposure and gain those of range.reference_flux, and range.diameter and '
+            'range.psf_sigma right?'
         )
     weight = (by_flux.variance - shared) / apart
     return LightRange(

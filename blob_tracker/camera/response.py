@@ -86,7 +86,7 @@ class Response:
                 f'{self.sigma.size} sigmas; it needs one of each for every level'
             )
         if not all(np.isfinite(each).all() for each in (levels, linear, self.sigma)):
-            raise CalibrationError('the response holds values that are no numbers')
+            raise CalibrationError('the response holds values that are not numbers')
         if self.bits not in (8, 16):
             raise CalibrationError(f'the response is for pixels of {self.bits} bits, not 8 or 16')
         if levels[0] != 0.0 or linear[0] != 0.0 or not (np.diff(levels) > 0.0).all():

@@ -36,13 +36,13 @@ def content_of(path: str | Path, what: str) -> Iterator[dict[str, Any]]:
     """
     try:
         if Path(path).exists() and not Path(path).is_file():  # a device may be read for ever
-            raise CalibrationError(f'cannot read the {what} {path}: it is no regular file')
+            raise CalibrationError(f'cannot read the {what} {path}: it is not a regular file')
         content = yaml.safe_load(Path(path).read_text(encoding='utf-8'))
     except OSError as error:
         raise CalibrationError(
             f'cannot read the {what} {path}: {error.strerror or error}') from None
     except UnicodeDecodeError:
-        raise CalibrationError(f'{path} is not a {what}: it is no text in UTF-8') from None
+        raise CalibrationError(f'{path} is not a {what}: it is not text in UTF-8') from None
     except yaml.YAMLError as error:
         raise CalibrationError(f'{path} is not YAML: {yaml_fault(error)}') from None
     if not isinstance(content, dict):

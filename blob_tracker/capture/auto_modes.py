@@ -78,7 +78,7 @@ def still_on(controls: Mapping[str, Control], values: Mapping[str, int | str]) -
             f'itself, and lit and unlit frames do not compare; {remedy}'
         )
     found |= {
-        control.name: f"'{control.name}' is inactive: a mode that the camera does not tell of "
+        control.name: f"'{control.name}' is inactive: a mode that the camera does not show "
                       'governs it, and lit and unlit frames may not compare; use a camera whose '
                       "'auto_exposure' can be read"
         for control in governed_exposures(controls.values())

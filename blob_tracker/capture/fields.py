@@ -91,7 +91,7 @@ def fields(frame: Frame, order: str, interval_ns: int) -> tuple[Frame, ...]:
 
     """
     if frame.layout in BAYER or frame.mosaic is not None:
-        raise ValueError('the lines of a Bayer mosaic are no fields; have the camera give grey')
+        raise ValueError('the lines of a Bayer mosaic are not fields; set the camera to grey')
     height = frame.image.shape[0]
     if height < LEAST_LINES:
         raise ValueError(f'a picture of {height} lines has no fields')

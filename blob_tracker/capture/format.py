@@ -158,7 +158,7 @@ def set_format(
     if channel not in ('auto', 'luma') and read_as.colours is None:
         raise CaptureError(
             f'{device}: channel is {channel} and {name} has no colour for each pixel; set channel '
-            'to auto, or pixel_format to RGB or Bayer where the camera offers it')
+            'to auto, or pixel_format to RGB or Bayer if the camera offers it')
     saturation = _saturation(read_as, pix.quantization, pix.colorspace)
     decoder, layout, binning = read_as.luma, 'grey', read_as.binning
     if channel != 'luma' and read_as.colours is not None:

@@ -16,7 +16,7 @@ _STEPS: dict[Step, str] = {
 _SILENT = (errno.EIO, errno.EPIPE, errno.EPROTO, errno.ETIMEDOUT, errno.EREMOTEIO, errno.ENXIO)
 _NO_ANSWER = (
     'the camera does not answer ({reason}); plug it in again, with another cable or at another '
-    "port; 'dmesg' tells more"
+    "port; 'dmesg' says more"
 )
 _AT: dict[tuple[Step, int], str] = {
     ('settings', errno.EINVAL):
@@ -33,20 +33,20 @@ _AT: dict[tuple[Step, int], str] = {
     ('stream', errno.EPIPE):
         'the links or formats between its sensor and this device do not fit each other (media '
         "controller); 'media-ctl -p' shows them: set the format of each pad, up to this device, "
-        'to the same size and to the code of pixel_format with media-ctl --set-v4l2, and likewise '
-        'on every other enabled way from its sensor, up to the other video devices (v4l2-ctl '
-        '--set-fmt-video)',
+        'to the same size and to the code of pixel_format with media-ctl --set-v4l2, and do the '
+        'same on every other enabled path from its sensor, up to the other video devices '
+        '(v4l2-ctl --set-fmt-video)',
     ('stream', errno.ENOLINK):
         'no sensor is linked to it; enable the link with media-ctl --links '
         "('media-ctl -p' shows them), and check the cable of the sensor and its overlay or device "
         'tree',
     ('stream', errno.EINVAL):
         'the driver refuses to begin with these settings; raise buffers, or leave width, height '
-        'and pixel_format to the driver; where a sensor is behind a media controller '
-        "('media-ctl -p' shows it) its format has to be the same as here; 'dmesg' tells more",
+        "and pixel_format to the driver; if the sensor is behind a media controller ('media-ctl "
+        "-p' shows it) its format must be the same as here; 'dmesg' says more",
     ('stream', errno.EIO):
         'there is no signal, or the camera does not answer; check the source, the cable and the '
-        "port; 'dmesg' tells more",
+        "port; 'dmesg' says more",
     ('stream', errno.ENOMEM):
         'there is no memory for the transfers; lower width, height or buffers',
 }
@@ -123,7 +123,7 @@ def no_writer(device: str, takes_one: bool = True) -> str:
     if not takes_one:
         return (f'{device}: the program that wrote into this v4l2loopback device has ended, and '
                 'version 0.12 lets no other one write after it (exclusive_caps=1); load the '
-                "module anew ('sudo modprobe -r v4l2loopback', then modprobe with your options), "
+                "module again ('sudo modprobe -r v4l2loopback', then modprobe with your options), "
                 'with exclusive_caps=0 or in a newer version, which do not do that')
     return (f'{device}: no program writes pictures into this v4l2loopback device yet; start the '
             'one that does, such as ffmpeg -f v4l2 or GStreamer with v4l2sink')

@@ -83,7 +83,7 @@ def sensor_region(
             return SensorRegion(0, 0, (1, 1), (width, height))
         raise CaptureError(
             f'{device}: its crop of {crop_width}x{crop_height} is scaled to frames of '
-            f'{width}x{height}, which is no whole number of pixels each; choose frames of the '
+            f'{width}x{height}, which is not a whole number of pixels each; choose frames of the '
             "crop's size, or another crop (v4l2-ctl --set-selection)")
     if x0 < 0 or y0 < 0 or x0 + crop_width > sensor[2] or y0 + crop_height > sensor[3]:
         raise CaptureError(

@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     lens = parser.add_argument_group('lens and sensor')
     lens.add_argument(
         '--focal-length', type=float, nargs='+', metavar='MM',
-        help="one or more, mm; those of the thesis' table where left out, with --led "
+        help="one or more, mm; by default those of the thesis' table, with --led "
         f'{link_budget.CAMERA.focal_length:g}',
     )
     lens.add_argument(

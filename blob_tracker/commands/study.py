@@ -112,7 +112,7 @@ def main(arguments: argparse.Namespace) -> int:
         print(error, file=sys.stderr)
         return 2
     except BrokenExecutor as error:
-        print(f'{error}\nWhere a process was killed for want of memory: fewer --jobs. {KEPT}',
+        print(f'{error}\nIf a process was killed for lack of memory: fewer --jobs. {KEPT}',
               file=sys.stderr)
         return 1
     except OSError as error:

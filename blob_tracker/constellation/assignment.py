@@ -96,7 +96,7 @@ def assigned(
     if len(body.names) > MOST_LIGHTS or len(bearings) > MOST_BEARINGS:
         raise ConstellationError(
             f'{len(bearings)} bearings without names, of a body of {len(body.names)} lights: more '
-            f'than {MOST_BEARINGS} of {MOST_LIGHTS} are too many to be told apart'
+            f'than {MOST_BEARINGS} of {MOST_LIGHTS} are too many to be distinguished'
         )
     rays, _ = rays_of(MRAD * np.array([(each.azimuth, each.elevation) for each in bearings]))
     if not np.isfinite(rays).all():

@@ -86,8 +86,8 @@ class Body:
             raise BodyError('two lights of the body are at the same place')
         if in_line(self.places):
             raise BodyError(
-                'the lights of the body are in one line: how it is turned about that line '
-                'cannot be seen; put one light beside it'
+                'the lights of the body are in one line: its rotation about that line cannot be '
+                'seen; put one light beside it'
             )
         if self.sigmas.max() > 0.25 * extent:
             raise BodyError(
@@ -209,7 +209,7 @@ def _number(what: str, value: Any) -> float:
             raise TypeError
         return float(value)
     except (TypeError, ValueError):
-        raise CalibrationError(f'{what} holds {value!r:.40}, which is no number') from None
+        raise CalibrationError(f'{what} holds {value!r:.40}, which is not a number') from None
 
 
 def _check_keys(what: str, content: dict[str, Any], keys: tuple[str, ...]) -> None:

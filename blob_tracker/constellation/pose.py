@@ -153,8 +153,8 @@ def poses(
         raise TooFewLights(f'{len(names)} lights are seen; a pose needs three or more')
     if in_line(seen.places):
         raise TooFewLights(
-            f'the lights that are seen, {", ".join(names)}, are in one line; how the body is '
-            'turned about it cannot be seen'
+            f'the lights that are seen, {", ".join(names)}, are in one line; its rotation about '
+            'that line cannot be seen'
         )
     known = np.array([speed_sigma, rate_sigma])
     motion = _Motion(known if np.ptp(seen.apart) > 0.0 else np.zeros(2), twist)

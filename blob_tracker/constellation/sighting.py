@@ -59,7 +59,7 @@ class Sighting:
                 late > self.max_interval and NS * late_ns > self.max_interval):
             self._bearings, self._first_ns = {name: bearing}, bearing.stamp_ns
             self._last_ns, self._late_ns = {name: bearing.stamp_ns}, {}
-            raise ConstellationError(f'the stamps jumped back by {late:.3f} s; starting afresh')
+            raise ConstellationError(f'the stamps jumped back by {late:.3f} s; starting again')
         if bearing.stamp_ns <= before_ns:
             raise ConstellationError(
                 'a ray has the stamp of the one before it, or an earlier one; it is left out'

@@ -92,7 +92,7 @@ def fit_disc(
         np.array([location.background]), of_sum)[0]
     blur = psf_sigma**2 + PIXEL_VARIANCE
     if kept < 4:
-        raise LocationError('too few pixels are left to tell how large the light is')
+        raise LocationError('too few pixels are left to see how large the light is')
     square = 4.0 * (location.sigma**2 - psf_sigma**2)
     flux = 2.0 * math.pi * location.sigma**2 * location.amplitude
     level = 0.0 if window.unlit is not None else location.background
@@ -116,9 +116,9 @@ def fit_disc(
         if abs(step[0]) < CONVERGED * math.sqrt(covariance[0, 0]):
             break
     else:
-        raise LocationError('no disc fits the light: how large it is cannot be told')
+        raise LocationError('no disc fits the light: its size is unknown')
     if not (flux > 0.0 and square > NARROWEST * blur and covariance[0, 0] > 0.0):
-        raise LocationError('no disc fits the light: how large it is cannot be told')
+        raise LocationError('no disc fits the light: its size is unknown')
     chi2 = float(weights @ residuals**2) / (kept - 3)
     units = np.array([1.0, 1.0 / window.looks])
     return Disc(

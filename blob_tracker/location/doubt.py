@@ -270,6 +270,6 @@ def _in_words(pair: Pair, left: Remainder) -> str:
             '(calibrate pulse)'
         )
     return (
-        f'misfit ({much}): the light is no Gaussian, but even about its place: learn its pulse '
-        '(calibrate pulse)'
+        f'misfit ({much}): the light is not a Gaussian, but symmetric about its position: learn '
+        'its pulse (calibrate pulse)'
     )

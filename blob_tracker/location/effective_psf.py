@@ -74,7 +74,7 @@ class EffectivePsf:
             raise ValueError(f'sigma is {self.sigma} px; it must be above 0')
         covariance = self.covariance
         if covariance.shape != (2, 2) or not np.isfinite(covariance).all():
-            raise ValueError('the covariance is no (2, 2) array of numbers')
+            raise ValueError('the covariance is not a (2, 2) array of numbers')
         if np.linalg.eigvalsh(covariance).min() < 0.0:
             raise ValueError('the covariance has a negative variance')
         peak = self.value(*self._grid()).max()

@@ -41,7 +41,7 @@ REASONS = {
     Failure.TOO_WIDE: 'the blob is wider than the window; enlarge the window',
     Failure.CLIPPED: 'the blob holds saturated pixels, which no look-up can leave out; lower the '
     'exposure or take maximum_likelihood',
-    Failure.VAGUE: 'the pixels do not tell where in the window the light is: it is too faint, or '
+    Failure.VAGUE: 'the pixels do not show where in the window the light is: it is too faint, or '
     'narrower than a pixel, or a cell of the colour mosaic',
 }
 

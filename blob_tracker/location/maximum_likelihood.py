@@ -149,8 +149,8 @@ def maximum_likelihood(
             estimates.warnings[n] = LOPSIDED_LIGHT
         elif estimates.chi2[n] > WARNED_CHI2:
             estimates.warnings[n] = (
-                f'misfit (chi2 {estimates.chi2[n]:.1f}): the light is no Gaussian, or the scene '
-                'behind it no even one: flash it, or learn its pulse (calibrate pulse)'
+                f'misfit (chi2 {estimates.chi2[n]:.1f}): the light is not a Gaussian, or the '
+                'scene behind it is uneven: flash it, or learn its pulse (calibrate pulse)'
             )
     return estimates
 

@@ -151,7 +151,7 @@ def vouch_1d(theta: NDArray[np.float64], count: int) -> NDArray[np.float64]:
     if not -0.5 <= theta[0] <= count - 0.5:
         raise LocationError(f'the mean of the three Gaussians leaves the row: {theta[0]:.1f} px')
     if theta[1:4].sum() <= 0.0:
-        raise LocationError('the three Gaussians together are no peak')
+        raise LocationError('the three Gaussians together have no peak')
     return theta
 
 

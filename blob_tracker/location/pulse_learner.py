@@ -199,7 +199,7 @@ class PulseLearner:
             self._attempts = 0
         else:
             self._give_up(
-                'the light is placed as well without a pulse of its own: with the one that was '
+                'the light is located as well without its own pulse: with the one that was '
                 f'learned, windows gain {mean:.2f} +- {error:.2f} in log-likelihood'
             )
 

@@ -210,7 +210,7 @@ def _normalised(coefficients: Floats, grid: Grid) -> EffectivePsf:
     )
     peak = float(at_nodes.max())
     if not peak > 0.0:
-        raise LocationError('the windows hold no pulse: what is common to them is no light')
+        raise LocationError('the windows hold no pulse: what they have in common is not a light')
     return EffectivePsf(coefficients / peak, grid.step, grid.sigma)
 
 

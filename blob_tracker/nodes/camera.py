@@ -186,7 +186,7 @@ class CameraNode(Node):
 
     def _stream(self, camera: V4l2Camera, grabber: Grabber) -> None:
         """Publish the newest frame until the settings change; search the exposure when asked."""
-        rate = f'{camera.frame_rate:g} Hz' if camera.frame_rate else 'a rate that is not told'
+        rate = f'{camera.frame_rate:g} Hz' if camera.frame_rate else 'an unknown rate'
         self.get_logger().info(
             f'streaming {camera.width} x {camera.height} px at {rate} '
             f'from {camera.device}; fields: {camera.fields}; stamps: {camera.stamp_place}; '
@@ -285,8 +285,8 @@ class CameraNode(Node):
         if camera.line_time is None:
             self._health.fault(
                 WARN,
-                'rolling_shutter is on, and the device has no controls hblank and pixel_rate that '
-                'tell its line time: the stamps are those of the first line; measure it with '
+                'rolling_shutter is on, and the device has no controls hblank and pixel_rate to '
+                'give its line time: the stamps are those of the first line; measure it with '
                 'python3 -m blob_tracker calibrate line_time, and set line_time',
             )
         self._health.show('saturation', camera.saturation)
@@ -336,9 +336,9 @@ class CameraNode(Node):
             self._health.fault(
                 WARN,
                 f'{100.0 * self._losses.share:.0f} % of the last frames were lost: the driver '
-                f'dropped {camera.drops} (raise buffers, or give the camera a port of its own), '
-                f'this process was too late for {grabber.overruns} (see CPU; lower frame_rate, '
-                'width and height)',
+                f'dropped {camera.drops} (raise buffers, or give the camera its own port), this '
+                f'process was too late for {grabber.overruns} (see CPU; lower frame_rate, width '
+                'and height)',
             )
 
     def _in_words(self, camera: V4l2Camera, grabber: Grabber) -> list[str]:

@@ -161,7 +161,7 @@ class Blink(SingleFrames):
     def _new_tracker(self, frame: Frame, interval: float) -> BlinkTracker:
         exposure = self._exposure or frame.exposure_ns / 1e9
         self.warning = '' if exposure else (
-            'nobody tells how long a frame is exposed: half of the frame interval is assumed; set '
+            'nothing says how long a frame is exposed: half of the frame interval is assumed; set '
             'flash.exposure'
         )
         rate = self._bit_rate(interval)
@@ -183,7 +183,7 @@ def _why_none(candidates: Sequence[Candidate], allowed: Sequence[Candidate]) -> 
     """Say why none of the candidates is a light; empty where the first one itself tells."""
     if allowed:
         return (
-            f'{len(allowed)} lights; none is due and of a known pattern (`calibrate flash` tells '
+            f'{len(allowed)} lights; none is due and of a known pattern (`calibrate flash` finds '
             'theirs)'
         )
     low = [each for each in candidates if not each.rejected]

@@ -76,20 +76,20 @@ class FrameHistory:
         if frame.channel != previous.channel:  # an earlier frame may come again, in another one
             self._restart(frame)
             raise FrameError(
-                f'the channel changed from {previous.channel} to {frame.channel}; starting afresh'
+                f'the channel changed from {previous.channel} to {frame.channel}; starting again'
             )
         if frame.stamp_ns <= previous.stamp_ns:
             late = (previous.stamp_ns - frame.stamp_ns) / 1e9
             if late > self.max_interval:
                 self._restart(frame)
-                raise FrameError(f'the stamps jumped back by {late:.3f} s; starting afresh')
+                raise FrameError(f'the stamps jumped back by {late:.3f} s; starting again')
             kind = 'repeated' if late == 0.0 else f'{late:.3f} s older than the one before'
             raise FrameError(f'frame left out: its stamp is {kind}; stamps must grow')
         if not _alike(frame, previous):
             self._restart(frame)
             raise FrameError(
-                f'the frames changed from {_describe(previous)} to {_describe(frame)}; '
-                'starting afresh'
+                f'the frames changed from {_describe(previous)} to {_describe(frame)}; starting '
+                'again'
             )
         interval = (frame.stamp_ns - previous.stamp_ns) / 1e9
         self._intervals.append(interval)

@@ -96,8 +96,8 @@ class InStep(Switching):
     def finding(self) -> str:
         """Say that the light runs free, where it does."""
         return '' if self._mode is self._pairs else (
-            'it flashes near half the frame rate by a clock of its own: every frame is looked at '
-            'by itself'
+            'it flashes near half the frame rate by its own clock: every frame is searched by '
+            'itself'
         )
 
     def agree_with(self, place: Expectation | None) -> None:

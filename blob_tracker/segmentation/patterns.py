@@ -126,8 +126,8 @@ def twin_fault(
             if abs(frequency - rate) < APART * rate and abs(on - duty) < SAME_DUTY:
                 return (
                     f"the code {bits} of '{name}' is a wave of {rate:.4g} Hz, and '{other}' "
-                    f'flashes at {frequency:g} Hz: they cannot be told apart; take a code that is '
-                    'on more than once'
+                    f'flashes at {frequency:g} Hz: they cannot be distinguished; take a code that '
+                    'is on more than once'
                 )
     return ''
 
@@ -189,7 +189,8 @@ def _check_apart(first: str, one: str, second: str, other: str) -> None:
         if (np.roll(b, shift) == a).all():
             raise ValueError(
                 f"the codes of '{first}' and '{second}' are one code begun at another bit ({one} "
-                f'and {other}): they cannot be told apart; take one that differs in every rotation'
+                f'and {other}): they cannot be distinguished; take one that differs in every '
+                'rotation'
             )
 
 

@@ -104,12 +104,12 @@ def in_words(fault: int, candidate: Candidate) -> str:
         )
     if fault == NO_BLOB:
         return (
-            f'a rise of {height:.0f} DN that is no blob: a Gaussian leaves '
+            f'a rise of {height:.0f} DN that is not a blob: a Gaussian leaves '
             f'{100 * candidate.misfit:.0f} % of it'
         )
     if fault == RESTLESS:
         return (
-            f'a rise of {height:.0f} DN where all about it changes by '
+            f'a rise of {height:.0f} DN where everything around it changes by '
             f"{candidate.surround_noise:.1f} DN: the scene's own, or the codec's"
         )
     if fault == STANDING:

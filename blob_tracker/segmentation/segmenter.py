@@ -277,7 +277,7 @@ class Segmenter:
         box = self.threshold(contrast, candidate, self.max_blob)
         most = 2 * self.max_blob + 1
         if box is None or box[2] - box[0] > most or box[3] - box[1] > most:
-            self.reason = f'what lit up is no blob of at most {most} px (max_blob)'
+            self.reason = f'what lit up is not a blob of at most {most} px (max_blob)'
             return None
         if box.cut_through(*candidate.peak, contrast.shape):
             self.reason = "the target is cut by the frame's edge"

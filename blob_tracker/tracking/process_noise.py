@@ -116,8 +116,8 @@ def process_noise(
     )
     if count < FEWEST:
         raise TrackingError(
-            f'{count} bearings follow others closely enough; {FEWEST} at least tell the process '
-            'noise'
+            f'{count} bearings follow others closely enough; {FEWEST} at least determine the '
+            'process noise'
         )
     found = scipy.optimize.minimize_scalar(
         loss, bounds=(log(LEAST), log(MOST)), method='bounded', options={'xatol': FOUND}

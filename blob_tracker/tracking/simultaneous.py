@@ -118,7 +118,7 @@ class Simultaneous:
             late = 1e-9 * (seen[-1].stamp_ns - sight.stamp_ns)
             if late > self.max_interval:
                 self.forget(NEVER_NS)
-                jump = f'the stamps jumped back by {late:.3f} s; starting afresh'
+                jump = f'the stamps jumped back by {late:.3f} s; starting again'
             elif late >= 0.0:
                 raise ValueError(
                     f'ray left out: its stamp is {late:.3f} s older than the one before or the '

@@ -192,8 +192,8 @@ def _without_outliers(
         best, left_out, answer = found[0]
         if len(found) > 1 and found[1][0] - best < TOLD:
             raise RaysApart(
-                'the rays do not meet, and which is of another light cannot be told: the others '
-                'do without ' + ', or without '.join(
+                'the rays do not meet, and which one is of another light is unknown: the others '
+                'agree without ' + ', or without '.join(
                     ' and '.join(names[each] for each in which)
                     for chi2, which, _ in found if chi2 - best < TOLD
                 )

@@ -31,7 +31,7 @@ def light(mains: float = 0.0, **rhythm: Any) -> Light:
     (light(kind='code', period=7.0352, period_sigma=1e-3, bits='1101000', duty=3 / 7),
      'code 1101000, free-running, 59.6998 ± 0.0085 bits/s, on for 0.4286 of it'),
     (light(kind='irregular', changes=4), 'blinks (4 changes) without a period'),
-    (light(kind='short', changes=4), 'blinks (4 changes), but not for long enough to tell how'),
+    (light(kind='short', changes=4), 'blinks (4 changes), but not for long enough to say how'),
     (light(kind='modulated', period=3.0, mains=100.0), 'lamp of 100 Hz, seen at 20 Hz'),
     (light(kind='modulated', period=4.0), 'never dark, brighter and darker at 15 Hz'),
 ])

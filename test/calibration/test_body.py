@@ -103,7 +103,7 @@ def test_the_frame_is_that_of_three_lights() -> None:
     named = calibrate_body(rays, NAMES, frame=('mast', 'left', 'port'))
     np.testing.assert_allclose(named.places[4], 0.0, atol=1e-12)
     assert not named.is_metric
-    assert 'nothing tells the size' in named.notes[0]
+    assert 'the size is unknown' in named.notes[0]
 
 
 def test_a_light_that_the_body_hides_at_times() -> None:
@@ -138,7 +138,7 @@ def swaying(rays: Sequence[Rays]) -> list[Rays]:
 
 
 @pytest.mark.parametrize('rays, sentence', [
-    (lambda: seen()[:3], '3 lights: port, starboard, left; a body is told by 4 or more'),
+    (lambda: seen()[:3], '3 lights: port, starboard, left; a body needs 4 or more'),
     (lambda: [each.part(each.times < 2.0) for each in seen()], 'seen together for 1.9. s only'),
     (lambda: seen(LINE), 'the lights are in one line'),
     (lambda: seen(turning=0.0, sway=0.005), 'the body was hardly turned'),

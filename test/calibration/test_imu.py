@@ -67,7 +67,7 @@ def test_stamps_twice_and_bearings_without_a_covariance_are_passed_over() -> Non
 
 
 @pytest.mark.parametrize('rates, sentence', [
-    (0.0, 'all rates of the gyro are 0'), (np.nan, 'are no numbers'),
+    (0.0, 'all rates of the gyro are 0'), (np.nan, 'are not numbers'),
 ])
 def test_a_gyro_that_says_nothing(rates: float, sentence: str) -> None:
     """It is named, and no other cause."""

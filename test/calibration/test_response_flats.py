@@ -61,7 +61,7 @@ def test_what_tells_no_response_is_named() -> None:
         response_of_flats([])
     with pytest.raises(ResponseError, match='every pair is clipped at 255 DN'):
         response_of_flats(pairs('rec709', (400.0,) * 6))
-    with pytest.raises(ResponseError, match='are too few to tell'):
+    with pytest.raises(ResponseError, match='are too few for the response'):
         response_of_flats(pairs('rec709', LIGHTS[:5]))
     still = [(first, first) for first, _ in pairs('rec709')]
     with pytest.raises(ResponseError, match='0 of 12 lights show their noise'):

@@ -151,7 +151,7 @@ def test_what_tells_no_response_is_named() -> None:
     full = np.full((HEIGHT, WIDTH), 255, np.uint8)
     for wrong, reason in (
         ([replace(each, exposure=5.0) for each in shots], 'all exposures are equal'),
-        (shots[1:3], 'too few to tell'),
+        (shots[1:3], 'too few for the response'),
         ([shot(time, [full]) for time in TIMES[1:]], 'every frame is clipped at 255 DN'),
         # Automatic exposure holds the brightness, or a part of the way.
         ([shot(t, [seen('rec709', 9.0 * scene, random)]) for t in TIMES[1:]], 'is on'),

@@ -116,7 +116,7 @@ def test_without_a_length_there_is_no_scale() -> None:
     """Directions and clocks are right all the same, and the notes say what is missing."""
     result = calibrate_rig(waved(PAIR, 5), ['left', 'right'])
     assert not result.is_metric
-    assert 'nothing tells the scale' in result.notes[0]
+    assert 'the scale is unknown' in result.notes[0]
     assert abs(result.offsets[1] - 0.002) < 5.0 * result.offset_sigmas[1]
 
 

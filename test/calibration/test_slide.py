@@ -133,8 +133,8 @@ def test_roll_is_from_the_nearest_axis(turn: float, roll: float) -> None:
 @pytest.mark.parametrize(
     'change, sentence',
     [
-        ({'slide': READINGS[:3], 'pixels': np.ones((3, 2))}, 'read at 3 places; 4 or more'),
-        ({'slide': np.zeros(11)}, 'read at 1 places'),
+        ({'slide': READINGS[:3], 'pixels': np.ones((3, 2))}, 'read at 3 positions; 4 or more'),
+        ({'slide': np.zeros(11)}, 'read at 1 positions'),
         ({'slide': np.full(11, np.nan)}, 'NaN'),
         ({'pixels': np.ones((11, 3))}, 'do not go with'),
         ({'pixels': np.ones((11, 2))}, 'does not move'),

@@ -43,7 +43,7 @@ def test_missing_file_is_named() -> None:
 
 def test_a_device_is_not_read() -> None:
     """It may never end."""
-    with pytest.raises(CalibrationError, match='/dev/zero: it is no regular file'):
+    with pytest.raises(CalibrationError, match='/dev/zero: it is not a regular file'):
         CameraModel.from_file('/dev/zero')
 
 

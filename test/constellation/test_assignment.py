@@ -94,7 +94,7 @@ def test_what_cannot_be_told_is_said() -> None:
     seen = sight(random, PLACES, np.eye(3))
     with pytest.raises(TooFewLights, match='3 lights without names are seen; 4 are needed'):
         assigned(BODY, seen[:3])
-    with pytest.raises(ConstellationError, match='are too many to be told apart'):
+    with pytest.raises(ConstellationError, match='are too many to be distinguished'):
         assigned(BODY, seen * 6)
     with pytest.raises(ConstellationError, match='a bearing is not finite'):
         assigned(BODY, [Bearing(np.nan, 0.0, np.eye(2)), *seen])

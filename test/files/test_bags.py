@@ -352,7 +352,7 @@ def test_topics_of_images(tmp_path: Path) -> None:
     ('a.mcap', b'', 'is empty'),
     ('a.mcap', b'\x89MCAP0\r\n', 'has no images on any topic'),
     ('a.db3', b'something else', 'is neither mcap nor sqlite3 nor a bag of ROS 1'),
-    ('a.db3', b'SQLite format 3\0' + bytes(200), 'is no bag that can be read'),
+    ('a.db3', b'SQLite format 3\0' + bytes(200), 'is not a readable bag'),
     ('a.bag', b'#ROSBAG V2.0\n', 'is a bag of ROS 1 that is damaged'),
     ('a.mcap.zstd', b'\x28\xb5\x2f\xfd\0\0\0', 'is empty'),
 ])
@@ -385,5 +385,5 @@ def test_a_damaged_message_is_a_sentence(tmp_path: Path) -> None:
     with Writer(bag, version=9, storage_plugin=MCAP) as writer:
         connection = writer.add_connection(TOPIC, KIND, typestore=TYPES)
         writer.write(connection, START_NS, image(0)[:40])
-    with pytest.raises(RecordingError, match='a message is no sensor_msgs/msg/Image'):
+    with pytest.raises(RecordingError, match='a message is not a sensor_msgs/msg/Image'):
         next(recorded_pixels(bag))

@@ -191,7 +191,8 @@ def test_ini_of_ros(tmp_path: Path) -> None:
     assert_read(both, camera='stereo/right')
     refused(both, 'is of several cameras, stereo/left, stereo/right: take one of them')
     refused(written(tmp_path / 'a.ini', INI.replace('height\n480', '')), 'has no height in its se')
-    refused(written(tmp_path / 'a.ini', INI.replace('608.75', 'x')), 'camera matrix is no number')
+    broken = written(tmp_path / 'a.ini', INI.replace('608.75', 'x'))
+    refused(broken, 'camera matrix is not a number')
 
 
 ECHOED = f"""header:
@@ -371,11 +372,11 @@ def test_forms_that_are_known(text: str, form: str, tmp_path: Path) -> None:
     (b'<opencv_storage><a>', 'is not XML: line 1'),
     (b'image_width: 640', 'has no image_height'),
     (b'image_width: 640\nimage_height: 480', 'has no camera_matrix'),
-    (b'image_width: wide\nimage_height: 480', 'image_width is no number: wide'),
+    (b'image_width: wide\nimage_height: 480', 'image_width is not a number: wide'),
     (b'mtx: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\ndist: [0]', 'has no image_width and image_'),
     (b'width: 4\nheight: 3\nK: {rows: 3, cols: 3}\nD: [0, 0, 0, 0]', 'K has no data'),
     (b'width: 4\nheight: 3\nK: [1, 2]\nD: [0, 0, 0, 0]', 'K must be 9 numbers, not 2'),
-    (b'width: 4\nheight: 3\nK: 5\nD: [0, 0, 0, 0]', 'K is no list of numbers: 5'),
+    (b'width: 4\nheight: 3\nK: 5\nD: [0, 0, 0, 0]', 'K is not a list of numbers: 5'),
     (b'width: 4\nheight: 3\nK: [1]', 'has no distortion_coefficients'),
     (b'M1: [1]\nM2: [1]', 'is of two cameras'),
 ])

@@ -220,8 +220,8 @@ def test_lights_without_names(domain: int, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(('lights', 'parameters', 'sentence'), [
-    ({**LIGHTS, 'a/b': [0.0, 1.0, 0.0]}, {}, "'body_url': 'a/b' is no name of a light"),
-    (LIGHTS, {'unnamed': 'a,b/c'}, "'unnamed': 'b/c' is no name of a light"),
+    ({**LIGHTS, 'a/b': [0.0, 1.0, 0.0]}, {}, "'body_url': 'a/b' is not a name for a light"),
+    (LIGHTS, {'unnamed': 'a,b/c'}, "'unnamed': 'b/c' is not a name for a light"),
     (LIGHTS, {'body_url': '/no/such.yaml'}, "'body_url': cannot read the body file /no/such"),
 ])
 def test_what_cannot_be_is_said(

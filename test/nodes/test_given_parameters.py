@@ -13,7 +13,7 @@ import yaml
 
 
 @pytest.mark.parametrize(('content', 'sentence'), [
-    ('flash.codes: []', "'flash.codes' is [] or empty, which is no value; it must be a string"),
+    ('flash.codes: []', "'flash.codes' is [] or empty, which is not a value; it must be a string"),
     ('mask_url:', 'No value at line 3'),
 ])
 def test_what_is_no_value_ends_with_a_sentence(

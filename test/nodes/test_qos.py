@@ -113,7 +113,7 @@ def test_frames_lost_for_want_of_the_profile(
                 node.spin_until(lambda: segmenter(
                     'lost on the way from /simulator: its shared memory has 536 KiB, and an image '
                     '2250; a Fast DDS profile gives it more, unless it is dropped for a fault in '
-                    'it, which doctor tells: in its terminal, before it starts, '
-                    f'type: export {PROFILE}={config_path("fastdds.xml")}'
+                    'it, see doctor: in its terminal, before it starts, type: export '
+                    f'{PROFILE}={config_path("fastdds.xml")}'
                 ), 40.0)
     assert f'type: export {PROFILE}={config_path("fastdds.xml")}' in process.output

@@ -58,7 +58,7 @@ def test_range_by_size_and_flux(domain: int) -> None:
             assert abs(found.range - distance) < 5.0 * found.variance**0.5
             assert 0.0 < found.variance**0.5 < 0.03 * distance
         assert node.set_parameter('locator', 'range.reference_distance', 0.0).successful is False
-        sentence = 'target: no range: size and flux tell '
+        sentence = 'target: no range: size and flux give '
         assert node.set_parameter('locator', 'range.diameter', 1.0).successful
         node.spin_until(lambda: send(near) or any(
             sentence in each.status[0].message for each in diagnostics))

@@ -252,7 +252,7 @@ def test_more_looks_than_16_bits_hold_are_named(domain: int) -> None:
 
 @pytest.mark.parametrize('parameters, sentence', [
     ({'mask_url': '/no/mask.png'}, "'mask_url': there is no file /no/mask.png"),
-    ({'mask_url': __file__}, 'test_segmenter_modes.py is no image'),
+    ({'mask_url': __file__}, 'test_segmenter_modes.py is not an image'),
     ({'looks': 0}, "'looks' is 0; it must be an integer from 1 to 256"),
     ({'flash__mode': 'disco'}, "'flash.mode' is 'disco'; it must be one of alternate"),
     ({'flash__mode': 'coded'}, 'there is no light'),
@@ -260,7 +260,7 @@ def test_more_looks_than_16_bits_hold_are_named(domain: int) -> None:
     ({'flash__mode': 'coded', 'flash__codes': 'a:1100,b:0110'}, 'one code begun at another bit'),
     ({'flash__codes': '1101000'}, "'flash.codes' is 1101000; it must be a string"),
     ({'flash__codes': '00010111'}, 'put it in quotes'),
-    ({'flash__codes': 'a,b'}, "'a' is no light; write its name before it"),
+    ({'flash__codes': 'a,b'}, "'a' is not a light; write its name before it"),
     ({'flash__mode': 'periodic', 'flash__frequencies': 'a:6,b:6.01'}, 'clocks are off by 1 %'),
     ({'threshold__method': 'best'}, "'threshold.method' is 'best'; it must be one of sigma"),
 ])

@@ -45,7 +45,7 @@ def driver(domain: int, *before: str, uid: int = 0) -> Process:
 @pytest.mark.parametrize(
     'before, uid, reason',
     [
-        (OWN_FOLDER, 0, 'it has a /dev/shm of its own'),
+        (OWN_FOLDER, 0, 'it has its own /dev/shm'),
         (OWN_PROCESSES, 0, 'a container'),
         ([], 12345, 'it runs as another user (uid 12345, this one 0)'),
     ],

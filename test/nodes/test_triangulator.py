@@ -384,7 +384,7 @@ def test_what_calibrate_rig_writes_is_what_the_node_takes(domain: int, tmp_path:
 
 
 @pytest.mark.parametrize('parameters, sentence', [
-    ({'cameras': '[left]'}, "parameter 'cameras' is [left]; where a light is two cameras tell"),
+    ({'cameras': '[left]'}, "parameter 'cameras' is [left]; a position takes two or more cameras"),
     ({'cameras': '[left, right, left]'}, 'with left twice'),
     ({'cameras': '[left, my camera]'}, "parameter 'cameras': "),
     ({'cameras': 'left'}, 'must be a list of strings, as [left,right]'),
@@ -392,9 +392,9 @@ def test_what_calibrate_rig_writes_is_what_the_node_takes(domain: int, tmp_path:
     ({'second__namespace': 'top'}, "no parameter 'second.namespace'; it is 'cameras' now"),
     ({'poses__top__x': 1.0}, "'poses.top.x'; cameras is [left, right], and each of these"),
     ({'gaet': 4.0}, "no parameter 'gaet'; did you mean 'gate'?"),
-    ({'light': 'a/b'}, "'a/b' is no name of a light"),
+    ({'light': 'a/b'}, "'a/b' is not a name for a light"),
     ({'pose_covariance': '[1.0, 2.0]'}, 'has 2 numbers; for 2 cameras it must be 78'),
-    ({'pose_covariance': str([-1.0] * 78)}, 'is no covariance'),
+    ({'pose_covariance': str([-1.0] * 78)}, 'is not a covariance'),
     ({'poses__left__roll': 90.0},
      "'poses.left.roll' is 90.0; it must be a number with a point from -3.14"),
 ])

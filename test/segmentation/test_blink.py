@@ -218,7 +218,7 @@ def test_frequencies_that_alias_onto_each_other_are_named() -> None:
 
 @pytest.mark.parametrize('code, frequency, duty, fault', [
     ('1100', 15.0, 0.5, "the code 1100 of 'a' is a wave of 15 Hz, and 'b' flashes at 15 Hz"),
-    ('0110', 15.1, 0.55, 'they cannot be told apart'),
+    ('0110', 15.1, 0.55, 'they cannot be distinguished'),
     ('1100', 15.0, 0.2, ''),
     ('1100', 13.0, 0.5, ''),
     ('1010010', 60.0 / 7.0, 0.5, ''),

@@ -186,7 +186,7 @@ def beside_the_clipped(level: float) -> tuple[np.ndarray, np.ndarray]:
     (pixel_of, 0.3, 0.0, r'a lone pixel rose by 1\d\d DN'),
     (bar_of, 4.0, 9.0, r'\d.\d px long and \d.\d px wide'),
     (light_that_moved, 0.3, 0.8, 'something moved, or the light was on in both frames'),
-    (arc_of, 0.0, 10.0, 'that is no blob: a Gaussian leaves'),
+    (arc_of, 0.0, 10.0, 'that is not a blob: a Gaussian leaves'),
     (lamp_of, 40.0, 100.0, r'on \d+ DN that were there before: a lamp that flickers'),
     (beside_the_clipped, 120.0, 300.0, 'clipped before: the rim of the sun'),
 ], ids=['hot pixel', 'edge', 'moving light', 'arc', 'lamp', 'rim'])

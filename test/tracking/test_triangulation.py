@@ -279,7 +279,7 @@ def test_which_is_of_another_light_may_not_be_told() -> None:
     # The second sees what is nearer on the ray of the first.
     near = poses[0].position + 0.7 * (TARGET - poses[0].position)
     bearings[1] = true_bearing(near, poses[1])
-    with pytest.raises(RaysApart, match='cannot be told: .* without (right|top), or without'):
+    with pytest.raises(RaysApart, match='is unknown: .* without (right|top), or without'):
         triangulate(bearings, poses, names=NAMES[:3])
     # All of three lights.
     bearings[2] = true_bearing(TARGET + [0.0, 3.0, 9.0], poses[2])

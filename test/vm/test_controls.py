@@ -217,10 +217,10 @@ def test_the_grabber_ends_and_leaves_the_camera(found):
                 "that does not help see what 'dmesg' says"),
     ('qbuf', 'the driver does not give its buffers: Invalid argument; open it again, and if that '
              "does not help see what 'dmesg' says"),
-    ('streamon', 'the driver refuses to begin with these settings; raise buffers, or leave width, '
-                 'height and pixel_format to the driver; where a sensor is behind a media '
-                 "controller ('media-ctl -p' shows it) its format has to be the same as here; "
-                 "'dmesg' tells more"),
+    ('streamon', 'the driver refuses to begin with these settings; raise buffers, or leave '
+                 'width, height and pixel_format to the driver; if the sensor is behind a media '
+                 "controller ('media-ctl -p' shows it) its format must be the same as here; "
+                 "'dmesg' says more"),
     ('qbuf_running', 'the driver does not take a buffer back: Invalid argument; open it again'),
     ('fatal', 'the driver stopped streaming: Input/output error; open it again'),
     ('disconnect', 'the device is gone (unplugged?); connect it and open it again'),

@@ -83,7 +83,7 @@ def test_a_scaled_bayer_frame_is_binned_by_both(formats):
 
 def test_a_crop_that_is_scaled_otherwise_is_refused(formats):
     assert formats['selections']['not_whole'] == (
-        '/dev/video0: its crop of 320x360 is scaled to frames of 304x240, which is no whole '
+        '/dev/video0: its crop of 320x360 is scaled to frames of 304x240, which is not a whole '
         "number of pixels each; choose frames of the crop's size, or another crop (v4l2-ctl "
         '--set-selection)')
 

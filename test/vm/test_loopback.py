@@ -112,7 +112,7 @@ def test_the_next_writer_may_have_another_size_or_it_is_said_why_not(device):
         assert device['gone for long'].startswith(
             f"{device['path']}: the program that wrote into this v4l2loopback device has ended, "
             'and version 0.12 lets no other one write after it (exclusive_caps=1); load the '
-            "module anew ('sudo modprobe -r v4l2loopback'")
+            "module again ('sudo modprobe -r v4l2loopback'")
     else:
         assert 'no program writes pictures' in device['gone for long']
         assert device['other size'] == list(OTHER_SIZE)

@@ -16,8 +16,8 @@ OF_SENSOR = {'brightness', 'contrast', 'saturation', 'hue', 'horizontal_flip', '
 DO_NOT_FIT = (
     'the links or formats between its sensor and this device do not fit each other (media '
     "controller); 'media-ctl -p' shows them: set the format of each pad, up to this device, to "
-    'the same size and to the code of pixel_format with media-ctl --set-v4l2, and likewise on '
-    'every other enabled way from its sensor, up to the other video devices (v4l2-ctl '
+    'the same size and to the code of pixel_format with media-ctl --set-v4l2, and do the same on '
+    'every other enabled path from its sensor, up to the other video devices (v4l2-ctl '
     '--set-fmt-video)')
 
 
@@ -109,5 +109,5 @@ def test_the_diagnostics_name_the_sensor(vimc):
 def test_the_node_ends_without_a_trace(vimc, results):
     assert vimc['node']['exit'] == 0
     log = (results / 'vimc.log').read_text()
-    assert f'streaming {WIDTH} x {HEIGHT} px at a rate that is not told from' in log
+    assert f'streaming {WIDTH} x {HEIGHT} px at an unknown rate from' in log
     assert 'Traceback' not in log

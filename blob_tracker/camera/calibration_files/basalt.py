@@ -40,7 +40,7 @@ def read_basalt(content: dict[str, Any], camera: str) -> dict[str, Any]:
     kind = str(entry.get('camera_type') or 'nameless') if isinstance(entry, dict) else 'nameless'
     if kind not in _MODELS:
         raise CalibrationError(
-            f'has the camera type {kind}, which is not known; calibrate anew with one of '
+            f'has the camera type {kind}, which is not known; calibrate again with one of '
             f'{", ".join(_MODELS)}'
         )
     lens, names = _MODELS[kind]

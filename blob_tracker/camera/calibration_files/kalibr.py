@@ -33,8 +33,8 @@ def read_kalibr(content: dict[str, Any], camera: str) -> dict[str, Any]:
     bent = str(entry.get('distortion_model') or 'none')
     if kind not in _MODELS:
         raise CalibrationError(
-            f'has the camera model {kind}, which is not known; calibrate anew with '
-            '--models pinhole-radtan, pinhole-equi, ds-none or eucm-none of Kalibr'
+            f'has the camera model {kind}, which is not known; calibrate again with --models '
+            'pinhole-radtan, pinhole-equi, ds-none or eucm-none of Kalibr'
         )
     own = _MODELS[kind]
     values = numbers(entry['intrinsics'], f'intrinsics of {name}', own + 4)
@@ -46,7 +46,7 @@ def read_kalibr(content: dict[str, Any], camera: str) -> dict[str, Any]:
     elif bent != 'none' or coefficients.any():
         raise CalibrationError(
             f'has the camera model {kind} with the distortion {bent}, which no lens model here '
-            'is; calibrate anew with --models pinhole-radtan, pinhole-equi, ds-none or eucm-none '
+            'is; calibrate again with --models pinhole-radtan, pinhole-equi, ds-none or eucm-none '
             'of Kalibr'
         )
     elif kind == 'pinhole':

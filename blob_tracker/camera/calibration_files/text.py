@@ -42,7 +42,7 @@ def read_text(path: str | Path) -> str:
     file = Path(path)
     try:
         if file.exists() and not file.is_file():  # a device may be read for ever
-            raise CalibrationError(f'cannot read the calibration {path}: it is no regular file')
+            raise CalibrationError(f'cannot read the calibration {path}: it is not a regular file')
         with file.open('rb') as stream:
             content = stream.read(MOST_BYTES + 1)
     except OSError as error:
@@ -52,11 +52,11 @@ def read_text(path: str | Path) -> str:
         if content.startswith(start):
             raise CalibrationError(f'{path} is {what}')
     if len(content) > MOST_BYTES:
-        raise CalibrationError(f'{path} is no calibration: it is larger than 10 MB')
+        raise CalibrationError(f'{path} is not a calibration: it is larger than 10 MB')
     try:
         return content.decode('utf-8-sig').replace('\r\n', '\n')
     except UnicodeDecodeError:
-        raise CalibrationError(f'{path} is no calibration: it is no text in UTF-8') from None
+        raise CalibrationError(f'{path} is not a calibration: it is not text in UTF-8') from None
 
 
 def named_values(path: str | Path, text: str) -> dict[str, Any]:

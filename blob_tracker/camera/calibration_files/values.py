@@ -16,7 +16,7 @@ def number(entry: Any, name: str) -> float:
             raise ValueError
         return float(entry)
     except (TypeError, ValueError):
-        raise CalibrationError(f'{name} is no number: {_shown(entry)}') from None
+        raise CalibrationError(f'{name} is not a number: {_shown(entry)}') from None
 
 
 def whole(entry: Any, name: str) -> int:
@@ -54,7 +54,7 @@ def numbers(entry: Any, name: str, *counts: int) -> NDArray[np.float64]:
                     f'numbers are announced and {len(entry)} are there'
                 )
     if not isinstance(entry, list):
-        raise CalibrationError(f'{name} is no list of numbers: {_shown(entry)}')
+        raise CalibrationError(f'{name} is not a list of numbers: {_shown(entry)}')
     found = np.array([number(each, name) for each in _flat(entry)])
     if counts and len(found) not in counts:
         raise CalibrationError(

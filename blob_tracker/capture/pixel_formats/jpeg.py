@@ -119,7 +119,7 @@ def extent(picture: bytes) -> tuple[int, tuple[int, int] | None]:
 
     """
     if not picture.startswith(_START):
-        raise ValueError('this is no JPEG: its first marker is missing')
+        raise ValueError('this is not a JPEG: its first marker is missing')
     place = len(_START)
     size: tuple[int, int] | None = None
     while (marker := picture[place:place + 2]) != _END:

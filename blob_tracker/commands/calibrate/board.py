@@ -58,7 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--columns', type=int, required=True,
         help='of a chessboard the inner corners, of ChArUco the squares, of dots the dots',
     )
-    parser.add_argument('--rows', type=int, required=True, help='likewise, the other way')
+    parser.add_argument('--rows', type=int, required=True, help='the same, in the other direction')
     parser.add_argument(
         '--square', type=float, required=True,
         help='side of a square, or distance of two rows of dots, mm',
@@ -209,7 +209,7 @@ def _views(arguments: argparse.Namespace, board: Board) -> list[View]:
         )
     if uneven:
         names = ', '.join(uneven)
-        print(f'left out, as the points found are no even grid: {names}', file=sys.stderr)
+        print(f'left out, as the points found are not an even grid: {names}', file=sys.stderr)
     return every
 
 

@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--distance', nargs='+', metavar=('LIGHT', 'LIGHT M'),
         help='two lights, the distance between them, m, and its standard deviation (default '
-             '1 mm): what tells the size',
+             '1 mm); it sets the size',
     )
     parser.add_argument(
         '--lights', nargs='+', default=[], metavar='LIGHT',
@@ -56,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--seconds', type=float, default=30.0,
-        help='to listen where there is no SOURCE (%(default)g)',
+        help='to listen, without a SOURCE (%(default)g)',
     )
     parser.add_argument(
         '--out', type=Path, default=Path('body.yaml'), metavar='FILE',
@@ -96,7 +96,7 @@ def main(arguments: argparse.Namespace) -> None:
     draw_body(picture, result)
     if not result.is_metric:
         raise BodyCalibrationError(
-            'no body file is written, since nothing tells the size: give --distance'
+            'no body file is written, since the size is unknown: give --distance'
         )
 
 

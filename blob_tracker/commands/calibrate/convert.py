@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--camera', default='', help='name of the camera in a file of several')
     parser.add_argument(
         '--size', type=picture_size, metavar='WIDTHxHEIGHT',
-        help='of the pictures that were calibrated, where the file does not tell',
+        help='of the calibrated pictures, if the file does not say',
     )
     parser.add_argument(
         '--out', type=Path, default=Path('camera_info.yaml'),

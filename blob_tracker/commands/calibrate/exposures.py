@@ -86,9 +86,9 @@ def shots_of(
     each = len(frames) // len(exposures) if exposures else 2
     if not each or len(frames) % each or (exposures and len(frames) != each * len(exposures)):
         raise SourceError(
-            f'{len(frames)} frames are no whole number of them for each of {len(exposures)} '
-            'exposures; sort the names by exposure, with as many frames for each'
-            if exposures else f'{len(frames)} frames are no whole number of pairs'
+            f'{len(frames)} frames do not divide evenly among {len(exposures)} exposures; sort '
+            'the names by exposure, with as many frames for each'
+            if exposures else f'{len(frames)} frames are not a whole number of pairs'
         )
     groups = []
     for k in range(0, len(frames), each):

@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_source(parser, 'lights that blink, before a camera that stands still')
     parser.add_argument(
         '--exposure', type=float, default=0.0, metavar='S',
-        help='of a frame, s: with it more frequencies are told from their aliases (unknown)',
+        help='of a frame, s: it rules out aliases of a frequency (unknown)',
     )
     parser.add_argument(
         '--saturation', type=int, default=0, help='DN of a clipped pixel; 0 is full scale'
@@ -209,7 +209,7 @@ def _write(
     console.print(words, markup=False, highlight=False, soft_wrap=True)
     if settings.lights:
         console.print(
-            f'locator and tracker, where each is a process: -p lights:={settings.lights}',
+            f'locator and tracker, if each is a process: -p lights:={settings.lights}',
             markup=False, highlight=False, soft_wrap=True,
         )
 

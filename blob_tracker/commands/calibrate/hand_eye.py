@@ -121,7 +121,9 @@ def _angles(
         try:
             states = deserialize_message(bag.serialized(message), JointState)
         except Exception as error:  # what a damaged message makes it raise comes from anywhere
-            raise RecordingError(f'{bag.path}, {name}: a message is no {KIND}: {error}') from None
+            raise RecordingError(
+                f'{bag.path}, {name}: a message is not a {KIND}: {error}'
+            ) from None
         there.update(states.name)
         try:
             for joint, angle in to_angles(states, joints).items():

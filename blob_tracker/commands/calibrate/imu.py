@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--ray', default='target/ray', help='topic of the bearings (%(default)s)')
     parser.add_argument('--imu', default='imu', help='topic of the IMU (%(default)s)')
     parser.add_argument(
-        '--seconds', type=float, default=30.0, help='to listen where there is no bag (%(default)g)'
+        '--seconds', type=float, default=30.0, help='to listen, without a bag (%(default)g)'
     )
     parser.add_argument(
         '--out', type=Path, default=Path('imu.yaml'), metavar='FILE',

@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--frequency', type=_frequency, metavar='HZ',
         help='of the light: 100 of a lamp on mains of 50 Hz, 120 on 60 Hz, or that of a PWM; left '
-        'out, one of the first two, as far as the stamps tell which',
+        'out, one of the first two, as far as the stamps say which',
     )
     parser.add_argument(
         '--out', type=Path, default=Path('line_time.yaml'),
@@ -70,8 +70,8 @@ def _report(console: Console, measurement: LineTimeMeasurement) -> None:
     )
     if not measurement.directed:
         console.print(
-            '- whether the first line is exposed first is not told, and is assumed: a lamp on the '
-            'mains and stamps at another frame rate may tell'
+            '- whether the first line is exposed first is unknown, and assumed: a lamp on the '
+            'mains and stamps at another frame rate may show it'
         )
 
 

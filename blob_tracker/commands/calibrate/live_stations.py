@@ -31,7 +31,7 @@ def measure_stations(arguments: argparse.Namespace, quantities: Sequence[Quantit
         header, *others = begun.splitlines()
         if header.strip() != ','.join(columns):
             raise StationsError(
-                f'{path} cannot be gone on with: its first line is not {",".join(columns)}'
+                f'{path} cannot be continued: its first line is not {",".join(columns)}'
             )
         done = len(read_stations(path, quantities).pixels) if others else 0
         console.print(f'going on after the {done} stations of {path}')

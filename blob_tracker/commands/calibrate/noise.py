@@ -40,10 +40,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--dark', metavar='FOLDER', help='dark frames, sorted in pairs')
     parser.add_argument(
         '--scene', action='store_true',
-        help='the frames show a still scene: no even light is needed, PRNU and DSNU are not told',
+        help='the frames show a still scene: no even light is needed, and PRNU and DSNU are not '
+        'measured',
     )
     parser.add_argument(
-        '--saturation', type=int, metavar='DN', help='level of a clipped pixel, where it is known'
+        '--saturation', type=int, metavar='DN', help='level of a clipped pixel, if known'
     )
     parser.add_argument(
         '--out', type=Path, default=Path('noise.yaml'), metavar='FILE',
@@ -98,8 +99,8 @@ def _check_time(succession: Succession) -> list[str]:
     if found is None:
         return [
             'no three frames of one light follow each other: whether the camera takes out noise '
-            'over time (temporal noise reduction), which would falsify all of this, cannot be '
-            'told. Take three or more in a row of each light'
+            'over time (temporal noise reduction), which would falsify all of this, is unknown. '
+            'Take three or more in a row of each light'
         ]
     if found.fault:
         raise PhotonTransferError(found.fault)
@@ -136,7 +137,7 @@ def _scene(arguments: argparse.Namespace) -> None:
     if line is None:
         raise PhotonTransferError(measured.reason)
     table = Table('', 'value', 'standard deviation', title='Noise level function')
-    for row in rows_of_noise(line, line.noise, 'not told apart from read noise'):
+    for row in rows_of_noise(line, line.noise, 'not separated from read noise'):
         table.add_row(*row)
     table.add_row('pairs of frames, tiles used', f'{pairs}, {tiles}', '')
     console.print(table)
@@ -148,7 +149,7 @@ def _scene(arguments: argparse.Namespace) -> None:
         full = 0 if deep else full
         warnings.append(
             'no pixel is clipped: saturation 0, full scale of 16 bits, is written; give '
-            '--saturation where the camera has fewer, 4095 for 12'
+            '--saturation if the camera has fewer, 4095 for 12'
             if deep else
             f'no pixel is clipped; the saturation of {full} DN is what the values suggest'
         )

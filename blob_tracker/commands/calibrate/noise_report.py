@@ -36,7 +36,7 @@ def print_photon_transfer(console: Console, found: PhotonTransfer) -> None:
     table = Table('', 'value', 'standard deviation', title='Photon transfer (EMVA 1288)')
     slope_sigma = sqrt(line.covariance[0, 0])
     if found.system_gain is None:
-        table.add_row('system gain K by EMVA 1288, DN/e-', 'not told without dark frames', '')
+        table.add_row('system gain K by EMVA 1288, DN/e-', 'unknown without dark frames', '')
     else:
         standard, sigma = found.system_gain
         table.add_row('system gain K by EMVA 1288, DN/e-', f'{standard:.4g}', f'{sigma:.2g}')
@@ -59,11 +59,11 @@ def print_photon_transfer(console: Console, found: PhotonTransfer) -> None:
     ]
     for name, pair, scale in measured:
         if pair is None:
-            table.add_row(name, 'not told by these frames', '')
+            table.add_row(name, 'unknown from these frames', '')
         else:
             table.add_row(name, f'{scale * pair[0]:.4g}', f'{scale * pair[1]:.2g}')
     table.add_section()
-    black_sigma = 'not told apart from read noise'
+    black_sigma = 'not separated from read noise'
     if found.black_level:
         black_sigma = f'{found.black_level[1]:.2g}'
     for row in rows_of_noise(line, found.noise, black_sigma):

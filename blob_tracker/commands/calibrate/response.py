@@ -31,9 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.description = (
         'The response of a camera with a gamma curve, a knee or a limited range. SOURCE shows one '
-        'still scene at several exposures: a folder with an '
-        f'{INDEX} (file,exposure; exposure 0 with the cap on), or anything with --exposures. Or, '
-        'with --flats, pairs of flat frames at several brightnesses that nobody knows.'
+        f'still scene at several exposures: a folder with an {INDEX} (file,exposure; exposure 0 '
+        'with the cap on), or anything with --exposures. Or, with --flats, pairs of flat frames '
+        'at several unknown brightnesses.'
     )
     add_source(parser, 'a still scene at several exposures', response=False)
     parser.add_argument(
@@ -51,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='of the sensor, electrons, by its data sheet: for --flats (%(default)s)',
     )
     parser.add_argument(
-        '--saturation', type=int, metavar='DN', help='level of a clipped pixel, where it is known'
+        '--saturation', type=int, metavar='DN', help='level of a clipped pixel, if known'
     )
     parser.add_argument('--camera', default='', help='its name, for the file')
     parser.add_argument(
@@ -65,7 +65,7 @@ def main(arguments: argparse.Namespace) -> None:
     """Calibrate."""
     check_out(arguments.out, '.png')
     if arguments.flats and arguments.exposures:
-        raise UsageError('--flats are of lights that nobody knows; leave out --exposures')
+        raise UsageError('--flats are of unknown lights; leave out --exposures')
     if arguments.dark and not arguments.flats:
         raise UsageError('--dark is for --flats; of exposures, 0 is that of dark frames')
     if not (isfinite(arguments.read_noise) and arguments.read_noise >= 0.0):
@@ -82,7 +82,7 @@ def main(arguments: argparse.Namespace) -> None:
     elif any(isnan(each.exposure) for each in shots):
         raise UsageError(
             f'the exposures are not known: give --exposures, a folder with an {INDEX} '
-            '(file,exposure), or --flats for flat frames whose light nobody knows'
+            '(file,exposure), or --flats for flat frames of unknown light'
         )
     else:
         with console.status(f'fitting the response to {len(shots)} exposures'):
@@ -161,7 +161,7 @@ def _say_how_to_use(
     noise = measurement.noise
     if noise is None:
         console.print(
-            '- the noise of linear pixels is not told by these frames: python3 -m blob_tracker '
+            '- the noise of linear pixels is unknown from these frames: python3 -m blob_tracker '
             f'calibrate noise SOURCE --response {shlex.quote(str(arguments.out))}',
             soft_wrap=True, highlight=False,
         )

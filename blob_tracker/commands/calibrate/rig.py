@@ -40,8 +40,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         'Where cameras are, how they are turned and how far their clocks are apart, from a bag in '
         'which one light was waved before all of them for half a minute: near and far, through '
-        'the whole space. Each camera has a tracker in a namespace of its own and sees with a '
-        'calibrated lens; record their rays, ros2 bag record /left/target/ray /right/target/ray.'
+        'the whole space. Each camera has a tracker in its own namespace, and a calibrated lens; '
+        'record their rays, ros2 bag record /left/target/ray /right/target/ray.'
     )
     parser.add_argument('bag', type=Path, help='with the rays of all cameras')
     parser.add_argument(
@@ -113,7 +113,7 @@ def main(arguments: argparse.Namespace) -> None:
     draw_rig(picture, result)
     if not result.is_metric:
         raise RigError(
-            'no parameters are written, since nothing tells the scale: give --wand or --baseline'
+            'no parameters are written, since the scale is unknown: give --wand or --baseline'
         )
 
 
@@ -181,8 +181,8 @@ def _parameters(
     if len(set(frames)) < len(frames):  # TF has one place for each
         frames = [f'{name}/{frame or "optical"}' for name, frame in zip(result.names, frames)]
         lines.append(
-            f'# (rays of several cameras are in one frame so far: set frame_id to {frames[0]} for '
-            f'{result.names[0]}, and likewise for the others)'
+            f'# (rays of several cameras share one frame so far: set frame_id to {frames[0]} for '
+            f'{result.names[0]}, and so on for the others)'
         )
     for name, frame, pose in zip(result.names, frames, poses, strict=True):
         options = ' '.join(f'--{key} {value}' for key, value in pose.items())

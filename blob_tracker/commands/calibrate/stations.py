@@ -32,14 +32,14 @@ def add_stations(parser: argparse.ArgumentParser, quantities: Sequence[Quantity]
         'measurements',
         metavar='MEASUREMENTS',
         type=Path,
-        help=f'CSV file with the header {header},x,y and, where they are known, sigma_x,sigma_y '
-        '(px); with --live it is written',
+        help=f'CSV file with the header {header},x,y and, if known, sigma_x,sigma_y (px); '
+        '--live writes it',
     )
     parser.add_argument(
         '--live',
         action='store_true',
-        help='measure now: average target/centroid at each station into MEASUREMENTS, and go on '
-        'where such a file ends',
+        help='measure now: average target/centroid at each station into MEASUREMENTS, and '
+        'continue an unfinished file',
     )
     parser.add_argument(
         '--topic', default='target/centroid', help='centroids to average (%(default)s)'
@@ -97,6 +97,6 @@ def _steps(words: str) -> list[float]:
 def _count(word: str) -> int:
     if not word.isdecimal() or int(word) < LEAST_COUNT:
         raise argparse.ArgumentTypeError(
-            f'{word} must be {LEAST_COUNT} or more: fewer do not tell their own scatter'
+            f'{word} must be {LEAST_COUNT} or more: fewer do not show their own scatter'
         )
     return int(word)

@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--size', type=picture_size, metavar='WIDTHxHEIGHT',
-        help='of the picture, where none is guessed',
+        help='of the picture, if there is no first guess',
     )
     parser.add_argument(
         '--fit-distortion', action='store_true', help='fit k1, the first distortion coefficient'

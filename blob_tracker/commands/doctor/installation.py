@@ -67,8 +67,7 @@ def check_ros(
             'ROS',
             f'rclpy is at {rclpy.parent} and this Python cannot load it: {failure}',
             f'it is made for one version of Python, not for every; this one is {sys.executable}: '
-            'use that of ROS (python3 of Ubuntu 24.04), or the wheels in an environment of their '
-            'own',
+            'use that of ROS (python3 of Ubuntu 24.04), or the wheels in their own environment',
         )
         return
     if from_wheel and sourced:
@@ -190,7 +189,7 @@ def check_tf(environment: Mapping[str, str], messages: Path | None) -> Iterator[
     else:
         yield ok(
             'TF',
-            'there is no tf2_msgs, which no registry of Python has: leave use_tf and publish_tf '
+            'there is no tf2_msgs, which is on no Python registry: leave use_tf and publish_tf '
             'false',
         )
 

@@ -28,7 +28,7 @@ def check_log_folder(environment: Mapping[str, str]) -> Iterator[Finding]:
     if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK) or _is_kernel(there):
         yield warn(
             'log folder',
-            f'{folder} cannot be written to ({there} is not for you): nodes run without log files',
+            f'{folder} cannot be written to ({there} is not yours): nodes run without log files',
             'name another',
             'export ROS_LOG_DIR=/tmp/ros_log',
         )

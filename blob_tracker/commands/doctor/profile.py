@@ -64,7 +64,7 @@ def check_profile(
         size = segment_size(path)
     except ElementTree.ParseError as fault:
         yield error(
-            'Fast DDS', f'{path} is no well-formed XML ({fault}); Fast DDS takes none of it',
+            'Fast DDS', f'{path} is not well-formed XML ({fault}); Fast DDS takes none of it',
             'mend it, or take the one that comes with the package', export,
         )
         return

@@ -88,7 +88,7 @@ def _check_keystore(environment: Mapping[str, str], strategy: str) -> Iterator[F
     if not (enclaves / 'governance.p7s').is_file():
         yield level(
             'security',
-            f'ROS_SECURITY_KEYSTORE is {name}, which is no keystore: {enclaves} has no '
+            f'ROS_SECURITY_KEYSTORE is {name}, which is not a keystore: {enclaves} has no '
             'governance.p7s',
             'make one (config/security/README.md)',
             create,

@@ -44,7 +44,7 @@ UNREAD = {
             'PNG',
     '.cine': 'export it from PCC (Phantom) as a 16-bit TIFF stack',
     '.seq': 'export it from the program that recorded it as a 16-bit TIFF stack',
-    '.gif': 'its colours were picked anew, and a light is no longer in proportion; record a video',
+    '.gif': 'its colours were chosen again, and light is no longer in proportion; record a video',
 }
 
 
@@ -83,7 +83,7 @@ def add_source(
     )
     parser.add_argument(
         '--frame-rate', type=_positive_float, metavar='HZ',
-        help='frames a second, where the source has no stamps, or wrong ones; of a camera the '
+        help='frames a second, if the source has no stamps, or wrong ones; of a camera the '
         'one that it is set to',
     )
     parser.add_argument(
@@ -95,7 +95,7 @@ def add_source(
     )
     parser.add_argument(
         '--stride', type=_positive_int, default=0, metavar='BYTES',
-        help='from line to line of a raw dump, where lines are padded',
+        help='from line to line of a raw dump, if lines are padded',
     )
     if response:
         add_response(parser)
@@ -288,7 +288,7 @@ def _size(word: str) -> tuple[int, int]:
     except ValueError:
         size = 0, 0
     if min(size) < 1:
-        raise argparse.ArgumentTypeError(f'{word} is no size; write 640x480')
+        raise argparse.ArgumentTypeError(f'{word} is not a size; write 640x480')
     return size
 
 

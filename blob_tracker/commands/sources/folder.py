@@ -61,7 +61,9 @@ def _files(folder: Path) -> list[Path]:
         if not file.name.startswith('.') and (file.suffix.lower() in SUFFIXES or is_fits(file))
     ]
     if not files:
-        raise SourceError(f'{folder} holds no images ({" ".join(SUFFIXES)} .fits) and is no bag')
+        raise SourceError(
+            f'{folder} holds no images ({" ".join(SUFFIXES)} .fits) and is not a bag'
+        )
     return sorted(
         files,
         key=lambda file: [

@@ -33,7 +33,7 @@ def open_raw(path: Path, pixel_format: str, size: tuple[int, int] | None, stride
 
     """
     if size is None:
-        raise SourceError(f'{path} does not tell the size of its pictures: give --size 640x480')
+        raise SourceError(f'{path} does not say how large its pictures are: give --size 640x480')
     known = PIXEL_FORMATS.get(pixel_format)
     if known is None or known.compressed:
         raise SourceError(
@@ -46,8 +46,8 @@ def open_raw(path: Path, pixel_format: str, size: tuple[int, int] | None, stride
     if left or not count:
         raise SourceError(
             f'{path} has {there} bytes and a picture of {size[0]} x {size[1]} px in '
-            f'{pixel_format} takes {picture}: that is no whole number of them; give the right '
-            '--size and --pixel-format, and --stride where the lines are padded'
+            f'{pixel_format} takes {picture}: that is not a whole number of them; give the right '
+            '--size and --pixel-format, and --stride if the lines are padded'
         )
     return Source(_frames(path, pixel_format, size, stride, picture), count)
 

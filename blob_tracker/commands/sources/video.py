@@ -24,8 +24,8 @@ def open_video(path: Path) -> Source:
     video = cv2.VideoCapture(str(path))
     if not video.isOpened():
         raise SourceError(
-            f'{path} is not a video that OpenCV can read: copy it anew if it was cut, or '
-            'convert it to FFV1 (.mkv)'
+            f'{path} is not a video that OpenCV can read: copy it again if it was cut, or convert '
+            'it to FFV1 (.mkv)'
         )
     count = int(video.get(cv2.CAP_PROP_FRAME_COUNT))
     whole = count if path.suffix.lower() in COUNTED else 0
@@ -47,7 +47,7 @@ def _frames(path: Path, video: cv2.VideoCapture, whole: int) -> Iterator[SourceF
                 elif index < whole:
                     raise SourceError(
                         f'{path} ends after {index} of {whole} frames: it was cut or is damaged; '
-                        'copy it anew'
+                        'copy it again'
                     )
                 return
             told = video.get(cv2.CAP_PROP_POS_MSEC) / 1e3  # of the frame that was read

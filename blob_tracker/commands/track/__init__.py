@@ -230,6 +230,6 @@ def _why_none(arguments: argparse.Namespace, summary: Summary) -> str:
     )
     return (
         f'no light was placed in {len(summary.frames)} frames. Is flash.mode right? python3 -m '
-        f'blob_tracker calibrate flash {shlex.quote(arguments.source)} tells how the lights '
-        f'blink{most}'
+        f'blob_tracker calibrate flash {shlex.quote(arguments.source)} says how the lights blink '
+        f'{most}'
     )

@@ -44,7 +44,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Declare an option for each parameter, and one for files of them."""
     parser.add_argument(
         '--camera-info', metavar='FILE', dest='camera_info_url',
-        help='calibration, for the angles; of a bag its own where this is left out',
+        help="calibration, for the angles; by default a bag's own",
     )
     parser.add_argument(
         '--field-of-view', metavar='DEGREES', dest='field_of_view', type=_reader('field_of_view'),
@@ -108,7 +108,7 @@ def of_file(path: Path) -> Iterator[tuple[str, Any]]:
     except (OSError, UnicodeDecodeError) as error:
         raise ParameterError(f'{path} cannot be read: {error}') from None
     except yaml.YAMLError as error:
-        raise ParameterError(f'{path} is no YAML: {" ".join(str(error).split())}') from None
+        raise ParameterError(f'{path} is not YAML: {" ".join(str(error).split())}') from None
     nodes = content.items() if isinstance(content, dict) else ()
     sections = [
         (str(pattern).rpartition('/')[2], section[FILE]) for pattern, section in nodes
@@ -116,7 +116,7 @@ def of_file(path: Path) -> Iterator[tuple[str, Any]]:
     ]
     if not sections:
         raise ParameterError(
-            f'{path} is no parameter file of ROS: it has no node with {FILE} in it'
+            f'{path} is not a ROS parameter file: it has no node with {FILE} in it'
         )
     for node, section in sections:
         for name, value in _flat(section):

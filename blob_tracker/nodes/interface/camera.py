@@ -17,30 +17,30 @@ PARAMETERS = (
         'The camera: its path, or a link in /dev/v4l/by-id or by-path, followed at each opening.',
     ),
     Parameter(
-        'width', 0, 'Width of the frames; 0 leaves the driver its own.', 0, 16384, unit='px'
+        'width', 0, "Width of the frames; 0 keeps the driver's.", 0, 16384, unit='px'
     ),
     Parameter(
-        'height', 0, 'Height of the frames; 0 leaves the driver its own.', 0, 16384, unit='px'
+        'height', 0, "Height of the frames; 0 keeps the driver's.", 0, 16384, unit='px'
     ),
     Parameter(
         'pixel_format',
         '',
-        'FourCC of the pixels; empty leaves the camera its own if it can be read uncompressed.',
+        "FourCC of the pixels; empty keeps the camera's own if it can be read uncompressed.",
         choices=('', *PIXEL_FORMATS),
     ),
     CAMERA_CHANNEL,
     Parameter(
         'fields',
         '',
-        'How interlaced pictures are asked for, as V4L2 names it; empty takes whole pictures '
-        'where the driver has them. Each field is a frame. interlaced_tb or _bt also tells which '
-        'field is first, top or bottom, where the driver leaves that to the video standard.',
+        'How interlaced pictures are asked for, as V4L2 names it; empty takes whole pictures if '
+        'the driver has them. Each field is a frame. interlaced_tb or _bt also says which field '
+        'is first, top or bottom, if the driver leaves that to the video standard.',
         choices=CHOICES,
     ),
     Parameter(
         'frame_rate',
         0.0,
-        'Frames a second, of interlaced pictures fields; 0 leaves the driver its own.',
+        "Frames a second (of interlaced pictures, fields); 0 keeps the driver's.",
         least=0.0,
         most=10000.0,
         unit='Hz',
@@ -48,14 +48,14 @@ PARAMETERS = (
     Parameter(
         'buffers',
         4,
-        'Buffers in the driver: more of them ride out longer pauses of this machine.',
+        'Buffers in the driver: more of them bridge longer pauses of this machine.',
         least=2,
         most=32,
     ),
     Parameter(
         'exposure_time',
         0.0,
-        'Exposure of a camera without a control that tells it, to put the stamp into its middle; '
+        'Exposure, if the camera has no control that gives it: the stamp is put into its middle; '
         '0 is unknown.',
         least=0.0,
         most=100.0,
@@ -64,8 +64,8 @@ PARAMETERS = (
     Parameter(
         'readout_time',
         0.0,
-        'From the end of the exposure to that of the transfer, of a camera whose driver stamps '
-        'the latter; 0 is unknown.',
+        'From the end of the exposure to the end of the transfer, if the driver stamps the '
+        'latter; 0 is unknown.',
         least=0.0,
         most=100.0,
         unit='s',
@@ -74,8 +74,8 @@ PARAMETERS = (
     Parameter(
         'rolling_shutter',
         False,
-        'Take the line time from the controls hblank and pixel_rate of the sensor where line_time '
-        'is 0. Those with a global shutter have them too: no control tells which it is.',
+        "If line_time is 0, take the line time from the sensor's controls hblank and pixel_rate. "
+        'Sensors with a global shutter have them too: no control says which kind it is.',
     ),
     Parameter('frame_id', 'camera_optical_frame', 'Name of the optical frame.'),
     Parameter(
@@ -84,7 +84,7 @@ PARAMETERS = (
     Parameter(
         'camera_info_url',
         '',
-        'Calibration: a path, file:// or package:// URL of a file that is there. Empty is '
+        'Calibration: a path, file:// or package:// URL of an existing file. Empty is '
         f'{DEFAULT_CALIBRATION_URL}, which set_camera_info may write first. Without a '
         'calibration, and without field_of_view, K is 0 and no bearing can be computed.',
     ),

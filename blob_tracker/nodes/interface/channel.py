@@ -15,7 +15,8 @@ CAMERA_CHANNEL = Parameter(
 SEGMENTER_CHANNEL = Parameter(
     'channel',
     AUTO,
-    'Colour in which the light is looked for, of a colour camera. auto: in which it flashes '
-    'strongest; name it for a light that does not flash. Luma of a Bayer mosaic is green.',
+    'Colour in which the light is looked for, of a colour camera. auto: the one in which it '
+    'flashes strongest; name the colour of a light that does not flash. Luma of a Bayer mosaic is '
+    'green.',
     choices=_CHOICES,
 )

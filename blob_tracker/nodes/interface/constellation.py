@@ -28,17 +28,17 @@ PARAMETERS = (
     Parameter(
         'unnamed',
         '',
-        'Names of lights in target/<name>/ray that say not which light of the body each is, '
-        'comma-separated: codes that were mounted in any order. It is found out by where they '
-        'are; of a body that looks the same from several sides there is no pose. Empty: the '
-        'lights have the names of the body file.',
+        'Names of lights in target/<name>/ray, comma-separated, if it is not known which light of '
+        'the body each is: codes that were mounted in any order. Their positions decide; a body '
+        'that looks the same from several sides has no pose. Empty: the lights have the names of '
+        'the body file.',
         fixed='the topics are subscribed to at the start',
     ),
     Parameter(
         'max_interval',
         0.1,
-        'Greatest time between the first and the last ray of a pose. So long is a hidden light '
-        'waited for; what the body may do meanwhile is in the covariance.',
+        'Longest time between the first and the last ray of a pose. A hidden light is waited for '
+        'as long; what the body may do meanwhile is in the covariance.',
         least=1e-4,
         most=10.0,
         unit='s',
@@ -55,7 +55,8 @@ PARAMETERS = (
     Parameter(
         'rate_sigma',
         3.0,
-        'How fast it turns about each axis, standard deviation; it may change likewise.',
+        'How fast it turns about each axis, standard deviation; within 0.3 s it may change by as '
+        'much.',
         least=1e-3,
         most=1e3,
         unit='rad/s',
@@ -63,7 +64,7 @@ PARAMETERS = (
     Parameter(
         'max_distance',
         200.0,
-        'A body that is further away is published and warned of: its file may be in mm.',
+        'A body further away is published with a warning: its file may be in mm.',
         least=0.1,
         most=1e6,
         unit='m',
@@ -71,8 +72,8 @@ PARAMETERS = (
     Parameter(
         'gate',
         5.0,
-        'How badly rays may fit a pose. What fits worse is of other lights, or the body file is '
-        'wrong.',
+        'How badly rays may fit a pose. If it is worse, the rays are of other lights, or the body '
+        'file is wrong.',
         least=1.0,
         most=1000.0,
         unit='standard deviations',
@@ -80,8 +81,8 @@ PARAMETERS = (
 )
 INTERFACE = Interface(
     'constellation',
-    'how a body of several lights is turned, of one camera',
-    'Tells where a body is and how it is turned whose coded lights one camera sees.',
+    'the pose of a body of several lights, from one camera',
+    'Finds the pose of a body whose coded lights one camera sees.',
     PARAMETERS,
     subscribed=BODY_RAYS,
     published=(BODY_POSE, BODY_TWIST, TF, DIAGNOSTICS),

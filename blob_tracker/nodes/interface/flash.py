@@ -10,8 +10,8 @@ FLASH = (
         'How the light flashes. alternate: in step with the camera, on in every other frame. '
         'periodic: free-running at flash.frequency, or several at flash.frequencies. coded: '
         'lights that blink flash.codes. lock_in: a faint light at flash.frequency that stands '
-        'still. steady: always on. auto: nobody knows; alternate is tried first, then what blinks '
-        'is watched for 3 s and the brightest light followed; the diagnostics tell what to set.',
+        'still. steady: always on. auto: unknown; alternate is tried first, then whatever blinks '
+        'is watched for 3 s and the brightest light followed; the diagnostics say what to set.',
         choices=FLASH_MODE_NAMES,
     ),
     Parameter(
@@ -25,7 +25,7 @@ FLASH = (
     Parameter(
         'flash.duty',
         0.5,
-        'Part of its period in which a periodic light is on.',
+        'Part of its period for which a periodic light is on.',
         least=DUTIES[0],
         most=DUTIES[1],
     ),
@@ -38,29 +38,29 @@ FLASH = (
     Parameter(
         'flash.codes',
         '',
-        'Bits of the coded lights: port:1101000,starboard:1110100. Each has topics of its own, '
-        'target/port/... No code may be a rotation of another one.',
+        'Bits of the coded lights: port:1101000,starboard:1110100. Each has its own topics, '
+        'target/port/... No code may be a rotation of another.',
     ),
     Parameter(
         'flash.frames_per_bit',
         1,
-        'Frames in which a coded light holds each bit, where flash.bits_per_second is 0.',
+        'Frames for which a coded light holds each bit, if flash.bits_per_second is 0.',
         least=1,
         most=64,
     ),
     Parameter(
         'flash.bits_per_second',
         0.0,
-        'Bits that coded lights send in a second, by a clock of their own that may be off by '
-        '1 %. 0: in step with the frames.',
+        'Bits a second that coded lights send by their own clock, which may be off by 1 %. 0: in '
+        'step with the frames.',
         least=0.0,
         most=1000.0,
     ),
     Parameter(
         'flash.exposure',
         0.0,
-        'How long a frame is exposed: it tells when a light was seen that was switched meanwhile. '
-        '0: as the camera in this process tells, or half of the frame interval.',
+        'How long a frame is exposed: it fixes when a light that was switched meanwhile was seen. '
+        '0: what the camera in this process says, or half the frame interval.',
         least=0.0,
         most=1.0,
         unit='s',

@@ -6,7 +6,7 @@ LONGEST_S = 0.01  # s a line: a picture of 480 lines takes 5 s
 
 _MEANING = (
     'From the exposure of a line of the frames to that of the next, of a rolling shutter: '
-    'calibrate line_time measures it. Below 0 the last line is read first. 0: '
+    'calibrate line_time measures it. Below 0: the last line is read first. 0: '
 )
 
 
@@ -17,4 +17,4 @@ def _line_time(nothing: str) -> Parameter:
 
 
 CAMERA_LINE_TIME = _line_time('a global shutter, or see rolling_shutter.')
-LINE_TIME = _line_time('a global shutter, or as the camera in this process tells.')
+LINE_TIME = _line_time('a global shutter, or what the camera in this process says.')

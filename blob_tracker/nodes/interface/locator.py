@@ -14,15 +14,15 @@ PARAMETERS = (
     Parameter(
         'method',
         DEFAULT_METHOD,
-        'How the blob is placed in its window. The default is at the limit that the noise sets; '
-        'the others are those of the thesis, locale_table the look-up that it proposes.',
+        'How the blob is located in its window. The default reaches the limit that the noise '
+        "sets; the others are the thesis' own, locale_table the look-up that it proposes.",
         choices=tuple(METHODS),
     ),
     Parameter(
         'elliptical',
         False,
         'Fit a width along x and one along y, for a lens or a light that does not make round '
-        'blobs. For the methods that have both forms.',
+        'blobs; only for methods that have both forms.',
     ),
     Parameter(
         'noise.gain',
@@ -45,7 +45,7 @@ PARAMETERS = (
     Parameter(
         'noise.black_level',
         0.0,
-        'Mean of a pixel without light, the pedestal: there is no shot noise in it.',
+        'Mean of a pixel without light, the pedestal: it has no shot noise.',
         least=0.0,
         most=65535.0,
         unit='DN',
@@ -53,14 +53,14 @@ PARAMETERS = (
     Parameter(
         'noise.online',
         False,
-        'Take all three from target/noise, where the segmenter measures them (noise.measure), as '
-        'soon as they arrive. Off, a bag gives the same numbers each time.',
+        'Take all three from target/noise as soon as they arrive; the segmenter measures them '
+        '(noise.measure). Off, a bag gives the same numbers each time.',
     ),
     Parameter(
         'looks',
         1,
-        'Frames that are summed in a window, as the segmenter says in its diagnostics: their read '
-        'noise is in the covariance as often.',
+        "Frames summed in a window, as the segmenter's diagnostics say: the covariance counts the "
+        'read noise as often.',
         least=1,
         most=256,
     ),
@@ -70,34 +70,34 @@ PARAMETERS = (
     Parameter(
         'line_jitter_url',
         '',
-        'Line offsets of an analogue grabber, as `calibrate jitter` writes them, to be taken off '
-        'each location: path, file:// or package://. Empty for a digital camera.',
+        'Line offsets of an analogue grabber, as `calibrate jitter` writes them, to correct each '
+        'location: path, file:// or package://. Empty for a digital camera.',
     ),
     Parameter(
         'pulse_url',
         '',
-        'Shape of the blob, as `calibrate pulse` writes it, to be fitted in place of the Gaussian '
-        'by maximum_likelihood: path, file:// or package://. Where it does not fit, or is of '
-        'another camera, the Gaussian goes on.',
+        'Shape of the blob, as `calibrate pulse` writes it, for maximum_likelihood to fit in '
+        'place of the Gaussian: path, file:// or package://. If it does not fit, or belongs to '
+        'another camera, the Gaussian is used.',
     ),
     Parameter(
         'pulse.learn',
         False,
         'Learn the shape of each light while it is tracked, and fit it once it has been shown to '
         'fit better. It is written to pulse_url if there is no such file yet. Off, a bag gives '
-        'the same numbers wherever it is begun.',
+        'the same numbers wherever it starts.',
     ),
     Parameter(
         'lights',
         '',
-        'Names of the lights that are to be placed, as flash.codes has them: '
-        'port,starboard. Empty for a light without a name. Within the pipeline every light is.',
+        'Names of the lights to locate, as in flash.codes: port,starboard. Empty for a light '
+        'without a name. The pipeline locates them all.',
     ),
     Parameter(
         'range.psf_sigma',
         0.0,
-        'Width of the picture of a point: that of the blob, which the diagnostics show, of a '
-        'light so far away that its size does not matter. Above 0 they show radius and flux too.',
+        'Width (sigma) of the image of a point: that of the blob in the diagnostics, for a light '
+        'so far away that its size does not matter. Above 0 they show radius and flux too.',
         least=0.0,
         most=100.0,
         unit='px',
@@ -105,7 +105,7 @@ PARAMETERS = (
     Parameter(
         'range.diameter',
         0.0,
-        'Diameter of the light, if it is an even disc or ball: target/range is then told by its '
+        'Diameter of the light, if it is an even disc or ball: target/range then follows from its '
         'size in the picture. 0: unknown.',
         least=0.0,
         most=1e4,
@@ -114,8 +114,8 @@ PARAMETERS = (
     Parameter(
         'range.reference_distance',
         0.0,
-        'Where the flux was range.reference_flux: target/range is then told by the flux. 0: not '
-        'measured.',
+        'Distance at which the flux was range.reference_flux: target/range then follows from the '
+        'flux. 0: not measured.',
         least=0.0,
         most=1e6,
         unit='m',

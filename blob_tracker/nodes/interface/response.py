@@ -6,7 +6,7 @@ RESPONSE = Parameter(
     'response_url',
     '',
     'Response of a camera with a gamma curve, as `calibrate response` writes it: path, file:// or '
-    'package://. The segmenter makes the pixels linear by it and the locator must know it: give '
-    'both the same; noise.* is that of linear pixels, saturation in raw DN. Empty for a linear '
-    'camera.',
+    'package://. The segmenter makes the pixels linear with it and the locator must know it: give '
+    'both the same. noise.* is then that of linear pixels, saturation in raw DN. Empty for a '
+    'linear camera.',
 )

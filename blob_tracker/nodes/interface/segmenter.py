@@ -24,16 +24,16 @@ PARAMETERS = (
     Parameter(
         'camera_info_url',
         '',
-        'Calibration that stands in where no camera_info comes with the frames of another driver '
-        'or a bag, or one with K 0: a path, file:// or package:// URL. Images then have to be of '
-        'its size. The camera node in the same process reads its own.',
+        "Calibration to use if another driver's or a bag's frames come without a camera_info, or "
+        'with K 0: a path, file:// or package:// URL. Images must then have its size. The camera '
+        'node in the same process reads its own.',
     ),
     *FLASH,
     Parameter(
         'flash.frames',
         16,
         'Frames over which the mode lock_in demodulates: more find a fainter light and give fewer '
-        'windows. It must stand still meanwhile.',
+        'windows. The light must stand still meanwhile.',
         least=4,
         most=256,
     ),
@@ -43,23 +43,24 @@ PARAMETERS = (
         'jpeg_quality',
         0,
         'Quality (libjpeg) at which the frames were compressed as JPEG on their way here; its '
-        'rounding is then in the covariance. 0: not at all, or the camera in this process tells.',
+        'rounding is then in the covariance. 0: not at all, or what the camera in this process '
+        'says.',
         least=0,
         most=100,
     ),
     Parameter(
         'min_snr',
         7.0,
-        'Least SNR of the target in a filter matched to its width. Below 6 the noise of a whole '
-        'frame reaches it by itself; about the predicted place 0.85 of it is enough.',
+        'Least SNR of the target in a filter matched to its width. Below 6, noise alone reaches '
+        'it somewhere in a frame; near the predicted position 0.85 of it is enough.',
         least=3.0,
         most=1000.0,
     ),
     Parameter(
         'max_pair_interval',
         0.0,
-        'Greatest time between the lit and the unlit frame; lower it where the camera moves fast. '
-        '0: 0.1 s, or for a camera below 15 Hz one and a half of its frame intervals.',
+        'Longest time between the lit and the unlit frame; lower it if the camera moves fast. 0: '
+        '0.1 s, or for a camera below 15 Hz one and a half of its frame intervals.',
         least=0.0,
         most=10.0,
         unit='s',
@@ -68,15 +69,15 @@ PARAMETERS = (
         'registration',
         'none',
         'How the unlit frame is laid over the lit one in the mode alternate, for a camera that '
-        'moves between the two: translation follows a shift, affine a turn as well. Either costs '
-        'milliseconds a frame, and needs a scene with texture.',
+        'moves between the two: translation follows a shift, affine a rotation as well. Either '
+        'costs milliseconds a frame, and needs a scene with texture.',
         choices=tuple(REGISTRATIONS),
     ),
     Parameter(
         'gate',
         24.0,
-        'Greatest way of the target in the picture from one flash to the next, while its motion '
-        'is not known yet. In the mode alternate it tells what flashes again from what is new.',
+        'How far the target may move in the picture from one flash to the next while its motion '
+        'is not known yet. In mode alternate it separates what flashes again from what is new.',
         least=1.0,
         most=1000.0,
         unit='px',
@@ -85,14 +86,14 @@ PARAMETERS = (
         'follow_prediction',
         False,
         'Look for the light where the tracker expects it, however far it moved, and in the whole '
-        'frame where it is not there. Of use in the mode alternate, with a tracker that knows '
-        'the platform. Off, a bag gives the same numbers each time.',
+        'frame if it is not there. Useful in mode alternate, with a tracker that knows the '
+        'platform. Off, a bag gives the same numbers each time.',
     ),
     Parameter(
         'threshold.method',
         'sigma_window',
-        'How the window about the peak is found. The default follows the width of the blob; the '
-        'others are those of the thesis, made for its location methods.',
+        'How the window around the peak is found. The default follows the width of the blob; the '
+        "others are the thesis' own, made for its location methods.",
         choices=tuple(THRESHOLDS),
     ),
     Parameter(
@@ -114,7 +115,7 @@ PARAMETERS = (
     Parameter(
         'max_blob',
         128,
-        'Greatest half-width of the window; what is wider is no target.',
+        'Largest half-width of the window; anything wider is not a target.',
         least=4,
         most=1024,
         unit='px',
@@ -122,8 +123,8 @@ PARAMETERS = (
     Parameter(
         'looks',
         1,
-        'Pairs of a still target that are summed in one window; the thesis has 5. Give the '
-        'locator the same number.',
+        'Pairs of a still target to sum in one window; the thesis has 5. Give the locator the '
+        'same number.',
         least=1,
         most=256,
     ),
@@ -139,14 +140,14 @@ PARAMETERS = (
         'noise.measure',
         False,
         'Measure gain and read noise of the camera from the unlit frames, once a second, and '
-        'publish them on target/noise. It needs a scene of more than one brightness that stands '
-        'nearly still, and raw pixels.',
+        'publish them on target/noise. It needs a nearly still scene of more than one brightness, '
+        'and raw pixels.',
     ),
     Parameter(
         'lost_after',
         0.2,
         'Time without a target, by the stamps, after which target/visible turns false. A coded '
-        'light must be lit meanwhile; a block of the mode lock_in is always waited for.',
+        'light must be lit at some time in it; a block of mode lock_in is always waited for.',
         least=0.001,
         most=60.0,
         unit='s',

@@ -45,22 +45,21 @@ PARAMETERS = (
     Parameter(
         'clock_error',
         0.0,
-        'By how much the clocks of lights that run free are faster than they should be, in parts '
-        'of their rate.',
+        'How much too fast the clocks of free-running lights are, as a part of their rate.',
         least=-0.02,
         most=0.02,
     ),
     Parameter(
         'reach',
         0.7,
-        'Greatest distance of the path of a light from the middle, as a part of half the picture.',
+        "Largest distance of a light's path from the middle, as a part of half the picture.",
         least=0.0,
         most=2.0,
     ),
     Parameter(
         'period',
         9.0,
-        'Time after which a light is at the same place again: a third of it takes it down the '
+        'Time after which a light is at the same position again: a third of it takes it down the '
         'picture and back.',
         least=0.01,
         most=1e6,
@@ -125,13 +124,13 @@ PARAMETERS = (
         'body_url',
         '',
         'Where the lights of flash.codes are on a body that flies before the camera, as the node '
-        'constellation takes it: path, file:// or package://. Empty: each light goes its way.',
+        'constellation takes it: path, file:// or package://. Empty: each light goes its own way.',
     ),
     Parameter(
         'platform',
         STILL,
         'What the camera rides on. On a vehicle the light is far off and stands still, and imu '
-        'tells how the vehicle turns.',
+        'says how the vehicle turns.',
         choices=(STILL, *MOTIONS),
     ),
     Parameter(
@@ -143,7 +142,7 @@ PARAMETERS = (
 )
 INTERFACE = Interface(
     'simulator',
-    'lights that are not there',
+    'a simulated camera and lights',
     'Publishes what a camera does that sees flashing lights move before a wall, and the truth. '
     'Several have theirs on simulator/truth/NAME/...',
     PARAMETERS,

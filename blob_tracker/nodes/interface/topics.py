@@ -20,15 +20,15 @@ CAMERA_INFO = Topic(
 WINDOW_IMAGE = Topic(
     'target/window/image_raw',
     'sensor_msgs/Image',
-    "8UC2 or 16UC2: the target's pixels lit and unlit, raw; 16UC2 also for sums of frames "
-    'and for linear DN (response_url); 1 channel for a steady light; a third one where not all '
-    'pixels see the light, or JPEG added noise; a fourth one of a light that blinks and moves '
+    "8UC2 or 16UC2: the target's pixels lit and unlit, raw; 16UC2 also for sums of frames and for "
+    'linear DN (response_url); 1 channel for a steady light; a third one if not all pixels see '
+    'the light, or JPEG added noise; a fourth one for a light that blinks and moves '
     '(docs/segmentation.md)',
 )
 WINDOW_INFO = Topic(
     'target/window/camera_info',
     'sensor_msgs/CameraInfo',
-    "calibration; `roi` is the window's place",
+    "calibration; `roi` is the window's position",
 )
 VISIBLE = Topic('target/visible', 'std_msgs/Bool', 'transient local, on change')
 NOISE = Topic(
@@ -67,7 +67,7 @@ TRACK = Topic(
     'nav_msgs/Odometry',
     'with each bearing: filtered angle as target/ray has it; in `twist.angular` x the rate of the '
     'elevation and y that of the azimuth, rad/s, each with covariance; `twist.linear` z is what '
-    'was taken off the stamps (stamp_offset), s',
+    'was subtracted from the stamps (stamp_offset), s',
 )
 TRACKED = Topic(
     'target/tracked',
@@ -80,12 +80,13 @@ RAYS = tuple(
     for camera in ('left', 'right')
 )
 POINT = Topic(
-    'target/point', 'geometry_msgs/PointStamped', 'where the light is in `frame_id`, m'
+    'target/point', 'geometry_msgs/PointStamped', 'position of the light in `frame_id`, m'
 )
 POSE = Topic(
     'target/pose',
     'geometry_msgs/PoseWithCovarianceStamped',
-    'where the light is, with covariance in m^2; the orientation is unknown, as its variance says',
+    'position of the light, with covariance in m^2; the orientation is unknown, as its variance '
+    'says',
 )
 # Of the lights in config/body.yaml.
 BODY_RAYS = tuple(
@@ -95,8 +96,8 @@ BODY_RAYS = tuple(
 BODY_POSE = Topic(
     'target/body/pose',
     'geometry_msgs/PoseWithCovarianceStamped',
-    "the place, m, and turn of a body's frame in the optical frame, with covariance, m^2 and "
-    'rad^2; see `body`',
+    "position, m, and orientation of a body's frame in the optical frame, with covariance, m^2 "
+    'and rad^2; see `body`',
 )
 BODY_TWIST = Topic(
     'target/body/twist',
@@ -114,10 +115,12 @@ JOINT_STATES = Topic(
 TF = Topic(
     '/tf',
     'tf2_msgs/TFMessage',
-    'how frames move in each other; with `imu.use_tf`, `joints.use_tf` or `use_tf`; with '
+    'how frames move relative to each other; with `imu.use_tf`, `joints.use_tf` or `use_tf`; with '
     '`publish_tf` the body in the optical frame',
 )
-TF_STATIC = Topic('/tf_static', TF.kind, 'how frames lie in each other for good; likewise')
+TF_STATIC = Topic(
+    '/tf_static', TF.kind, 'how frames lie in each other, fixed; with the same parameters'
+)
 JOINT_COMMAND = Topic(
     'joint_command',
     'sensor_msgs/JointState',

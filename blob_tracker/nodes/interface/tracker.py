@@ -16,23 +16,23 @@ PARAMETERS = (
     Parameter(
         'lights',
         '',
-        'Names of the lights that are to be tracked, as flash.codes has them: '
-        'port,starboard. Empty for a light without a name. Within the pipeline every light is.',
+        'Names of the lights to track, as in flash.codes: port,starboard. Empty for a light '
+        'without a name. The pipeline tracks them all.',
     ),
     Parameter(
         'model',
         _DEFAULTS['model'],
-        'What goes on by itself between two bearings: the rate of the angles or their '
-        'acceleration as well. The latter leads further ahead where the motion is smooth, as of '
-        'waves, and is noisier where it is not.',
+        'What stays constant between two bearings: the rate of the angles, or their acceleration. '
+        'The latter predicts further ahead if the motion is smooth, as on waves, and is noisier '
+        'if it is not.',
         choices=tuple(MODELS),
     ),
     Parameter(
         'acceleration',
         _DEFAULTS['acceleration'],
         'How much the rate changes in a second, as the camera sees it: standard deviation, for '
-        'constant_velocity. Too small lags behind, too large follows the noise; the diagnostics '
-        'tell which.',
+        'constant_velocity. Too small, and the track lags; too large, and it follows the noise; '
+        'the diagnostics say which.',
         least=1e-3,
         most=1e6,
         unit='mrad/s^2',
@@ -48,9 +48,9 @@ PARAMETERS = (
     Parameter(
         'max_innovation',  # not gate or rate: others in the pipeline have those
         _DEFAULTS['gate_sigma'],
-        'Standard deviations that a bearing may be off where it is expected; at 5 one right '
-        'bearing in 270,000 is refused. What is further off is another light, or the target has '
-        'leapt: three of them that agree are followed.',
+        'How far a bearing may be from where it is expected, in standard deviations; at 5 one '
+        'right bearing in 270,000 is refused. Anything further off is another light, or the '
+        'target has leapt: three that agree are followed.',
         least=1.0,
         most=100.0,
     ),
@@ -73,8 +73,8 @@ PARAMETERS = (
     Parameter(
         'stamp_offset',
         0.0,
-        'How far the clock of the stamps is ahead of the one of this computer; it is taken off. '
-        'The diagnostics have it: 37 for TAI.',
+        "How far the clock of the stamps is ahead of this computer's; it is subtracted. The "
+        'diagnostics have it: 37 for TAI.',
         least=-2e9,
         most=2e9,
         unit='s',
@@ -83,14 +83,14 @@ PARAMETERS = (
         'stamp_offset_auto',
         False,
         'Measure the offset, and again when it changes: exactly for TAI, GPS time and the time '
-        'since the computer was started; else by the bearings that come soonest, as if they came '
-        'at once.',
+        'since the computer was started; otherwise from the fastest bearings, as if they had no '
+        'delay.',
     ),
     Parameter(
         'servo_delay',
         0.0,
-        'From the moment at which a prediction is published to that at which the servo is there: '
-        'its transport delay, and that of its bus.',
+        'From publishing a prediction to the servo arriving: its transport delay, and that of its '
+        'bus.',
         least=0.0,
         most=1.0,
         unit='s',
@@ -98,7 +98,7 @@ PARAMETERS = (
     Parameter(
         'prediction_rate',
         100.0,
-        'Predictions a second, besides the one with each bearing; 0 for none.',
+        'Predictions a second, besides the one with each bearing; 0: none.',
         least=0.0,
         most=1000.0,
         unit='Hz',
@@ -106,38 +106,38 @@ PARAMETERS = (
     Parameter(
         'imu.enabled',
         False,
-        'Take the turning of the platform from imu, so that the target is followed and not the '
+        'Take the rotation of the platform from imu, so that the target is followed and not the '
         'boat. The IMU must not turn with the pan/tilt.',
     ),
     Parameter('imu.frame_id', 'imu_link', 'Frame of the IMU: messages of any other are refused.'),
     Parameter(
         'imu.roll',
         ROLL,
-        "Turn of the camera's optical frame in that of the IMU (of the pan/tilt at 0, 0, where "
-        'the camera rides on one), as static_transform_publisher has it. The default is an IMU '
+        "Orientation of the camera's optical frame in that of the IMU (with the pan/tilt at 0, 0, "
+        'if the camera rides on one), as for static_transform_publisher. The default is an IMU '
         'with x forward, y left, z up.',
         least=-pi,
         most=pi,
         unit='rad',
     ),
     Parameter(
-        'imu.pitch', PITCH, 'The second angle of that turn.', least=-pi, most=pi, unit='rad'
+        'imu.pitch', PITCH, 'The second angle of that rotation.', least=-pi, most=pi, unit='rad'
     ),
     Parameter(
-        'imu.yaw', YAW, 'The third angle of that turn.', least=-pi, most=pi, unit='rad'
+        'imu.yaw', YAW, 'The third angle of that rotation.', least=-pi, most=pi, unit='rad'
     ),
     Parameter(
         'imu.use_tf',
         False,
-        'Take that turn from TF. It is that of the frame of the rays, or of joints.frame_id where '
-        'the camera rides on a pan/tilt, in the frame of each message of the IMU; imu.frame_id is '
-        'not asked. If imu.roll, imu.pitch or imu.yaw is given, they count, and the diagnostics '
+        'Take that orientation from TF: of the frame of the rays, or of joints.frame_id if the '
+        'camera rides on a pan/tilt, in the frame of each message of the IMU; imu.frame_id is '
+        'then unused. If imu.roll, imu.pitch or imu.yaw is given, they count, and the diagnostics '
         'say if TF differs by more than 10 mrad.',
     ),
     Parameter(
         'imu.stamp_offset',
         0.0,
-        'How late the stamps of the IMU are, by those of the bearings; it is taken off. '
+        'How late the stamps of the IMU are against those of the bearings; it is subtracted. '
         '`calibrate imu` measures it.',
         least=-1.0,
         most=1.0,
@@ -147,7 +147,8 @@ PARAMETERS = (
         Parameter(
             f'imu.bias_{axis}',
             0.0,
-            f"What the gyro's {axis} says at rest, which is taken off; `calibrate imu` has it.",
+            f"What the gyro's {axis} says at rest, which is subtracted; `calibrate imu` measures "
+            'it.',
             least=-1.0,
             most=1.0,
             unit='rad/s',
@@ -157,7 +158,8 @@ PARAMETERS = (
     Parameter(
         'imu.acceleration',
         _DEFAULTS['stabilised_acceleration'],
-        "In place of `acceleration` while the platform's turning is known: what the target does.",
+        "In place of `acceleration` while the platform's rotation is known: what the target "
+        'itself does.',
         least=1e-3,
         most=1e6,
         unit='mrad/s^2',
@@ -165,7 +167,7 @@ PARAMETERS = (
     Parameter(
         'imu.jerk',
         _DEFAULTS['stabilised_jerk'],
-        "In place of `jerk` while the platform's turning is known.",
+        "In place of `jerk` while the platform's rotation is known.",
         least=1e-3,
         most=1e7,
         unit='mrad/s^3',
@@ -173,28 +175,28 @@ PARAMETERS = (
     Parameter(
         'joints.pan',
         '',
-        'Joint of joint_states that turns the camera to the right. Empty: there is none.',
+        'Joint of joint_states that turns the camera to the right. Empty: none.',
     ),
     Parameter(
         'joints.tilt',
         '',
-        'Joint of joint_states that turns the camera up, on top of pan. Empty: there is none.',
+        'Joint of joint_states that turns the camera up, on top of pan. Empty: none.',
     ),
     Parameter('joints.pan_reversed', False, 'Whether a growing angle turns it to the left.'),
     Parameter('joints.tilt_reversed', False, 'Whether a growing angle turns it down.'),
     Parameter(
         'joints.use_tf',
         False,
-        'Take from TF how the camera is turned. It is looked up in joints.frame_id, by the frame '
-        'and the stamp of each ray, in place of joint_states. If joints.pan or joints.tilt is '
+        "Take the camera's orientation from TF in place of joint_states. It is looked up in "
+        'joints.frame_id, by the frame and the stamp of each ray. If joints.pan or joints.tilt is '
         'given, they count, and the diagnostics say if TF differs by more than 10 mrad.',
     ),
     Parameter(
         'joints.sigma',
         0.03,
-        "Standard deviation of the joints' angles, which is added to the bearings'. It is the "
-        "encoder's step over 3.5, and what they bend between two messages; the default is that of "
-        '16 bits a turn.',
+        "Standard deviation of the joints' angles, added to that of the bearings: the encoder's "
+        'step over 3.5, and how far the angles stray from a straight line between two messages. '
+        'The default is for 16 bits a turn.',
         least=0.0,
         most=100.0,
         unit='mrad',

@@ -32,7 +32,7 @@ def pose_parameters(cameras: Iterable[str]) -> Iterator[Parameter]:
                 unit='m',
             )
         for angle, default in zip(ANGLES, (ROLL, PITCH, YAW), strict=True):
-            text = f'How its optical frame is turned in frame_id: {angle} of the fixed-axis angles'
+            text = f'Orientation of its optical frame in frame_id: {angle} of fixed-axis angles'
             if angle == 'roll':
                 text += (
                     ', as static_transform_publisher has them. The defaults are those of a camera '
@@ -52,7 +52,8 @@ def pose_parameters(cameras: Iterable[str]) -> Iterator[Parameter]:
         yield Parameter(
             f'{pose_of(camera)}.rotation_sigma',
             0.0,
-            'Standard deviation of the turn about each axis of the camera; likewise.',
+            'Standard deviation of the rotation about each axis of the camera. It is in the '
+            'covariance too, and does not average out.',
             least=0.0,
             most=1.0,
             unit='rad',
@@ -65,14 +66,14 @@ OWN = (
         'cameras',
         CAMERAS,
         'Namespaces of the locators of the cameras, as in left/target/ray, two or more; each has '
-        'its pose under poses. A position is for the stamp of the first of them that sees the '
-        'light: name the one with the fewest rays first.',
+        'its pose under poses. A position has the stamp of the first of them that sees the light: '
+        'name the one with the fewest rays first.',
         fixed=SUBSCRIBED,
     ),
     Parameter(
         'light',
         '',
-        'Name of the coded light that the cameras see, as flash.codes has it. Empty for a light '
+        'Name of the coded light that the cameras see, as in flash.codes. Empty for a light '
         'without a name.',
         fixed=SUBSCRIBED,
     ),
@@ -82,16 +83,16 @@ OWN = (
     Parameter(
         'use_tf',
         False,
-        'Take from TF where the cameras are. A camera is looked up in frame_id, by the frame and '
-        'the stamp of each of its rays, and may move. If one of x ... yaw is given for it, they '
+        "Take the cameras' poses from TF. Each is looked up in frame_id, by the frame and the "
+        'stamp of each of its rays, and may move. If one of x ... yaw is given for it, they '
         'count, and the diagnostics say if TF has it elsewhere by more than 10 mrad or 5 cm.',
     ),
     TF_PATIENCE,
     Parameter(
         'max_interval',
         0.1,
-        'Greatest time between two rays of a camera that are interpolated; over a longer gap it '
-        'does not see the light. So long is a camera that falls silent waited for.',
+        'Longest gap between two rays of a camera that is interpolated; over a longer one it does '
+        'not see the light. A camera that falls silent is waited for as long.',
         least=1e-4,
         most=10.0,
         unit='s',
@@ -99,8 +100,8 @@ OWN = (
     Parameter(
         'acceleration',
         300.0,
-        'How much the angular rate of the light changes in a second, standard deviation: what it '
-        'strays from the straight line between two rays is in the covariance.',
+        'How much the angular rate of the light changes in a second, standard deviation: how far '
+        'it may stray from the straight line between two rays is in the covariance.',
         least=0.0,
         most=1e6,
         unit='mrad/s^2',
@@ -108,8 +109,8 @@ OWN = (
     Parameter(
         'gate',
         5.0,
-        'How far apart rays may pass that are said to meet. What is further off is of another '
-        'light, or the pose of a camera is wrong.',
+        'How far apart rays may pass and still count as meeting. A ray further off belongs to '
+        'another light, or the pose of a camera is wrong.',
         least=1.0,
         most=1000.0,
         unit='standard deviations',
@@ -117,16 +118,16 @@ OWN = (
     Parameter(
         'pose_covariance',
         [0.0],
-        'What the poses err by together, as calibrate rig writes it: the lower triangle, row by '
-        'row, of the covariance of the turn of each camera about its own axes, rad, and its '
-        'position, m, in the order of cameras. A single 0: the sigmas of the poses are all.',
+        'Covariance of all poses together, as calibrate rig writes it: its lower triangle, row by '
+        'row, of the rotation of each camera about its own axes, rad, and its position, m, in the '
+        'order of cameras. A single 0: the sigmas of the poses alone.',
     ),
 )
 PARAMETERS = (*OWN, *pose_parameters(CAMERAS))
 INTERFACE = Interface(
     'triangulator',
-    'where it is in space, of two or more cameras',
-    'Tells where in space a light is that two cameras see or more, with its covariance.',
+    'where it is in space, from two or more cameras',
+    'Finds the position in space, with its covariance, of a light that two or more cameras see.',
     PARAMETERS,
     subscribed=(*RAYS, TF, TF_STATIC),
     published=(POINT, POSE, DIAGNOSTICS),

@@ -102,7 +102,7 @@ class SegmenterNode(Node):
         self._health = Health(
             self,
             'no frames arrive; is a camera publishing camera/image_raw and camera_info?',
-            'the camera has become slower, or frames are lost on the way or for want of time: '
+            'the camera has become slower, or frames are lost on the way or for lack of time: '
             'compare missing frames, CPU and the diagnostics of the camera',
             self._describe,
         )
@@ -271,8 +271,8 @@ class SegmenterNode(Node):
         if late_ns > self._late_ns:
             self._health.fault(
                 WARN,
-                f'camera/image_raw: the stamps jumped back by {late_ns / 1e9:.3f} s; '
-                'starting afresh',
+                f'camera/image_raw: the stamps jumped back by {late_ns / 1e9:.3f} s; starting '
+                'again',
             )
             self._restart()
         self._newest_ns = max(self._newest_ns, frame.stamp_ns)

@@ -240,7 +240,7 @@ class LightTrack:
 
     def _restart(self, jump: StampJump) -> None:
         """Forget where the light was, and say that its stamps jumped back."""
-        self._health.fault(WARN, f'{self._topic}/ray: {jump}; starting afresh')
+        self._health.fault(WARN, f'{self._topic}/ray: {jump}; starting again')
         self.reset()
 
     def _remember_innovation(self) -> None:

@@ -242,7 +242,7 @@ class TrackerNode(Node):
             # on which side of it they were stamped, and the timer would wait until then.
             back = 1e-9 * (self._time[1] - now).nanoseconds
             self._health.fault(
-                WARN, f'the clock was set back by some {back:.3f} s; starting afresh'
+                WARN, f'the clock was set back by some {back:.3f} s; starting again'
             )
             self._forget(-1)
             if not self._timer.is_canceled():

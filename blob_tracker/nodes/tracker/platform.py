@@ -388,7 +388,7 @@ class Platform:
     ) -> int:
         """Keep a sample, and return its stamp, ns; restart where the stamps jumped back."""
         def restart(jump: StampJump) -> None:
-            self._health.fault(WARN, f'{topic}: {jump}; starting afresh')
+            self._health.fault(WARN, f'{topic}: {jump}; starting again')
             samples.reset()
             self._watch.reset()
 

@@ -359,8 +359,8 @@ def _topics(names: Sequence[str], target: str) -> dict[str, str]:
     """Return the topic of each camera; raise ParameterError where one cannot be."""
     if len(names) < 2:
         raise ParameterError(
-            f"parameter 'cameras' is [{', '.join(names)}]; where a light is two cameras tell, or "
-            'more: cameras:=[left, right]'
+            f"parameter 'cameras' is [{', '.join(names)}]; a position takes two or more cameras: "
+            'cameras:=[left, right]'
         )
     topics: dict[str, str] = {}
     for name in names:
@@ -373,7 +373,7 @@ def _topics(names: Sequence[str], target: str) -> dict[str, str]:
             raise ParameterError(
                 f"parameter 'cameras' is [{', '.join(names)}], with "
                 f'{f"{name} twice" if name.strip("/") else "a camera without a name"}; each '
-                'camera has a namespace of its own'
+                'camera has its own namespace'
             )
         topics[name] = topic
     return topics
@@ -418,7 +418,7 @@ def _shared(triangle: Sequence[float], cameras: int) -> Array | None:
     ) else np.array([-math.inf])
     if values[0] < LEAST_EIGENVALUE:
         raise ParameterError(
-            "parameter 'pose_covariance' is no covariance: it must be finite and positive "
+            "parameter 'pose_covariance' is not a covariance: it must be finite and positive "
             'semidefinite; take it from the file that calibrate rig writes'
         )
     return covariance

@@ -107,7 +107,7 @@ class Bag:
         # What was not seen before it was read may hide messages of which nobody knows.
         if differing or flaws.keys() - self._flaws:
             remedy = (
-                f'. To take what is there, move {NAME} away, or make it anew: `ros2 bag reindex`'
+                f'. To take what is there, move {NAME} away, or rebuild it: `ros2 bag reindex`'
                 if (self.path / NAME).is_file() else ''
             )
             raise RecordingError(
@@ -124,7 +124,7 @@ class Bag:
             return _typestore(CDR).deserialize_cdr(message.data, topic.kind)
         except Exception as error:  # what a damaged message makes it raise comes from anywhere
             raise RecordingError(
-                f'{self.path}, {topic.name}: a message is no {topic.kind}: {error}') from None
+                f'{self.path}, {topic.name}: a message is not a {topic.kind}: {error}') from None
 
     def serialized(self, message: Message) -> bytes:
         """Return a message as ROS 2 sends it; raises RecordingError where it cannot be made so."""
@@ -135,7 +135,7 @@ class Bag:
             return bytes(_typestore(CDR).ros1_to_cdr(message.data, topic.kind))
         except Exception as error:  # as above
             raise RecordingError(
-                f'{self.path}, {topic.name}: a message is no {topic.kind}: {error}') from None
+                f'{self.path}, {topic.name}: a message is not a {topic.kind}: {error}') from None
 
     def _whole(self, message: Message) -> Message:
         """Return a message that was perhaps compressed by itself as it was before that."""

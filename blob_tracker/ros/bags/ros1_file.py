@@ -24,7 +24,7 @@ class Ros1File:
             if 'not indexed' in str(error):
                 raise RecordingError(
                     f'{path} has no index, its recorder was killed: `rosbag reindex {path}` of '
-                    'ROS 1 makes it anew'
+                    'ROS 1 rebuilds it'
                 ) from None
             raise RecordingError(f'{path} is a bag of ROS 1 that is damaged: {error}') from None
         self._topics = {

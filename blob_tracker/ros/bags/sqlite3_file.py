@@ -32,8 +32,8 @@ class Sqlite3File:
         except FAULTS as error:
             self.close()
             raise RecordingError(
-                f'{path} is no bag that can be read: {error}; copy it anew, or save what is left '
-                f'of it: `sqlite3 {path.name} .recover`'
+                f'{path} is not a readable bag: {error}; copy it again, or save what is left of '
+                f'it: `sqlite3 {path.name} .recover`'
             ) from None
         except RecordingError:
             self.close()

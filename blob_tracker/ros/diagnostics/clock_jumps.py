@@ -38,7 +38,7 @@ def on_clock_jump(node: Node, health: Health, forget: Callable[[int], None]) -> 
         if jump.clock_change == ClockChange.ROS_TIME_NO_CHANGE:
             back_ns = -jump.delta.nanoseconds
             health.fault(
-                WARN, f'the ROS clock jumped back by {back_ns / 1e9:.3f} s; starting afresh'
+                WARN, f'the ROS clock jumped back by {back_ns / 1e9:.3f} s; starting again'
             )
             forget(now_ns + back_ns // 2)
         else:
@@ -46,7 +46,7 @@ def on_clock_jump(node: Node, health: Health, forget: Callable[[int], None]) -> 
             health.fault(
                 WARN,
                 f'the ROS clock is now that of {"/clock" if simulated else "the system"} '
-                '(use_sim_time); starting afresh',
+                '(use_sim_time); starting again',
             )
             forget(-1)
 

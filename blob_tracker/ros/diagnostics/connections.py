@@ -120,7 +120,7 @@ class Connections:
         if len(names) == 1:
             return (
                 f'{known.count} nodes of the name {names[0]} publish {topic}; stop all but one, '
-                'or give each a name or a namespace of its own'
+                'or give each its own name or namespace'
             )
         return f'{len(names)} nodes publish {topic}: {", ".join(names)}; stop all but one'
 

@@ -148,7 +148,6 @@ class LostMessages:
             return (
                 f'its shared memory {probably}has {segment >> 10} KiB, and an image '
                 f'{self._size >> 10}; a Fast DDS profile gives it more, unless it is dropped for '
-                'a fault in it, which doctor tells: in its terminal, before it starts, '
-                f'type: {export()}'
+                f'a fault in it, see doctor: in its terminal, before it starts, type: {export()}'
             )
         return 'this machine is too busy to pass them on (see top)'

@@ -95,8 +95,8 @@ def barrier(gid: bytes, folder: Path = FOLDER) -> str:
         return ''
     # One in a container that shares the folder, or whose lease has not ended, looks the same.
     reason = (
-        'its process is not seen from here; where it has not ended, and does publish, it is in a '
-        f'container with a {folder} of its own'
+        'its process is not visible from here; if it has not ended, and does publish, it is in a '
+        f'container with its own {folder}'
     )
     for process in _processes(gid):
         try:
@@ -107,7 +107,7 @@ def barrier(gid: bytes, folder: Path = FOLDER) -> str:
                 theirs = process / 'root' / folder.relative_to('/')
                 if os.path.samestat(theirs.stat(), folder.stat()):
                     return ''
-                reason = f'it has a {folder} of its own, as in a container'
+                reason = f'it has its own {folder}, as in a container'
         except OSError:  # it ended meanwhile, or may not be looked at
             continue
     return reason

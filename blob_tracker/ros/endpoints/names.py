@@ -42,6 +42,6 @@ def check_light(name: str) -> None:
     """Raise ParameterError where a light cannot have this name."""
     if not NAME.fullmatch(name):
         raise ParameterError(
-            f'{name!r:.60} is no name of a light; it is a part of topics: a letter, then up to 63 '
-            'more or digits, with single underscores between them'
+            f'{name!r:.60} is not a name for a light; it is a part of topics: a letter, then up '
+            'to 63 more or digits, with single underscores between them'
         )

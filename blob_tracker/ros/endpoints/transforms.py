@@ -136,7 +136,7 @@ class Transforms:
         if jumped:
             self._health.fault(
                 WARN,
-                f"/tf: the stamps of '{frame}' jumped back by {jumped:.3f} s; starting afresh",
+                f"/tf: the stamps of '{frame}' jumped back by {jumped:.3f} s; starting again",
             )
 
     def _put_static(self, message: TransformStamped) -> None:
@@ -205,6 +205,6 @@ def tf_message(asked_by: str) -> Any:
         raise ParameterError(
             f"parameter '{asked_by}' asks for TF, and tf2_msgs cannot be imported ({error}): "
             'install it (sudo apt install ros-jazzy-tf2-msgs), or leave the parameter false and '
-            'give turns and places by parameters; no registry of Python has tf2_msgs'
+            'give turns and places by parameters; tf2_msgs is on no Python registry'
         ) from None
     return TFMessage

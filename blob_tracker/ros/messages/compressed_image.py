@@ -71,7 +71,7 @@ def to_whole_frame(message: CompressedImage) -> Frame:
     pixels = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if data.size else None
     if pixels is None:
         raise MessageError(
-            f'{data.size} bytes of format {message.format!r:.40} are no picture that OpenCV '
+            f'{data.size} bytes of format {message.format!r:.40} are not a picture that OpenCV '
             'decodes; record JPEG or PNG, or the raw images'
         )
     if pixels.dtype not in (np.uint8, np.uint16):

@@ -143,7 +143,7 @@ def _glimpse(fourth: Pixels) -> Glimpse:
         and glimpse.way_sigma >= 0.0 and xx >= 0.0 and yy >= 0.0 and xy * xy <= 1.001 * xx * yy
     ):
         raise MessageError(
-            'the fourth channel of the window tells of no light: its share must be 0 to 1, its '
+            'the fourth channel of the window describes no light: its share must be 0 to 1, its '
             'covariance that of a place'
         )
     return glimpse

@@ -112,8 +112,8 @@ def to_angles(turn: Quaternion) -> tuple[float, float]:
     square = x * x + y * y + z * z + w * w
     if not abs(square - 1.0) <= 2.0 * UNIT:  # nor NaN
         raise MessageError(
-            f'the orientation ({x:g}, {y:g}, {z:g}, {w:g}) is no turn; a quaternion must have the '
-            'length 1'
+            f'the orientation ({x:g}, {y:g}, {z:g}, {w:g}) is not a rotation; a quaternion must '
+            'have length 1'
         )
     right = 2.0 * (x * z + w * y)
     down = 2.0 * (y * z - w * x)

@@ -46,7 +46,7 @@ def read_mask(url: str) -> NDArray[np.bool_] | None:
     except cv2.error:  # more pixels than OpenCV reads
         image = None
     if image is None:
-        raise ParameterError(f'{path} is no image; draw it as PNG, white where the target may be')
+        raise ParameterError(f'{path} is not an image; draw a PNG, white where the target may be')
     if image.dtype != np.uint8:
         raise ParameterError(f'{path} has {8 * image.itemsize} bits a channel; it must have 8')
     mask = np.asarray(image >= WHITE)

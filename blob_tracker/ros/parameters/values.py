@@ -39,7 +39,7 @@ def check_given(parameter: Parameter, value: Any) -> None:
     if value is None or (isinstance(parameter.default, str) and value in NULLS):
         given = '[] or empty' if value is None else value
         raise ParameterError(
-            f"parameter '{parameter.name}' is {given}, which is no value; it must be "
+            f"parameter '{parameter.name}' is {given}, which is not a value; it must be "
             f'{parameter.allowed}; leave it out for its default, {parameter.value}'
         )
 

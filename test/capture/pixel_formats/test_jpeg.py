@@ -48,7 +48,7 @@ def test_another_size_is_refused_before_it_is_decoded():
 
 
 def test_not_a_jpeg():
-    with pytest.raises(ValueError, match='this is no JPEG'):
+    with pytest.raises(ValueError, match='this is not a JPEG'):
         decode(b'\x00' * 5000, WIDTH, HEIGHT, 0)
 
 

@@ -146,7 +146,7 @@ def test_a_body_that_is_refused_is_not_announced(
 @pytest.mark.parametrize('words, sentence', [
     (('bag', '--distance', 'port', 'mast'), 'LIGHT LIGHT M'),
     ((), 'give SOURCE, or with --lights'),
-    (('bag', '--lights', 'a/b'), 'is no name of a light'),
+    (('bag', '--lights', 'a/b'), 'is not a name for a light'),
     (('bag', '--seconds', '0'), 'it must be 1 to 3600'),
 ])
 def test_options_that_are_wrong(

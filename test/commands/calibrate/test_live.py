@@ -118,7 +118,7 @@ def test_led_through_stopped_and_gone_on_with(
     asked = answers(monkeypatch, ['', '', 'q'], moved)
     assert main(words) == 1
     assert asked[0].startswith('station 1 of 5: slide to 0 mm; Enter')
-    assert 'read at 2 places; 4 or more' in capsys.readouterr().err
+    assert 'read at 2 positions; 4 or more' in capsys.readouterr().err
     assert len(file.read_text().splitlines()) == 3
     asked = answers(monkeypatch, [''] * 3, lambda index: moved(index + 2))
     assert main(words) == 0

@@ -105,7 +105,7 @@ def test_frames_that_hang_together_in_time(
         assert 0.2 < float(re.findall(r'correlation (\S+)', told)[0]) < 0.35
     assert not out.exists()
     assert run(indexed(tmp_path / 'frames'), '--out', out) == 0
-    assert 'cannot be told. Take three' in ' '.join(capsys.readouterr().out.split())
+    assert 'is unknown. Take three' in ' '.join(capsys.readouterr().out.split())
     assert run(indexed(tmp_path / 'four', shots=4), '--out', out) == 0
     assert 'in a row' not in capsys.readouterr().out
 
@@ -231,7 +231,7 @@ def test_what_is_wrong_is_said_in_a_sentence(
         (indexed(tmp_path / 'clipped', (0, 5000, 6000)), (), 'every bright pair is clipped'),
         (indexed(tmp_path / 'dark', (0,)), (), 'no bright frames'),
         (plain, (), 'has no index.csv; write one'),
-        (plain, ('--dark', plain), '1 frames are no whole number of pairs'),
+        (plain, ('--dark', plain), '1 frames are not a whole number of pairs'),
         (plain, ('--scene',), 'fewer than two frames'),
     ):
         assert run(source, *words, '--out', out) == 1

@@ -132,7 +132,7 @@ def test_a_stream_goes_in_steps() -> None:
 
 
 @pytest.mark.parametrize(('words', 'code', 'reason'), [
-    (['--exposures', '1,2,4'], 1, '16 frames are no whole number of them for each of 3'),
+    (['--exposures', '1,2,4'], 1, '16 frames do not divide evenly among 3'),
     (['--exposures', '1,2,two,4'], 2, 'must be numbers with commas'),
     (['--exposures', '4,4,4,4'], 1, 'all exposures are equal'),
     (['--flats', '--exposures', '1,2'], 2, 'leave out --exposures'),

@@ -209,7 +209,7 @@ def test_a_device_that_is_not_there_is_no_topic() -> None:
     ('v.fits', (), 'v.fits is not a FITS file that astropy can read'),
     ('v.mp4', (), 'v.mp4 is not a video that OpenCV can read'),
     ('v.raw', RAW, f'has 8 bytes and a picture of {SIZE.replace("x", " x ")} px in GREY takes'),
-    ('v.raw', RAW[:2], 'does not tell the size of its pictures: give --size'),
+    ('v.raw', RAW[:2], 'does not say how large its pictures are: give --size'),
     ('v.raw', ('--pixel-format', 'MJPG', *RAW[2:]), '--pixel-format MJPG is none of a raw dump'),
 ])
 def test_what_cannot_be_read(

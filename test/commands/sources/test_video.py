@@ -111,5 +111,5 @@ def test_a_file_that_is_cut(tmp_path: Path, suffix: str, code: str) -> None:
         with pytest.raises(SourceError, match=r'ends after 1[0-9] of 30 frames: it was cut'):
             list(frames)
     else:
-        with pytest.raises(SourceError, match='not a video that OpenCV can read: copy it anew'):
+        with pytest.raises(SourceError, match='not a video that OpenCV can read: copy it again'):
             open_video(path)

@@ -234,7 +234,7 @@ def test_no_light_is_said_with_the_reason(
      'the calibration is for 640 x 480 px and the frames are of 112 x 88 px'),
     (('--frame-rate', '30', '--camera-info', 'none.yaml'), 1, 'none.yaml'),
     (('--params-file', 'wrong.yaml'), 2, "no parameter 'min_sn'; did you mean 'min_snr'?"),
-    (('--params-file', 'text.yaml'), 2, 'text.yaml is no parameter file of ROS'),
+    (('--params-file', 'text.yaml'), 2, 'text.yaml is not a ROS parameter file'),
     (('--params-file', 'range.yaml'), 2,
      "range.yaml: parameter 'min_snr' is 9; it must be a number with a point from 3 to 1000; "
      'write 9.0'),
@@ -262,7 +262,7 @@ def test_wrong_use(
     (('--min_snr', 'two'), 'it must be a number from 3 to 1000'),
     (('--method', 'magic'), 'it must be one of centroid'),
     (('--elliptical', 'perhaps'), 'it must be a boolean'),
-    (('--size', '640'), '640 is no size; write 640x480'),
+    (('--size', '640'), '640 is not a size; write 640x480'),
     (('--frame-rate', '0'), '0 is none; write a number above 0'),
     (('--frame-rate', 'inf'), 'inf is none; write a number above 0'),
     (('--frame-rate', 'fast'), 'fast is none; write a number above 0'),

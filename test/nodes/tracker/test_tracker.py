@@ -728,7 +728,7 @@ def test_everything_changes_while_it_runs(domain: int) -> None:
         played.follow(5)
         played.expect_shown('bearings', '5')
         refused = node.set_parameter('tracker', 'lights', 'a b,c__d')
-        assert not refused.successful and 'is no name of a light' in refused.reason
+        assert not refused.successful and 'is not a name for a light' in refused.reason
         assert node.set_parameter('tracker', 'joints.pan', 'head').successful
         refused = node.set_parameter('tracker', 'joints.tilt', 'head')
         assert not refused.successful and 'they must be two joints' in refused.reason

@@ -71,7 +71,7 @@ def test_a_process_that_is_not_seen_may_have_ended() -> None:
     """No process has the number 0, and nobody can tell why it is not there."""
     gid = b'\x01\x0f' + bytes(14)
     assert segment_size(gid) is None
-    assert barrier(gid).startswith('its process is not seen from here; where it has not ended')
+    assert barrier(gid).startswith('its process is not visible from here; if it has not ended')
 
 
 def test_an_endpoint_of_another_middleware_tells_nothing() -> None:

@@ -18,5 +18,5 @@ def test_a_name_that_ros_takes(name: str) -> None:
 @pytest.mark.parametrize('name', ['', '1a', 'a__b', 'a_', 'a b', 'a/b', 'ä', 'a' * 65])
 def test_a_name_that_ros_does_not_take_is_refused(name: str) -> None:
     """Or that would be too long."""
-    with pytest.raises(ParameterError, match='is no name of a light'):
+    with pytest.raises(ParameterError, match='is not a name for a light'):
         check_light(name)

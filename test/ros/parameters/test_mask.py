@@ -40,7 +40,7 @@ def test_what_is_no_mask_is_named(tmp_path: Path) -> None:
         ('/no/mask.png', 'there is no file /no/mask.png'),
         ('/' + 'a' * 300, 'File name too long'),
         (str(tmp_path), 'there is no file'),
-        (str(text), 'text.png is no image'),
+        (str(text), 'text.png is not an image'),
         (str(deep), 'deep.png has 16 bits a channel; it must have 8'),
         (str(black), 'black.png is black all over'),
         ('http://x/mask.png', 'write a path'),

@@ -15,10 +15,10 @@ NUMBER = Parameter('gain', 1.0, 'Gain of the camera.', 0.5, 100.0)
 
 
 @pytest.mark.parametrize(('parameter', 'value', 'sentence'), [
-    (TEXT, None, r"'lights' is \[\] or empty, which is no value; .* its default, ''"),
-    (TEXT, 'null', "'lights' is null, which is no value"),
-    (TEXT, '~', 'which is no value'),
-    (NUMBER, None, r'\[\] or empty, which is no value; it must be a number .*its default, 1.0'),
+    (TEXT, None, r"'lights' is \[\] or empty, which is not a value; .* its default, ''"),
+    (TEXT, 'null', "'lights' is null, which is not a value"),
+    (TEXT, '~', 'which is not a value'),
+    (NUMBER, None, r'\[\] or empty, which is not a value; it must be a number .*its default, 1.0'),
     (TEXT, 72, "is 72; it must be a string; put it in quotes, .*: lights: '...' in a file"),
     (TEXT, 1e5, 'put it in quotes'),
     (TEXT, False, 'on, off, yes, no, y and n are true or false'),
