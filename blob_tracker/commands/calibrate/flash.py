@@ -1,4 +1,4 @@
-"""`calibrate flash`: which lights blink, how, and what to set so that they are tracked."""
+"""`calibrate flash`: which lights blink, how, and what to set to track them."""
 
 from __future__ import annotations
 
