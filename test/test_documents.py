@@ -151,6 +151,48 @@ def test_links_lead_somewhere() -> None:
             assert not heading or heading in _headings(target), f'{path.name}: {link}'
 
 
+def keys_shown() -> set[str]:
+    """Return what nodes show and count in their diagnostics, as patterns: a hole is anything."""
+    found = set()
+    package = ROOT / 'blob_tracker'
+    for path in (*(package / 'nodes').rglob('*.py'), *(package / 'ros').rglob('*.py')):
+        if '.show(' not in path.read_text() and '.count(' not in path.read_text():
+            continue
+        for node in ast.walk(ast.parse(path.read_text())):
+            keys: list[ast.expr] = []
+            if isinstance(node, ast.Call) and _shows(node):
+                keys = node.args[:1]
+            elif isinstance(node, ast.For) and isinstance(node.iter, ast.Tuple):
+                # for key, value in (('state', state), ...): health.show(name + key, value)
+                if any(isinstance(each, ast.Call) and _shows(each) for each in ast.walk(node)):
+                    keys = [row.elts[0] for row in node.iter.elts if isinstance(row, ast.Tuple)]
+            for key in keys:
+                parts = key.values if isinstance(key, ast.JoinedStr) else [key]
+                pieces = [piece for part in parts for piece in _pieces(part)]
+                found.add(''.join('.*' if each is HOLE else re.escape(each) for each in pieces))
+    return found
+
+
+def _shows(call: ast.Call) -> bool:
+    """Tell whether a call is one of `show` or `count` of a node's health."""
+    function = call.func
+    return (
+        isinstance(function, ast.Attribute) and function.attr in ('show', 'count')
+        and ast.unparse(function.value) in ('self', 'health', 'self._health')
+    )
+
+
+def test_each_key_of_the_diagnostics_is_explained() -> None:
+    """In the table of docs/diagnostics.md, from which each node's page has its own."""
+    table = (ROOT / 'docs' / 'diagnostics.md').read_text()
+    rows = re.findall(r'^\| (`.+?) \| [\w, ]+ \|', table, re.M)
+    explained = [key for row in rows for key in re.findall(r'`([^`]+)`', row)]
+    keys = keys_shown()
+    assert 'SNR' in keys and 'CPU\\ \\(%\\)' in keys  # by both ways
+    for key in keys:
+        assert any(re.fullmatch(key, each) for each in explained), key
+
+
 def test_the_readme_is_a_front_door() -> None:
     """No longer than is read at one go."""
     assert len((ROOT / 'README.md').read_text().splitlines()) <= 150
