@@ -45,8 +45,15 @@ napoleon_use_param = False  # types are words: '(N, h, w) array', no references
 napoleon_use_rtype = False
 napoleon_google_docstring = False
 
-# A link to what is here and no document: [words](path).
-FILE_LINK = re.compile(r'(?<!!)\[`?([^\]`]+)`?\]\((?!https?:|#)(?![^)]*\.(?:md|rst)\b)[^)\s]+\)')
+# A link to a file or folder here that is not a document: [words](path).
+FILE_LINK = re.compile(
+    r'(?<!!)\[`?([^\]`]+)`?\]\((?!https?:|#)(?![^)]*\.(?:md|rst)\b)([^)\s]+)\)'
+)
+FILES = 'files'  # the folder of their pages
+LEXERS = {
+    '.py': 'python', '.yaml': 'yaml', '.rviz': 'yaml', '.xml': 'xml', '.urdf': 'xml',
+    '.json': 'json', '.toml': 'toml',
+}
 
 
 def with_equations(
@@ -56,9 +63,43 @@ def with_equations(
     lines[:] = typeset(lines)
 
 
-def without_files(app: object, name: str, text: list[str]) -> None:
-    """Leave of links to sources and folders of the repository their words: they have no page."""
-    text[0] = FILE_LINK.sub(r'`\1`', text[0])
+def linked_file(document: str, path: str) -> Path:
+    """Return what a link of a document leads to, relative to the repository."""
+    return (ROOT / document).parent.joinpath(path).resolve().relative_to(ROOT)
+
+
+def show_files(app: Any) -> None:
+    """Write a page for each file or folder that a document links to, with what is in it."""
+    source = Path(app.srcdir)
+    for path in sorted(source.rglob('*.md')):
+        document = path.relative_to(source).as_posix()
+        for _, link in FILE_LINK.findall(path.read_text()):
+            target = linked_file(document, link)
+            page = source / FILES / f'{target}.rst'
+            page.parent.mkdir(parents=True, exist_ok=True)
+            page.write_text(file_page(target))
+
+
+def file_page(target: Path) -> str:
+    """Return the page of a file, or of all text in a folder."""
+    whole = ROOT / target
+    files = [whole] if whole.is_file() else sorted(
+        each for each in whole.iterdir() if each.suffix in LEXERS
+    )
+    parts = [f':orphan:\n\n{target}\n{"=" * len(str(target))}\n']
+    for file in files:
+        if file != whole:
+            parts.append(f'{file.name}\n{"-" * len(file.name)}\n')
+        lines = ''.join(f'   {line}\n' for line in file.read_text().splitlines())
+        parts.append(f'.. code-block:: {LEXERS.get(file.suffix, "text")}\n\n{lines}')
+    return '\n'.join(parts)
+
+
+def with_files(app: object, name: str, text: list[str]) -> None:
+    """Lead links to files and folders of the repository to their pages."""
+    text[0] = FILE_LINK.sub(
+        lambda link: f'[{link[1]}](/{FILES}/{linked_file(name, link[2])}.rst)', text[0]
+    )
 
 
 def without_fields(
@@ -72,4 +113,5 @@ def setup(app: Any) -> None:
     """Connect to Sphinx."""
     app.connect('autodoc-process-docstring', with_equations, priority=400)
     app.connect('autodoc-skip-member', without_fields)
-    app.connect('source-read', without_files)
+    app.connect('builder-inited', show_files)
+    app.connect('source-read', with_files)
