@@ -49,6 +49,7 @@ napoleon_google_docstring = False
 FILE_LINK = re.compile(
     r'(?<!!)\[`?([^\]`]+)`?\]\((?!https?:|#)(?![^)]*\.(?:md|rst)\b)([^)\s]+)\)'
 )
+TYPE_CELL = re.compile(r'(?<=\| )(\w+_(?:msgs|srvs)/)(?=\w+ \|)')
 FILES = 'files'  # the folder of their pages
 LEXERS = {
     '.py': 'python', '.yaml': 'yaml', '.rviz': 'yaml', '.xml': 'xml', '.urdf': 'xml',
@@ -102,6 +103,11 @@ def with_files(app: object, name: str, text: list[str]) -> None:
     )
 
 
+def with_breaks(app: object, name: str, text: list[str]) -> None:
+    """Let the types of messages in tables break after their package."""
+    text[0] = TYPE_CELL.sub(r'\1<wbr>', text[0])
+
+
 def without_fields(
     app: object, what: str, name: str, obj: object, skip: bool, options: object,
 ) -> bool | None:
@@ -115,3 +121,4 @@ def setup(app: Any) -> None:
     app.connect('autodoc-skip-member', without_fields)
     app.connect('builder-inited', show_files)
     app.connect('source-read', with_files)
+    app.connect('source-read', with_breaks)
