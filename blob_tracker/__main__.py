@@ -16,6 +16,7 @@ COMMANDS = {
     'calibrate': 'measure a camera: lens, noise, line jitter',
     'demo': 'track a simulated light, or a camera, and show it live',
     'doctor': 'say what is wrong with this machine, and what to do',
+    'echo': 'print bearings as they come, without ros2 topic',
     'optics': 'what a lens sees and resolves, by its data sheet',
     'replay': 'publish the messages of a bag, without ros2 bag',
     'study': "do the thesis' tables and figures again",

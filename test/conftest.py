@@ -33,8 +33,8 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 # What starts nodes in processes, by the beginning of its path in here.
 WITH_PROCESSES = (
     'benchmarks/test_latency', 'clients', 'commands/calibrate', 'commands/test_demo',
-    'commands/test_doctor', 'commands/test_replay', 'examples', 'nodes', 'test_security',
-    'test_views',
+    'commands/test_doctor', 'commands/test_echo', 'commands/test_replay', 'examples', 'nodes',
+    'test_security', 'test_views',
 )
 VIRTUAL_MACHINE = ('vm',)
 # Left to `make test` by `make check`, beside those: the same tests again with another library.

@@ -66,6 +66,8 @@ LIGHTS: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
         ('port', 'starboard', 'mast'),
     ),
 }
+# What the segmenter looks for with a real camera, by the names of --light.
+SOUGHT = {IN_STEP: {}, 'free': {'flash.mode': 'auto'}}
 CONSTELLATION = 'constellation'
 LIGHTS[CONSTELLATION] = (
     {
@@ -97,7 +99,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=IN_STEP,
         help='what is simulated: a light in step with the camera, one that runs free at 13.7 Hz, '
         'three that blink codes, or five of them on a drone, whose pose is shown; a real camera '
-        'looks for one in step',
+        'looks for one in step, or one that runs free at whatever frequency',
     )
     parser.add_argument(
         '--camera-info', help='its calibration; without one a lens of 60 degrees is assumed'
@@ -125,6 +127,13 @@ def main(arguments: argparse.Namespace) -> int:
     """
     console = Console()
     out: Path = arguments.out
+    if arguments.device is not None and arguments.light not in SOUGHT:
+        console.print(
+            f'--light {arguments.light} is simulated: leave out --device; for your own lights, '
+            f'python3 -m blob_tracker calibrate flash {arguments.device} finds their codes',
+            soft_wrap=True,
+        )
+        return 2
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -147,8 +156,11 @@ def main(arguments: argparse.Namespace) -> int:
     rclpy.init()
     # A terminal that is closed ends the nodes as Ctrl-C does: they are in sessions of their own.
     signal.signal(signal.SIGHUP, signal.default_int_handler)
-    parameters, lights = LIGHTS[arguments.light if arguments.device is None else IN_STEP]
-    flies = arguments.light == CONSTELLATION and arguments.device is None
+    if arguments.device is None:
+        parameters, lights = LIGHTS[arguments.light]
+    else:
+        parameters, lights = SOUGHT[arguments.light], ('',)
+    flies = arguments.light == CONSTELLATION
     monitor = Monitor(NAMESPACE, lights=lights, body=BODY if flies else '')
     try:
         with ExitStack() as stack:
@@ -335,7 +347,7 @@ def _judge_body(console: Console, body: WatchedBody, picture: Path) -> int:
     console.print(
         f'[{"green" if met else "red"}]{body.name}: {count} poses, the place '
         f'{MM_PER_M * place:.1f} mm rms off, the turn {np.degrees(turn):.2f} degrees, '
-        f'scatter / sigma {score.scatter:.2f}: {"as" if met else "MORE than"} the covariances '
+        f'scatter / sigma {score.scatter:.2f}: {"as" if met else "LARGER than"} the covariances '
         'say[/]',
         soft_wrap=True,
     )
@@ -367,10 +379,12 @@ def _judge(
     false = len(light.false_stamps(monitor.interval_ns))
     if false:
         console.print(f'[red]{about}{false} bearings for frames in which the light was off[/red]')
-    met = score.rms <= BUDGET and score.scatter <= MOST_SCATTER and not false
+    accurate, honest = score.rms <= BUDGET, score.scatter <= MOST_SCATTER
+    met = accurate and honest and not false
     console.print(
-        f'[{"green" if met else "red"}]{about}{score.words}: '
-        f'the budget of {BUDGET} px is {"met" if met else "MISSED"}[/]',
+        f'[{"green" if met else "red"}]{about}{score.words}: errors '
+        f'{"as" if honest else "LARGER than"} the covariances say, and the budget of {BUDGET} px '
+        f'is {"met" if accurate else "MISSED"}[/]',
         soft_wrap=True,
     )
     return 0 if met else 1

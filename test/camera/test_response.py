@@ -93,7 +93,7 @@ def test_another_camera_is_refused() -> None:
     ({'levels': np.array([1.0, 2.0, 255.0])}, 'both begin at 0'),
     ({'levels': np.array([0.0, 2.0, 300.0])}, 'which no pixel of 8 bits'),
     ({'sigma': np.zeros(2)}, 'it needs one of each'),
-    ({'linear': np.array([0.0, np.nan, 9.0])}, 'no numbers'),
+    ({'linear': np.array([0.0, np.nan, 9.0])}, 'not numbers'),
     ({'bits': 12}, 'not 8 or 16'),
     ({'width': 0}, 'has no response'),
 ])

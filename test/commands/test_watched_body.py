@@ -62,7 +62,7 @@ def test_the_verdict_is_by_the_covariance(grown: float, code: int, tmp_path: Pat
     printed, body = StringIO(), flown(grown)
     console = Console(file=printed, width=140)
     assert _judge_body(console, body, tmp_path / 'pose.png') == code
-    assert ('MORE than' if code else 'as the covariances say') in printed.getvalue()
+    assert ('LARGER than' if code else 'as the covariances say') in printed.getvalue()
     assert cv2.imread(str(tmp_path / 'pose.png')).shape[1] >= 1000
     console.print(_of_body(body))
     assert 'turn off (degrees rms)' in printed.getvalue()

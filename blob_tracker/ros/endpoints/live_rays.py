@@ -66,7 +66,7 @@ def listen(subscribe: Callable[[Node], None], seconds: float) -> None:
 
     """
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node('calibrate')
+    node = rclpy.create_node('listener')
     try:
         subscribe(node)
         until = time.monotonic() + seconds

@@ -36,7 +36,7 @@ def test_the_line_time_is_told_and_written(
     printed = capsys.readouterr().out
     told = float(printed.split('-p line_time:=')[1].split()[0])
     assert told == pytest.approx(LINE, rel=1e-3)
-    assert 'is assumed' in printed  # a folder has no stamps
+    assert 'and assumed' in printed  # a folder has no stamps
     written = yaml.safe_load(out.read_text())
     assert set(written) == {'/**/camera', '/**/segmenter', '/**/locator'}
     for node in written.values():

@@ -180,5 +180,5 @@ def test_a_file_of_another_form_is_not_added_to(
     file = tmp_path / 'turn.csv'
     file.write_text('pan_deg,tilt_deg,x,y\n1,2,3,4\n')
     assert main(['calibrate', 'turn', str(file), '--live', '--size', '640x480']) == 1
-    assert 'cannot be gone on with' in capsys.readouterr().err
+    assert 'cannot be continued' in capsys.readouterr().err
     assert file.read_text() == 'pan_deg,tilt_deg,x,y\n1,2,3,4\n'
