@@ -200,7 +200,7 @@ def _print_one(console: Console, budget: Budget, distance: float) -> None:
     )
     table.add_column('', justify='left')
     table.add_column('', justify='right')
-    for name, value in (
+    rows = [
         ('electrons a flash', _number(budget.electrons)),
         ('irradiance before the lens', f'{budget.irradiance:.3g} W/m^2'),
         ('lost in the air', f'{1.0 - budget.transmittance:.0%}'),
@@ -208,13 +208,18 @@ def _print_one(console: Console, budget: Budget, distance: float) -> None:
         ('electrons behind it, each pixel', _number(budget.background)),
         ('full well filled, by the background alone',
          f'{budget.full:.0%}, {budget.background_full:.0%}'),
+        ('exposure that fits', _time(budget.fitting_exposure)),
+    ]
+    found = (
         (f'SNR, lit less unlit (found above {LEAST_SNR:g})', _number(budget.snr)),
         ('SNR of the lit frame alone', _number(budget.snr_one_frame)),
         ('gain of the flash', f'{budget.snr / budget.snr_one_frame:.3g}'),
         ('Cramer-Rao bound', f'{budget.bound_px:.3g} px, {budget.bound_mrad:.3g} mrad'),
-        ('exposure that fits', _time(budget.fitting_exposure)),
-    ):
-        table.add_row(name, value)
+    )
+    clipped = budget.full >= 1.0  # what pixels that are full say of a light is nothing
+    rows += [(name, 'none: pixels are full' if clipped else value) for name, value in found]
+    for row in rows:
+        table.add_row(*row)
     console.print(table)
 
 

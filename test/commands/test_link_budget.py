@@ -24,6 +24,9 @@ def test_a_light_in_the_sun(capsys: pytest.CaptureFixture[str]) -> None:
     text = ' '.join(capsys.readouterr().out.split())
     assert 'the background alone saturates the pixels' in text
     assert 'exposure that fits' in text and 'nothing is clipped' in text
+    full, fitting = text.split('nothing is clipped')
+    assert full.count('none: pixels are full') == 4 and 'Cramer-Rao bound │ inf' not in text
+    assert 'none: pixels are full' not in fitting
     for column in ('sun', 'overcast', 'dusk', 'night'):
         assert column in text
 

@@ -363,7 +363,7 @@ def test_forms_that_are_known(text: str, form: str, tmp_path: Path) -> None:
     (b'\x1f\x8b', 'an archive: unpack it'),
     (b'MATLAB 5.0 MAT-file', 'a file of MATLAB'),
     (b'\x80\x04', 'a pickle of Python'),
-    (b'camera_name: caf\xe9', 'no text in UTF-8'),
+    (b'camera_name: caf\xe9', 'not text in UTF-8'),
     (b'', 'holds no named values'),
     (b'nothing: at all', 'is not a calibration that is known: write its numbers'),
     (b'a: [1, 2', 'is not YAML: line 1, '),

@@ -115,7 +115,7 @@ def test_a_gaussian_stays_one_bit_for_bit() -> None:
     count = COLLECTED + LEARNING + JUDGED + 20
     flight, _ = fly(lambda k: round_one(), count, 2, 11)
     alone, _ = fly(lambda k: round_one(), count, 2, 11, learn=False)
-    assert any('placed as well without' in state for state in flight.states)
+    assert any('located as well without' in state for state in flight.states)
     for one, other in zip(flight.places, alone.places):
         assert (one.x, one.y, one.sigma) == (other.x, other.y, other.sigma)
 

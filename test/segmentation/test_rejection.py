@@ -214,7 +214,7 @@ def test_a_light_out_of_focus_or_on_the_move_is_a_target(make, size: float) -> N
     ({'neighbour_ratio': 0.09}, 'a lone pixel'),
     ({'sigma_major': 5.1}, 'an edge that moved, or a band'),
     ({'fall': 51.0}, 'something moved'),
-    ({'misfit': 0.51}, 'no blob: a Gaussian leaves 51 %'),
+    ({'misfit': 0.51}, 'not a blob: a Gaussian leaves 51 %'),
     ({'unlit_amplitude': 101.0}, 'a lamp that flickers'),
     ({'clipped': 1.0}, 'the rim of the sun'),
 ])

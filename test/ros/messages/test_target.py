@@ -67,7 +67,7 @@ def test_what_is_no_turn_is_no_bearing(w: float) -> None:
     """A quaternion has the length 1."""
     message = ray_message(BEARING, 'optical')
     message.pose.pose.orientation.w = w
-    with pytest.raises(MessageError, match='must have the length 1'):
+    with pytest.raises(MessageError, match='must have length 1'):
         to_bearing(message)
 
 
