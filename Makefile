@@ -1,6 +1,7 @@
 # make demo               the whole tracker on a simulated camera, three processes, no ROS needed
 # make demo DEVICE=/dev/video0   the same on a real camera, until Ctrl-C
 #      CAMERA_INFO=file.yaml   its calibration
+#      LIGHT=free   a light on its own clock, in place of one wired to the camera
 # make demo LIGHT=free    simulated: a light that runs free at 13.7 Hz; LIGHT=coded: three with codes;
 #                         LIGHT=constellation: a drone with five, and its pose
 # make doctor             what is wrong with this machine, and what to do about it

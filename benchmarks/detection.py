@@ -67,7 +67,7 @@ class Row:
         Names.
     sigma, snr : float
         Of the target: px, and its amplitude over the standard deviation of one frame's pixel at
-        its peak, before the wall's mean brightness; NaN where there is no target.
+        its peak, before the wall's mean brightness; NaN if there is no target.
     lit, found : int
         Frames that show the target, and those in which it was found: the place within
         2 sigma + 1 px, and the window holds the true place.
@@ -96,7 +96,7 @@ class Take:
     scene : str
         Name.
     sigma, snr : float
-        Of the target; NaN where there is none.
+        Of the target; NaN if there is none.
     first, count : int
         First index and number of frames.
     others : int

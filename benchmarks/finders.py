@@ -69,7 +69,7 @@ def blob_in_lit_frame(lit: Pixels, unlit: Pixels) -> Place | None:
 
 
 def _brightest_blob(image: Pixels, lowest: float) -> Place | None:
-    """Return the centre of the blob of the highest brightness; None where there is none."""
+    """Return the centre of the blob of the highest brightness; None if there is none."""
     brightest = float(image.max())
     if brightest <= lowest:
         return None

@@ -14,7 +14,7 @@ PACKAGES = (
 
 
 def describe() -> dict[str, object]:
-    """Return the processor's name, Python's version and the packages'; None where missing."""
+    """Return the processor's name, Python's version and the packages'; None if missing."""
     return {
         'cpu': _processor(),
         'python': platform.python_version(),
@@ -23,7 +23,7 @@ def describe() -> dict[str, object]:
 
 
 def commit() -> str:
-    """Return the abbreviated commit that is checked out; empty where that cannot be known."""
+    """Return the abbreviated commit that is checked out; empty if that cannot be known."""
     try:
         found = subprocess.run(
             ['git', 'rev-parse', '--short', 'HEAD'], cwd=Path(__file__).parent,

@@ -253,7 +253,7 @@ def _information(places: Array, rotation: Array, position: Array, noise: Array) 
 
 
 def _peer(places: Array, pixels: Array, method: int) -> tuple[Array, Array] | None:
-    """Return rotation and position by OpenCV, None where it has none; SQPnP is its start."""
+    """Return rotation and position by OpenCV, None if it has none; SQPnP is its start."""
     done, turn, position = cv2.solvePnP(
         places, pixels, CAMERA.matrix, None, flags=cv2.SOLVEPNP_SQPNP
     )

@@ -41,7 +41,7 @@ class Row:
     others : int
         Candidates that are not rejected and are off the line, or not in the catalogue.
     strongest_other : float
-        SNR in the matched filter of the strongest of them, 0 where there is none.
+        SNR in the matched filter of the strongest of them, 0 if there is none.
     windows : int
         Windows off the line; of stars, windows in all.
     reason : str

@@ -67,7 +67,7 @@ class Row:
 
 
 def data_folder() -> Path | None:
-    """Return the folder that BLOB_TRACKER_DATA names, or None where it is not set."""
+    """Return the folder that BLOB_TRACKER_DATA names, or None if it is not set."""
     name = os.environ.get(VARIABLE)
     if not name:
         return None

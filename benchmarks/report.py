@@ -74,7 +74,7 @@ QUICK = Sizes(
 
 @dataclass(frozen=True)
 class Report:
-    """The rows of each part; empty where the part was not asked for."""
+    """The rows of each part; empty if the part was not asked for."""
 
     accuracy: list[Row] = field(default_factory=list)
     bias: list[Bias] = field(default_factory=list)

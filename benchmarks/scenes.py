@@ -42,7 +42,7 @@ class Scene:
         sigma_x / sigma_y.
     texture : float or None
         Standard deviation of the ambient light over the window, relative to its mean; None
-        where there is no unlit window.
+        if there is no unlit window.
     overexposure : float
         Amplitude over full scale; 0 where full scale is out of reach. Above 0 it sets the
         full scale, the amplitude staying that of the SNR.

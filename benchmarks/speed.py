@@ -33,7 +33,7 @@ class Pace:
     single : float
         Seconds of one call for one window, by the clock on the wall.
     ratio : float or None
-        per_second over that of Picasso in the same run; None where Picasso is missing.
+        per_second over that of Picasso in the same run; None if Picasso is missing.
     count, repeats : int
         Windows in the stack, and repeats of which the median is taken.
 

@@ -49,7 +49,7 @@ class Row:
     motion, contender : str
         Names.
     noise : float
-        Process noise, mrad/s^2 or mrad/s^3; NaN where there is none.
+        Process noise, mrad/s^2 or mrad/s^3; NaN if there is none.
     rms : tuple of float
         Of azimuth and elevation together, for each of HORIZONS, mrad.
     nees, nis : float

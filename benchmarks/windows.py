@@ -21,7 +21,7 @@ class Windows:
     Parameters
     ----------
     lit, unlit : (N, h, w) arrays
-        DN; unlit is None where there is no unlit frame.
+        DN; unlit is None if there is no unlit frame.
     noise : SensorNoise
         Gain and read noise of a pixel.
     saturation : int

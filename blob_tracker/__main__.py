@@ -36,7 +36,7 @@ def main(arguments: list[str] | None = None) -> int:
     Parameters
     ----------
     arguments : list of str, optional
-        The words after `python3 -m blob_tracker`; those of this process where left out.
+        The words after `python3 -m blob_tracker`; those of this process if left out.
 
     Returns
     -------

@@ -117,7 +117,7 @@ def grey_pixels(frame: Frame, *, interpolate: bool) -> Pixels:
     Raises
     ------
     ValueError
-        Where the frame has no cell of 2 x 2.
+        If the frame has no cell of 2 x 2.
 
     """
     if frame.layout not in BAYER:

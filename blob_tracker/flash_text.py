@@ -16,7 +16,7 @@ def codes_from_text(text: str) -> Mapping[str, str]:
     Raises
     ------
     ValueError
-        Where two have one name, or one has none.
+        If two have one name, or one has none.
 
     """
     codes: dict[str, str] = {}
@@ -34,7 +34,7 @@ def frequencies_from_text(text: str) -> Mapping[str, float]:
     Raises
     ------
     ValueError
-        Where two have one name, or one is no number.
+        If two have one name, or one is no number.
 
     """
     frequencies: dict[str, float] = {}

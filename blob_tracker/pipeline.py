@@ -41,7 +41,7 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     Parameters
     ----------
     methods : iterable of str
-        Location methods, keys of `blob_tracker.location.METHODS`; all of them where left out.
+        Location methods, keys of `blob_tracker.location.METHODS`; all of them if left out.
 
     """
     location.compile_ahead(methods)
@@ -64,7 +64,7 @@ def expectation(track: Track, camera_model: CameraModel) -> Expectation | None:
     Returns
     -------
     Expectation or None
-        With the covariance of the angles, carried through the derivative of the place; None where
+        With the covariance of the angles, carried through the derivative of the place; None if
         the lens has no picture of that direction.
 
     """
@@ -86,7 +86,7 @@ def expectation_in(
     frame : Frame
         Its stamp is that of the first line.
     seen_at : callable
-        Returns the track as the camera sees the target at a stamp, ns; None where there is none.
+        Returns the track as the camera sees the target at a stamp, ns; None if there is none.
     camera_model : CameraModel
         The camera.
 
@@ -142,11 +142,11 @@ def window_to_bearing(
     Raises
     ------
     LocationError
-        Where there is no blob that can be placed.
+        If there is no blob that can be placed.
     CalibrationError
-        Where the line jitter is for a picture of another height.
+        If the line jitter is for a picture of another height.
     LensError
-        Where no ray leads to that place in the picture.
+        If no ray leads to that place in the picture.
 
     """
     location = locator.locate(window, noise=noise, light=light)
@@ -187,15 +187,15 @@ def window_to_range(
     disc : Disc
         Size and flux in the picture.
     light_range : LightRange or None
-        By what tells it of size and flux, or both; None where neither is known. Flux tells
+        By what tells it of size and flux, or both; None if neither is known. Flux tells
         nothing where the window has a `Glimpse`: it is that of a part of the exposure.
 
     Raises
     ------
     LocationError
-        Where no disc fits the light.
+        If no disc fits the light.
     RangeError
-        Where neither tells the range, or they contradict each other.
+        If neither tells the range, or they contradict each other.
 
     """
     disc = fit_disc(window, location, noise=noise, psf_sigma=ranging.psf_sigma)
@@ -300,9 +300,9 @@ class Pipeline:
     Raises
     ------
     ValueError
-        Where there is no such method, or it has no elliptical form or takes no pulse.
+        If there is no such method, or it has no elliptical form or takes no pulse.
     CalibrationError
-        Where the line jitter is for a picture of another height, or the response for one of
+        If the line jitter is for a picture of another height, or the response for one of
         another size.
 
     """
@@ -340,7 +340,7 @@ class Pipeline:
 
     @property
     def learned(self) -> Learned | None:
-        """Return the pulse that was learned and is fitted; None where there is none."""
+        """Return the pulse that was learned and is fitted; None if there is none."""
         return next((each.learned for each in self._locator.learners.values()), None)
 
     @property
@@ -378,7 +378,7 @@ class Pipeline:
         Raises
         ------
         CalibrationError
-            Where a frame is larger than the picture that was calibrated, or its pixels are not
+            If a frame is larger than the picture that was calibrated, or its pixels are not
             those that the response is for.
 
         """

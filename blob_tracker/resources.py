@@ -18,7 +18,7 @@ def config_path(name: str) -> Path:
     Raises
     ------
     FileNotFoundError
-        Where there is no such file.
+        If there is no such file.
 
     """
     path = Path(str(files('blob_tracker'))) / 'config' / name

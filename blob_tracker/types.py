@@ -77,7 +77,7 @@ class SensorNoise:
     Raises
     ------
     ValueError
-        Where one of them cannot be.
+        If one of them is invalid.
 
     """
 
@@ -289,21 +289,21 @@ class Window:
     lit : (h, w) array
         DN with the light on.
     unlit : (h, w) array or None
-        DN with the light off, or None where there is no such frame.
+        DN with the light off, or None if there is no such frame.
     x0, y0 : int
         Place of the window's first pixel on the full, unbinned sensor, px.
     stamp_ns : int
         When the light was seen, ns of ROS time: the middle of the exposure of the window's middle
         line, or of the part of it for which the light was on.
     saturation : int or None
-        The DN at which a pixel is clipped; None where no pixel can be.
+        The DN at which a pixel is clipped; None if no pixel can be.
     binning : (int, int)
         Sensor pixels per window pixel along x and y.
     looks : int
         Frames that are summed in `lit`, and as many in `unlit`; 1 or more. The pixels are their
         sum, not their mean, and their read noise that of so many frames.
     sites : (h, w) bool array or None
-        Which pixels see the light, behind the colour filters of a mosaic; None where all do.
+        Which pixels see the light, behind the colour filters of a mosaic; None if all do.
     added_noise : float
         Standard deviation that compression adds to a pixel of one frame, DN.
     glimpse : Glimpse or None

@@ -88,7 +88,7 @@ def _nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
         nodes = [source, node('segmenter'), node('locator'), node('tracker')]
     if argument('rviz') == 'true':
         view = PathJoinSubstitution([*CONFIG, 'blob_tracker.rviz'])
-        # First: where there is no RViz, launch stops here, and leaves no node behind.
+        # First: if there is no RViz, launch stops here, and leaves no node behind.
         nodes.insert(0, Node(
             package='rviz2',
             executable='rviz2',

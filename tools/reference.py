@@ -63,7 +63,7 @@ def parameter_file() -> str:
 
 
 def nodes_page(text: str) -> str:
-    """Return docs/nodes.md with the tables between its markers written anew."""
+    """Return docs/nodes.md with the tables between its markers written again."""
     interfaces = [interface_of(node) for node in NODES]
     tables = {
         'nodes': _table(('node', 'what it is about'), [

@@ -103,7 +103,7 @@ def _names(interface: Interface, topics: Iterable[Topic]) -> Iterator[str]:
 
 
 def _rule(kind: str, right: str, names: Iterable[str]) -> str:
-    """Return what allows a right on topics or services; nothing where there are none."""
+    """Return what allows a right on topics or services; nothing if there are none."""
     lines = [f'            <{kind}>{name}</{kind}>\n' for name in sorted(names)]
     if not lines:
         return ''

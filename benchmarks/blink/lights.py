@@ -183,7 +183,7 @@ class Truth:
 
 
 def truth(light: Light, time: float) -> Truth | None:
-    """Return what an exposure about a time sees of a light; None where it is dark."""
+    """Return what an exposure about a time sees of a light; None if it is dark."""
     offsets = ((np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5) * EXPOSURE
     on = light.on(time + offsets)
     if not on.any():

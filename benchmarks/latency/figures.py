@@ -180,7 +180,7 @@ class Stream:
     busy : dict
         Share of one core of each process.
     handed : (m,) array
-        Of the bearings that left for Fast DDS in the process that had the frame, s; empty where
+        Of the bearings that left for Fast DDS in the process that had the frame, s; empty if
         that is another one.
 
     """

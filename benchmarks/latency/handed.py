@@ -3,7 +3,7 @@ A process with the pipeline of a source tree, which notes when each bearing left
 
 `python .../handed.py` in the folder of any tree: its own pipeline.py runs. Each frame of which
 that tells has a fourth number: the monotonic time, ns, at which publish() of its bearing returned;
-None where none was published.
+None if none was published.
 """
 
 from __future__ import annotations

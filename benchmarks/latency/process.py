@@ -74,9 +74,9 @@ class Process:
         Raises
         ------
         TimeoutError
-            Where none comes within the time, s.
+            If none comes within the time, s.
         RuntimeError
-            Where it ended instead, with what it said.
+            If it ended instead, with what it said.
 
         """
         assert self._popen.stdout is not None

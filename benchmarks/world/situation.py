@@ -66,7 +66,7 @@ class Shot:
     judged : bool
         False where no answer is right or wrong.
     model : Model or None
-        Of the pixels that tell of the place; None where it cannot be written down.
+        Of the pixels that tell of the place; None if it cannot be written down.
     quantisation : (8, 8) array or None
         Steps of JPEG's coefficients, which a driver hands over with the picture.
 

@@ -94,7 +94,7 @@ def best_rows(
     first: NDArray[np.int64], tracks: Tracks, count: int, rows: NDArray[np.int64], lead: Array
 ) -> None:
     """
-    Fill the best row of each name, -1 where there is none, and its lead over the next, nats.
+    Fill the best row of each name, -1 if there is none, and its lead over the next, nats.
 
     One that is not sure of its pattern any more has none.
     """

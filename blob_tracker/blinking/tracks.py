@@ -67,7 +67,7 @@ class Tracks(NamedTuple):
     hits : (n,) int array
         Points that it has.
     points : (n, KEPT) int array
-        Numbers of the last ones, the newest first; -1 where there is none.
+        Numbers of the last ones, the newest first; -1 if there is none.
     hit : (n, 6) array
         Of the last one: time, x, y and the variances xx, xy, yy of the filtered place.
     now : (n, 9) array

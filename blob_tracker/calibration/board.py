@@ -122,7 +122,7 @@ class BoardCalibration:
         Raises
         ------
         LensError
-            Where no ray leads to that pixel, or one at 90 degrees from the axis or more, which
+            If no ray leads to that pixel, or one at 90 degrees from the axis or more, which
             OpenCV does not project.
 
         """
@@ -164,7 +164,7 @@ def calibrate_board(
     Raises
     ------
     CalibrationError
-        Where the views are too few, of several sizes, or do not tell the camera.
+        If the views are too few, of several sizes, or do not tell the camera.
 
     """
     if len(views) < LEAST_VIEWS:
@@ -186,7 +186,7 @@ def calibrate_board(
 
 
 def check_sizes(views: Sequence[View]) -> None:
-    """Raise CalibrationError where the images are not all of one size."""
+    """Raise CalibrationError if the images are not all of one size."""
     sizes: dict[tuple[int, int], list[str]] = {}
     for view in views:
         sizes.setdefault(view.size, []).append(view.name)

@@ -26,7 +26,7 @@ def advice(found: BoardCalibration) -> list[str]:
     Returns
     -------
     list of str
-        A sentence for each fault, with the picture to take next; empty where there is none.
+        A sentence for each fault, with the picture to take next; empty if there is none.
 
     """
     words = []

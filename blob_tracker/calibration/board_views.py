@@ -45,7 +45,7 @@ class BoardViews:
         Parameters
         ----------
         view : View or None
-            What is seen of the board in it, None where nothing is.
+            What is seen of the board in it, None if nothing is.
 
         Returns
         -------

@@ -90,7 +90,7 @@ def start_body(rays: Sequence[Rays], names: Sequence[str], longest: float) -> li
     Raises
     ------
     BodyCalibrationError
-        Where the lights were not seen together, not turned, in one line or not rigid.
+        If the lights were not seen together, not turned, in one line or not rigid.
 
     """
     times, seen = _together(rays, longest)

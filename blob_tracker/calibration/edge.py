@@ -40,7 +40,7 @@ def find_edge(picture: NDArray[np.float64]) -> tuple[float, float]:
     Raises
     ------
     EdgeError
-        Where there is none that runs from top to bottom, or it is not nearly vertical.
+        If there is none that runs from top to bottom, or it is not nearly vertical.
 
     """
     if picture.ndim != 2 or min(picture.shape) < 2 * HALF:
@@ -115,7 +115,7 @@ def edge_places(
     Raises
     ------
     EdgeError
-        Where the contrast is too low or the edge too blurred.
+        If the contrast is too low or the edge too blurred.
 
     """
     height = len(picture)

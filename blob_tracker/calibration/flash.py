@@ -30,7 +30,7 @@ class FlashSettings:
     Parameters
     ----------
     values : dict
-        Parameter to value; empty where there is nothing to set.
+        Parameter to value; empty if there is nothing to set.
     named : tuple of str
         What each light is called there, '' where it is alone or not among them.
     notes : tuple of str
@@ -100,7 +100,7 @@ def flash_settings(lights: Sequence[Light], exposure: float) -> FlashSettings:
 
 
 def _fault(lights: dict[str, Light]) -> str:
-    """Say why a mode would refuse these lights, or lose one of them; empty where none does."""
+    """Say why a mode would refuse these lights, or lose one of them; empty if none does."""
     codes = {name: light.rhythm.bits for name, light in lights.items() if light.rhythm.bits}
     waves = {name: light.frequency for name, light in lights.items() if name not in codes}
     rates = [lights[name].bits_per_second for name in codes]

@@ -32,7 +32,7 @@ class Pair:
     dark : bool
         Whether there was none.
     exposure : float or None
-        What the light is proportional to: photons, or time; None where it is not known.
+        What the light is proportional to: photons, or time; None if it is not known.
     mean : float
         DN.
     variance : float
@@ -102,7 +102,7 @@ def pair_of(
     Raises
     ------
     PhotonTransferError
-        Where the two differ in size or type.
+        If the two differ in size or type.
 
     """
     if first.shape != second.shape or first.dtype != second.dtype or first.size < 256:

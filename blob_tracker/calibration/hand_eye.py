@@ -151,7 +151,7 @@ def calibrate_hand_eye(
     Raises
     ------
     HandEyeError
-        Where the joints turned too little or together only, the rays are not those of a light
+        If the joints turned too little or together only, the rays are not those of a light
         that stands still before such a pan/tilt, or a value is invalid.
 
     """

@@ -111,7 +111,7 @@ def calibrate_imu(
     Raises
     ------
     ImuError
-        Where they tell nothing, with what to do.
+        If they tell nothing, with what to do.
 
     """
     known = np.isfinite(directions).all(axis=1) & np.isfinite(covariances).all(axis=(1, 2))
@@ -205,7 +205,7 @@ def _start(
 
 
 def _trouble(gyro_times: Array, rates: Array) -> str:
-    """Return what the samples of the gyro suffer from; empty where nothing is to be seen."""
+    """Return what the samples of the gyro suffer from; empty if nothing is to be seen."""
     found = []
     most = np.abs(rates).max(axis=0)
     at_limit = (np.abs(rates) >= most * (1.0 - 1e-9)).sum(axis=0)
@@ -235,7 +235,7 @@ def _trouble(gyro_times: Array, rates: Array) -> str:
 def _check(
     covariance: Array, noise: float, residuals: Array, stray: float, trouble: str
 ) -> None:
-    """Raise ImuError where the fit is none."""
+    """Raise ImuError if the fit is none."""
     # About 0 where it is noise, with a standard deviation of 1 over the root of their number.
     count = residuals[1:].size
     shared = float((residuals[1:] * residuals[:-1]).mean() / (residuals**2).mean())

@@ -107,7 +107,7 @@ def covered(
     Returns
     -------
     LightPath
-        Without pieces where there is no such time.
+        Without pieces if there is no such time.
 
     """
     together = [np.concatenate(list(each)) for each in times]

@@ -30,7 +30,7 @@ class LineJitterMeasurement:
     measured : (h,) bool array
         False where a line was interpolated from its field.
     places : (n, h) array
-        x of the edge in each line of each frame, px; NaN where there is none.
+        x of the edge in each line of each frame, px; NaN if there is none.
     edge_sigma : float
         Blur of the edge, px.
     edge : (float, float)
@@ -88,7 +88,7 @@ def measure_line_jitter(
     Raises
     ------
     EdgeError
-        Where there are too few frames, they differ in size, or there is no vertical edge.
+        If there are too few frames, they differ in size, or there is no vertical edge.
 
     """
     found: list[NDArray[np.float64]] = []

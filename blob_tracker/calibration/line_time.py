@@ -91,7 +91,7 @@ def measure_line_time(
     Parameters
     ----------
     frames : iterable of (float or None, (h, w) array)
-        Times of the frames, s, or None where nobody knows; DN.
+        Times of the frames, s, or None if nobody knows; DN.
     frequency : float or None
         Of the light, Hz: twice that of the mains, or that of a PWM. None tries the mains of 50 and
         of 60 Hz, which takes times.
@@ -99,7 +99,7 @@ def measure_line_time(
     Raises
     ------
     LineTimeError
-        Where there are no bands, fewer than one, or the frequency is ambiguous.
+        If there are no bands, fewer than one, or the frequency is ambiguous.
 
     """
     times, profiles = _profiles(frames)

@@ -91,10 +91,10 @@ class NoiseLevelFunction:
     Attributes
     ----------
     reason : str
-        Why there is no line; empty where there is one.
+        Why there is no line; empty if there is one.
     curved : str
         How the variance bends over the level as that of no linear sensor does, and what to do;
-        empty where it does not, or nobody knows.
+        empty if it does not, or nobody knows.
 
     """
 
@@ -135,7 +135,7 @@ class NoiseLevelFunction:
         Raises
         ------
         ValueError
-            Where the two differ in size or type, or are smaller than a tile.
+            If the two differ in size or type, or are smaller than a tile.
 
         """
         if first.shape != second.shape or first.dtype != second.dtype:
@@ -188,7 +188,7 @@ class NoiseLevelFunction:
         return level, variance, (kurtosis - 1.0) * sums[:, 1] / weight**2, shows
 
     def line(self) -> NoiseLine | None:
-        """Return the noise line, or None where the scene does not tell it; `reason` says why."""
+        """Return the noise line, or None if the scene does not tell it; `reason` says why."""
         weights = self._sums[:, 0]
         if not weights.any() or weights.sum() ** 2 / self._sums[:, 1].sum() < LEAST_DOF:
             self.reason = 'no pair of unlit frames yet' if self._last_ns is None else (

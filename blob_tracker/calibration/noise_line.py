@@ -150,7 +150,7 @@ def fit_noise_line(
     Raises
     ------
     ValueError
-        Where there are fewer than two levels that differ.
+        If there are fewer than two levels that differ.
 
     """
     if levels.size < 2 or not np.ptp(levels) > 0.0:

@@ -31,7 +31,7 @@ class PhotonTransfer:
     line : NoiseLine
         Variance over the level above black: its foot is the temporal dark variance.
     system_gain : (float, float) or None
-        K by the letter of EMVA 1288, DN per electron; None where dark frames are missing or wrong.
+        K by the letter of EMVA 1288, DN per electron; None if dark frames are missing or wrong.
     black_level : (float, float) or None
         DN; None without dark frames, or where dark pixels are clipped at 0 DN.
     saturation : int
@@ -47,7 +47,7 @@ class PhotonTransfer:
     dsnu : (float, float) or None
         Dark signal non-uniformity, electrons; None without usable dark frames.
     linearity_error : (float, float) or None
-        Mean relative deviation of the level from a line over the exposure; None where fewer than
+        Mean relative deviation of the level from a line over the exposure; None if fewer than
         three exposures between 5 and 95 % of saturation are known.
     pairs : tuple of Pair
         All, in order of their level.
@@ -108,7 +108,7 @@ def photon_transfer(pairs: Sequence[Pair], saturation: int | None = None) -> Pho
     Raises
     ------
     PhotonTransferError
-        Where the pairs are all clipped, all of one level, or their variance does not grow.
+        If the pairs are all clipped, all of one level, or their variance does not grow.
 
     """
     pairs = tuple(sorted(pairs, key=lambda each: (not each.dark, each.mean)))

@@ -33,7 +33,7 @@ class PulseFile:
     Raises
     ------
     CalibrationError
-        Where the pulse was learned from too little, or a value cannot be.
+        If the pulse was learned from too little, or a value cannot be.
 
     """
 
@@ -69,7 +69,7 @@ class PulseFile:
         Raises
         ------
         CalibrationError
-            Where the file is missing, is not such YAML, or holds impossible values.
+            If the file is missing, is not such YAML, or holds impossible values.
 
         """
         with content_of(path, 'learned pulse') as content:

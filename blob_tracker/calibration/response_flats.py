@@ -48,7 +48,7 @@ def response_of_flats(
     flats : sequence of pairs of (h, w) arrays
         Raw DN, the two of a pair of one light: six lights or more, from dark to clipped.
     dark : pair of arrays, optional
-        The same with the cap on: the level of no light. 0 DN where left out.
+        The same with the cap on: the level of no light. 0 DN if left out.
     saturation : int, optional
         DN of a clipped pixel, where it is known.
     read_noise : float
@@ -56,12 +56,12 @@ def response_of_flats(
     camera, pixel_format : str
         For the file.
     sensor : (int, int), optional
-        Width and height of the full, unbinned sensor, px; where left out, those of the frames.
+        Width and height of the full, unbinned sensor, px; if left out, those of the frames.
 
     Raises
     ------
     ResponseError
-        Where the lights are too few, all is clipped, or rounding hides the noise.
+        If the lights are too few, all is clipped, or rounding hides the noise.
 
     """
     if not flats:

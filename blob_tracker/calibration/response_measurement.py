@@ -47,7 +47,7 @@ class ResponseMeasurement:
     linear_variances : (3, m) array
         The same in linear DN.
     line : NoiseLine or None
-        Through the latter; None where no frames come in pairs.
+        Through the latter; None if no frames come in pairs.
     warnings : tuple of str
         What to know before one relies on it.
 
@@ -65,7 +65,7 @@ class ResponseMeasurement:
 
     @property
     def noise(self) -> SensorNoise | None:
-        """Noise of the linear pixels; None where no frames come in pairs."""
+        """Noise of the linear pixels; None if no frames come in pairs."""
         line, black = self.line, self.black_level[0]
         if line is None or line.slope <= 0.0:
             return None

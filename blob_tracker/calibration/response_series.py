@@ -51,7 +51,7 @@ class Shot:
     frames : tuple of (h, w) arrays
         The first one or two of them.
     sensor : (int, int) or None
-        Width and height of the full, unbinned sensor, px; None where it is as large as they are.
+        Width and height of the full, unbinned sensor, px; None if it is as large as they are.
 
     """
 
@@ -117,7 +117,7 @@ def measure_response(
     Raises
     ------
     ResponseError
-        Where exposures are too few or equal, all is clipped, the scene moves or the levels are
+        If exposures are too few or equal, all is clipped, the scene moves or the levels are
         too few, or automatic exposure is on.
 
     """

@@ -79,7 +79,7 @@ def start_rig(
     Raises
     ------
     RigError
-        Where cameras saw too little together, or nothing that their poses can be told from.
+        If cameras saw too little together, or nothing that their poses can be told from.
 
     """
     count = len(rays)
@@ -127,7 +127,7 @@ def relative_pose(one: Array, other: Array) -> tuple[Array, Array, float]:
     Raises
     ------
     RigError
-        Where the points lie in a plane or on a line, or are all far away.
+        If the points lie in a plane or on a line, or are all far away.
 
     """
     products = (one[:, :, None] * other[:, None, :]).reshape(-1, 9)

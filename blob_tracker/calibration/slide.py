@@ -177,7 +177,7 @@ def calibrate_slide(
     Raises
     ------
     SlideError
-        Where there are too few places, or values that are not finite or not possible.
+        If there are too few places, or values that are not finite or not possible.
 
     """
     slide, pixels = np.asarray(slide, dtype=float), np.asarray(pixels, dtype=float)

@@ -31,7 +31,7 @@ def system_gain(bright: Sequence[Pair], darks: Sequence[Pair]) -> tuple[float, f
     Parameters
     ----------
     bright, darks : sequences of Pair
-        A bright pair takes the dark ones of its exposure, or all where there are none.
+        A bright pair takes the dark ones of its exposure, or all if there are none.
 
     Returns
     -------

@@ -46,7 +46,7 @@ class TemporalCorrelation:
 
     @property
     def fault(self) -> str:
-        """Return what is wrong and what to do; empty where each frame has noise of its own."""
+        """Return what is wrong and what to do; empty if each frame has noise of its own."""
         if self.repeated:
             return (
                 f'{self.repeated} frames are the one before them bit for bit: the driver or the '
@@ -119,7 +119,7 @@ class Succession:
         held.clear()
 
     def found(self) -> TemporalCorrelation | None:
-        """Return what the frames tell; None where too few follow each other at one light."""
+        """Return what the frames tell; None if too few follow each other at one light."""
         # In less light than others need to differ, rounding may hide the noise.
         repeated = sum(mean >= self._darkest - 1.0 for mean in self._repeats)
         values = np.concatenate(self._tiles) if self._tiles else np.empty(0)

@@ -72,7 +72,7 @@ def measure_trailing_edge(frames: Iterable[NDArray[np.generic]]) -> TrailingEdge
     Raises
     ------
     EdgeError
-        Where there are too few frames, there is no vertical edge, it is clipped, or no such
+        If there are too few frames, there is no vertical edge, it is clipped, or no such
         filter fits.
 
     """

@@ -171,7 +171,7 @@ def calibrate_turn(
     Raises
     ------
     TurnError
-        Where there are too few stations, values that are not possible, or no such servo.
+        If there are too few stations, values that are not possible, or no such servo.
 
     """
     pan, tilt, pixels = (np.asarray(values, dtype=float) for values in (pan, tilt, pixels))

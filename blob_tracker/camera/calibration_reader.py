@@ -76,7 +76,7 @@ def read_calibration(
     Raises
     ------
     CalibrationError
-        Where the file is missing, lacks a value, or is in a form that is not read; one that is
+        If the file is missing, lacks a value, or is in a form that is not read; one that is
         known is named.
 
     """

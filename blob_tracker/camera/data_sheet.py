@@ -37,7 +37,7 @@ class DataSheet:
     Raises
     ------
     CalibrationError
-        Where a length is not above 0, or a tolerance is below 0 or not finite.
+        If a length is not above 0, or a tolerance is below 0 or not finite.
 
     """
 

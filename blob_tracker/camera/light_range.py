@@ -59,7 +59,7 @@ class Ranging:
     Raises
     ------
     ValueError
-        Where something is missing.
+        If something is missing.
 
     """
 
@@ -138,7 +138,7 @@ def range_by_size(
     Raises
     ------
     RangeError
-        Where the light is not resolved.
+        If the light is not resolved.
 
     """
     spread = math.sqrt(square_variance + (8.0 * psf_sigma**2 * calibration_sigma) ** 2)
@@ -179,7 +179,7 @@ def range_by_flux(
     Raises
     ------
     RangeError
-        Where the flux is not above its noise.
+        If the flux is not above its noise.
 
     """
     if not flux >= RESOLVED_SIGMA * math.sqrt(flux_variance):
@@ -213,7 +213,7 @@ def combined(
     Raises
     ------
     RangeError
-        Where the two differ by more than five standard deviations of that.
+        If the two differ by more than five standard deviations of that.
 
     """
     one, other = by_size.distance, by_flux.distance

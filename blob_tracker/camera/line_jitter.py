@@ -39,7 +39,7 @@ class LineJitter:
     Raises
     ------
     CalibrationError
-        Where the arrays are of different length, or a value cannot be.
+        If the arrays are of different length, or a value cannot be.
 
     """
 
@@ -76,7 +76,7 @@ class LineJitter:
         Raises
         ------
         CalibrationError
-            Where the file is missing, is not such YAML, or holds impossible values.
+            If the file is missing, is not such YAML, or holds impossible values.
 
         """
         with content_of(path, 'line jitter') as content:

@@ -51,7 +51,7 @@ class CameraModel:
     Raises
     ------
     CalibrationError
-        Where the size, a focal length, a coefficient or the model's name cannot be.
+        If the size, a focal length, a coefficient or the model's name cannot be.
 
     """
 
@@ -127,7 +127,7 @@ class CameraModel:
         Raises
         ------
         CalibrationError
-            Where the file is missing, is in no such form, or holds impossible values.
+            If the file is missing, is in no such form, or holds impossible values.
 
         """
         found = read_calibration(path, camera=camera, size=size)
@@ -161,7 +161,7 @@ class CameraModel:
         Raises
         ------
         CalibrationError
-            Where the angle or the size cannot be.
+            If the angle or the size cannot be.
 
         """
         if not 0.0 < degrees < 180.0:
@@ -192,7 +192,7 @@ class CameraModel:
         Raises
         ------
         CalibrationError
-            Where a length or the size cannot be.
+            If a length or the size cannot be.
 
         """
         for name, value, unit in (
@@ -258,7 +258,7 @@ class CameraModel:
         Raises
         ------
         LensError
-            Where the distortion model leads no ray to that pixel.
+            If the distortion model leads no ray to that pixel.
 
         """
         ray, derivative = self._ray(x, y)
@@ -288,7 +288,7 @@ class CameraModel:
         Raises
         ------
         LensError
-            Where the distortion model leads no ray to that pixel, or one straight up or down,
+            If the distortion model leads no ray to that pixel, or one straight up or down,
             which has no azimuth, or K is finite but that of no lens.
 
         """
@@ -350,7 +350,7 @@ class CameraModel:
         Raises
         ------
         LensError
-            Where the lens has no picture of that direction.
+            If the lens has no picture of that direction.
 
         """
         x = y = nan

@@ -62,7 +62,7 @@ class Response:
     Raises
     ------
     CalibrationError
-        Where a value cannot be.
+        If a value cannot be.
 
     """
 
@@ -121,7 +121,7 @@ class Response:
         Raises
         ------
         CalibrationError
-            Where the file is missing, is not such YAML, or holds impossible values.
+            If the file is missing, is not such YAML, or holds impossible values.
 
         """
         with content_of(path, 'response') as content:
@@ -311,7 +311,7 @@ class Response:
         Raises
         ------
         CalibrationError
-            Where the response is for pixels of another type, or clipped elsewhere.
+            If the response is for pixels of another type, or clipped elsewhere.
 
         """
         if bits != self.bits:

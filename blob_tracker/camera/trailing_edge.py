@@ -64,7 +64,7 @@ class TrailingEdge:
     Raises
     ------
     CalibrationError
-        Where a value cannot be.
+        If a value cannot be.
 
     """
 
@@ -98,7 +98,7 @@ class TrailingEdge:
         Raises
         ------
         CalibrationError
-            Where the file is missing, is not such YAML, or holds impossible values.
+            If the file is missing, is not such YAML, or holds impossible values.
 
         """
         with content_of(path, 'trailing edge') as content:

@@ -30,7 +30,7 @@ def content_of(path: str | Path, what: str) -> Iterator[dict[str, Any]]:
     Raises
     ------
     CalibrationError
-        Where the file is missing, is not such YAML, or the block misses a value (KeyError) or
+        If the file is missing, is not such YAML, or the block misses a value (KeyError) or
         cannot use one (TypeError, ValueError).
 
     """

@@ -16,7 +16,7 @@ FAR_AHEAD_NS = 60_000_000_000
 
 class RealtimeClock:
     """
-    Turns stamps of the monotonic clock into real time; they jump only where that clock was set.
+    Turns stamps of the monotonic clock into real time; they jump only if that clock was set.
 
     offset = realtime - (monotonic before + monotonic after) / 2 is read several times and the
     tightest reading is kept: it is wrong by half its bracket at most. An offset that differs from

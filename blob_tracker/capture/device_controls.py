@@ -120,7 +120,7 @@ class DeviceControls:
                     f'{self._device}: its controls cannot be queried: {error.strerror}') from error
 
     def check_open(self) -> None:
-        """Raise CaptureError where the device is closed."""
+        """Raise CaptureError if the device is closed."""
         if self.closed:
             raise CaptureError(f'{self._device}: the camera is closed; open it again')
 

@@ -39,7 +39,7 @@ class Adjustable(Protocol):
 
     @property
     def exposure_unit(self) -> float | None:
-        """Return one unit of the exposure control, s; None where it is unknown."""
+        """Return one unit of the exposure control, s; None if it is unknown."""
 
     def get_control(self, name: str) -> int | str:
         """Return the value of a control."""

@@ -52,7 +52,7 @@ class Outcome:
     Parameters
     ----------
     exposure, gain : int or None
-        The values to leave the controls at; None where there is no such control.
+        The values to leave the controls at; None if there is no such control.
     peak : float
         The lit peak there, of full scale.
     found : bool
@@ -93,7 +93,7 @@ def search(
     Parameters
     ----------
     exposure, gain : Scale or None
-        What the controls may be; None where there is none.
+        What the controls may be; None if there is none.
     start : int
         Exposure to begin with; gain begins at its minimum.
     target, tolerance : float

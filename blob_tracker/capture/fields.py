@@ -45,7 +45,7 @@ def order_of(name: str, height: int, lines: int = 0) -> str:
     Raises
     ------
     ValueError
-        Where there is no such order.
+        If there is no such order.
 
     """
     if name == 'interlaced':
@@ -87,7 +87,7 @@ def fields(frame: Frame, order: str, interval_ns: int) -> tuple[Frame, ...]:
     Raises
     ------
     ValueError
-        Where there is no such order, the picture has fewer than four lines, or it is a mosaic.
+        If there is no such order, the picture has fewer than four lines, or it is a mosaic.
 
     """
     if frame.layout in BAYER or frame.mosaic is not None:
@@ -153,7 +153,7 @@ class Weaver:
 
     def add(self, pixels: Pixels, field: int | None, height: int) -> Pixels | None:
         """
-        Take the next one; return a picture, or None where its other field is still to come.
+        Take the next one; return a picture, or None if its other field is still to come.
 
         Parameters
         ----------

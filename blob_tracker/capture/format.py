@@ -93,14 +93,14 @@ def set_format(
     pixel_format : str
         Four-character code; '' leaves it as the driver has it where that is one of
         `PIXEL_FORMATS` and not compressed. Otherwise it takes the first of these that the device
-        offers, a compressed one only where there is no other.
+        offers, a compressed one only if there is no other.
     channel : str
         'luma', or else all colours are read: 'auto' where the format has any, a colour's name
         where they must be there.
     field_order : str
         One of `fields.CHOICES`.
     standard_lines : int
-        Of the video standard of the signal, 525 or 625; 0 where there is none.
+        Of the video standard of the signal, 525 or 625; 0 if there is none.
 
     Raises
     ------

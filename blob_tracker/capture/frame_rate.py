@@ -17,7 +17,7 @@ ENOUGH = 20  # frames: a stamp that is late by half an interval is off by 3 % th
 
 def frame_interval(call: Ioctl, buffer_type: int) -> Fraction | None:
     """
-    Return the time from frame to frame that a driver is set to, s; None where it does not tell.
+    Return the time from frame to frame that a driver is set to, s; None if it does not tell.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def set_frame_rate(
         Frames/s of a video signal, where the driver does not tell; 0 without one.
     before : Fraction or None
         `frame_interval` before the format was set, by which some drivers, as uvcvideo, fall back
-        to the rate that the format has by default; None where that is not known.
+        to the rate that the format has by default; None if that is not known.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def blanking_rate(
     call: Ioctl, known: Mapping[str, Control], width: int, height: int
 ) -> float | None:
     """
-    Return the frames/s of a sensor by its controls; None where it has not all of them.
+    Return the frames/s of a sensor by its controls; None if it has not all of them.
 
     It is pixel_rate / ((width + hblank) (height + vblank)).
 

@@ -94,7 +94,7 @@ def sensor_region(
 
 
 def _selection(call: Ioctl, target: int) -> _Rectangle | None:
-    """Return a rectangle of the device, None where it does not know it."""
+    """Return a rectangle of the device, None if it does not know it."""
     # This type also for multi-planar devices: the kernel's rule.
     selection = videodev2.Selection(type=videodev2.BUF_TYPE_VIDEO_CAPTURE, target=target)
     try:

@@ -87,7 +87,7 @@ def of_video_device(fd: int) -> tuple[Sensor, list[str]] | None:
     """
     Return the sensor that feeds an open video device, and the paths of its subdevices.
 
-    None where there is no media controller, or no subdevice that shows itself: a webcam.
+    None if there is no media controller, or no subdevice that shows itself: a webcam.
     """
     node = _node(os.fstat(fd).st_rdev)
     sensor = _first(lambda topology: sensor_of(topology, node))

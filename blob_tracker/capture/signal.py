@@ -35,9 +35,9 @@ class Signal:
     Attributes
     ----------
     frame_rate : float
-        Of the timings or the video standard that `lock` found, pictures/s; 0 where there is none.
+        Of the timings or the video standard that `lock` found, pictures/s; 0 if there is none.
     lines : int
-        Of the video standard that `lock` found, 525 or 625; 0 where there is none.
+        Of the video standard that `lock` found, 525 or 625; 0 if there is none.
 
     Raises
     ------
@@ -50,7 +50,7 @@ class Signal:
         self.frame_rate = 0.0
         self.lines = 0
         self._call = ioctl
-        self._input = videodev2.Input()  # stays empty where the driver knows no inputs
+        self._input = videodev2.Input()  # stays empty if the driver knows no inputs
         try:
             index = ctypes.c_int32()
             ioctl(videodev2.G_INPUT, index)

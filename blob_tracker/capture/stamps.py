@@ -52,7 +52,7 @@ HARDWARE_STAMPS = Path('/sys/module/uvcvideo/parameters/hwtimestamps')
 @dataclass(frozen=True)
 class Exposure:
     """
-    How long a frame is exposed and read out; None where it is not known.
+    How long a frame is exposed and read out; None if it is not known.
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ class MidExposure:
 
     @property
     def line_ns(self) -> float | None:
-        """Return how long a line of the last frame took, ns; None where it is not known."""
+        """Return how long a line of the last frame took, ns; None if it is not known."""
         return self._changes[0][1].line_ns
 
     def camera_clock(self, told: bool | None) -> None:
@@ -307,7 +307,7 @@ class ExposureControls:
 
     def unit_ns(self) -> float | None:
         """
-        Return one unit of the control of the exposure, ns; None where it is unknown.
+        Return one unit of the control of the exposure, ns; None if it is unknown.
 
         Raises
         ------

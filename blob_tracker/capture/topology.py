@@ -72,7 +72,7 @@ def sensor_of(topology: Topology, video: Node) -> Sensor | None:
     Returns
     -------
     Sensor or None
-        None where the video device is another media device's, no sensor is linked to it, or
+        None if the video device is another media device's, no sensor is linked to it, or
         several are: nobody knows which it shows.
 
     """

@@ -114,7 +114,7 @@ class UvcClock:
 
 
 def _metadata_node(fd: int) -> int:
-    """Return the metadata node of a video device, open; -1 where there is none."""
+    """Return the metadata node of a video device, open; -1 if there is none."""
     number = os.fstat(fd).st_rdev
     own = CHARACTER_DEVICES / f'{os.major(number)}:{os.minor(number)}'
     name = (own / 'uevent').read_text().split('DEVNAME=')[1].split()[0]

@@ -65,7 +65,7 @@ class V4l2Camera:
     pixel_format : str
         Four-character code, one of `PIXEL_FORMATS`; '' leaves it as the driver has it where that
         is one of these and not compressed. Otherwise it takes the first of these that the device
-        offers, a compressed one only where there is no other.
+        offers, a compressed one only if there is no other.
     frame_rate : float
         Frames/s, of interlaced pictures fields/s; 0 leaves it as it was, whatever the driver does
         to it when the format is set. The driver takes the nearest it can.
@@ -291,7 +291,7 @@ class V4l2Camera:
 
     @property
     def exposure_unit(self) -> float | None:
-        """Return one unit of the exposure control, s; None where it is unknown."""
+        """Return one unit of the exposure control, s; None if it is unknown."""
         unit_ns = self._controls.guarded(self._exposure.unit_ns)
         return None if unit_ns is None else unit_ns / 1e9
 
@@ -414,7 +414,7 @@ class V4l2Camera:
                 return
 
     def _dequeue(self) -> videodev2.Buffer | None:
-        """Return the oldest buffer that the driver has filled, None where there is none."""
+        """Return the oldest buffer that the driver has filled, None if there is none."""
         buffer = empty_buffer(self._format.buffer_type)
         try:
             self._call(videodev2.DQBUF, buffer)

@@ -35,7 +35,7 @@ def child(
     log : Path
         The file that its output goes to.
     environment : mapping, optional
-        Environment variables; those of this process where left out.
+        Environment variables; those of this process if left out.
 
     """
     words = [*map(str, command), '--ros-args', '-r', f'__ns:={namespace}']

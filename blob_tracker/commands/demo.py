@@ -391,7 +391,7 @@ def _judge(
 
 
 def _score(monitor: Monitor, light: WatchedLight) -> Score | None:
-    """Hold a light's locations against the truth; None where there are none."""
+    """Hold a light's locations against the truth; None if there are none."""
     stamps = light.matched_stamps(monitor.interval_ns)
     located, true = light.matched(monitor.interval_ns)
     known = [index for index, stamp in enumerate(stamps) if stamp in light.covariances]

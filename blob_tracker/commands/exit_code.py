@@ -56,7 +56,7 @@ def exit_code(
     Parameters
     ----------
     work : callable
-        Returns its own exit code, or None where it is done.
+        Returns its own exit code, or None if it is done.
     failures, misuses : tuple of exception types
         Errors whose message is the sentence: of a source, and of how the command was called.
 

@@ -34,11 +34,11 @@ class Monitor(Node):
     namespace : str
         That of its nodes.
     context : Context, optional
-        The default one where left out.
+        The default one if left out.
     lights : sequence of str
         Names of the lights; that of the only one is empty.
     body : str
-        Name of the body that carries them; empty where none does.
+        Name of the body that carries them; empty if none does.
 
     """
 

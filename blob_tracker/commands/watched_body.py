@@ -92,7 +92,7 @@ class WatchedBody:
             del self._truths[next(iter(self._truths))]
 
     def score(self) -> BodyScore | None:
-        """Hold the poses against the truth at their instants; None where there are none."""
+        """Hold the poses against the truth at their instants; None if there are none."""
         knots = sorted(self._truths)
         if len(knots) < FEWEST:
             return None

@@ -83,7 +83,7 @@ def assigned(
     TooFewLights
         If there are fewer than four bearings.
     Inconsistent
-        Where no assignment explains four of them.
+        If no assignment explains four of them.
     ConstellationError
         If there are too many, or one is invalid.
 
@@ -187,7 +187,7 @@ class Assignment:
         Raises
         ------
         ConstellationError
-            Where they are not told, or more than one way.
+            If they are not told, or more than one way.
 
         """
         latest = max((each.stamp_ns for each in bearings), default=0)

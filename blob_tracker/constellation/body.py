@@ -40,7 +40,7 @@ class Body:
     Raises
     ------
     BodyError
-        Where it can have no pose: fewer than three lights, a name twice, lights in one line or at
+        If it can have no pose: fewer than three lights, a name twice, lights in one line or at
         one place, or further apart than 50 m or less than 2 mm.
 
     """
@@ -123,7 +123,7 @@ def read_body(path: str | Path) -> Body:
     Raises
     ------
     BodyError
-        Where there is no such file, it is not such YAML, or the body can have no pose.
+        If there is no such file, it is not such YAML, or the body can have no pose.
 
     """
     try:

@@ -19,7 +19,7 @@ BOUND = 12.0  # that one sighting can add: no two of them decide
 UNLIKELY = 50.0  # behind the best: such a pose is given up
 MEMORY = 0.95  # of what was added is kept from one sighting to the next
 GATE = 5.0  # standard deviations that a body may be off the place where it was
-LONGEST_S = 0.5  # without a pose: then all begins anew
+LONGEST_S = 0.5  # without a pose: then all start again
 CHANGE_S = 0.3  # in which a body may change its twist by all that it may have
 
 

@@ -140,11 +140,11 @@ def poses(
     Raises
     ------
     TooFewLights
-        Where there are fewer than three lights, or those seen are in one line.
+        If there are fewer than three lights, or those seen are in one line.
     Inconsistent
-        Where no pose explains the bearings.
+        If no pose explains the bearings.
     ConstellationError
-        Where a name is not the body's or there twice, or a bearing can be none.
+        If a name is not the body's or there twice, or a bearing can be none.
 
     """
     names = [name for name, _ in bearings]
@@ -215,7 +215,7 @@ def pose_near(
     Raises
     ------
     ConstellationError
-        Where a name is not the body's or there twice, or a bearing can be none.
+        If a name is not the body's or there twice, or a bearing can be none.
 
     """
     seen, stamp_ns = _seen(body, bearings)
@@ -316,7 +316,7 @@ def _climbed(
     seen: _Seen, names: list[str], motion: _Motion, rotation: Array, position: Array,
     others: bool, found: Sequence[Pose], gate_sigma: float, stamp_ns: int,
 ) -> Pose | None:
-    """Return the pose of greatest likelihood from a start; None where it is none, or found."""
+    """Return the pose of greatest likelihood from a start; None if it is none, or found."""
     count = len(names)
     used, chi2 = np.ones(count), np.empty(count)
     information, twist = np.zeros((12, 12)), motion.expected.copy()

@@ -45,7 +45,7 @@ class Sighting:
         Raises
         ------
         ConstellationError
-            Where its stamp is not later than the last one of that light, or more than
+            If its stamp is not later than the last one of that light, or more than
             `max_interval` before that of another: it is left out. Where the stamps of that light
             jumped back by more than `max_interval`, all others are.
 

@@ -40,7 +40,7 @@ def fingerprint(function: Callable[..., Any]) -> str:
     Raises
     ------
     TypeError
-        Where one of them reads a global of a kind that cannot be told apart by its value.
+        If one of them reads a global of a kind that cannot be told apart by its value.
 
     """
     found: dict[str, object] = {}

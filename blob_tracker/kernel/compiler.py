@@ -40,7 +40,7 @@ def wrappers(
     signature : tuple
         Numba's types of the arguments.
     kept : Kept or None
-        What can be kept of it; None where it takes Numba to call it.
+        What can be kept of it; None if it takes Numba to call it.
     address : int
         Where its wrapper is, in this process.
 

@@ -62,7 +62,7 @@ def load(code: bytes, known: Mapping[str, int]) -> dict[str, int]:
     Raises
     ------
     MachineCodeError
-        Where it is no such file, or calls what is nowhere.
+        If it is no such file, or calls what is nowhere.
 
     """
     sections = _sections(code)

@@ -37,7 +37,7 @@ def placed(kept: Kept) -> tuple[tuple[type, ...], int] | None:
     address : int
         Of the wrapper.
 
-    None where it cannot be loaded: Numba makes it, then.
+    None if it cannot be loaded: Numba makes it, then.
 
     """
     try:

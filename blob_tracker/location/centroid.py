@@ -50,7 +50,7 @@ def centroid(
     Locate N blobs by the background-corrected centroid.
 
     With the signal s_k = lit_k - unlit_k, or lit_k less the mean of the window's corners
-    (`corner_weights`) where there is no unlit window,
+    (`corner_weights`) if there is no unlit window,
 
         x = sum_k k s_k / sum_k s_k                                   (thesis, eq. 3.2)
         Cov = sum_k (r_k - r)(r_k - r)^T v_k / (sum_k s_k)^2

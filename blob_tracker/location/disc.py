@@ -30,7 +30,7 @@ class Disc:
     Parameters
     ----------
     square : float
-        Squared radius, image px^2; below 0 by chance where there is none.
+        Squared radius, image px^2; below 0 by chance if there is none.
     flux : float
         Sum of its light over all pixels, DN, of one look.
     covariance : (2, 2) array
@@ -82,7 +82,7 @@ def fit_disc(
     Raises
     ------
     LocationError
-        Where too few pixels are left, or no disc fits.
+        If too few pixels are left, or no disc fits.
 
     """
     distances, values, kept = _pixels(window, location)

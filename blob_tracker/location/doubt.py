@@ -104,7 +104,7 @@ def _odd_part(whitened: Floats, x: float, y: float) -> float:
 
 
 def _mirror(rows: Floats, centre: float) -> Floats:
-    """Return rows at their places mirrored about a centre, NaN where there is none (cubic)."""
+    """Return rows at their places mirrored about a centre, NaN if there is none (cubic)."""
     places = 2.0 * centre - np.arange(rows.shape[0])
     first = np.floor(places).astype(int) - 1
     t = float(places[0] - math.floor(places[0]))

@@ -48,7 +48,7 @@ class EffectivePsf:
     Raises
     ------
     ValueError
-        Where a value cannot be.
+        If a value cannot be.
 
     """
 

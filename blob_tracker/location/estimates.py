@@ -80,11 +80,11 @@ class Estimate(NamedTuple):
     covariance : (2, 2) array
         Likewise.
     lopsided : (4,) sequence of float
-        Likewise; empty where nobody looked.
+        Likewise; empty if nobody looked.
     warning : str
-        '' where there is none.
+        '' if there is none.
     evidence, beside, drawn
-        As those of `Estimates`; empty, None and 0 where there is none.
+        As those of `Estimates`; empty, None and 0 if there is none.
 
     """
 

@@ -32,14 +32,14 @@ ODD_GHOST = 2.0  # standard deviations of chi2, beyond which a round ghost may n
 
 def explain(pair: Pair, theta: Floats | None, suspicion: int) -> Fit | None:
     """
-    Return the fit of the alternative that the window speaks for; None where none is better.
+    Return the fit of the alternative that the window speaks for; None if none is better.
 
     Parameters
     ----------
     pair : Pair
         The window.
     theta : (5,) array or None
-        x, y, amplitude, background and sigma of its fit; None where it has none.
+        x, y, amplitude, background and sigma of its fit; None if it has none.
     suspicion : int
         What is odd about it, see `Suspicion`.
 

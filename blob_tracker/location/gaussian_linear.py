@@ -33,7 +33,7 @@ def gaussian_linear_1d(values: ArrayLike, *, weighted: bool = False) -> tuple[fl
     Raises
     ------
     LocationError
-        Where fewer than three values are left, or they do not fall to both sides.
+        If fewer than three values are left, or they do not fall to both sides.
 
     """
     row = np.asarray(values, dtype=float).reshape(1, 1, -1)

@@ -73,7 +73,7 @@ class History:
     Parameters
     ----------
     motion : Motion or None
-        None where nothing is known of it.
+        None if nothing is known of it.
     even : bool
         Whether the light leant to no side in the sum of them.
     evidence : sequence of mappings
@@ -130,7 +130,7 @@ class Pair:
     lit : (h, w) array
         DN.
     unlit : (h, w) array or None
-        DN; None where there is no unlit window.
+        DN; None if there is no unlit window.
     noise : SensorNoise
         Of a pixel, its black level taken off already.
     saturation : float
@@ -138,11 +138,11 @@ class Pair:
     history : History
         Of the light.
     way : Way or None
-        None where it is not known.
+        None if it is not known.
     pitch : int
         px of the sensor's picture along either side of one of these, as `coarse` has them.
     sites : (h, w) bool array or None
-        Which pixels see the light; None where all do. The others are no samples, and hold the
+        Which pixels see the light; None if all do. The others are no samples, and hold the
         mean of their neighbours.
     haunted : bool
         Whether there is more in the unlit window than noise: a light, or a texture.

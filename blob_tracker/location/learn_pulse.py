@@ -19,7 +19,7 @@ import numpy as np
 WIDEST_GAP = 0.2  # px of the pixel in which no window's centre lies, along x or y
 MOST_NODES = 81  # along an axis: a wider pulse gets a coarser grid
 FITTED = 0.8  # of the windows, that a Gaussian must fit to be started from
-HOPELESS = 1e3  # chi2 of a Gaussian where there is none that fits
+HOPELESS = 1e3  # chi2 of a Gaussian if there is none that fits
 STEADY = 3.0  # chi-square a window that scales of their own take off where the sizes do vary
 
 
@@ -91,7 +91,7 @@ def learn_pulse(
     saturation : float or None
         DN of a clipped pixel.
     varies : bool or None
-        Whether the blob's size may vary; found from the windows where left out.
+        Whether the blob's size may vary; found from the windows if left out.
 
     Returns
     -------
@@ -101,7 +101,7 @@ def learn_pulse(
     Raises
     ------
     LocationError
-        Where there are too few windows, or too few phases among them.
+        If there are too few windows, or too few phases among them.
 
     References
     ----------

@@ -73,7 +73,7 @@ def cramer_rao_bound(
     Raises
     ------
     ValueError
-        Where the pixels left do not determine the parameters.
+        If the pixels left do not determine the parameters.
 
     """
     widths = np.atleast_1d(np.asarray(sigma, dtype=float))
@@ -149,7 +149,7 @@ def cramer_rao_bound_1d(
     Raises
     ------
     ValueError
-        Where the pixels do not determine the parameters.
+        If the pixels do not determine the parameters.
 
     """
     widths = np.atleast_1d(np.asarray(sigma, dtype=float))

@@ -63,7 +63,7 @@ def method_options(
     Raises
     ------
     ValueError
-        Where there is no such method, or it has no such form.
+        If there is no such method, or it has no such form.
 
     """
     if method not in METHODS:
@@ -95,7 +95,7 @@ def locate_batch(
     Parameters
     ----------
     lit, unlit : (N, h, w) arrays
-        DN; unlit None where there is no unlit frame.
+        DN; unlit None if there is no unlit frame.
     method : str
         A key of `METHODS`.
     noise : SensorNoise
@@ -104,7 +104,7 @@ def locate_batch(
     saturation : float or None
         The DN at which a pixel is clipped.
     sites : (h, w) bool array or None
-        Which pixels see the light, the same in all windows; None where all do.
+        Which pixels see the light, the same in all windows; None if all do.
     **options
         Passed on to the method (`elliptical=True`, say).
 
@@ -116,7 +116,7 @@ def locate_batch(
     Raises
     ------
     LocationError
-        Where no window of the stack can be located: wrong shape, too small, unknown method, or
+        If no window of the stack can be located: wrong shape, too small, unknown method, or
         one that needs every pixel.
 
     """
@@ -212,7 +212,7 @@ def locate(
     Raises
     ------
     LocationError
-        Where the blob cannot be placed; the message gives the reason.
+        If the blob cannot be placed; the message gives the reason.
 
     """
     return to_location(window, single(window, method=method, noise=noise, **options))
@@ -325,7 +325,7 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     Parameters
     ----------
     methods : iterable of str
-        Keys of `METHODS`; all of them where left out.
+        Keys of `METHODS`; all of them if left out.
 
     """
     bell = np.exp(-((np.arange(7) - 3.0) ** 2) / 4.0)
@@ -353,7 +353,7 @@ def _numbers(pixels: ArrayLike, name: str) -> NDArray[Any]:
 
 
 def _one(pixels: ArrayLike) -> NDArray[np.float64] | None:
-    """Return a copy of the pixels of one window as the kernels take it; None where it is none."""
+    """Return a copy of the pixels of one window as the kernels take it; None if it is none."""
     if type(pixels) is not np.ndarray or pixels.dtype.kind not in 'buif' or pixels.ndim != 2 or (
         min(pixels.shape) < SMALLEST_PX
     ):

@@ -56,14 +56,14 @@ class Locator:
     Raises
     ------
     ValueError
-        Where a pulse is to be learned for a method that takes none.
+        If a pulse is to be learned for a method that takes none.
 
     Attributes
     ----------
     pulse : EffectivePsf or None
         As given; it may be set at any time.
     learners : dict
-        By the light's name, the `PulseLearner` of each; empty where nothing is learned.
+        By the light's name, the `PulseLearner` of each; empty if nothing is learned.
 
     """
 
@@ -103,7 +103,7 @@ class Locator:
         Raises
         ------
         LocationError
-            Where the blob cannot be placed.
+            If the blob cannot be placed.
 
         """
         memory = self._memories.get(light)

@@ -110,10 +110,10 @@ def maximum_likelihood(
         Returns what the light's last flashes say of this one: what a ghost in the unlit window is
         told by, and which of two models that fit as well. Called where something is odd.
     pulse : EffectivePsf or None
-        Fit this one, and the Gaussian only where it does not fit the window or the Gaussian
+        Fit this one, and the Gaussian only if it does not fit the window or the Gaussian
         explains the window better. `elliptical` is for the Gaussian.
     way : Way or None
-        Of the light while it is exposed: what a streak is fitted with where there is no unlit
+        Of the light while it is exposed: what a streak is fitted with if there is no unlit
         window to tell it from the scene.
 
     Returns
@@ -209,7 +209,7 @@ def at_once(
     """
     Do to one (h, w) window what `locate_batch` does by `maximum_likelihood`, in one compiled call.
 
-    None where that fails or something is odd about the window: then it takes more than that.
+    None if that fails or something is odd about the window: then it takes more than that.
     `saturation` is infinite where no pixel can be clipped.
     """
     covariance = np.zeros((1, 2, 2))

@@ -138,7 +138,7 @@ def misfit(
     """
     Return the SNR of a pulse's peak and its chi2 per degree of freedom, for window n.
 
-    `level` is what is below the pulse, DN; `unlit` is empty where there is no such window.
+    `level` is what is below the pulse, DN; `unlit` is empty if there is no such window.
     """
     height, width = lit.shape[1:]
     across, down = profiles

@@ -37,7 +37,7 @@ class MovingTexture:
     Attributes
     ----------
     growth : float
-        Of the covariance; 1 where there is no such texture, or not known yet.
+        Of the covariance; 1 if there is no such texture, or not known yet.
 
     """
 

@@ -87,7 +87,7 @@ def multi_gaussian_lm_1d(values: ArrayLike) -> NDArray[np.float64]:
     Raises
     ------
     LocationError
-        Where there are fewer than seven values, none above zero, the fit does not end, or what
+        If there are fewer than seven values, none above zero, the fit does not end, or what
         it ends with is no peak in the row.
 
     """

@@ -285,7 +285,7 @@ def climb(
     steps: int = STEPS,
 ) -> Optimum | None:
     """
-    Climb the likelihood of a model with damped Fisher scoring; None where there is no top.
+    Climb the likelihood of a model with damped Fisher scoring; None if there is no top.
 
     Parameters
     ----------

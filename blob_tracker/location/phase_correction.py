@@ -80,7 +80,7 @@ def learn_phase_correction(x: ArrayLike, y: ArrayLike) -> PhaseCorrection:
     Raises
     ------
     LocationError
-        Where there are fewer than 100 positions, where they are not two (M,) arrays of finite
+        If there are fewer than 100 positions, where they are not two (M,) arrays of finite
         numbers, or where a pixel-phase bias cannot have made their phases: a still target,
         positions that are locked to the grid, a part of the pixel in which none lies.
 

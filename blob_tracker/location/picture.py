@@ -53,7 +53,7 @@ def draw(
     noise : SensorNoise
         Of a pixel of one frame, as it was placed with.
     location : Location or None
-        Where the blob is; None where it was not placed.
+        Where the blob is; None if it was not placed.
     bearing : Bearing or None
         Its direction.
     reason : str

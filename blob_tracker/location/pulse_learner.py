@@ -58,7 +58,7 @@ class PulseLearner:
     Attributes
     ----------
     pulse : EffectivePsf or None
-        To be used for the next window; None where there is none that is better.
+        To be used for the next window; None if there is none that is better.
     learned : Learned or None
         What that pulse was learned from.
     state : str
@@ -288,7 +288,7 @@ def _aligned(pulse: EffectivePsf, apart: NDArray[np.float64]) -> EffectivePsf:
     pulse : EffectivePsf
         As learned.
     apart : (N, 2) array
-        Of the places so far from those with the pulse, px; NaN where there are none.
+        Of the places so far from those with the pulse, px; NaN if there are none.
 
     """
     apart = apart[np.isfinite(apart).all(axis=1)]

@@ -150,7 +150,7 @@ class Equations:
         Raises
         ------
         LocationError
-            Where the windows hold none.
+            If the windows hold none.
 
         """
         bell = self.grid.gaussian

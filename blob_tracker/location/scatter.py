@@ -36,7 +36,7 @@ class Scatter:
     jumps : int
         Differences that are no noise and were left out.
     by_stamps : float
-        The ratio if the stamps are true; it is larger than `ratio` only where they are not.
+        The ratio if the stamps are true; it is larger than `ratio` only if they are not.
 
     """
 
@@ -81,7 +81,7 @@ class RecentPlaces:
 
     @property
     def chi2(self) -> float:
-        """Mean chi-square of their fits per degree of freedom; NaN where there is none."""
+        """Mean chi-square of their fits per degree of freedom; NaN if there is none."""
         chi2 = [each.chi2 for each in self._places]
         return float(np.mean(chi2)) if chi2 else math.nan
 
@@ -140,7 +140,7 @@ def scatter(
     Returns
     -------
     Scatter or None
-        None where fewer than 12 differences are left.
+        None if fewer than 12 differences are left.
 
     """
     intervals = np.diff(stamps_ns)

@@ -70,7 +70,7 @@ def centroid_skew_corrected(
 
     The centroid and the second moment of the window (as in `centroid`) are those of a cut
     Gaussian. Newton's method finds the (x, y, sigma) whose pixel-integrated Gaussian, cut alike
-    and with the mean of its own corners taken off where there is no unlit window, has the same
+    and with the mean of its own corners taken off if there is no unlit window, has the same
     three. The correction of x is `skew_error` where the background is known.
 
     The covariance is that of the three moments, linear in the pixels, carried through the

@@ -114,11 +114,11 @@ def lopsidedness(
     theta, profiles
         The fit, and its profiles.
     texture : (h, w) array
-        Departure of the unlit window from its mean, DN; 0 where there is none.
+        Departure of the unlit window from its mean, DN; 0 if there is none.
     left : float
         Share of it that is left in the pixels.
     behind : float
-        Variance of an unlit pixel, DN^2; 0 where there is none.
+        Variance of an unlit pixel, DN^2; 0 if there is none.
     out : (4,) array
         Gets the scores of c along x and y and their variances' inverse, so that several windows'
         can be summed; c is their ratio, px.

@@ -472,7 +472,7 @@ class LocatorNode(Node):
 
 
 def _new_file(url: str) -> Path | None:
-    """Return where a pulse is to be written; None where there is a file, or no place for one."""
+    """Return where a pulse is to be written; None if there is a file, or no place for one."""
     try:
         path = to_path(url) if url else None
         return None if path is None or path.exists() else path

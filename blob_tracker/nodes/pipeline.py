@@ -30,7 +30,7 @@ def linked_nodes() -> Iterator[Node]:
     Raises
     ------
     ParameterError
-        Where a parameter cannot be, or no node has one of this name.
+        If a parameter cannot be, or no node has one of this name.
 
     """
     pipeline = Node('pipeline')

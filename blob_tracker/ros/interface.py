@@ -36,7 +36,7 @@ class Parameter:
     unit : str
         Unit of a number.
     fixed : str
-        Why it cannot change while the node runs; empty where it can.
+        Why it cannot change while the node runs; empty if it can.
 
     """
 

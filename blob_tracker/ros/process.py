@@ -155,7 +155,7 @@ def say(what: object) -> None:
 
 
 def _initialise() -> None:
-    """Start ROS; without log files where there is no place for them."""
+    """Start ROS; without log files if there is no place for them."""
     try:
         rclpy.init()
     except RuntimeError as error:

@@ -32,7 +32,7 @@ SINES = np.sin(2.0 * np.pi * np.arange(CIRCLE) / CIRCLE)
 SIGMA_PER_QUARTILES = 0.741  # sigma over the distance of the quartiles of Gaussian deviates
 RING_UPDATE_SIGMA = 0.15  # change of sigma, in sigma, after which the background is taken anew
 
-# What `measure` returns: the SNR is 0 where there is no blob.
+# What `measure` returns: the SNR is 0 if there is no blob.
 Measured = tuple[float, float, float, float, float, float, float, float, float]
 NO_BLOB = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -188,7 +188,7 @@ def _iterate(
     Return what `measure` does, in px of `pixels`.
 
     Sigma is `coarsest` or more where the blob is wider than that; the SNR is below `min_snr`, and
-    what else is returned is rough, where there is none.
+    what else is returned is rough, if there is none.
     """
     best = -1.0
     scale = sigma

@@ -39,7 +39,7 @@ class Alternate:
     Raises
     ------
     ValueError
-        Where there is no such registration.
+        If there is no such registration.
 
     """
 
@@ -100,7 +100,7 @@ class Alternate:
         Raises
         ------
         FrameError
-            Where the frame cannot follow the one before it.
+            If the frame cannot follow the one before it.
 
         """
         try:

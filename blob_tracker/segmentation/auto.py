@@ -67,7 +67,7 @@ class Auto(Switching):
 
     @property
     def warning(self) -> str:
-        """Say what is wrong though the target may be there; empty where nothing is."""
+        """Say what is wrong though the target may be there; empty if nothing is."""
         return self._mode.warning or self._warning
 
     @property
@@ -87,7 +87,7 @@ class Auto(Switching):
         Raises
         ------
         FrameError
-            Where the frame cannot follow those before it.
+            If the frame cannot follow those before it.
 
         """
         self._change(frame.stamp_ns)

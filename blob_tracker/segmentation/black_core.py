@@ -38,7 +38,7 @@ def without_black_cores(contrast: Contrast, candidates: Sequence[Candidate]) -> 
     Returns
     -------
     Contrast or None
-        With another lit frame; None where nothing is enclosed.
+        With another lit frame; None if nothing is enclosed.
 
     """
     if not candidates or len(contrast.lit_frames) != 1:

@@ -62,7 +62,7 @@ class Blink(SingleFrames):
     Raises
     ------
     ValueError
-        Where a pattern is not one, or two of them are too alike to be told apart.
+        If a pattern is not one, or two of them are too alike to be told apart.
 
     """
 
@@ -150,7 +150,7 @@ class Blink(SingleFrames):
         )
 
     def _fault(self, interval: float) -> str:
-        """Say which light frames of this interval, s, cannot tell; empty where there is none."""
+        """Say which light frames of this interval, s, cannot tell; empty if there is none."""
         return rate_fault(self._frequencies, 1.0 / interval) or twin_fault(
             self._codes, self._bit_rate(interval), self._frequencies, self._duty
         )
@@ -180,7 +180,7 @@ class Blink(SingleFrames):
 
 
 def _why_none(candidates: Sequence[Candidate], allowed: Sequence[Candidate]) -> str:
-    """Say why none of the candidates is a light; empty where the first one itself tells."""
+    """Say why none of the candidates is a light; empty if the first one itself tells."""
     if allowed:
         return (
             f'{len(allowed)} lights; none is due and of a known pattern (`calibrate flash` finds '
@@ -292,7 +292,7 @@ class Periodic(Blink):
     Parameters
     ----------
     frequency : float
-        Of the light without a name, where there is no other, Hz.
+        Of the light without a name, if there is no other, Hz.
     frequencies, duty, exposure, max_pair_interval
         Those of `Blink`.
 

@@ -51,7 +51,7 @@ class Candidate(NamedTuple):
     streak : float
         Whether it is an even line with two ends, as of a light that moves; 0 or 1.
     rejected : str
-        Why it is no target; empty where it may be one.
+        Why it is no target; empty if it may be one.
     tau : float
         When it was seen, s from the frame's stamp.
     glimpse : Glimpse or None

@@ -57,7 +57,7 @@ class ChannelChoice:
         frame : Frame
             Grey, or with colours.
         region : Box or None
-            Where the target is, px of the grey frames; None where it may be anywhere.
+            Where the target is, px of the grey frames; None if it may be anywhere.
 
         Returns
         -------

@@ -19,7 +19,7 @@ class Companions:
     Attributes
     ----------
     warning : str
-        Names them; empty where there is none.
+        Names them; empty if there is none.
     lights : (n, 3) array
         Where each is from the target, px, and its height, DN.
 

@@ -55,7 +55,7 @@ class Confirmation:
     Attributes
     ----------
     reason : str
-        Why a light that flashes in step was not taken in the last frame; empty where none was.
+        Why a light that flashes in step was not taken in the last frame; empty if none was.
 
     """
 

@@ -73,7 +73,7 @@ class DarkLook:
 
     def of(self, box: Box, noise: float) -> Pixels | None:
         """
-        Return the raw pixels of the last frame that was dark in a box; None where none was.
+        Return the raw pixels of the last frame that was dark in a box; None if none was.
 
         Parameters
         ----------

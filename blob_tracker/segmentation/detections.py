@@ -19,19 +19,19 @@ class Detections(NamedTuple):
     lit : (h, w) array
         DN of the frame.
     unlit : (h, w) array or None
-        DN of what was subtracted from it; None where nothing was.
+        DN of what was subtracted from it; None if nothing was.
     background, noise : float
-        Median and standard deviation of lit less unlit where there is no target, DN.
+        Median and standard deviation of lit less unlit if there is no target, DN.
     region : Box
         The part of the frame that was searched.
     candidates : tuple of Candidate
         What lit up there, the highest first.
     windows : mapping of str to Box
-        The window of each light, by its name; the name is empty where there is only one.
+        The window of each light, by its name; the name is empty if there is only one.
     state : str
         'locked' where the target is followed, 'lost' where the whole frame is searched.
     reason : str
-        Why there is no window; empty where there is one.
+        Why there is no window; empty if there is one.
     warnings : tuple of str
         What is wrong though there may be one.
 

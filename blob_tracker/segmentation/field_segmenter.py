@@ -83,7 +83,7 @@ class FieldSegmenter:
 
     @property
     def reason(self) -> str:
-        """Why the last frame gave no window; empty where it gave one. It may be set."""
+        """Why the last frame gave no window; empty if it gave one. It may be set."""
         return self._last.reason
 
     @reason.setter

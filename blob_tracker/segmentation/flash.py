@@ -23,9 +23,9 @@ class Flash(Protocol):
     locked : bool
         Whether the target is followed.
     warning : str
-        What is wrong though the target may be there; empty where nothing is.
+        What is wrong though the target may be there; empty if nothing is.
     finding : str
-        What it found out about the light that it was not told; empty where it was told all.
+        What it found out about the light that it was not told; empty if it was told all.
     surveys : bool
         Whether `survey` asks for all that lit up in the whole frame, after `choose`.
 
@@ -41,11 +41,11 @@ class Flash(Protocol):
 
     @property
     def warning(self) -> str:
-        """Say what is wrong though the target may be there; empty where nothing is."""
+        """Say what is wrong though the target may be there; empty if nothing is."""
 
     @property
     def finding(self) -> str:
-        """Say what it found out about the light; empty where it was told all."""
+        """Say what it found out about the light; empty if it was told all."""
 
     @property
     def surveys(self) -> bool:
@@ -53,14 +53,14 @@ class Flash(Protocol):
 
     def contrast(self, frame: Frame, expected: Expectation | None = None) -> Contrast | None:
         """
-        Take the next frame; return what to compare, or None where there is nothing yet.
+        Take the next frame; return what to compare, or None if there is nothing yet.
 
         A mode that looks for its light in the whole frame makes no use of where it is expected.
 
         Raises
         ------
         FrameError
-            Where the frame cannot follow those before it.
+            If the frame cannot follow those before it.
 
         """
 
@@ -72,7 +72,7 @@ class Flash(Protocol):
 
     def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> Contrast | None:
         """
-        Return the contrast of a wider region; None where there is no need of it, or none such.
+        Return the contrast of a wider region; None if there is no need of it, or none such.
 
         It is needed where the target was expected in a region and is not among what lit up there:
         the expectation was wrong. `region` is the wider one from then on.

@@ -42,7 +42,7 @@ def flash_by_name(mode: str, **options: object) -> Flash:
     Raises
     ------
     ValueError
-        Where there is no such mode, or one of its options is invalid.
+        If there is no such mode, or one of its options is invalid.
     TypeError
         An option is that of none of the modes.
 

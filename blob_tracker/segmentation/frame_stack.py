@@ -54,7 +54,7 @@ class FrameStack:
     Raises
     ------
     ValueError
-        Where k is not 1 or more.
+        If k is not 1 or more.
 
     """
 
@@ -85,7 +85,7 @@ class FrameStack:
         Raises
         ------
         FrameError
-            Where the sum does not fit into 16 bits.
+            If the sum does not fit into 16 bits.
 
         """
         frame, lit = contrast.frame, contrast.lit_frames

@@ -145,7 +145,7 @@ class Glitter:
 
     def best(self, frame: float, bound: float, *, followed: bool) -> tuple[int, FlashTrack] | None:
         """
-        Return which of the lights of a frame is the target, and its track; None where none is.
+        Return which of the lights of a frame is the target, and its track; None if none is.
 
         Parameters
         ----------

@@ -31,7 +31,7 @@ def histogram_threshold(pixels: NDArray[np.floating], step: float = 1.0) -> floa
     Returns
     -------
     float or None
-        The upper end of the last bin before the gap, DN; None where the histogram has no gap.
+        The upper end of the last bin before the gap, DN; None if the histogram has no gap.
 
     """
     floor = float(pixels.min())
@@ -63,7 +63,7 @@ def histogram(contrast: Contrast, candidate: Candidate, largest: int) -> Box | N
     Returns
     -------
     Box or None
-        In the frame, px. None where the histogram has no gap below the peak.
+        In the frame, px. None if the histogram has no gap below the peak.
 
     """
     column, row = candidate.peak

@@ -28,7 +28,7 @@ def histogram_extended(
     Returns
     -------
     Box or None
-        In the frame, px. None where `histogram` finds none.
+        In the frame, px. None if `histogram` finds none.
 
     """
     box = histogram(contrast, candidate, largest)

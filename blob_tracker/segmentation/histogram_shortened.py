@@ -29,7 +29,7 @@ def histogram_shortened(
     Returns
     -------
     Box or None
-        In the frame, px. None where `histogram` finds none.
+        In the frame, px. None if `histogram` finds none.
 
     """
     box = histogram(contrast, candidate, largest)

@@ -64,7 +64,7 @@ class FrameHistory:
         Raises
         ------
         FrameError
-            Where the stamp is not later than the last one (that frame is left out), or the stamps
+            If the stamp is not later than the last one (that frame is left out), or the stamps
             jumped back or the channel, size, crop or depth changed (this frame starts afresh).
 
         """

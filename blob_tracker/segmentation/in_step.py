@@ -111,7 +111,7 @@ class InStep(Switching):
         Raises
         ------
         FrameError
-            Where the frame cannot follow those before it.
+            If the frame cannot follow those before it.
 
         """
         if self._mode is not self._pairs and self._missed > PATIENCE_FRAMES:

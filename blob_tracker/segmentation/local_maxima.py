@@ -34,7 +34,7 @@ def local_maxima(
     region : (int, int, int, int)
         Columns x0 to x1 and rows y0 to y1, px.
     mask : (h, w) or (0, 0) array
-        0 where no peak counts; empty where each does.
+        0 where no peak counts; empty if each does.
     levels, noises : (down, across) arrays
         Level of lit less unlit and its standard deviation in each tile, DN.
     threshold : float

@@ -95,7 +95,7 @@ class LockIn:
         Raises
         ------
         FrameError
-            Where the frame cannot follow the one before it.
+            If the frame cannot follow the one before it.
 
         """
         block = self._history.frames
@@ -133,7 +133,7 @@ class LockIn:
         return [] if self.reason else found
 
     def _moved(self, light: Candidate) -> str:
-        """Say how the halves of the block differ on a light; empty where noise may do so."""
+        """Say how the halves of the block differ on a light; empty if noise may do so."""
         if len(self._halves) < 2:
             return ''
         x, y = light.x, light.y

@@ -37,7 +37,7 @@ def otsu_threshold(pixels: NDArray[np.integer]) -> int:
     Raises
     ------
     ValueError
-        Where all the pixels are equal: there are no two classes.
+        If all the pixels are equal: there are no two classes.
 
     """
     floor = int(pixels.min())
@@ -70,7 +70,7 @@ def otsu_window(contrast: Contrast, candidate: Candidate, largest: int) -> Box |
     Returns
     -------
     Box or None
-        The blob's bounding box in the frame, px. None where no background was found about it.
+        The blob's bounding box in the frame, px. None if no background was found about it.
 
     """
     column, row = candidate.peak

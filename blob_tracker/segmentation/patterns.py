@@ -22,7 +22,7 @@ def check_patterns(
     codes: Mapping[str, str], frequencies: Mapping[str, float], duty: float
 ) -> None:
     """
-    Raise ValueError where a code or frequency is none, or two of them are one.
+    Raise ValueError if a code or frequency is none, or two of them are one.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def _called(name: str) -> str:
 
 def rate_fault(frequencies: Mapping[str, float], rate: float) -> str:
     """
-    Say which frequency a camera of this frame rate, Hz, cannot tell; empty where there is none.
+    Say which frequency a camera of this frame rate, Hz, cannot tell; empty if there is none.
 
     A frequency f is seen as |f - k rate|: above half the frame rate it looks like another one,
     and lamps on the mains look like slow lights.
@@ -114,7 +114,7 @@ def twin_fault(
     codes: Mapping[str, str], bits_per_second: float, frequencies: Mapping[str, float], duty: float
 ) -> str:
     """
-    Say which code and frequency are one pattern; empty where there are none.
+    Say which code and frequency are one pattern; empty if there are none.
 
     A code that is on once in its length is a wave: 1100 at 60 bits/s is one of 15 Hz.
     """
@@ -181,7 +181,7 @@ def _known_frequency(light: Light) -> float:
 
 
 def _check_apart(first: str, one: str, second: str, other: str) -> None:
-    """Raise ValueError where one code is the other one begun elsewhere."""
+    """Raise ValueError if one code is the other one begun elsewhere."""
     length = math.lcm(len(one), len(other))
     a = _bits(one * (length // len(one)))
     b = _bits(other * (length // len(other)))

@@ -55,7 +55,7 @@ def measure_peaks(
     region : (int, int, int, int)
         Columns x0 to x1 and rows y0 to y1, px.
     mask : (h, w) or (0, 0) array
-        0 where the target cannot be; empty where it may be anywhere.
+        0 where the target cannot be; empty if it may be anywhere.
     floor : float
         Least noise, DN.
     threshold : float

@@ -62,7 +62,7 @@ def draw(detections: Detections) -> Picture:
     lit less unlit, grey where nothing changed and white or black at +-8 standard deviations of the
     noise, with the candidates numbered: green where they may be the target, orange where they were
     rejected. Below them the state, the windows zoomed (lit, unlit, difference), or what is about
-    the strongest candidate where there is no window, and the candidates in words.
+    the strongest candidate if there is no window, and the candidates in words.
 
     Parameters
     ----------

@@ -85,7 +85,7 @@ def fault(row: Array, followed: bool, min_snr: float) -> int:
 
 
 def in_words(fault: int, candidate: Candidate) -> str:
-    """Say why a candidate is no target; empty where nothing speaks against it."""
+    """Say why a candidate is no target; empty if nothing speaks against it."""
     height = candidate.height
     if fault == LONE_PIXEL:
         return (

@@ -20,9 +20,9 @@ class RepeatedFrames:
     Tell which frames show the pixels of the frame before.
 
     A camera that is slower than it says, a converter of frame rates or a driver that lost a frame
-    gives the last one again. No sensor sees the same noise twice; but where there is none, in
+    gives the last one again. No sensor sees the same noise twice; but if there is none, in
     pixels that are all black or drawn by a program, two frames may well be equal. So a frame is a
-    repeated one only where those before it did change from one to the next, in 6 % of the pixels
+    repeated one only if those before it did change from one to the next, in 6 % of the pixels
     or more: a flash that lights up less than that is no noise.
 
     Attributes
@@ -30,7 +30,7 @@ class RepeatedFrames:
     count : int
         How many there were.
     warning : str
-        What the last frame shows of it; empty where it was a new one.
+        What the last frame shows of it; empty if it was a new one.
 
     """
 

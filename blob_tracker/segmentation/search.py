@@ -59,7 +59,7 @@ class SearchResult(NamedTuple):
     strongest : float
         Greatest rise of a pixel above the background, DN.
     reason : str
-        Why the two frames cannot be compared; empty where they can.
+        Why the two frames cannot be compared; empty if they can.
 
     """
 
@@ -92,7 +92,7 @@ def search(
     followed : bool
         Whether the region is that about a target that was seen before.
     mask : (h, w) uint8 array
-        0 where the target cannot be; empty where it may be anywhere.
+        0 where the target cannot be; empty if it may be anywhere.
 
     Returns
     -------

@@ -35,7 +35,7 @@ class Sighting(NamedTuple):
     Parameters
     ----------
     name : str
-        Which light it is; empty where there is only one.
+        Which light it is; empty if there is only one.
     window : Window
         Its pixels.
 
@@ -70,7 +70,7 @@ class Segmenter:
     Attributes
     ----------
     reason : str
-        Why the last frame gave no window; empty where it gave one.
+        Why the last frame gave no window; empty if it gave one.
     detections : Detections or None
         What was seen in the last frame that was compared with others.
     repeated_frames : int
@@ -79,7 +79,7 @@ class Segmenter:
         What is wrong though there may be a window: frames that come twice, other lights that
         flash in step.
     finding : str
-        What the flash mode found out about the light; empty where it was told all.
+        What the flash mode found out about the light; empty if it was told all.
     unlit_pair : (array, array) or None
         Raw pixels of the last two frames without a light, where the last frame is one of them or
         ended a block that holds them. What differs in them is noise, or moved.
@@ -118,7 +118,7 @@ class Segmenter:
 
     @property
     def finding(self) -> str:
-        """Return what the flash mode found out about the light; empty where it was told all."""
+        """Return what the flash mode found out about the light; empty if it was told all."""
         return self.flash.finding
 
     @property
@@ -152,12 +152,12 @@ class Segmenter:
         Returns
         -------
         list of Sighting
-            None, one, or one of each name; where it is empty, `reason` says why.
+            None, one, or one of each name; if it is empty, `reason` says why.
 
         Raises
         ------
         FrameError
-            Where the stamp is not later than the last one (that frame is left out), the stamps
+            If the stamp is not later than the last one (that frame is left out), the stamps
             jumped back or the size, crop or depth changed (this frame starts afresh), the mask is
             of another size, the sum of the looks does not fit into 16 bits, or there is no such
             channel.

@@ -36,7 +36,7 @@ def sigma_window(
     Returns
     -------
     Box or None
-        In the frame, 7 x 7 px or more but for what the frame's border cuts off. None where the
+        In the frame, 7 x 7 px or more but for what the frame's border cuts off. None if the
         blob would not fit into `largest`.
 
     """

@@ -46,7 +46,7 @@ class SingleFrames:
         Raises
         ------
         FrameError
-            Where the frame cannot follow the one before it.
+            If the frame cannot follow the one before it.
 
         """
         try:

@@ -50,7 +50,7 @@ class Steady:
         Raises
         ------
         FrameError
-            Where the frame cannot follow the one before it.
+            If the frame cannot follow the one before it.
 
         """
         self._history.push(frame)

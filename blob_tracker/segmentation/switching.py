@@ -32,7 +32,7 @@ class Switching:
 
     @property
     def warning(self) -> str:
-        """Say what is wrong though the target may be there; empty where nothing is."""
+        """Say what is wrong though the target may be there; empty if nothing is."""
         return self._mode.warning
 
     @property

@@ -15,7 +15,7 @@ from blob_tracker.segmentation.histogram_shortened import histogram_shortened
 from blob_tracker.segmentation.otsu import otsu_window
 from blob_tracker.segmentation.sigma_window import sigma_window
 
-# (contrast, candidate, largest half-width) -> the window, None where there is none.
+# (contrast, candidate, largest half-width) -> the window, None if there is none.
 Threshold = Callable[[Contrast, Candidate, int], Box | None]
 THRESHOLDS: dict[str, Callable[..., Box | None]] = {
     'sigma_window': sigma_window,
@@ -47,7 +47,7 @@ def threshold_by_name(method: str, *, sigmas: float, extension: int) -> Threshol
     Raises
     ------
     ValueError
-        Where there is no such method.
+        If there is no such method.
 
     """
     if method not in THRESHOLDS:

@@ -40,7 +40,7 @@ def grabbed(
     Raises
     ------
     ValueError
-        Where the cells do not cover the pixels.
+        If the cells do not cover the pixels.
 
     """
     ratio = cells_in_line / pixels_in_line

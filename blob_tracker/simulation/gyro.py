@@ -35,7 +35,7 @@ class Gyro:
     Raises
     ------
     ValueError
-        Where one of them cannot be.
+        If one of them is invalid.
 
     """
 

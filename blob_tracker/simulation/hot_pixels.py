@@ -9,7 +9,7 @@ from blob_tracker.simulation.shot import Shot
 import numpy as np
 from numpy.typing import NDArray
 
-FRAMES = 4096  # after which the blinking ones begin anew
+FRAMES = 4096  # after which the blinking ones start again
 
 
 @dataclass(frozen=True)

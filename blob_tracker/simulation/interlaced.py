@@ -34,7 +34,7 @@ class InterlacedCamera:
     Raises
     ------
     ValueError
-        Where there is no such order.
+        If there is no such order.
 
     """
 

@@ -47,7 +47,7 @@ class Joints:
     Raises
     ------
     ValueError
-        Where one of them cannot be.
+        If one of them is invalid.
 
     """
 
@@ -114,7 +114,7 @@ class PanTilt:
         Raises
         ------
         ValueError
-            Where one of them is no number.
+            If one of them is no number.
 
         """
         former = self._underway[-1][1] if self._underway else self._goal
@@ -146,7 +146,7 @@ class PanTilt:
         Raises
         ------
         ValueError
-            Where a time is not of them.
+            If a time is not of them.
 
         """
         past = np.array(self._past)

@@ -194,7 +194,7 @@ class Measured:
     Raises
     ------
     ValueError
-        Where the picture has no light in it, or fewer than 4 elements to a side.
+        If the picture has no light in it, or fewer than 4 elements to a side.
 
     """
 

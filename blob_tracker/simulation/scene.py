@@ -37,7 +37,7 @@ class Scene:
         What else is there, in the order in which it is drawn: lights, things that pass, glints,
         hot pixels, the sun, and light on what was drawn before. The target comes last.
     camera : CameraMotion or None
-        How the camera moves; None where it stands still.
+        How the camera moves; None if it stands still.
     width, height : int
         Size of the frames, px.
     rate : float
@@ -56,7 +56,7 @@ class Scene:
     Raises
     ------
     ValueError
-        Where the rows of a rolling shutter take longer than a frame.
+        If the rows of a rolling shutter take longer than a frame.
 
     """
 

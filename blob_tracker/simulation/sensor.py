@@ -60,7 +60,7 @@ class Sensor:
     Raises
     ------
     ValueError
-        Where one of them cannot be.
+        If one of them is invalid.
 
     """
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 class Truth(NamedTuple):
     """
-    The light in a frame; NaN where there is none.
+    The light in a frame; NaN if there is none.
 
     Parameters
     ----------

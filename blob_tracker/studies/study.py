@@ -28,7 +28,7 @@ class Table:
     columns : sequence of str
         Headings, each with its unit.
     rows : sequence of sequence
-        One cell for each heading; None where there is nothing. What the thesis prints stands
+        One cell for each heading; None if there is nothing. What the thesis prints stands
         beside ours, and the difference beside both.
 
     """
@@ -78,7 +78,7 @@ class Findings:
     shows : str
         A sentence or three on what it shows, with the numbers that decide.
     agreement : str
-        How closely the thesis is reproduced, in half a line; empty where it prints nothing.
+        How closely the thesis is reproduced, in half a line; empty if it prints nothing.
     tables : sequence of Table
         All the data.
     figures : dict of Figure

@@ -13,7 +13,7 @@ FITTED_S = 0.06
 FEWEST = 4  # samples of a line; of fewer the newest holds
 # That they span at least: of a burst, stamped on arrival, the slope is noise over microseconds.
 SHORTEST_S = FITTED_S / 2.0
-BEFORE, AFTER, BETWEEN = 1, 2, 3  # where a gap is; 0 where there is none
+BEFORE, AFTER, BETWEEN = 1, 2, 3  # where a gap is; 0 if there is none
 
 
 @kernel

@@ -29,7 +29,7 @@ class CameraPose:
     Raises
     ------
     ValueError
-        Where one of them cannot be.
+        If one of them is invalid.
 
     """
 

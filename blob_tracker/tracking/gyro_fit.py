@@ -87,7 +87,7 @@ class GyroFault(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """Whether the turning was enough to tell, and what is wrong; None where nothing is."""
+    """Whether the turning was enough to tell, and what is wrong; None if nothing is."""
 
     told: bool
     fault: GyroFault | None

@@ -57,14 +57,14 @@ class Situation(NamedTuple):
     rival : Hypothesis or None
         Where it may be instead: of bearings that the gate has refused.
     innovation : Innovation or None
-        Of the bearing, against the track; None where there was none.
+        Of the bearing, against the track; None if there was none.
     refused : str
-        Why it is not part of the track; empty where it is.
+        Why it is not part of the track; empty if it is.
     unsure : float
         Deviation at which the track before ended, mrad, while the next is not yet told; 0 where
         none did.
     platform_gap : str
-        Why the platform's rotation was not used; empty where it was, or where there is none.
+        Why the platform's rotation was not used; empty if it was, or if there is none.
 
     """
 

@@ -28,13 +28,13 @@ class Updated(NamedTuple):
     Parameters
     ----------
     hypothesis : Hypothesis or None
-        With the bearing; None where the gate refuses it.
+        With the bearing; None if the gate refuses it.
     innovation : Innovation
         Of the bearing.
     sigma : float
         Largest standard deviation of the direction before it, mrad.
     platform_gap : str
-        Why the platform's rotation is not in it; empty where it is, or where there is none.
+        Why the platform's rotation is not in it; empty if it is, or if there is none.
 
     """
 

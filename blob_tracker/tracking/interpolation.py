@@ -38,7 +38,7 @@ def interpolated(before: Bearing, after: Bearing, stamp_ns: int) -> Bearing:
     Raises
     ------
     ValueError
-        Where the instant does not lie between the two.
+        If the instant does not lie between the two.
 
     """
     if not before.stamp_ns <= stamp_ns <= after.stamp_ns or before.stamp_ns == after.stamp_ns:

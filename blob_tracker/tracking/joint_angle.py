@@ -43,7 +43,7 @@ class JointAngle:
 
     @property
     def newest_ns(self) -> int | None:
-        """Stamp of the newest sample, ns; None where there is none."""
+        """Stamp of the newest sample, ns; None if there is none."""
         return self._stamps[-1] if self._stamps else None
 
     def reset(self) -> None:
@@ -58,9 +58,9 @@ class JointAngle:
         Raises
         ------
         TrackingError
-            Where the angle cannot be, or there is another one with this stamp.
+            If the angle cannot be, or there is another one with this stamp.
         StampJump
-            Where the stamp is from before the memory.
+            If the stamp is from before the memory.
 
         """
         if not isfinite(angle):
@@ -92,7 +92,7 @@ class JointAngle:
         Raises
         ------
         PlatformGap
-            Where the samples do not cover the instant, with a reason.
+            If the samples do not cover the instant, with a reason.
 
         """
         stamps = self._stamps
@@ -140,7 +140,7 @@ class JointAngle:
         return sigma**2 * ((1.0 + share) ** 2 + share**2) + strayed**2
 
     def _begin(self, end: int) -> int | None:
-        """Return the sample from which to one the rate is taken; None where there is none."""
+        """Return the sample from which to one the rate is taken; None if there is none."""
         stamps = self._stamps
         begin = bisect_right(stamps, stamps[end] - SPAN_NS) - 1
         return begin if begin >= 0 and stamps[end] - stamps[begin] <= self._hold_ns else None

@@ -19,7 +19,7 @@ def not_yet(oldest_ns: int | None, stamp_ns: int) -> str:
 def lost(
     track: Hypothesis, situation: Situation, stamp_ns: int, coast: float, max_sigma: float
 ) -> str:
-    """Return why the track of a situation is not told at an instant; empty where it may be."""
+    """Return why the track of a situation is not told at an instant; empty if it may be."""
     age = 1e-9 * (stamp_ns - track.stamp_ns)
     if age > coast:
         return f'the last bearing is {age:.3f} s ago; coast is {coast:g} s'
@@ -38,7 +38,7 @@ def lost(
 
 
 def unsure(predicted: Hypothesis, max_sigma: float) -> str:
-    """Return that a prediction is too unsure to be told; empty where it is not."""
+    """Return that a prediction is too unsure to be told; empty if it is not."""
     sigma = largest_deviation(predicted.state)
     if sigma <= max_sigma:
         return ''

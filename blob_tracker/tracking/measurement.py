@@ -40,7 +40,7 @@ def measured(bearing: Bearing, pan_tilt: PanTilt | None) -> Measurement:
     Raises
     ------
     TrackingError
-        Where the bearing is none that can be, or the camera's direction at its stamp is not known.
+        If the bearing is none that can be, or the camera's direction at its stamp is not known.
 
     """
     azimuth, elevation = float(bearing.azimuth), float(bearing.elevation)

@@ -54,7 +54,7 @@ class Memory:
 
     @property
     def oldest_ns(self) -> int | None:
-        """Stamp of the oldest bearing that is kept, ns; None where there is none."""
+        """Stamp of the oldest bearing that is kept, ns; None if there is none."""
         return self._stamps[0] if self._stamps else None
 
     def until(self, stamp_ns: int) -> Situation:
@@ -69,9 +69,9 @@ class Memory:
         Raises
         ------
         TrackingError
-            Where there is a bearing with this stamp.
+            If there is a bearing with this stamp.
         StampJump
-            Where the stamp is from before the memory.
+            If the stamp is from before the memory.
 
         """
         stamps = self._stamps

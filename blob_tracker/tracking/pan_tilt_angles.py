@@ -36,7 +36,7 @@ class PanTiltAngles:
     Raises
     ------
     TrackingError
-        Where hold or memory is not above 0, sigma or acceleration is below, or one of them is not
+        If hold or memory is not above 0, sigma or acceleration is below, or one of them is not
         finite.
 
     """
@@ -65,7 +65,7 @@ class PanTiltAngles:
 
     @property
     def newest_ns(self) -> int | None:
-        """Until when both angles are known, ns; None where one has no sample."""
+        """Until when both angles are known, ns; None if one has no sample."""
         pan_ns, tilt_ns = self._pan.newest_ns, self._tilt.newest_ns
         return None if pan_ns is None or tilt_ns is None else min(pan_ns, tilt_ns)
 
@@ -89,9 +89,9 @@ class PanTiltAngles:
         Raises
         ------
         TrackingError
-            Where an angle or the stamp is none that can be, or there is another with this stamp.
+            If an angle or the stamp is none that can be, or there is another with this stamp.
         StampJump
-            Where the stamp is from before the memory.
+            If the stamp is from before the memory.
 
         """
         check_stamp(stamp_ns)
@@ -111,7 +111,7 @@ class PanTiltAngles:
         Raises
         ------
         PlatformGap
-            Where the samples do not cover the instant, with a reason.
+            If the samples do not cover the instant, with a reason.
 
         """
         return pan_tilt(self._pan.at(stamp_ns).angle, self._tilt.at(stamp_ns).angle)

@@ -48,12 +48,12 @@ class PlatformRates:
     Attributes
     ----------
     distrusted : str
-        Why the samples are not to be used; empty where they are. Each instant is a gap then.
+        Why the samples are not to be used; empty if they are. Each instant is a gap then.
 
     Raises
     ------
     TrackingError
-        Where one of them is not above 0 and finite.
+        If one of them is not above 0 and finite.
 
     """
 
@@ -73,7 +73,7 @@ class PlatformRates:
 
     @property
     def newest_ns(self) -> int | None:
-        """Stamp of the newest sample that counts, ns; None where there is none."""
+        """Stamp of the newest sample that counts, ns; None if there is none."""
         newest = self._end - 1 - self._waiting
         return int(self._stamps[newest]) if newest >= self._first else None
 
@@ -97,9 +97,9 @@ class PlatformRates:
         Raises
         ------
         TrackingError
-            Where a number is none that can be, or there is a sample with this stamp.
+            If a number is none that can be, or there is a sample with this stamp.
         StampJump
-            Where the stamp is from before the memory.
+            If the stamp is from before the memory.
 
         """
         check_stamp(stamp_ns)
@@ -151,7 +151,7 @@ class PlatformRates:
         Raises
         ------
         PlatformGap
-            Where the samples do not cover the time, or are distrusted, with a reason.
+            If the samples do not cover the time, or are distrusted, with a reason.
 
         """
         samples = slice(self._first, self._end - self._waiting)

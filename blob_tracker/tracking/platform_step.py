@@ -96,7 +96,7 @@ def as_seen(
     Raises
     ------
     PlatformGap
-        Where the platform's rate or the pan/tilt's place is not known.
+        If the platform's rate or the pan/tilt's place is not known.
 
     """
     state, stamp_ns, stabilised, _ = hypothesis

@@ -103,7 +103,7 @@ def process_noise(
     Raises
     ------
     TrackingError
-        Where a bearing is none that can be, or they are too few.
+        If a bearing is none that can be, or they are too few.
 
     """
     def loss(exponent: float) -> float:

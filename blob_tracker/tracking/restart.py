@@ -24,7 +24,7 @@ def update_or_restart(
     Raises
     ------
     TrackingError
-        Where the measurement is refused, before or after the restart.
+        If the measurement is refused, before or after the restart.
 
     """
     try:

@@ -108,7 +108,7 @@ class Simultaneous:
         Raises
         ------
         ValueError
-            Where its stamp is not later than the last one: it is left out, or, where the stamps
+            If its stamp is not later than the last one: it is left out, or, where the stamps
             jumped back by more than `max_interval`, all that waits is.
 
         """

@@ -58,9 +58,9 @@ class Tracker:
     Attributes
     ----------
     reason : str
-        Why the last question had no answer; empty where it had one.
+        Why the last question had no answer; empty if it had one.
     innovation : Innovation or None
-        Of the last bearing; None where it began a track.
+        Of the last bearing; None if it began a track.
     bearings, refused, late, begun : int
         Bearings taken; refused by the gate; of those taken or refused, the ones out of order;
         tracks begun, also those after a leap.
@@ -68,7 +68,7 @@ class Tracker:
     Raises
     ------
     TrackingError
-        Where a parameter cannot be.
+        If a parameter cannot be.
 
     """
 
@@ -124,7 +124,7 @@ class Tracker:
         Raises
         ------
         TrackingError
-            Where one of them cannot be; then none is set.
+            If one of them is invalid; then none is set.
 
         """
         gate_sigma = self.gate_sigma if gate_sigma is None else gate_sigma
@@ -150,7 +150,7 @@ class Tracker:
         """
         Why the platform's rotation was not used at the newest bearing.
 
-        Empty where it was, or where there is no `platform`.
+        Empty where it was, or if there is no `platform`.
         """
         return self._memory.newest.platform_gap
 
@@ -175,11 +175,11 @@ class Tracker:
         Raises
         ------
         TrackingError
-            Where the bearing or its stamp is none that can be, has the stamp of another, or is
+            If the bearing or its stamp is none that can be, has the stamp of another, or is
             refused by the gate, or where the camera's direction at its stamp is not known; the
             track stays.
         StampJump
-            Where its stamp is from before the memory: `reset` if the clock was set back.
+            If its stamp is from before the memory: `reset` if the clock was set back.
 
         """
         check_stamp(bearing.stamp_ns)
@@ -210,7 +210,7 @@ class Tracker:
         -------
         Track or None
             Its rates are those of the target alone where the platform's rotation is known. None
-            where there is no track of three bearings, the last one is more than `coast` ago, the
+            if there is no track of three bearings, the last one is more than `coast` ago, the
             deviation is above `max_sigma`, or two bearings that agree contradict it; `reason`
             tells.
 

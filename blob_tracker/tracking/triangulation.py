@@ -128,7 +128,7 @@ def triangulate(
     strayed : (n, n) array, optional
         V, rad^2, of bearings that were interpolated, see `Instant`.
     names : sequence of str
-        Of the cameras, for what is said of them; their numbers where there are none.
+        Of the cameras, for what is said of them; their numbers if there are none.
 
     Returns
     -------
@@ -138,12 +138,12 @@ def triangulate(
     Raises
     ------
     ParallelRays
-        Where no two rays differ by more than five standard deviations of the angle between them.
+        If no two rays differ by more than five standard deviations of the angle between them.
     RaysApart
-        Where the rays do not meet within the gate, or meet behind a camera, and it is not told
+        If the rays do not meet within the gate, or meet behind a camera, and it is not told
         which of them are of another light.
     TriangulationError
-        Where there are fewer than two bearings, or one or its covariance is not finite, or the
+        If there are fewer than two bearings, or one or its covariance is not finite, or the
         covariance is not positive definite.
 
     """
@@ -259,7 +259,7 @@ def load_ahead() -> None:
 
 
 def check_bearing(bearing: Bearing) -> None:
-    """Raise TriangulationError where a bearing or its covariance can be that of no ray."""
+    """Raise TriangulationError if a bearing or its covariance can be that of no ray."""
     covariance = bearing.covariance
     if not (
         math.isfinite(bearing.azimuth)

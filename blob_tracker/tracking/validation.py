@@ -12,7 +12,7 @@ FARTHEST_NS = 2**62
 
 
 def check_stamp(stamp_ns: int) -> None:
-    """Raise TrackingError where a stamp is none of ROS time."""
+    """Raise TrackingError if a stamp is none of ROS time."""
     if not -FARTHEST_NS <= stamp_ns <= FARTHEST_NS:
         raise TrackingError(
             f'the stamp is {stamp_ns} ns; it must be within 146 years of 0 (is it in ns?)'
@@ -20,14 +20,14 @@ def check_stamp(stamp_ns: int) -> None:
 
 
 def check_positive(values: Mapping[str, float], unit: str = '') -> None:
-    """Raise TrackingError where one of these parameters is not above 0 and finite."""
+    """Raise TrackingError if one of these parameters is not above 0 and finite."""
     for name, value in values.items():
         if not (value > 0.0 and isfinite(value)):
             raise TrackingError(f'{name} is {value}{unit}; it must be above 0 and finite')
 
 
 def check_limits(gate_sigma: float, coast: float, max_sigma: float) -> None:
-    """Raise TrackingError where a limit of a track cannot be; a gate and coast may be infinite."""
+    """Raise TrackingError if a limit of a track cannot be; a gate and coast may be infinite."""
     check_positive({'max_sigma': max_sigma})
     for name, value in (('gate_sigma', gate_sigma), ('coast', coast)):
         if not value > 0.0:

@@ -19,7 +19,7 @@ class NoTransform(LookupError):
         Whether to wait helps: it is that of an instant after the newest, or of frames that nothing
         connects so far.
     frame : str
-        Of which the transforms are of another time; empty where they are not.
+        Of which the transforms are of another time; empty if they are not.
     apart_ns : int
         By how much, ns.
 

@@ -39,7 +39,7 @@ class Link:
 
     @property
     def newest_ns(self) -> int | None:
-        """Stamp of the newest transform, ns; None where none has one."""
+        """Stamp of the newest transform, ns; None if none has one."""
         return self._stamps[-1] if self._stamps else None
 
     def put(self, transform: Transform, stamp_ns: int) -> int:
@@ -54,7 +54,7 @@ class Link:
         Raises
         ------
         TransformError
-            Where there is another one with this stamp.
+            If there is another one with this stamp.
 
         """
         place = len(self._stamps)
@@ -90,7 +90,7 @@ class Link:
         Raises
         ------
         NoTransform
-            Where it is not known, with a reason. Nothing is extrapolated.
+            If it is not known, with a reason. Nothing is extrapolated.
 
         """
         stamps = self._stamps

@@ -51,7 +51,7 @@ def checked(transform: Transform) -> Transform:
     Raises
     ------
     TransformError
-        Where a number is not finite, or the quaternion is no turn.
+        If a number is not finite, or the quaternion is no turn.
 
     """
     numbers = *transform.translation, *transform.rotation

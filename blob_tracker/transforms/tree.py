@@ -73,7 +73,7 @@ class TransformTree:
         Raises
         ------
         TransformError
-            Where it cannot be, with a reason.
+            If it cannot be, with a reason.
 
         """
         transform = checked(transform)
@@ -101,7 +101,7 @@ class TransformTree:
         Raises
         ------
         TransformError
-            Where it cannot be, with a reason.
+            If it cannot be, with a reason.
 
         """
         transform = checked(transform)
@@ -137,7 +137,7 @@ class TransformTree:
         Raises
         ------
         NoTransform
-            Where it is not known, with a reason.
+            If it is not known, with a reason.
 
         """
         up, down = self._ways(frame, reference)
@@ -157,7 +157,7 @@ class TransformTree:
         Raises
         ------
         NoTransform
-            Where it is not known, or moves, with a reason.
+            If it is not known, or moves, with a reason.
 
         """
         up, down = self._ways(frame, reference)
@@ -271,7 +271,7 @@ class TransformTree:
 
 
 def wrong_name(frame: str) -> str:
-    """Return why this is no name of a frame; empty where it is one."""
+    """Return why this is no name of a frame; empty if it is one."""
     if not frame:
         return 'the name of a frame is empty: its publisher must set frame_id'
     if frame.startswith('/'):

@@ -67,7 +67,7 @@ class Board(Protocol):
         Returns
         -------
         View or None
-            Its points to a hundredth of a pixel or so; None where it is not there.
+            Its points to a hundredth of a pixel or so; None if it is not there.
 
         """
 

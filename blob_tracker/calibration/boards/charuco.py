@@ -36,7 +36,7 @@ class CharucoBoard:
     Raises
     ------
     BoardError
-        Where the board cannot be.
+        If the board cannot be.
 
     """
 
@@ -131,7 +131,7 @@ class CharucoBoard:
 def _as_arrays(
     corners: NDArray[np.float32] | None, identities: NDArray[np.int32] | None
 ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-    """Return what OpenCV gives, None where it is nothing, as arrays."""
+    """Return what OpenCV gives, None if it is nothing, as arrays."""
     if corners is None or identities is None:
         return np.empty((0, 2)), np.empty(0, dtype=np.intp)
     return np.asarray(corners, dtype=float).reshape(-1, 2), np.ravel(identities).astype(np.intp)

@@ -37,7 +37,7 @@ class Chessboard:
     Raises
     ------
     BoardError
-        Where the board cannot be.
+        If the board cannot be.
 
     """
 

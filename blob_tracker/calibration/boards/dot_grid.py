@@ -39,7 +39,7 @@ class DotGrid:
     Raises
     ------
     BoardError
-        Where the board cannot be.
+        If the board cannot be.
 
     """
 
@@ -104,7 +104,7 @@ class DotGrid:
         return None
 
     def _place(self, image: Pixels, centres: Array) -> tuple[Array, float] | None:
-        """Return the centroids of the dots, px, and their diameter, mm; None where not all are."""
+        """Return the centroids of the dots, px, and their diameter, mm; None if not all are."""
         points = self.points()
         reach = 0.5 * self.spacing * (np.sqrt(2.0) if self.asymmetric else 1.0)
         areas = np.empty(len(points))
@@ -144,7 +144,7 @@ def _centroid(
     Returns
     -------
     (2,) array, float or None
-        px, and the area of the dot, mm^2; None where it has no contrast or touches the border.
+        px, and the area of the dot, mm^2; None if it has no contrast or touches the border.
 
     """
     about = point + reach * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])

@@ -30,7 +30,7 @@ def read_matrices(
     content: dict[str, Any], size: tuple[int, int] | None, remarks: list[str]
 ) -> dict[str, Any] | None:
     """
-    Return the arguments of `CameraModel`, or None where the file names no such matrices.
+    Return the arguments of `CameraModel`, or None if the file names no such matrices.
 
     Parameters
     ----------

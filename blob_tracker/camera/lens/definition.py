@@ -74,7 +74,7 @@ class Lens:
         image(rays (N, 3), coefficients) -> places (N, 2), NaN where it has no picture of a ray.
     ray : callable
         ray(x, y, coefficients) -> a ray (X, Y, Z) that is imaged at that place, and its
-        derivative by x and y; None where there is no such ray. It is on the way of each frame:
+        derivative by x and y; None if there is no such ray. It is on the way of each frame:
         scalars, since arrays of three cost ten times as much.
     names : tuple of str
         Of the coefficients that views of a board tell, in their order.

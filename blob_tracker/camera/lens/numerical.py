@@ -55,7 +55,7 @@ def slopes(
     ray: Callable[[float, float, Coefficients], tuple[Vector, Derivative] | None],
 ) -> Callable[[Array, Array, Array], Array]:
     """
-    Return `Lens.slopes` of a `ray`, one place after the other: NaN where there is no ray.
+    Return `Lens.slopes` of a `ray`, one place after the other: NaN if there is no ray.
 
     Parameters
     ----------

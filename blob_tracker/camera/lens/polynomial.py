@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 COUNT = 14
 COUNTS = (0, 4, 5, 8, 12, 14)  # of coefficients; ROS gives either name to each of them
 CLOSE_ENOUGH = 2e-14  # focal lengths: 1e-10 px with one of 5000 px
-MOST_STEPS = 60  # five or so do, many only where the picture is about to fold
+MOST_STEPS = 60  # five or so do, many only if the picture is about to fold
 WIDEST_DEG = 89.0  # from the axis, up to where a fold is looked for
 FINER = 7  # times that it is looked for, each in a hundredth of the place where it was found
 CLOSE_SLOPE = 1e-9  # of X / Z and Y / Z, of many places at once: no picture shows it

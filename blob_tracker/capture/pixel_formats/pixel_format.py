@@ -30,10 +30,10 @@ class PixelFormat:
     saturation : int
         The DN at which a pixel is clipped.
     full_range_saturation : int or None
-        The same where the driver says that its levels use the full range; None where that makes
+        The same where the driver says that its levels use the full range; None if that makes
         no difference.
     limited_range : PixelFormat or None
-        The format where the driver says that its levels use the limited range; None where that
+        The format where the driver says that its levels use the limited range; None if that
         makes no difference.
     binning : int
         Sensor pixels per pixel of the luma, along both axes.

@@ -68,12 +68,12 @@ def shots_of(
     console : Console
         Shows the progress.
     exposures : sequence of float
-        Times, in the order in which they come; empty where nobody knows, and they are nan.
+        Times, in the order in which they come; empty if nobody knows, and they are nan.
 
     Raises
     ------
     SourceError
-        Where there are other numbers of frames than of exposures, or an index is wrong.
+        If there are other numbers of frames than of exposures, or an index is wrong.
 
     """
     stream = frames_of(arguments, console)

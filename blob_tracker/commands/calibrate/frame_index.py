@@ -31,7 +31,7 @@ class Light(NamedTuple):
     kind : str
         bright or dark.
     exposure_ns, photons : float or None
-        Of a pixel; None where the index does not say.
+        Of a pixel; None if the index does not say.
 
     """
 

@@ -71,7 +71,7 @@ def stations(arguments: argparse.Namespace, quantities: Sequence[Quantity]) -> S
     Raises
     ------
     StationsError
-        Where there are none, or the file is not as it must be.
+        If there are none, or the file is not as it must be.
     KeyboardInterrupt
         On Ctrl-C; what was measured until then is in the file.
 

@@ -94,7 +94,7 @@ def read_stations(path: Path, quantities: Sequence[Quantity]) -> Stations:
     Raises
     ------
     StationsError
-        Where the file is missing, lacks a column, or holds what is no number.
+        If the file is missing, lacks a column, or holds what is no number.
 
     """
     try:

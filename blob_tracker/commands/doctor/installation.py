@@ -195,7 +195,7 @@ def check_tf(environment: Mapping[str, str], messages: Path | None) -> Iterator[
 
 
 def installed_at(environment: Mapping[str, str]) -> Path | None:
-    """Return the prefix in which ROS finds this package, None where it does not."""
+    """Return the prefix in which ROS finds this package, None if it does not."""
     marker = Path('share/ament_index/resource_index/packages/blob_tracker')
     return next((p for p in prefixes_of(environment) if (p / marker).is_file()), None)
 

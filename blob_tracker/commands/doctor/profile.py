@@ -90,7 +90,7 @@ def check_profile(
 
 def complaint_about(path: Path, environment: Mapping[str, str]) -> str:
     """
-    Return what Fast DDS itself says against a profile; empty where it takes it.
+    Return what Fast DDS itself says against a profile; empty if it takes it.
 
     One tag that it does not know, or a value out of range, and it goes on without any of it.
     """
@@ -138,7 +138,7 @@ def segment_size(path: Path) -> int:
 
 
 def fast_dds(folders: Sequence[Path]) -> Path | None:
-    """Return the library of Fast DDS that nodes load, None where there is none."""
+    """Return the library of Fast DDS that nodes load, None if there is none."""
     for folder in folders:
         for name in ('libfastrtps.so', 'libfastdds.so'):
             # The longest name has the version; the wheels have copies where apt has links.

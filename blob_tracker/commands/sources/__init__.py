@@ -143,9 +143,9 @@ def open_source(
     Raises
     ------
     SourceError
-        Where there are no images, or they cannot be read; also while they are.
+        If there are no images, or they cannot be read; also while they are.
     UsageError
-        Where there is no such source, or it does not use an option that is given.
+        If there is no such source, or it does not use an option that is given.
 
     """
     path, rate = Path(arguments.source), arguments.frame_rate
@@ -235,7 +235,7 @@ def grey_frames(
     Raises
     ------
     SourceError
-        Where one cannot be read, or the response is of other ones.
+        If one cannot be read, or the response is of other ones.
 
     """
     first_ns: int | None = None

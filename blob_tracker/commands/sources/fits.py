@@ -87,7 +87,7 @@ def _top_down(plane: NDArray[Any], header: Any) -> NDArray[Any]:
 
 
 def _middle_ns(header: Any) -> int | None:
-    """Return the middle of the exposure, ns since 1970; None where the header does not tell."""
+    """Return the middle of the exposure, ns since 1970; None if the header does not tell."""
     try:
         # datetime64 takes any number of digits, and no name of a zone; FITS has UTC.
         begin = np.datetime64(str(header['DATE-OBS']).strip().rstrip('Z'), 'ns')

@@ -21,7 +21,7 @@ def add_response(parser: argparse.ArgumentParser) -> None:
 
 
 def response_of(arguments: argparse.Namespace) -> Response | None:
-    """Return the response that makes the frames linear; None where they stay as they are."""
+    """Return the response that makes the frames linear; None if they stay as they are."""
     if arguments.response is None:
         return None
     try:

@@ -52,7 +52,7 @@ class GreyFrame(NamedTuple):
     name : str
         To call it by.
     seconds : float or None
-        Its stamp in s since the first frame's; None where it has none.
+        Its stamp in s since the first frame's; None if it has none.
     pixels : (h, w) uint8 or uint16 array
         DN; luma where it had colours.
     sensor : (int, int)
@@ -124,7 +124,7 @@ def frame_of(
     where : str
         Name of the frame.
     stamp_ns : int, optional
-        Middle of the exposure, ns; None where it is not known.
+        Middle of the exposure, ns; None if it is not known.
     layout : str
         See `Frame`; '' is grey, or by the number of colours.
 

@@ -155,7 +155,7 @@ def _table(arguments: argparse.Namespace, out: Path) -> Any:
 
 
 def _camera_model(values: dict[str, Any]) -> CameraModel | None:
-    """Return the calibration that was given; None where none was."""
+    """Return the calibration that was given; None if none was."""
     url = values['camera_info_url']
     return CameraModel.from_file(to_path(url)) if url else None
 

@@ -35,7 +35,7 @@ class Bag:
         self._writer.open()
 
     def add(self, outcome: Outcome) -> None:
-        """Write the messages of an outcome; none where there is no location."""
+        """Write the messages of an outcome; none if there is no location."""
         if outcome.location is None:
             return
         topic = target_topic(outcome.light)

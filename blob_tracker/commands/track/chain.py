@@ -33,7 +33,7 @@ class Chain:
     values : mapping of str to any
         Values of the parameters of segmenter and locator.
     camera_model : CameraModel or None
-        The calibration; None where there is none: places in the picture are all there is then.
+        The calibration; None if there is none: places in the picture are all there is then.
     frame : Frame
         The first one, for its size.
 

@@ -25,7 +25,7 @@ class Outcome:
     light : str
         Name of the light; '' of one without.
     location : Location or None
-        px; None where there is none.
+        px; None if there is none.
     bearing : Bearing or None
         mrad; None of a camera that is not calibrated, too.
     reason : str
@@ -65,7 +65,7 @@ class Trail:
     covariances: list[NDArray[np.float64]] = field(default_factory=list)
 
     def scatter(self) -> Scatter | None:
-        """Return the scatter of the places over their sigmas; None where there are too few."""
+        """Return the scatter of the places over their sigmas; None if there are too few."""
         if not self.stamps:
             return None
         return scatter(
@@ -81,7 +81,7 @@ class Sentences:
         self._said: dict[str, tuple[str, int]] = {}
 
     def add(self, sentence: str) -> None:
-        """Take one; none where it is empty."""
+        """Take one; none if it is empty."""
         if sentence:
             kind = re.sub(r'[\d.]+', '', sentence)
             first, count = self._said.get(kind, (sentence, 0))

@@ -17,7 +17,7 @@ COLUMNS = (
 
 class Table:
     """
-    Write a row for each light of each frame, and one with the reason where there is none.
+    Write a row for each light of each frame, and one with the reason if there is none.
 
     The numbers have all their digits: read again they are the same to the last bit.
 

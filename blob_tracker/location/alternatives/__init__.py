@@ -2,7 +2,7 @@
 What else may be true of a window than one round pulse: a file each.
 
 An alternative is a function of a `Pair` and the base fit's parameters that returns its `Fit`, or
-None where it has nothing to say. It answers to the suspicions that stand beside it here.
+None if it has nothing to say. It answers to the suspicions that stand beside it here.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ class LastDetections:
 
     def update(self, detections: Detections | None) -> Detections | None:
         """
-        Take the detections that the segmenter has; None where they are the former ones.
+        Take the detections that the segmenter has; None if they are the former ones.
 
         A frame that is only gathered, or begins a new search, leaves them as they were.
         """

@@ -312,7 +312,7 @@ class SegmenterNode(Node):
         self._noise.measure(self._segmenter.unlit_pair, frame, frame_id)
 
     def _expected(self, frame: Frame, info: CameraInfo) -> Expectation | None:
-        """Return where the tracker expects the light in a frame; None where it is not asked."""
+        """Return where the tracker expects the light in a frame; None if it is not asked."""
         if not self._follow:
             return None
         if self._seen_at(frame.stamp_ns) is None:

@@ -153,7 +153,7 @@ class LightTrack:
             self._topics.predict(self._prediction, self._platform.frame_id or self._frame_id)
 
     def seen_at(self, stamp_ns: int) -> Track | None:
-        """Return where the camera sees the light at a stamp, ns; None where this is not known."""
+        """Return where the camera sees the light at a stamp, ns; None if this is not known."""
         return self._tracker.seen_at(stamp_ns)
 
     def check(self, ahead_ns: int) -> None:

@@ -126,7 +126,7 @@ class TrackerNode(Node):
                     self._looks.cancel()
                 else:
                     self._looks.reset()
-                self._release()  # where there are no joints any more, nothing waits for them
+                self._release()  # if there are no joints any more, nothing waits for them
 
         return use
 
@@ -223,7 +223,7 @@ class TrackerNode(Node):
             self._release()
 
     def seen_at(self, light: str, stamp_ns: int) -> Track | None:
-        """Return where the camera sees a light at a stamp, ns; None where this is not known."""
+        """Return where the camera sees a light at a stamp, ns; None if this is not known."""
         with self._lock:
             here_ns = stamp_ns - round(1e9 * self._offset)
             return self._lights[light].seen_at(here_ns) if light in self._lights else None

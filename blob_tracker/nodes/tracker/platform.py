@@ -66,15 +66,15 @@ class Platform:
     Attributes
     ----------
     rates : PlatformRates or None
-        How the platform turns; None where the IMU is not asked for.
+        How the platform turns; None if the IMU is not asked for.
     angles : PanTiltAngles or None
-        Where the pan/tilt stands by its joints; None where they are not read.
+        Where the pan/tilt stands by its joints; None if they are not read.
     turns : CameraTurns or None
-        How the camera is turned by TF; None where TF is not asked.
+        How the camera is turned by TF; None if TF is not asked.
     patience_ns : int
         For how long, ns of wall time, a bearing waits for what `awaits` tells of.
     frame_id : str
-        Name of the frame that the pan/tilt does not turn; empty where it is the camera's.
+        Name of the frame that the pan/tilt does not turn; empty if it is the camera's.
 
     """
 
@@ -113,7 +113,7 @@ class Platform:
         Raises
         ------
         ParameterError
-            Where one joint is to do both, or TF is asked for and its messages are not installed.
+            If one joint is to do both, or TF is asked for and its messages are not installed.
 
         """
         asked = {name: values[name] for name in MINE}
@@ -176,7 +176,7 @@ class Platform:
 
     @property
     def pan_tilt(self) -> PanTiltAngles | CameraTurns | None:
-        """How the camera is turned against the platform; None where it is not."""
+        """How the camera is turned against the platform; None if it is not."""
         return self.angles or self.turns
 
     def looks_through(self, camera: str, stamp_ns: int) -> None:

@@ -77,7 +77,7 @@ class CameraPlaces:
         Raises
         ------
         ParameterError
-            Where TF is asked for, and its messages are not installed.
+            If TF is asked for, and its messages are not installed.
 
         """
         poses = {
@@ -127,7 +127,7 @@ class CameraPlaces:
         Raises
         ------
         NoTransform
-            Where TF is to tell and does not: `explain` says why.
+            If TF is to tell and does not: `explain` says why.
 
         """
         self._seen[name] = _Seen(frame_id, stamp_ns)

@@ -260,7 +260,7 @@ class TriangulatorNode(Node):
             )
 
     def _at_one_place(self) -> str:
-        """Return which cameras are at one place; empty where none are."""
+        """Return which cameras are at one place; empty if none are."""
         placed = self._places.last().items()
         return next((
             f'{one} and {other}' for (one, place), (other, another) in combinations(placed, 2)

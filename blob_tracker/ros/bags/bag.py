@@ -38,7 +38,7 @@ class Bag:
     topics : dict of Topic to int
         How many messages of each topic will come.
     remark : str
-        What is wrong with it, and how much of it is there; empty where all is well.
+        What is wrong with it, and how much of it is there; empty if all is well.
     start_ns : int
         Time of the first message, ns; 0 without any.
 
@@ -178,7 +178,7 @@ def opened(path: Path) -> Iterator[Bag]:
     Raises
     ------
     RecordingError
-        Where nothing of it can be read.
+        If nothing of it can be read.
 
     """
     if not path.exists():

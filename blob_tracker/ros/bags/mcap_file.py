@@ -48,7 +48,7 @@ class _Piece(NamedTuple):
     start: int  # of a chunk's record, or of the first record outside of chunks
     end: int
     chunk: bool
-    channels: frozenset[int] | None  # None where only its records tell
+    channels: frozenset[int] | None  # None if only its records tell
 
 
 class McapFile:

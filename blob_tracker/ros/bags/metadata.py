@@ -25,7 +25,7 @@ class Metadata:
     files : list of Path
         Those that are there, in the order in which they were recorded.
     promised : dict or None
-        The number of messages of each topic; None where nothing is said.
+        The number of messages of each topic; None if nothing is said.
     flaws : list of str
         What is wrong with it.
 

@@ -25,7 +25,7 @@ class Topic:
     name : str
         As it was recorded.
     kind : str
-        Of its messages: 'sensor_msgs/msg/Image'; empty where the file does not tell.
+        Of its messages: 'sensor_msgs/msg/Image'; empty if the file does not tell.
     encoding : str
         How they are serialized: CDR, ROS1, or what else is named.
     qos : list of dict
@@ -56,7 +56,7 @@ class BagFile(Protocol):
     topics : list of Topic
         All that it tells of.
     promised : dict or None
-        How many messages of each topic it says that it has; None where it does not say.
+        How many messages of each topic it says that it has; None if it does not say.
     flaws : list of str
         What is wrong with it, as far as it was read: 'it ends in the middle of a record'.
 

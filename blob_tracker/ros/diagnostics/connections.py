@@ -132,7 +132,7 @@ class Connections:
 
 
 def no_clock(node: Node) -> str:
-    """Return that a node's simulated time stands still; empty where somebody publishes it."""
+    """Return that a node's simulated time stands still; empty if somebody publishes it."""
     clock = node.get_clock()
     if not clock.ros_time_is_active or node.count_publishers('/clock'):
         return ''
@@ -148,7 +148,7 @@ def no_clock(node: Node) -> str:
 
 
 def why_silent(node: Node) -> str:
-    """Return why nothing comes of a publisher of a node's topics; empty where this is not seen."""
+    """Return why nothing comes of a publisher of a node's topics; empty if this is not seen."""
     for topic in sorted({each.topic_name for each in node.subscriptions} - {*COMMON}):
         for ours in own(node, node.get_subscriptions_info_by_topic(topic)):
             for each in node.get_publishers_info_by_topic(topic):
@@ -164,7 +164,7 @@ def own(node: Node, endpoints: Iterable[TopicEndpointInfo]) -> list[TopicEndpoin
 
 def unheard(topic: str, ours: TopicEndpointInfo, publisher: TopicEndpointInfo) -> str:
     """
-    Return why a subscription hears nothing of a publisher; empty where it does.
+    Return why a subscription hears nothing of a publisher; empty if it does.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ def unhearing(topic: str, ours: TopicEndpointInfo, subscription: TopicEndpointIn
 
 
 def unreachable(topic: str, ours: TopicEndpointInfo, publisher: TopicEndpointInfo) -> str:
-    """Return why nothing comes of a publisher that fits; empty where nothing speaks against it."""
+    """Return why nothing comes of a publisher that fits; empty if nothing speaks against it."""
     gid = bytes(publisher.endpoint_gid)
     if unheard(topic, ours, publisher) or not same_host(gid, bytes(ours.endpoint_gid)):
         return ''

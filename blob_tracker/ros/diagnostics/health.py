@@ -42,7 +42,7 @@ class Health:
     idle : str
         What to say of a second in which nothing was reported.
     slowed : str
-        What may be the cause where the rate falls by half; empty where it may well do so.
+        What may be the cause where the rate falls by half; empty if it may well do so.
     describe : callable, optional
         Called before each publication for a second in which something was reported, to show and
         report what is known once a second.

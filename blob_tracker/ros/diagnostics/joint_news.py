@@ -61,7 +61,7 @@ class JointNews:
         return [name for name, each in self._senders.items() if each.mixed]
 
     def silent(self, now_ns: int) -> str:
-        """Return which joints say nothing at an instant, ns, and what to do; empty where none."""
+        """Return which joints say nothing at an instant, ns, and what to do; empty if none."""
         silent = [
             name for name, came_ns in self._came_ns.items()
             if came_ns > 0 and now_ns - came_ns > SILENCE_NS

@@ -51,7 +51,7 @@ def segment_size(gid: bytes, folder: Path = FOLDER) -> int | None:
     Returns
     -------
     int or None
-        bytes, with the descriptors; None where the process is another user's or in a container of
+        bytes, with the descriptors; None if the process is another user's or in a container of
         its own, or has none.
 
     """

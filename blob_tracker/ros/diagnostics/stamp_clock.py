@@ -26,7 +26,7 @@ def name_clock(offset: float) -> tuple[str, float | None]:
     Returns
     -------
     str, float or None
-        Its likely name, and by how much exactly it is ahead, s; None where that is not known.
+        Its likely name, and by how much exactly it is ahead, s; None if that is not known.
 
     """
     boot = time.monotonic() - time.time()

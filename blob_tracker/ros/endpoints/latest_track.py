@@ -35,7 +35,7 @@ class LatestTrack:
         self._subscription = subscription(node, Odometry, topic, self._take, RESULT)
 
     def seen_at(self, stamp_ns: int) -> Track | None:
-        """Return the track at a camera's stamp, ns; None where the last one is of another time."""
+        """Return the track at a camera's stamp, ns; None if the last one is of another time."""
         latest = self._latest  # another thread may take the next one
         if latest is None:
             return None

@@ -40,14 +40,14 @@ class LiveCentroids:
     topic : str
         geometry_msgs/PointStamped, px.
     joints : sequence of str
-        Names of the servo's joints; empty where nobody publishes them.
+        Names of the servo's joints; empty if nobody publishes them.
     joint_topic : str
         sensor_msgs/JointState, rad.
 
     Raises
     ------
     NoCentroidsError
-        Where a name cannot be that of a topic.
+        If a name is not valid for a topic.
 
     """
 
@@ -102,7 +102,7 @@ class LiveCentroids:
         Raises
         ------
         NoCentroidsError
-            Where nothing comes for 10 s.
+            If nothing comes for 10 s.
 
         """
         settled = time.monotonic() + SETTLE_S

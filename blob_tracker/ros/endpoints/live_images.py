@@ -52,7 +52,7 @@ def live_images(
     Raises
     ------
     NoImagesError
-        Where none comes within 10 s, or one cannot be used.
+        If none comes within 10 s, or one cannot be used.
     KeyboardInterrupt
         On Ctrl-C.
 

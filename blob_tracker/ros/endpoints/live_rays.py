@@ -35,7 +35,7 @@ def live_rays(topics: Mapping[str, str], seconds: float) -> dict[str, list[Beari
     Raises
     ------
     RecordingError
-        Where a name cannot be that of a topic.
+        If a name is not valid for a topic.
 
     """
     came: dict[str, list[Bearing]] = {light: [] for light in topics}
@@ -62,7 +62,7 @@ def listen(subscribe: Callable[[Node], None], seconds: float) -> None:
     Raises
     ------
     RecordingError
-        Where a name cannot be that of a topic.
+        If a name is not valid for a topic.
 
     """
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)

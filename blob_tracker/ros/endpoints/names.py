@@ -18,15 +18,15 @@ def target_topic(light: str) -> str:
 
 def lights_from_text(text: str, parameter: str = 'lights') -> list[str]:
     """
-    Return the names of lights in a parameter; where it is empty, the one of none.
+    Return the names of lights in a parameter; if it is empty, the one of none.
 
     Raises
     ------
     ParameterError
-        Where one of them cannot be.
+        If one of them is invalid.
 
     """
-    lights = text.replace(' ', '').split(',')  # [''] where it is empty
+    lights = text.replace(' ', '').split(',')  # [''] if it is empty
     if text:
         for light in lights:
             try:
@@ -39,7 +39,7 @@ def lights_from_text(text: str, parameter: str = 'lights') -> list[str]:
 
 
 def check_light(name: str) -> None:
-    """Raise ParameterError where a light cannot have this name."""
+    """Raise ParameterError if a light cannot have this name."""
     if not NAME.fullmatch(name):
         raise ParameterError(
             f'{name!r:.60} is not a name for a light; it is a part of topics: a letter, then up '

@@ -54,7 +54,7 @@ class StampPairing:
     ----------
     offset_ns : int or None
         Stamp of the last camera_info less that of the image nearest to it, ns, whether they were
-        paired or not; None where nothing came on one of the topics.
+        paired or not; None if nothing came on one of the topics.
 
     """
 
@@ -115,7 +115,7 @@ class StampPairing:
         self._infos.clear()
 
     def _partner(self, waiting: Mapping[int, Any], stamp_ns: int) -> int | None:
-        """Return the stamp of what waits for a message of this one; None where nothing does."""
+        """Return the stamp of what waits for a message of this one; None if nothing does."""
         if not waiting:
             return None
         nearest_ns = min(waiting, key=lambda each: abs(each - stamp_ns))

@@ -110,7 +110,7 @@ def publisher(node: Node, kind: type, topic: str, qos: QoSProfile) -> QuietPubli
     Raises
     ------
     ParameterError
-        Where one of them is wrong.
+        If one of them is wrong.
 
     """
     quiet: QuietPublisher = node.create_publisher(
@@ -159,7 +159,7 @@ def subscription(
     Raises
     ------
     ParameterError
-        Where an override is wrong.
+        If an override is wrong.
 
     """
     return node.create_subscription(
@@ -198,7 +198,7 @@ def _options(node: Node, topic: str, end: str) -> QoSOverridingOptions:
 
 
 def _check(name: str, policy: str, value: Any) -> None:
-    """Raise ParameterError where a policy cannot have this value."""
+    """Raise ParameterError if a policy cannot have this value."""
     if policy not in OVERRIDABLE:
         raise ParameterError(
             f"no parameter '{name}'; what can be overridden is {', '.join(OVERRIDABLE)}"

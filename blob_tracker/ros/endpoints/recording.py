@@ -133,7 +133,7 @@ def image_topic(bag: Bag, name: str | None = None) -> Topic:
     Raises
     ------
     RecordingError
-        Where there is none, or no one could tell which.
+        If there is none, or no one could tell which.
 
     """
     there = {

@@ -57,7 +57,7 @@ class Transforms:
     Raises
     ------
     ParameterError
-        Where the messages are not installed.
+        If the messages are not installed.
 
     """
 
@@ -89,7 +89,7 @@ class Transforms:
         Raises
         ------
         NoTransform
-            Where it is not known: `explain` says why.
+            If it is not known: `explain` says why.
 
         """
         return self._tree.lookup(frame, reference, stamp_ns)
@@ -169,7 +169,7 @@ class TransformBroadcaster:
     Raises
     ------
     ParameterError
-        Where the messages are not installed.
+        If the messages are not installed.
 
     """
 
@@ -196,7 +196,7 @@ def tf_message(asked_by: str) -> Any:
     Raises
     ------
     ParameterError
-        Where it is not installed, with the parameter that asks for it.
+        If it is not installed, with the parameter that asks for it.
 
     """
     try:

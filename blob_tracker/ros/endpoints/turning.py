@@ -77,7 +77,7 @@ def recorded_turning(bag: Path, ray: str, imu: str) -> Turning:
     Raises
     ------
     RecordingError
-        Where it cannot be read, or lacks one of them.
+        If it cannot be read, or lacks one of them.
 
     """
     taken = _Taken()
@@ -109,7 +109,7 @@ def live_turning(ray: str, imu: str, seconds: float) -> Turning:
     Raises
     ------
     RecordingError
-        Where a name cannot be that of a topic.
+        If a name is not valid for a topic.
 
     """
     taken = _Taken()

@@ -18,7 +18,7 @@ if TYPE_CHECKING:  # those of a bag are read where no ROS is installed, too
 
 class KnownCamera:
     """
-    Make the camera of camera_infos, anew only where the calibration changes.
+    Make the camera of camera_infos, anew only if the calibration changes.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ def to_camera_model(info: CameraInfo) -> CameraModel:
     Raises
     ------
     MessageError
-        Where no bearing can be computed with it, a focal length of 0 (not calibrated) included.
+        If no bearing can be computed with it, a focal length of 0 (not calibrated) included.
 
     """
     try:
@@ -121,7 +121,7 @@ def from_camera_model(
     Raises
     ------
     CalibrationError
-        Where the calibration is for another size than the sensor's: to scale it silently could
+        If the calibration is for another size than the sensor's: to scale it silently could
         be wrong.
 
     """

@@ -43,7 +43,7 @@ def clipping_window(window: Window, saturation: int, looks: int) -> Window:
     Raises
     ------
     MessageError
-        Where 8 bits cannot be a sum, or the window is known to be one of other looks.
+        If 8 bits cannot be a sum, or the window is known to be one of other looks.
 
     """
     full = 2 ** (8 * window.lit.dtype.itemsize) - 1

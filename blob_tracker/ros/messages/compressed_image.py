@@ -53,7 +53,7 @@ def to_whole_frame(message: CompressedImage) -> Frame:
     Raises
     ------
     MessageError
-        Where a JPEG is damaged, or the data are no picture of 8 or 16 bits.
+        If a JPEG is damaged, or the data are no picture of 8 or 16 bits.
 
     """
     data = np.frombuffer(message.data, np.uint8)

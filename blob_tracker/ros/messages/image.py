@@ -70,7 +70,7 @@ def to_frame(image: Image, info: CameraInfo) -> Frame:
     Raises
     ------
     MessageError
-        Where encoding, size, step or data are wrong, or the camera_info is that of another size;
+        If encoding, size, step or data are wrong, or the camera_info is that of another size;
         says which and what would be right.
 
     """
@@ -97,7 +97,7 @@ def to_window(image: Image, info: CameraInfo) -> Window:
     Raises
     ------
     MessageError
-        Where encoding, size, step or data are wrong, or the camera_info is that of another
+        If encoding, size, step or data are wrong, or the camera_info is that of another
         window; says which and what would be right.
 
     """
@@ -166,7 +166,7 @@ def to_whole_frame(image: Image) -> Frame:
     Raises
     ------
     MessageError
-        Where encoding, size, step or data are wrong; says which and what would be right.
+        If encoding, size, step or data are wrong; says which and what would be right.
 
     """
     pixels, layout = _coloured(image)
@@ -181,7 +181,7 @@ def placed(frame: Frame, info: CameraInfo) -> Frame:
     Raises
     ------
     MessageError
-        Where the camera_info is that of another size.
+        If the camera_info is that of another size.
 
     """
     height, width = frame.image.shape[:2]
@@ -255,7 +255,7 @@ def from_window(window: Window, frame_id: str) -> Image:
 
     Where not all pixels see the light, or compression added noise, there is a channel 2: that
     noise in 1/16 DN, full scale in a pixel that does not see the light. Channel 1 is then at full
-    scale where there is no unlit frame. Of a light that blinks and moves there is a channel 3 as
+    scale if there is no unlit frame. Of a light that blinks and moves there is a channel 3 as
     well: `Glimpse.numbers`, byte by byte (little-endian), row by row, then zeros.
     """
     glimpse = window.glimpse if window.lit.size >= GLIMPSE_BYTES else None

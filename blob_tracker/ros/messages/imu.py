@@ -59,7 +59,7 @@ def to_rate(
     Raises
     ------
     MessageError
-        Where it is of another frame, or has no angular velocity. Whether its numbers can be is
+        If it is of another frame, or has no angular velocity. Whether its numbers can be is
         for `PlatformRates` to say.
 
     """

@@ -29,7 +29,7 @@ def to_angles(message: JointState, names: Collection[str]) -> dict[str, float]:
     Raises
     ------
     MessageError
-        Where one of them has no angle in it, or two.
+        If one of them has no angle in it, or two.
 
     """
     angles: dict[str, float] = {}

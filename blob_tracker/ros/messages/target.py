@@ -105,7 +105,7 @@ def to_angles(turn: Quaternion) -> tuple[float, float]:
     Raises
     ------
     MessageError
-        Where the quaternion is not of length 1.
+        If the quaternion is not of length 1.
 
     """
     x, y, z, w = turn.x, turn.y, turn.z, turn.w
@@ -135,7 +135,7 @@ def to_bearing(message: PoseWithCovarianceStamped) -> Bearing:
     Raises
     ------
     MessageError
-        Where its orientation is no turn. Whether its covariance can be one is the tracker's to
+        If its orientation is no turn. Whether its covariance can be one is the tracker's to
         say, who needs it.
 
     """
@@ -166,7 +166,7 @@ def to_noise(message: Vector3Stamped) -> SensorNoise:
     Raises
     ------
     MessageError
-        Where a value is none that the parameters noise.gain, noise.read_noise and, but for its
+        If a value is none that the parameters noise.gain, noise.read_noise and, but for its
         sign, noise.black_level may have.
 
     """

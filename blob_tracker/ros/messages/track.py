@@ -79,7 +79,7 @@ def to_track(message: Odometry) -> Track:
     Raises
     ------
     MessageError
-        Where a number of it can be none.
+        If a number of it can be none.
 
     """
     azimuth, elevation = to_angles(message.pose.pose.orientation)
@@ -103,7 +103,7 @@ def stamp_offset_of(message: Odometry) -> float:
     Raises
     ------
     MessageError
-        Where it can be none.
+        If it can be none.
 
     """
     offset = float(message.twist.twist.linear.z)

@@ -45,7 +45,7 @@ def declare(
     Raises
     ------
     ParameterError
-        Where a value that was given at start-up has the wrong type or lies outside its range, or
+        If a value that was given at start-up has the wrong type or lies outside its range, or
         nothing has the name of one.
 
     """

@@ -18,7 +18,7 @@ def read_mask(url: str) -> NDArray[np.bool_] | None:
     Parameters
     ----------
     url : str
-        Of an image of 8 bits: a path, file:// or package://; empty where there is none.
+        Of an image of 8 bits: a path, file:// or package://; empty if there is none.
 
     Returns
     -------
@@ -28,7 +28,7 @@ def read_mask(url: str) -> NDArray[np.bool_] | None:
     Raises
     ------
     ParameterError
-        Where there is no such image, it cannot be read, has other than 8 bits, or is black all
+        If there is no such image, it cannot be read, has other than 8 bits, or is black all
         over.
 
     """

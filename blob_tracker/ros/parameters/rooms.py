@@ -38,7 +38,7 @@ def flash_of(values: Mapping[str, Any]) -> tuple[Callable[[], Flash], Collection
     Raises
     ------
     ParameterError
-        Where one of the values cannot be.
+        If one of the values is invalid.
 
     """
     with about('flash'):
@@ -65,7 +65,7 @@ def segmenter_of(values: Mapping[str, Any]) -> Callable[..., Segmenter]:
     Raises
     ------
     ParameterError
-        Where one of the values cannot be.
+        If one of the values is invalid.
 
     """
     with about('mask_url'):
@@ -85,7 +85,7 @@ def segmenter_of(values: Mapping[str, Any]) -> Callable[..., Segmenter]:
 
 
 def camera_of(url: str, warn: Callable[[str], Any]) -> CameraModel | None:
-    """Return the calibration of the parameter `camera_info_url`; None where it is empty."""
+    """Return the calibration of the parameter `camera_info_url`; None if it is empty."""
     if not url:
         return None
     with about('camera_info_url'):
@@ -93,7 +93,7 @@ def camera_of(url: str, warn: Callable[[str], Any]) -> CameraModel | None:
 
 
 def line_jitter_of(url: str) -> LineJitter | None:
-    """Return the line jitter of the parameter `line_jitter_url`; None where it is empty."""
+    """Return the line jitter of the parameter `line_jitter_url`; None if it is empty."""
     if not url:
         return None
     with about('line_jitter_url'):

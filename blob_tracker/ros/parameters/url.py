@@ -32,7 +32,7 @@ def to_path(url: str, camera_name: str = 'camera') -> Path:
     Raises
     ------
     ParameterError
-        Where the scheme or a ${...} is another, the path after file:// is not absolute, or the
+        If the scheme or a ${...} is another, the path after file:// is not absolute, or the
         package is not installed.
 
     """

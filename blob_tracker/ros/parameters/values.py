@@ -23,7 +23,7 @@ def about(name: str) -> Iterator[None]:
 
 
 def check(parameter: Parameter, value: Any) -> None:
-    """Raise ParameterError where a parameter may not have a value, as a node refuses it."""
+    """Raise ParameterError if a parameter may not have a value, as a node refuses it."""
     check_given(parameter, value)
     allowed = type(value) is type(parameter.default)
     if allowed and parameter.choices:
@@ -35,7 +35,7 @@ def check(parameter: Parameter, value: Any) -> None:
 
 
 def check_given(parameter: Parameter, value: Any) -> None:
-    """Raise ParameterError where start-up gave no value: rcl takes null of YAML for a text."""
+    """Raise ParameterError if start-up gave no value: rcl takes null of YAML for a text."""
     if value is None or (isinstance(parameter.default, str) and value in NULLS):
         given = '[] or empty' if value is None else value
         raise ParameterError(

@@ -95,7 +95,7 @@ def align(lit: Pixels, unlit: Pixels, *, affine: bool) -> Array | None:
     -------
     (2, 3) array or None
         px. It is the identity where no corner moved by more than 0.02 px, or than three of its
-        standard deviations. None where the frames share fewer than 100 cells of 2 px, have too
+        standard deviations. None if the frames share fewer than 100 cells of 2 px, have too
         few slopes to place the corners to 0.1 px, correlate by less than 0.5 or are further
         apart than a quarter of their smaller side.
 

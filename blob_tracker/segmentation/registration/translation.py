@@ -20,7 +20,7 @@ def translation(lit: Pixels, unlit: Pixels) -> NDArray[np.float64] | None:
     Returns
     -------
     (2, 3) array or None
-        px; None where the frames have too little in common, see `align`.
+        px; None if the frames have too little in common, see `align`.
 
     """
     return align(lit, unlit, affine=False)

@@ -344,7 +344,7 @@ def _holds(by_size: dict[float, float], limit: float) -> float:
 
 
 def _settled(found: Measured) -> float | None:
-    """Return from when on the error stays within 1 mrad, s; None where it does not."""
+    """Return from when on the error stays within 1 mrad, s; None if it does not."""
     errors = np.array(found['errors'])
     outside = np.flatnonzero(errors > WORST)
     if outside.size == 0:

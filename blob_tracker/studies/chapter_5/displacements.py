@@ -317,7 +317,7 @@ def figures_of(
 
     `mean` and `variance` are those of the ten steps, as the thesis gives them (section 5.5);
     `rms` is that of the places against the truth, `apart` after their common offset is taken off;
-    `worst` the largest of these; `lost` how many places were not found. None where too few were.
+    `worst` the largest of these; `lost` how many places were not found. None if too few were.
     """
     steps = np.diff(found)
     steps = steps[np.isfinite(steps)]

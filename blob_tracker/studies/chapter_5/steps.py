@@ -259,7 +259,7 @@ def _checks(
 
 
 def _segmentation(trial: _Trial, fit: _Fit, heading: str) -> str | None:
-    """Return the segmentation of a printed row, None where it is not of this method."""
+    """Return the segmentation of a printed row, None if it is not of this method."""
     if fit.row or heading == 'Least Squares':
         return trial.segmentations[0] if fit.row == heading else None
     return next(key for key, name in SEGMENTATIONS.items() if name == heading)

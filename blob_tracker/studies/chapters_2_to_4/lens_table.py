@@ -32,7 +32,7 @@ def computed(focal_length: float, width_mm: float | None = None) -> tuple[str, s
     focal_length : float
         mm.
     width_mm : float, optional
-        Width of the sensor, mm, with the same number of pixels; 6.41 mm where left out.
+        Width of the sensor, mm, with the same number of pixels; 6.41 mm if left out.
 
     """
     pixel = THESIS_PIXEL if width_mm is None else 1e3 * width_mm / THESIS_WIDTH

@@ -90,7 +90,7 @@ class Curve:
     along : (P,) array
         px.
     error : dict of (P,) array
-        By method: estimate less truth of the first repeat, px; NaN where there is none.
+        By method: estimate less truth of the first repeat, px; NaN if there is none.
     rms : dict of (P,) array
         By method: over the repeats, px.
     bound : (P,) array
@@ -106,7 +106,7 @@ class Curve:
 
 
 def locate_rows(values: Numbers, method: str) -> Numbers:
-    """Return the (M,) places of (M, n) rows, px from the first pixel; NaN where there is none."""
+    """Return the (M,) places of (M, n) rows, px from the first pixel; NaN if there is none."""
     if method == 'centroid':
         return centroid_1d(values)
     places = np.full(len(values), np.nan)
@@ -246,7 +246,7 @@ def _table(sweep: Sweep, curves: list[Curve]) -> Table:
 
 
 def _known(value: float) -> float | None:
-    """Return a number, or None where there is none."""
+    """Return a number, or None if there is none."""
     return float(value) if np.isfinite(value) else None
 
 

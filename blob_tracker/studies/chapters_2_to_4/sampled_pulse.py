@@ -109,7 +109,7 @@ def rounded(values: Numbers) -> Numbers:
 
 
 def locate_stack(stack: Numbers, method: str) -> Numbers:
-    """Return the (N,) x of (N, h, w) windows without background, px; NaN where there is none."""
+    """Return the (N,) x of (N, h, w) windows without background, px; NaN if there is none."""
     if method == 'centroid':
         # Without the room's demand that a window holds signal: its noise is what is studied.
         return centroid_1d(stack.sum(axis=1))

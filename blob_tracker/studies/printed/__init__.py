@@ -66,7 +66,7 @@ def load(name: str) -> Printed:
     Raises
     ------
     ValueError
-        Where the file holds a number that is not in quotes (its digits would be lost), or a row
+        If the file holds a number that is not in quotes (its digits would be lost), or a row
         that does not fit the headings.
 
     """

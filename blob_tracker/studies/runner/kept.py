@@ -26,7 +26,7 @@ class Kept:
     Raises
     ------
     OSError
-        Where it cannot be made.
+        If it cannot be made.
 
     """
 
@@ -35,7 +35,7 @@ class Kept:
         self._folder = folder
 
     def get(self, study: str, case: Case) -> Measured | None:
-        """Return what this version of the package measured; None where it has not yet."""
+        """Return what this version of the package measured; None if it has not yet."""
         try:
             text = self._path(study, case).read_text(encoding='utf-8')
         except FileNotFoundError:

@@ -92,7 +92,7 @@ def run(
     Raises
     ------
     BrokenExecutor
-        Where a worker or the cluster is gone, or has another version of the package.
+        If a worker or the cluster is gone, or has another version of the package.
 
     """
     cases = {study.name: list(study.cases(quick)) for study in studies}

@@ -32,7 +32,7 @@ def workers(count: int, dask: str | None) -> Iterator[tuple[Executor, int]]:
     Raises
     ------
     ClusterError
-        Where Dask is not installed or no scheduler answers.
+        If Dask is not installed or no scheduler answers.
 
     """
     if dask is not None:
