@@ -305,6 +305,24 @@ class Pipeline:
         If the line jitter is for a picture of another height, or the response for one of
         another size.
 
+    Examples
+    --------
+    Frames of the virtual lab, in every other of which the light is on:
+
+    >>> from blob_tracker.camera import CameraModel, pinhole_matrix
+    >>> from blob_tracker.simulation import flashing_light
+    >>> scene = flashing_light()
+    >>> height, width = scene.frame(0).shape
+    >>> model = CameraModel(width, height, pinhole_matrix(600.0, width, height))
+    >>> pipeline = Pipeline(model, noise=SensorNoise(gain=40.0, read_noise=0.7))
+    >>> frames = (
+    ...     Frame(scene.frame(index), stamp_ns=16_666_667 * index, saturation=255)
+    ...     for index in range(20)
+    ... )
+    >>> bearings = list(pipeline.run(frames))
+    >>> len(bearings) >= 6
+    True
+
     """
 
     def __init__(

@@ -79,6 +79,14 @@ class SensorNoise:
     ValueError
         If one of them is invalid.
 
+    Examples
+    --------
+    The variance of a pixel of 100 DN, DN^2:
+
+    >>> noise = SensorNoise(gain=40.0, read_noise=0.7)
+    >>> 100.0 / noise.gain + noise.read_noise**2 + 1.0 / 12.0  # doctest: +ELLIPSIS
+    3.07...
+
     """
 
     gain: float
@@ -177,6 +185,12 @@ class Frame:
         From the exposure of a line of the image to that of the next, ns: line r was exposed
         about stamp_ns + r line_time_ns. 0 of a global shutter, below 0 of an image whose last
         line is read first.
+
+    Examples
+    --------
+    >>> frame = Frame(np.zeros((480, 640), np.uint8), stamp_ns=0, saturation=255)
+    >>> frame.image.shape, frame.field is None
+    ((480, 640), True)
 
     """
 
@@ -311,6 +325,12 @@ class Window:
     line_time_ns : float
         From the exposure of a line of the window to that of the next, ns; see `Frame`.
 
+    Examples
+    --------
+    >>> window = Window(lit=np.full((9, 9), 60, np.uint8), x0=312, y0=240, saturation=255)
+    >>> window.unlit is None, window.looks
+    (True, 1)
+
     """
 
     lit: NDArray[np.generic]
@@ -369,6 +389,17 @@ class Location:
     warning : str
         What is not as it should be, and what to do about it; '' where all is well.
 
+    Examples
+    --------
+    The standard deviations of x and y, px:
+
+    >>> location = Location(
+    ...     320.25, 240.5, np.diag([1e-4, 4e-4]), amplitude=150.0, background=40.0, sigma=2.0,
+    ...     snr=50.0, chi2=1.0, saturated=0,
+    ... )
+    >>> [round(float(sigma), 4) for sigma in np.sqrt(location.covariance.diagonal())]
+    [0.01, 0.02]
+
     """
 
     x: float
@@ -400,6 +431,14 @@ class Bearing:
         mrad^2, order azimuth, elevation.
     stamp_ns : int
         The location's stamp, ns of ROS time.
+
+    Examples
+    --------
+    To the right of the axis and below it; the standard deviation of the azimuth, mrad:
+
+    >>> bearing = Bearing(222.6, -265.5, np.diag([4e-4, 4e-4]))
+    >>> round(float(bearing.covariance[0, 0] ** 0.5), 4)
+    0.02
 
     """
 

@@ -53,6 +53,15 @@ class CameraModel:
     CalibrationError
         If the size, a focal length, a coefficient or the model's name cannot be.
 
+    Examples
+    --------
+    A light 60 px to the right of the axis of a lens of 600 px:
+
+    >>> model = CameraModel(640, 480, pinhole_matrix(600.0, 640, 480))
+    >>> azimuth, elevation, _ = model.angles(319.5 + 60.0, 239.5)
+    >>> round(azimuth, 2), round(abs(elevation), 2)  # mrad
+    (99.67, 0.0)
+
     """
 
     width: int
@@ -424,7 +433,15 @@ class CameraModel:
 
 
 def pinhole_matrix(focal_length: float, width: int, height: int) -> NDArray[np.float64]:
-    """Return the camera matrix of square pixels with the axis through the middle, px."""
+    """
+    Return the camera matrix of square pixels with the axis through the middle, px.
+
+    Examples
+    --------
+    >>> pinhole_matrix(600.0, 640, 480)[0].tolist()
+    [600.0, 0.0, 319.5]
+
+    """
     return np.array(
         [
             [focal_length, 0.0, 0.5 * (width - 1)],

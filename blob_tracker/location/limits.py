@@ -75,6 +75,17 @@ def cramer_rao_bound(
     ValueError
         If the pixels left do not determine the parameters.
 
+    Examples
+    --------
+    The least standard deviation of x of a light of 150 DN on 40 DN, px:
+
+    >>> bound = cramer_rao_bound(
+    ...     (15, 15), x=7.0, y=7.0, sigma=2.0, amplitude=150.0, background=40.0,
+    ...     noise=SensorNoise(gain=40.0, read_noise=0.7),
+    ... )
+    >>> round(float(bound[0, 0] ** 0.5), 3)
+    0.009
+
     """
     widths = np.atleast_1d(np.asarray(sigma, dtype=float))
     heights = widths if sigma_y is None else np.atleast_1d(np.asarray(sigma_y, dtype=float))
