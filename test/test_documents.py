@@ -311,6 +311,19 @@ def may_be_said(text: str, sentence: list[str | None]) -> bool:
     return any(2 * literal > len(text) for literal in places.values())
 
 
+STILTED = re.compile(r'\b(afresh|anew|cannot be told|nobody tells|for want of)\b')
+
+
+def test_sentences_are_plain(sentences: list[list[str | None]]) -> None:
+    """The words of the glossary, in documents and in what is said."""
+    for path in DOCUMENTS:
+        if path.name != 'glossary.md':  # which names the words that are not to be used
+            assert not STILTED.search(path.read_text()), path.name
+    for sentence in sentences:
+        text = ''.join(each or '' for each in sentence)
+        assert not STILTED.search(text), text
+
+
 def test_a_sentence_is_recognized() -> None:
     """With what is put in, and not by what is put in alone."""
     sentence = [*'no frame for ', HOLE, *' s from ', HOLE]

@@ -34,7 +34,8 @@ def kernel(function: Kernel) -> Kernel:
     Compile for one core at the first call, and keep the machine code on disk.
 
     It is compiled again when its own code changes, or that of a kernel that it calls, or a
-    constant that one of them reads: see `fingerprint`. Numba is imported when it is needed for that.
+    constant that one of them reads: see `fingerprint`. Numba is imported when it is needed for
+    that.
     """
     made: Any = _made(function, 'never')
     if made is not function:
