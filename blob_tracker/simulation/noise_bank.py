@@ -33,7 +33,7 @@ class NoiseBank:
     ) -> NDArray[np.float32]:
         """Return deviates of mean 0 and variance 1, which may be read-only."""
         size = int(np.prod(shape))
-        if size > COUNT // 2:  # frames would be alike, or do not fit: these are drawn anew
+        if size > COUNT // 2:  # frames would be alike, or do not fit: these are drawn again
             return self._random.standard_normal(shape, dtype)
         start = int(self._random.integers(COUNT - size + 1))
         return _bank()[start:start + size].reshape(shape).astype(dtype, copy=False)

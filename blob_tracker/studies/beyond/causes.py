@@ -66,7 +66,7 @@ LM = 'three Gaussians, LM, Shio & Otsu'
 CENTROID = 'centroid, extended'
 CENTROIDS = tuple(name for name in LOCATORS if name.startswith('centroid'))[:4]
 
-# What of a defect it would take: sizes over which it is raised, alone, for LM. What is drawn anew
+# What of a defect it would take: sizes over which it is raised, alone, for LM. What is drawn again
 # at each place or look scatters; the trailing edge does not and is not among them.
 SIZES: dict[str, tuple[str, tuple[float, ...]]] = {
     'noise': ('DN', (1.0, 4.0, 12.0, 30.0)),

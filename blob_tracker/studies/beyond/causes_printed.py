@@ -15,7 +15,7 @@ def ratio_of_looks() -> float:
     """
     Return the median ratio of the printed variances, mean of five looks over one look.
 
-    What is drawn anew in each look would make it a fifth; what stays for all of them, one.
+    What is drawn again in each look would make it a fifth; what stays for all of them, one.
     """
     ratios = []
     for name in ('table_5_2', 'table_5_3', 'table_5_6', 'table_5_7'):

@@ -100,15 +100,14 @@ def conclude(results: Sequence[tuple[Case, Measured]]) -> Findings:
     small = rows[-1]
     return Findings(
         shows=(
-            'The stage is moved by the printed inches per pixel, so the table cannot be found '
-            'anew: what is tested is the calibration. One by eleven known shifts of 1 px is good '
-            f'to {100 * max(spread):.1f} % with the centroid of the thesis, which adds no bias to '
-            f'it beyond {max(agree):.2f} of that; the printed fourth digit is beyond it, as it '
-            f'says itself. One thousandth of an inch is {small[9]:.4f} px at {small[0]:.0f} ft, '
-            'so the '
-            f'caliper alone puts {small[10]:.4f} px, {small[11]:.1f} %, on each step of 0.05 px '
-            f'and a variance of {small[13]:.1e} px^2 on the steps: a hundredth of the printed '
-            'ones. The pinhole of section 2.1 (6 mm, 1.67 mrad a pixel) wants '
+            'The stage is moved by the printed inches per pixel, so the table cannot be '
+            'reproduced: what is tested is the calibration. One by eleven known shifts of 1 px is '
+            f'good to {100 * max(spread):.1f} % with the centroid of the thesis, which adds no '
+            f'bias to it beyond {max(agree):.2f} of that; the printed fourth digit is beyond it, '
+            f'as it says itself. One thousandth of an inch is {small[9]:.4f} px at {small[0]:.0f} '
+            f'ft, so the caliper alone puts {small[10]:.4f} px, {small[11]:.1f} %, on each step '
+            f'of 0.05 px and a variance of {small[13]:.1e} px^2 on the steps: a hundredth of the '
+            'printed ones. The pinhole of section 2.1 (6 mm, 1.67 mrad a pixel) wants '
             f'{rows[0][7]:.4f} inches at 8 ft and {rows[1][7]:.4f} at 16 ft: the distances '
             f'(about, in the table) were {rows[0][8]:.0f} and {rows[1][8]:.0f} % off.'
         ),
