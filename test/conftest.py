@@ -133,6 +133,20 @@ def _turn(scope: str, *, nodes_first: bool) -> tuple[int, int]:
     return (4 if scope == LAST else 1 if long else 2), min(long, default=0)
 
 
+@pytest.fixture(scope='session', autouse=True)
+def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """
+    Work in an empty folder.
+
+    A Python that is started in the checkout imports what lies there, in place of the package that
+    is installed, and compiles it first.
+    """
+    before = Path.cwd()
+    os.chdir(tmp_path_factory.mktemp('elsewhere'))
+    yield
+    os.chdir(before)
+
+
 @pytest.fixture
 def domain() -> int:
     """Give a ROS domain that no other test of this run uses."""
