@@ -54,7 +54,7 @@ class Ring:
     def __len__(self) -> int:
         return len(self.memory)
 
-    def map(self, buffer_type: int, count: int) -> int:
+    def map_in(self, buffer_type: int, count: int) -> int:
         """Map buffers of a type, about so many, and return the flags that they have."""
         self._type = buffer_type
         return map_buffers(

@@ -188,7 +188,7 @@ class V4l2Camera:
                 self._call, kind, frame_rate / per_picture, self._signal.frame_rate, interval)
             prepare(self)
             step = 'buffers'
-            buffer_flags = self._ring.map(self._format.buffer_type, buffers)
+            buffer_flags = self._ring.map_in(self._format.buffer_type, buffers)
             step = 'stream'
             known = self._controls.found()
             self._by_blanking = not self.frame_rate

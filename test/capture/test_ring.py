@@ -29,7 +29,7 @@ def ring(driver: Driver, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Ite
         made = Ring(
             lambda number, argument: driver(file.fileno(), number, argument), file.fileno(),
             device, lambda: TROUBLE)
-        made.map(videodev2.BUF_TYPE_VIDEO_CAPTURE, 2)
+        made.map_in(videodev2.BUF_TYPE_VIDEO_CAPTURE, 2)
         made.start()
         yield made
         made.close()
