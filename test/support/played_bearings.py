@@ -67,9 +67,10 @@ class Played:
         while True:
             self.now_ns = min(self.now_ns + step, end_ns)
             self._clock.publish(Clock(clock=from_ns(self.now_ns)))
-            self.node.spin(0.004)
             if self.now_ns >= end_ns:
+                self.node.settle(0.004)
                 return
+            self.node.spin(0.004)
 
     def message(
         self, azimuth: float, elevation: float, sigma: float = SIGMA, age: int = LATENCY
@@ -81,12 +82,14 @@ class Played:
 
     def take(self, message: PoseWithCovarianceStamped) -> None:
         """Publish a good bearing, and wait for what comes of it, if anything does."""
-        count = len(self.tracks)
+        before = [len(self.tracks), len(self.predictions)]
         self.rays.publish(message)
-        until = time.monotonic() + FIRST * slowness()
-        while len(self.tracks) == count and time.monotonic() < until:
-            self.node.spin(0.005)
-        self.node.spin(0.02)  # the prediction follows its track
+        for messages, count in zip((self.tracks, self.predictions), before):
+            until = time.monotonic() + FIRST * slowness()
+            while len(messages) == count and time.monotonic() < until:
+                self.node.spin(0.005)
+            if len(messages) == count:
+                return  # nothing comes of it; and no prediction without a track
 
     def compare(
         self, message: PoseWithCovarianceStamped, tracker: Tracker, ahead: int = 0
@@ -102,7 +105,6 @@ class Played:
             assert not self.predictions
             return
         self.node.spin_until(lambda: len(self.tracks) > count)
-        self.node.spin(0.02)
         track = to_track(self.tracks[-1])
         assert track.stamp_ns == seen.stamp_ns
         np.testing.assert_allclose(track.state, seen.state, rtol=1e-9, atol=ROUNDING)
@@ -111,6 +113,7 @@ class Played:
         if tracker.at(self.now_ns + ahead) is None:  # it is not sure enough so far ahead
             assert not self.predictions
             return
+        self.node.spin_until(lambda: self.predictions)
         assert len(self.predictions) == 1
         prediction = self.predictions[0]
         assert to_ns(prediction.header.stamp) == self.now_ns + ahead
@@ -145,6 +148,10 @@ class Played:
     def expect_shown(self, key: str, value: str) -> None:
         """Wait for a diagnostic with a value that begins like this."""
         self.node.spin_until(lambda: self.shown(key).startswith(value))
+
+    def expect_tracked(self, *, tracked: bool) -> None:
+        """Wait until the target is said to be tracked, or not to be."""
+        self.node.spin_until(lambda: self.tracked and self.tracked[-1].data is tracked)
 
     def expect(self, sentence: str) -> None:
         """Wait for a diagnostic that says this."""

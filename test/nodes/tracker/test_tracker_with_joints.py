@@ -39,7 +39,7 @@ def test_with_joints_the_prediction_is_the_angle_to_command(domain: int) -> None
             names = ['wheel', 'tilt', 'pan']
             played.joints.publish(_joints(played, names, [nan, -tilt, pan]))
             angles.push(played.now_ns, pan, tilt)
-            played.node.spin(0.01)
+            played.node.settle(0.01)
             if not count:
                 continue  # between two places of the joints it is known where it looks
             x, y, z = angles.at(played.now_ns - 10 * MS).T @ AT_REST
@@ -84,7 +84,7 @@ def test_without_the_joints_nothing_is_predicted(domain: int) -> None:
             played.tick(FRAME)
             played.joints.publish(_joints(played, ['pan', 'tilt'], [0.1, 0.0]))
             played.rays.publish(played.message(*path(played.now_ns - LATENCY)))
-        played.node.spin_until(lambda: played.tracked and played.tracked[-1].data is True)
+        played.expect_tracked(tracked=True)
         assert played.predictions[-1].vector.x == pytest.approx(
             100.0 + path(to_ns(played.predictions[-1].header.stamp))[0], abs=5.0
         )
@@ -114,7 +114,7 @@ def test_joints_of_several_nodes_one_a_message(stamped: bool, domain: int) -> No
             wheels.publish(_one_a_message(played, 'left_wheel', 0.1 * count, stamped))
             played.joints.publish(_one_a_message(played, 'pan', pan, stamped))
             played.joints.publish(_one_a_message(played, 'tilt', tilt, stamped))
-            played.node.spin(0.01)
+            played.node.settle(0.01)
             # Between the last two angles, of either joint.
             turned = PanTiltAngles()
             turned.push(0, pan - 0.001, 0.05)
