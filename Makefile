@@ -146,7 +146,8 @@ install/.built: .venv/.run $(SOURCES)
 	@$(ENVIRONMENT) && cd .venv && { \
 	  python -c 'from blob_tracker import segmentation; segmentation.compile_ahead()' & \
 	  python -c 'from blob_tracker import constellation, location, tracking; \
-	    location.compile_ahead(); tracking.compile_ahead(); constellation.compile_ahead()' && \
+	    location.compile_ahead(); location.pulse_learner.compile_ahead(); tracking.compile_ahead(); \
+	    constellation.compile_ahead()' && \
 	  wait $$! && python -c 'from blob_tracker.pipeline import compile_ahead; compile_ahead()'; }
 	@touch $@
 
