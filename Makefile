@@ -84,8 +84,9 @@ lint: .venv/.test
 	  python -m mypy || failed=1; exit $$failed
 
 test: install/.built .venv/.test
-	@# pytest alone, not python -m: what colcon installed is tested, not what lies here.
-	@$(ENVIRONMENT) && $(call LINT_BESIDE,pytest -n 2 $(PYTEST))
+	@# pytest alone, not python -m: what colcon installed is tested, not what lies here. Three
+	@# processes keep two processors busy: the nodes of the first wait for each other most of the time.
+	@$(ENVIRONMENT) && $(call LINT_BESIDE,pytest -n 3 $(PYTEST))
 
 soak: export SOAK_SECONDS := $(SOAK_SECONDS)
 soak: install/.built .venv/.test
@@ -141,9 +142,14 @@ install/.built: .venv/.run $(SOURCES)
 	@cp -r .cache/kernels/. install/blob_tracker/lib/python*/site-packages/
 	@# Where PYTHONDONTWRITEBYTECODE is set, each process would compile the package's sources.
 	$(BIN)/python -m compileall -q install/blob_tracker/lib
-	@# The kernels are compiled now, into the installed package, not when a node first starts.
-	@$(ENVIRONMENT) && cd .venv && \
-	  python -c 'from blob_tracker.pipeline import compile_ahead; compile_ahead()'
+	@# The kernels are compiled now, into the installed package, not when a node first starts: those
+	@# of the segmentation beside the others, which take as long.
+	@$(ENVIRONMENT) && cd .venv && { \
+	  python -c 'from blob_tracker import segmentation; segmentation.compile_ahead()' & \
+	  python -c 'from blob_tracker import constellation, location, tracking; \
+	    location.compile_ahead(); location.pulse_learner.compile_ahead(); tracking.compile_ahead(); \
+	    constellation.compile_ahead()' && \
+	  wait $$! && python -c 'from blob_tracker.pipeline import compile_ahead; compile_ahead()'; }
 	@touch $@
 
 .cache/overlay: tools/overlay.py blob_tracker/nodes/__init__.py .venv/.run

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import errno
 import mmap
 import os
-import select
 from statistics import median
 import time
 from typing import Any
@@ -25,6 +24,7 @@ from blob_tracker.capture.field_dealer import FieldDealer
 from blob_tracker.capture.format import StreamFormat
 from blob_tracker.capture.frame_count import FrameCount
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
+from blob_tracker.capture.ring import Ring
 from blob_tracker.capture.selection import SensorRegion
 from blob_tracker.capture.stamps import Exposure, ExposureControls, MidExposure
 import numpy as np
@@ -75,7 +75,6 @@ class PipeCamera(V4l2Camera):
         self.frame_rate = 1.0 / INTERVAL
         self._controls = DeviceControls(self.device, self._call)
         self._count = FrameCount(numbered=True)
-        self._streaming = False
         self._clock = RealtimeClock()
         self._format = StreamFormat(
             videodev2.BUF_TYPE_VIDEO_CAPTURE, 'GREY', width, height, width, 255,
@@ -86,12 +85,11 @@ class PipeCamera(V4l2Camera):
         self._exposure = ExposureControls(self._call, {}, width, height, Exposure(1_000_000))
         self._middle = MidExposure('exposure start', self._exposure.read())
         self._dealer = FieldDealer(self.fields, stamps_end=False)
-        self._memory = [mmap.mmap(-1, width * height) for _ in range(RING)]
+        self._ring = Ring(self._call, self._fd, self.device, lambda: '')
+        self._ring.memory += [mmap.mmap(-1, width * height) for _ in range(RING)]
         random = np.random.default_rng(1)
-        for memory in self._memory:
+        for memory in self._ring.memory:
             memory[:] = random.integers(0, 256, width * height, dtype=np.uint8).tobytes()
-        self._poll = select.poll()
-        self._poll.register(self._fd, select.POLLIN)
         self._count_filled = 0
 
     def fill(self) -> None:
@@ -106,7 +104,7 @@ class PipeCamera(V4l2Camera):
     def copy_seconds(self) -> float:
         """Return the seconds of one copy of a buffer."""
         took = []
-        for memory in self._memory:
+        for memory in self._ring.memory:
             began = time.perf_counter()
             np.frombuffer(memory, np.uint8).copy()
             took.append(time.perf_counter() - began)

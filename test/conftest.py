@@ -102,10 +102,10 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
     class NodesAndTheRest(LoadScopeScheduling):
         """
-        The first process begins with what starts nodes, the others with the virtual machine.
+        The first process begins with what starts nodes, the second with the virtual machine.
 
-        That is what takes longest; then comes what computes. Who is done with his own part takes
-        of the other's.
+        Both take longest, and leave the processors idle for much of it: a third one computes
+        meanwhile. Who is done with his own part takes of the others'.
         """
 
         def _split_scope(self, nodeid: str) -> str:
@@ -131,6 +131,20 @@ def _turn(scope: str, *, nodes_first: bool) -> tuple[int, int]:
         return 0, 0
     long = [place for place, name in enumerate(LONG) if scope.startswith(name)]
     return (4 if scope == LAST else 1 if long else 2), min(long, default=0)
+
+
+@pytest.fixture(scope='session', autouse=True)
+def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """
+    Work in an empty folder.
+
+    A Python that is started in the checkout imports what lies there, in place of the package that
+    is installed, and compiles it first.
+    """
+    before = Path.cwd()
+    os.chdir(tmp_path_factory.mktemp('elsewhere'))
+    yield
+    os.chdir(before)
 
 
 @pytest.fixture

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from typing import Any
 
-from blob_tracker.camera.yaml_file import (
-    CalibrationError, check_size, content_of, write_content,
-)
+from blob_tracker.camera.yaml_file import CalibrationError, check_size, YamlFile
 from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.learn_pulse import Learned, WIDEST_GAP
 from blob_tracker.location.pulse_rounds import LEAST_WINDOWS
@@ -17,7 +14,7 @@ import numpy as np
 
 
 @dataclass(frozen=True)
-class PulseFile:
+class PulseFile(YamlFile):
     """
     A learned pulse and the camera that it was learned with.
 
@@ -33,9 +30,11 @@ class PulseFile:
     Raises
     ------
     CalibrationError
-        If the pulse was learned from too little, or a value cannot be.
+        If the pulse was learned from too little, or a value is invalid.
 
     """
+
+    KIND = 'learned pulse'
 
     learned: Learned
     width: int
@@ -57,61 +56,30 @@ class PulseFile:
             raise CalibrationError(f'a picture of {self.width} x {self.height} px has no pulse')
 
     @classmethod
-    def from_yaml(cls, path: str | Path) -> PulseFile:
-        """
-        Read what `calibrate pulse` has written.
-
-        Parameters
-        ----------
-        path : str or Path
-            The YAML file.
-
-        Raises
-        ------
-        CalibrationError
-            If the file is missing, is not such YAML, or holds impossible values.
-
-        """
-        with content_of(path, 'learned pulse') as content:
-            try:
-                pulse = EffectivePsf(
-                    np.array(content['coefficients'], dtype=float),
-                    float(content['step']),
-                    float(content['sigma']),
-                    np.array(content['covariance'], dtype=float),
-                    bool(content['varies']),
-                )
-                noise = SensorNoise(*(float(content[name]) for name in _NOISE))
-            except ValueError as error:
-                raise CalibrationError(str(error)) from None
-            learned = Learned(
-                pulse, int(content['windows']), float(content['gap']), float(content['gain']),
-                float(content['chi2']), noise,
+    def _of_content(cls, content: dict[str, Any]) -> PulseFile:
+        try:
+            pulse = EffectivePsf(
+                np.array(content['coefficients'], dtype=float),
+                float(content['step']),
+                float(content['sigma']),
+                np.array(content['covariance'], dtype=float),
+                bool(content['varies']),
             )
-            return cls(
-                learned, int(content['image_width']), int(content['image_height']),
-                str(content['light']),
-            )
+            noise = SensorNoise(*(float(content[name]) for name in _NOISE))
+        except ValueError as error:
+            raise CalibrationError(str(error)) from None
+        learned = Learned(
+            pulse, int(content['windows']), float(content['gap']), float(content['gain']),
+            float(content['chi2']), noise,
+        )
+        return cls(
+            learned, int(content['image_width']), int(content['image_height']),
+            str(content['light']),
+        )
 
-    def to_yaml(self, path: str | Path, comments: Sequence[str] = ()) -> None:
-        """
-        Write the file that `from_yaml` reads.
-
-        Parameters
-        ----------
-        path : str or Path
-            The YAML file.
-        comments : sequence of str
-            Lines on top of it.
-
-        Raises
-        ------
-        CalibrationError
-            If writing there fails.
-
-        """
+    def _content(self) -> dict[str, Any]:
         learned, pulse = self.learned, self.learned.pulse
-        content = {
+        return {
             'image_width': self.width,
             'image_height': self.height,
             'light': self.light,
@@ -126,7 +94,6 @@ class PulseFile:
             'step': pulse.step,
             'coefficients': np.round(pulse.coefficients, 6).tolist(),
         }
-        write_content(path, 'learned pulse', content, comments)
 
     def check_size(self, width: int, height: int) -> None:
         """Raise CalibrationError unless the sensor is of the size that was learned with."""

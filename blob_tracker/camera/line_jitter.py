@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
+from typing import Any
 
-from blob_tracker.camera.yaml_file import CalibrationError, content_of, write_content
+from blob_tracker.camera.yaml_file import CalibrationError, YamlFile
 from blob_tracker.types import Location
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +16,7 @@ _ACROSS = np.linspace(-REACH, REACH, 33)  # steps of sigma / 4: the sums are int
 
 
 @dataclass(frozen=True)
-class LineJitter:
+class LineJitter(YamlFile):
     """
     Horizontal offset of each line of a picture (thesis, 2.2.4; Lenz and Fritsch).
 
@@ -39,9 +38,11 @@ class LineJitter:
     Raises
     ------
     CalibrationError
-        If the arrays are of different length, or a value cannot be.
+        If the arrays are of different length, or a value is invalid.
 
     """
+
+    KIND = 'line jitter'
 
     offsets: NDArray[np.float64]
     sigma: NDArray[np.float64]
@@ -64,56 +65,24 @@ class LineJitter:
             raise CalibrationError(f'the sigmas of line jitter must be 0 to {MOST:g} px')
 
     @classmethod
-    def from_yaml(cls, path: str | Path) -> LineJitter:
-        """
-        Read what `calibrate jitter` has written.
+    def _of_content(cls, content: dict[str, Any]) -> LineJitter:
+        jitter = cls(
+            offsets=np.array(content['offsets'], dtype=float),
+            sigma=np.array(content['sigma'], dtype=float),
+            sigma_from_frame_to_frame=float(content['sigma_from_frame_to_frame']),
+            sigma_between_fields=float(content.get('sigma_between_fields', 0.0)),
+        )
+        jitter.check_height(int(content['image_height']))
+        return jitter
 
-        Parameters
-        ----------
-        path : str or Path
-            The YAML file.
-
-        Raises
-        ------
-        CalibrationError
-            If the file is missing, is not such YAML, or holds impossible values.
-
-        """
-        with content_of(path, 'line jitter') as content:
-            jitter = cls(
-                offsets=np.array(content['offsets'], dtype=float),
-                sigma=np.array(content['sigma'], dtype=float),
-                sigma_from_frame_to_frame=float(content['sigma_from_frame_to_frame']),
-                sigma_between_fields=float(content.get('sigma_between_fields', 0.0)),
-            )
-            jitter.check_height(int(content['image_height']))
-            return jitter
-
-    def to_yaml(self, path: str | Path, comments: Sequence[str] = ()) -> None:
-        """
-        Write the file that `from_yaml` reads.
-
-        Parameters
-        ----------
-        path : str or Path
-            The YAML file.
-        comments : sequence of str
-            Lines on top of it.
-
-        Raises
-        ------
-        CalibrationError
-            If writing there fails.
-
-        """
-        content = {
+    def _content(self) -> dict[str, Any]:
+        return {
             'image_height': len(self.offsets),
             'sigma_from_frame_to_frame': round(self.sigma_from_frame_to_frame, 6),
             'sigma_between_fields': round(self.sigma_between_fields, 6),
             'offsets': np.round(self.offsets, 6).tolist(),
             'sigma': np.round(self.sigma, 6).tolist(),
         }
-        write_content(path, 'line jitter', content, comments)
 
     def check_height(self, height: int) -> None:
         """Raise CalibrationError unless the picture has as many lines as were measured."""

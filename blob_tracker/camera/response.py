@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
-from blob_tracker.camera.yaml_file import (
-    CalibrationError, check_size, content_of, write_content,
-)
+from blob_tracker.camera.yaml_file import CalibrationError, check_size, YamlFile
 from blob_tracker.types import Frame, Window
 import cv2
 import numpy as np
@@ -26,7 +22,7 @@ OTHER_DEPTH = 2.0  # ratio of two clipping levels: limited and full range differ
 
 
 @dataclass(frozen=True)
-class Response:
+class Response(YamlFile):
     """
     How much light there was, in linear DN, for each raw DN.
 
@@ -62,9 +58,11 @@ class Response:
     Raises
     ------
     CalibrationError
-        If a value cannot be.
+        If a value is invalid.
 
     """
+
+    KIND = 'response'
 
     levels: NDArray[np.float64]
     linear: NDArray[np.float64]
@@ -109,53 +107,22 @@ class Response:
             )
 
     @classmethod
-    def from_yaml(cls, path: str | Path) -> Response:
-        """
-        Read what `calibrate response` has written.
-
-        Parameters
-        ----------
-        path : str or Path
-            The YAML file.
-
-        Raises
-        ------
-        CalibrationError
-            If the file is missing, is not such YAML, or holds impossible values.
-
-        """
-        with content_of(path, 'response') as content:
-            version = int(content['version'])
-            if version != VERSION:
-                raise CalibrationError(
-                    f'it is a response of version {version}, and this program reads {VERSION}: '
-                    'measure it again'
-                )
-            levels, linear, sigma = (np.array(content[name], dtype=float) for name in _CURVES)
-            camera, pixel_format, method = (str(content[name])[:LONGEST] for name in _NAMES)
-            return cls(
-                levels, linear, sigma, int(content['image_width']), int(content['image_height']),
-                int(content['bits']), camera, pixel_format, method,
+    def _of_content(cls, content: dict[str, Any]) -> Response:
+        version = int(content['version'])
+        if version != VERSION:
+            raise CalibrationError(
+                f'it is a response of version {version}, and this program reads {VERSION}: '
+                'measure it again'
             )
+        levels, linear, sigma = (np.array(content[name], dtype=float) for name in _CURVES)
+        camera, pixel_format, method = (str(content[name])[:LONGEST] for name in _NAMES)
+        return cls(
+            levels, linear, sigma, int(content['image_width']), int(content['image_height']),
+            int(content['bits']), camera, pixel_format, method,
+        )
 
-    def to_yaml(self, path: str | Path, comments: Sequence[str] = ()) -> None:
-        """
-        Write the file that `from_yaml` reads.
-
-        Parameters
-        ----------
-        path : str or Path
-            The YAML file.
-        comments : sequence of str
-            Lines on top of it.
-
-        Raises
-        ------
-        CalibrationError
-            If writing there fails.
-
-        """
-        content = {
+    def _content(self) -> dict[str, Any]:
+        return {
             'version': VERSION,
             **{name: getattr(self, name) for name in _NAMES},
             'image_width': self.width,
@@ -163,7 +130,6 @@ class Response:
             'bits': self.bits,
             **{name: np.round(getattr(self, name), 4).tolist() for name in _CURVES},
         }
-        write_content(path, 'response', content, comments)
 
     @property
     def saturation(self) -> int:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
-from pathlib import Path
 from typing import Any
 
-from blob_tracker.camera.yaml_file import CalibrationError, content_of, write_content
+from blob_tracker.camera.yaml_file import CalibrationError, YamlFile
 from blob_tracker.types import Window
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +39,7 @@ def fading_mean(lines: NDArray[np.float64], memory: float) -> NDArray[np.float64
 
 
 @dataclass(frozen=True)
-class TrailingEdge:
+class TrailingEdge(YamlFile):
     """
     Over-peaking of the lines of a camera's video signal (thesis, Figure 5.3 and section 6.1).
 
@@ -64,9 +62,11 @@ class TrailingEdge:
     Raises
     ------
     CalibrationError
-        If a value cannot be.
+        If a value is invalid.
 
     """
+
+    KIND = 'trailing edge'
 
     peaking: float
     memory: float
@@ -86,50 +86,19 @@ class TrailingEdge:
             raise CalibrationError('the covariance of peaking and memory is 2 x 2 and finite')
 
     @classmethod
-    def from_yaml(cls, path: str | Path) -> TrailingEdge:
-        """
-        Read what `to_yaml` has written.
+    def _of_content(cls, content: dict[str, Any]) -> TrailingEdge:
+        covariance = content.get('covariance')
+        return cls(
+            peaking=float(content['peaking']),
+            memory=float(content['memory']),
+            covariance=None if covariance is None else np.array(covariance, dtype=float),
+        )
 
-        Parameters
-        ----------
-        path : str or Path
-            The YAML file.
-
-        Raises
-        ------
-        CalibrationError
-            If the file is missing, is not such YAML, or holds impossible values.
-
-        """
-        with content_of(path, 'trailing edge') as content:
-            covariance = content.get('covariance')
-            return cls(
-                peaking=float(content['peaking']),
-                memory=float(content['memory']),
-                covariance=None if covariance is None else np.array(covariance, dtype=float),
-            )
-
-    def to_yaml(self, path: str | Path, comments: Sequence[str] = ()) -> None:
-        """
-        Write the file that `from_yaml` reads.
-
-        Parameters
-        ----------
-        path : str or Path
-            The YAML file.
-        comments : sequence of str
-            Lines on top of it.
-
-        Raises
-        ------
-        CalibrationError
-            If writing there fails.
-
-        """
+    def _content(self) -> dict[str, Any]:
         content: dict[str, Any] = {'peaking': self.peaking, 'memory': self.memory}
         if self.covariance is not None:
             content['covariance'] = self.covariance.tolist()
-        write_content(path, 'trailing edge', content, comments)
+        return content
 
     def restored(
         self, pixels: NDArray[Any], saturation: float | None = None

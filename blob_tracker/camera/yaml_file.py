@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar, TypeVar
 
 import yaml
 
@@ -109,6 +109,60 @@ def write_content(
         raise CalibrationError(
             f'cannot write the {what} {path}: {error.strerror or error}'
         ) from None
+
+
+_Kept = TypeVar('_Kept', bound='YamlFile')
+
+
+class YamlFile:
+    """What is kept in a YAML file of its own; a class of it says what the file holds."""
+
+    KIND: ClassVar[str]  # for sentences
+
+    @classmethod
+    def from_yaml(cls: type[_Kept], path: str | Path) -> _Kept:
+        """
+        Read what `to_yaml` has written.
+
+        Parameters
+        ----------
+        path : str or Path
+            The YAML file.
+
+        Raises
+        ------
+        CalibrationError
+            If the file is missing, is not such YAML, or holds an invalid value.
+
+        """
+        with content_of(path, cls.KIND) as content:
+            return cls._of_content(content)
+
+    def to_yaml(self, path: str | Path, comments: Sequence[str] = ()) -> None:
+        """
+        Write the file that `from_yaml` reads; see `write_content`.
+
+        Parameters
+        ----------
+        path : str or Path
+            The YAML file.
+        comments : sequence of str
+            Lines on top of it.
+
+        Raises
+        ------
+        CalibrationError
+            If writing there fails.
+
+        """
+        write_content(path, self.KIND, self._content(), comments)
+
+    @classmethod
+    def _of_content(cls: type[_Kept], content: dict[str, Any]) -> _Kept:
+        raise NotImplementedError
+
+    def _content(self) -> dict[str, Any]:
+        raise NotImplementedError
 
 
 def check_size(what: str, known: tuple[int, int], sensor: tuple[int, int]) -> None:

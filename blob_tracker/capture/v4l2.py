@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-import ctypes
-import errno
-import mmap
 import os
-import select
 import time
 from types import TracebackType
 
 from blob_tracker.capture import controls, videodev2
-from blob_tracker.capture.buffers import empty_buffer, map_buffers, stamp_of, told_stamp
+from blob_tracker.capture.buffers import stamp_of, told_stamp
 from blob_tracker.capture.clock import RealtimeClock
 from blob_tracker.capture.control_events import ControlEvents
 from blob_tracker.capture.controls import Control
 from blob_tracker.capture.device import buffer_type, driver, open_capture_device
 from blob_tracker.capture.device_controls import DeviceControls
-from blob_tracker.capture.errors import CaptureError, NoFrameError
+from blob_tracker.capture.errors import CaptureError
 from blob_tracker.capture.field_dealer import FieldDealer
 from blob_tracker.capture.fields import FieldStream
 from blob_tracker.capture.format import set_format
@@ -27,7 +23,8 @@ from blob_tracker.capture.frame_rate import (
     BLANKING, blanking_rate, frame_interval, set_frame_rate,
 )
 from blob_tracker.capture.low_bits import FULL, LowBits
-from blob_tracker.capture.refusals import LOOPBACK, refusal, Step, unplugged
+from blob_tracker.capture.refusals import LOOPBACK, refusal, Step
+from blob_tracker.capture.ring import Ring
 from blob_tracker.capture.selection import sensor_region
 from blob_tracker.capture.signal import Signal
 from blob_tracker.capture.stamps import (
@@ -159,11 +156,10 @@ class V4l2Camera:
             raise CaptureError(f'line_time is {line_time} s; it must be finite')
         self.device = device
         self._given_line_time = line_time
-        self._memory: list[mmap.mmap] = []
-        self._streaming = False
         self._clock = RealtimeClock()
         self._controls = DeviceControls(device, self._call)
         self._fd = open_capture_device(device)
+        self._ring = Ring(self._call, self._fd, device, self._trouble)
         step: Step = 'settings'
         try:
             self._driver = driver(self._fd)
@@ -192,8 +188,7 @@ class V4l2Camera:
                 self._call, kind, frame_rate / per_picture, self._signal.frame_rate, interval)
             prepare(self)
             step = 'buffers'
-            self._buffer_flags = map_buffers(
-                self._call, self._fd, device, self._format.buffer_type, buffers, self._memory)
+            buffer_flags = self._ring.map_in(self._format.buffer_type, buffers)
             step = 'stream'
             known = self._controls.found()
             self._by_blanking = not self.frame_rate
@@ -205,12 +200,11 @@ class V4l2Camera:
                 Exposure(
                     _ns(exposure_time),
                     _ns(self._signal.readout_time if readout_time is None else readout_time)))
-            source = source_of(self._buffer_flags, self._driver)
+            source = source_of(buffer_flags, self._driver)
             self._middle = MidExposure(source, self._exposure.read())
             self._dealer = FieldDealer(self.fields, stamps_end=source == 'transfer end')
             self._count = FrameCount(numbered=self._driver != 'uvcvideo')
-            self._call(videodev2.STREAMON, ctypes.c_int32(self._format.buffer_type))
-            self._streaming = True
+            self._ring.start()
             if source == 'camera clock':
                 self._uvc_clock = UvcClock(self._fd)
         except OSError as error:
@@ -219,8 +213,6 @@ class V4l2Camera:
         except BaseException:
             self.close()
             raise
-        self._poll = select.poll()
-        self._poll.register(self._fd, select.POLLIN)
 
     def __enter__(self) -> V4l2Camera:
         return self
@@ -308,7 +300,7 @@ class V4l2Camera:
     @property
     def longest_wait(self) -> float:
         """Return how long a frame may wait and still be new, s; 0 while that is unknown."""
-        return len(self._memory) * self._count.interval_ns / 1e9
+        return len(self._ring) * self._count.interval_ns / 1e9
 
     @property
     def controls(self) -> dict[str, Control]:
@@ -355,7 +347,7 @@ class V4l2Camera:
         def change() -> None:
             control = self._controls.named(name)
             controls.set_control(self._controls.call, control, value)
-            if self._streaming and self._exposure.governed_by(control.number):
+            if self._ring.streaming and self._exposure.governed_by(control.number):
                 self._middle.changed(time.monotonic_ns(), self._exposure.read())
             if control.number in BLANKING:
                 self._follow_blanking(self._controls.found())
@@ -367,21 +359,12 @@ class V4l2Camera:
         with self._controls.lock:
             if self._controls.closed:
                 return
-            try:
-                if self._streaming:
-                    self._call(videodev2.STREAMOFF, ctypes.c_int32(self._format.buffer_type))
-            except OSError:
-                pass  # unplugged: there is nothing left to stop
-            finally:
-                self._streaming = False
-                if self._uvc_clock is not None:
-                    self._uvc_clock.close()
-                for memory in self._memory:
-                    memory.close()
-                self._memory.clear()
-                self._controls.close()
-                os.close(self._fd)
-                self._fd = -1
+            self._ring.close()
+            if self._uvc_clock is not None:
+                self._uvc_clock.close()
+            self._controls.close()
+            os.close(self._fd)
+            self._fd = -1
 
     def _call(self, number: int, argument: object) -> None:
         videodev2.ioctl(self._fd, number, argument)
@@ -400,59 +383,18 @@ class V4l2Camera:
         waited = False
         spoilt_before = self.error_frames
         while True:
-            buffer = self._dequeue()
+            buffer = self._ring.take()
             if buffer is None:
-                self._wait(deadline, timeout, self.error_frames - spoilt_before)
+                self._ring.wait(deadline, timeout, self.error_frames - spoilt_before)
                 waited = True
                 continue
             try:
                 # What read had to wait for is new, however slow the way from the sensor is.
                 taken = (waited or not self._stale(buffer)) and self._take(buffer)
             finally:
-                self._queue(buffer)
+                self._ring.give_back(buffer)
             if taken:
                 return
-
-    def _dequeue(self) -> videodev2.Buffer | None:
-        """Return the oldest buffer that the driver has filled, None if there is none."""
-        buffer = empty_buffer(self._format.buffer_type)
-        try:
-            self._call(videodev2.DQBUF, buffer)
-        except BlockingIOError:
-            return None
-        except OSError as error:
-            raise self._lost(error) from error
-        return buffer
-
-    def _queue(self, buffer: videodev2.Buffer) -> None:
-        try:
-            self._call(videodev2.QBUF, buffer)
-        except OSError as error:
-            if error.errno in (errno.ENODEV, errno.EIO):
-                raise self._lost(error) from error
-            raise CaptureError(f'{self.device}: the driver does not take a buffer back: '
-                               f'{error.strerror}; open it again') from error
-
-    def _lost(self, error: OSError) -> CaptureError:
-        if error.errno == errno.ENODEV:
-            return CaptureError(unplugged(self.device))
-        return CaptureError(
-            f'{self.device}: the driver stopped streaming: {error.strerror}'
-            f'{self._trouble()}; open it again')
-
-    def _wait(self, deadline: float, timeout: float, spoilt: int) -> None:
-        ready = self._poll.poll(max(0.0, deadline - time.monotonic()) * 1e3)
-        if not ready:
-            what = f'no frame for {timeout:.1f} s'
-            if spoilt:
-                pictures = '1 picture' if spoilt == 1 else f'{spoilt} pictures'
-                what = f'{pictures} came, all spoilt or cut short'
-            raise NoFrameError(f'{self.device}: {what}{self._trouble()}')
-        if not ready[0][1] & select.POLLIN:
-            # An error alone; a driver that knows its number gives it with the next buffer.
-            self._dequeue()
-            raise CaptureError(f'{self.device}: the driver stopped streaming'
-                               f'{self._trouble()}; open it again')
 
     def _trouble(self) -> str:
         """Return ': ' and why a camera has gone quiet, or ''."""
@@ -470,10 +412,7 @@ class V4l2Camera:
         if buffer.flags & videodev2.BUF_FLAG_ERROR:
             self.error_frames += 1
             return False
-        begin, end = 0, buffer.bytesused
-        if buffer.type == videodev2.BUF_TYPE_VIDEO_CAPTURE_MPLANE:
-            begin, end = buffer.m.planes[0].data_offset, buffer.m.planes[0].bytesused
-        filled = memoryview(self._memory[buffer.index])[begin:end]
+        filled = self._ring.filled(buffer)
         try:
             image = self._format.picture(filled)
             quantisation = self._format.quantisation
@@ -523,7 +462,7 @@ class V4l2Camera:
             try:
                 self._middle.changed(max(since), self._exposure.read())
             except OSError as error:
-                raise self._lost(error) from error
+                raise self._ring.lost(error) from error
 
 
 def _ns(seconds: float | None) -> int | None:

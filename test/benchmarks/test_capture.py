@@ -19,7 +19,7 @@ def test_frames_are_those_of_the_ring_in_order() -> None:
             camera.fill()
             frame = grabber.newest(10.0)
             assert frame.image.shape == (30, 40)
-            memory = camera._memory[index % capture.RING]
+            memory = camera._ring.memory[index % capture.RING]
             np.testing.assert_array_equal(frame.image.ravel(), np.frombuffer(memory, np.uint8))
             stamps.append(frame.stamp_ns)
     assert np.all(np.diff(stamps) > 0)

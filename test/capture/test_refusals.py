@@ -101,7 +101,7 @@ def test_a_writer_that_has_gone_is_told(tmp_path, monkeypatch):
             def poll(timeout: float) -> list[Any]:
                 return []
 
-        monkeypatch.setattr(camera, '_poll', Nothing)
-        monkeypatch.setattr(camera, '_dequeue', lambda: None)
+        monkeypatch.setattr(camera._ring, '_poll', Nothing)
+        monkeypatch.setattr(camera._ring, 'take', lambda: None)
         with pytest.raises(NoFrameError, match='writes into this v4l2loopback device has stopped'):
             camera.read(0.01)

@@ -3,7 +3,6 @@
 import errno
 import mmap
 import os
-import select
 import tempfile
 import time
 
@@ -15,6 +14,7 @@ from blob_tracker.capture.field_dealer import FieldDealer
 from blob_tracker.capture.format import StreamFormat
 from blob_tracker.capture.frame_count import FrameCount
 from blob_tracker.capture.pixel_formats import PIXEL_FORMATS
+from blob_tracker.capture.ring import Ring
 from blob_tracker.capture.signal import Signal
 import numpy as np
 import pytest
@@ -101,7 +101,6 @@ class Spoiling(V4l2Camera):
         self.device = '/dev/video0'
         self.error_frames = 0
         self._flags = [videodev2.BUF_FLAG_ERROR] * spoilt + [0] * cut_short
-        self._memory = [mmap.mmap(-1, 64)]
         self._controls = DeviceControls(self.device, self._call)
         self._count, self._clock = FrameCount(numbered=True), RealtimeClock()
         self._format = StreamFormat(
@@ -109,8 +108,8 @@ class Spoiling(V4l2Camera):
         self._signal = Signal(self._call)
         self._dealer = FieldDealer(self.fields, stamps_end=True)
         self._fd, self._into = os.pipe()  # nothing ever comes through it
-        self._poll = select.poll()
-        self._poll.register(self._fd, select.POLLIN)
+        self._ring = Ring(self._call, self._fd, self.device, self._trouble)
+        self._ring.memory.append(mmap.mmap(-1, 64))
 
     def _call(self, number, argument):
         if number == videodev2.DQBUF:

@@ -80,18 +80,16 @@ SIZES: dict[str, tuple[str, tuple[float, ...]]] = {
 def cases(quick: bool) -> Sequence[Case]:
     """Return the causes for both targets, and the sizes for the lamp."""
     count = SEEDS[0] if quick else SEEDS[1]
-    listed = list(CAUSES)
+    parts = [
+        list(range(first, min(first + TOGETHER, count))) for first in range(0, count, TOGETHER)
+    ]
     jobs: list[Case] = [
-        {'cause': name, 'target': target, 'seeds': list(range(first, first + TOGETHER))}
-        for name in listed
-        for target in TARGETS
-        for first in range(0, count, TOGETHER)
+        {'cause': name, 'target': target, 'seeds': seeds}
+        for name in CAUSES for target in TARGETS for seeds in parts
     ]
     for name, (_, sizes) in SIZES.items():
         jobs += [
-            {'raised': name, 'size': size, 'seeds': list(range(first, first + TOGETHER))}
-            for size in sizes
-            for first in range(0, count, TOGETHER)
+            {'raised': name, 'size': size, 'seeds': seeds} for size in sizes for seeds in parts
         ]
     return jobs
 

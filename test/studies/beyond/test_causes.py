@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.studies.beyond.causes import (
-    CAUSES, CENTROID, LM, STEP, STUDY, TOGETHER_ALL,
+    CAUSES, CENTROID, LM, SEEDS, STEP, STUDY, TOGETHER_ALL,
 )
 from blob_tracker.studies.beyond.causes_printed import implied, ratio_of_looks
 from blob_tracker.studies.chapter_5.displacements import bound, TARGETS
@@ -16,9 +16,13 @@ ML = 'maximum likelihood, extended'
 
 def apart(cause: str, locator: str, name: str = 'apart') -> float:
     """Return the rms of a figure over four sequences of the lamp, one look."""
-    case = {'cause': cause, 'target': 'active', 'seeds': [0, 1, 2, 3]}
-    found = measured(STUDY, case)[0]['found']
-    return float(np.sqrt(np.mean([entry[name] ** 2 for entry in found[f'{locator}|single']])))
+    # Those of the quick run, and two more.
+    parts = measured(STUDY, *(
+        {'cause': cause, 'target': 'active', 'seeds': seeds} for seeds in ([0, 1], [2, 3])
+    ))
+    entries = [entry for part in parts for entry in part['found'][f'{locator}|single']]
+    assert len(entries) == 4
+    return float(np.sqrt(np.mean([entry[name] ** 2 for entry in entries])))
 
 
 def test_every_cause_is_measured_for_both_targets() -> None:
@@ -28,6 +32,13 @@ def test_every_cause_is_measured_for_both_targets() -> None:
         (cause, target) for cause in CAUSES for target in TARGETS
     }
     assert STEP == '0.05'
+    for quick, count in zip((True, False), SEEDS):
+        seeds = [
+            seed for case in STUDY.cases(quick)
+            if (case.get('cause'), case.get('target')) == (TOGETHER_ALL, 'active')
+            for seed in case['seeds']
+        ]
+        assert seeds == list(range(count))
 
 
 def test_windows_alone_spoil_the_centroid() -> None:
