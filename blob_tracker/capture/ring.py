@@ -80,7 +80,7 @@ class Ring:
 
     def take(self) -> videodev2.Buffer | None:
         """
-        Return the oldest buffer that the driver has filled, None where there is none.
+        Return the oldest buffer that the driver has filled, None if there is none.
 
         Raises
         ------
