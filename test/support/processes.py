@@ -102,7 +102,7 @@ class Process:
     def wait(self, timeout: float = PATIENCE) -> int:
         """Wait for the end and return the exit code; the output is in `output`."""
         try:
-            self.output += self._popen.communicate(timeout=timeout * slowness())[0]
+            self.output = self._popen.communicate(timeout=timeout * slowness())[0]
         except ValueError:
             pass  # waited for before
         return self._popen.returncode
