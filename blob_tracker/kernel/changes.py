@@ -114,8 +114,8 @@ def _digits(values: NDArray[Any]) -> tuple[object, ...]:
     """
     Return what tells arrays of constants apart: all, of floats but for their last digits.
 
-    The last bits of what NumPy's functions give depend on the processor's instructions, and machine
-    code for any x86-64 is to serve on each.
+    The last bits of what NumPy's functions give depend on the processor's instructions, and
+    machine code for any x86-64 is to serve on each.
     """
     scale = float(np.abs(values).max(initial=0.0)) if values.dtype.kind == 'f' else 0.0
     if not 0.0 < scale < np.inf:
