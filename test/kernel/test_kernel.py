@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 from collections.abc import Callable
+from importlib import import_module
 from importlib.util import find_spec
 import math
 import os
@@ -264,10 +265,15 @@ def printed(old: str = '', new: str = '') -> str:
         ("frozenset('abcd')", "frozenset('dcba')"),
         ('unused(x):\n    return x', 'unused(x):\n    return -x'),
         ('UNUSED = 1', 'UNUSED = 2'),
+        ('[1.0, 2.0]', '[np.nextafter(1.0, 2.0), np.nextafter(2.0, 1.0)]'),
     ],
 )
 def test_what_is_not_compiled_in_does_not_count(old: str, new: str) -> None:
-    """Comments, docstrings, annotations, the order in a set, and what nobody reads."""
+    """
+    Comments, docstrings, annotations, the order in a set, and what nobody reads.
+
+    Nor the last bits of an array, which are computed otherwise on another processor.
+    """
     assert printed(old, new) == printed()
 
 
@@ -283,6 +289,9 @@ def test_what_is_not_compiled_in_does_not_count(old: str, new: str) -> None:
         ('LEVELS = (1, 2.0', 'LEVELS = (1, -2.0'),
         ("frozenset('abcd')", "frozenset('abc')"),
         ('[1.0, 2.0]', '[1.0, 3.0]'),
+        ('[1.0, 2.0]', '[1.0 + 1e-9, 2.0]'),
+        ('[1.0, 2.0]', '[2.0, 4.0]'),
+        ('[1.0, 2.0]', '[1.0, np.nan]'),
         ('[1.0, 2.0]', '[1, 2]'),
         ("'x y'", "'y x'"),
         ('step=3', 'step=4'),
@@ -293,6 +302,28 @@ def test_what_is_not_compiled_in_does_not_count(old: str, new: str) -> None:
 def test_all_that_is_compiled_in_counts(old: str, new: str) -> None:
     """Code, names, constants and their types, fields, defaults, and the same of what is called."""
     assert printed(old, new) != printed()
+
+
+FINGERPRINTS = """
+import blob_tracker.constellation, blob_tracker.pipeline
+from blob_tracker import kernel
+for each in kernel._KERNELS:
+    print(each.py_func.__module__, each.py_func.__qualname__, kernel.fingerprint(each.py_func))
+"""
+
+
+def test_a_processor_with_fewer_instructions_takes_the_same_machine_code() -> None:
+    """Constants that NumPy computes with what there is differ in their last bits alone."""
+    optional: list[str] = import_module('numpy._core._multiarray_umath').__cpu_dispatch__
+    many, few = (
+        subprocess.run(
+            [sys.executable, '-c', FINGERPRINTS], capture_output=True, text=True, check=True,
+            env=os.environ | {'NPY_DISABLE_CPU_FEATURES': ' '.join(without)},
+        ).stdout.splitlines()
+        for without in (optional[:0], optional)
+    )
+    assert len(many) > 200
+    assert few == many
 
 
 def test_what_encloses_a_kernel_counts() -> None:

@@ -130,6 +130,10 @@ class Cameras:
             squared.append(float(error @ np.linalg.solve(covariance, error)))
         return squared
 
+    def message(self) -> str:
+        """Return what the last diagnostics say; empty where there are none yet."""
+        return self.diagnostics[-1].status[0].message if self.diagnostics else ''
+
     def values(self) -> dict[str, str]:
         """Return what the last diagnostics show."""
         return {each.key: each.value for each in self.diagnostics[-1].status[0].values}
@@ -250,16 +254,15 @@ def test_silent_cameras_are_named(cameras: Cameras) -> None:
     def said() -> bool:
         cameras.send('left', cameras.node.get_clock().now().nanoseconds)
         cameras.node.spin(0.1)
-        message = cameras.diagnostics[-1].status[0].message
         return (
             '/right/target/port/ray, /top/target/port/ray are silent and /left/target/port/ray is '
             'not'
-        ) in message
+        ) in cameras.message()
 
     cameras.node.spin_until(said)
     cameras.node.spin_until(
         lambda: cameras.together()
-        or cameras.diagnostics[-1].status[0].message == 'target placed'
+        or cameras.message() == 'target placed'
     )
 
 
@@ -273,12 +276,11 @@ def test_stamps_of_different_clocks_are_named(cameras: Cameras, names: tuple[str
         for name in names:
             cameras.send(name, now_ns - (3600 * 1000 * MS if name == 'right' else 0))
         cameras.node.spin(0.05)
-        message = cameras.diagnostics[-1].status[0].message
         others = ', '.join(f'/{name}/target/port/ray' for name in names if name != 'right')
         return (
             f'the rays on /right/target/port/ray are 3600.0 s older as they come than those on '
             f'{others}: they have stamps of different clocks'
-        ) in message
+        ) in cameras.message()
 
     before = len(cameras.points)
     cameras.node.spin_until(said)

@@ -173,15 +173,15 @@ def grabbing() -> dict[str, Any]:
     found: dict[str, Any] = {}
     with V4l2Camera(**SETTINGS) as camera:
         dequeued: list[int] = []
-        dequeue = camera._dequeue
+        take = camera._ring.take
 
         def noted() -> Any:
-            buffer = dequeue()
+            buffer = take()
             if buffer is not None:
                 dequeued.append(time.monotonic_ns())
             return buffer
 
-        camera._dequeue = noted  # type: ignore[method-assign]
+        camera._ring.take = noted  # type: ignore[method-assign]
         with Grabber(camera) as grabber:
             grabber.newest(NEXT_FRAME)
             latencies = []

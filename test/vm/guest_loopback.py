@@ -155,17 +155,17 @@ def read(camera: V4l2Camera, count: int) -> list[dict[str, int]]:
 @contextmanager
 def clocks_noted(camera: V4l2Camera, clocks: list[int]) -> Iterator[None]:
     """Note what the driver says of each stamp's clock."""
-    dequeue = camera._dequeue
+    take = camera._ring.take
 
     def noted() -> Any:
-        buffer = dequeue()
+        buffer = take()
         if buffer is not None:
             clocks.append(buffer.flags & videodev2.BUF_FLAG_TIMESTAMP_MASK)
         return buffer
 
-    camera._dequeue = noted  # type: ignore[method-assign]
+    camera._ring.take = noted  # type: ignore[method-assign]
     yield
-    camera._dequeue = dequeue  # type: ignore[method-assign]
+    camera._ring.take = take  # type: ignore[method-assign]
 
 
 def written(device: str) -> dict[str, Any]:
