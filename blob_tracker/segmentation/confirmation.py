@@ -38,6 +38,10 @@ class Confirmation:
     lights up there is the target, however it moved. Where nothing does when a flash is due, the
     expectation is as if it had not been, in the same frame.
 
+    Nor does a light go straight on for ever. Where nothing lights up where its speed would have it
+    when a flash is due, and hardly anything does by chance, it is looked for about its last place
+    as well, as far as the gate, in the same frame: it has turned.
+
     Other lights that flash in step are known, see `FlashMemory`. In the first two seconds the
     target is the brightest of them.
 
@@ -65,6 +69,7 @@ class Confirmation:
         self._memory = FlashMemory(gate_px)
         self._scene = CrowdedScene(gate_px, self._memory.clock)
         self._agreed: Expectation | None = None
+        self._turned = False  # whether it is looked for in this frame as one that has turned
         self._frames = 0
 
     @property
@@ -108,7 +113,7 @@ class Confirmation:
         """
         memory = self._memory
         memory.next_frame(stamp_ns)
-        self._agreed = agreed
+        self._agreed, self._turned = agreed, False
         self._frames += 1
         if expected is not None and memory.moves and expected.inside(shape):
             memory.expect(expected)
@@ -124,21 +129,30 @@ class Confirmation:
         """Return where in a frame of (h, w) the target can be."""
         return self._memory.region(shape)
 
-    def widened(self, everything: Sequence[Candidate]) -> bool:
+    def widened(self, everything: Sequence[Candidate], shape: tuple[int, int]) -> bool:
         """
-        Give up an expectation that was wrong, before anything is chosen; tell whether it was.
+        Look elsewhere for a light that is due, before anything is chosen; tell whether to.
 
         Parameters
         ----------
         everything : sequence of Candidate
             What lit up in the region about it.
+        shape : (int, int)
+            Height and width of the frame, px.
 
         """
         memory = self._memory
-        if memory.expected is None or self._scene.dense or not memory.is_missed(everything):
+        if not memory.is_due or self._turned or self._scene.dense or not memory.moves:
             return False
-        memory.expect(None)
-        return True
+        if not memory.is_missed(everything):
+            return False
+        if memory.expected is not None:
+            memory.expect(None)
+            return True
+        self._turned = self._scene.crowd.is_quiet(shape)
+        if self._turned:
+            memory.expect_turned()
+        return self._turned
 
     def choose(
         self, everything: Sequence[Candidate], shape: tuple[int, int]
@@ -260,6 +274,10 @@ class Confirmation:
         sigma = math.hypot(candidate.sigma_x, candidate.sigma_y) / ROOT_2
         memory.keep_alone(track._replace(sigma=sigma, stamp=memory.clock.stamp))
         return candidate
+
+    def why_another(self, candidate: Candidate) -> str:
+        """Say why a light that was not taken is not the one that flashed last, if that is told."""
+        return '' if self._scene.dense else self._memory.why_another(candidate)
 
     @property
     def surveys(self) -> bool:
