@@ -20,7 +20,7 @@ FIRST_PAIRS = 3  # pairs of frames in which a single light is taken for the targ
 # and from then on in a few frames of as many.
 SURVEY_FRAMES, SURVEY_PART = 128, 8
 BESIDE_RUN = 3  # flashes that another light has together with the target, before it is known
-BRIGHTER_RATIO = 1.25  # times brighter: what a light of the first frames was a reflection of
+BRIGHTER_RATIO = 1.25  # times brighter: what the light that is followed is a reflection of
 SETTLED_FRAMES = 32  # of a lock, after which it is known whether it is in a crowd
 
 
@@ -43,7 +43,7 @@ class Confirmation:
     as well, as far as the gate, in the same frame: it has turned.
 
     Other lights that flash in step are known, see `FlashMemory`. In the first two seconds the
-    target is the brightest of them.
+    target is the brightest of them; later, a brighter one that was there for as long.
 
     Where another view of the scene is told to follow its target at a place, as the other field of
     interlaced pictures does, what lights up elsewhere is not taken, and not followed any more.
@@ -69,6 +69,7 @@ class Confirmation:
         self._memory = FlashMemory(gate_px)
         self._scene = CrowdedScene(gate_px, self._memory.clock)
         self._agreed: Expectation | None = None
+        self._outshone: int | None = None  # the frame since which another light is brighter
         self._turned = False  # whether it is looked for in this frame as one that has turned
         self._frames = 0
 
@@ -316,13 +317,20 @@ class Confirmation:
         if not others:
             if frames % SURVEY_FRAMES == SURVEY_PART - 1:
                 memory.companions.forget()
+                self._outshone = None
             return
         locked = memory.followed
         assert locked is not None
         brightest = max(others, key=lambda each: each.height)
-        young = memory.stands_in or frames < SURVEY_FRAMES
         brighter = brightest.height > BRIGHTER_RATIO * locked.height
-        if young and brighter and not self._elsewhere(brightest):
+        if not brighter:
+            self._outshone = None
+        elif self._outshone is None:
+            self._outshone = self._frames
+        lasts = self._outshone is not None and self._frames - self._outshone >= SURVEY_FRAMES
+        young = memory.stands_in or frames < SURVEY_FRAMES
+        if (young or lasts) and brighter and not self._elsewhere(brightest):
+            self._outshone = None
             others = [locked if each is brightest else each for each in others]
             memory.exchange(brightest)
         memory.learn(others)

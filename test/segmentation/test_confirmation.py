@@ -445,6 +445,29 @@ def test_a_reflection_that_is_seen_first_is_left_for_the_brighter_light() -> Non
             assert chosen is not None and chosen.peak == (200, 100)
 
 
+def test_a_reflection_that_was_alone_for_long_is_left_for_a_light_that_stays_brighter() -> None:
+    """It is named as soon as both are searched for, and left after two seconds more."""
+    camera = Surveyor()
+    chosen_at = {}
+    for index in range(600):
+        chosen = camera.look(index, *two_lights(index, hidden=index < 200))
+        if chosen is not None:
+            chosen_at[index] = chosen.peak[0]
+        if index == 270:
+            assert '2 lights flash in step' in camera.confirmation.warning
+    assert {chosen_at.get(index) for index in range(10, 380, 2)} == {240}
+    assert {chosen_at.get(index) for index in range(520, 600, 2)} == {200}
+
+
+def test_what_outshines_a_light_for_a_moment_is_not_taken() -> None:
+    """It flashes in step for a second, while both are searched for, and is gone."""
+    camera = Surveyor()
+    for index in range(600):
+        seen = two_lights(index, hidden=not 240 <= index < 300)
+        chosen = camera.look(index, *seen)
+        assert chosen is None or chosen.peak[0] == 240
+
+
 def test_a_light_that_stays_the_only_one_is_taken_after_a_second() -> None:
     """And left for the target once that is back, ten seconds later."""
     camera = Surveyor()
