@@ -105,8 +105,8 @@ def learned_pulse(
     Returns
     -------
     estimates : Estimates
-        As those of `maximum_likelihood`, also VAGUE; TOO_NARROW and TOO_WIDE where the blob is less than
-        0.4 or more than 2.5 times as large as what was learned.
+        As those of `maximum_likelihood`, also VAGUE; TOO_NARROW and TOO_WIDE where the blob is
+        less than 0.4 or more than 2.5 times as large as what was learned.
     odd : (N,) uint8 array
         The `Suspicion` about each window; 0 where the pulse explains it.
 
