@@ -234,9 +234,9 @@ def _told(
     -------
     tuple
         Mean of the unlit pixels, DN, and the sum of the squares of their departures from it, DN^2;
-        the height of a pulse in them, DN; what their departures from
-        their mean lend to its place, squared, DN^2; how many pixels there are about the light; and of these the sums of lit
-        times unlit and of unlit squared, both without their means, DN^2.
+        the height of a pulse in them, DN; what their departures lend to its place, squared, DN^2;
+        how many pixels there are about the light; and of these the sums of lit times unlit and of
+        unlit squared, both without their means, DN^2.
 
     """
     height, width = lit.shape
