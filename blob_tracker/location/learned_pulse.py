@@ -15,7 +15,7 @@ from blob_tracker.location.pulse_likelihood import (
     advance, climb, LARGEST, likely_levels, score_and_information, SMALLEST, texture_share, Work,
 )
 from blob_tracker.location.scoring import (
-    CONVERGED, covariance_growth, detection, FISHER_STEPS, judge_optimum, TEXTURE_STEP,
+    CONVERGED, covariance_growth, detection, FISHER_STEPS, is_vague, judge_optimum, TEXTURE_STEP,
 )
 from blob_tracker.location.sites import fill_absent, observe
 from blob_tracker.location.start_value import start_value
@@ -30,7 +30,7 @@ GRID = 64  # points along an axis, of which the pulse's half-height shape is had
 
 _ROWS = 7  # of the table: x, y, amplitude, background, sigma, snr, chi2
 _NONE, _FEW = int(Failure.NONE), int(Failure.TOO_FEW_PIXELS)
-_DIVERGED = int(Failure.NOT_CONVERGED)
+_DIVERGED, _VAGUE = int(Failure.NOT_CONVERGED), int(Failure.VAGUE)
 _NARROW, _WIDE = int(Failure.TOO_NARROW), int(Failure.TOO_WIDE)
 
 
@@ -105,8 +105,8 @@ def learned_pulse(
     Returns
     -------
     estimates : Estimates
-        As those of `maximum_likelihood`; TOO_NARROW and TOO_WIDE where the blob is less than
-        0.4 or more than 2.5 times as large as what was learned.
+        As those of `maximum_likelihood`, also VAGUE; TOO_NARROW and TOO_WIDE where the blob is
+        less than 0.4 or more than 2.5 times as large as what was learned.
     odd : (N,) uint8 array
         The `Suspicion` about each window; 0 where the pulse explains it.
 
@@ -266,6 +266,9 @@ def _fit_all(
         covariance[n, 1, 0] = covariance[n, 0, 1]
         column_of_inverse(equations, size, 1)
         covariance[n, 1, 1] = scale * column[1] + common * pulse.common[1, 1]
+        if odd[n] == 0 and is_vague(covariance[n], scale, (pulse.sigma * theta[4]) ** 2):
+            failure[n] = _VAGUE
+            continue
         peak = max(theta[2] + theta[3], 0.0) * shot + floor
         peak += left * (max(mean, 0.0) * shot + floor)
         table[0, n] = theta[0]

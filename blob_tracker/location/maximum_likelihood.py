@@ -18,8 +18,8 @@ from blob_tracker.location.normal_equations import (
     column_of_inverse, empty_equations, NormalEquations, solve,
 )
 from blob_tracker.location.scoring import (
-    advance, climb, CONVERGED, covariance_growth, detection, FISHER_STEPS, judge_optimum,
-    NARROWEST_PX, TEXTURE_STEP, WIDEST,
+    advance, climb, CONVERGED, covariance_growth, detection, FISHER_STEPS, is_vague,
+    judge_optimum, NARROWEST_PX, TEXTURE_STEP, WIDEST,
 )
 from blob_tracker.location.sites import fill_absent, observe, pair_of
 from blob_tracker.location.start_value import start_value
@@ -44,9 +44,6 @@ _ROWS = 11  # of the table: x, y, amplitude, background, sigma, snr, chi2, and f
 _LOPSIDED = 7  # how lopsided it is
 _NONE, _FEW = int(Failure.NONE), int(Failure.TOO_FEW_PIXELS)
 _DIVERGED, _VAGUE = int(Failure.NOT_CONVERGED), int(Failure.VAGUE)
-# Of the pulse's sigma: of a place that is known less well the slopes of the pulse tell the wrong
-# covariance.
-MOST_VAGUE = 2.0
 _NARROW, _WIDE = int(Failure.TOO_NARROW), int(Failure.TOO_WIDE)
 
 
@@ -240,7 +237,8 @@ def _with_pulse(
 ) -> Estimates:
     """Fit the pulse, and in the windows that it does not explain the Gaussian."""
     found, odd = learned_pulse(lit, unlit, noise, saturation, pulse_of(pulse))
-    failed = ~found.ok & (found.failure != Failure.NO_SIGNAL)
+    silent = (found.failure == Failure.NO_SIGNAL) | (found.failure == Failure.VAGUE)
+    failed = ~found.ok & ~silent
     doubtful = np.flatnonzero(failed | (found.ok & (odd != 0)))
     if not doubtful.size:
         return found
@@ -406,8 +404,7 @@ def _fit_all(
         odd[n] |= suspect_pixels(chi2, usable - size)
         scale = covariance_growth(chi2, usable - size, detection(theta, fisher))
         _fill_covariance(equations, size, scale, leaning, lopsided, covariance[n])
-        known = scale * MOST_VAGUE**2 * theta[4] * theta[5]
-        if odd[n] == 0 and max(covariance[n, 0, 0], covariance[n, 1, 1]) > known:
+        if odd[n] == 0 and is_vague(covariance[n], scale, theta[4] * theta[5]):
             failure[n] = _VAGUE
             continue
         peak = max(theta[2] + theta[3], 0.0) * shot + floor

@@ -4,35 +4,65 @@ from __future__ import annotations
 
 from dataclasses import replace
 import math
+from typing import NamedTuple
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.noise import noise_of_sum, variance_at
+from blob_tracker.location.unlit_texture import residual_variance, SHRINKAGE
 from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
+from numpy.typing import NDArray
 
 MEMORY = 128.0  # windows that were looked at, after which one weighs 1/e
 FEWEST_WINDOWS = 16  # before anything is said
 ENOUGH_WINDOWS, EVERY = 128, 16  # beyond so many windows only every sixteenth is looked at
 FEWEST_PX = 24  # px about the light, that a correlation takes
 REACH = 3.0  # sigma about the light, that are left out of it
+ALWAYS = 0.1  # of the mean square of its height: the square of the mean, of a light that is there
 SIGMAS = 3.0  # standard deviations, beyond which there is a texture
 MOVING_SIGMAS = 3.0  # beyond which it moves; what chance makes of it grows little
-LEAST_GROWTH = 1.3  # of the variance: what grows it less is not spoken of
+FOLLOWED_SIGMAS = 4.0  # beyond which it surely does, by the unlit frames of two flashes
+AT_SLOPES = 4.0 / 9.0  # of a pulse's height, where its slopes are, which tell its place
+LONGEST_NS = 10**9  # ns between two windows: the scene is another one after that
+# Of the variance: what grows it less is not spoken of, if it surely moves and if it may be chance.
+LEAST_GROWTH, LEAST_UNSURE_GROWTH = 1.15, 1.3
+
+
+class _Unlit(NamedTuple):
+    """The unlit pixels of a window, DN: where it begins and where the light was, px; its sigma."""
+
+    unlit: NDArray[np.generic]
+    left: int
+    top: int
+    middle: tuple[float, float]
+    sigma: float
+    looks: int
+    binning: tuple[int, int]
+    stamp_ns: int
+
+    def follows(self, before: _Unlit) -> bool:
+        """Tell whether this window and the one before it may be compared."""
+        return (
+            0 < self.stamp_ns - before.stamp_ns <= LONGEST_NS
+            and self.looks == before.looks and self.binning == before.binning
+        )
 
 
 class MovingTexture:
     """
     Measure how much of the texture behind a light the unlit frame knows.
 
-    The fit takes a share kappa = r / (1 + r) of the unlit texture off the lit pixels, r the power
-    of the texture at the scale of the pulse over that of the noise: the mean square of what the
-    unlit window lends to the place of a pulse is 1 + r. If the texture is the same in both
-    frames the variance of the place is 1 + kappa times that of the lit frame alone. If the two
-    have the correlation rho, as camera or background move in between, it is
+    The fit takes a share s of the unlit texture off the lit pixels. With u^2 the mean square of
+    what an unlit window lends to the place of a pulse, over that of the noise, and 1 + r its mean,
+    s = 1 - SHRINKAGE / u^2 (`texture_share`). If the two frames have the correlation rho, as
+    camera or background move in between, the variance of the place is, over that noise,
 
-        V = 1 + r + kappa^2 (1 + r) - 2 kappa rho r
+        V = q + r + <s^2 u^2> - 2 rho r / (1 + r) <s u^2>,
 
-    and the covariance grows by V / (1 + kappa). rho is that of the pixels about the light.
+    q that of the lit pixels' own noise about the pulse. The fit has q + <a> in its covariance, a
+    the `residual_variance` of the share, which V / (q + <a>) lets grow. rho is that of the pixels
+    about the light. That it is not 1 is told by these, or sooner by the unlit frames of two
+    flashes, between which there is twice the time.
 
     Attributes
     ----------
@@ -44,9 +74,12 @@ class MovingTexture:
     def __init__(self) -> None:
         self.growth = 1.0
         self._windows = 0
-        # Of the windows that were looked at, weighted: count; sum of squares at the scale of the
-        # pulse over their noise; pixels; lit times unlit; unlit squared less noise; its variance.
-        self._sums = np.zeros(6)
+        # Of the windows that were looked at, weighted: count; height of a pulse in the unlit
+        # pixels, and its square, DN; q, u^2, s u^2, s^2 u^2 and a of the class; lit times unlit;
+        # unlit squared less noise; its variance; and the last three of the unlit windows of two
+        # flashes.
+        self._sums = np.zeros(14)
+        self._last: _Unlit | None = None
 
     @property
     def warning(self) -> str:
@@ -68,82 +101,142 @@ class MovingTexture:
         window : Window
             Lit and unlit pixels, DN.
         location : Location
-            Of its light. One with a warning is left aside: its light may be in both.
+            Of its light.
         noise : SensorNoise
             Of a pixel of one frame.
 
         """
         self._windows += 1
-        if (
-            window.unlit is None or window.added_noise > 0.0 or location.warning
-            or (self._windows > ENOUGH_WINDOWS and self._windows % EVERY)
-        ):
+        if window.unlit is None or window.added_noise > 0.0:
+            return
+        middle = window.to_window(location.x, location.y)
+        across, down = window.binning
+        before = self._last
+        now = self._last = _Unlit(
+            window.unlit, window.x0 // across, window.y0 // down, middle, location.sigma,
+            window.looks, window.binning, window.stamp_ns,
+        )
+        if self._windows > ENOUGH_WINDOWS and self._windows % EVERY:
             return
         noise = noise_of_sum(noise, window.looks)
-        level, lent, count, product, square = _told(
-            np.ascontiguousarray(window.lit, dtype=float),
-            np.ascontiguousarray(window.unlit, dtype=float),
-            math.inf if window.saturation is None else float(window.saturation),
-            window.to_window(location.x, location.y), location.sigma,
+        unlit = np.ascontiguousarray(window.unlit, dtype=float)
+        limit = math.inf if window.saturation is None else float(window.saturation)
+        level, total, height, lent, count, product, square = _told(
+            np.ascontiguousarray(window.lit, dtype=float), unlit,
+            limit, middle, location.sigma,
         )
         if count < FEWEST_PX:
             return
         variance = variance_at(level, noise)
         self._sums *= 1.0 - 1.0 / MEMORY
+        lit_noise = variance_at(level + AT_SLOPES * location.amplitude, noise)
+        told = 0.5 * lent / variance
+        share = 1.0 - SHRINKAGE / max(told, SHRINKAGE)
+        white = max(total / ((window.unlit.size - 1) * variance) - 1.0, 0.0)
         self._sums += (
-            1.0, 0.5 * lent / variance, count, product, square - count * variance,
-            2.0 * variance * max(square, count * variance),
+            1.0, height, height**2,
+            lit_noise / variance, told, share * told, share**2 * told,
+            residual_variance(share, white),
+            product, square - count * variance, 2.0 * variance * max(square, count * variance),
+            *_followed(before, now, limit, variance),
         )
         self._judge()
 
     def _judge(self) -> None:
         """Set the growth by the sums."""
         self.growth = 1.0
-        windows, squares, _, products, texture, deviation = (float(each) for each in self._sums)
+        windows, height, heights = self._sums[:3].tolist()
         if windows < FEWEST_WINDOWS:
             return
-        power = squares / windows - 1.0
+        if height > 0.0 and height**2 > ALWAYS * windows * heights:
+            return  # the light itself is in the unlit frames: other models tell what that does
+        means = self._sums[3:8] / windows
+        lit_noise, told, shared, shared_twice, added = means.tolist()
+        products, texture, deviation, *followed = self._sums[8:].tolist()
         # Each window gives the mean of two chi-squares.
-        if power < SIGMAS * (1.0 + power) / math.sqrt(windows):
+        power = told - 1.0
+        if power < SIGMAS * told / math.sqrt(windows) or texture < SIGMAS * math.sqrt(deviation):
             return
-        sigma = math.sqrt(deviation)
-        if texture < SIGMAS * sigma:
+        surely = _moves(FOLLOWED_SIGMAS, *followed)
+        if not surely and not _moves(MOVING_SIGMAS, products, texture, deviation):
             return
-        known = min(max(products / texture, 0.0), 1.0)
-        if 1.0 - known < MOVING_SIGMAS * sigma / texture:
-            return
-        share = power / (1.0 + power)
-        total = 1.0 + power + share**2 * (1.0 + power) - 2.0 * share * known * power
-        growth = total / (1.0 + share)
-        if growth > LEAST_GROWTH:
+        known = min(max(products / texture, 0.0), 1.0) * power / told
+        total = lit_noise + power + shared_twice - 2.0 * known * shared
+        growth = total / (lit_noise + added)
+        if growth > (LEAST_GROWTH if surely else LEAST_UNSURE_GROWTH):
             self.growth = growth
 
     def doubted(self, location: Location) -> Location:
         """Return a location with the covariance that it has before such a texture."""
-        if self.growth == 1.0:
+        # What the misfit has let it grow by it need not grow again.
+        growth = self.growth / (max(location.chi2, 1.0) if location.warning else 1.0)
+        if growth <= 1.0:
             return location
-        return replace(location, covariance=self.growth * location.covariance)
+        return replace(location, covariance=growth * location.covariance)
+
+
+def _moves(sigmas: float, products: float, texture: float, deviation: float) -> bool:
+    """Tell whether two pictures have less in common than one of them has."""
+    return texture - products > sigmas * math.sqrt(deviation) > 0.0
+
+
+def _followed(
+    before: _Unlit | None, now: _Unlit, limit: float, variance: float
+) -> tuple[float, float, float]:
+    """
+    Return what the unlit windows of two flashes have in common, without the lights' places.
+
+    Products of the two; squares of the one, less noise; and their variance; 0 for too few pixels.
+    """
+    nothing = 0.0, 0.0, 0.0
+    if before is None or not now.follows(before):
+        return nothing
+    both = before, now
+    left, top = max(each.left for each in both), max(each.top for each in both)
+    right = min(each.left + each.unlit.shape[1] for each in both)
+    bottom = min(each.top + each.unlit.shape[0] for each in both)
+    if right - left < 2 or bottom - top < 2:
+        return nothing
+    first, second = (
+        np.ascontiguousarray(
+            each.unlit[top - each.top:bottom - each.top, left - each.left:right - each.left],
+            dtype=float,
+        )
+        for each in both
+    )
+    one, other = (
+        (each.middle[0] + each.left - left, each.middle[1] + each.top - top, REACH * each.sigma)
+        for each in both
+    )
+    count, product, square = _in_common(first, second, limit, one, other)
+    if count < FEWEST_PX:
+        return nothing
+    return (
+        product, square - count * variance, 2.0 * variance * max(square, count * variance)
+    )
 
 
 def compile_texture() -> None:
     """Compile what looks at the windows, or load it."""
     picture = np.arange(49.0).reshape(7, 7)
+    _in_common(picture, picture, math.inf, (3.0, 3.0, 1.0), (3.0, 3.0, 1.0))
     _told(picture, picture, math.inf, (3.0, 3.0), 1.0)
 
 
 @kernel
 def _told(
     lit: Array, unlit: Array, limit: float, middle: tuple[float, float], sigma: float
-) -> tuple[float, float, int, float, float]:
+) -> tuple[float, float, float, float, int, float, float]:
     """
     Return what a window tells of the texture behind a light.
 
     Returns
     -------
     tuple
-        Mean of the unlit pixels, DN; what their departures from it lend to the place of a pulse,
-        squared, DN^2; how many pixels there are about the light; and of these the sums of lit
-        times unlit and of unlit squared, both without their means, DN^2.
+        Mean of the unlit pixels, DN, and the sum of the squares of their departures from it, DN^2;
+        the height of a pulse in them, DN; what their departures lend to its place, squared, DN^2;
+        how many pixels there are about the light; and of these the sums of lit times unlit and of
+        unlit squared, both without their means, DN^2.
 
     """
     height, width = lit.shape
@@ -160,16 +253,21 @@ def _told(
                     other += unlit[j, i]
                     count += 1
     if count < FEWEST_PX:
-        return 0.0, 0.0, count, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0, count, 0.0, 0.0
     mean, one, other = total / usable, one / count, other / count
     along, across, along_square, across_square = 0.0, 0.0, 0.0, 0.0
     product, square = 0.0, 0.0
+    squared, sums, pulses, pulse_squares = 0.0, 0.0, 0.0, 0.0
     for j in range(height):
         for i in range(width):
             if lit[j, i] < limit and unlit[j, i] < limit:
                 dx, dy = i - middle[0], j - middle[1]
                 squares = (dx * dx + dy * dy) / (sigma * sigma)
                 pulse = math.exp(-0.5 * squares)
+                squared += (unlit[j, i] - mean) ** 2
+                sums += pulse * (unlit[j, i] - mean)
+                pulses += pulse
+                pulse_squares += pulse * pulse
                 along += dx * pulse * (unlit[j, i] - mean)
                 across += dy * pulse * (unlit[j, i] - mean)
                 along_square += (dx * pulse) ** 2
@@ -178,4 +276,43 @@ def _told(
                     product += (lit[j, i] - one) * (unlit[j, i] - other)
                     square += (unlit[j, i] - other) ** 2
     lent = along * along / max(along_square, 1e-12) + across * across / max(across_square, 1e-12)
-    return mean, lent, count, product, square
+    height_found = sums / max(pulse_squares - pulses * pulses / usable, 1e-12)
+    return mean, squared, height_found, lent, count, product, square
+
+
+@kernel
+def _in_common(
+    first: Array, second: Array, limit: float, one: tuple[float, float, float],
+    other: tuple[float, float, float],
+) -> tuple[int, float, float]:
+    """
+    Return what two pictures have in common, without what lies within a radius of two places.
+
+    Returns
+    -------
+    tuple
+        How many pixels there are; and of these the sums of first times second and of second
+        squared, both without their means, DN^2.
+
+    """
+    height, width = first.shape
+    used = np.zeros((height, width), dtype=np.uint8)
+    a, b, count = 0.0, 0.0, 0
+    for j in range(height):
+        for i in range(width):
+            if (
+                first[j, i] < limit and second[j, i] < limit
+                and math.hypot(i - one[0], j - one[1]) > one[2]
+                and math.hypot(i - other[0], j - other[1]) > other[2]
+            ):
+                used[j, i] = 1
+                a += first[j, i]
+                b += second[j, i]
+                count += 1
+    product, square = 0.0, 0.0
+    for j in range(height):
+        for i in range(width):
+            if used[j, i]:
+                product += (first[j, i] - a / count) * (second[j, i] - b / count)
+                square += (second[j, i] - b / count) ** 2
+    return count, product, square

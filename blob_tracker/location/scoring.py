@@ -18,6 +18,9 @@ from blob_tracker.location.normal_equations import NormalEquations, solve
 FAINTEST_SIGMA = 5.0
 # Over the matched filter's squared SNR: how far the covariance is too small
 COVARIANCE_INFLATION = 12.0
+# Of the pulse's sigma: of a place that is known less well the slopes of the pulse tell the wrong
+# covariance.
+MOST_VAGUE = 2.0
 MISFIT_SIGMA = 5.0  # standard deviations of chi2: beyond it the model is wrong, not the noise
 FISHER_STEPS = 12  # a good start takes 4 or 5
 TEXTURE_STEP = 2  # by which the pulse is known well enough to ask what the texture does to it
@@ -56,6 +59,13 @@ def covariance_growth(chi2: float, freedom: int, squared_snr: float) -> float:
     if chi2 > 1.0 + MISFIT_SIGMA * math.sqrt(2.0 / freedom):
         growth *= chi2
     return growth
+
+
+@kernel
+def is_vague(covariance: Array, growth: float, squared_width: float) -> bool:
+    """Tell whether noise alone leaves a place as wide as MOST_VAGUE times its pulse, px^2."""
+    widest = max(covariance[0, 0], covariance[1, 1])
+    return widest > growth * MOST_VAGUE**2 * squared_width
 
 
 @kernel

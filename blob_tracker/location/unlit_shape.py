@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 import math
 
+from blob_tracker.kernel import Array, exact_kernel
 from blob_tracker.location.hypotheses import FALSE_ALARM, Pair
 from blob_tracker.location.pair_likelihood import climb, Floats, Model, Optimum
 from blob_tracker.location.pair_model import BACKGROUND, brightest, X, Y
@@ -202,17 +203,34 @@ def _in_both(model: Model, in_lit: float) -> Model:
         there[[X, Y]] += shift
         left, by = np.zeros(means.shape), np.zeros((own, *means.shape))
         model(there, left, by)
-        light = left[0] - theta[BACKGROUND]
-        by[BACKGROUND] = 0.0
-        for k, part in ((0, in_lit), (1, 1.0)):
-            if part == 0.0:
-                continue
-            means[k] += part * share * light
-            slopes[:own, k] += part * share * by[:, 0]
-            slopes[own:own + 2, k] = part * share * by[[X, Y], 0]
-            slopes[-1, k] = part * light
+        _add_ghost(means, slopes, left, by, float(theta[BACKGROUND]), float(share), in_lit)
 
     return fill
+
+
+@exact_kernel
+def _add_ghost(
+    means: Array, slopes: Array, left: Array, by: Array, background: float, share: float,
+    in_lit: float,
+) -> None:
+    """Add such a share of a shape, and its slopes, to both windows; `in_lit` of it to the lit."""
+    own = by.shape[0]
+    _, height, width = means.shape
+    for k in range(2):
+        part = in_lit if k == 0 else 1.0
+        if part == 0.0:
+            continue
+        of_it = part * share
+        for j in range(height):
+            for i in range(width):
+                light = left[0, j, i] - background
+                means[k, j, i] += of_it * light
+                for p in range(own):
+                    if p != BACKGROUND:
+                        slopes[p, k, j, i] += of_it * by[p, 0, j, i]
+                slopes[own, k, j, i] = of_it * by[X, 0, j, i]
+                slopes[own + 1, k, j, i] = of_it * by[Y, 0, j, i]
+                slopes[own + 2, k, j, i] = part * light
 
 
 def _in_shares(model: Model) -> Model:
@@ -224,10 +242,6 @@ def _in_shares(model: Model) -> Model:
     """
     def fill(theta: Floats, means: Floats, slopes: Floats) -> None:
         own = theta.size - 4
-        rows = np.arange(means.shape[1])[:, None] - 0.5 * (means.shape[1] - 1)
-        share = theta[-2] + theta[-1] * rows
-        inside = (share > 0.0) & (share < 1.0)
-        share = np.clip(share, 0.0, 1.0)
         full, by = np.zeros(means.shape), np.zeros((own, *means.shape))
         slopes[:] = 0.0
         there = theta[:own].copy()
@@ -235,17 +249,37 @@ def _in_shares(model: Model) -> Model:
             if k == 1:
                 there[[X, Y]] += theta[own:own + 2]
             model(there, full, by)
-            light = full[0] - theta[BACKGROUND]
-            by[BACKGROUND] = 0.0
-            part, sign = (share, 1.0) if k == 0 else (1.0 - share, -1.0)
-            means[k] = theta[BACKGROUND] + part * light
-            slopes[:own, k] = part * by[:, 0]
-            slopes[BACKGROUND, k] = 1.0
-            slopes[own:own + 2, k] = k * slopes[[X, Y], k]
-            slopes[-2, k] = sign * inside * light
-            slopes[-1, k] = sign * inside * rows * light
+            _share_out(
+                means, slopes, full, by, float(theta[BACKGROUND]), float(theta[-2]),
+                float(theta[-1]), k,
+            )
 
     return fill
+
+
+@exact_kernel
+def _share_out(
+    means: Array, slopes: Array, full: Array, by: Array, background: float, middle: float,
+    steep: float, k: int,
+) -> None:
+    """Fill window k with its share of the rows of a shape, and the slopes of that."""
+    own = by.shape[0]
+    _, height, width = means.shape
+    for j in range(height):
+        row = j - 0.5 * (height - 1)
+        share = middle + steep * row
+        inside = 1.0 if 0.0 < share < 1.0 else 0.0
+        share = min(max(share, 0.0), 1.0)
+        part, sign = (share, 1.0) if k == 0 else (1.0 - share, -1.0)
+        for i in range(width):
+            light = full[0, j, i] - background
+            means[k, j, i] = background + part * light
+            for p in range(own):
+                slopes[p, k, j, i] = 1.0 if p == BACKGROUND else part * by[p, 0, j, i]
+            slopes[own, k, j, i] = k * slopes[X, k, j, i]
+            slopes[own + 1, k, j, i] = k * slopes[Y, k, j, i]
+            slopes[own + 2, k, j, i] = sign * inside * light
+            slopes[own + 3, k, j, i] = sign * inside * row * light
 
 
 def _prior(pair: Pair, shape: Shape, others: int) -> tuple[Floats, Floats] | None:

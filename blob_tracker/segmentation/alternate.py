@@ -183,8 +183,8 @@ class Alternate:
         return self._region
 
     def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> Contrast | None:
-        """Return the contrast without the expectation, where that was wrong."""
-        if not self._confirmation.widened(candidates):
+        """Return the contrast where else the light may be that is due and not seen."""
+        if not self._confirmation.widened(candidates, contrast.shape):
             return None
         return self._compared(contrast.frame)
 
@@ -198,9 +198,13 @@ class Alternate:
         if self._confirmation.reason:
             self.reason = self._confirmation.reason
             return []
-        allowed = sum(not each.rejected for each in candidates)
+        allowed = [each for each in candidates if not each.rejected]
+        if len(allowed) == 1 and not self.reason:
+            self.reason = self._confirmation.why_another(allowed[0])
         if allowed and not self.reason:
-            self.reason = f'{allowed} lit up; none of them flashes in step with the frames yet'
-            if allowed > 1:
+            self.reason = (
+                f'{len(allowed)} lit up; none of them flashes in step with the frames yet'
+            )
+            if len(allowed) > 1:
                 self.reason += ': glints, or lamps?'
         return []

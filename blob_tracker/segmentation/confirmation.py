@@ -20,7 +20,7 @@ FIRST_PAIRS = 3  # pairs of frames in which a single light is taken for the targ
 # and from then on in a few frames of as many.
 SURVEY_FRAMES, SURVEY_PART = 128, 8
 BESIDE_RUN = 3  # flashes that another light has together with the target, before it is known
-BRIGHTER_RATIO = 1.25  # times brighter: what a light of the first frames was a reflection of
+BRIGHTER_RATIO = 1.25  # times brighter: what the light that is followed is a reflection of
 SETTLED_FRAMES = 32  # of a lock, after which it is known whether it is in a crowd
 
 
@@ -38,8 +38,12 @@ class Confirmation:
     lights up there is the target, however it moved. Where nothing does when a flash is due, the
     expectation is as if it had not been, in the same frame.
 
+    Nor does a light go straight on for ever. Where nothing lights up where its speed would have it
+    when a flash is due, and hardly anything does by chance, it is looked for about its last place
+    as well, as far as the gate, in the same frame: it has turned.
+
     Other lights that flash in step are known, see `FlashMemory`. In the first two seconds the
-    target is the brightest of them.
+    target is the brightest of them; later, a brighter one that was there for as long.
 
     Where another view of the scene is told to follow its target at a place, as the other field of
     interlaced pictures does, what lights up elsewhere is not taken, and not followed any more.
@@ -65,6 +69,8 @@ class Confirmation:
         self._memory = FlashMemory(gate_px)
         self._scene = CrowdedScene(gate_px, self._memory.clock)
         self._agreed: Expectation | None = None
+        self._outshone: int | None = None  # the frame since which another light is brighter
+        self._turned = False  # whether it is looked for in this frame as one that has turned
         self._frames = 0
 
     @property
@@ -108,7 +114,7 @@ class Confirmation:
         """
         memory = self._memory
         memory.next_frame(stamp_ns)
-        self._agreed = agreed
+        self._agreed, self._turned = agreed, False
         self._frames += 1
         if expected is not None and memory.moves and expected.inside(shape):
             memory.expect(expected)
@@ -124,21 +130,30 @@ class Confirmation:
         """Return where in a frame of (h, w) the target can be."""
         return self._memory.region(shape)
 
-    def widened(self, everything: Sequence[Candidate]) -> bool:
+    def widened(self, everything: Sequence[Candidate], shape: tuple[int, int]) -> bool:
         """
-        Give up an expectation that was wrong, before anything is chosen; tell whether it was.
+        Look elsewhere for a light that is due, before anything is chosen; tell whether to.
 
         Parameters
         ----------
         everything : sequence of Candidate
             What lit up in the region about it.
+        shape : (int, int)
+            Height and width of the frame, px.
 
         """
         memory = self._memory
-        if memory.expected is None or self._scene.dense or not memory.is_missed(everything):
+        if not memory.is_due or self._turned or self._scene.dense or not memory.moves:
             return False
-        memory.expect(None)
-        return True
+        if not memory.is_missed(everything):
+            return False
+        if memory.expected is not None:
+            memory.expect(None)
+            return True
+        self._turned = self._scene.crowd.is_quiet(shape)
+        if self._turned:
+            memory.expect_turned()
+        return self._turned
 
     def choose(
         self, everything: Sequence[Candidate], shape: tuple[int, int]
@@ -261,6 +276,10 @@ class Confirmation:
         memory.keep_alone(track._replace(sigma=sigma, stamp=memory.clock.stamp))
         return candidate
 
+    def why_another(self, candidate: Candidate) -> str:
+        """Say why a light that was not taken is not the one that flashed last, if that is told."""
+        return '' if self._scene.dense else self._memory.why_another(candidate)
+
     @property
     def surveys(self) -> bool:
         """Whether the whole of this frame is to be searched for other lights in step."""
@@ -298,13 +317,20 @@ class Confirmation:
         if not others:
             if frames % SURVEY_FRAMES == SURVEY_PART - 1:
                 memory.companions.forget()
+                self._outshone = None
             return
         locked = memory.followed
         assert locked is not None
         brightest = max(others, key=lambda each: each.height)
-        young = memory.stands_in or frames < SURVEY_FRAMES
         brighter = brightest.height > BRIGHTER_RATIO * locked.height
-        if young and brighter and not self._elsewhere(brightest):
+        if not brighter:
+            self._outshone = None
+        elif self._outshone is None:
+            self._outshone = self._frames
+        lasts = self._outshone is not None and self._frames - self._outshone >= SURVEY_FRAMES
+        young = memory.stands_in or frames < SURVEY_FRAMES
+        if (young or lasts) and brighter and not self._elsewhere(brightest):
+            self._outshone = None
             others = [locked if each is brightest else each for each in others]
             memory.exchange(brightest)
         memory.learn(others)

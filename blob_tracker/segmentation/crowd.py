@@ -14,6 +14,7 @@ CLUSTERING = 20.0  # times denser than if they were spread evenly: glints, leave
 MOST_FLASHES = 6  # are always enough for what is clustered so: it leaves the rest of the frame
 LEAST_CROWD = 2.0  # things a frame: fewer are none
 BESIDE = 0.003  # of the frames: so often chance would pass for a target that is hidden
+IN_PLACE = 0.01  # of the flashes that are hidden: so often chance may be taken for one
 KNOWN_RUN = 4  # flashes without a miss, from which on a light is not one of those that pass
 LEAST_MEMORY_FRAMES, MOST_MEMORY_FRAMES = 16, 128  # frames over which that rate is the mean
 INITIAL_RATE = 0.05  # before anything was seen
@@ -74,6 +75,13 @@ class Crowd:
     def is_dense(self, shape: tuple[int, int], sigma: float) -> bool:
         """Tell whether a crowd lights up all over a frame of (h, w), see the kernel."""
         return is_dense(self.values, self._gate_px, shape[0] * shape[1], sigma)
+
+    def is_quiet(self, shape: tuple[int, int]) -> bool:
+        """Tell whether what lights up within the gate of a target that is due is hardly chance."""
+        # The start counts as things that nobody has seen.
+        unseen = INITIAL_RATE * (LEAST_MEMORY_FRAMES // 2) / self.values[PASSING_FRAMES:].min()
+        within = 0.5 * CLUSTERING * math.pi * self._gate_px**2 * (self.passing - unseen)
+        return bool(within <= IN_PLACE * shape[0] * shape[1])
 
     def is_beside(self, shape: tuple[int, int], sigma: float) -> bool:
         """Tell whether something else is now and then where a target of such a sigma should be."""

@@ -18,6 +18,7 @@ import numpy as np
 
 
 PATIENCE_FIELDS = 24  # without a light in either kind, before neighbours are compared
+FLASH_FIELDS = 4  # of two pictures, one lit and one not
 MOST_AGE = 16  # fields, after which a light that was seen is not that of the other kind any more
 WITH_FIELDS = (
     'on in every other field; the scene behind it is subtracted if it is on in both fields of '
@@ -178,7 +179,9 @@ class FieldSegmenter:
         if own is not None and self._fields - own.field <= MOST_AGE and own.since < other.since:
             return None
         passed = self._fields - other.field
+        # It does not go straight on for longer than from one flash to the next.
+        reach = gate_px * max(passed / FLASH_FIELDS, 1.0)
         return Expectation(
             other.x + passed * other.velocity_x, other.y + passed * other.velocity_y,
-            (gate_px / GATE_SIGMA) ** 2 * np.eye(2),
+            (reach / GATE_SIGMA) ** 2 * np.eye(2),
         )

@@ -74,8 +74,9 @@ class Flash(Protocol):
         """
         Return the contrast of a wider region; None if there is no need of it, or none such.
 
-        It is needed where the target was expected in a region and is not among what lit up there:
-        the expectation was wrong. `region` is the wider one from then on.
+        It is needed where the target is due in a region and is not among what lit up there: the
+        expectation was wrong, or it has turned. `region` is the wider one from then on; it is
+        asked for again, until there is none.
         """
 
     def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:

@@ -9,17 +9,19 @@ from blob_tracker.kernel import Array
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.companions import companion_at, Companions
-from blob_tracker.segmentation.expectation import Expectation
+from blob_tracker.segmentation.expectation import Expectation, GATE_SIGMA
 from blob_tracker.segmentation.flash_track import (
-    FIELDS, FLANK_SIGMA, FLASHES, FlashTrack, lights_in, offset_of, OUT_OF_STEP, reach_of, rows_of,
-    RUN, SEEN,
+    DOUBTED, FIELDS, FLANK_SIGMA, FLASHES, FlashTrack, lights_in, MAX_BRIGHTNESS_RATIO, offset_of,
+    reach_of, rows_of, RUN, SEEN,
 )
 from blob_tracker.segmentation.flash_tracks import (
     ASK, confirm, follow, half_side, IN_SEEN, is_missed, is_open, IS_TARGET, keep, KNOWN, LOCKED,
     LOCKED_FRAMES, MAX_AGE_FRAMES, next_frame, no_tracks, NUMBER, region_about, see, STANDS_IN,
     take,
 )
-from blob_tracker.segmentation.frame_clock import age_of, FrameClock, PERIOD_FRAMES
+from blob_tracker.segmentation.frame_clock import (
+    age_of, FrameClock, PERIOD_FRAMES, STAMP_TOLERANCE_FRAMES,
+)
 import numpy as np
 
 # Frames without the target (1 s at 60 a second) after which another light in step is taken for it
@@ -108,6 +110,13 @@ class FlashMemory:
         """Take the word of a tracker for where the light that is followed is in this frame."""
         self.expected = place
         self._expected[:] = -1.0 if place is None else (place.x, place.y, place.gate_radius_px)
+
+    def expect_turned(self) -> None:
+        """Expect the light that is followed as far from its last place as any light may go."""
+        followed = self.followed
+        assert followed is not None
+        self.expect(Expectation(
+            followed.x, followed.y, (self._gate_px / GATE_SIGMA) ** 2 * np.eye(2)))
 
     def region(self, shape: tuple[int, int]) -> Box:
         """Return where in a frame of (h, w) the target can be."""
@@ -198,7 +207,7 @@ class FlashMemory:
         tracks = self._tracks[:self._counts.item(NUMBER)]
         those = (
             (tracks[:, SEEN] == self.clock.stamp) & (tracks[:, RUN] >= least)
-            & (tracks[:, OUT_OF_STEP] == 0.0)
+            & (tracks[:, DOUBTED] == 0.0)
         )
         those[self._counts.item(LOCKED)] = False
         return [FlashTrack(*row) for row in tracks[those].tolist()]
@@ -244,6 +253,26 @@ class FlashMemory:
         return (
             f'another light flashes in step, {away:.0f} px from the target, which was last seen '
             f'{age:.0f} frames ago; a reflection? It is taken after {PATIENCE_FRAMES} frames'
+        )
+
+    def why_another(self, candidate: Candidate) -> str:
+        """Say how far a light is from where one like it flashed last; empty within the gate."""
+        away = math.inf
+        for row in self._tracks[:self._counts.item(NUMBER)].tolist():
+            track = FlashTrack(*row)
+            age = age_of(self.clock.values, track.stamp)
+            ratio = candidate.height / track.height
+            if (
+                abs(age - PERIOD_FRAMES) < STAMP_TOLERANCE_FRAMES
+                and max(ratio, 1.0 / ratio) < MAX_BRIGHTNESS_RATIO
+            ):
+                away = min(away, math.hypot(candidate.x - track.x, candidate.y - track.y))
+        if not self._gate_px < away < math.inf:
+            return ''
+        return (
+            f'what lit up is {away:.0f} px from where a light like it flashed {PERIOD_FRAMES} '
+            f'frames ago, and the target goes {self._gate_px:g} px at most (gate): if it is the '
+            'same, set more'
         )
 
     def _is_in_reach(self, target: FlashTrack, age: float, candidate: Candidate) -> bool:

@@ -33,8 +33,8 @@ class FlashTrack(NamedTuple):
         How often so far, and how often since a flash was missed.
     velocity_x, velocity_y : float
         px a frame.
-    out_of_step : float
-        Whether it was once seen out of step; 0 or 1.
+    doubted : float
+        Whether it was once seen out of step, or turned before it was confirmed; 0 or 1.
     trusted : float
         Whether nothing speaks against it; 0 or 1.
 
@@ -49,12 +49,12 @@ class FlashTrack(NamedTuple):
     run: float = 1.0
     velocity_x: float = 0.0
     velocity_y: float = 0.0
-    out_of_step: float = 0.0
+    doubted: float = 0.0
     trusted: float = 0.0
 
 
 # The same as columns of a table of tracks.
-X, Y, SIGMA, HEIGHT, SEEN, FLASHES, RUN, VX, VY, OUT_OF_STEP, TRUSTED = range(11)
+X, Y, SIGMA, HEIGHT, SEEN, FLASHES, RUN, VX, VY, DOUBTED, TRUSTED = range(11)
 FIELDS = 11
 # Columns of a light in a frame: those of a new track, whether it is not rejected, and its SNR.
 ALLOWED, SNR, LIGHT_FIELDS = 4, 5, 6

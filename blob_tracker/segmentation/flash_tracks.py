@@ -10,8 +10,9 @@ from blob_tracker.segmentation.crowd import (
     add, flashes_needed, is_dense, KNOWN_RUN, MOST_FLASHES,
 )
 from blob_tracker.segmentation.flash_track import (
-    ALLOWED, FIELDS, FLANK_SIGMA, FLASHES, gate_radius, HEIGHT, lights_in, MAX_BRIGHTNESS_RATIO,
-    offset_of, OUT_OF_STEP, place_of, reach_of, RUN, SEEN, SIGMA, SNR, TRUSTED, VX, VY, X, Y,
+    ALLOWED, DOUBTED, FIELDS, FLANK_SIGMA, FLASHES, gate_radius, HEIGHT, lights_in,
+    MAX_BRIGHTNESS_RATIO, offset_of, place_of, reach_of, RUN, SEEN, SIGMA, SNR, TRUSTED, VX, VY, X,
+    Y,
 )
 from blob_tracker.segmentation.frame_clock import (
     age_of, FRAME, in_step, is_due, is_phase_unknown, PERIOD_FRAMES, STAMP, stamp_before,
@@ -37,8 +38,8 @@ ESTABLISHED_FLASHES = 3
 # stands in for it.
 NUMBER, LOCKED, LOCKED_FRAMES, KNOWN, IS_TARGET, STANDS_IN = range(6)
 IN_SEEN = MOST_TRACKS + MOST_SEEN
-OUT_OF_STEP_FLASHES = 2  # more flashes are asked of a light that was once seen out of step
-CERTAIN_FLASHES = MOST_FLASHES + OUT_OF_STEP_FLASHES  # are always enough, also of such a light
+DOUBTED_FLASHES = 2  # more flashes are asked of a light that is doubted
+CERTAIN_FLASHES = MOST_FLASHES + DOUBTED_FLASHES  # are always enough, also of such a light
 # Columns of what was seen, after those of its track: which light it is, its SNR, and whether it
 # has flashed often enough.
 LIGHT, LIGHT_SNR, CONFIRMED = FIELDS, FIELDS + 1, FIELDS + 2
@@ -237,7 +238,7 @@ def _mark_out_of_step(
             and not in_step(clock, track[SEEN])
             and track[HEIGHT] < MAX_BRIGHTNESS_RATIO * light[HEIGHT]
         ):
-            track[OUT_OF_STEP] = 1.0
+            track[DOUBTED] = 1.0
             if k != locked:
                 may_go_on[k], ended[k] = False, True
 
@@ -295,7 +296,30 @@ def _partners(
         s, k = pairs[pair]
         if partners[s] < 0 and not taken[k]:
             partners[s], taken[k] = k, True
+    if chosen.size == 1 and locked < 0 and partners[0] < 0:
+        partners[0] = _turned(clock, tracks, may_go_on, lights[chosen[0]], gate_px)
     return partners
+
+
+@kernel
+def _turned(
+    clock: Array, tracks: Array, may_go_on: NDArray[np.bool_], light: Array, gate_px: float
+) -> int:
+    """
+    Return the track whose light has turned and is the only one of a frame, -1 for none.
+
+    It is near its last place, and not where its speed would have it; it is doubted from now on.
+    """
+    nearest, track = np.inf, -1
+    for k in range(may_go_on.size):
+        if may_go_on[k] and tracks[k, FLASHES] > 1.0 and in_step(clock, tracks[k, SEEN]):
+            radius = FLANK_SIGMA * tracks[k, SIGMA] + gate_px
+            offset = offset_of(tracks[k], (tracks[k, X], tracks[k, Y], radius), light)
+            if offset < nearest:
+                nearest, track = offset, k
+    if track >= 0:
+        tracks[track, DOUBTED] = 1.0
+    return track
 
 
 @kernel
@@ -323,13 +347,13 @@ def _go_on(clock: Array, track: Array, row: Array, followed: bool) -> int:
             # It missed its flash and comes a frame late: the light slipped.
             row[TRUSTED] = 1.0
             return GOES_ON
-        row[OUT_OF_STEP] = 1.0
+        row[DOUBTED] = 1.0
         return ENDS
     row[VX], row[VY] = (row[X] - track[X]) / age, (row[Y] - track[Y]) / age
     row[FLASHES] = track[FLASHES] + 1.0
     missed = np.rint(age) > PERIOD_FRAMES + phase_unknown
     row[RUN] = 1.0 if missed else track[RUN] + 1.0
-    row[OUT_OF_STEP], row[TRUSTED] = track[OUT_OF_STEP], track[TRUSTED]
+    row[DOUBTED], row[TRUSTED] = track[DOUBTED], track[TRUSTED]
     return GOES_ON
 
 
@@ -386,13 +410,13 @@ def confirm(
     Returns TOLD, or DENSE where no target is followed and things light up all over the frame.
     """
     for s in range(seen.shape[0]):
-        trusted = (seen[s, TRUSTED] > 0.0 or alone) and seen[s, OUT_OF_STEP] == 0.0
+        trusted = (seen[s, TRUSTED] > 0.0 or alone) and seen[s, DOUBTED] == 0.0
         seen[s, TRUSTED] = 1.0 if trusted else 0.0
     left = TOLD
     if counts[LOCKED] < 0:
         new, others, sigma = 0, 0, 0.0
         for s in range(seen.shape[0]):
-            new += seen[s, FLASHES] == 1.0 and seen[s, OUT_OF_STEP] == 0.0
+            new += seen[s, FLASHES] == 1.0 and seen[s, DOUBTED] == 0.0
             others += seen[s, RUN] < KNOWN_RUN
             sigma = max(sigma, seen[s, SIGMA])
         add(crowd, clock[FRAME], new, others)
@@ -402,7 +426,7 @@ def confirm(
         flashes = seen[s, FLASHES]
         seen[s, CONFIRMED] = 1.0 if (
             seen[s, TRUSTED] > 0.0 or flashes >= CERTAIN_FLASHES
-            or flashes >= needed + OUT_OF_STEP_FLASHES * seen[s, OUT_OF_STEP]
+            or flashes >= needed + DOUBTED_FLASHES * seen[s, DOUBTED]
         ) else 0.0
     return left
 

@@ -180,10 +180,10 @@ class Segmenter:
             self.reason = self.flash.reason
             return []
         contrast, found = self._search(contrast)
-        if expected is not None:
-            wider = self.flash.widened(contrast, () if found.reason else found.candidates)
-            if wider is not None:
-                contrast, found = self._search(wider)
+        while (wider := self.flash.widened(
+            contrast, () if found.reason else found.candidates
+        )) is not None:
+            contrast, found = self._search(wider)
         sightings: list[Sighting] = []
         windows: dict[str, Box] = {}
         if found.reason:

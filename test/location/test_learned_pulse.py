@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from blob_tracker.location import EffectivePsf, learn_pulse, locate_batch, method_options
+from blob_tracker.location.estimates import Failure
 from blob_tracker.types import LocationError
 import numpy as np
 import pytest
@@ -135,3 +136,18 @@ def test_only_maximum_likelihood_takes_a_pulse() -> None:
     assert method_options('maximum_likelihood', pulse=pulse) == {'pulse': pulse}
     with pytest.raises(ValueError, match="'centroid' takes no learned pulse"):
         method_options('centroid', pulse=pulse)
+
+
+def test_a_place_that_is_vaguer_than_the_pulse_is_none() -> None:
+    """Of an undersampled light whose size is free, as where the Gaussian is fitted."""
+    pulse, random = gaussian(step=0.25, sigma=0.5), np.random.default_rng(6)
+    places = random.uniform(3.0, 7.0, (400, 2))
+    mean = np.stack([BACKGROUND + 20.0 * pulse.image((11, 11), x, y) for x, y in places])
+    lit = shots(random, mean)
+    found, alone = (locate_batch(lit, noise=NOISE, pulse=each) for each in (pulse, None))
+    for each in (found, alone):
+        assert (each.failure == Failure.VAGUE).sum() > 40
+        widest = np.maximum(each.covariance[:, 0, 0], each.covariance[:, 1, 1])[each.ok]
+        assert (widest < 8.0 * each.sigma[each.ok] ** 2).all()
+    wrong = (found.x - places[:, 0])[found.ok] ** 2 / found.covariance[found.ok, 0, 0]
+    assert np.mean(wrong > 25.0) == 0.0

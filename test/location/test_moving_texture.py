@@ -47,12 +47,18 @@ def played(
     return float(np.mean(before[60:])), float(np.mean(after[60:])), texture
 
 
-@pytest.mark.parametrize('deviation, step', [(2.0, (1, 1)), (1.0, (0, 3)), (2.0, (5, 2))])
+@pytest.mark.parametrize('deviation, step', [
+    (2.0, (1, 1)), (1.0, (0, 3)), (2.0, (5, 2)), (3.0, (5, 3)),
+])
 def test_what_moves_is_in_the_covariance(deviation: float, step: tuple[int, int]) -> None:
-    """Of 240 errors the mean is known to 0.13, and the growth to a quarter."""
+    """
+    Of 240 errors the mean is known to 0.13, and the growth to a quarter.
+
+    Of 2 DN or more each flash leaves a misfit as well, whose doubt is in the covariance besides.
+    """
     before, after, texture = played(deviation, step)
     assert before > 3.0
-    assert 1.3 < after < 2.8
+    assert 1.1 < after < 2.8
     assert 'the texture behind the light moves' in texture.warning
 
 
@@ -64,8 +70,36 @@ def test_what_stands_adds_nothing(deviation: float, step: tuple[int, int]) -> No
         assert texture.growth == 1.0 and not texture.warning
 
 
+def test_two_flashes_tell_sooner_that_it_moves() -> None:
+    """Between their unlit frames there is twice the time: the NEES was 3.1, never grown."""
+    _, after, texture = played(1.0, (1, 1), count=400, seed=3)
+    assert texture.growth > 1.15
+    assert after < 2.8
+
+
+@pytest.mark.parametrize('away', [0.0, 1.5])
+def test_a_light_that_is_in_the_unlit_frame_too_is_no_texture(away: float) -> None:
+    """There, or where it was a frame before: its models know what that does."""
+    random = np.random.default_rng(9)
+    texture = MovingTexture()
+    for index in range(60):
+        x, y = SIZE // 2 + random.uniform(-1.0, 1.0, 2)
+        angle = 0.1 * index
+        light, rest = (
+            height * pixel_integrated_gaussian(
+                (SIZE, SIZE), x - shift * np.cos(angle), y - shift * np.sin(angle), SIGMA)
+            for height, shift in ((PEAK, 0.0), (0.2 * PEAK, away))
+        )
+        window = Window(
+            expose(BACKGROUND + light, NOISE, random, saturation=255),
+            expose(BACKGROUND + rest, NOISE, random, saturation=255), 0, 0, index * 33, 255,
+        )
+        texture.add(window, replace(locate(window, noise=NOISE), x=x, y=y), NOISE)
+        assert texture.growth == 1.0
+
+
 def test_what_cannot_be_compared_is_left_aside() -> None:
-    """A window without an unlit half, of a decoded JPEG, or of a light that is in both."""
+    """A window without an unlit half, or of a decoded JPEG."""
     unlit = np.arange(225).reshape(15, 15) % 40
     lit = unlit + 10 + np.round(PEAK * pixel_integrated_gaussian((15, 15), 7.0, 7.0, 1.5))
     window = Window(lit.astype(np.uint8), unlit.astype(np.uint8), 0, 0, 0, 255)
@@ -74,5 +108,4 @@ def test_what_cannot_be_compared_is_left_aside() -> None:
     for _ in range(40):
         texture.add(replace(window, unlit=None), location, NOISE)
         texture.add(replace(window, added_noise=3.0), location, NOISE)
-        texture.add(window, replace(location, warning='it is still on'), NOISE)
     assert texture.growth == 1.0

@@ -205,6 +205,64 @@ def test_a_light_that_jumps_beyond_the_gate_is_another() -> None:
     assert [each is not None for each in chosen] == 6 * [False] + [True]
 
 
+def on_a_bend(flash: int, radius: float = 15.0, turn: float = 1.5) -> Candidate:
+    """Return a light that turns by 86 degrees from flash to flash, 20 px apart."""
+    x, y = 200.0 + radius * np.cos(turn * flash), 100.0 + radius * np.sin(turn * flash)
+    return candidate_at(round(x), round(y), x=x, y=y)
+
+
+def test_a_light_that_turns_is_followed() -> None:
+    """It is nowhere near where its speed would have it, and within the gate of its last place."""
+    camera = Camera()
+    for index in range(2, 60):
+        camera.confirmation.push(10**9 + index * STEP_NS)
+        seen = [on_a_bend(index // 2)] if index % 2 == 0 else []
+        box = camera.confirmation.region(SHAPE)
+        inside = [each for each in seen if box.x0 <= each.x < box.x1 and box.y0 <= each.y < box.y1]
+        if camera.confirmation.widened(inside, SHAPE):
+            box = camera.confirmation.region(SHAPE)
+            assert box.size < 0.05 * SHAPE[0] * SHAPE[1] and not index % 2
+            assert not camera.confirmation.widened(seen, SHAPE)  # it is looked for there once
+        assert (camera.confirmation.choose(seen, SHAPE) is not None) == bool(seen)
+
+
+def test_where_things_light_up_by_chance_no_light_is_taken_for_one_that_turns() -> None:
+    """One in ten frames, in either phase: it is followed by its speed alone."""
+    camera = Camera((240, 320))
+    for index in range(4, 104):
+        camera.see(index, *([candidate_at(20 + index, 200)] if index % 10 in (0, 5) else []))
+    for index in range(104, 124):
+        camera.see(index, *([candidate_at(200, 100)] if index % 2 == 0 else []))
+    assert camera.confirmation.locked
+    camera.confirmation.push(10**9 + 124 * STEP_NS)
+    assert not camera.confirmation.widened([], camera.shape)
+
+
+def test_a_light_that_turns_is_found_again() -> None:
+    """After pictures in either phase, in which its own flashes were taken for chance."""
+    camera = Camera()
+    start = camera.warm_up()
+    for index in range(start, start + 60):
+        camera.see(index, *([on_a_bend(index)] if index % 3 else []))
+    found = [
+        camera.see(index, *([on_a_bend(index // 2)] if index % 2 == 0 else [])) is not None
+        for index in range(64, 84)
+    ]
+    assert any(found[:18:2]) and not any(found[1::2])
+
+
+def test_what_is_beyond_the_gate_is_said() -> None:
+    """By how far it is, and what to set."""
+    camera = Camera()
+    start = camera.warm_up()
+    for index in range(start, start + 5):
+        jumped = candidate_at(200 + 20 * index, 100)
+        camera.see(index, *([jumped] if index % 2 == 0 else []))
+    reason = camera.confirmation.why_another(jumped)
+    assert '40 px' in reason and '24 px' in reason and 'gate' in reason
+    assert camera.confirmation.why_another(candidate_at(330, 100)) == ''
+
+
 def test_a_light_of_another_brightness_is_another() -> None:
     """Three times as bright as two frames ago."""
     camera = Camera()
@@ -385,6 +443,29 @@ def test_a_reflection_that_is_seen_first_is_left_for_the_brighter_light() -> Non
         chosen = camera.look(index, *two_lights(index, hidden=index < 30))
         if index % 2 == 0 and index >= 40:
             assert chosen is not None and chosen.peak == (200, 100)
+
+
+def test_a_reflection_that_was_alone_for_long_is_left_for_a_light_that_stays_brighter() -> None:
+    """It is named as soon as both are searched for, and left after two seconds more."""
+    camera = Surveyor()
+    chosen_at = {}
+    for index in range(600):
+        chosen = camera.look(index, *two_lights(index, hidden=index < 200))
+        if chosen is not None:
+            chosen_at[index] = chosen.peak[0]
+        if index == 270:
+            assert '2 lights flash in step' in camera.confirmation.warning
+    assert {chosen_at.get(index) for index in range(10, 380, 2)} == {240}
+    assert {chosen_at.get(index) for index in range(520, 600, 2)} == {200}
+
+
+def test_what_outshines_a_light_for_a_moment_is_not_taken() -> None:
+    """It flashes in step for a second, while both are searched for, and is gone."""
+    camera = Surveyor()
+    for index in range(600):
+        seen = two_lights(index, hidden=not 240 <= index < 300)
+        chosen = camera.look(index, *seen)
+        assert chosen is None or chosen.peak[0] == 240
 
 
 def test_a_light_that_stays_the_only_one_is_taken_after_a_second() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 import math
 
 from blob_tracker.capture.fields import fields
@@ -179,6 +180,28 @@ def test_both_fields_follow_one_of_two_lights(phase: float) -> None:
     found = seen(lights, 44, FieldSegmenter(Segmenter), hidden=range(20, 23))
     assert len(found) >= 30 and {field.y0 for field, _ in found} == {0, 1}
     assert np.ptp([window.x0 for _, window in found]) < 6
+
+
+@pytest.mark.parametrize('reach', [5.0, 15.0])
+def test_a_light_that_turns_is_followed_in_both_fields(reach: float) -> None:
+    """By up to 90 degrees and 20 px a flash; after pictures that come twice or not at all, too."""
+    wave = periodic(0.5 * RATE, 0.5, 0.125)
+    light = Light(80.3, 79.6, SIGMA, PEAK, wave, reach, 0.67 * reach, period=24 / RATE)
+    camera = InterlacedCamera(Scene(
+        light, width=WIDTH, height=HEIGHT, rate=2.0 * RATE, exposure=0.1, sensor=Sensor(NOISE)))
+    pictures = [list(fields(camera.picture(each), 'interlaced_tb', INTERVAL_NS))
+                for each in range(24)]
+    broken = [0, 1, 1, 2, 2, 3, 5, 7, 7, 8, 10, 11, 11, 13, 14, 14, 15, 15, 18]
+    shown = [*range(24), *broken, *(each % 24 for each in range(19, 67))]
+    segmenter = FieldSegmenter(Segmenter)
+    found = [
+        sum(segmenter.update(replace(
+            field, stamp_ns=10**9 + index * INTERVAL_NS + half * INTERVAL_NS // 2
+        )) is not None for half, field in enumerate(pictures[number]))
+        for index, number in enumerate(shown)
+    ]
+    assert sum(found[:24]) >= 20
+    assert sum(found[-40:]) == 40
 
 
 def test_a_fast_light_is_one_light() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.segmentation.candidate import Candidate
-from blob_tracker.segmentation.flash_track import FIELDS, FLASHES, HEIGHT, OUT_OF_STEP, rows_of, X
+from blob_tracker.segmentation.flash_track import DOUBTED, FIELDS, FLASHES, HEIGHT, rows_of, X
 from blob_tracker.segmentation.flash_tracks import (
     keep, LIGHT, LOCKED, MAX_AGE_FRAMES, MOST_LIGHTS, MOST_TRACKS, next_frame, no_tracks, NUMBER,
     region_about, take,
@@ -52,7 +52,7 @@ def test_what_lights_up_again_goes_on_in_step(
     for empty in range(1, index):
         table.see(empty)
     seen, = table.see(index, candidate_at(103, 50))
-    assert (seen[FLASHES], seen[OUT_OF_STEP]) == (flashes, out_of_step)
+    assert (seen[FLASHES], seen[DOUBTED]) == (flashes, out_of_step)
     assert table.kept.tolist() == [seen[:FIELDS].tolist()]
 
 
