@@ -128,6 +128,7 @@ class Nodes:
 
     def proportional_memory(self) -> dict[str, float]:
         """Return the memory of each node, its part of what it shares with others, MB."""
+        self._stream(ONE, USUAL, 60.0, 0.0)  # the frames that it is fed with are in its process
         return {name: each.proportional_memory() for name, each in self._all.items()}
 
     def own_times(self) -> dict[str, list[float]]:
