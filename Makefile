@@ -19,7 +19,8 @@
 #      BENCH='speed --quick'   a part (accuracy, speed, real, detection, search, motion, tracking,
 #                              capture, latency, world, blink, files, pose, triangulation), less
 #      BENCH='latency --beside folder'   the nodes beside those of another source tree (a git
-#                              worktree of another commit), in turns: ratios; ten minutes
+#                              worktree of another commit), in turns: ratios; ten minutes;
+#                              with --load beside a process that keeps a core busy
 #      BLOB_TRACKER_DATA=folder   where the real pixels are
 # make study              the thesis' tables and figures done again, out/studies/report.html
 #      STUDY='table_3_3 beyond --quick'   a part of them, less of it

@@ -65,6 +65,7 @@ def main(arguments: list[str] | None = None) -> int:
             lambda what: progress.update(task, description=what, advance=1),
             asked.seed,
             asked.beside,
+            asked.load,
         )
 
     names = [each.name for each in own + ours.texture_references()] + [
@@ -116,7 +117,12 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
         '--beside', type=Path, metavar='FOLDER', help='the part latency alone: the nodes of this '
         'source tree and of that one in turns, and the ratios; the work tree of a commit, say'
     )
+    parser.add_argument(
+        '--load', action='store_true', help='with --beside: another process keeps a core busy'
+    )
     asked = parser.parse_args(arguments)
+    if asked.load and asked.beside is None:
+        parser.error('--load is for --beside alone')
     if asked.beside is not None:
         if asked.parts != ['latency']:
             parser.error('--beside is for the part latency alone')

@@ -126,12 +126,14 @@ def measure(
     tick: Callable[[str], None],
     seed: int = world.SEED,
     beside: Path | None = None,
+    load: bool = False,
 ) -> Report:
     """
     Measure the parts that are named.
 
     `data` is the folder of the real pixels, `seed` that of the situations outside the lab,
-    `beside` the source tree beside whose nodes those of this one are measured, if any.
+    `beside` the source tree beside whose nodes those of this one are measured, if any, and
+    `load` says whether another process keeps a core busy meanwhile.
     """
     report = Report()
     if 'accuracy' in parts:
@@ -157,7 +159,7 @@ def measure(
     if 'capture' in parts:
         report.capture.extend(capture.run(sizes.repeats, tick))
     if 'latency' in parts:
-        report = replace(report, latency=latency.run(sizes.latency, tick, beside))
+        report = replace(report, latency=latency.run(sizes.latency, tick, beside, load=load))
     if 'world' in parts:
         report.world.extend(world.run(sizes.world, tick, seed))
     if 'blink' in parts:

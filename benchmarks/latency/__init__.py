@@ -27,10 +27,12 @@ def steps(plan: Plan, beside: Path | None = None) -> int:
     return plan.starts + plan.rounds + 4 if beside is None else steps_beside(plan)
 
 
-def run(plan: Plan, tick: Tick, beside: Path | None = None) -> Figures:
-    """Measure all; or the nodes alone, beside those of another source tree."""
+def run(
+    plan: Plan, tick: Tick, beside: Path | None = None, *, load: bool = False
+) -> Figures:
+    """Measure all; or the nodes alone, beside those of another tree and perhaps a load."""
     if beside is not None:
-        return Figures(beside=compare(beside, plan, tick))
+        return Figures(beside=compare(beside, plan, tick, load=load))
     starts = []
     for index in range(plan.starts):
         tick(f'start-up {index + 1}')

@@ -20,7 +20,10 @@ NAMESPACE = 'one'  # of the pipeline: it lives beside the three
 GRACE_S = 0.3  # s after the end of a stream for the last message
 LONGEST_START_S = 20.0  # s that the nodes have to start
 MEETINGS = 20  # streams until the first bearing
-HANDED = str(ROOT / 'benchmarks' / 'latency' / 'handed.py')  # another tree need not have it
+# Another tree need not have them.
+HANDED, TAKEN, MANY = (
+    str(ROOT / 'benchmarks' / 'latency' / f'{name}.py') for name in ('handed', 'taken', 'many')
+)
 
 
 class Nodes:
@@ -35,13 +38,18 @@ class Nodes:
         Hears what is measured.
     root : Path
         The source tree that they are of.
+    timed : bool
+        Whether the three note how long each of them has a frame: see `own_times`. `end` has no
+        answer then.
 
     """
 
-    def __init__(self, stack: ExitStack, tick: Tick, root: Path = ROOT) -> None:
+    def __init__(
+        self, stack: ExitStack, tick: Tick, root: Path = ROOT, *, timed: bool = False
+    ) -> None:
         self._tick = tick
         self._three = {
-            name: stack.enter_context(Process('node', name, root=root))
+            name: stack.enter_context(Process(*([TAKEN] if timed else ['node']), name, root=root))
             for name in ('segmenter', 'locator')
         }
         self._one = stack.enter_context(
@@ -118,10 +126,16 @@ class Nodes:
         self._streams.append((began_ns, time.monotonic_ns()))
         return found
 
-    def proportional_memory(self, way: str) -> float:
-        """Return the memory of a way's nodes, their part of what they share with others, MB."""
-        processes = self._three.values() if way == THREE else [self._one]
-        return sum(each.proportional_memory() for each in processes)
+    def proportional_memory(self) -> dict[str, float]:
+        """Return the memory of each node, its part of what it shares with others, MB."""
+        self._stream(ONE, USUAL, 60.0, 0.0)  # the frames that it is fed with are in its process
+        return {name: each.proportional_memory() for name, each in self._all.items()}
+
+    def own_times(self) -> dict[str, list[float]]:
+        """Return how long each of the three had each message since the last question, us."""
+        for process in self._three.values():
+            process.ask('new')
+        return {name: process.answer() for name, process in self._three.items()}
 
     def end(self) -> list[Resident]:
         """End all nodes and return what they took."""
@@ -199,6 +213,21 @@ def first_bearing(way: str, root: Path = ROOT) -> float:
         except TimeoutError:
             return nan
     return (at_ns - began_ns) / 1e9
+
+
+def many_lights(root: Path = ROOT) -> list[float | None]:
+    """Return what many.py prints."""
+    with Process(MANY, root=root) as process:
+        found: list[float | None] = process.answer()
+        return found
+
+
+def help_time(root: Path = ROOT) -> float:
+    """Return how long a node takes to say what it is, s."""
+    began = time.monotonic()
+    with Process('node', 'segmenter', '--help', root=root) as process:
+        process.wait()
+    return time.monotonic() - began
 
 
 def _camera(topic: str, *, info: bool, subscribers: int, root: Path = ROOT) -> Process:

@@ -17,6 +17,7 @@ from benchmarks.latency import pauses
 from benchmarks.latency.source import camera_model, draw, FRAME_ID, report, requests, send
 from blob_tracker.nodes.locator import LocatorNode
 from blob_tracker.nodes.pipeline import compile_all
+from blob_tracker.nodes.rehearsal import Rehearsal
 from blob_tracker.nodes.segmenter import SegmenterNode
 from blob_tracker.ros.diagnostics.health import Health
 from blob_tracker.ros.endpoints.delivery import Deliver
@@ -39,11 +40,16 @@ class Source(Node):
     ----------
     deliver : callable
         Takes them in memory.
+    rehearsal : Rehearsal
+        Run before a frame, as the camera node does.
 
     """
 
-    def __init__(self, deliver: Deliver[tuple[Frame, CameraInfo]]) -> None:
+    def __init__(
+        self, deliver: Deliver[tuple[Frame, CameraInfo]], rehearsal: Rehearsal
+    ) -> None:
         super().__init__('source')
+        self._rehearsal = rehearsal
         self._frames = FrameTopics(self, Health(self, 'no frame was sent'), deliver)
         Thread(target=self._stream, daemon=True).start()
 
@@ -63,7 +69,16 @@ class Source(Node):
             self._frames.publish(Frame(pixels, stamp_ns, FULL_SCALE), info, FRAME_ID)
             return now_ns
 
-        report(send(frames, rate, seconds, publish))
+        report(send(frames, rate, seconds, publish, self._wait))
+
+    def _wait(self, pause: float) -> None:
+        """Wait for the next frame, and rehearse meanwhile."""
+        due = time.monotonic() + pause
+        first = self._rehearsal.pause()
+        if first < pause:
+            time.sleep(first)
+            self._rehearsal.run()
+        time.sleep(max(due - time.monotonic(), 0.0))
 
 
 def linked_nodes() -> Iterator[Node]:
@@ -74,7 +89,7 @@ def linked_nodes() -> Iterator[Node]:
         listen=False, deliver=locating.locate, announce=locating.set_lights
     )
     yield segmenting
-    yield Source(segmenting.segment)
+    yield Source(segmenting.segment, segmenting.rehearsal)
 
 
 if __name__ == '__main__':

@@ -25,8 +25,10 @@ def environment(root: Path = ROOT) -> dict[str, str]:
 
     `root` is the source tree that they are of; another one than this has another domain.
     """
+    own = dict(os.environ)
+    own.pop('PYTHONDONTWRITEBYTECODE', None)  # or each process would compile the sources
     return dict(
-        os.environ,
+        own,
         # Domains above 101 run into the ephemeral ports of Linux.
         ROS_DOMAIN_ID=str(1 + (os.getpid() + (root != ROOT)) % 101),
         ROS_AUTOMATIC_DISCOVERY_RANGE='LOCALHOST',
@@ -94,6 +96,10 @@ class Process:
         descriptor = self._words.fileno()
         begin = max(os.fstat(descriptor).st_size - LAST_WORDS, 0)
         return os.pread(descriptor, LAST_WORDS, begin).decode(errors='replace')
+
+    def wait(self, timeout: float = PATIENCE) -> None:
+        """Wait until it ends by itself."""
+        self._popen.wait(timeout)
 
     def interrupt(self) -> None:
         """Press Ctrl-C."""

@@ -42,7 +42,8 @@ def camera_model(width: int, height: int) -> CameraModel:
 
 
 def send(
-    frames: list[Pixels], rate: float, seconds: float, publish: Callable[[Pixels, int], int]
+    frames: list[Pixels], rate: float, seconds: float, publish: Callable[[Pixels, int], int],
+    wait: Callable[[float], None] = time.sleep,
 ) -> list[tuple[int, int, bool]]:
     """
     Hand the frames out at a rate.
@@ -55,6 +56,8 @@ def send(
         How many a second and for how long.
     publish : callable
         Sends pixels with a stamp, ns; returns the monotonic time, ns, when they left its hand.
+    wait : callable
+        Takes so many s.
 
     Returns
     -------
@@ -64,7 +67,7 @@ def send(
     """
     sent = []
     first_ns = time.time_ns()
-    for index in _paced(rate, seconds):
+    for index in _paced(rate, seconds, wait):
         place = index % len(frames)
         # A camera's stamps are regular, however late its frames are taken off it.
         stamp_ns = first_ns + int(1e9 * index / rate)
@@ -72,13 +75,15 @@ def send(
     return sent
 
 
-def _paced(rate: float, seconds: float) -> Iterator[int]:
+def _paced(
+    rate: float, seconds: float, wait: Callable[[float], None]
+) -> Iterator[int]:
     """Yield the number of each frame when it is due; one that is late does not move the next."""
     began = time.monotonic()
     for index in range(int(rate * seconds)):
         pause = began + index / rate - time.monotonic()
         if pause > 0.0:
-            time.sleep(pause)
+            wait(pause)
         yield index
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import cache
 import math
 
 from blob_tracker.location.alternatives import Alternative, ALTERNATIVES
@@ -139,6 +140,7 @@ def _fits(pair: Pair, base: Fit, asked: Iterable[Alternative]) -> list[Fit]:
     return fits
 
 
+@cache  # a node asks for it with each change of its parameters
 def compile_alternatives() -> None:
     """Try every alternative once, so that all their loops over pixels are compiled or loaded."""
     bell = np.exp(-((np.arange(13) - 6.0) ** 2) / 4.0)

@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 import traceback
-from typing import Any
+from typing import Any, TYPE_CHECKING
 
 from blob_tracker.camera import CalibrationError, CameraModel, write_calibration
 from blob_tracker.capture import (
@@ -39,6 +39,9 @@ from sensor_msgs.msg import CameraInfo
 from sensor_msgs.srv import SetCameraInfo
 from std_srvs.srv import Trigger
 
+if TYPE_CHECKING:  # a camera by itself need not load the fits
+    from blob_tracker.nodes.rehearsal import Rehearsal
+
 # What the device is opened with: another value opens it again.
 DEVICE = (
     'device', 'width', 'height', 'pixel_format', 'frame_rate', 'buffers', 'exposure_time',
@@ -61,6 +64,8 @@ class CameraNode(Node):
     ----------
     deliver : callable, optional
         Takes each frame in memory, in the publishing thread; see `FrameTopics`.
+    rehearsal : Rehearsal, optional
+        Of who takes them, to be run in that thread before the next one comes.
     elsewhere : collection of str
         Parameters of other nodes in the same process.
 
@@ -70,6 +75,7 @@ class CameraNode(Node):
         self,
         *,
         deliver: Deliver[tuple[Frame, CameraInfo]] | None = None,
+        rehearsal: Rehearsal | None = None,
         elsewhere: Collection[str] = (),
     ) -> None:
         super().__init__('camera')
@@ -89,6 +95,7 @@ class CameraNode(Node):
         )
         self._connections = Connections(self, self._health)
         self._losses, self._lost = Losses(), 0
+        self._rehearsal = rehearsal
         self._change(values)()
         self._controls = ControlParameters(
             self, undeclared(self, elsewhere), self._health,
@@ -244,9 +251,14 @@ class CameraNode(Node):
         """
         begin = time.monotonic()
         while not self._ends:
+            rehearsal = self._rehearsal
+            pause = FRAME_TIMEOUT_S if rehearsal is None else rehearsal.pause()
             try:
-                return grabber.newest(FRAME_TIMEOUT_S)
+                return grabber.newest(min(pause, FRAME_TIMEOUT_S))
             except NoFrameError as error:
+                if rehearsal is not None and pause < FRAME_TIMEOUT_S:
+                    rehearsal.run()
+                    continue
                 self._show_losses(camera, grabber)  # spoilt pictures alone may be all that comes
                 # A slow or triggered camera is no broken one: only a long silence opens it anew.
                 silence = time.monotonic() - begin

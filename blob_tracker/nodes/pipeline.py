@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 import sys
 
-from blob_tracker.nodes import camera, locator, segmenter, simulator, tracker
+from blob_tracker.nodes import locator, segmenter, tracker
 from blob_tracker.nodes.interface import interface_of
 from blob_tracker.nodes.interface.pipeline import CHAIN, PARAMETERS, SOURCES
 from blob_tracker.ros.parameters.declaration import declare, given
@@ -64,10 +64,15 @@ def linked_nodes() -> Iterator[Node]:
         elsewhere=common,
     )
     yield segmenting
+    # Only the one that is asked for: the lab, above all, takes a while to load.
     if source == 'camera':
-        yield camera.CameraNode(deliver=segmenting.segment, elsewhere=known)
+        from blob_tracker.nodes.camera import CameraNode
+        yield CameraNode(
+            deliver=segmenting.segment, rehearsal=segmenting.rehearsal, elsewhere=known
+        )
     elif source == 'simulator':
-        yield simulator.SimulatorNode(deliver=segmenting.segment, elsewhere=common)
+        from blob_tracker.nodes.simulator import SimulatorNode
+        yield SimulatorNode(deliver=segmenting.segment, elsewhere=common)
 
 
 def compile_all() -> None:

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+import json
+import os
 from pathlib import Path
 import subprocess
-from typing import Any
+import sys
+from threading import Event
+from types import ModuleType, SimpleNamespace
+from typing import Any, cast
 
 from benchmarks import latency
-from benchmarks.latency import beside
+from benchmarks.latency import beside, many, taken
 from benchmarks.latency.figures import (
     Figures, LARGE, ONE, Resident, Row, SMALL, Start, THREE, USUAL,
 )
@@ -17,6 +22,9 @@ from benchmarks.latency.source import draw
 from benchmarks.report import Report
 from benchmarks.tables_of_running import beside as beside_table
 from benchmarks.targets import judge
+from blob_tracker import segmentation
+from blob_tracker.nodes import start
+from blob_tracker.types import Frame
 import numpy as np
 import pytest
 
@@ -107,7 +115,7 @@ def test_two_source_trees_take_turns(monkeypatch: pytest.MonkeyPatch) -> None:
     class Alike:
         """Nodes of which those beside take twice as long, in rounds of their own."""
 
-        def __init__(self, _: object, tick: object, root: Path) -> None:
+        def __init__(self, _: object, tick: object, root: Path, *, timed: bool) -> None:
             self._root, self._factor = root, 1 + (root != ROOT)
             self._walks = 0
 
@@ -117,15 +125,24 @@ def test_two_source_trees_take_turns(monkeypatch: pytest.MonkeyPatch) -> None:
             delays = [float(self._factor * self._walks)] * beside.FEWEST
             return _stream(delays, handed_ms=delays[:2] if way == ONE else [])
 
-        def proportional_memory(self, way: str) -> float:
-            return 100.0 * self._factor
+        def proportional_memory(self) -> dict[str, float]:
+            return {'pipeline': 100.0 * self._factor}
+
+        def own_times(self) -> dict[str, list[float]]:
+            times = [100.0 * self._factor] * (beside.FIRST + 2)
+            return {'segmenter': times, 'locator': times}
 
     def first_bearing(way: str, root: Path) -> float:
         return 2.0 if root == ROOT else 4.0
 
+    def cost(root: Path) -> float:
+        return 0.2 if root == ROOT else 0.4
+
     compiled: list[Path] = []
     monkeypatch.setattr(beside, 'Nodes', Alike)
     monkeypatch.setattr(beside, 'first_bearing', first_bearing)
+    monkeypatch.setattr(beside, 'help_time', cost)
+    monkeypatch.setattr(beside, 'many_lights', lambda root: [cost(root), cost(root)])
     monkeypatch.setattr(subprocess, 'run', lambda *_, cwd, **__: compiled.append(cwd))
     ticks: list[str] = []
     plan = latency.Plan(rounds=2, seconds=1.0, starts=3)
@@ -166,3 +183,45 @@ def test_a_process_that_fails_says_why() -> None:
     """What it wrote is in the error."""
     with Process('camera', 'no json') as process, pytest.raises(RuntimeError, match='JSON'):
         process.answer()
+
+
+def test_a_node_of_any_tree_is_timed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """From where it has a message to where it is done with it, since the last question."""
+    done = Event()
+
+    class NewNode:
+        def _take(self, image: str) -> None:
+            done.wait(0.01)
+
+    def new() -> None:
+        NewNode()._take('image')
+        asked.write('"new"\n')
+        asked.close()
+
+    out, to = os.pipe()
+    asked = os.fdopen(to, 'w')
+    with os.fdopen(out) as questions:
+        monkeypatch.setattr(sys, 'stdin', questions)
+        monkeypatch.setattr(sys, 'path', list(sys.path))
+        module = cast(ModuleType, SimpleNamespace(NewNode=NewNode))
+        monkeypatch.setitem(sys.modules, 'blob_tracker.nodes.new', module)
+        monkeypatch.setattr(start, 'new', new, raising=False)
+        answering = taken.main('new')
+        answering.join()
+    (time,) = json.loads(capsys.readouterr().out)
+    assert time >= 10_000.0  # us
+
+
+def test_many_lights_are_found() -> None:
+    """All sixteen codes by their names, and nearly all stars of the sky."""
+    segmenter, images = many._coded(segmentation)
+    names = set()
+    for index in range(3 * many.BITS):
+        frame = Frame(images[index % len(images)], round(1e9 * index / many.RATE), 255)
+        names |= {each.name for each in segmenter.sightings(frame)}
+    assert len(names) == many.LIGHTS
+    segmenter, images = many._stars(segmentation)
+    segmenter.sightings(Frame(images[0], 1, 255))
+    assert len(segmenter.detections.candidates) > 0.8 * many.STARS  # some touch each other

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import nan
 
 from blob_tracker.camera import CameraModel
+from blob_tracker.nodes.segmenter import node as segmenter_node, SegmenterNode
 from blob_tracker.resources import config_path
 from blob_tracker.ros.endpoints.qos import IMAGE_OUT, RESULT
 from blob_tracker.ros.messages.camera_info import from_camera_model, stamped
@@ -16,6 +17,8 @@ from blob_tracker.tracking import Track
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from nav_msgs.msg import Odometry
 import numpy as np
+import pytest
+import rclpy
 from sensor_msgs.msg import CameraInfo, Image
 from support.processes import Probe, probe, start
 
@@ -125,3 +128,20 @@ def test_the_pipeline_hands_the_prediction_over_in_memory(domain: int) -> None:
         assert shown('windows') > 40
         assert node.count_subscribers('target/track') == 0
         assert pipeline.running
+
+
+def test_the_lens_is_compiled_before_the_first_prediction(
+    domain: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not when frames wait for it."""
+    done: list[str] = []
+    monkeypatch.setattr(segmenter_node, 'compile_lens', lambda: done.append('compiled'))
+    for follow, compiled in ((False, []), (True, ['compiled'])):
+        rclpy.init(
+            args=['--ros-args', '-p', f'follow_prediction:={follow}'], domain_id=domain
+        )
+        try:
+            SegmenterNode(listen=False).destroy_node()
+        finally:
+            rclpy.shutdown()
+        assert done == compiled

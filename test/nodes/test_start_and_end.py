@@ -114,7 +114,8 @@ def test_what_is_seldom_used_is_not_loaded_at_the_start(tmp_path: Path) -> None:
     code = (
         'import sys, blob_tracker.nodes.pipeline; '
         'sys.exit(any(name in sys.modules for name in '
-        '("scipy.optimize", "scipy.special", "scipy.signal", "matplotlib")))'
+        '("scipy.optimize", "scipy.special", "scipy.signal", "matplotlib", '
+        '"blob_tracker.simulation", "blob_tracker.capture.v4l2")))'
     )
     assert subprocess.run([sys.executable, '-c', code], cwd=tmp_path).returncode == 0
 

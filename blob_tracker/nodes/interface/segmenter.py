@@ -90,6 +90,13 @@ PARAMETERS = (
         'platform. Off, a bag gives the same numbers each time.',
     ),
     Parameter(
+        'rehearse',
+        True,
+        'Run search and fit once before a lit frame, which finds them in the caches. In the mode '
+        'alternate, up to 200 Hz; a frame takes a third less time, and 1 % more of a core is used '
+        'at 60 Hz.',
+    ),
+    Parameter(
         'threshold.method',
         'sigma_window',
         'How the window around the peak is found. The default follows the width of the blob; the '

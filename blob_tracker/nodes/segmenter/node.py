@@ -9,9 +9,10 @@ from threading import Lock
 import time
 from typing import Any
 
-from blob_tracker.camera import CalibrationError
+from blob_tracker.camera import CalibrationError, compile_lens
 from blob_tracker.camera.response import Response
 from blob_tracker.nodes.interface.segmenter import PARAMETERS
+from blob_tracker.nodes.rehearsal import Rehearsal, TimedRehearsal
 from blob_tracker.nodes.segmenter.last_detections import LastDetections
 from blob_tracker.nodes.segmenter.noise_topic import NoiseTopic
 from blob_tracker.pipeline import expectation_in
@@ -84,6 +85,11 @@ class SegmenterNode(Node):
     elsewhere : collection of str
         Parameters of other nodes in the same process.
 
+    Attributes
+    ----------
+    rehearsal : Rehearsal
+        To be run by whoever waits for the frames; this node does where it listens itself.
+
     """
 
     def __init__(
@@ -123,6 +129,9 @@ class SegmenterNode(Node):
         self._camera = KnownCamera()
         self._noise = NoiseTopic(self, self._health)
         self._debug_image = DebugImage(self)
+        fits = deliver is not None
+        self.rehearsal = TimedRehearsal(self, fits=fits) if listen else Rehearsal(fits=fits)
+        self._due = False  # whether the next frame is likely to show the light
         self._good_frame_ns = time.monotonic_ns()
         self._frames = FramePairs(
             self, 'camera', self._health, self._take, remedy=', or set camera_info_url',
@@ -169,6 +178,8 @@ class SegmenterNode(Node):
             if name not in self._topics:
                 self._topics[name] = WindowTopics(self, target_topic(name))
         follow = values['follow_prediction']
+        if follow:
+            compile_lens()  # or the first prediction would compile it while frames wait
         if follow and self._predict is None and self._track is None:
             # Of the light without a name: the others are those of modes that do not use it.
             self._track = LatestTrack(self, f'{target_topic("")}/track', self._health)
@@ -183,6 +194,8 @@ class SegmenterNode(Node):
                 self._saturation, self._response = values['saturation'], response
                 self._line_time_ns = 1e9 * values['line_time']
                 self._follow = follow
+                # The other modes have search of their own.
+                self._rehearses = values['rehearse'] and values['flash.mode'] == 'alternate'
                 if self._frames is not None:
                     self._frames.stand_in = stand_in
                     self._frames.set_transport(values['image_transport'])
@@ -235,6 +248,7 @@ class SegmenterNode(Node):
         """Look for the lights in the next frame; publish the window of each that is there."""
         came_ns = time.monotonic_ns()
         frame, info = delivery.item
+        self._due = False
         with self._lock:
             clipped = clipping_frame(frame, self._saturation)
             limit = clipped.saturation
@@ -253,6 +267,8 @@ class SegmenterNode(Node):
             self._segment(clipped, info, delivery.frame_id)
         self._health.arrived(frame.stamp_ns, came_ns)
         self._losses.add(self._gaps.missing(frame.stamp_ns))
+        wanted = self._due and self._rehearses
+        self.rehearsal.expect(came_ns, frame.image.dtype.char, wanted)
 
     def _linear(self, frame: Frame, info: CameraInfo) -> Frame:
         """Return a frame in linear DN where the camera's response is known."""
@@ -296,6 +312,7 @@ class SegmenterNode(Node):
             target.visible(frame.stamp_ns, name in seen)
             for name, target in self._targets.items()
         ]
+        self._due = not seen and any(visible)
         self._health.count('frames')
         for warning in self._segmenter.warnings:
             self._health.fault(WARN, warning)
