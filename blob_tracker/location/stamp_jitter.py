@@ -49,7 +49,7 @@ class StampJitter:
 
     @property
     def sigma(self) -> float:
-        """Standard deviation of the stamps, s; 0 where they are true, or not known yet."""
+        """Return the standard deviation of the stamps, s; 0 where they are true, or not known."""
         return self._state.item(SIGMA)
 
     def doubted(self, location: Location) -> Location:
@@ -62,7 +62,9 @@ class StampJitter:
             return location
         vx, vy = self._state[VX:PACE].tolist()
         across = (ACROSS * math.hypot(vx, vy)) ** 2
-        added = self.sigma**2 * np.array([[vx * vx + across, vx * vy], [vx * vy, vy * vy + across]])
+        added = self.sigma**2 * np.array(
+            [[vx * vx + across, vx * vy], [vx * vy, vy * vy + across]]
+        )
         covariance = location.covariance + added
         warning = location.warning
         if not warning and np.trace(added) > SPOKEN_OF * np.trace(location.covariance):
