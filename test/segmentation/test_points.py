@@ -15,7 +15,7 @@ SATURATION, BACKGROUND, SIGMA = 255, 30.0, 1.5
 class Watched(SingleFrames):
     """Keeps the points of the last frame."""
 
-    def choose(self, contrast, candidates):  # type: ignore[no-untyped-def]
+    def choose(self, contrast, candidates):
         """Name nothing."""
         self.table = seen_points(contrast, candidates)[1]
         self.reason = 'none'

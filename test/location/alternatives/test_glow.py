@@ -74,14 +74,14 @@ def test_a_scene_of_another_brightness_in_the_two_frames(change: float, word: st
     noise, scene, squares, said = SensorNoise(10.0, 1.0), 40.0, [], []
     for _ in range(COUNT):
         wall = np.full((SIZE, SIZE), scene)
-        place = 6.0 + random.uniform(-0.5, 0.5, 2)
-        lit = change * wall + 120.0 * pixel_integrated_gaussian((SIZE, SIZE), *place, 1.5)
+        x, y = (float(each) for each in 6.0 + random.uniform(-0.5, 0.5, 2))
+        lit = change * wall + 120.0 * pixel_integrated_gaussian((SIZE, SIZE), x, y, 1.5)
         seen = [
             np.rint(mean + np.sqrt(mean / 10.0 + 1.0) * random.standard_normal(mean.shape))
             for mean in (lit, wall)
         ]
         found = locate(Window(seen[0], seen[1], saturation=255), noise=noise)
-        error = np.array([found.x, found.y]) - place
+        error = np.array([found.x - x, found.y - y])
         squares.append(error @ np.linalg.solve(found.covariance, error))
         said.append(found.warning)
     # Of 60 squares the mean is known to 0.26.
