@@ -98,8 +98,8 @@ def step(
                 name = old.name[children.parent[child]]
                 if name != UNNAMED:
                     children.score[child] -= max(best[name] - HIGHEST_SCORE, 0.0)
-                _grow(old, new, filled, children, child, points, number, alone, tables, clocks,
-                      line, clock, settings, room)
+                _grow(old, new, filled, children, child, points, number, alone, tables, prior,
+                      clocks, line, clock, settings, room)
                 filled += 1
     for each in range(points.shape[0]):
         if owner[each] != UNNAMED:
@@ -199,8 +199,8 @@ def _is_worth(
 @kernel
 def _grow(
     old: Tracks, new: Tracks, to: int, children: Children, child: int, points: Array, number: int,
-    alone: NDArray[np.bool_], tables: Tables, clocks: Array, line: float, clock: float,
-    settings: Settings, room: Room,
+    alone: NDArray[np.bool_], tables: Tables, prior: Array, clocks: Array, line: float,
+    clock: float, settings: Settings, room: Room,
 ) -> None:
     """Make a child a row."""
     row, point, gain = children.parent[child], children.point[child], children.gain[child]
@@ -216,6 +216,6 @@ def _grow(
     else:
         hit_row(
             new, to, points[point], point, number + point, alone[point], children.kind[child],
-            gain, children.moments[child], tables, room.on, clock, settings.least,
+            gain, children.moments[child], tables, prior, room.on, clock, settings.least,
             settings.exposure, room.likelihood, room.matrix,
         )

@@ -27,6 +27,7 @@ MISSED = 0.5  # a nat by which a miss is less likely than one in e: a growth of 
 FLUX_FRAMES = 20.0  # over which that is averaged
 DOUBTFUL = 0.15  # of the full flux, to which it is known after a surprise
 BRIGHTER, BELIEVED = 1.15, 4.0  # times the full flux, and hits in a row that are: a surprise
+FAINTER = 8  # hits in a row, none near the full flux, after which that was not the light's own
 ALIKE = 0.1  # of the full flux, by which two that are the same differ at most
 SURPRISE = 1.3  # of the full flux: what is brighter was taken for full while it was partly lit
 # A child's kind
@@ -54,10 +55,11 @@ class Tracks(NamedTuple):
         See `phase`.
     wander : (n,) array
         Part of DIFFUSION that a light makes use of, see `phase`.
-    full : (n, 4) array
+    full : (n, 6) array
         Flux of the light in a whole exposure, its standard deviation over it, the variance over
-        its square by which the flux changes from frame to frame, and how many of the last hits
-        were brighter.
+        its square by which the flux changes from frame to frame, how many of the last hits
+        were brighter; and while its phase is not known how many of them were fainter, and the
+        brightest of those.
     score : (n,) array
         Log likelihood ratio over clutter.
     deficit : (n,) array
@@ -98,7 +100,7 @@ def empty_tracks(count: int, cells: int) -> Tracks:
     return Tracks(
         np.zeros((count, STATE)), np.zeros((count, STATE, STATE)), np.ones(count),
         np.full(count, LEAST_TURNS), np.zeros((count, cells + OTHERS)), np.ones(count),
-        np.zeros((count, 4)), np.zeros(count), np.zeros(count), np.full(count, UNNAMED),
+        np.zeros((count, 6)), np.zeros(count), np.zeros(count), np.full(count, UNNAMED),
         np.zeros(count, np.int64), np.full((count, KEPT), -1), np.zeros((count, 6)),
         np.zeros((count, 9)),
     )
@@ -136,7 +138,7 @@ def start_row(
     new.agility[to] = new.wander[to] = 1.0
     new.turns[to] = LEAST_TURNS
     new.full[to, 0], new.full[to, 1] = point[FLUX], FIRST_SPREAD
-    new.full[to, 2], new.full[to, 3] = SCINTILLATION**2, 0.0
+    new.full[to, 2], new.full[to, 3:] = SCINTILLATION**2, 0.0
     new.weights[to] = prior
     fill_hit(point[FLUX], point[FLUX_SIGMA], new.full[to], least, likelihood)
     weigh_hit(tables, on, new.weights[to], UNNAMED, likelihood)
@@ -170,8 +172,8 @@ def miss_row(
 @kernel
 def hit_row(
     new: Tracks, to: int, point: Array, index: int, number: int, alone: bool, kind: int,
-    gain: float, moments: Array, tables: Tables, on: Steps, clock: float, least: float,
-    exposure: float, likelihood: Array, work: Array,
+    gain: float, moments: Array, tables: Tables, prior: Array, on: Steps, clock: float,
+    least: float, exposure: float, likelihood: Array, work: Array,
 ) -> None:
     """
     Take note in a row of its point.
@@ -203,8 +205,8 @@ def hit_row(
     if not alone:
         share_sigma = 1.0
     refine(tables, on, new.weights[to], new.name[to], share, share_sigma, moments)
-    if alone:
-        _weigh_flux(full, point, moments)
+    if alone and _weigh_flux(full, point, moments) and new.name[to] == UNNAMED:
+        new.weights[to] = prior
     tau, spread = moments[0], moments[1]
     x, y, xx, xy, yy = project(state, covariance, tau)
     sxx, sxy = point[XX] + vx * vx * spread, point[XY] + vx * vy * spread
@@ -264,28 +266,39 @@ def _note(new: Tracks, to: int, index: int, number: int, clock: float) -> None:
 
 
 @kernel
-def _weigh_flux(full: Array, point: Array, moments: Array) -> None:
+def _weigh_flux(full: Array, point: Array, moments: Array) -> bool:
     """
-    Correct the full flux.
+    Correct the full flux; return whether it is another one, by which nothing was judged rightly.
 
     While the phase is not known it is the most that was seen, and uncertain until as much is seen
-    again: shares are of any size, and two that are alike are whole. Then it is the mean of a
-    Kalman filter that knows the share.
+    again: shares are of any size, and two that are alike are whole. What is not seen again was
+    more than the light, two that were one point, or the camera's gain has changed. Once the phase
+    is known it is the mean of a Kalman filter that knows the share.
     """
     flux = point[FLUX]
     if flux > BRIGHTER * full[0] and moments[4] >= PHASE_KNOWN and full[1] < DOUBTFUL:
         full[3] += 1.0
         if full[3] < BELIEVED:
-            return  # something beside it
+            return False  # something beside it
         full[1] = DOUBTFUL
     full[3] = 0.0
     if moments[4] < PHASE_KNOWN or flux > SURPRISE * full[0]:
+        if BRIGHTER * flux < full[0]:
+            full[4] += 1.0
+            full[5] = max(full[5], flux)
+            if full[4] >= FAINTER:
+                full[0], full[1] = full[5], 0.5 * FIRST_SPREAD
+                full[4:] = 0.0
+                return True
+            return False
+        full[4:] = 0.0
         if abs(flux - full[0]) < ALIKE * full[0]:
             full[1] = max(0.5 * full[1], DOUBTFUL)
         elif flux > full[0]:
             full[1] = max(full[1], 0.5 * FIRST_SPREAD)
         full[0] = max(flux, full[0])
-        return
+        return False
+    full[4:] = 0.0
     share, spread = moments[2], moments[3]
     variance = (full[0] * full[1]) ** 2 + (FLUX_DRIFT * full[0]) ** 2
     noise = point[FLUX_SIGMA] ** 2 + full[0] ** 2 * (spread + full[2])
@@ -297,6 +310,7 @@ def _weigh_flux(full: Array, point: Array, moments: Array) -> None:
     if share > WHOLE and spread < (1.0 - WHOLE) ** 2:
         changed = (flux / full[0] - 1.0) ** 2 - (point[FLUX_SIGMA] / full[0]) ** 2
         full[2] = max(full[2] + (changed - full[2]) / FLUX_FRAMES, LEAST_SCINTILLATION**2)
+    return False
 
 
 LEVELS = SHARE_LEVELS + 1

@@ -121,7 +121,8 @@ def _best(pair: Pair, theta: Floats | None, suspicion: int) -> Fit | None:
         apart = np.array([chosen.x - base.x, chosen.y - base.y])
         return replace(
             chosen, covariance=chosen.covariance + np.outer(apart, apart),
-            warning=f'{chosen.warning}; misfit (chi2 {chosen.chi2:.1f}): that is not all of it',
+            warning=(f'{chosen.warning}; ' if chosen.warning else '')
+            + f'misfit (chi2 {chosen.chi2:.1f}): that is not all of it',
         )
     if optimum is None or pair.unlit is None or not suspicion & Suspicion.PIXELS:
         return None

@@ -11,6 +11,7 @@ from blob_tracker.location.interpolated import doubted
 from blob_tracker.location.likelihood import empty_profiles, fill_profile
 from blob_tracker.location.moving_texture import compile_texture, MovingTexture
 from blob_tracker.location.noise import noise_in_words, pixel_variance
+from blob_tracker.location.stamp_jitter import compile_jitter, StampJitter
 from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
 from numpy.typing import NDArray
@@ -76,7 +77,8 @@ class NoiseCheck:
 
     Noise that is alike in neighbouring pixels tells that the picture was interpolated from a
     colour mosaic; and the unlit pixels tell whether the texture behind the light moves
-    (`MovingTexture`). Both are in the covariance that `doubted` returns.
+    (`MovingTexture`), and the places whether its stamps jitter (`StampJitter`). All are in the
+    covariance that `doubted` returns.
 
     Parameters
     ----------
@@ -98,6 +100,7 @@ class NoiseCheck:
         self.warning = ''
         self._interpolated = False
         self._texture = MovingTexture()
+        self._jitter = StampJitter()
         self._last: _Seen | None = None
         # dof, and dof times level and variance; products of neighbours and their count; of the
         # light's pixels 1 - h, and that times level and variance.
@@ -114,7 +117,7 @@ class NoiseCheck:
         """Return the location of a window with the doubt of what the last ones have shown."""
         if self._interpolated:
             location = doubted(location, window.binning)
-        return self._texture.doubted(location)
+        return self._jitter.doubted(self._texture.doubted(location))
 
     def add(self, window: Window, location: Location) -> None:
         """
@@ -270,6 +273,7 @@ def _bright(
 def compile_check() -> None:
     """Compile what looks at the windows, or load it."""
     compile_texture()
+    compile_jitter()
     picture = np.arange(49.0).reshape(7, 7)
     _differ(picture, picture[::-1].copy(), inf, (3.0, 3.0, 1.0), (3.0, 3.0, 1.0))
     _residuals(picture, picture, (3.0, 3.0, 1.0, 10.0, 1.0), (1.0, 1.0, 0.0))

@@ -196,3 +196,23 @@ def test_what_was_taken_for_a_light_at_random_has_its_name_again() -> None:
         lit = tracker.update(points, round(1e9 * index / RATE), 0.05 * FULL)
         named += [index for each in lit if each.name == 'c0' and index >= 30]
     assert named and named[0] < 45
+
+
+@pytest.mark.parametrize('brighter', [2.0, 5.0])
+def test_a_light_that_was_too_bright_at_first_has_its_name(brighter: float) -> None:
+    """A second light in its first two points, or a gain that falls: named 30 frames later."""
+    pattern = codes(30.0)
+    tracker = BlinkTracker(pattern, interval=1 / RATE, exposure=EXPOSURE, shape=SHAPE)
+    named, lit = 0, 0
+    for index in range(100):
+        part = ((index + np.arange(-0.25, 0.25, 0.005)) / RATE / pattern[0].period + 0.1) % 1.0
+        on = np.any([(a <= part) & (part < b) for a, b in pattern[0].edges], axis=0)
+        flux = float(on.mean()) * FULL * (brighter if index < 2 else 1.0)
+        points = np.array(
+            [[100.0, 200.0, 0.0025, 0.0, 0.0025, flux, 5.0]] * (flux > 0.1 * FULL)
+        ).reshape(-1, 7)
+        found = tracker.update(points, round(1e9 * index / RATE), 0.05 * FULL)
+        if index >= 32:
+            lit += len(points)
+            named += sum(each.name == 'c0' for each in found)
+    assert named == lit > 20

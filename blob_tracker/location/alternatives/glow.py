@@ -18,6 +18,8 @@ import numpy as np
 # Of its own level, that the glow gains within a sigma of the light: what is steeper is no glow of
 # something at least three times as wide, but a part of the light.
 STEEPEST = 0.5
+FLAT = 0.05  # the same of what may be the light of lamps, or another exposure
+WHOLE_PERIODS = 'expose for whole periods (10 ms at 50 Hz, 8.3 ms at 60 Hz)'
 RARER = 4.0  # of the log-likelihood, times its chi2 squared: rarer beforehand than a streak
 
 
@@ -26,6 +28,8 @@ def glow(pair: Pair, base: Fit) -> Fit | None:
     Fit a pulse on a glow that is in the lit window alone, a plane or a bent surface.
 
         lit = b + A P(x) + g(x),    unlit = b
+
+    Below 0 it is what lamps of the scene, or the camera's exposure, took from the lit window.
     """
     if pair.unlit is None:
         return None  # what is constant and what the flash lights up cannot be told apart
@@ -43,16 +47,25 @@ def glow(pair: Pair, base: Fit) -> Fit | None:
     best = even if bent is None or _evidence(pair, even) >= _evidence(pair, bent) else bent
     theta = best.theta
     level, slope = _at_the_light(theta, height, width)
-    if level <= 0.0 or slope * theta[SIGMA] > STEEPEST * level:
+    if slope * theta[SIGMA] > STEEPEST * abs(level):
         return None
     if not is_heard(base, best.log_likelihood, best.parameters, RARER):
         return None  # what its misfit does to the place need not be known
-    fit, left = doubted(
-        pair, best, fill_glow,
-        f'the flash lights up haze or a wall about the light, by {level / pair.pitch**2:.0f} DN '
-        f'and {slope / pair.pitch**3:.1f} DN/px: it is taken off; shade the wall from the '
-        'light, or move it away from there',
-    )
+    rise, steepness = level / pair.pitch**2, slope / pair.pitch**3
+    if level > 0.0:
+        said = (
+            f'the flash lights up haze or a wall about the light, by {rise:.0f} DN and '
+            f'{steepness:.1f} DN/px: it is taken off; shade the wall from the light, or move it '
+            'away from there'
+        )
+        if slope * theta[SIGMA] < FLAT * level:
+            said += f'; or lamps on the mains do: {WHOLE_PERIODS}'
+    else:
+        said = (
+            f'the scene about the light is {-rise:.0f} DN darker in the lit frame, by lamps on '
+            f'the mains or auto-exposure: {WHOLE_PERIODS}, and switch auto-exposure off'
+        )
+    fit, left = doubted(pair, best, fill_glow, said)
     return replace(fit, rarity=RARER * max(left.chi2, 1.0) ** 2)
 
 
