@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import chain
+import math
 from typing import NamedTuple
 
 from blob_tracker.constellation.body import Body
@@ -113,7 +116,7 @@ class Following:
         )
         moves = len({each.stamp_ns for _, each in bearings}) > 1
         expected = [
-            self._expected(way, bearings, latest, gate_sigma) if moves else None
+            self._expected(way, bearings, latest, gate_sigma) if moves else []
             for way in self._ways
         ]
         self._ways = _followed(found, self._ways, expected, known, moves)
@@ -137,40 +140,52 @@ class Following:
 
     def _expected(
         self, way: _Way, bearings: Sequence[tuple[str, Bearing]], latest: int, gate_sigma: float
-    ) -> Pose | None:
-        """Return the pose of a sighting if it moves on as it came."""
+    ) -> list[Pose]:
+        """Return the poses of a sighting if it moves on as it came: its own, and likelier ones."""
         if way.motion is None:
-            return None
+            return []
         after = NS * (latest - way.pose.stamp_ns)
         turn = scipy.spatial.transform.Rotation.from_rotvec(after * way.motion.twist[3:])
-        return pose_near(
-            self._body, bearings, turn.as_matrix() @ way.pose.rotation,
-            way.pose.position + after * way.motion.twist[:3], twist=way.motion.twist,
+        near = partial(
+            pose_near, self._body, rotation=turn.as_matrix() @ way.pose.rotation,
+            position=way.pose.position + after * way.motion.twist[:3], twist=way.motion.twist,
             speed_sigma=way.motion.speed_sigma, rate_sigma=way.motion.rate_sigma,
-            gate_sigma=gate_sigma, odd=True,
+            gate_sigma=gate_sigma,
         )
+        pose = near(bearings, odd=True)
+        if pose is None or len(pose.outliers) != 1:
+            return [] if pose is None else [pose]
+        found = [pose]  # and where another one is odd
+        for name, _ in bearings:
+            if name not in pose.outliers:
+                other = near([each for each in bearings if each[0] != name])
+                if other is not None and other.stamp_ns == latest:
+                    found.append(replace(other, outliers=(name,)))
+        own = [each.cost for each in found if each.outliers == way.pose.outliers]
+        return [each for each in found if each.cost <= min(own or [math.inf])]
 
 
 def _followed(
-    found: Sequence[Pose], before: Sequence[_Way], expected: Sequence[Pose | None],
+    found: Sequence[Pose], before: Sequence[_Way], expected: Sequence[Sequence[Pose]],
     known: _Motion, moves: bool,
 ) -> list[_Way]:
     """Return all poses that are followed from now on, the likeliest first."""
-    least = min(each.cost for each in (*found, *expected) if each is not None)
-    ways = []
-    goes_on = [pose is not None for pose in expected]
-    for way, pose in zip(before, expected, strict=True):
-        if pose is not None and not any(_is_same(pose, each.pose, known) for each in ways):
-            ways.append(_Way(
-                pose, MEMORY * way.behind + min(pose.cost - least, BOUND),
-                _motion(way.pose, pose, known),
-            ))
+    least = min(each.cost for each in (*found, *chain(*expected)))
+    ways: list[_Way] = []
+    goes_on = [len(each) > 0 for each in expected]
+    for way, led in zip(before, expected, strict=True):
+        for pose in led:
+            if not any(_is_same(pose, each.pose, known) for each in ways):
+                ways.append(_Way(
+                    pose, MEMORY * way.behind + min(pose.cost - least, BOUND),
+                    _motion(way.pose, pose, known),
+                ))
     for pose in found:
         if any(_is_same(pose, way.pose, known) for way in ways):
             continue
         apart = [_apart(pose, way.pose, known) for way in before]
         parents = [number for number, one in enumerate(apart) if one < NEAR2]
-        if any(expected[number] is not None for number in parents):
+        if any(expected[number] for number in parents):
             continue  # that goes on as it came
         for number in parents:
             goes_on[number] = True
