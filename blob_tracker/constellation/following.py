@@ -21,6 +21,7 @@ REFUTED = 25.0  # of chi-square behind the best: as poses of one sighting are to
 BOUND = 12.0  # that one sighting can add: no two of them decide
 UNLIKELY = 50.0  # behind the best: such a pose is given up
 MEMORY = 0.95  # of what was added is kept from one sighting to the next
+SAME2 = 4.0  # by what is expected of its motion a pose differs by less than it is known
 NEAR2 = 31.0  # six squared deviates, 2e-5 are beyond it: a pose is where another may have led
 LONGEST_S = 0.5  # without a pose: then all begins anew
 SUSPECT = 0.05  # so improbable a chi-square may be of other lights, taken for motion
@@ -180,8 +181,9 @@ def _followed(
                     pose, MEMORY * way.behind + min(pose.cost - least, BOUND),
                     _motion(way.pose, pose, known),
                 ))
+    led_ways = list(ways)
     for pose in found:
-        if any(_is_same(pose, way.pose, known) for way in ways):
+        if any(_is_same(pose, way.pose, known) for way in led_ways):
             continue
         apart = [_apart(pose, way.pose, known) for way in before]
         parents = [number for number, one in enumerate(apart) if one < NEAR2]
@@ -221,7 +223,7 @@ def _is_sure(pose: Pose, parents: Sequence[_Way]) -> bool:
 
 def _is_same(pose: Pose, other: Pose, known: _Motion) -> bool:
     """Tell whether two poses of a sighting are one, by other expectations of its motion."""
-    return pose.outliers == other.outliers and _apart(pose, other, known) < NEAR2
+    return pose.outliers == other.outliers and _apart(pose, other, known) < SAME2
 
 
 def _apart(pose: Pose, before: Pose, known: _Motion) -> float:
