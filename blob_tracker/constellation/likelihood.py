@@ -78,7 +78,7 @@ def fit(
         for i in range(size):
             system[i, i] *= 1.0 + damping
         solve(system, step, size)
-        _move(rotation, position, twist, step, size, new_rotation, new_position, new_twist)
+        move(rotation, position, twist, step, size, new_rotation, new_position, new_twist)
         pull = np.empty(12)
         new_cost = linearise(
             places, variances, rays, bases, noise, apart, used, rates, expected,
@@ -233,7 +233,7 @@ def _weights(
 
 
 @kernel
-def _move(
+def move(
     rotation: Array, position: Array, twist: Array, step: Array, size: int,
     new_rotation: Array, new_position: Array, new_twist: Array,
 ) -> None:

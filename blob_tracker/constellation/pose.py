@@ -13,7 +13,7 @@ from blob_tracker.constellation.body import Body, IN_LINE, LEAST_LIGHTS
 from blob_tracker.constellation.errors import (
     ConstellationError, Inconsistent, TooFewLights,
 )
-from blob_tracker.constellation.search import climb, exchanges, search, spread
+from blob_tracker.constellation.search import climb, exchanges, NONE, search, spread
 from blob_tracker.constellation.valley import far_end
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.types import Bearing
@@ -223,7 +223,7 @@ def pose_near(
     covariance, used = np.empty((12, 12)), np.empty(len(names))
     cost = climb(
         *seen, rates, twist, _gates(gate_sigma, len(names)), odd, start, place, motion, used,
-        covariance,
+        covariance, NONE,
     )
     if not cost < math.inf:
         return None
@@ -362,10 +362,9 @@ def _in_one_valley(
     """
     used = np.array([float(name not in pose.outliers) for name in names])
     rotation, position, twist = pose.rotation.copy(), pose.position.copy(), pose.twist.copy()
-    cost = far_end(*seen, used, *motion, rotation, position, twist, pose.covariance, AMBIGUOUS)
-    if not cost <= pose.chi2 + AMBIGUOUS:
+    if not far_end(*seen, used, *motion, rotation, position, twist, AMBIGUOUS):
         return []
-    return [replace(pose, rotation=rotation, position=position, chi2=float(cost))]
+    return [replace(pose, rotation=rotation, position=position, twist=twist)]
 
 
 @cache

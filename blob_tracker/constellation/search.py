@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 OUTLIERS = 5  # of so many lights one may be another's
 ROUNDS = 4  # in which bearings of other lights settle
+NONE = -1  # no bearing
 SAME_RAD = 1e-3  # poses that are turned less apart are one
-SWEEPS = 12  # of Jacobi's turns, each of which squares what is left
+SWEEPS = 12  # of Jacobi's turns, which square what is left
 
 
 @kernel
@@ -70,38 +71,63 @@ def search(
         twists[found] = expected
         costs[found] = climb(
             places, variances, rays, bases, noise, apart, rates, expected, gates, odd,
-            rotation, position, twists[found], used[found], covariances[found],
+            rotation, position, twists[found], used[found], covariances[found], NONE,
         )
-        if costs[found] < np.inf:
-            known = False
-            for other in range(found):
-                known = known or 3.0 - np.sum(rotation * rotations[other]) < SAME_RAD**2
-            if not known:
-                found += 1
+        found += _is_new(rotations, costs, found)
+    best = 0
+    for each in range(1, found):
+        best = each if costs[each] < costs[best] else best
+    if found == 0 or np.sum(used[best]) != len(rays) - 1:
+        return found
+    for left_out in range(len(rays)):  # it may be another one that is odd
+        if used[best, left_out] == 0.0 or found == len(costs):
+            continue
+        rotations[found], positions[found] = rotations[best], positions[best]
+        twists[found] = twists[best]
+        costs[found] = climb(
+            places, variances, rays, bases, noise, apart, rates, expected, gates, False,
+            rotations[found], positions[found], twists[found], used[found], covariances[found],
+            left_out,
+        )
+        found += _is_new(rotations, costs, found)
     return found
+
+
+@kernel
+def _is_new(rotations: Array, costs: Array, found: int) -> int:
+    """Return 1 if the last of some poses is one, and none of those before, else 0."""
+    if not costs[found] < np.inf:
+        return 0
+    for other in range(found):
+        if 3.0 - np.sum(rotations[found] * rotations[other]) < SAME_RAD**2:
+            return 0
+    return 1
 
 
 @kernel
 def climb(
     places: Array, variances: Array, rays: Array, bases: Array, noise: Array, apart: Array,
     rates: Array, expected: Array, gates: Array, odd: bool, rotation: Array, position: Array,
-    twist: Array, used: Array, covariance: Array,
+    twist: Array, used: Array, covariance: Array, left_out: int,
 ) -> float:
     """
     Take a start to the greatest likelihood, in place; return what was minimised, inf for no pose.
 
     Where all bearings do not fit, the one in five that fits the start the least is left out, and
-    afterwards whatever does not fit, until that settles. See `search`.
+    afterwards whatever does not fit, until that settles. Or it is said which one, with `odd`
+    False. See `search`.
     """
     count = len(rays)
     chi2, information = np.empty(count), np.empty((12, 12))
     used[:] = 1.0
+    inside = count
+    if left_out != NONE:
+        used[left_out], inside = 0.0, count - 1
     start, place = rotation.copy(), position.copy()
     cost = fit(
         places, variances, rays, bases, noise, apart, used, rates, expected, rotation, position,
         twist, information, chi2,
     )
-    inside = count
     if odd and count >= OUTLIERS and not cost <= gates[count]:
         rotation[:], position[:], twist[:] = start, place, expected  # it was drawn away
         _leave_out_the_worst(
@@ -239,14 +265,30 @@ def spread(places: Array, thin: Array) -> float:
         The second greatest spread over the greatest, both squared: 0 of points in one line.
 
     """
-    middle, moments, axes = np.zeros(3), np.zeros((3, 3)), np.eye(3)
+    middle, moments, axes = np.zeros(3), np.zeros((3, 3)), np.empty((3, 3))
     for k in range(len(places)):
         middle += places[k] / len(places)
     for k in range(len(places)):
         for i in range(3):
             for j in range(3):
                 moments[i, j] += (places[k, i] - middle[i]) * (places[k, j] - middle[j])
-    for _ in range(SWEEPS):  # eigenvalues by Jacobi's turns
+    diagonalise(moments, axes)
+    least = most = 0
+    for i in range(1, 3):
+        least = i if moments[i, i] < moments[least, least] else least
+        most = i if moments[i, i] >= moments[most, most] else most
+    for i in range(3):
+        thin[i] = axes[i, least]
+    return moments[3 - least - most, 3 - least - most] / moments[most, most]
+
+
+@kernel
+def diagonalise(moments: Array, axes: Array) -> None:
+    """Turn a symmetric (3, 3) matrix in place until it is diagonal; fill in the axes, a column."""
+    for i in range(3):
+        for j in range(3):
+            axes[i, j] = 1.0 if i == j else 0.0
+    for _ in range(SWEEPS):
         for i in range(2):
             for j in range(i + 1, 3):
                 if moments[i, j] == 0.0:
@@ -263,13 +305,6 @@ def spread(places: Array, thin: Array) -> float:
                         sine * one + cosine * two)
                     one, two = axes[k, i], axes[k, j]
                     axes[k, i], axes[k, j] = cosine * one - sine * two, sine * one + cosine * two
-    least = most = 0
-    for i in range(1, 3):
-        least = i if moments[i, i] < moments[least, least] else least
-        most = i if moments[i, i] >= moments[most, most] else most
-    for i in range(3):
-        thin[i] = axes[i, least]
-    return moments[3 - least - most, 3 - least - most] / moments[most, most]
 
 
 @kernel
