@@ -27,6 +27,7 @@ AMBIGUOUS = 25.0  # of chi-square: poses that differ by less are both kept, as b
 # Threes of rays that are tried, starts from which the likelihood is climbed, and whether bearings
 # may be of other lights: at first, and where that leads to no good fit.
 FIRST, MORE = (5, 4, False), (40, 16, True)
+MANY, FIRST_OF_MANY = 8, (5, 2, False)  # of so many lights hardly any start is wrong
 MOST_TURN_SIGMA = 0.3  # rad: beyond it the error of a turn is not Gaussian
 NS = 1e-9  # s
 STILL: Array = np.zeros(6)  # m/s, rad/s
@@ -155,10 +156,12 @@ def poses(
         )
     known = np.array([speed_sigma, rate_sigma])
     motion = _Motion(known if np.ptp(seen.apart) > 0.0 else np.zeros(2), twist)
-    found = _fits(seen, names, motion, FIRST, gate_sigma, stamp_ns)
+    first = FIRST if len(names) < MANY else FIRST_OF_MANY
+    found = _fits(seen, names, motion, first, gate_sigma, stamp_ns)
     if not found or found[0].chi2 > found[0].degrees_of_freedom + AMBIGUOUS:
         found = _fits(seen, names, motion, MORE, gate_sigma, stamp_ns)
-    if not found or found[0].outliers:
+    # Stamps apart and few lights: what the body may do meanwhile makes wrong ones fit.
+    if not found or (found[0].outliers and motion.rates[0] > 0.0 and len(names) < MANY):
         _check_names(
             seen, names, motion, gate_sigma, found[0].cost + AMBIGUOUS if found else math.inf)
     if not found:

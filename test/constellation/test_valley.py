@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from blob_tracker.constellation.likelihood import fit
 from blob_tracker.constellation.valley import far_end, turn_between
 from blob_tracker.kernel import Array
@@ -16,7 +18,7 @@ NOTHING: Array = np.zeros(4)
 STILL: Array = np.zeros(6)
 
 
-def bottom(turn: Rotation, distance: float) -> tuple[list[Array], list[Array]]:
+def bottom(turn: Rotation, distance: float) -> tuple[Any, Any]:
     """Return what is seen of lights in a plane, and their pose of greatest likelihood."""
     points = turn.apply(PLACES) + [0.0, 0.0, distance]
     rays = points / np.linalg.norm(points, axis=1, keepdims=True)
@@ -24,9 +26,10 @@ def bottom(turn: Rotation, distance: float) -> tuple[list[Array], list[Array]]:
     across /= np.linalg.norm(across, axis=1, keepdims=True)
     bases = np.ascontiguousarray(np.stack([across, np.cross(rays, across)], axis=2))
     noise = np.broadcast_to(SIGMA**2 * np.eye(2), (4, 2, 2)).copy()
-    seen = [PLACES, NOTHING, rays, bases, noise, NOTHING, np.ones(4), np.zeros(2), STILL]
-    pose = [turn.as_matrix(), np.array([0.0, 0.0, distance]), np.zeros(6)]
-    fit(*seen, *pose, np.empty((12, 12)), np.empty(4))
+    seen: Any = (PLACES, NOTHING, rays, bases, noise, NOTHING, np.ones(4), np.zeros(2), STILL)
+    pose: Any = turn.as_matrix(), np.array([0.0, 0.0, distance]), np.zeros(6)
+    arguments = *seen, *pose, np.empty((12, 12)), np.empty(4)
+    fit(*arguments)
     return seen, pose
 
 
@@ -37,7 +40,8 @@ def test_a_plane_that_is_seen_from_the_front_has_another_end(
     """Tilted and near it has none, and is left as it was; far away it may be tilted otherwise."""
     seen, pose = bottom(Rotation.from_rotvec([tilt, 0.3 * tilt, 0.2]), distance)
     before = pose[0].copy()
-    assert far_end(*seen, *pose, AMBIGUOUS) is has_end
+    arguments = *seen, *pose, AMBIGUOUS
+    assert far_end(*arguments) is has_end
     turned = np.linalg.norm(Rotation.from_matrix(pose[0] @ before.T).as_rotvec())
     assert turned > 0.02 if has_end else turned == 0.0
 
