@@ -1,4 +1,4 @@
-"""What the axes of a pan/tilt leave of where a still light is seen, by the angles of the joints."""
+"""What the axes of a pan/tilt leave of where a light is seen, by the angles of its joints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bearings of a light and angles of a pan/tilt of the same time, live; angles from any messages."""
+"""Bearings of a light and angles of a pan/tilt of the same time, live."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ def states(stamp_ns: int, names: list[str], angles: list[float]) -> JointState:
 
 
 def test_angles_of_the_joints_that_are_asked_for() -> None:
-    """NaN is none; the names of all others are kept."""
+    """One that is NaN is none; the names of all others are kept."""
     series = JointSeries(['pan', 'tilt'])
     series.take(states(MS, ['pan', 'wheel'], [0.1, 9.0]))
     series.take(states(2 * MS, ['tilt', 'pan'], [0.2, float('nan')]))
