@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 KNOTS = 1.5  # intervals of the slowest light between two knots: 12 numbers for 6 unknown, or more
 LONGEST = 2.5  # intervals of a light across which its rays are interpolated for the start
 LEAST_SECONDS = 3.0  # s in which four lights are seen
+MOST_LENGTH_M = 5.0  # of a body that somebody turns
 RESTRAINT = 0.3  # rad, and of the distance: third differences of the knots are far less
 MOST_LEFT_OUT = 0.2  # of a light's rays: with more it is not rigid with the others
 AMBIGUOUS = 25.0  # of chi-square, as by five sigma
@@ -290,10 +291,20 @@ def _check(
     for name in [*frame, *(distance[:2] if distance else ())]:
         if name not in names:
             raise BodyCalibrationError(f'no light is called {name}; there are {", ".join(names)}')
+    check_distance(distance)
+
+
+def check_distance(distance: tuple[str, str, float, float] | None) -> None:
+    """Refuse what cannot be the distance of two lights, before the body is turned."""
     if distance is None:
         return
     if distance[0] == distance[1]:
         raise BodyCalibrationError(f'a distance is between two lights, not {distance[0]} alone')
+    if MOST_LENGTH_M < distance[2] < math.inf:
+        raise BodyCalibrationError(
+            f'the distance is {distance[2]:g} m, on a body that is turned before a camera: it is '
+            f'{MOST_LENGTH_M:g} m at most; give it in metres, not millimetres'
+        )
     if not (0.0 < distance[2] < math.inf and 0.0 <= distance[3] < distance[2]):
         raise BodyCalibrationError(
             f'the distance is {distance[2]:g} m with a deviation of {distance[3]:g} m; a length '

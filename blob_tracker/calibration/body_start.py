@@ -8,9 +8,10 @@ from itertools import combinations
 
 from blob_tracker.calibration.body_equations import Equations, Measured, Unknown
 from blob_tracker.calibration.path_equations import adjusted, GATE, MEDIAN_OF_TWO
-from blob_tracker.calibration.rays import angles_of, Rays
+from blob_tracker.calibration.rays import Rays
 from blob_tracker.constellation import Body, ConstellationError, Pose, pose_near, poses
 from blob_tracker.constellation.body import IN_LINE
+from blob_tracker.tracking.rays import angles_of
 from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
 import numpy as np

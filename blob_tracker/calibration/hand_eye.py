@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 import math
 
-from blob_tracker.calibration.rays import angles_of, by_place_of, Rays
+from blob_tracker.calibration.rays import Rays
 from blob_tracker.calibration.scatter import variance_factor
+from blob_tracker.tracking.rays import angles_of, by_place_of
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline

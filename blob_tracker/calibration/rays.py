@@ -85,20 +85,3 @@ class Rays:
         steps = np.diff(self.times)
         lit = steps[steps <= DARK_S]
         return float(lit.mean()) if len(lit) else np.nan
-
-
-def angles_of(places: Array) -> Array:
-    """Return azimuth and elevation of (n, 3) places in the optical frame, rad, (n, 2)."""
-    x, y, z = places.T
-    return np.stack([np.arctan2(x, z), np.arctan2(-y, np.hypot(x, z))], axis=1)
-
-
-def by_place_of(places: Array) -> Array:
-    """Return the (n, 2, 3) derivatives of azimuth and elevation by (n, 3) places."""
-    x, y, z = places.T
-    level = np.hypot(x, z)
-    square = level**2 + y**2
-    return np.stack([
-        np.stack([z / level**2, np.zeros_like(x), -x / level**2], axis=1),
-        np.stack([x * y / level, -level, z * y / level], axis=1) / square[:, None],
-    ], axis=1)

@@ -47,7 +47,8 @@ class RigCalibration:
         Of each camera's turn about its own axes (rad), position and clock, in that order; 0 for
         the first camera.
     residuals : (n,) array
-        rms of each camera's residuals over their standard deviations.
+        rms of each camera's residuals over their standard deviations, 1 where these are right:
+        each ray has its share of the degrees of freedom.
     used, left_out : (n,) arrays
         How many rays of each camera were used, and how many were left out since they pass by.
     chi2 : float
@@ -186,6 +187,7 @@ def calibrate_rig(
     used, left_out, sums = tally(measured.camera, by_ray, weight, len(names))
     _check_left_out(used, left_out, names)
     factor = variance_factor(chi2, freedom, known=True)
+    degrees = used * max(freedom, 1) / used.sum()
     covariance = factor * equations.covariance(unknown, weight)
     relative = 0.0
     if baseline is not None:
@@ -205,7 +207,7 @@ def calibrate_rig(
         positions=unknown.positions,
         offsets=unknown.offsets,
         covariance=covariance,
-        residuals=np.sqrt(sums / np.maximum(2 * used, 1)),
+        residuals=np.sqrt(sums / np.maximum(degrees, 1.0)),
         used=used,
         left_out=left_out,
         chi2=chi2,

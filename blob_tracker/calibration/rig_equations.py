@@ -9,7 +9,8 @@ from blob_tracker.calibration.light_path import LightPath, ORDER
 from blob_tracker.calibration.path_equations import (
     add_band, Linear, restraint, times_restraint, windows_of,
 )
-from blob_tracker.calibration.rays import angles_of, by_place_of, Rays
+from blob_tracker.calibration.rays import Rays
+from blob_tracker.tracking.rays import angles_of, by_place_of
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_solve_banded, cholesky_banded

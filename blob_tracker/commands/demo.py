@@ -51,6 +51,8 @@ ROWS = (
 # Greatest scatter / sigma, whose right value is 1: three standard errors above it with the
 # fewest bearings, whose noise is not quite Gaussian.
 MOST_SCATTER = 1.5
+# The least of a body, whose lights are off their places in its file by the same in each pose.
+LEAST_SCATTER = 0.5
 IN_STEP = 'in_step'
 # By the names of --light: parameters of simulator and segmenter, and the names of the lights.
 LIGHTS: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
@@ -343,12 +345,12 @@ def _judge_body(console: Console, body: WatchedBody, picture: Path) -> int:
                 score.errors, score.covariances, lights)
     console.print(f'picture: {picture}')
     place, turn = score.rms
-    met = score.scatter <= MOST_SCATTER
+    met = LEAST_SCATTER <= score.scatter <= MOST_SCATTER
+    verdict = 'as' if met else 'MORE than' if score.scatter > MOST_SCATTER else 'LESS than'
     console.print(
         f'[{"green" if met else "red"}]{body.name}: {count} poses, the place '
         f'{MM_PER_M * place:.1f} mm rms off, the turn {np.degrees(turn):.2f} degrees, '
-        f'scatter / sigma {score.scatter:.2f}: {"as" if met else "LARGER than"} the covariances '
-        'say[/]',
+        f'scatter / sigma {score.scatter:.2f}: {verdict} the covariances say[/]',
         soft_wrap=True,
     )
     return 0 if met else 1

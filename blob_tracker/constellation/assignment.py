@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from blob_tracker.constellation.body import Body
 from blob_tracker.constellation.errors import ConstellationError, Inconsistent, TooFewLights
-from blob_tracker.constellation.pose import AMBIGUOUS, Pose, pose_near, poses, PRICE, rays_of
+from blob_tracker.constellation.pose import AMBIGUOUS, Pose, pose_near, poses, PRICE
 from blob_tracker.constellation.three_rays import MOST, three_rays
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.types import Bearing
@@ -98,7 +98,7 @@ def assigned(
             f'{len(bearings)} bearings without names, of a body of {len(body.names)} lights: more '
             f'than {MOST_BEARINGS} of {MOST_LIGHTS} are too many to be distinguished'
         )
-    rays, _ = rays_of(MRAD * np.array([(each.azimuth, each.elevation) for each in bearings]))
+    rays = _directions(bearings)
     if not np.isfinite(rays).all():
         raise ConstellationError('a bearing is not finite')
     span = float(np.arccos(np.clip((rays @ rays.T).min(), -1.0, 1.0)))
@@ -148,7 +148,7 @@ def named_by(body: Body, bearings: Sequence[Bearing], pose: Pose) -> list[tuple[
     """
     points = body.places @ pose.rotation.T + pose.position
     expected = points / np.linalg.norm(points, axis=1, keepdims=True)
-    seen, _ = rays_of(MRAD * np.array([(each.azimuth, each.elevation) for each in bearings]))
+    seen = _directions(bearings)
     between = np.linalg.norm(expected[:, None] - expected, axis=2)
     near = FAR * float(between[np.triu_indices(len(expected), 1)].min())
     apart = np.linalg.norm(expected[:, None] - seen, axis=2)
@@ -214,6 +214,14 @@ class Assignment:
         return [
             (name, each) for name, each in zip(found[0].names, bearings, strict=True) if name
         ]
+
+
+def _directions(bearings: Sequence[Bearing]) -> Array:
+    """Return the unit vectors onto what is seen, (m, 3)."""
+    azimuth, elevation = MRAD * np.array(
+        [(each.azimuth, each.elevation) for each in bearings]).reshape(-1, 2).T
+    level = np.cos(elevation)
+    return np.stack([level * np.sin(azimuth), -np.sin(elevation), level * np.cos(azimuth)], 1)
 
 
 @cache

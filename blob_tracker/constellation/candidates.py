@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from blob_tracker.constellation.likelihood import linearise
+from blob_tracker.constellation.likelihood import score
 from blob_tracker.constellation.three_rays import MOST, three_rays
 from blob_tracker.kernel import Array, kernel
 import numpy as np
@@ -41,25 +41,18 @@ def candidates(
         How many are filled.
 
     """
-    count = len(rays)
-    still, used = np.zeros(2), np.ones(count)
-    gradient, chi2 = np.empty(12), np.empty(count)
-    information = np.empty((12, 12))
     found_rotations, found_positions = np.empty((MOST, 3, 3)), np.empty((MOST, 3))
     scores = np.full(len(rotations), np.inf)
     kept = 0
     for triple in triples:
         number = three_rays(places[triple], rays[triple], found_rotations, found_positions)
         for each in range(number):
-            linearise(
-                places, variances, rays, bases, noise, apart, used, still, twist,
-                found_rotations[each], found_positions[each], twist, information, gradient, chi2,
+            misfit = score(
+                places, variances, rays, bases, noise, apart, found_rotations[each],
+                found_positions[each], twist, most_chi2,
             )
-            score = 0.0
-            for k in range(count):
-                score += min(chi2[k], most_chi2)
             kept = _keep(
-                found_rotations[each], found_positions[each], score,
+                found_rotations[each], found_positions[each], misfit,
                 rotations, positions, scores, kept,
             )
     return kept

@@ -6,7 +6,7 @@ from blob_tracker.kernel import Array, kernel
 import numpy as np
 
 STEPS = 100
-CONVERGED = 1e-6  # squared step over its covariance
+CONVERGED = 1e-4  # squared step over its covariance: the next one is less by far
 MOST_DAMPING = 1e8
 # Chi-square of a bearing, and the share of it that a step gains: no pose lies that way.
 HOPELESS, GAIN = 100.0, 1e-3
@@ -77,8 +77,8 @@ def fit(
         system, step = information.copy(), gradient.copy()
         for i in range(size):
             system[i, i] *= 1.0 + damping
-        _solve(system, step, size)
-        _move(rotation, position, twist, step, size, new_rotation, new_position, new_twist)
+        solve(system, step, size)
+        move(rotation, position, twist, step, size, new_rotation, new_position, new_twist)
         pull = np.empty(12)
         new_cost = linearise(
             places, variances, rays, bases, noise, apart, used, rates, expected,
@@ -116,31 +116,13 @@ def linearise(
     cost = 0.0
     jacobian = np.zeros((2, 12))
     arm, point, turned = np.empty(3), np.empty(3), np.empty(3)
-    residual = np.empty(2)
+    residual, turn = np.empty(2), np.empty((3, 3))
     for k in range(len(rays)):
-        turn = _turn(twist[3] * apart[k], twist[4] * apart[k], twist[5] * apart[k])
-        for i in range(3):
-            point[i] = 0.0
-            for j in range(3):
-                point[i] += rotation[i, j] * places[k, j]
-        for i in range(3):
-            arm[i] = turn[i, 0] * point[0] + turn[i, 1] * point[1] + turn[i, 2] * point[2]
-        for i in range(3):
-            point[i] = arm[i] + position[i] + twist[i] * apart[k]
-        distance = np.sqrt(point[0]**2 + point[1]**2 + point[2]**2) + 1e-300
-        along = (
-            rays[k, 0] * point[0] + rays[k, 1] * point[1] + rays[k, 2] * point[2]
-        ) / distance
+        distance, scale = _seen(
+            places, rays, bases, apart, rotation, position, twist, k, turn, arm, point, residual)
         for a in range(2):
-            residual[a] = (
-                bases[k, 0, a] * point[0] + bases[k, 1, a] * point[1] + bases[k, 2, a] * point[2]
-            ) / distance
-        sine = np.sqrt(residual[0]**2 + residual[1]**2)
-        scale = np.arctan2(sine, along) / sine if sine > 1e-9 else 1.0
-        for a in range(2):
-            residual[a] *= scale
             x, y, z = bases[k, 0, a], bases[k, 1, a], bases[k, 2, a]
-            beside = (x * point[0] + y * point[1] + z * point[2]) / distance
+            beside = residual[a] / scale
             x = scale * (x - beside * point[0] / distance) / distance
             y = scale * (y - beside * point[1] / distance) / distance
             z = scale * (z - beside * point[2] / distance) / distance
@@ -161,10 +143,7 @@ def linearise(
                 jacobian[a, 9 + i] = apart[k] * (turned[i] - 0.5 * apart[k] * (
                     twist[3 + one] * turned[two] - twist[3 + two] * turned[one]
                 ))
-        extra = variances[k] / distance**2
-        xx, yy, xy = noise[k, 0, 0] + extra, noise[k, 1, 1] + extra, noise[k, 0, 1]
-        determinant = xx * yy - xy**2
-        weight_x, weight_y, weight_xy = yy / determinant, xx / determinant, -xy / determinant
+        weight_x, weight_y, weight_xy = _weights(noise, variances, k, distance)
         chi2[k] = (
             weight_x * residual[0]**2 + 2.0 * weight_xy * residual[0] * residual[1]
             + weight_y * residual[1]**2
@@ -190,12 +169,77 @@ def linearise(
 
 
 @kernel
-def _move(
+def score(
+    places: Array, variances: Array, rays: Array, bases: Array, noise: Array, apart: Array,
+    rotation: Array, position: Array, twist: Array, most_chi2: float,
+) -> float:
+    """Return the sum of min(chi2, most_chi2) over the bearings, at a pose."""
+    arm, point = np.empty(3), np.empty(3)
+    residual, turn = np.empty(2), np.empty((3, 3))
+    total = 0.0
+    for k in range(len(rays)):
+        distance, _ = _seen(
+            places, rays, bases, apart, rotation, position, twist, k, turn, arm, point, residual)
+        weight_x, weight_y, weight_xy = _weights(noise, variances, k, distance)
+        total += min(
+            weight_x * residual[0]**2 + 2.0 * weight_xy * residual[0] * residual[1]
+            + weight_y * residual[1]**2, most_chi2,
+        )
+    return total
+
+
+@kernel
+def _seen(
+    places: Array, rays: Array, bases: Array, apart: Array, rotation: Array, position: Array,
+    twist: Array, k: int, turn: Array, arm: Array, point: Array, residual: Array,
+) -> tuple[float, float]:
+    """
+    Fill in where a light is and what it is off its ray; return its distance and the arc's length.
+
+    `turn` is filled with how the body has turned on, `arm` and `point` with the light's place from
+    the body's origin and from the camera, m; the arc is over its sine.
+    """
+    turn_by(twist[3] * apart[k], twist[4] * apart[k], twist[5] * apart[k], turn)
+    for i in range(3):
+        point[i] = 0.0
+        for j in range(3):
+            point[i] += rotation[i, j] * places[k, j]
+    for i in range(3):
+        arm[i] = turn[i, 0] * point[0] + turn[i, 1] * point[1] + turn[i, 2] * point[2]
+    for i in range(3):
+        point[i] = arm[i] + position[i] + twist[i] * apart[k]
+    distance = np.sqrt(point[0]**2 + point[1]**2 + point[2]**2) + 1e-300
+    along = (rays[k, 0] * point[0] + rays[k, 1] * point[1] + rays[k, 2] * point[2]) / distance
+    for a in range(2):
+        residual[a] = (
+            bases[k, 0, a] * point[0] + bases[k, 1, a] * point[1] + bases[k, 2, a] * point[2]
+        ) / distance
+    sine = np.sqrt(residual[0]**2 + residual[1]**2)
+    scale = np.arctan2(sine, along) / sine if sine > 1e-9 else 1.0
+    residual[0] *= scale
+    residual[1] *= scale
+    return distance, scale
+
+
+@kernel
+def _weights(
+    noise: Array, variances: Array, k: int, distance: float
+) -> tuple[float, float, float]:
+    """Return the inverse of a bearing's covariance, with that of the light's place: xx, yy, xy."""
+    extra = variances[k] / distance**2
+    xx, yy, xy = noise[k, 0, 0] + extra, noise[k, 1, 1] + extra, noise[k, 0, 1]
+    determinant = xx * yy - xy**2
+    return yy / determinant, xx / determinant, -xy / determinant
+
+
+@kernel
+def move(
     rotation: Array, position: Array, twist: Array, step: Array, size: int,
     new_rotation: Array, new_position: Array, new_twist: Array,
 ) -> None:
     """Fill in the pose and twist a step further; the turn is about the optical axes."""
-    turn = _turn(step[3], step[4], step[5])
+    turn = np.empty((3, 3))
+    turn_by(step[3], step[4], step[5], turn)
     for i in range(3):
         new_position[i] = position[i] + step[i]
         for j in range(3):
@@ -210,12 +254,14 @@ def _move(
 
 
 @kernel
-def _turn(x: float, y: float, z: float) -> Array:
-    """Return the turn by a rotation vector (Rodrigues)."""
+def turn_by(x: float, y: float, z: float, turn: Array) -> None:
+    """Fill in the turn by a rotation vector (Rodrigues)."""
     angle2 = x * x + y * y + z * z
-    turn = np.eye(3)
+    for i in range(3):
+        for j in range(3):
+            turn[i, j] = 1.0 if i == j else 0.0
     if angle2 < 1e-30:
-        return turn
+        return
     angle = np.sqrt(angle2)
     first, second = np.sin(angle) / angle, (1.0 - np.cos(angle)) / angle2
     turn[0, 0] -= second * (y * y + z * z)
@@ -227,11 +273,10 @@ def _turn(x: float, y: float, z: float) -> Array:
     turn[2, 0] += second * x * z - first * y
     turn[1, 2] += second * y * z - first * x
     turn[2, 1] += second * y * z + first * x
-    return turn
 
 
 @kernel
-def _solve(system: Array, right: Array, size: int) -> None:
+def solve(system: Array, right: Array, size: int) -> None:
     """Solve a positive definite system in place (Cholesky)."""
     for i in range(size):
         for j in range(i + 1):

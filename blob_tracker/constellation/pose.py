@@ -9,13 +9,13 @@ from itertools import combinations
 import math
 from typing import NamedTuple
 
-from blob_tracker.constellation.body import Body, in_line, LEAST_LIGHTS
-from blob_tracker.constellation.candidates import candidates
+from blob_tracker.constellation.body import Body, IN_LINE, LEAST_LIGHTS
 from blob_tracker.constellation.errors import (
     ConstellationError, Inconsistent, TooFewLights,
 )
-from blob_tracker.constellation.likelihood import fit, linearise
-from blob_tracker.kernel import Array
+from blob_tracker.constellation.search import climb, exchanges, NONE, search, spread
+from blob_tracker.constellation.valley import far_end
+from blob_tracker.kernel import Array, kernel
 from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
 import numpy as np
@@ -24,12 +24,10 @@ import scipy  # which loads its parts when they are first used; stats takes a se
 
 PRICE = 50.0  # chi-square of a bearing that is another light's: fits with and without it are told
 AMBIGUOUS = 25.0  # of chi-square: poses that differ by less are both kept, as by five sigma
-OUTLIERS = 5  # of so many lights one may be another's
 # Threes of rays that are tried, starts from which the likelihood is climbed, and whether bearings
 # may be of other lights: at first, and where that leads to no good fit.
 FIRST, MORE = (5, 4, False), (40, 16, True)
-ROUNDS = 4  # in which bearings of other lights settle
-SAME_RAD = 1e-3  # poses that are turned less apart are one
+MANY, FIRST_OF_MANY = 8, (5, 2, False)  # of so many lights hardly any start is wrong
 MOST_TURN_SIGMA = 0.3  # rad: beyond it the error of a turn is not Gaussian
 NS = 1e-9  # s
 STILL: Array = np.zeros(6)  # m/s, rad/s
@@ -151,23 +149,22 @@ def poses(
     seen, stamp_ns = _seen(body, bearings)
     if len(names) < LEAST_LIGHTS:
         raise TooFewLights(f'{len(names)} lights are seen; a pose needs three or more')
-    if in_line(seen.places):
+    if spread(seen.places, np.empty(3)) < IN_LINE**2:
         raise TooFewLights(
             f'the lights that are seen, {", ".join(names)}, are in one line; its rotation about '
             'that line cannot be seen'
         )
     known = np.array([speed_sigma, rate_sigma])
     motion = _Motion(known if np.ptp(seen.apart) > 0.0 else np.zeros(2), twist)
-    found = _fits(seen, names, motion, FIRST, gate_sigma, stamp_ns)
+    first = FIRST if len(names) < MANY else FIRST_OF_MANY
+    found = _fits(seen, names, motion, first, gate_sigma, stamp_ns)
     if not found or found[0].chi2 > found[0].degrees_of_freedom + AMBIGUOUS:
         found = _fits(seen, names, motion, MORE, gate_sigma, stamp_ns)
+    # Stamps apart and few lights: what the body may do meanwhile makes wrong ones fit.
+    if not found or (found[0].outliers and motion.rates[0] > 0.0 and len(names) < MANY):
+        _check_names(
+            seen, names, motion, gate_sigma, found[0].cost + AMBIGUOUS if found else math.inf)
     if not found:
-        mirrored = seen._replace(places=seen.places * [-1.0, 1.0, 1.0])
-        if _fits(mirrored, names, motion, FIRST, gate_sigma, stamp_ns):
-            raise Inconsistent(
-                'the bearings fit a mirror image of the body: an axis of its file has the '
-                'wrong sign, for the axes are right-handed'
-            )
         raise Inconsistent(
             'no pose of the body explains the bearings: lights have the names of others, or '
             'their places on the body or the calibration of the camera are wrong'
@@ -199,6 +196,7 @@ def pose_near(
     rate_sigma: float = 3.0,
     gate_sigma: float = 5.0,
     twist: Array = STILL,
+    odd: bool = False,
 ) -> Pose | None:
     """
     Return the pose that bearings leave near another one, the last one say; None if there is none.
@@ -208,9 +206,11 @@ def pose_near(
     Parameters
     ----------
     body, bearings, speed_sigma, rate_sigma, gate_sigma, twist
-        As `poses` has them; no bearing may be of another light.
+        As `poses` has them.
     rotation, position : (3, 3), (3,) arrays
         Of the other one.
+    odd : bool
+        Whether one light in five may be another's.
 
     Raises
     ------
@@ -219,13 +219,21 @@ def pose_near(
 
     """
     seen, stamp_ns = _seen(body, bearings)
-    moved = np.ptp(seen.apart) > 0.0 if len(bearings) else False
-    rates = np.array([speed_sigma, rate_sigma]) if moved else np.zeros(2)
-    pose = _climbed(
-        seen, [name for name, _ in bearings], _Motion(rates, twist), rotation.copy(),
-        position.copy(), False, (), gate_sigma, stamp_ns,
+    names = [name for name, _ in bearings]
+    moves = np.ptp(seen.apart) > 0.0 if names else np.False_
+    rates = np.array([speed_sigma, rate_sigma]) if moves else np.zeros(2)
+    start, place, motion = rotation.copy(), position.copy(), twist.copy()
+    covariance, used = np.empty((12, 12)), np.empty(len(names))
+    cost = climb(
+        *seen, rates, twist, _gates(gate_sigma, len(names)), odd, start, place, motion, used,
+        covariance, NONE,
     )
-    return pose and _in_metres(pose, body.size_sigma)
+    if not cost < math.inf:
+        return None
+    return _in_metres(
+        _pose(names, start, place, motion, covariance, used, cost, moves, stamp_ns),
+        body.size_sigma,
+    )
 
 
 def _in_metres(pose: Pose, size_sigma: float) -> Pose:
@@ -248,25 +256,16 @@ def _seen(body: Body, bearings: Sequence[tuple[str, Bearing]]) -> tuple[_Seen, i
     if len(set(names)) < len(names):
         raise ConstellationError(f'a light has two bearings: {", ".join(names)}')
     numbers = [index[name] for name in names]
-    angles = MRAD * np.array(
-        [[each.azimuth, each.elevation] for _, each in bearings]
-    ).reshape(-1, 2)
-    noise = MRAD**2 * np.array([each.covariance for _, each in bearings]).reshape(-1, 2, 2)
-    level = np.cos(angles[:, 1])
-    noise[:, 0] *= level[:, None]
-    noise[:, :, 0] *= level[:, None]
-    determinants = noise[:, 0, 0] * noise[:, 1, 1] - noise[:, 0, 1] * noise[:, 1, 0]
-    sound = (
-        np.isfinite(angles).all(axis=1) & np.isfinite(noise).all(axis=(1, 2))
-        & (noise[:, 0, 0] > 0.0) & (determinants > 0.0)
-    )
-    for name, fine in zip(names, sound, strict=True):
-        if not fine:
-            raise ConstellationError(
-                f'the bearing of {name} or its covariance is not finite, or the covariance not '
-                'positive definite'
-            )
-    rays, bases = rays_of(angles)
+    count = len(names)
+    angles = np.array([(each.azimuth, each.elevation) for _, each in bearings]).reshape(-1, 2)
+    noise = np.array([each.covariance for _, each in bearings], dtype=float).reshape(-1, 2, 2)
+    rays, bases = np.empty((count, 3)), np.empty((count, 3, 2))
+    unsound = _spherical(MRAD * angles, MRAD**2 * noise, noise, rays, bases)
+    if unsound < count:
+        raise ConstellationError(
+            f'the bearing of {names[unsound]} or its covariance is not finite, or the covariance '
+            'not positive definite'
+        )
     stamps = [each.stamp_ns for _, each in bearings]
     latest = max(stamps, default=0)
     apart = NS * np.array([each - latest for each in stamps], dtype=float)
@@ -274,15 +273,26 @@ def _seen(body: Body, bearings: Sequence[tuple[str, Bearing]]) -> tuple[_Seen, i
     return seen, latest
 
 
-def rays_of(angles: Array) -> tuple[Array, Array]:
-    """Return unit vectors, and what is along azimuth and elevation across them."""
-    sines, cosines = np.sin(angles), np.cos(angles)
-    (sine, rise), (cosine, level) = sines.T, cosines.T
-    rays = np.stack([level * sine, -rise, level * cosine], axis=1)
-    bases = np.empty((len(angles), 3, 2))
-    bases[:, 0, 0], bases[:, 1, 0], bases[:, 2, 0] = cosine, 0.0, -sine
-    bases[:, 0, 1], bases[:, 1, 1], bases[:, 2, 1] = -rise * sine, -level, -rise * cosine
-    return rays, bases
+@kernel
+def _spherical(
+    angles: Array, covariances: Array, noise: Array, rays: Array, bases: Array
+) -> int:
+    """Fill in rays, bases and noise as `likelihood.fit` has them; return how many are sound."""
+    for k in range(len(angles)):
+        sine, cosine = np.sin(angles[k, 0]), np.cos(angles[k, 0])
+        rise, level = np.sin(angles[k, 1]), np.cos(angles[k, 1])
+        rays[k, 0], rays[k, 1], rays[k, 2] = level * sine, -rise, level * cosine
+        bases[k, 0, 0], bases[k, 1, 0], bases[k, 2, 0] = cosine, 0.0, -sine
+        bases[k, 0, 1], bases[k, 1, 1], bases[k, 2, 1] = -rise * sine, -level, -rise * cosine
+        noise[k, 0, 0] = covariances[k, 0, 0] * level**2
+        noise[k, 0, 1] = covariances[k, 0, 1] * level
+        noise[k, 1, 0] = covariances[k, 1, 0] * level
+        noise[k, 1, 1] = covariances[k, 1, 1]
+        determinant = noise[k, 0, 0] * noise[k, 1, 1] - noise[k, 0, 1] * noise[k, 1, 0]
+        known = np.isfinite(rays[k]).all() and np.isfinite(noise[k]).all()
+        if not (known and noise[k, 0, 0] > 0.0 and determinant > 0.0):
+            return k
+    return len(angles)
 
 
 def _fits(
@@ -290,132 +300,74 @@ def _fits(
     gate_sigma: float, stamp_ns: int,
 ) -> list[Pose]:
     """Return the poses of greatest likelihood that the bearings allow, the likeliest first."""
-    triples, most, others = effort
-    starts, positions = np.empty((most, 3, 3)), np.empty((most, 3))
-    # What a body that moves does meanwhile is not in the pose of three rays.
-    speed2, rate2 = motion.rates**2 + (motion.expected**2).reshape(2, 3).sum(axis=1) * (
-        motion.rates > 0.0)
-    doubt = seen.variances + (speed2 + rate2 * np.sum(seen.places**2, 1)) * seen.apart**2
-    count = candidates(
-        seen.places, doubt, *seen[2:], motion.expected, _triples(len(names), triples), PRICE,
-        starts, positions,
+    triples, starts, odd = effort
+    count, most = len(names), starts + 1
+    rotations, positions, twists = np.empty((most, 3, 3)), np.empty((most, 3)), np.empty((most, 6))
+    covariances, used, costs = np.empty((most, 12, 12)), np.empty((most, count)), np.empty(most)
+    number = search(
+        *seen, *motion, _triples(count, triples), PRICE, _gates(gate_sigma, count), odd,
+        rotations, positions, twists, covariances, used, costs,
     )
-    found: list[Pose] = []
-    tried = [(starts[i], positions[i]) for i in range(count)]
-    tried += [_mirrored(seen.places, *each) for each in tried[:1]]
-    for start, position in tried:
-        pose = _climbed(
-            seen, names, motion, start.copy(), position.copy(), others, found, gate_sigma, stamp_ns
+    moves = motion.rates[0] > 0.0
+    return [
+        _pose(
+            names, rotations[each], positions[each], twists[each], covariances[each], used[each],
+            costs[each], moves, stamp_ns,
         )
-        if pose is not None:
-            found.append(pose)
-    return sorted(found, key=lambda pose: pose.cost)
+        for each in np.argsort(costs[:number], kind='stable').tolist()
+    ]
 
 
-def _climbed(
-    seen: _Seen, names: list[str], motion: _Motion, rotation: Array, position: Array,
-    others: bool, found: Sequence[Pose], gate_sigma: float, stamp_ns: int,
-) -> Pose | None:
-    """Return the pose of greatest likelihood from a start; None if it is none, or found."""
-    count = len(names)
-    used, chi2 = np.ones(count), np.empty(count)
-    information, twist = np.zeros((12, 12)), motion.expected.copy()
-    first = rotation.copy(), position.copy()
-    most = _most(gate_sigma, 2)
-    cost = fit(*seen, used, *motion, rotation, position, twist, information, chi2)
-    if others and count >= OUTLIERS and cost > _most(gate_sigma, 2 * count - 6):
-        rotation, position = first  # the outlier has drawn the fit away
-        twist[:] = motion.expected
-        used = _inliers(seen, motion, rotation, position, twist, information, chi2)
-        for _ in range(ROUNDS):
-            cost = fit(*seen, used, *motion, rotation, position, twist, information, chi2)
-            now = (chi2 < most).astype(float)
-            if (now == used).all():
-                break
-            if now.sum() < count - count // OUTLIERS:
-                return None
-            used = now
-        else:
-            return None
-    inside = int(used.sum())
-    degrees = 2 * inside - 6
-    if not cost <= _most(gate_sigma, max(degrees, 1)):  # nor NaN
-        return None
-    flat = rotation.ravel()
-    if any(3.0 - flat @ each.rotation.ravel() < SAME_RAD**2 for each in found):
-        return None
-    along = np.sum(seen.rays * (seen.places @ rotation.T + position), axis=1)
-    if along[used > 0.0].min() < 0.0:
-        return None
-    size = 12 if motion.rates[0] > 0.0 else 6
-    try:
-        whole = np.asarray(np.linalg.inv(information[:size, :size]), dtype=np.float64)
-    except np.linalg.LinAlgError:
-        return None
+def _pose(
+    names: list[str], rotation: Array, position: Array, twist: Array, covariance: Array,
+    used: Array, cost: float, moves: np.bool_, stamp_ns: int,
+) -> Pose:
+    """Return what a search has found."""
+    outliers = tuple(name for name, one in zip(names, used.tolist(), strict=True) if not one)
     return Pose(
-        rotation, position, whole[:6, :6], twist,
-        whole[6:, 6:] if size == 12 else np.zeros((6, 6)),
-        cost, degrees,
-        tuple(name for name, one in zip(names, used, strict=True) if not one), stamp_ns,
+        rotation, position, covariance[:6, :6], twist,
+        covariance[6:, 6:] if moves else np.zeros((6, 6)), float(cost),
+        2 * (len(names) - len(outliers)) - 6, outliers, stamp_ns,
     )
 
 
-def _inliers(
-    seen: _Seen, motion: _Motion, rotation: Array, position: Array, twist: Array,
-    information: Array, chi2: Array,
-) -> Array:
-    """Return which bearings count: all but the one in five that fits a start the least."""
-    fit(
-        *seen, np.zeros(len(chi2)), np.zeros(2), motion.expected, rotation.copy(),
-        position.copy(), twist, information, chi2,
-    )
-    used = np.ones(len(chi2))
-    worst = np.argsort(chi2)[len(chi2) - len(chi2) // OUTLIERS:]
-    used[worst] = 0.0
-    return used
-
-
-def _mirrored(
-    places: Array, rotation: Array, position: Array
-) -> tuple[Array, Array]:
-    """
-    Return the other pose in which lights in a plane look nearly the same.
-
-    Depths about the middle are turned over: R' = (I - 2 v v^T) R (I - 2 n n^T) with the line of
-    sight v and the body's thinnest direction n.
-    """
-    middle = places.sum(axis=0) / len(places)
-    beside = places - middle
-    thin = np.linalg.eigh(beside.T @ beside)[1][:, 0]
-    centre = rotation @ middle + position
-    sight = centre / math.sqrt(centre @ centre)
-    turned = rotation - (2.0 * sight)[:, None] * (sight @ rotation)
-    other = turned - (turned @ (2.0 * thin))[:, None] * thin
-    return other, centre - other @ middle
+def _check_names(
+    seen: _Seen, names: list[str], motion: _Motion, gate_sigma: float, most: float
+) -> None:
+    """Refuse bearings that two exchanged names, or a mirror image of the body, explain as well."""
+    count = len(names)
+    costs = np.empty((count, count))
+    exchanges(
+        *seen, *motion, _triples(count, FIRST[0]), PRICE, _gates(gate_sigma, count), costs)
+    best = np.unravel_index(np.argmin(costs), costs.shape)
+    if costs[best] < math.inf and costs[best] + PRICE <= most:
+        one, other = (names[each] for each in best)
+        raise Inconsistent(
+            f"{one} and {other} are exchanged: the bearing of each fits the other's place; "
+            'correct their names in the body file, or their codes'
+        )
+    mirrored = _fits(
+        seen._replace(places=seen.places * [-1.0, 1.0, 1.0]), names, motion, FIRST, gate_sigma, 0)
+    if mirrored and mirrored[0].cost + PRICE <= most:
+        raise Inconsistent(
+            'the bearings fit a mirror image of the body: an axis of its file has the wrong '
+            'sign, for the axes are right-handed'
+        )
 
 
 def _in_one_valley(
     seen: _Seen, names: list[str], motion: _Motion, pose: Pose
 ) -> list[Pose]:
     """
-    Return the mirrored pose where it is as likely, and no maximum of its own.
+    Return a far end of the valley of the likelihood in which a pose lies, if it has one.
 
-    Seen nearly from the front both are in one valley of the likelihood, whose length the
-    covariance at its bottom does not tell.
+    Its covariance does not tell how long the valley is.
     """
-    rotation, position = _mirrored(seen.places, pose.rotation, pose.position)
     used = np.array([float(name not in pose.outliers) for name in names])
-    cost = linearise(
-        *seen, used, *motion, rotation, position, pose.twist, np.empty((12, 12)), np.empty(12),
-        np.empty(len(names)),
-    )
-    if not cost <= pose.chi2 + AMBIGUOUS:
+    rotation, position, twist = pose.rotation.copy(), pose.position.copy(), pose.twist.copy()
+    if not far_end(*seen, used, *motion, rotation, position, twist, AMBIGUOUS):
         return []
-    turned = scipy.spatial.transform.Rotation.from_matrix(rotation @ pose.rotation.T)
-    way = np.concatenate([position - pose.position, turned.as_rotvec()])
-    if way @ np.linalg.solve(pose.covariance, way) < AMBIGUOUS:
-        return []
-    return [replace(pose, rotation=rotation, position=position, chi2=float(cost))]
+    return [replace(pose, rotation=rotation, position=position, twist=twist)]
 
 
 @cache
@@ -426,6 +378,8 @@ def _triples(count: int, most: int) -> NDArray[np.int64]:
 
 
 @cache
-def _most(gate_sigma: float, degrees: int) -> float:
-    """Return the chi-square that is as improbable as a Gaussian deviate beyond +-gate_sigma."""
-    return float(scipy.special.chdtri(degrees, math.erfc(gate_sigma / math.sqrt(2.0))))
+def _gates(gate_sigma: float, count: int) -> Array:
+    """Return the greatest chi-square of a bearing, and that of a pose of one to `count`."""
+    improbable = math.erfc(gate_sigma / math.sqrt(2.0))  # a Gaussian deviate beyond +-gate_sigma
+    degrees = [2, *(max(2 * each - 6, 1) for each in range(1, count + 1))]
+    return np.asarray(scipy.special.chdtri(degrees, improbable))

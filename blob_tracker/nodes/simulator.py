@@ -122,7 +122,8 @@ class SimulatorNode(Node):
         model = CameraModel(width, height, pinhole_matrix(focal_length, width, height))
         flight: Flight | None = None
         if body_url:
-            scene, lights, flight = _on_body(body_url, scene, lights, model)
+            scene, lights, flight = _on_body(
+                body_url, scene, lights, model, np.random.default_rng([values['seed'], 12]))
         try:
             pixels = scene.frame(0)
         except MemoryError:
@@ -392,9 +393,14 @@ def _scene(
 
 
 def _on_body(
-    url: str, scene: Scene, lights: dict[str, LightSource], model: CameraModel
+    url: str, scene: Scene, lights: dict[str, LightSource], model: CameraModel,
+    random: np.random.Generator,
 ) -> tuple[Scene, dict[str, LightSource], Flight]:
-    """Return the scene with its lights on a body, these, and how it flies."""
+    """
+    Return the scene with its lights on a body, these, and how it flies.
+
+    The body is one that was built: each light is off its place in the file by its sigma.
+    """
     # Loads Numba: lights by themselves do without.
     from blob_tracker.ros.parameters.body import body_of
 
@@ -406,7 +412,8 @@ def _on_body(
             f'flash.codes, in flash.mode coded, {", ".join(filter(None, alone)) or "none"}; they '
             'must be the same'
         )
-    places = dict(zip(body.names, body.places, strict=True))
+    built = body.places + body.sigmas[:, None] * random.standard_normal(body.places.shape)
+    places = dict(zip(body.names, built, strict=True))
     scene, of_body, flight = flying_body(scene, alone, places, model.matrix)
     return scene, {**of_body}, flight
 

@@ -104,6 +104,23 @@ def tangents(angles: Array) -> Array:
     return np.stack([across, upward], axis=-1)
 
 
+def angles_of(places: Array) -> Array:
+    """Return azimuth and elevation of (n, 3) places in the optical frame, rad, (n, 2)."""
+    x, y, z = places.T
+    return np.stack([np.arctan2(x, z), np.arctan2(-y, np.hypot(x, z))], axis=1)
+
+
+def by_place_of(places: Array) -> Array:
+    """Return the (n, 2, 3) derivatives of azimuth and elevation by (n, 3) places."""
+    x, y, z = places.T
+    level = np.hypot(x, z)
+    square = level**2 + y**2
+    return np.stack([
+        np.stack([z / level**2, np.zeros_like(x), -x / level**2], axis=1),
+        np.stack([x * y / level, -level, z * y / level], axis=1) / square[:, None],
+    ], axis=1)
+
+
 def nearest_point(rays: Rays) -> Array:
     """Return the point with the least squared distance from all rays."""
     across = np.eye(3) - rays.directions[:, :, None] * rays.directions[:, None, :]
@@ -126,23 +143,17 @@ def linearised(position: Array, rays: Rays) -> tuple[Array, Array, Array, Array]
     to_local = np.swapaxes(rays.rotations, 1, 2)
     local = (to_local @ (position - rays.centres)[:, :, None])[:, :, 0]
     x, y, z = local.T
-    flat = x**2 + z**2
-    level = np.sqrt(flat)
-    square = flat + y**2
     none = np.zeros_like(x)
-    by_local = np.array([
-        [z / flat, none, -x / flat],
-        [x * y / (level * square), -level / square, z * y / (level * square)],
-    ]).transpose(2, 0, 1)
+    by_local = by_place_of(local)
     by_place = by_local @ to_local
     # [p]x is the derivative of the local position by a turn of the camera.
     turned = by_local @ np.array([[none, -z, y], [z, none, -x], [-y, x, none]]).transpose(2, 0, 1)
     by_pose = np.concatenate([turned, -by_place], axis=2)
-    residuals = rays.seen - np.stack([np.arctan2(x, z), np.arctan2(-y, level)], axis=1)
+    residuals = rays.seen - angles_of(local)
     residuals[:, 0] -= TURN_RAD * np.round(residuals[:, 0] / TURN_RAD)
     errors = by_pose[:, None] @ rays.of_poses @ np.swapaxes(by_pose, 1, 2)
     # Over the distances: it is the same way in space that all see.
-    across = by_place * np.sqrt(square)[:, None, None]
+    across = by_place * np.linalg.norm(local, axis=1)[:, None, None]
     strayed = rays.strayed[:, :, None, None] * (across[:, None] @ np.swapaxes(across, 1, 2))
     size = 2 * len(x)
     return (

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from blob_tracker.calibration.rays import angles_of, by_place_of, Rays
+from blob_tracker.calibration.rays import Rays
+from blob_tracker.tracking.rays import angles_of, by_place_of
 import numpy as np
 
 

@@ -56,13 +56,17 @@ def test_errors_are_taken_at_the_instants_of_the_poses() -> None:
     assert WatchedBody('drone').score() is None
 
 
-@pytest.mark.parametrize('grown, code', [(1.0, 0), (2.0, 1)])
-def test_the_verdict_is_by_the_covariance(grown: float, code: int, tmp_path: Path) -> None:
-    """With a picture, and a table beside it."""
+@pytest.mark.parametrize('grown, code, word', [
+    (1.0, 0, 'as the covariances say'), (2.0, 1, 'MORE than'), (0.3, 1, 'LESS than'),
+])
+def test_the_verdict_is_by_the_covariance(
+    grown: float, code: int, word: str, tmp_path: Path
+) -> None:
+    """Too wide is as wrong as too narrow; with a picture, and a table beside it."""
     printed, body = StringIO(), flown(grown)
     console = Console(file=printed, width=140)
     assert _judge_body(console, body, tmp_path / 'pose.png') == code
-    assert ('LARGER than' if code else 'as the covariances say') in printed.getvalue()
+    assert word in printed.getvalue()
     assert cv2.imread(str(tmp_path / 'pose.png')).shape[1] >= 1000
     console.print(_of_body(body))
     assert 'turn off (degrees rms)' in printed.getvalue()

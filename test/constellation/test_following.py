@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections import Counter
 
 from blob_tracker.constellation import (
-    Body, ConstellationError, Following, Pose, poses,
+    Body, ConstellationError, Following, Inconsistent, Pose, poses,
 )
 from blob_tracker.types import Bearing
 import numpy as np
 from numpy.typing import NDArray
+import pytest
 from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
@@ -123,3 +124,31 @@ def test_one_bad_sighting_does_not_decide() -> None:
     assert taken[-1] == 1
     found = following.take(flight.seen(3.0))
     assert flight.judged(found, 3.0) == 'right'
+
+
+@pytest.mark.parametrize('step', [0.0, 1e-3])
+def test_exchanged_names_are_told(step: float) -> None:
+    """Also where a body that moves meanwhile would explain four of the five."""
+    body = Body(NAMES, PLACES, np.zeros(5))
+    for seed in range(3):
+        flight, following = Flight(PLACES, 2.0, 300 + seed), Following(body)
+        for number in range(15):
+            (one, first), (two, second), *others = flight.seen(number / RATE, step)
+            with pytest.raises(Inconsistent, match='port and starboard are exchanged'):
+                following.take([(one, second), (two, first), *others])
+
+
+def test_one_light_that_is_off_from_the_start() -> None:
+    """Its motion from one sighting to the next tells which one it is."""
+    body = Body(NAMES, PLACES, np.zeros(5))
+    counts = Counter[str]()
+    for seed in range(4):
+        flight, following = Flight(PLACES, 2.0, 300 + seed), Following(body)
+        for number in range(20):
+            time = number / RATE
+            try:
+                counts[flight.judged(following.take(flight.seen(time, 1e-3, 20.0)), time)] += 1
+            except Inconsistent:
+                counts['refused'] += 1
+    assert counts['wrong'] == 0
+    assert counts['right'] > 0.7 * counts.total()

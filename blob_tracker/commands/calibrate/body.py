@@ -6,7 +6,7 @@ import argparse
 import math
 from pathlib import Path
 
-from blob_tracker.calibration.body import BodyCalibration, calibrate_body
+from blob_tracker.calibration.body import BodyCalibration, calibrate_body, check_distance
 from blob_tracker.calibration.body_picture import draw_body
 from blob_tracker.calibration.body_start import BodyCalibrationError
 from blob_tracker.camera.yaml_file import CalibrationError
@@ -68,6 +68,7 @@ def main(arguments: argparse.Namespace) -> None:
     """Calibrate."""
     check_out(arguments.out, '.png', arguments.source)
     distance = length_of('--distance', 'LIGHT LIGHT M [SIGMA]', arguments.distance)
+    check_distance(distance)
     if not 1.0 <= arguments.seconds <= 3600.0:
         raise UsageError(f'--seconds is {arguments.seconds:g}; it must be 1 to 3600')
     if arguments.source is None and not arguments.lights:

@@ -7,10 +7,12 @@ from collections.abc import Sequence
 import json
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from blob_tracker.calibration.hand_eye import (
     calibrate_hand_eye, HandEyeCalibration, HandEyeError, Joint,
 )
+from blob_tracker.calibration.hand_eye_picture import draw_hand_eye
 from blob_tracker.commands.calibrate.ray_sources import rays_of, recorded_bearings
 from blob_tracker.commands.calibrate.report import results_table, Row, row, tell_of
 from blob_tracker.commands.exit_code import check_out, UsageError
@@ -23,9 +25,13 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
+if TYPE_CHECKING:  # it needs ROS
+    from blob_tracker.ros.endpoints.panning import JointSeries
+
 Array = NDArray[np.float64]
 
 FAILURES = (HandEyeError, RecordingError)
+NEEDS_ROS = 'calibrate hand_eye needs ROS: source its setup file'
 KIND = 'sensor_msgs/msg/JointState'
 MM_PER_M, MS_PER_S = 1e3, 1e3
 LENGTH_SIGMA = 0.01  # of a range by a tape measure, over it
@@ -34,8 +40,9 @@ LENGTH_SIGMA = 0.01  # of a range by a tape measure, over it
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument(
-        'bag', type=Path, metavar='BAG',
-        help='of target/ray and joint_states, while both joints swung before a still light',
+        'source', nargs='?', type=Path, metavar='BAG',
+        help='of target/ray and joint_states, while both joints swung before a still light; '
+             'without it both are listened to',
     )
     parser.add_argument('--ray', default='target/ray', help='topic of the bearings (%(default)s)')
     parser.add_argument(
@@ -54,23 +61,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='of the light from the camera, m, and its standard deviation (default 1 %%)',
     )
     parser.add_argument(
+        '--seconds', type=float, default=30.0, help='to listen where there is no bag (%(default)g)'
+    )
+    parser.add_argument(
         '--out', type=Path, default=Path('hand_eye.yaml'), metavar='FILE',
-        help='parameters of the tracker (%(default)s)',
+        help='parameters of the tracker (%(default)s); the picture goes beside it, as .png',
     )
 
 
 def main(arguments: argparse.Namespace) -> None:
     """Calibrate."""
-    check_out(arguments.out, '', arguments.bag)
+    check_out(arguments.out, '.png', arguments.source)
+    if not 1.0 <= arguments.seconds <= 3600.0:
+        raise UsageError(f'--seconds is {arguments.seconds:g}; it must be 1 to 3600')
     distance = arguments.distance
     if distance is not None and len(distance) > 2:
         raise UsageError('--distance has one number or two: M [SIGMA]')
     if arguments.joints[0] == arguments.joints[1]:
         raise UsageError('--joints are two')
     console = Console()
-    with opened(arguments.bag) as bag:
-        bearings, _ = _of_topic(bag, arguments.ray)
-        stamps, angles = _angles(bag, arguments.joint_states, arguments.joints)
+    if arguments.source is None:
+        with console.status(f'turn both joints before the light, for {arguments.seconds:g} s'):
+            bearings, stamps, angles = _live(arguments)
+    else:
+        with opened(arguments.source) as bag:
+            bearings, _ = _of_topic(bag, arguments.ray)
+            stamps, angles = _angles(bag, arguments.joint_states, arguments.joints)
     # Of one origin: that of the rays.
     first_ns = min((each.stamp_ns for each in bearings), default=0)
     times: list[Array] = [
@@ -86,6 +102,9 @@ def main(arguments: argparse.Namespace) -> None:
     _report(console, result)
     tell_of(console, arguments.out)
     arguments.out.write_text(_parameters(result, arguments.joints, arguments.joint_sigma))
+    picture = arguments.out.with_suffix('.png')
+    tell_of(console, picture)
+    draw_hand_eye(picture, result)
 
 
 def _of_topic(bag: Bag, name: str) -> tuple[list[Bearing], str]:
@@ -97,25 +116,38 @@ def _of_topic(bag: Bag, name: str) -> tuple[list[Bearing], str]:
     return recorded_bearings(bag, topics[:1] or [name])[topics[0] if topics else name]
 
 
+def _live(
+    arguments: argparse.Namespace
+) -> tuple[list[Bearing], list[list[int]], list[list[float]]]:
+    """Return the bearings that come, and stamps and angles as `_angles` does."""
+    try:
+        from blob_tracker.ros.endpoints.panning import live_panning
+    except ImportError:
+        raise SourceError(NEEDS_ROS) from None
+    bearings, series = live_panning(
+        arguments.ray, arguments.joint_states, arguments.joints, arguments.seconds)
+    if not bearings:
+        raise RecordingError(f'no ray came on {arguments.ray} in {arguments.seconds:g} s')
+    return bearings, *_in_order(series, 'what came', arguments.joint_states)
+
+
 def _angles(
     bag: Bag, name: str, joints: Sequence[str]
 ) -> tuple[list[list[int]], list[list[float]]]:
     """Return stamps, ns, and angles, rad, of each joint, in the order of the stamps."""
     try:
-        from blob_tracker.ros.messages.joint_states import to_angles
-        from blob_tracker.ros.messages.stamp import to_ns
+        from blob_tracker.ros.endpoints.panning import JointSeries
         from rclpy.serialization import deserialize_message
         from sensor_msgs.msg import JointState
     except ImportError:
-        raise SourceError('calibrate hand_eye needs ROS: source its setup file') from None
+        raise SourceError(NEEDS_ROS) from None
     topics = [
         topic for topic in bag.topics
         if topic.kind == KIND and f'/{topic.name}'.endswith(f'/{name.lstrip("/")}')
     ]
     if len(topics) != 1:
         raise RecordingError(f'{bag.path} has {len(topics)} topics {name} of the type {KIND}')
-    found: dict[str, dict[int, float]] = {joint: {} for joint in joints}
-    there: set[str] = set()
+    series = JointSeries(joints)
     for message in bag.messages(topics):
         # Not by rosbags: it wants padding before the empty list of velocities.
         try:
@@ -124,23 +156,27 @@ def _angles(
             raise RecordingError(
                 f'{bag.path}, {name}: a message is not a {KIND}: {error}'
             ) from None
-        there.update(states.name)
         try:
-            for joint, angle in to_angles(states, joints).items():
-                if math.isfinite(angle):
-                    found[joint][to_ns(states.header.stamp)] = angle
+            series.take(states)
         except MessageError as error:
             raise RecordingError(f'{bag.path}, {name}: {error}') from None
-    for joint, series in found.items():
-        if not series:
+    return _in_order(series, str(bag.path), name)
+
+
+def _in_order(
+    series: JointSeries, source: str, name: str
+) -> tuple[list[list[int]], list[list[float]]]:
+    """Return stamps and angles of each joint, once each has some."""
+    for joint, angles in series.angles.items():
+        if not angles:
             raise RecordingError(
-                f'{bag.path} has no angle of the joint {joint} on {name}; it has those of '
-                f'{", ".join(sorted(there)) or "none"}: give --joints'
+                f'{source} has no angle of the joint {joint} on {name}; it has those of '
+                f'{", ".join(sorted(series.names)) or "none"}: give --joints'
             )
-    in_order = [sorted(found[joint].items()) for joint in joints]
+    in_order = [sorted(angles.items()) for angles in series.angles.values()]
     return (
-        [[stamp for stamp, _ in series] for series in in_order],
-        [[angle for _, angle in series] for series in in_order],
+        [[stamp for stamp, _ in each] for each in in_order],
+        [[angle for _, angle in each] for each in in_order],
     )
 
 

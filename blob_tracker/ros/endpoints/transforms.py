@@ -8,7 +8,7 @@ none. Two topics, their QoS and one message are all that there is to TF.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from functools import partial
 import math
@@ -16,6 +16,7 @@ import time
 from typing import Any
 
 from blob_tracker.ros.diagnostics.health import ERROR, Health, WARN
+from blob_tracker.ros.diagnostics.interleaving import Interleaving
 from blob_tracker.ros.endpoints.qos import publisher, QuietPublisher, subscription, TF, TF_STATIC
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.messages.stamp import to_ns
@@ -76,11 +77,9 @@ class Transforms:
         self._tree = TransformTree(hold)
         self._refused: dict[str, str] = {}  # why, by the frame
         self._came_ns: dict[str, int] = {}  # monotonic time of the last of each frame that moves
-        for topic, take, qos in (
-            ('/tf', partial(self._take, self._put), TF),
-            ('/tf_static', partial(self._take, self._put_static), TF_STATIC),
-        ):
-            subscription(node, kind, topic, take, qos)
+        self._senders: dict[str, Interleaving] = {}  # of each frame that moves
+        subscription(node, kind, '/tf', self._take_moving, TF, informed=True)
+        subscription(node, kind, '/tf_static', partial(self._take, self._put_static), TF_STATIC)
 
     def lookup(self, frame: str, reference: str, stamp_ns: int) -> Found:
         """
@@ -114,6 +113,23 @@ class Transforms:
     def forget(self, after_ns: int) -> None:
         """Forget what has a later stamp, ns; the lock is held."""
         self._tree.forget(after_ns)
+
+    def _take_moving(self, message: Any, information: Mapping[str, int | None]) -> None:
+        """Take the transforms of a message on /tf, and say which frames several nodes publish."""
+        number, sent_ns = (
+            information[each] for each in ('publication_sequence_number', 'source_timestamp')
+        )
+        if number is not None and sent_ns is not None:  # not every middleware numbers them
+            for each in message.transforms:
+                sender = self._senders.setdefault(each.child_frame_id, Interleaving())
+                sender.took(number, sent_ns)
+                if sender.mixed:
+                    self._health.fault(
+                        WARN,
+                        f"several nodes publish '{each.child_frame_id:.80}' on /tf, and it is "
+                        'interpolated between what they say in turns: let one of them do so',
+                    )
+        self._take(self._put, message)
 
     def _take(self, put: Callable[[TransformStamped], None], message: Any) -> None:
         """Take the transforms of a message."""

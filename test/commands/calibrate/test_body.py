@@ -138,9 +138,17 @@ def test_a_body_that_is_refused_is_not_announced(
     bag = recorded(tmp_path / 'bag')
     assert run(bag, '--distance', 'port', 'starboard', 1e3 * WIDTH, '--out', out) == 1
     captured = capsys.readouterr()
-    assert 'are in metres, not millimetres' in captured.err
+    assert 'give it in metres, not millimetres' in captured.err
     assert 'body.yaml' not in captured.out
     assert not out.exists()
+
+
+def test_millimetres_are_refused_before_the_body_is_turned(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No body that somebody turns has lights 10 m apart."""
+    assert run(tmp_path / 'none', '--distance', 'port', 'mast', '10') == 1
+    assert 'the distance is 10 m, on a body that is turned' in capsys.readouterr().err
 
 
 @pytest.mark.parametrize('words, sentence', [

@@ -12,6 +12,7 @@ from blob_tracker.ros.messages.target import ray_message
 from blob_tracker.simulation.panned_camera import PannedCamera
 from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
+import cv2
 import numpy as np
 import pytest
 from rclpy.serialization import serialize_message
@@ -74,6 +75,7 @@ def test_it_writes_what_the_tracker_takes(
     assert found['stamp_offset'] == pytest.approx(0.012, abs=5e-4)
     assert '<axis xyz="' in text
     assert 'pan arm z' in capsys.readouterr().out
+    assert cv2.imread(str(tmp_path / 'hand_eye.png')).shape[1] >= 1000
     assert run(bag, '--out', out) == 1
     error = capsys.readouterr().err
     assert 'has no angle of the joint pan on joint_states' in error
@@ -112,6 +114,7 @@ def test_the_tilt_of_an_axis_is_that_of_its_line(
 @pytest.mark.parametrize('words, sentence', [
     (('--distance', '1', '2', '3'), 'one number or two'),
     (('--joints', 'pan', 'pan'), '--joints are two'),
+    (('--seconds', '0'), 'it must be 1 to 3600'),
 ])
 def test_options_that_are_wrong(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], words: tuple[str, ...], sentence: str

@@ -66,6 +66,24 @@ def heard(domain: int, tf2_messages: None) -> Iterator[Heard]:
         own.destroy_node()
 
 
+def test_a_frame_that_two_nodes_publish_is_named(heard: Heard) -> None:
+    """With the same parent; what each of them says of other frames is all right."""
+    other = Broadcaster(heard.node)
+    heard.node.spin_until(lambda: other.moving.get_subscription_count())
+    for number in range(3):
+        heard.tf.move(NOW + (30 + 20 * number) * MS, pan=('base', transform(yaw=0.3)))
+        other.move(NOW + (40 + 20 * number) * MS, arm=('base', transform(yaw=0.3)))
+    heard.wait(9)
+    assert not heard.faults
+    for number in range(3):
+        heard.tf.move(NOW + (100 + 20 * number) * MS, pan=('base', transform(yaw=0.3)))
+        heard.wait(10 + 2 * number)
+        other.move(NOW + (110 + 20 * number) * MS, pan=('base', transform(yaw=0.9)))
+        heard.wait(11 + 2 * number)
+    assert any("several nodes publish 'pan' on /tf" in each for each in heard.faults)
+    assert not any("'arm'" in each for each in heard.faults)
+
+
 def test_what_comes_is_looked_up(heard: Heard) -> None:
     """Also what was published for good before."""
     found = heard.transforms.lookup('camera', 'base', NOW + 5 * MS)
