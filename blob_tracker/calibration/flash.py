@@ -36,6 +36,17 @@ class FlashSettings:
     notes : tuple of str
         What speaks against it, and what is left out.
 
+    Examples
+    --------
+    The second of three lights is a lamp on the mains:
+
+    >>> settings = FlashSettings(
+    ...     {'flash.mode': 'periodic', 'flash.frequencies': 'light_1:6,light_3:13.7'},
+    ...     ('light_1', '', 'light_3'),
+    ... )
+    >>> settings.lights
+    'light_1,light_3'
+
     """
 
     values: dict[str, str | float | int] = field(default_factory=dict)
@@ -58,6 +69,18 @@ def flash_settings(lights: Sequence[Light], exposure: float) -> FlashSettings:
         Of one recording.
     exposure : float
         Of a frame, s; 0 where it is not known.
+
+    Examples
+    --------
+    A light that sends its code with two frames for a bit:
+
+    >>> from blob_tracker.blinking.survey import Survey
+    >>> survey, point = Survey(360), [320.0, 240.0, 0.0025, 0.0, 0.0025, 1000.0, 10.0]
+    >>> for index in range(360):
+    ...     points = np.array([point] * int('1101000'[index // 2 % 7])).reshape(-1, 7)
+    ...     _ = survey.push(points, round(1e9 * index / 60.0), 50.0)
+    >>> flash_settings(survey.lights(), exposure=0.0).values
+    {'flash.mode': 'coded', 'flash.codes': 'light_1:1101000', 'flash.frames_per_bit': 2}
 
     """
     chosen: dict[str, Light] = {}
@@ -143,6 +166,20 @@ def clock_error(light: Light) -> tuple[str, float, float] | None:
 
     A code against the frames: bits of a whole number of them; a wave against the nearest multiple
     of 0.1 Hz, where it is known so well. In parts per million.
+
+    Examples
+    --------
+    A light that sends its code with two frames for a bit:
+
+    >>> from blob_tracker.blinking.survey import Survey
+    >>> survey, point = Survey(180), [320.0, 240.0, 0.0025, 0.0, 0.0025, 1000.0, 10.0]
+    >>> for index in range(180):
+    ...     points = np.array([point] * int('1101000'[index // 2 % 7])).reshape(-1, 7)
+    ...     _ = survey.push(points, round(1e9 * index / 60.0), 50.0)
+    >>> against, error, sigma = clock_error(survey.lights()[0])
+    >>> against, abs(error) < 3.0 * sigma
+    ('2 frames a bit', True)
+
     """
     rhythm = light.rhythm
     if rhythm.kind == 'code':
@@ -161,7 +198,22 @@ def clock_error(light: Light) -> tuple[str, float, float] | None:
 
 
 def notes(light: Light) -> list[str]:
-    """Return what is to be said of a light beside its numbers."""
+    """
+    Return what is to be said of a light beside its numbers.
+
+    Examples
+    --------
+    A light of 20 Hz before a camera of 60 frames a second, as which a lamp of 100 Hz is seen too:
+
+    >>> from blob_tracker.blinking.survey import Survey
+    >>> survey, point = Survey(120), [320.0, 240.0, 0.0025, 0.0, 0.0025, 1000.0, 10.0]
+    >>> for index in range(120):
+    ...     points = np.array([point] * (index % 3 == 0)).reshape(-1, 7)
+    ...     _ = survey.push(points, round(1e9 * index / 60.0), 50.0)
+    >>> notes(survey.lights()[0])  # doctest: +ELLIPSIS
+    ['a lamp on the mains looks so, and so does a light of 20.00 Hz: ...']
+
+    """
     rhythm, said = light.rhythm, []
     clock = clock_error(light)
     if clock is not None and not light.mains:
@@ -215,6 +267,16 @@ def _shortest_look(light: Light) -> float:
 
 
 def enough(seconds: float, rate: float) -> float:
-    """Return for how long one must look so that the slowest wave is seen three times, s."""
+    """
+    Return for how long one must look so that the slowest wave is seen three times, s.
+
+    Examples
+    --------
+    Of 60 frames a second, after a look of 2 s:
+
+    >>> enough(2.0, 60.0)  # s
+    1.0
+
+    """
     slowest = 50.0 / rate  # as flash.frequency may be
     return max(0.0, math.ceil(3.0 * slowest) - seconds)

@@ -67,7 +67,8 @@ class TriangulationError(TrackingError):
     >>> import numpy as np
     >>> from blob_tracker.tracking import CameraPose, triangulate
     >>> from blob_tracker.types import Bearing
-    >>> triangulate([Bearing(0.0, 0.0, np.eye(2))], [CameraPose(np.zeros(3))])  # doctest: +ELLIPSIS
+    >>> poses = [CameraPose(np.zeros(3))]
+    >>> triangulate([Bearing(0.0, 0.0, np.eye(2))], poses)  # doctest: +ELLIPSIS
     Traceback (most recent call last):
         ...
     blob_tracker.tracking.errors.TriangulationError: 1 bearings of 1 cameras; ...
@@ -111,6 +112,6 @@ class RaysApart(TriangulationError):
     >>> triangulate(bearings, poses)  # doctest: +ELLIPSIS
     Traceback (most recent call last):
         ...
-    blob_tracker.tracking.errors.RaysApart: ...do not meet: chi-square is 4050.0...
+    blob_tracker.tracking.errors.RaysApart: the rays of camera 1, camera 2 do not meet: ...
 
     """
