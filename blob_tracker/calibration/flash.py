@@ -72,15 +72,15 @@ def flash_settings(lights: Sequence[Light], exposure: float) -> FlashSettings:
 
     Examples
     --------
-    A light that sends its code with two frames for a bit:
+    A wave of 13.7 Hz, as the survey of a recording of 60 frames a second finds it; where it was
+    and how bright does not matter:
 
-    >>> from blob_tracker.blinking.survey import Survey
-    >>> survey, point = Survey(360), [320.0, 240.0, 0.0025, 0.0, 0.0025, 1000.0, 10.0]
-    >>> for index in range(360):
-    ...     points = np.array([point] * int('1101000'[index // 2 % 7])).reshape(-1, 7)
-    ...     _ = survey.push(points, round(1e9 * index / 60.0), 50.0)
-    >>> flash_settings(survey.lights(), exposure=0.0).values
-    {'flash.mode': 'coded', 'flash.codes': 'light_1:1101000', 'flash.frames_per_bit': 2}
+    >>> from blob_tracker.blinking.paths import Path
+    >>> from blob_tracker.blinking.recognition import Brightness, Rhythm
+    >>> path, brightness = Path(*np.ones((6, 2))), Brightness(*np.ones((3, 6)), least=0.1)
+    >>> wave = Rhythm('wave', period=60.0 / 13.7, period_sigma=4e-4, duty=0.5)
+    >>> flash_settings([Light(path, brightness, wave, rate=60.0)], exposure=0.0).values
+    {'flash.mode': 'periodic', 'flash.frequency': 13.7, 'flash.duty': 0.5}
 
     """
     chosen: dict[str, Light] = {}
@@ -169,16 +169,15 @@ def clock_error(light: Light) -> tuple[str, float, float] | None:
 
     Examples
     --------
-    A light that sends its code with two frames for a bit:
+    A wave that was to have 13.7 Hz, and has 13.705 Hz by a camera of 60 frames a second:
 
-    >>> from blob_tracker.blinking.survey import Survey
-    >>> survey, point = Survey(180), [320.0, 240.0, 0.0025, 0.0, 0.0025, 1000.0, 10.0]
-    >>> for index in range(180):
-    ...     points = np.array([point] * int('1101000'[index // 2 % 7])).reshape(-1, 7)
-    ...     _ = survey.push(points, round(1e9 * index / 60.0), 50.0)
-    >>> against, error, sigma = clock_error(survey.lights()[0])
-    >>> against, abs(error) < 3.0 * sigma
-    ('2 frames a bit', True)
+    >>> from blob_tracker.blinking.paths import Path
+    >>> from blob_tracker.blinking.recognition import Brightness, Rhythm
+    >>> path, brightness = Path(*np.ones((6, 2))), Brightness(*np.ones((3, 6)), least=0.1)
+    >>> wave = Rhythm('wave', period=60.0 / 13.705, period_sigma=4e-4, duty=0.5)
+    >>> against, error, sigma = clock_error(Light(path, brightness, wave, rate=60.0))
+    >>> against, round(error), round(sigma)  # Hz, ppm, ppm
+    ('13.7 Hz', 365, 91)
 
     """
     rhythm = light.rhythm
@@ -203,15 +202,14 @@ def notes(light: Light) -> list[str]:
 
     Examples
     --------
-    A light of 20 Hz before a camera of 60 frames a second, as which a lamp of 100 Hz is seen too:
+    A wave that was to have 13.7 Hz, and has 13.705 Hz by a camera of 60 frames a second:
 
-    >>> from blob_tracker.blinking.survey import Survey
-    >>> survey, point = Survey(120), [320.0, 240.0, 0.0025, 0.0, 0.0025, 1000.0, 10.0]
-    >>> for index in range(120):
-    ...     points = np.array([point] * (index % 3 == 0)).reshape(-1, 7)
-    ...     _ = survey.push(points, round(1e9 * index / 60.0), 50.0)
-    >>> notes(survey.lights()[0])  # doctest: +ELLIPSIS
-    ['a lamp on the mains looks so, and so does a light of 20.00 Hz: ...']
+    >>> from blob_tracker.blinking.paths import Path
+    >>> from blob_tracker.blinking.recognition import Brightness, Rhythm
+    >>> path, brightness = Path(*np.ones((6, 2))), Brightness(*np.ones((3, 6)), least=0.1)
+    >>> wave = Rhythm('wave', period=60.0 / 13.705, period_sigma=4e-4, duty=0.5)
+    >>> notes(Light(path, brightness, wave, rate=60.0))
+    ['its clock is off 13.7 Hz by +365 ± 91 ppm']
 
     """
     rhythm, said = light.rhythm, []
