@@ -50,7 +50,19 @@ def _filled_at_once(cls: Record) -> Record:
 
 
 class LocationError(ValueError):
-    """A window in which the blob cannot be placed; the message says why."""
+    """
+    A window in which the blob cannot be placed; the message says why.
+
+    Examples
+    --------
+    >>> from blob_tracker.location import locate
+    >>> window = Window(lit=np.full((9, 9), 40, np.uint8), saturation=255)
+    >>> locate(window, noise=SensorNoise(gain=40.0, read_noise=0.7))
+    Traceback (most recent call last):
+        ...
+    blob_tracker.types.LocationError: the window is flat: all its pixels are equal
+
+    """
 
 
 @dataclass(frozen=True)
@@ -123,6 +135,15 @@ class Mosaic:
     saturation : int
         The DN at which a sample is clipped.
 
+    Examples
+    --------
+    Of an RGGB sensor that sees a red light, one sample in four counts:
+
+    >>> red = np.array([[True, False], [False, False]])
+    >>> mosaic = Mosaic(np.zeros((480, 640), np.uint8), red, saturation=255)
+    >>> np.tile(mosaic.sites, (240, 320)).mean().item()
+    0.25
+
     """
 
     pixels: Pixels
@@ -144,6 +165,13 @@ def field_of(y0: int, binning: tuple[int, int]) -> int | None:
         Place of the first line on the full, unbinned sensor, px.
     binning : (int, int)
         Sensor pixels per pixel along x and y.
+
+    Examples
+    --------
+    A top field, a bottom field and a whole picture:
+
+    >>> field_of(0, (1, 2)), field_of(1, (1, 2)), field_of(0, (1, 1))
+    (0, 1, None)
 
     """
     across, down = binning
@@ -261,6 +289,16 @@ class Glimpse:
     drawn : float
         By which it lies below its place as it was switched while its lines were exposed, and the
         later ones have seen it longer, px.
+
+    Examples
+    --------
+    A light that was on for half of the exposure, in which it went 3 px to the right:
+
+    >>> glimpse = Glimpse(0.5, np.array([3.0, 0.0]), 0.1, np.zeros((2, 2)), np.zeros(2))
+    >>> glimpse.numbers.shape
+    (10,)
+    >>> Glimpse.of_numbers(glimpse.numbers).way.tolist()  # px
+    [3.0, 0.0]
 
     """
 

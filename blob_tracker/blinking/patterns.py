@@ -38,6 +38,14 @@ class Pattern:
         Frame intervals of a period, of a light in step with the camera: frames are counted then,
         whatever their stamps. 0 of one that runs free.
 
+    Examples
+    --------
+    A double flash each second:
+
+    >>> pattern = Pattern('mast', period=1.0, edges=((0.0, 0.1), (0.2, 0.3)))
+    >>> round(pattern.longest_dark, 2)  # s
+    0.7
+
     """
 
     name: str
@@ -68,6 +76,16 @@ def code(name: str, bits: str, bits_per_second: float, frames_per_bit: int = 0) 
     frames_per_bit : int
         Of a light that is in step with the camera; 0 of one that runs free.
 
+    Examples
+    --------
+    Seven bits at 20 bits/s:
+
+    >>> pattern = code('beacon', '1101000', 20.0)
+    >>> pattern.period, len(pattern.edges)  # s, times for which it is on
+    (0.35, 2)
+    >>> round(pattern.longest_dark, 2)  # s
+    0.15
+
     """
     length = len(bits)
     # A run that goes on past the end of the code is one run: begin at a rise.
@@ -85,7 +103,18 @@ def code(name: str, bits: str, bits_per_second: float, frames_per_bit: int = 0) 
 
 
 def wave(name: str, frequency: float, duty: float) -> Pattern:
-    """Return the pattern of a light that is on for a part of each period; Hz, 0 to 1."""
+    """
+    Return the pattern of a light that is on for a part of each period; Hz, 0 to 1.
+
+    Examples
+    --------
+    A light that is on for a quarter of the time:
+
+    >>> pattern = wave('port', 12.5, 0.25)
+    >>> pattern.period, pattern.edges  # s, parts of it
+    (0.08, ((0.0, 0.25),))
+
+    """
     return Pattern(name, 1.0 / frequency, ((0.0, duty),))
 
 

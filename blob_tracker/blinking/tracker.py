@@ -53,6 +53,20 @@ class Lit(NamedTuple):
     bend : (2, 2) array
         Covariance that a turn within the exposure may have brought to the place, px^2.
 
+    Examples
+    --------
+    A light that is on in two frames of each five:
+
+    >>> from blob_tracker.blinking import code
+    >>> bits, point = '11000', [320.0, 240.0, 0.0025, 0.0, 0.0025, 1400.0, 5.0]
+    >>> pattern = code('port', bits, 60.0, frames_per_bit=1)
+    >>> tracker = BlinkTracker([pattern], interval=1 / 60, exposure=1 / 120, shape=(480, 640))
+    >>> for index in range(52):
+    ...     points = np.array([point] * int(bits[index % 5])).reshape(-1, 7)
+    ...     lit = tracker.update(points, 16_666_667 * index, least_flux=100.0)
+    >>> [(light.name, light.point, round(light.x), round(light.share)) for light in lit]
+    [('port', 0, 320, 1)]
+
     """
 
     name: str
@@ -85,6 +99,14 @@ class Known(NamedTuple):
     flux : float
         Light that it should have had in the frame, DN px^2.
 
+    Examples
+    --------
+    The standard deviation of its place along one axis, px:
+
+    >>> light = Known('port', 320.0, 240.0, variance=0.01, flux=1400.0)
+    >>> light.variance**0.5
+    0.1
+
     """
 
     name: str
@@ -111,6 +133,21 @@ class BlinkTracker:
     ----------
     crowded : bool
         Whether the last frame had more points than are looked at.
+
+    Examples
+    --------
+    A still light that sends a bit in each frame; a row of points is x, y, their variances xx, xy
+    and yy, the flux and its standard deviation:
+
+    >>> from blob_tracker.blinking import code
+    >>> bits, point = '1101011000', [320.0, 240.0, 0.0025, 0.0, 0.0025, 1400.0, 5.0]
+    >>> pattern = code('port', bits, 60.0, frames_per_bit=1)
+    >>> tracker = BlinkTracker([pattern], interval=1 / 60, exposure=1 / 120, shape=(480, 640))
+    >>> for index in range(60):
+    ...     points = np.array([point] * int(bits[index % 10])).reshape(-1, 7)
+    ...     lit = tracker.update(points, 16_666_667 * index, least_flux=100.0)
+    >>> len(lit), [(light.name, round(light.x)) for light in tracker.known()]
+    (0, [('port', 320)])
 
     """
 

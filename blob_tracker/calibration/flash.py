@@ -36,6 +36,17 @@ class FlashSettings:
     notes : tuple of str
         What speaks against it, and what is left out.
 
+    Examples
+    --------
+    The second of three lights is a lamp on the mains:
+
+    >>> settings = FlashSettings(
+    ...     {'flash.mode': 'periodic', 'flash.frequencies': 'light_1:6,light_3:13.7'},
+    ...     ('light_1', '', 'light_3'),
+    ... )
+    >>> settings.lights
+    'light_1,light_3'
+
     """
 
     values: dict[str, str | float | int] = field(default_factory=dict)
@@ -58,6 +69,18 @@ def flash_settings(lights: Sequence[Light], exposure: float) -> FlashSettings:
         Of one recording.
     exposure : float
         Of a frame, s; 0 where it is not known.
+
+    Examples
+    --------
+    A wave of 13.7 Hz, as the survey of a recording of 60 frames a second finds it; where it was
+    and how bright does not matter:
+
+    >>> from blob_tracker.blinking.paths import Path
+    >>> from blob_tracker.blinking.recognition import Brightness, Rhythm
+    >>> path, brightness = Path(*np.ones((6, 2))), Brightness(*np.ones((3, 6)), least=0.1)
+    >>> wave = Rhythm('wave', period=60.0 / 13.7, period_sigma=4e-4, duty=0.5)
+    >>> flash_settings([Light(path, brightness, wave, rate=60.0)], exposure=0.0).values
+    {'flash.mode': 'periodic', 'flash.frequency': 13.7, 'flash.duty': 0.5}
 
     """
     chosen: dict[str, Light] = {}
@@ -143,6 +166,19 @@ def clock_error(light: Light) -> tuple[str, float, float] | None:
 
     A code against the frames: bits of a whole number of them; a wave against the nearest multiple
     of 0.1 Hz, where it is known so well. In parts per million.
+
+    Examples
+    --------
+    A wave that was to have 13.7 Hz, and has 13.705 Hz by a camera of 60 frames a second:
+
+    >>> from blob_tracker.blinking.paths import Path
+    >>> from blob_tracker.blinking.recognition import Brightness, Rhythm
+    >>> path, brightness = Path(*np.ones((6, 2))), Brightness(*np.ones((3, 6)), least=0.1)
+    >>> wave = Rhythm('wave', period=60.0 / 13.705, period_sigma=4e-4, duty=0.5)
+    >>> against, error, sigma = clock_error(Light(path, brightness, wave, rate=60.0))
+    >>> against, round(error), round(sigma)  # Hz, ppm, ppm
+    ('13.7 Hz', 365, 91)
+
     """
     rhythm = light.rhythm
     if rhythm.kind == 'code':
@@ -161,7 +197,21 @@ def clock_error(light: Light) -> tuple[str, float, float] | None:
 
 
 def notes(light: Light) -> list[str]:
-    """Return what is to be said of a light beside its numbers."""
+    """
+    Return what is to be said of a light beside its numbers.
+
+    Examples
+    --------
+    A wave that was to have 13.7 Hz, and has 13.705 Hz by a camera of 60 frames a second:
+
+    >>> from blob_tracker.blinking.paths import Path
+    >>> from blob_tracker.blinking.recognition import Brightness, Rhythm
+    >>> path, brightness = Path(*np.ones((6, 2))), Brightness(*np.ones((3, 6)), least=0.1)
+    >>> wave = Rhythm('wave', period=60.0 / 13.705, period_sigma=4e-4, duty=0.5)
+    >>> notes(Light(path, brightness, wave, rate=60.0))
+    ['its clock is off 13.7 Hz by +365 ± 91 ppm']
+
+    """
     rhythm, said = light.rhythm, []
     clock = clock_error(light)
     if clock is not None and not light.mains:
@@ -215,6 +265,16 @@ def _shortest_look(light: Light) -> float:
 
 
 def enough(seconds: float, rate: float) -> float:
-    """Return for how long one must look so that the slowest wave is seen three times, s."""
+    """
+    Return for how long one must look so that the slowest wave is seen three times, s.
+
+    Examples
+    --------
+    Of 60 frames a second, after a look of 2 s:
+
+    >>> enough(2.0, 60.0)  # s
+    1.0
+
+    """
     slowest = 50.0 / rate  # as flash.frequency may be
     return max(0.0, math.ceil(3.0 * slowest) - seconds)

@@ -32,7 +32,22 @@ CORRELATED = 6.0  # standard deviations of a correlation of what is left: no noi
 
 
 class ImuError(ValueError):
-    """Samples that tell nothing of how the gyro sits; the message says why."""
+    """
+    Samples that tell nothing of how the gyro sits; the message says why.
+
+    Examples
+    --------
+    Too short a recording:
+
+    >>> directions = np.tile([0.0, 0.0, 1.0], (20, 1))
+    >>> covariances = np.tile(1e-9 * np.eye(2), (20, 1, 1))
+    >>> times = 0.05 * np.arange(20)
+    >>> calibrate_imu(times, directions, covariances, times, np.zeros((20, 3)))
+    Traceback (most recent call last):
+        ...
+    blob_tracker.calibration.imu.ImuError: 20 samples of the gyro; 100 are the least
+
+    """
 
 
 @dataclass(frozen=True)
@@ -62,6 +77,20 @@ class ImuCalibration:
         without what it shares with the former ones.
     stray : float
         Share of the intervals that were left out.
+
+    Examples
+    --------
+    An IMU that sits as ROS has it, x forward and z up, and how well that is known:
+
+    >>> found = ImuCalibration(
+    ...     np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]), offset=0.01,
+    ...     bias=np.zeros(3), scale=0.0, noise=1e-4, covariance=np.diag([1e-6] * 3 + [1e-8] * 5),
+    ...     times=np.zeros(0), residuals=np.zeros((0, 2)), stray=0.0,
+    ... )
+    >>> found.sigmas[:3].round(4).tolist()  # rad
+    [0.001, 0.001, 0.001]
+    >>> (found.turn @ [0.0, 0.0, 1.0]).tolist()  # up is the camera's -y
+    [0.0, -1.0, 0.0]
 
     """
 
@@ -112,6 +141,25 @@ def calibrate_imu(
     ------
     ImuError
         If they tell nothing, with what to do.
+
+    Examples
+    --------
+    An IMU with ROS' axes, whose stamps are 10 ms late, beside a camera that is turned by hand
+    before a light:
+
+    >>> from blob_tracker.simulation.platform_motion import Ride
+    >>> random, speeds = np.random.default_rng(1), 2.0 * np.pi * np.array([0.31, 0.37, 0.23])
+    >>> gyro_times, times = np.arange(0.0, 16.0, 0.01), np.arange(0.1, 15.9, 0.05)
+    >>> phases = np.outer(gyro_times, speeds)
+    >>> ride = Ride(0.01, 0.25 * np.sin(phases), 0.25 * speeds * np.cos(phases))
+    >>> seen = random.normal(ride.rotations(times)[:, 2], 3e-5)
+    >>> seen /= np.linalg.norm(seen, axis=1, keepdims=True)
+    >>> turn = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
+    >>> rates = random.normal(ride.rates(gyro_times) @ turn, 1e-3)
+    >>> covariances = np.tile(3e-5**2 * np.eye(2), (len(times), 1, 1))
+    >>> found = calibrate_imu(times, seen, covariances, gyro_times + 0.01, rates)
+    >>> found.turn.round().astype(int).tolist(), round(1e3 * found.offset)  # -, ms
+    ([[0, -1, 0], [0, 0, -1], [1, 0, 0]], 10)
 
     """
     known = np.isfinite(directions).all(axis=1) & np.isfinite(covariances).all(axis=(1, 2))

@@ -56,6 +56,22 @@ class PhotonTransfer:
     warnings : tuple of str
         What to know before one relies on it.
 
+    Examples
+    --------
+    Without dark frames there is no black level, and what is told has a warning:
+
+    >>> from blob_tracker.calibration.frame_pair import pair_of
+    >>> from blob_tracker.simulation import FlatField, Sensor
+    >>> field, random = FlatField(Sensor(), width=160, height=120), np.random.default_rng(1)
+    >>> found = photon_transfer([
+    ...     pair_of(field.frame(level, random), field.frame(level, random))
+    ...     for level in (20.0, 60.0, 120.0, 160.0)  # DN
+    ... ])
+    >>> found.system_gain, found.black_level
+    (None, None)
+    >>> round(found.noise.gain), len(found.warnings)  # electrons a DN
+    (40, 2)
+
     """
 
     line: NoiseLine
@@ -109,6 +125,24 @@ def photon_transfer(pairs: Sequence[Pair], saturation: int | None = None) -> Pho
     ------
     PhotonTransferError
         If the pairs are all clipped, all of one level, or their variance does not grow.
+
+    Examples
+    --------
+    A sensor of the virtual lab of 12 bits, 3.6 electrons a DN, 3 DN of read noise on 20 DN:
+
+    >>> from blob_tracker.calibration.frame_pair import pair_of
+    >>> from blob_tracker.simulation import FlatField, Sensor
+    >>> noise = SensorNoise(gain=3.6, read_noise=3.0, black_level=20.0)
+    >>> random = np.random.default_rng(1)
+    >>> field = FlatField(Sensor(noise, bits=12), width=320, height=240)
+    >>> found = photon_transfer([
+    ...     pair_of(field.frame(level, random), field.frame(level, random), dark=level == 0.0)
+    ...     for level in (0.0, 0.0, 100.0, 500.0, 1000.0, 2000.0, 4500.0)  # DN
+    ... ])
+    >>> round(found.noise.gain, 1), round(found.noise.read_noise, 1)  # electrons a DN, DN
+    (3.6, 3.0)
+    >>> found.saturation, found.saturation_seen
+    (4095, True)
 
     """
     pairs = tuple(sorted(pairs, key=lambda each: (not each.dark, each.mean)))
@@ -228,6 +262,16 @@ def clipped_level(pairs: Sequence[Pair], given: int | None = None) -> tuple[int,
         Where there is no pixel clipped, their highest one tells how many bits there are.
     given : int, optional
         The level, where it is known.
+
+    Examples
+    --------
+    Of words of 16 bits that hold 12, none of which is clipped:
+
+    >>> from blob_tracker.calibration.frame_pair import pair_of
+    >>> random = np.random.default_rng(1)
+    >>> pair = pair_of(*random.normal(3000.0, 20.0, (2, 48, 64)).astype(np.uint16))
+    >>> clipped_level([pair])
+    (4095, False)
 
     """
     highest = max(each.highest for each in pairs)

@@ -63,6 +63,20 @@ def response_of_flats(
     ResponseError
         If the lights are too few, all is clipped, or rounding hides the noise.
 
+    Examples
+    --------
+    Ten lights on a sensor of 20 electrons a DN, whose camera has a gamma of 0.5:
+
+    >>> random = np.random.default_rng(4)
+    >>> flats = []
+    >>> for level in (2.0, 5.0, 10.0, 20.0, 35.0, 55.0, 80.0, 120.0, 170.0, 300.0):
+    ...     light = random.normal(level, np.sqrt(level / 20.0 + 0.09), (2, 120, 160))
+    ...     raw = 255.0 * np.sqrt(np.clip(light, 0.0, 255.0) / 255.0)
+    ...     flats.append(tuple(raw.round().astype(np.uint8)))
+    >>> found = response_of_flats(flats, read_noise=6.0)
+    >>> round(found.exponent, 1)
+    0.5
+
     """
     if not flats:
         raise ResponseError('there are no flat frames; pairs at six lights or more are needed')

@@ -52,6 +52,21 @@ class TurnCalibration:
     notes : tuple of str
         What the measurements could not tell, a sentence each.
 
+    Examples
+    --------
+    What is fitted where the pixels are square, of 25 stations:
+
+    >>> from blob_tracker.camera import pinhole_matrix
+    >>> true, guess = (CameraModel(640, 480, pinhole_matrix(f, 640, 480)) for f in (600.0, 500.0))
+    >>> pan, tilt = (angle.ravel() for angle in np.mgrid[-0.4:0.4:5j, -0.3:0.3:5j])  # rad
+    >>> pixels = project(true, pan, tilt, target=(0.02, 0.0))
+    >>> pixels += np.random.default_rng(1).normal(0.0, 0.02, pixels.shape)
+    >>> found = calibrate_turn(pan, tilt, pixels, guess, one_focal_length=True)
+    >>> found.fitted
+    ('fx', 'cx', 'cy', 'azimuth', 'elevation', 'yaw', 'pitch', 'roll')
+    >>> found.freedom, len(found.residuals)
+    (42, 25)
+
     """
 
     model: CameraModel
@@ -101,6 +116,16 @@ def project(
     -------
     (n, 2) array
         px; NaN where the camera does not see it.
+
+    Examples
+    --------
+    A servo that turns the camera 0.1 rad to the right moves the picture of the target to the left:
+
+    >>> from blob_tracker.camera import pinhole_matrix
+    >>> model = CameraModel(640, 480, pinhole_matrix(600.0, 640, 480))
+    >>> pixels = project(model, np.array([0.0, 0.1]), np.zeros(2), target=(0.0, 0.0))
+    >>> pixels.round(1).tolist()  # px
+    [[319.5, 239.5], [259.3, 239.5]]
 
     """
     azimuth, elevation = target
@@ -172,6 +197,19 @@ def calibrate_turn(
     ------
     TurnError
         If there are too few stations, values that are not possible, or no such servo.
+
+    Examples
+    --------
+    A grid of 25 stations, at each of which the target is placed to 0.02 px:
+
+    >>> from blob_tracker.camera import pinhole_matrix
+    >>> true, guess = (CameraModel(640, 480, pinhole_matrix(f, 640, 480)) for f in (600.0, 500.0))
+    >>> pan, tilt = (angle.ravel() for angle in np.mgrid[-0.4:0.4:5j, -0.3:0.3:5j])  # rad
+    >>> pixels = project(true, pan, tilt, target=(0.02, 0.0))
+    >>> pixels += np.random.default_rng(1).normal(0.0, 0.02, pixels.shape)
+    >>> found = calibrate_turn(pan, tilt, pixels, guess)
+    >>> round(found.values['fx'], 1), round(found.sigmas['fx'], 2)  # px
+    (600.0, 0.01)
 
     """
     pan, tilt, pixels = (np.asarray(values, dtype=float) for values in (pan, tilt, pixels))

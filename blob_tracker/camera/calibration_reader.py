@@ -26,6 +26,14 @@ class Region(NamedTuple):
     binning : (int, int)
         Sensor pixels per image pixel along x and y.
 
+    Examples
+    --------
+    The right half of a sensor of 1280 x 960 px, binned by 2:
+
+    >>> region = Region(x0=640, y0=0, width=640, height=960, binning=(2, 2))
+    >>> region.width // region.binning[0], region.height // region.binning[1]  # image px
+    (320, 480)
+
     """
 
     x0: int
@@ -78,6 +86,21 @@ def read_calibration(
     CalibrationError
         If the file is missing, lacks a value, or is in a form that is not read; one that is
         known is named.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from blob_tracker.camera import CameraModel, pinhole_matrix, write_calibration
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder, 'camera.yaml')
+    ...     write_calibration(path, CameraModel(640, 480, pinhole_matrix(600.0, 640, 480)))
+    ...     found = read_calibration(path)
+    >>> found.arguments['width'], found.arguments['matrix'][0, 0].item()  # px
+    (640, 600.0)
+    >>> read_calibration('nowhere.yaml')  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    blob_tracker.camera.yaml_file.CalibrationError: cannot read the calibration nowhere.yaml: ...
 
     """
     text = read_text(path)

@@ -36,6 +36,19 @@ def write_calibration(
     CalibrationError
         If writing there fails.
 
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from blob_tracker.camera import pinhole_matrix
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder, 'camera.yaml')
+    ...     model = CameraModel(640, 480, pinhole_matrix(600.0, 640, 480), name='left')
+    ...     write_calibration(path, model, ['sigma of the focal length: 0.3 px'])
+    ...     print(path.read_text().splitlines()[0])
+    ...     print(CameraModel.from_file(path).name)
+    # sigma of the focal length: 0.3 px
+    left
+
     """
     content = {
         'image_width': model.width,

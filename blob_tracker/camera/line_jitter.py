@@ -40,6 +40,19 @@ class LineJitter(YamlFile):
     CalibrationError
         If the arrays are of different length, or a value is invalid.
 
+    Examples
+    --------
+    A line that is shifted by 0.1 px to the right has that taken off the place of a blob in it:
+
+    >>> jitter = LineJitter(np.full(480, 0.1), np.full(480, 0.01), sigma_from_frame_to_frame=0.0)
+    >>> seen = Location(320.0, 240.0, 1e-4 * np.eye(2), 150.0, 40.0, 2.0, 50.0, 1.0, 0)
+    >>> round(jitter.corrected(seen, gain=40.0).x, 2)  # px
+    319.9
+    >>> jitter.check_height(576)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    blob_tracker.camera.yaml_file.CalibrationError: ...is for 480 lines and the picture has 576
+
     """
 
     KIND = 'line jitter'

@@ -60,6 +60,18 @@ class Response(YamlFile):
     CalibrationError
         If a value is invalid.
 
+    Examples
+    --------
+    A camera with a gamma of 0.5: 120 of 255 raw DN are (120 / 255)^2, 22 %, of the light:
+
+    >>> levels = np.linspace(0.0, 255.0, 18)
+    >>> linear = 4080.0 * (levels / 255.0) ** 2
+    >>> response = Response(levels, linear, np.zeros(18), width=640, height=480)
+    >>> response.linear_pixels(np.array([[0, 120, 255]], np.uint8)).tolist()  # linear DN
+    [[0, 904, 4080]]
+    >>> response.saturation, response.linear_saturation(255)  # raw DN, linear DN
+    (255, 4080)
+
     """
 
     KIND = 'response'
@@ -302,5 +314,13 @@ _NAMES = ('camera', 'pixel_format', 'method')
 
 
 def linear_full_scale(saturation: int) -> int:
-    """Return the linear DN at which pixels are clipped whose raw ones are so at `saturation`."""
+    """
+    Return the linear DN at which pixels are clipped whose raw ones are so at `saturation`.
+
+    Examples
+    --------
+    >>> linear_full_scale(255), linear_full_scale(65535)  # of 8 and 16 bits
+    (4080, 65535)
+
+    """
     return min(FINENESS * saturation, FULL_SCALE_DN)

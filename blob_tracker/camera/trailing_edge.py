@@ -33,6 +33,14 @@ def fading_mean(lines: NDArray[np.float64], memory: float) -> NDArray[np.float64
     (..., w) array
         m_k, with m_k+1 = e m_k + (1 - e) x_k and e = exp(-1 / memory).
 
+    Examples
+    --------
+    A step, and what came before each pixel of it:
+
+    >>> step = np.array([0.0, 0.0, 100.0, 100.0, 100.0, 100.0])
+    >>> fading_mean(step, memory=1.0).round(1).tolist()
+    [0.0, 0.0, 0.0, 63.2, 86.5, 95.0]
+
     """
     kept = np.exp(-1.0 / memory)
     return np.asarray(scipy.signal.lfilter([0.0, 1.0 - kept], [1.0, -kept], lines, axis=-1))
@@ -63,6 +71,18 @@ class TrailingEdge(YamlFile):
     ------
     CalibrationError
         If a value is invalid.
+
+    Examples
+    --------
+    A step that a camera has raised by a fifth, and as it was:
+
+    >>> step = np.array([[0.0, 0.0, 100.0, 100.0, 100.0, 100.0]])
+    >>> seen = step + 0.2 * (step - fading_mean(step, memory=1.0))
+    >>> seen.round().tolist()
+    [[0.0, 0.0, 120.0, 107.0, 103.0, 101.0]]
+    >>> restored, _ = TrailingEdge(peaking=0.2, memory=1.0).restored(seen)
+    >>> restored.round().tolist()
+    [[0.0, 0.0, 100.0, 100.0, 100.0, 100.0]]
 
     """
 

@@ -12,7 +12,21 @@ import yaml
 
 
 class CalibrationError(ValueError):
-    """A calibration that no ray can be computed with; the message says what is wrong."""
+    """
+    A calibration that no ray can be computed with; the message says what is wrong.
+
+    Examples
+    --------
+    A camera that was never calibrated:
+
+    >>> import numpy as np
+    >>> from blob_tracker.camera import CameraModel
+    >>> CameraModel(640, 480, np.zeros((3, 3)))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    blob_tracker.camera.yaml_file.CalibrationError: the focal lengths are 0 and 0 px; ...
+
+    """
 
 
 @contextmanager
@@ -115,7 +129,24 @@ _Kept = TypeVar('_Kept', bound='YamlFile')
 
 
 class YamlFile:
-    """What is kept in a YAML file of its own; a class of it says what the file holds."""
+    """
+    What is kept in a YAML file of its own; a class of it says what the file holds.
+
+    Examples
+    --------
+    What is written is read back:
+
+    >>> from tempfile import TemporaryDirectory
+    >>> from blob_tracker.camera.trailing_edge import TrailingEdge
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder, 'edge.yaml')
+    ...     TrailingEdge(peaking=0.2, memory=1.5).to_yaml(path, ['of the grabber'])
+    ...     print(path.read_text().splitlines()[0])
+    ...     print(TrailingEdge.from_yaml(path).memory)  # px
+    # of the grabber
+    1.5
+
+    """
 
     KIND: ClassVar[str]  # for sentences
 

@@ -34,7 +34,21 @@ _STEPS_OVER = 32  # more than between the numbers of two that webcams have
 
 
 class ControlError(CaptureError):
-    """A control cannot be read or set; the message says which one and what it must be."""
+    """
+    A control cannot be read or set; the message says which one and what it must be.
+
+    Examples
+    --------
+    A gain that goes up to 100:
+
+    >>> from blob_tracker.capture import V4l2Camera
+    >>> with V4l2Camera('/dev/video0') as camera:  # doctest: +SKIP
+    ...     camera.set_control('gain', 1000)
+    Traceback (most recent call last):
+        ...
+    blob_tracker.capture.controls.ControlError: control 'gain' is 1000; it must be ...
+
+    """
 
 
 @dataclass(frozen=True)
@@ -65,6 +79,17 @@ class Control:
         Without effect now, mostly as an automatic mode governs it.
     volatile : bool
         The driver changes it at any time.
+
+    Examples
+    --------
+    A gain that has no effect now, as an automatic one governs it, and what it may be set to:
+
+    >>> gain = Control(
+    ...     0x00980913, 'gain', 'Gain', 'integer', minimum=0, maximum=100, step=1, default=0,
+    ...     menu={}, read_only=False, inactive=True, volatile=False,
+    ... )
+    >>> gain.inactive, range(gain.minimum, gain.maximum + 1, gain.step)
+    (True, range(0, 101))
 
     """
 

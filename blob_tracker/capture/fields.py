@@ -47,6 +47,17 @@ def order_of(name: str, height: int, lines: int = 0) -> str:
     ValueError
         If there is no such order.
 
+    Examples
+    --------
+    The order of a picture of 480 lines, in which the bottom field comes first, and of one of 576:
+
+    >>> order_of('interlaced', 480), order_of('interlaced', 576)
+    ('interlaced_bt', 'interlaced_tb')
+    >>> order_of('woven', 480)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    ValueError: no field order 'woven'; there is interlaced, ...
+
     """
     if name == 'interlaced':
         of_525 = lines == 525 or (not lines and height in LINES_OF_525)
@@ -88,6 +99,17 @@ def fields(frame: Frame, order: str, interval_ns: int) -> tuple[Frame, ...]:
     ------
     ValueError
         If there is no such order, the picture has fewer than four lines, or it is a mosaic.
+
+    Examples
+    --------
+    The fields of a picture of 576 lines at 25 pictures a second:
+
+    >>> picture = Frame(np.zeros((576, 720), np.uint8), stamp_ns=0, saturation=255)
+    >>> first, second = fields(picture, 'interlaced_tb', interval_ns=40_000_000)
+    >>> first.image.shape, first.y0, first.field
+    ((287, 720), 0, 0)
+    >>> second.y0, second.field, second.stamp_ns
+    (1, 1, 20000000)
 
     """
     if frame.layout in BAYER or frame.mosaic is not None:
@@ -131,6 +153,15 @@ def woven(top: Pixels, bottom: Pixels, height: int) -> Pixels:
     (height, w) array
         The picture.
 
+    Examples
+    --------
+    Two fields of which the bottom one is brighter:
+
+    >>> top, bottom = np.zeros((287, 720), np.uint8), np.full((287, 720), 9, np.uint8)
+    >>> picture = woven(top, bottom, height=576)
+    >>> picture[:4, 0].tolist(), picture.shape
+    ([0, 9, 0, 9], (576, 720))
+
     """
     picture = np.empty((height, top.shape[1]), top.dtype)
     for kind, field in enumerate((top, bottom)):
@@ -145,6 +176,16 @@ class Weaver:
     Make pictures of the fields that come, for who needs no more than that the scene is at rest.
 
     What is no field is given back as it is; so are fields, where only one kind of them comes.
+
+    Examples
+    --------
+    A top field waits for the bottom field:
+
+    >>> weaver = Weaver()
+    >>> weaver.add(np.zeros((287, 720), np.uint8), field=0, height=576)
+    >>> weaver.add(np.zeros((287, 720), np.uint8), field=1, height=576).shape
+    (576, 720)
+
     """
 
     def __init__(self) -> None:
@@ -223,6 +264,16 @@ class FieldStream:
         Frames of a picture: 2 where both fields come.
     lines_per_line : int
         Lines of the picture for one of a buffer: 2 where buffers hold single fields.
+
+    Examples
+    --------
+    A driver that gives both fields in a buffer, and one of whole pictures:
+
+    >>> stream = FieldStream('interlaced', height=576)
+    >>> stream.interlaced, stream.per_buffer, stream.order(0)
+    (True, 2, 'interlaced_tb')
+    >>> FieldStream('none', height=480).interlaced
+    False
 
     """
 

@@ -39,6 +39,15 @@ class Grabber:
     overruns : int
         Frames that a newer one replaced before they were taken.
 
+    Examples
+    --------
+    The newest frame, however slow its reader is:
+
+    >>> with V4l2Camera('/dev/video0') as camera, Grabber(camera) as grabber:  # doctest: +SKIP
+    ...     frame = grabber.newest(timeout=1.0)
+    ...     print(frame.image.shape, grabber.overruns)
+    (480, 640) 0
+
     """
 
     def __init__(self, camera: V4l2Camera) -> None:

@@ -122,6 +122,15 @@ class V4l2Camera:
     CaptureError
         The device cannot be opened or does not offer what was asked for.
 
+    Examples
+    --------
+    The first camera of this machine, and a frame of it:
+
+    >>> with V4l2Camera('/dev/video0', 640, 480, frame_rate=30.0) as camera:  # doctest: +SKIP
+    ...     frame = camera.read(timeout=1.0)
+    ...     print(camera.pixel_format, camera.frame_rate, frame.image.shape)
+    YUYV 30.0 (480, 640)
+
     """
 
     error_frames = 0

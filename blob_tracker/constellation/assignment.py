@@ -37,6 +37,18 @@ class Assigned(NamedTuple):
     names : tuple of str
         Light of each bearing; '' of one that is none of the body's.
 
+    Examples
+    --------
+    A bearing that is none of the body's lights has no name:
+
+    >>> pose = Pose(
+    ...     np.eye(3), np.array([0.2, 0.1, 2.0]), np.eye(6), np.zeros(6), np.eye(6), chi2=0.0,
+    ...     degrees_of_freedom=2, outliers=(), stamp_ns=0,
+    ... )
+    >>> found = Assigned(pose, ('mast', 'port', '', 'tail'))
+    >>> found.cost > found.pose.cost
+    True
+
     """
 
     pose: Pose
@@ -86,6 +98,19 @@ def assigned(
         If no assignment explains four of them.
     ConstellationError
         If there are too many, or one is invalid.
+
+    Examples
+    --------
+    Four lights and a lamp, in any order:
+
+    >>> places = np.array([[0.2, 0.15, 0], [0.2, -0.15, 0], [-0.2, 0.1, 0.1], [0, 0, 0.2]])
+    >>> body = Body(('port', 'starboard', 'tail', 'mast'), places, np.zeros(4))
+    >>> x, y, z = (places[[3, 2, 0, 1]] + [0.2, 0.1, 2.0]).T
+    >>> azimuths, elevations = 1e3 * np.arctan2(x, z), 1e3 * np.arctan2(-y, np.hypot(x, z))
+    >>> seen = [Bearing(*angles, 0.01 * np.eye(2)) for angles in zip(azimuths, elevations)]
+    >>> [found] = assigned(body, [*seen, Bearing(250.0, 120.0, 0.01 * np.eye(2))])
+    >>> found.names
+    ('mast', 'tail', 'port', 'starboard', '')
 
     """
     if len(bearings) < LEAST_BEARINGS:
@@ -173,6 +198,18 @@ class Assignment:
         Its lights.
     longest : float
         Time after which the last pose says nothing more, s.
+
+    Examples
+    --------
+    Four lights in another order than that of the body:
+
+    >>> places = np.array([[0.2, 0.15, 0], [0.2, -0.15, 0], [-0.2, 0.1, 0.1], [0, 0, 0.2]])
+    >>> body = Body(('port', 'starboard', 'tail', 'mast'), places, np.zeros(4))
+    >>> x, y, z = (places[[3, 2, 0, 1]] + [0.2, 0.1, 2.0]).T
+    >>> azimuths, elevations = 1e3 * np.arctan2(x, z), 1e3 * np.arctan2(-y, np.hypot(x, z))
+    >>> seen = [Bearing(*angles, 0.01 * np.eye(2)) for angles in zip(azimuths, elevations)]
+    >>> [name for name, _ in Assignment(body, longest=0.5).name(seen)]
+    ['mast', 'tail', 'port', 'starboard']
 
     """
 

@@ -43,6 +43,19 @@ class Body:
         If it can have no pose: fewer than three lights, a name twice, lights in one line or at
         one place, or further apart than 50 m or less than 2 mm.
 
+    Examples
+    --------
+    Three lights, whose places are known to 1 mm:
+
+    >>> places = np.array([[0.15, 0.1, 0.0], [0.15, -0.1, 0.0], [-0.2, 0.0, 0.05]])  # m
+    >>> body = Body(('port', 'starboard', 'tail'), places, np.full(3, 0.001))
+    >>> dict(zip(body.names, body.places.tolist()))['tail']
+    [-0.2, 0.0, 0.05]
+    >>> Body(('port', 'starboard'), places[:2], np.full(2, 0.001))
+    Traceback (most recent call last):
+        ...
+    blob_tracker.constellation.errors.BodyError: the body has 2 lights; a pose needs three or more
+
     """
 
     names: tuple[str, ...]
@@ -125,6 +138,15 @@ def read_body(path: str | Path) -> Body:
     BodyError
         If there is no such file, it is not such YAML, or the body can have no pose.
 
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder, 'body.yaml')
+    ...     _ = path.write_text('lights: {a: [0.1, 0, 0], b: [0, 0.1, 0], c: [0, 0, 0.1]}')
+    ...     print(read_body(path).places.tolist())  # m
+    [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]]
+
     """
     try:
         with content_of(path, 'body file') as content:
@@ -166,6 +188,18 @@ def write_body(path: str | Path, body: Body, comments: Sequence[str] = ()) -> No
     ------
     CalibrationError
         If writing there fails.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> places = np.array([[0.15, 0.1, 0.0], [0.15, -0.1, 0.0], [-0.2, 0.0, 0.05]])  # m
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder, 'body.yaml')
+    ...     write_body(path, Body(('port', 'starboard', 'tail'), places, np.zeros(3)), ['glider'])
+    ...     print(path.read_text().splitlines()[0])
+    ...     print(read_body(path).names)
+    # glider
+    ('port', 'starboard', 'tail')
 
     """
     lights = {

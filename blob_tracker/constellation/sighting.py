@@ -26,6 +26,19 @@ class Sighting:
     max_interval : float
         Greatest time between two bearings of one sighting, s.
 
+    Examples
+    --------
+    Three lights that are seen one after the other:
+
+    >>> import numpy as np
+    >>> sighting = Sighting(('port', 'starboard', 'mast'), max_interval=0.1)
+    >>> for ms, name in ((0, 'starboard'), (5, 'port'), (10, 'mast')):
+    ...     seen = sighting.take(name, Bearing(0.0, 0.0, np.eye(2), 1_000_000 * ms))
+    ...     print([light for light, _ in seen])
+    []
+    []
+    ['port', 'starboard', 'mast']
+
     """
 
     def __init__(self, names: Sequence[str], max_interval: float) -> None:

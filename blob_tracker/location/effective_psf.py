@@ -50,6 +50,19 @@ class EffectivePsf:
     ValueError
         If a value cannot be.
 
+    Examples
+    --------
+    A Gaussian of 1.5 px; its coefficients are one that is narrower, by the variance of the spline:
+
+    >>> step, sigma = 0.75, 1.5
+    >>> narrow = np.sqrt(sigma**2 - step**2 / 3.0)
+    >>> line = sigma / narrow * np.exp(-0.5 * (step * np.arange(-10, 11) / narrow) ** 2)
+    >>> pulse = EffectivePsf(np.outer(line, line), step, sigma)
+    >>> pulse.value([0.0, 1.5], 0.0).round(2).tolist()  # the peak, and one sigma from it
+    [1.0, 0.61]
+    >>> pulse.image((11, 11), x=5.2, y=5.0).shape
+    (11, 11)
+
     """
 
     coefficients: NDArray[np.float64]

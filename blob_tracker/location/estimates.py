@@ -137,6 +137,25 @@ class Estimates:
         lit and unlit pixels together, and how many parameters it has. What `chi2` says is of
         both then.
 
+    Examples
+    --------
+    A window in which there is nothing, and one with a light, as `locate_batch` tells of them:
+
+    >>> from blob_tracker.location import locate_batch
+    >>> from blob_tracker.types import SensorNoise
+    >>> y, x = np.mgrid[:15, :15]
+    >>> pulse = 150.0 * np.exp(-((x - 7.3) ** 2 + (y - 6.5) ** 2) / (2.0 * 2.0**2))
+    >>> estimates = locate_batch(
+    ...     np.stack([np.full((15, 15), 40.0), 40.0 + pulse]),
+    ...     noise=SensorNoise(gain=40.0, read_noise=0.7),
+    ... )
+    >>> estimates.ok.tolist()
+    [False, True]
+    >>> estimates.first()
+    Traceback (most recent call last):
+        ...
+    blob_tracker.types.LocationError: the window is flat: all its pixels are equal
+
     """
 
     x: NDArray[np.float64]

@@ -65,6 +65,15 @@ def method_options(
     ValueError
         If there is no such method, or it has no such form.
 
+    Examples
+    --------
+    >>> method_options('maximum_likelihood', elliptical=True)
+    {'elliptical': True}
+    >>> method_options('centroid', elliptical=True)
+    Traceback (most recent call last):
+        ...
+    ValueError: parameter 'elliptical' is True; the method 'centroid' has no such form
+
     """
     if method not in METHODS:
         raise ValueError(f"no method '{method}'; there is {', '.join(METHODS)}")
@@ -118,6 +127,20 @@ def locate_batch(
     LocationError
         If no window of the stack can be located: wrong shape, too small, unknown method, or
         one that needs every pixel.
+
+    Examples
+    --------
+    Windows without noise of a light that moves by half a pixel:
+
+    >>> from blob_tracker.simulation import pixel_integrated_gaussian
+    >>> lit = np.stack([
+    ...     40.0 + 150.0 * pixel_integrated_gaussian((15, 15), x, 7.0, 2.0) for x in (6.5, 7, 7.5)
+    ... ])
+    >>> estimates = locate_batch(lit, noise=SensorNoise(gain=40.0, read_noise=0.7))
+    >>> estimates.x.round(3).tolist(), estimates.ok.tolist()  # px
+    ([6.5, 7.0, 7.5], [True, True, True])
+    >>> np.sqrt(estimates.covariance[:, 0, 0]).round(4).tolist()  # px
+    [0.0094, 0.0094, 0.0094]
 
     """
     if method not in METHODS:

@@ -65,6 +65,22 @@ class Locator:
     learners : dict
         By the light's name, the `PulseLearner` of each; empty if nothing is learned.
 
+    Examples
+    --------
+    The place on the sensor, px; not all methods take a learned pulse:
+
+    >>> import numpy as np
+    >>> y, x = np.mgrid[:15, :15]
+    >>> pulse = 150.0 * np.exp(-((x - 7.3) ** 2 + (y - 6.5) ** 2) / (2.0 * 2.0**2))
+    >>> window = Window(lit=(40.0 + pulse).round().astype(np.uint8), x0=100, saturation=255)
+    >>> location = Locator().locate(window, noise=SensorNoise(gain=40.0, read_noise=0.7))
+    >>> round(location.x, 1), round(location.y, 1)
+    (107.3, 6.5)
+    >>> Locator('centroid', learn=True)
+    Traceback (most recent call last):
+        ...
+    ValueError: the method 'centroid' takes no learned pulse
+
     """
 
     def __init__(

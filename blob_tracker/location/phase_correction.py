@@ -29,6 +29,14 @@ class PhaseCorrection:
     count : int
         Positions that it was learned from.
 
+    Examples
+    --------
+    Of 400 positions:
+
+    >>> correction = PhaseCorrection(x=(-0.3, 0.0), y=(0.0, 0.0), count=400)
+    >>> round(correction.standard_error, 3)  # px
+    0.011
+
     """
 
     x: tuple[float, float]
@@ -90,6 +98,18 @@ def learn_phase_correction(x: ArrayLike, y: ArrayLike) -> PhaseCorrection:
     cause: a wrong model of an undersampled pulse. The equation here is no more than the change
     of variables of a density, p(f) df = dt.
 
+    Examples
+    --------
+    Phases of a method that errs by 0.05 px times the sine of the phase:
+
+    >>> true = np.linspace(0.0, 21.0, 400, endpoint=False)
+    >>> located = true + 0.05 * np.sin(2.0 * np.pi * true)
+    >>> correction = learn_phase_correction(located, located)
+    >>> round(correction.standard_error, 3)  # px
+    0.011
+    >>> round(correction.x[0], 2)
+    -0.31
+
     """
     axes = {'x': np.asarray(x, dtype=float), 'y': np.asarray(y, dtype=float)}
     shapes = axes['x'].shape, axes['y'].shape
@@ -131,6 +151,20 @@ def correct_phase(estimates: Estimates, correction: PhaseCorrection) -> Estimate
     -------
     Estimates
         Positions in px and covariance in px^2 corrected, the rest unchanged.
+
+    Examples
+    --------
+    A method that errs by 0.05 px times the sine of the phase, a quarter of a pixel from the grid:
+
+    >>> from blob_tracker.location import locate_batch
+    >>> from blob_tracker.types import SensorNoise
+    >>> y, x = np.mgrid[:15, :15]
+    >>> pulse = 150.0 * np.exp(-((x - 7.25) ** 2 + (y - 7.0) ** 2) / (2.0 * 2.0**2))
+    >>> estimates = locate_batch([40.0 + pulse], noise=SensorNoise(gain=40.0, read_noise=0.7))
+    >>> correction = PhaseCorrection(x=(-0.3, 0.0), y=(0.0, 0.0), count=400)
+    >>> corrected = correct_phase(estimates, correction)
+    >>> round(float(estimates.x[0]), 2), round(float(corrected.x[0]), 2)  # px
+    (7.25, 7.2)
 
     """
     with np.errstate(invalid='ignore'):  # what has failed may hold anything

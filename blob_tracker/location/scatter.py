@@ -38,6 +38,14 @@ class Scatter:
     by_stamps : float
         The ratio if the stamps are true; it is larger than `ratio` only if they are not.
 
+    Examples
+    --------
+    A ratio of 1.4 from 200 degrees of freedom, and its standard error:
+
+    >>> scatter = Scatter(ratio=1.4, freedom=200.0, jumps=0, by_stamps=1.4)
+    >>> round(scatter.error, 2), scatter.exceeds(1.0), scatter.exceeds(1.3)
+    (0.07, True, False)
+
     """
 
     ratio: float
@@ -63,6 +71,20 @@ class RecentPlaces:
     ----------
     count : int
         Places that are kept.
+
+    Examples
+    --------
+    Places that scatter as their covariances say:
+
+    >>> places = RecentPlaces(60)
+    >>> random = np.random.default_rng(1)
+    >>> for index in range(60):
+    ...     x, y = 300.0 + 0.01 * random.standard_normal(2)
+    ...     places.add(Location(
+    ...         x, y, 1e-4 * np.eye(2), 150.0, 40.0, 2.0, 50.0, 1.0, 0, stamp_ns=16_666_667 * index
+    ...     ))
+    >>> round(places.scatter().ratio, 1)
+    1.0
 
     """
 
@@ -141,6 +163,17 @@ def scatter(
     -------
     Scatter or None
         None if fewer than 12 differences are left.
+
+    Examples
+    --------
+    Places of a still light that scatter twice as far as their covariances say:
+
+    >>> random = np.random.default_rng(1)
+    >>> stamps_ns = 16_666_667 * np.arange(400)
+    >>> places = 300.0 + 0.02 * random.standard_normal((400, 2))
+    >>> found = scatter(stamps_ns, places, np.tile(0.01**2 * np.eye(2), (400, 1, 1)))
+    >>> round(found.ratio, 1), found.exceeds(1.5)
+    (2.0, True)
 
     """
     intervals = np.diff(stamps_ns)

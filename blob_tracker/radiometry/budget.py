@@ -59,6 +59,17 @@ class Budget:
     fitting_exposure : float
         At which the peak fills `AIM` of the full well, s.
 
+    Examples
+    --------
+    Half as far away a light has four times the electrons, and some more by the clearer air:
+
+    >>> far, near = (
+    ...     link_budget(Led(1.0), Receiver(filter_width=10.0), Surroundings(50.0), distance)
+    ...     for distance in (2000.0, 1000.0)
+    ... )
+    >>> round(near.electrons / far.electrons, 1), near.bound_px < far.bound_px
+    (4.3, True)
+
     """
 
     transmittance: float
@@ -131,6 +142,16 @@ def link_budget(
     ------
     OpticsError
         For a distance that is not above 0, or less than `nearest`.
+
+    Examples
+    --------
+    A red diode of 1 W by day, a kilometre away, through a filter of 10 nm:
+
+    >>> budget = link_budget(Led(1.0), Receiver(filter_width=10.0), Surroundings(), 1000.0)
+    >>> round(budget.electrons), round(budget.snr, 1)
+    (3684, 18.9)
+    >>> budget.verdict
+    'found'
 
     """
     _check_range(light, camera, distance)

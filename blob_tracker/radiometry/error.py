@@ -6,7 +6,18 @@ from math import isfinite
 
 
 class OpticsError(ValueError):
-    """An impossible number; the message says which, and what it must be."""
+    """
+    An impossible number; the message says which, and what it must be.
+
+    Examples
+    --------
+    >>> from blob_tracker.radiometry import Led
+    >>> Led(power=-1.0)
+    Traceback (most recent call last):
+        ...
+    blob_tracker.radiometry.error.OpticsError: the power, W, is -1; it must be above 0
+
+    """
 
 
 def above_zero(values: dict[str, float]) -> None:

@@ -41,6 +41,15 @@ class Led:
     OpticsError
         For an impossible number.
 
+    Examples
+    --------
+    A red diode of 1 W without a lens, and one with a lens of +-10 degrees:
+
+    >>> round(Led(1.0).intensity(), 2), round(Led(1.0, half_angle=10.0).intensity(), 1)  # W/sr
+    (0.11, 2.6)
+    >>> round(Led(1.0, line_width=20.0).passed(10.0), 2)  # of its light, by a filter of 10 nm
+    0.44
+
     """
 
     power: float

@@ -59,6 +59,16 @@ class Receiver:
     OpticsError
         For an impossible number.
 
+    Examples
+    --------
+    A pixel's noise in DN, and the size of a diode's image 100 m away:
+
+    >>> camera = Receiver(focal_length=25.0, full_well=10_000.0, bits=12)
+    >>> round(camera.noise.gain, 2), round(camera.noise.read_noise, 2)  # electrons a DN, DN
+    (2.44, 1.02)
+    >>> round(camera.sigma(Led(1.0), 100.0), 2)  # px
+    0.83
+
     """
 
     focal_length: float = 25.0

@@ -58,6 +58,14 @@ def scene_radiance(albedo: float, level: float = 1.0) -> NDArray[np.float64]:
     (61,) array
         W/m^2/sr/nm, at `WAVELENGTHS`.
 
+    Examples
+    --------
+    Snow and grass in the sun, at 550 nm:
+
+    >>> snow, grass = (np.interp(550.0, WAVELENGTHS, scene_radiance(part)) for part in (0.8, 0.2))
+    >>> round(float(snow), 2), round(float(grass), 2)  # W/m^2/sr/nm
+    (0.39, 0.1)
+
     """
     return np.asarray(albedo * level * GLOBAL / pi)
 
@@ -80,6 +88,14 @@ def sky_radiance(level: float = 1.0) -> NDArray[np.float64]:
     -------
     (61,) array
         W/m^2/sr/nm, at `WAVELENGTHS`. Near the horizon a sky is two to four times as bright.
+
+    Examples
+    --------
+    A clear sky is brighter in the blue than in the red:
+
+    >>> blue, red = np.interp([450.0, 650.0], WAVELENGTHS, sky_radiance())
+    >>> round(float(blue / red), 1)
+    1.8
 
     """
     return np.asarray(level * (GLOBAL - DIRECT * cos(INCIDENCE)) / pi)

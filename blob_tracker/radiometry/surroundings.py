@@ -37,6 +37,15 @@ class Surroundings:
     OpticsError
         For an impossible number.
 
+    Examples
+    --------
+    What clear air and haze let through over 1 km:
+
+    >>> for visibility in (23.0, 10.0):
+    ...     print(round(Surroundings(visibility).transmittance(1000.0, 630.0), 2))
+    0.87
+    0.72
+
     """
 
     visibility: float = 23.0

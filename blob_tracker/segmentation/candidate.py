@@ -59,6 +59,22 @@ class Candidate(NamedTuple):
     unlit : (h, w) array or None
         Raw frame in which it was dark, where that is one of its own.
 
+    Examples
+    --------
+    What lit up in the last frame of two of the virtual lab:
+
+    >>> from blob_tracker.segmentation import Segmenter
+    >>> from blob_tracker.simulation import flashing_light
+    >>> from blob_tracker.types import Frame
+    >>> scene, segmenter = flashing_light(width=160, height=120), Segmenter()
+    >>> for index in (1, 2):
+    ...     _ = segmenter.update(Frame(scene.frame(index), scene.stamp_ns(index), saturation=255))
+    >>> light = segmenter.detections.candidates[0]
+    >>> round(light.x), round(light.y), round(light.sigma_x), light.peak  # px
+    (82, 82, 2, (82, 82))
+    >>> round(scene.truth(2).x), round(scene.truth(2).y)
+    (82, 82)
+
     """
 
     x: float

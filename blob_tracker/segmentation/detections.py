@@ -35,6 +35,25 @@ class Detections(NamedTuple):
     warnings : tuple of str
         What is wrong though there may be one.
 
+    Examples
+    --------
+    What was seen in frames in which nothing lit up:
+
+    >>> import numpy as np
+    >>> from blob_tracker.segmentation import Segmenter
+    >>> from blob_tracker.types import Frame
+    >>> segmenter = Segmenter()
+    >>> for index in range(3):
+    ...     wall = np.random.default_rng(index).normal(40.0, 2.0, (48, 64)).astype(np.uint8)
+    ...     _ = segmenter.update(Frame(wall, stamp_ns=16_666_667 * index, saturation=255))
+    >>> seen = segmenter.detections
+    >>> len(seen.candidates), seen.windows, seen.state
+    (0, {}, 'lost')
+    >>> round(seen.noise)  # DN
+    3
+    >>> seen.reason.split(';')[0]
+    'nothing lit up: the strongest rise is 11 DN, 3.7 times the noise'
+
     """
 
     lit: Pixels

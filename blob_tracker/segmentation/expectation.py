@@ -23,6 +23,18 @@ class Expectation(NamedTuple):
     covariance : (2, 2) array
         px^2, order x, y.
 
+    Examples
+    --------
+    A place on the sensor, as a frame that is binned by 2 and begins at x = 200 px shows it:
+
+    >>> expected = Expectation(320.5, 240.5, np.diag([4.0, 4.0]))
+    >>> frame = Frame(np.zeros((240, 200), np.uint8), 0, saturation=255, x0=200, binning=(2, 2))
+    >>> place = expected.in_frame(frame)
+    >>> place.x, place.y, place.covariance[0, 0].item()  # px, px^2
+    (60.0, 120.0, 1.0)
+    >>> place.inside(frame.image.shape)
+    True
+
     """
 
     x: float

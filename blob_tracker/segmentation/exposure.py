@@ -23,6 +23,11 @@ def exposure_fault(frame: Frame) -> str:
     str
         Empty where a target could be seen in it.
 
+    Examples
+    --------
+    >>> exposure_fault(Frame(np.full((48, 64), 255, np.uint8), stamp_ns=0, saturation=255))
+    '100 % of the pixels are clipped at 255 DN: the exposure is far too long'
+
     """
     image, full = frame.image, frame.saturation
     brightest = int(image.max())

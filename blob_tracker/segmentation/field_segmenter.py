@@ -62,6 +62,20 @@ class FieldSegmenter:
     of_kind : dict of int to Segmenter
         Those that there are.
 
+    Examples
+    --------
+    Each of the two kinds of fields of an analogue camera has a segmenter:
+
+    >>> from blob_tracker.capture.fields import fields
+    >>> from blob_tracker.segmentation import Segmenter
+    >>> from blob_tracker.simulation import InterlacedCamera, Scene
+    >>> camera = InterlacedCamera(Scene(width=160, height=120))
+    >>> segmenter = FieldSegmenter(Segmenter)
+    >>> for field in fields(camera.picture(0), camera.order, camera.interval_ns):
+    ...     _ = segmenter.update(field)
+    >>> sorted(segmenter.of_kind)
+    [0, 1]
+
     """
 
     def __init__(

@@ -29,6 +29,17 @@ class Flash(Protocol):
     surveys : bool
         Whether `survey` asks for all that lit up in the whole frame, after `choose`.
 
+    Examples
+    --------
+    Each mode of `FLASH_MODES` is one:
+
+    >>> from blob_tracker.segmentation import flash_by_name
+    >>> flash = flash_by_name('alternate')
+    >>> flash.locked
+    False
+    >>> flash.reason
+    'no frame yet'
+
     """
 
     @property

@@ -46,6 +46,18 @@ def flash_by_name(mode: str, **options: object) -> Flash:
     TypeError
         An option is that of none of the modes.
 
+    Examples
+    --------
+    A light that runs free at 13.7 Hz, on for half of each period:
+
+    >>> flash = flash_by_name('periodic', frequency=13.7, duty=0.5)
+    >>> flash.locked
+    False
+    >>> flash_by_name('blink')
+    Traceback (most recent call last):
+        ...
+    ValueError: no flash mode 'blink'; there is alternate, steady, periodic, coded, lock_in, auto
+
     """
     if mode not in FLASH_MODES:
         raise ValueError(f"no flash mode '{mode}'; there is {', '.join(FLASH_MODES)}")

@@ -15,7 +15,22 @@ INTERVALS, ENOUGH = 9, 3  # of the last frames: kept, and needed to know the fra
 
 
 class FrameError(ValueError):
-    """A frame that cannot follow the one before it; the message says why."""
+    """
+    A frame that cannot follow the one before it; the message says why.
+
+    Examples
+    --------
+    A frame that was taken before the last one:
+
+    >>> from blob_tracker.segmentation import Segmenter
+    >>> segmenter, image = Segmenter(), np.zeros((48, 64), np.uint8)
+    >>> segmenter.update(Frame(image, stamp_ns=16_666_667, saturation=255))
+    >>> segmenter.update(Frame(image, stamp_ns=0, saturation=255))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    blob_tracker.segmentation.history.FrameError: ...stamp is 0.017 s older than the one before...
+
+    """
 
 
 class FrameHistory:

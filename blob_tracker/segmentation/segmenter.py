@@ -39,6 +39,12 @@ class Sighting(NamedTuple):
     window : Window
         Its pixels.
 
+    Examples
+    --------
+    >>> sighting = Sighting('port', Window(lit=np.full((9, 9), 60, np.uint8), x0=312, y0=240))
+    >>> sighting.name, sighting.window.x0
+    ('port', 312)
+
     """
 
     name: str
@@ -83,6 +89,21 @@ class Segmenter:
     unlit_pair : (array, array) or None
         Raw pixels of the last two frames without a light, where the last frame is one of them or
         ended a block that holds them. What differs in them is noise, or moved.
+
+    Examples
+    --------
+    A light that is on in the even frames, in the virtual lab; the windows of its first flashes are
+    kept back until it is known to flash:
+
+    >>> from blob_tracker.simulation import flashing_light
+    >>> scene, segmenter = flashing_light(width=160, height=120), Segmenter()
+    >>> for index in range(9):
+    ...     frame = Frame(scene.frame(index), scene.stamp_ns(index), saturation=255)
+    ...     window = segmenter.update(frame)
+    >>> window.x0, window.y0, window.lit.shape
+    (83, 82, (15, 15))
+    >>> segmenter.detections.state
+    'locked'
 
     """
 

@@ -49,6 +49,16 @@ def threshold_by_name(method: str, *, sigmas: float, extension: int) -> Threshol
     ValueError
         If there is no such method.
 
+    Examples
+    --------
+    >>> threshold = threshold_by_name('sigma_window', sigmas=3.0, extension=2)
+    >>> threshold.keywords
+    {'sigmas': 3.0}
+    >>> threshold_by_name('median', sigmas=3.0, extension=2)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    ValueError: no threshold method 'median'; there is sigma_window, otsu_window, ...
+
     """
     if method not in THRESHOLDS:
         raise ValueError(f"no threshold method '{method}'; there is {', '.join(THRESHOLDS)}")

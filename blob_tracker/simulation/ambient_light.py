@@ -20,6 +20,16 @@ class AmbientLight:
     waveform : callable
         From times, s, to brightness; 1 leaves the picture as it is.
 
+    Examples
+    --------
+    A lamp that flickers at 100 Hz, and a frame exposed for all of its period:
+
+    >>> from blob_tracker.simulation import Scene, sinusoid
+    >>> lamp, picture = AmbientLight(sinusoid(100.0, 0.5)), np.full((48, 64), 40.0, np.float32)
+    >>> lamp.draw(picture, Scene(width=64, height=48, rate=100.0, exposure=1.0).shot(0))
+    >>> round(float(picture.mean()), 1)  # DN
+    40.0
+
     """
 
     waveform: Waveform

@@ -52,6 +52,18 @@ def blinking_lights(
     dict of str to Light
         The lights by name.
 
+    Examples
+    --------
+    A wave and a code:
+
+    >>> waveforms = {'port': periodic(6.0, 0.5), 'mast': coded('1101000', 1.0 / 30.0)}
+    >>> scene, lights = blinking_lights(waveforms, width=160, height=120)
+    >>> scene.frame(0).shape, sorted(lights)
+    ((120, 160), ['mast', 'port'])
+    >>> place = lights['mast'].spot(0.5)
+    >>> round(place.x), round(place.y)  # px
+    (120, 28)
+
     """
     lights = {
         name: Light(
@@ -108,6 +120,15 @@ def waveforms_of(
         See `segmentation.flash_by_name`.
     clock_error : float
         Of the lights' own clocks, as a part of their rate.
+
+    Examples
+    --------
+    A code with two frames for a bit, at six of 30 times a second:
+
+    >>> import numpy as np
+    >>> waveforms = waveforms_of('coded', codes={'port': '1101000'}, frames_per_bit=2)
+    >>> waveforms['port'](np.arange(0.01, 0.2, 1.0 / 30.0)).tolist()
+    [1.0, 1.0, 0.0, 1.0, 0.0, 0.0]
 
     """
     if mode == 'steady':

@@ -29,6 +29,14 @@ class Stepping:
     turn : float
         How far it turns about its middle, degrees.
 
+    Examples
+    --------
+    How far the picture has moved in three frames:
+
+    >>> camera = Stepping(shift_x=3.0)
+    >>> [camera.motion(index, (480, 640))[0, 2].item() for index in (0, 1, 2)]  # px
+    [3.0, 0.0, 3.0]
+
     """
 
     shift_x: float = 0.0
@@ -60,6 +68,15 @@ class Drifting:
         Greatest turn to either side, degrees.
     turn_frames : float
         Frames in which it turns there and back.
+
+    Examples
+    --------
+    A frame later the picture has moved by the speed:
+
+    >>> camera = Drifting(speed=2.0)
+    >>> before, after = (camera.motion(index, (480, 640))[:, 2] for index in (0, 1))
+    >>> round(float(np.hypot(*(after - before))), 1)  # px
+    2.0
 
     """
 

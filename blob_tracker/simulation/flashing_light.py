@@ -36,6 +36,17 @@ def flashing_light(
     reach : float
         Greatest distance of the path from the middle of the frame, as a part of its half-size.
 
+    Examples
+    --------
+    A light that is on in the even frames, and how much brighter it makes its pixel:
+
+    >>> scene = flashing_light(width=160, height=120)
+    >>> truth = scene.truth(0)
+    >>> row, column = round(truth.y), round(truth.x)
+    >>> lit, unlit = (int(scene.frame(index)[row, column]) for index in (0, 1))
+    >>> truth.lit, round(lit - unlit, -1)  # -, DN
+    (True, 140)
+
     """
     target = Light(
         0.5 * (width - 1),

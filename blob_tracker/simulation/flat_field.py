@@ -21,6 +21,15 @@ class FlatField:
     width, height : int
         Size, px.
 
+    Examples
+    --------
+    Pixels whose response differs by 1 %, at 100 DN:
+
+    >>> field = FlatField(Sensor(prnu=0.01), width=160, height=120)
+    >>> pixels = field.frame(100.0, np.random.default_rng(1))  # DN
+    >>> pixels.shape, round(float(pixels.mean()))
+    ((120, 160), 100)
+
     """
 
     sensor: Sensor

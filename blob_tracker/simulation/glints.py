@@ -35,6 +35,16 @@ class Glints:
     seed : int
         Of all of it.
 
+    Examples
+    --------
+    Five groups in a frame, on dark water:
+
+    >>> from blob_tracker.simulation import Scene
+    >>> glints, sea = Glints(rate=5.0), np.zeros((240, 320), np.float32)
+    >>> glints.draw(sea, Scene(width=320, height=240).shot(4))
+    >>> sea.shape, bool(sea.max() > 10.0)  # -, DN
+    ((240, 320), True)
+
     """
 
     rate: float = 0.5

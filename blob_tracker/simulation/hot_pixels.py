@@ -32,6 +32,16 @@ class HotPixels:
     seed : int
         Of all of it.
 
+    Examples
+    --------
+    Ten of them, that stay where they are:
+
+    >>> from blob_tracker.simulation import Scene
+    >>> hot, picture = HotPixels(constant=10, blinking=0), np.zeros((240, 320), np.float32)
+    >>> hot.draw(picture, Scene(width=320, height=240).shot(0))
+    >>> (picture > 0.0).sum().item()
+    10
+
     """
 
     constant: int = 30

@@ -36,6 +36,14 @@ class InterlacedCamera:
     ValueError
         If there is no such order.
 
+    Examples
+    --------
+    Sixty fields a second, of which the bottom one comes first:
+
+    >>> camera = InterlacedCamera(Scene(width=160, height=120, rate=60.0), order='interlaced_bt')
+    >>> camera.picture(0).image.shape, camera.interval_ns  # -, ns
+    ((120, 160), 33333333)
+
     """
 
     scene: Scene

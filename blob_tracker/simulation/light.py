@@ -50,6 +50,14 @@ def pixel_integrated_gaussian(
     (h, w) array
         Times the peak amplitude in DN it is the pulse's mean signal in DN.
 
+    Examples
+    --------
+    A narrow pulse is lower on the mean of its brightest pixel than at its peak:
+
+    >>> pixels = pixel_integrated_gaussian((9, 9), 4.0, 4.0, 0.8)
+    >>> round(float(pixels.max()), 2), round(float(pixels.sum() / (2.0 * np.pi * 0.8**2)), 2)
+    (0.88, 1.0)
+
     """
     height, width = shape
     along_x = _mean_over_pixels(width, np.reshape(x, (-1, 1)), sigma_x, aperture)

@@ -49,6 +49,13 @@ class Joints:
     ValueError
         If one of them is invalid.
 
+    Examples
+    --------
+    How late a joint is that follows a steady command, ms:
+
+    >>> round(1e3 * Joints(frequency=15.0, damping=0.8).lag)
+    17
+
     """
 
     delay: float = 0.02
@@ -91,6 +98,18 @@ class PanTilt:
         Up to which it has been driven, s.
     angles : (float, float)
         Where pan and tilt truly are at that time, rad.
+
+    Examples
+    --------
+    A command of 0.2 rad, before the delay is over and half a second later:
+
+    >>> pan_tilt = PanTilt(Joints(delay=0.02))
+    >>> pan_tilt.command(0.2, 0.0)
+    >>> for time in (0.01, 0.5):
+    ...     pan_tilt.advance(time)
+    ...     print(round(pan_tilt.angles[0], 3))  # rad
+    0.0
+    0.2
 
     """
 

@@ -30,6 +30,17 @@ class PassingObject:
     blur : float
         Standard deviation of its edges, px.
 
+    Examples
+    --------
+    A dark bird that has gone 30 px to the right in ten frames:
+
+    >>> from blob_tracker.simulation import Scene
+    >>> bird = PassingObject(60.0, 60.0, width=12.0, height=4.0, level=20.0, speed_x=3.0)
+    >>> picture = np.full((120, 160), 40.0, np.float32)
+    >>> bird.draw(picture, Scene(width=160, height=120).shot(10))
+    >>> round(float(picture[60, 90])), round(float(picture[60, 60]))  # DN
+    (20, 40)
+
     """
 
     x: float

@@ -36,6 +36,14 @@ class Swing:
     smoothing : float
         s: time constant of what drives it, s.
 
+    Examples
+    --------
+    A long swell, whose process has three states:
+
+    >>> process = process_of([Swing(deviation=0.05, frequency=0.1, damping=0.1, smoothing=0.5)])
+    >>> process.drift.shape
+    (3, 3)
+
     """
 
     deviation: float
@@ -56,6 +64,15 @@ class Process(NamedTuple):
         Covariance of the state after a long time.
     angle, rate : (n,) array
         Rows that take the state to the angle, rad, and its rate, rad/s.
+
+    Examples
+    --------
+    How well the angle of a swell can be known 50 ms ahead of samples at 100 Hz, at best:
+
+    >>> process = process_of([Swing(0.05, 0.1, 0.1, 0.5)])
+    >>> limit = process.prediction_limit(0.05, interval=0.01, variance=1e-8)
+    >>> 1e-6 < limit < 1e-3  # rad
+    True
 
     """
 
@@ -104,7 +121,19 @@ class Process(NamedTuple):
 
 
 def process_of(swings: Sequence[Swing]) -> Process:
-    """Return the process of an axis: the sum of its swings, three states each."""
+    """
+    Return the process of an axis: the sum of its swings, three states each.
+
+    Examples
+    --------
+    Two swings of 0.03 rad and 0.04 rad are 0.05 rad together:
+
+    >>> swings = [Swing(0.03, 0.1, 0.1, 0.5), Swing(0.04, 0.4, 0.5, 0.2)]
+    >>> process = process_of(swings)
+    >>> round(float(process.angle @ process.stationary @ process.angle) ** 0.5, 3)  # rad
+    0.05
+
+    """
     drifts, stationaries = [], []
     for swing in swings:
         turn = 2.0 * pi * swing.frequency
@@ -145,6 +174,15 @@ class Shock:
         With which the vehicle swings out, undamped, Hz.
     damping : float
         d: part of the critical damping, below 1.
+
+    Examples
+    --------
+    Of a blow about pitch, of 2 rad/s^2: the angle before it and half a second after it began:
+
+    >>> shock = Shock(time=1.0, acceleration=(0.0, 2.0, 0.0))
+    >>> angles, _ = shock.swing(np.array([0.5, 1.5]))
+    >>> [round(2.0 * angle, 3) for angle in angles.tolist()]  # rad
+    [0.0, 0.064]
 
     """
 
@@ -188,6 +226,16 @@ class Ride:
     rates : (n, 3) array
         Their derivatives, rad/s.
 
+    Examples
+    --------
+    A base that yaws to the right at 0.1 rad/s:
+
+    >>> times = 0.01 * np.arange(101)
+    >>> angles = np.stack([0.0 * times, 0.0 * times, 0.1 * times], axis=1)
+    >>> ride = Ride(0.01, angles, np.tile([0.0, 0.0, 0.1], (101, 1)))
+    >>> ride.rates(np.array([0.5])).round(3).tolist()  # rad/s
+    [[0.0, 0.1, 0.0]]
+
     """
 
     def __init__(self, interval: float, angles: Array, rates: Array) -> None:
@@ -219,7 +267,17 @@ class Ride:
 
 
 def turn_about(axis: int, angles: Array) -> Array:
-    """Return (n, 3, 3) right-handed rotations about axis 0, 1 or 2 by (n,) angles, rad."""
+    """
+    Return (n, 3, 3) right-handed rotations about axis 0, 1 or 2 by (n,) angles, rad.
+
+    Examples
+    --------
+    A quarter about z takes x to y:
+
+    >>> (turn_about(2, np.array([np.pi / 2.0])) @ [1.0, 0.0, 0.0]).round(3).tolist()
+    [[0.0, 1.0, 0.0]]
+
+    """
     second, third = (axis + 1) % 3, (axis + 2) % 3
     turns = np.zeros((*np.shape(angles), 3, 3))
     turns[..., axis, axis] = 1.0
@@ -240,6 +298,16 @@ class PlatformMotion:
         What adds up to the angle about each axis.
     shocks : tuple of Shock
         Blows that come on top.
+
+    Examples
+    --------
+    A boat that rolls by 0.1 rad, and does little else:
+
+    >>> roll, other = Swing(0.1, 0.15, 0.1, 0.5), Swing(0.01, 0.3, 0.3, 0.3)
+    >>> boat = PlatformMotion((roll,), (other,), (other,))
+    >>> ride = boat.ride(61.0, seed=1)
+    >>> ride.angles(np.arange(0.0, 60.0, 0.1)).std(axis=0).round(1).tolist()  # rad
+    [0.1, 0.0, 0.0]
 
     """
 

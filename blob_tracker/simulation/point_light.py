@@ -30,11 +30,20 @@ class Light:
     reach_x, reach_y : float
         Greatest distance of its path from the middle, px.
     period : float
-        Time in which it goes across and back, s.
+        Time of its path, s: twice across and back, and three times up and down.
     start : float
         Where on its path it begins, as a part of it.
     profile : Profile
         Shape of its image, see `profiles`.
+
+    Examples
+    --------
+    A light that swings by 20 px, twice in 9 s, and is on in every other frame:
+
+    >>> from blob_tracker.simulation import in_step
+    >>> light = Light(80.0, 60.0, 1.5, 120.0, in_step(60.0), reach_x=20.0)
+    >>> [round(light.spot(time).x, 1) for time in (0.0, 1.125, 3.375)]  # px
+    [80.0, 100.0, 60.0]
 
     """
 

@@ -52,6 +52,14 @@ class Gaussian:
     angle : float
         Of the long axis, from x towards y, rad.
 
+    Examples
+    --------
+    An ellipse, twice as long as it is wide, along x:
+
+    >>> pixels = Gaussian(axis_ratio=2.0).over_pixels((21, 21), 10.0, 10.0, 2.0)
+    >>> round(float(pixels[10, 12]), 2), round(float(pixels[12, 10]), 2)
+    (0.76, 0.37)
+
     """
 
     axis_ratio: float = 1.0
@@ -83,6 +91,15 @@ class ThreeGaussians:
 
     A light of the amplitude 254.00 DN has these peaks. The thesis' width s has no 2 in the
     exponent: s = sqrt2 sigma, with sigma that of the light and of the narrowest of the three.
+
+    Examples
+    --------
+    Five sigma off its middle it is far brighter than a Gaussian, which has 4e-6 there:
+
+    >>> pixels = ThreeGaussians().over_pixels((1, 31), 10.0, 0.0, 2.0)
+    >>> round(float(pixels[0, 20]), 2)
+    0.1
+
     """
 
     reach = REACH_SIGMA * LAMP_WIDTHS[-1]
@@ -114,6 +131,13 @@ class Comatic:
         Step from one to the next, sigma; 0 gives the round Gaussian.
     angle : float
         Of the tail, from x towards y, rad.
+
+    Examples
+    --------
+    The highest value of a spot whose tail goes along x is off its centre of gravity:
+
+    >>> round(Comatic(coma=1.0).peak[0], 1)  # sigma
+    -1.1
 
     """
 
@@ -195,6 +219,16 @@ class Measured:
     ------
     ValueError
         If the picture has no light in it, or fewer than 4 elements to a side.
+
+    Examples
+    --------
+    A spot from a picture with four elements to a sigma:
+
+    >>> y, x = np.mgrid[-20:21, -20:21] / 4.0
+    >>> spot = Measured(np.exp(-0.5 * (x**2 + y**2)), elements=4.0)
+    >>> pixels = spot.over_pixels((15, 15), 7.0, 7.0, 1.5)
+    >>> round(float(pixels.sum() / (2.0 * np.pi * 1.5**2)), 2)  # all of its light
+    1.0
 
     """
 

@@ -58,6 +58,17 @@ class Scene:
     ValueError
         If the rows of a rolling shutter take longer than a frame.
 
+    Examples
+    --------
+    A wall, a light that is never off, and a hot pixel:
+
+    >>> from blob_tracker.simulation import HotPixels, Light
+    >>> scene = Scene(Light(40.2, 30.7, 1.5, 120.0), [HotPixels(constant=1)], width=80, height=60)
+    >>> scene.frame(3).shape, scene.stamp_ns(3)  # -, ns
+    ((60, 80), 1050000000)
+    >>> scene.truth(3).x, scene.truth(3).lit  # px
+    (40.2, True)
+
     """
 
     target: LightSource | None = None

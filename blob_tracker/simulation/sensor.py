@@ -62,6 +62,16 @@ class Sensor:
     ValueError
         If one of them is invalid.
 
+    Examples
+    --------
+    A converter of 8 bits clips what is above its full scale:
+
+    >>> sensor = Sensor(SensorNoise(gain=40.0, read_noise=0.7), bits=8)
+    >>> sensor.expose(np.full((1, 3), 400.0), np.random.default_rng(1)).tolist()  # DN
+    [[255, 255, 255]]
+    >>> Sensor(bits=12).saturation
+    4095
+
     """
 
     noise: SensorNoise = SensorNoise(gain=40.0, read_noise=0.7)
@@ -186,6 +196,17 @@ def expose(
     -------
     array of uint8 or uint16
         DN, of the shape of `mean`.
+
+    Examples
+    --------
+    Of 100 DN at 40 electrons a DN, the standard deviation of a pixel, DN:
+
+    >>> noise = SensorNoise(gain=40.0, read_noise=0.7)
+    >>> pixels = expose(np.full((100, 100), 100.0), noise, np.random.default_rng(1))
+    >>> pixels.dtype.name, round(float(pixels.std()), 1)
+    ('uint8', 1.8)
+    >>> round((100.0 / 40.0 + 0.7**2 + 1.0 / 12.0) ** 0.5, 1)
+    1.8
 
     """
     return quantise(_noisy(mean, noise, random), saturation)

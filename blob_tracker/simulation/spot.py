@@ -19,7 +19,18 @@ PARTS = 16  # of an exposure, in each of which a light stands still that leaves 
 
 
 class Spot(NamedTuple):
-    """Where the image of a light is (px), how wide (sigma, px), and its peak (DN)."""
+    """
+    Where the image of a light is (px), how wide (sigma, px), and its peak (DN).
+
+    Examples
+    --------
+    All of its light, 2 pi sigma^2 times its peak:
+
+    >>> spot = Spot(x=7.3, y=6.5, sigma=2.0, amplitude=150.0)
+    >>> round(2.0 * np.pi * spot.sigma**2 * spot.amplitude)  # DN
+    3770
+
+    """
 
     x: float
     y: float
@@ -46,7 +57,20 @@ class LightSource(Protocol):
 
 
 def truth_of(light: LightSource, shot: Shot) -> Truth:
-    """Return what is to be found of a light in a frame."""
+    """
+    Return what is to be found of a light in a frame.
+
+    Examples
+    --------
+    A light that is never off:
+
+    >>> from blob_tracker.simulation import Light, Scene
+    >>> light = Light(40.2, 30.7, 1.5, 120.0)
+    >>> truth = truth_of(light, Scene(width=80, height=60).shot(0))
+    >>> truth.x, truth.y, truth.lit  # px
+    (40.2, 30.7, True)
+
+    """
     time, spot = _seen(light, shot)
     if not isfinite(time):
         return Truth(spot.x, spot.y, False)
@@ -145,6 +169,15 @@ def add_spot(
         Its shape.
     aperture : float
         Side of the light-sensitive middle of a pixel, px.
+
+    Examples
+    --------
+    A light on a wall of 40 DN:
+
+    >>> picture = np.full((15, 15), 40.0, np.float32)
+    >>> add_spot(picture, Spot(x=7.0, y=7.0, sigma=2.0, amplitude=150.0))
+    >>> round(float(picture.max())), round(float(picture.min()))  # DN
+    (187, 40)
 
     """
     part, left, top = _about(picture, spot, profile)

@@ -27,6 +27,16 @@ class SunDisc:
     glare : float
         Brightness at the disc's edge, DN.
 
+    Examples
+    --------
+    Its middle, far above full scale, and its glare two radii from there:
+
+    >>> from blob_tracker.simulation import Scene
+    >>> picture = np.zeros((240, 320), np.float32)
+    >>> SunDisc(160.0, 120.0).draw(picture, Scene(width=320, height=240).shot(0))
+    >>> round(float(picture[120, 160])), round(float(picture[120, 184]))  # DN
+    (5059, 14)
+
     """
 
     x: float

@@ -26,6 +26,14 @@ class Truth(NamedTuple):
     tau : float
         When it was seen, from the middle of the exposure, s; 0 where it leaves no streak.
 
+    Examples
+    --------
+    Where a light was, and that it was off:
+
+    >>> truth = Truth(319.4, 240.2, lit=False, amplitude=150.0, sigma=2.0)
+    >>> truth.lit, truth.x
+    (False, 319.4)
+
     """
 
     x: float

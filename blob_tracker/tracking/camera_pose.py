@@ -31,6 +31,15 @@ class CameraPose:
     ValueError
         If one of them is invalid.
 
+    Examples
+    --------
+    A camera 2 m up that looks along the reference's x axis, which is its own z axis:
+
+    >>> rotation = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+    >>> pose = CameraPose(np.array([0.0, 0.0, 2.0]), rotation, position_sigma=0.005)
+    >>> (pose.position + pose.rotation @ [0.0, 0.0, 10.0]).tolist()  # m, 10 m before it
+    [10.0, 0.0, 2.0]
+
     """
 
     position: Array

@@ -78,6 +78,16 @@ class GyroFault(NamedTuple):
     words : str
         The same in words.
 
+    Examples
+    --------
+    A gyro that counts degrees, and a rate of it as it should be:
+
+    >>> fault = GyroFault(
+    ...     np.eye(3), scale=np.pi / 180.0, offset=0.0, words='its rates are in degrees/s'
+    ... )
+    >>> (fault.scale * fault.turn @ [90.0, 0.0, 0.0]).round(2).tolist()  # rad/s
+    [1.57, 0.0, 0.0]
+
     """
 
     turn: Array | None

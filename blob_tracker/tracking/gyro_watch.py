@@ -27,6 +27,23 @@ class GyroWatch:
     fault : GyroFault or None
         What is wrong with it, by the last time that the turning was enough to tell.
 
+    Examples
+    --------
+    A gyro whose rates have the wrong sign, in a vehicle of the virtual lab that looks at a still
+    light straight ahead:
+
+    >>> import numpy as np
+    >>> from blob_tracker.simulation.platform_motion import MOTIONS
+    >>> ride, watch = MOTIONS['rover'].ride(9.0, seed=1), GyroWatch()
+    >>> times = np.arange(0.0, 8.0, 0.01)
+    >>> for time, rate in zip(times, ride.rates(times)):
+    ...     watch.push(round(1e9 * time), -rate)
+    >>> for time, (x, y, z) in zip(times[::4], ride.rotations(times[::4])[:, 2]):
+    ...     azimuth, elevation = 1e3 * np.arctan2(x, z), 1e3 * np.arctan2(-y, np.hypot(x, z))
+    ...     watch.saw('', Bearing(azimuth, elevation, 1e-4 * np.eye(2), round(1e9 * time)), None)
+    >>> watch.judge().fault.words
+    'its rates have the wrong sign'
+
     """
 
     def __init__(self) -> None:

@@ -13,6 +13,22 @@ class PanTilt(Protocol):
     How the camera is turned against the base at an instant, see `PanTiltAngles`.
 
     Each raises PlatformGap where the instant, ns of ROS time, is not covered.
+
+    Examples
+    --------
+    `PanTiltAngles` is one: what is straight ahead of a camera that is panned by 0.1 rad is as far
+    to the right in the base:
+
+    >>> from blob_tracker.tracking import PanTiltAngles, Tracker
+    >>> from blob_tracker.types import Bearing
+    >>> pan_tilt = PanTiltAngles()
+    >>> tracker = Tracker(pan_tilt=pan_tilt)
+    >>> for stamp_ns in range(0, 100_000_000, 20_000_000):
+    ...     pan_tilt.push(stamp_ns, pan=0.1, tilt=0.0)
+    ...     _ = tracker.update(Bearing(0.0, 0.0, np.diag([1e-4, 1e-4]), stamp_ns))
+    >>> round(tracker.at(stamp_ns).azimuth, 1)  # mrad
+    100.0
+
     """
 
     def at(self, stamp_ns: int) -> NDArray[np.float64]:

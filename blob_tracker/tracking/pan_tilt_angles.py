@@ -39,6 +39,21 @@ class PanTiltAngles:
         If hold or memory is not above 0, sigma or acceleration is below, or one of them is not
         finite.
 
+    Examples
+    --------
+    A pan that turns at 1 rad/s, halfway between two samples:
+
+    >>> pan_tilt = PanTiltAngles()
+    >>> pan_tilt.push(0, pan=0.0, tilt=0.0)
+    >>> pan_tilt.push(100_000_000, pan=0.1, tilt=0.0)
+    >>> turn = pan_tilt.at(50_000_000)
+    >>> round(float(np.arcsin(turn[0, 2])), 3)  # rad
+    0.05
+    >>> pan_tilt.at(1_000_000_000)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    blob_tracker.tracking.errors.PlatformGap: ...angle of pan is 0.900 s old; it holds for 0.2 s
+
     """
 
     def __init__(

@@ -61,6 +61,21 @@ def log_likelihood(
     float, int
         log L, and the number of innovations in it.
 
+    Examples
+    --------
+    Bearings of a still light: that it is still is likelier than that it is wild:
+
+    >>> import numpy as np
+    >>> random = np.random.default_rng(1)
+    >>> bearings = [
+    ...     Bearing(*random.normal(0.0, 0.1, 2), 0.01 * np.eye(2), 33_333_333 * index)
+    ...     for index in range(100)
+    ... ]
+    >>> still, count = log_likelihood(bearings, 'constant_velocity', 1.0)
+    >>> wild, _ = log_likelihood(bearings, 'constant_velocity', 1000.0)
+    >>> still > wild, count
+    (True, 96)
+
     """
     noise = MODELS[model].noise
     tracker = Tracker(
@@ -104,6 +119,21 @@ def process_noise(
     ------
     TrackingError
         If a bearing is none that can be, or they are too few.
+
+    Examples
+    --------
+    A light whose rate changes by 40 mrad/s in a second, standard deviation:
+
+    >>> import numpy as np
+    >>> random = np.random.default_rng(1)
+    >>> rates = np.cumsum(random.normal(0.0, 40.0 / 30.0**0.5, (600, 2)), axis=0)  # mrad/s
+    >>> angles = np.cumsum(rates / 30.0, axis=0) + random.normal(0.0, 0.1, (600, 2))
+    >>> bearings = [
+    ...     Bearing(*angle, 0.01 * np.eye(2), 33_333_333 * index)
+    ...     for index, angle in enumerate(angles)
+    ... ]
+    >>> round(process_noise(bearings, 'constant_velocity'), -1)  # mrad/s^2
+    40.0
 
     """
     def loss(exponent: float) -> float:

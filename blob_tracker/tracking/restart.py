@@ -26,6 +26,23 @@ def update_or_restart(
     TrackingError
         If the measurement is refused, before or after the restart.
 
+    Examples
+    --------
+    The clock was set back: the tracker begins anew with the first bearing after that:
+
+    >>> import numpy as np
+    >>> from blob_tracker.tracking import Tracker
+    >>> from blob_tracker.types import Bearing
+    >>> tracker, log = Tracker(), []
+    >>> def restart(jump):
+    ...     tracker.reset()
+    ...     log.append(jump)
+    >>> for stamp_ns in (60_000_000_000, 0):
+    ...     bearing = Bearing(0.0, 0.0, np.eye(2), stamp_ns)
+    ...     update_or_restart(lambda: tracker.update(bearing), restart)
+    >>> len(log), tracker.begun, tracker.stamp_ns
+    (1, 2, 0)
+
     """
     try:
         update()

@@ -25,6 +25,15 @@ class Sight(NamedTuple):
     pose : CameraPose
         Of the camera at the bearing's stamp.
 
+    Examples
+    --------
+    Of a camera at the origin of the frame of reference:
+
+    >>> import numpy as np
+    >>> bearing = Bearing(50.0, 0.0, 0.01 * np.eye(2), stamp_ns=16_666_667)
+    >>> Sight(bearing, CameraPose(np.zeros(3))).stamp_ns
+    16666667
+
     """
 
     bearing: Bearing

@@ -29,6 +29,21 @@ class Instant(NamedTuple):
         Covariance of what the light may have strayed from the lines on which bearings were
         interpolated, seen across each ray, rad^2; see `strays`.
 
+    Examples
+    --------
+    What goes to `triangulate`:
+
+    >>> from blob_tracker.tracking import CameraPose, triangulate
+    >>> from blob_tracker.types import Bearing
+    >>> sights = tuple(
+    ...     Sight(Bearing(azimuth, 0.0, 0.01 * np.eye(2)), CameraPose(np.array([x, 0.0, 0.0])))
+    ...     for azimuth, x in ((50.0, 0.0), (-50.0, 1.0))
+    ... )
+    >>> instant = Instant((0, 1), sights, strayed=np.zeros((2, 2)))
+    >>> light = triangulate(*zip(*instant.sights), strayed=instant.strayed)
+    >>> light.position[::2].round(2).tolist()  # x and z, m
+    [0.5, 9.99]
+
     """
 
     cameras: tuple[int, ...]
@@ -74,6 +89,20 @@ class Simultaneous:
         Of each camera, bearings that came when what there was of their instant had been given.
     interval : float
         Longest time between two bearings that were interpolated last, s; NaN before.
+
+    Examples
+    --------
+    A light that goes by 1 mrad/ms, and a second camera that is 5 ms later than the first; what it
+    sees is interpolated to the first one's stamp:
+
+    >>> from blob_tracker.types import Bearing
+    >>> from blob_tracker.tracking import CameraPose
+    >>> pairing = Simultaneous(2, max_interval=0.1, acceleration=0.0)
+    >>> for ms, camera in ((0, 0), (5, 1), (20, 0), (25, 1)):
+    ...     bearing = Bearing(1.0 * ms, 0.0, 0.01 * np.eye(2), 1_000_000 * ms)
+    ...     for instant in pairing.take(camera, Sight(bearing, CameraPose(np.zeros(3)))):
+    ...         print(instant.cameras, [sight.bearing.azimuth for sight in instant.sights])  # mrad
+    (0, 1) [20.0, 20.0]
 
     """
 

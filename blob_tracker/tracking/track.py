@@ -25,6 +25,16 @@ class Track:
     covariance : (n, n) array
         Of the state, symmetric and positive definite.
 
+    Examples
+    --------
+    A direction known to 0.1 mrad along the azimuth, and to 0.2 mrad along the elevation:
+
+    >>> track = Track(0, np.array([222.6, -265.5, 50.0, 0.0]), np.diag([0.01, 0.04, 1.0, 1.0]))
+    >>> track.azimuth, track.rate.tolist()  # mrad, mrad/s
+    (222.6, [50.0, 0.0])
+    >>> round(track.sigma, 3)  # mrad
+    0.2
+
     """
 
     stamp_ns: int

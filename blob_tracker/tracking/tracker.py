@@ -70,6 +70,21 @@ class Tracker:
     TrackingError
         If a parameter cannot be.
 
+    Examples
+    --------
+    A light that goes to the right at 50 mrad/s, and where it is a frame after the last bearing:
+
+    >>> import numpy as np
+    >>> tracker = Tracker(acceleration=30.0)
+    >>> for index in range(60):
+    ...     stamp_ns = 16_666_667 * index
+    ...     _ = tracker.update(Bearing(50e-9 * stamp_ns, 0.0, np.diag([1e-4, 1e-4]), stamp_ns))
+    >>> ahead = tracker.at(stamp_ns + 16_666_667)
+    >>> round(ahead.azimuth, 1), round(float(ahead.rate[0]), 1)  # mrad, mrad/s
+    (50.0, 50.0)
+    >>> tracker.at(stamp_ns + 1_000_000_000), tracker.reason
+    (None, 'the last bearing is 1.000 s ago; coast is 0.5 s')
+
     """
 
     def __init__(

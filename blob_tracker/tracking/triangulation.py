@@ -59,6 +59,17 @@ class Position:
     outliers : tuple of Outlier
         The rays that are of something else, and not used.
 
+    Examples
+    --------
+    Its standard deviations, and whether the rays meet:
+
+    >>> light = Position(
+    ...     np.array([0.5, 0.0, 10.0]), np.diag([5e-7, 5e-7, 2e-4]), np.zeros((3, 3)),
+    ...     chi2=0.8, degrees_of_freedom=1,
+    ... )
+    >>> np.sqrt(light.covariance.diagonal()).round(4).tolist()  # m
+    [0.0007, 0.0007, 0.0141]
+
     """
 
     position: Array
@@ -145,6 +156,20 @@ def triangulate(
     TriangulationError
         If there are fewer than two bearings, or one or its covariance is not finite, or the
         covariance is not positive definite.
+
+    Examples
+    --------
+    Two cameras, 1 m apart, that look straight ahead at a light 10 m away between them; both see it
+    0.05 rad off their axes, to 0.1 mrad:
+
+    >>> poses = [CameraPose(np.zeros(3)), CameraPose(np.array([1.0, 0.0, 0.0]))]
+    >>> angle = 1e3 * np.arctan2(0.5, 10.0)
+    >>> bearings = [Bearing(sign * angle, 0.0, 0.01 * np.eye(2)) for sign in (1.0, -1.0)]
+    >>> light = triangulate(bearings, poses)
+    >>> light.position[::2].round(3).tolist()  # x and z, m
+    [0.5, 10.0]
+    >>> np.sqrt(light.covariance.diagonal()).round(4).tolist()  # m
+    [0.0007, 0.0007, 0.0142]
 
     """
     if len(bearings) != len(poses) or len(bearings) < 2:

@@ -17,7 +17,23 @@ Derivative = tuple[tuple[float, float], tuple[float, float], tuple[float, float]
 
 
 class LensError(ValueError):
-    """A pixel to which no ray of the lens model leads, or none that has an azimuth."""
+    """
+    A pixel to which no ray of the lens model leads, or none that has an azimuth.
+
+    Examples
+    --------
+    A strong barrel distortion, by which no ray leads to the corner of the picture:
+
+    >>> from blob_tracker.camera import CameraModel, pinhole_matrix
+    >>> model = CameraModel(
+    ...     640, 480, pinhole_matrix(600.0, 640, 480), np.array([-0.8, 0.0, 0.0, 0.0, 0.0])
+    ... )
+    >>> model.unproject(0.0, 0.0)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    blob_tracker.camera.lens.definition.LensError: no ray leads to the pixel (0.0, 0.0): ...
+
+    """
 
 
 class Start(NamedTuple):
