@@ -11,7 +11,7 @@ from blob_tracker.ros.bags import RecordingError
 from blob_tracker.ros.endpoints.live_rays import listen
 from blob_tracker.ros.endpoints.qos import RESULT
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.target import to_bearing
+from blob_tracker.ros.messages.ray import to_bearing
 from blob_tracker.types import Bearing
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseWithCovarianceStamped
