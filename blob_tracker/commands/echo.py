@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from math import inf
+import re
 import sys
 
 from blob_tracker.commands.exit_code import FAILED
@@ -11,11 +12,13 @@ from blob_tracker.ros.bags import RecordingError
 from blob_tracker.ros.endpoints.live_rays import listen
 from blob_tracker.ros.endpoints.qos import RESULT
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.target import to_bearing
+from blob_tracker.ros.messages.ray import to_bearing
 from blob_tracker.types import Bearing
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.node import Node
+
+NUMBER = re.compile(r'[0-9.]+')
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -88,12 +91,14 @@ class Echo:
         print(f'{in_words(bearing)}, in {message.header.frame_id}', flush=True)
 
     def warn(self, message: DiagnosticArray) -> None:
-        """Print what a node says is wrong, once as long as it stays the same."""
+        """Print what is wrong, and why there is no target, once as long as it stays the same."""
         for status in message.status:
-            wrong = status.message if status.level != DiagnosticStatus.OK else ''
-            if wrong and wrong != self._said.get(status.name):
+            silent = status.message.startswith('no target')
+            wrong = status.message if status.level != DiagnosticStatus.OK or silent else ''
+            kind = NUMBER.sub('#', wrong)  # other numbers do not make it another sentence
+            if wrong and kind != self._said.get(status.name):
                 print(f'{status.name.partition(":")[0]}: {wrong}', file=sys.stderr, flush=True)
-            self._said[status.name] = wrong
+            self._said[status.name] = kind
 
 
 def in_words(bearing: Bearing) -> str:

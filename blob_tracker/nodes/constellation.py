@@ -22,7 +22,7 @@ from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.body import (
     body_pose_message, body_transform_message, body_twist_message,
 )
-from blob_tracker.ros.messages.target import to_bearing
+from blob_tracker.ros.messages.ray import to_bearing
 from blob_tracker.ros.parameters.body import body_of
 from blob_tracker.ros.parameters.declaration import declare, on_change
 from blob_tracker.ros.parameters.values import about

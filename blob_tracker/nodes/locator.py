@@ -85,7 +85,10 @@ class LocatorNode(Node):
         self._listen, self._deliver = listen, deliver
         self._lock = Lock()  # windows may come from a thread of the camera's
         self._health = Health(
-            self, 'no window arrives; is the segmenter running?', describe=self._describe
+            self,
+            'no window arrives: the segmenter sees no target (its diagnostics say why), or is not '
+            'running',
+            describe=self._describe,
         )
         self._connections = Connections(self, self._health)
         self._lights: Collection[str] = ()

@@ -334,4 +334,6 @@ def test_a_lost_target_turns_visible_false(tracker: Tracker) -> None:
 def test_silence_is_named(tracker: Tracker) -> None:
     """No frame for more than a second: both nodes say what is missing."""
     tracker.expect('is a camera publishing camera/image_raw', DiagnosticStatus.WARN)
-    tracker.expect('no window arrives; is the segmenter running?', DiagnosticStatus.WARN)
+    tracker.expect(
+        'no window arrives: the segmenter sees no target (its diagnostics say why), or is not '
+        'running', DiagnosticStatus.WARN)

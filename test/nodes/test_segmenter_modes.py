@@ -18,6 +18,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped
 import numpy as np
 import pytest
+from rcl_interfaces.msg import Log
 from scipy.stats import chi2
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Bool
@@ -148,6 +149,18 @@ def test_auto_says_which_light_it_found(domain: int) -> None:
                 timeout=60.0, first=first,
             )
     assert 'set flash.mode periodic, flash.frequency 10.' in values(diagnostics)['light found']
+
+
+def test_a_light_out_of_step_is_spoken_of_in_the_log(domain: int) -> None:
+    """Why it is no target, after some seconds, and which parameter takes it."""
+    scene = before_a_wall(Light(71.3, 52.6, 2.0, 120.0, periodic(8.1, 0.5)))
+    with probe(domain) as node:
+        said = node.record(Log, '/rosout')
+        with start('segmenter', domain):
+            play(
+                node, scene, lambda: any('flash.mode, such as auto' in each.msg for each in said),
+            )
+    assert any(each.msg.startswith('no target: ') for each in said)
 
 
 def test_steady_windows_have_one_channel(domain: int) -> None:

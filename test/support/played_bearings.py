@@ -8,8 +8,9 @@ from math import pi, sin
 import time
 
 from blob_tracker.ros.endpoints.qos import RESULT, STATE
+from blob_tracker.ros.messages.ray import to_bearing
 from blob_tracker.ros.messages.stamp import from_ns, to_ns
-from blob_tracker.ros.messages.target import ray_message, to_bearing
+from blob_tracker.ros.messages.target import ray_message
 from blob_tracker.ros.messages.track import to_track
 from blob_tracker.tracking import Tracker
 from blob_tracker.types import Bearing

@@ -12,7 +12,7 @@ from blob_tracker.calibration.rays import Rays
 from blob_tracker.commands.sources import SourceError
 from blob_tracker.ros.bags import Bag, opened, RecordingError
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.target import to_bearing
+from blob_tracker.ros.messages.ray import to_bearing
 from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
 import numpy as np

@@ -62,6 +62,7 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 # the second: at a fixed pace every picture could be of an unlit frame.
 WITH_WINDOW_S, WITH_CANDIDATE_S, WITH_NOTHING_S = 0.1, 0.2, 0.3
 CHECK_S = 0.25  # s between two looks at whether frames still come
+UNSEEN_S, LOG_AGAIN_S = 5.0, 30.0  # s without a target until the log says why, and says it again
 SILENCE_S = 1.0  # s of wall time without a good frame; slow bags and cameras pause for less
 
 Predict = Callable[[str, int], Track | None]
@@ -124,7 +125,7 @@ class SegmenterNode(Node):
         self._newest_ns = -1  # of the stamps
         self._topics: dict[str, WindowTopics] = {}  # of all lights that there ever were
         self._targets: dict[str, WindowTopics] = {}
-        self._follow = False
+        self._follow = self._in_step = False
         self._track: LatestTrack | None = None
         self._camera = KnownCamera()
         self._noise = NoiseTopic(self, self._health)
@@ -132,7 +133,7 @@ class SegmenterNode(Node):
         fits = deliver is not None
         self.rehearsal = TimedRehearsal(self, fits=fits) if listen else Rehearsal(fits=fits)
         self._due = False  # whether the next frame is likely to show the light
-        self._good_frame_ns = time.monotonic_ns()
+        self._good_frame_ns = self._seen_ns = time.monotonic_ns()
         self._frames = FramePairs(
             self, 'camera', self._health, self._take, remedy=', or set camera_info_url',
             transport=values['image_transport'],
@@ -195,7 +196,8 @@ class SegmenterNode(Node):
                 self._line_time_ns = 1e9 * values['line_time']
                 self._follow = follow
                 # The other modes have search of their own.
-                self._rehearses = values['rehearse'] and values['flash.mode'] == 'alternate'
+                self._in_step = values['flash.mode'] == 'alternate'
+                self._rehearses = values['rehearse'] and self._in_step
                 if self._frames is not None:
                     self._frames.stand_in = stand_in
                     self._frames.set_transport(values['image_transport'])
@@ -319,6 +321,7 @@ class SegmenterNode(Node):
         if frame.layout != 'grey':
             self._health.show('channel', self._segmenter.channel.channel)
         if seen:
+            self._seen_ns = self._good_frame_ns
             self._health.ok('target in view')
         elif not any(visible):
             self._say_why(raw)
@@ -354,7 +357,13 @@ class SegmenterNode(Node):
         if fault:
             self._health.fault(WARN, f'no target: {fault}')
         else:
-            self._health.ok(f'no target: {self._segmenter.reason}')
+            reason = f'no target: {self._segmenter.reason}'
+            self._health.ok(reason)
+            # One that is out of view is no fault, but whoever waits for it looks into the log.
+            if self._good_frame_ns - self._seen_ns > 1e9 * UNSEEN_S:
+                hint = '; one that blinks by its own clock needs another flash.mode, such as auto'
+                self.get_logger().info(
+                    reason + hint * self._in_step, throttle_duration_sec=LOG_AGAIN_S)
 
     def _describe(self) -> None:
         """Show in the diagnostics what the segmenter saw last."""

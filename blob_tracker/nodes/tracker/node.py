@@ -21,7 +21,7 @@ from blob_tracker.ros.endpoints.delivery import Delivery
 from blob_tracker.ros.endpoints.names import lights_from_text, target_topic
 from blob_tracker.ros.endpoints.qos import RESULT, subscription
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.target import to_bearing
+from blob_tracker.ros.messages.ray import to_bearing
 from blob_tracker.ros.parameters.declaration import declare, on_change
 from blob_tracker.ros.process import run, say
 from blob_tracker.tracking import compile_ahead, Track, Tracker

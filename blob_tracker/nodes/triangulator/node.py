@@ -22,7 +22,7 @@ from blob_tracker.ros.endpoints.names import check_light, target_topic
 from blob_tracker.ros.endpoints.qos import publisher, RESULT, subscription
 from blob_tracker.ros.errors import MessageError, ParameterError
 from blob_tracker.ros.messages.position import point_message, pose_message
-from blob_tracker.ros.messages.target import to_bearing
+from blob_tracker.ros.messages.ray import to_bearing
 from blob_tracker.ros.parameters.declaration import declare, on_change, undeclared
 from blob_tracker.ros.parameters.values import about, unknown
 from blob_tracker.ros.process import run

@@ -9,7 +9,7 @@ import time
 from blob_tracker.ros.bags import RecordingError
 from blob_tracker.ros.endpoints.qos import RESULT
 from blob_tracker.ros.errors import MessageError
-from blob_tracker.ros.messages.target import to_bearing
+from blob_tracker.ros.messages.ray import to_bearing
 from blob_tracker.ros.process import shut_down
 from blob_tracker.types import Bearing
 from geometry_msgs.msg import PoseWithCovarianceStamped

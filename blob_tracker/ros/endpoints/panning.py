@@ -9,8 +9,8 @@ from blob_tracker.ros.endpoints.live_rays import listen
 from blob_tracker.ros.endpoints.qos import RESULT, SAMPLES_IN
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.joint_states import to_angles
+from blob_tracker.ros.messages.ray import to_bearing
 from blob_tracker.ros.messages.stamp import to_ns
-from blob_tracker.ros.messages.target import to_bearing
 from blob_tracker.types import Bearing
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.node import Node

@@ -10,8 +10,8 @@ from blob_tracker.ros.endpoints.live_rays import listen
 from blob_tracker.ros.endpoints.qos import RESULT, SAMPLES_IN
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.imu import NO_DATA
+from blob_tracker.ros.messages.ray import to_bearing
 from blob_tracker.ros.messages.stamp import to_ns
-from blob_tracker.ros.messages.target import to_bearing
 from blob_tracker.types import Bearing
 from geometry_msgs.msg import PoseWithCovarianceStamped
 import numpy as np

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from math import asin, atan2, cos, sin
+from typing import TYPE_CHECKING
 
 from blob_tracker.ros.errors import MessageError
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sensor_msgs.msg import Imu
+
+if TYPE_CHECKING:  # those of a bag are read where no ROS is installed, too
+    from sensor_msgs.msg import Imu
 
 NO_DATA = -1.0  # first element of a covariance, by the message's own convention
 

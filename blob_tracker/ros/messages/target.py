@@ -1,17 +1,15 @@
-"""Location, Bearing and SensorNoise to the messages on target/..., bearing and noise back."""
+"""Location, Bearing and SensorNoise to the messages on target/..., noise back."""
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, pi, sin
+from math import cos, pi, sin
 
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.serialised import serialised
-from blob_tracker.ros.messages.stamp import from_ns, to_ns
+from blob_tracker.ros.messages.stamp import from_ns
 from blob_tracker.types import Bearing, Location, SensorNoise
 from blob_tracker.units import MRAD
-from geometry_msgs.msg import (
-    PointStamped, PoseWithCovarianceStamped, Quaternion, Vector3Stamped,
-)
+from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
 import numpy as np
 from numpy.typing import NDArray
 from rclpy.serialization import deserialize_message
@@ -21,7 +19,6 @@ MOST_READ_NOISE_DN, MOST_BLACK_LEVEL_DN = 1e4, 65535.0  # DN
 # The turn about the ray cannot be seen: evenly spread over the circle, rad^2.
 ROLL_VARIANCE = pi**2 / 3.0
 NOWHERE = 0.0, 0.0, 0.0  # m: a ray begins in the camera
-UNIT = 1e-3  # that the length of a quaternion may be off 1: more is no rounding
 
 
 def bearing_bytes(bearing: Bearing, frame_id: str) -> bytes:
@@ -96,56 +93,6 @@ def about_x_and_y(of_angles: NDArray[np.float64]) -> list[float]:
     covariance[4 * 6 + 4] = MRAD**2 * xx
     covariance[3 * 6 + 4] = covariance[4 * 6 + 3] = MRAD**2 * xy
     return covariance
-
-
-def to_angles(turn: Quaternion) -> tuple[float, float]:
-    """
-    Return azimuth and elevation, mrad, of the z axis after a turn.
-
-    Raises
-    ------
-    MessageError
-        If the quaternion is not of length 1.
-
-    """
-    x, y, z, w = turn.x, turn.y, turn.z, turn.w
-    square = x * x + y * y + z * z + w * w
-    if not abs(square - 1.0) <= 2.0 * UNIT:  # nor NaN
-        raise MessageError(
-            f'the orientation ({x:g}, {y:g}, {z:g}, {w:g}) is not a rotation; a quaternion must '
-            'have length 1'
-        )
-    right = 2.0 * (x * z + w * y)
-    down = 2.0 * (y * z - w * x)
-    ahead = square - 2.0 * (x * x + y * y)
-    return atan2(right, ahead) / MRAD, atan2(-down, hypot(right, ahead)) / MRAD
-
-
-def to_covariance(numbers: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the (2, 2) covariance of azimuth, elevation, mrad^2, of those of a pose or twist."""
-    # x is elevation, y azimuth. Not of NumPy, which warns where a number gets infinite.
-    yy, yx, xy, xx = (float(numbers[6 * i + j]) / MRAD**2 for i in (4, 3) for j in (4, 3))
-    return np.array([[yy, yx], [xy, xx]])
-
-
-def to_bearing(message: PoseWithCovarianceStamped) -> Bearing:
-    """
-    Return the bearing of a message on target/ray, with its covariance as it is.
-
-    Raises
-    ------
-    MessageError
-        If its orientation is no turn. Whether its covariance can be one is the tracker's to
-        say, who needs it.
-
-    """
-    azimuth, elevation = to_angles(message.pose.pose.orientation)
-    return Bearing(
-        azimuth,
-        elevation,
-        to_covariance(message.pose.covariance),
-        to_ns(message.header.stamp),
-    )
 
 
 def noise_message(noise: SensorNoise, stamp_ns: int, frame_id: str) -> Vector3Stamped:

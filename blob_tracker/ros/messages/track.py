@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from blob_tracker.ros.errors import MessageError
+from blob_tracker.ros.messages.ray import to_angles, to_covariance
 from blob_tracker.ros.messages.serialised import serialised
 from blob_tracker.ros.messages.stamp import to_ns
-from blob_tracker.ros.messages.target import (
-    about_x_and_y, NOWHERE, ray_covariance, to_angles, to_covariance, turn_onto,
-)
+from blob_tracker.ros.messages.target import about_x_and_y, NOWHERE, ray_covariance, turn_onto
 from blob_tracker.tracking import Track
 from blob_tracker.units import MRAD
 from geometry_msgs.msg import Vector3Stamped

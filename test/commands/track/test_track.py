@@ -300,6 +300,11 @@ def test_it_needs_no_ros(tmp_path: Path) -> None:
         'assert main(["track", bag, "--count", "8", "--out", out]) == 0\n'
         'assert main(["track", bag, "--to", "bag", "--out", out[:-4]]) == 2\n'
         'assert main(["demo"]) == 1\n'
+        'for each in ("board", "body", "flash", "rig"):\n'
+        '    try:\n'
+        '        main(["calibrate", each, "--help"])\n'
+        '    except SystemExit as end:\n'
+        '        assert end.code == 0\n'
     )
     # Elsewhere, so that the package is the one whose kernels are compiled.
     done = subprocess.run(
@@ -309,6 +314,7 @@ def test_it_needs_no_ros(tmp_path: Path) -> None:
     assert len(placed(tmp_path / 't.csv')) == 3
     assert '--to bag writes messages of ROS, which are not installed' in done.stderr
     assert 'demo needs ROS 2' in done.stderr
+    assert 'calibrate needs ROS 2' not in done.stderr
 
 
 def test_a_bag_without_a_calibration_says_so(

@@ -9,8 +9,8 @@ import time
 from blob_tracker.nodes.tracker import TrackerNode
 from blob_tracker.ros.endpoints.delivery import Delivery
 from blob_tracker.ros.endpoints.qos import STATE
+from blob_tracker.ros.messages.ray import to_bearing
 from blob_tracker.ros.messages.stamp import from_ns, to_ns
-from blob_tracker.ros.messages.target import to_bearing
 from blob_tracker.ros.messages.track import to_track
 from blob_tracker.tracking import Tracker
 from blob_tracker.types import Bearing

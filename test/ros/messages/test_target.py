@@ -6,7 +6,6 @@ from blob_tracker.ros.messages.target import (
     centroid_message,
     noise_message,
     ray_message,
-    to_bearing,
     to_noise,
 )
 from blob_tracker.types import Bearing, Location, SensorNoise
@@ -46,29 +45,6 @@ def test_ray_covariance_is_in_rad2_about_x_and_y() -> None:
     np.testing.assert_allclose(covariance[3:5, 3:5], [[9e-8, 1e-8], [1e-8, 4e-8]])
     assert covariance[5, 5] == pytest.approx(np.pi**2 / 3)
     assert (covariance[:3] == 0).all()
-
-
-@pytest.mark.parametrize('azimuth, elevation', [
-    (120.0, -75.0), (0.0, 0.0), (-3000.0, 1500.0), (1e-6, -1e-6), (1570.0, 10.0),
-])
-def test_ray_there_and_back(azimuth: float, elevation: float) -> None:
-    """To rounding of the doubles, all round the camera."""
-    bearing = Bearing(azimuth, elevation, BEARING.covariance, stamp_ns=-1_500_000_001)
-    found = to_bearing(ray_message(bearing, 'optical'))
-    # 1e-12 rad near the pole, where elevation is the arc tangent of a small ratio.
-    assert found.azimuth == pytest.approx(azimuth, abs=1e-9)
-    assert found.elevation == pytest.approx(elevation, abs=1e-9)
-    np.testing.assert_allclose(found.covariance, bearing.covariance, rtol=1e-12)
-    assert found.stamp_ns == bearing.stamp_ns
-
-
-@pytest.mark.parametrize('w', [np.nan, np.inf, 0.0, 2.0])
-def test_what_is_no_turn_is_no_bearing(w: float) -> None:
-    """A quaternion has the length 1."""
-    message = ray_message(BEARING, 'optical')
-    message.pose.pose.orientation.w = w
-    with pytest.raises(MessageError, match='must have length 1'):
-        to_bearing(message)
 
 
 def test_noise_there_and_back() -> None:
