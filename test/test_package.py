@@ -155,7 +155,7 @@ def test_the_licence_is_apache_and_no_library_is_under_the_gpl() -> None:
     for name in names(in_setup('DEPENDENCIES')):
         told = metadata(name)
         said = [*told.get_all('License-Expression', []), *told.get_all('Classifier', [])]
-        said.append((told['License'] or '').partition('\n')[0])
+        said += [each.partition('\n')[0] for each in told.get_all('License', [])]
         assert any(said) and not any(re.search(r'\bA?GPL|GNU', each) for each in said), name
 
 

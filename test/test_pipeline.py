@@ -211,7 +211,7 @@ def rocked(
 
 @pytest.mark.parametrize('gated', [True, False])
 def test_a_tracker_that_knows_the_platform_keeps_the_light(gated: bool) -> None:
-    """Every flash is found; the same segmenter without it loses half of them."""
+    """Every flash is found; the same segmenter without it loses a quarter of them."""
     model = CameraModel.from_field_of_view(320, 240, 50.0)
     rates = PlatformRates()
     tracker = Tracker(platform=rates) if gated else None
@@ -228,7 +228,7 @@ def test_a_tracker_that_knows_the_platform_keeps_the_light(gated: bool) -> None:
         found = model.place(bearing.azimuth, bearing.elevation)[:2]
         assert found == pytest.approx(places[bearing.stamp_ns], abs=0.2)  # 10 sigma
     if tracker is None:
-        assert len(bearings) < 55
+        assert len(bearings) < 0.75 * 80
     else:
         assert len(bearings) == 80
         # The gate of a gyroscope without noise refuses next to nothing, and the track lasts.

@@ -143,7 +143,10 @@ def _core_shift(
     (inner, pull), (outer, push) = parts
     # Half of their distance: the whole is in the middle of them.
     shift = 0.5 * (inner @ pull - outer @ push)
-    lopsided = float(shift @ np.linalg.solve(0.25 * (inner + outer), shift))
+    try:
+        lopsided = float(shift @ np.linalg.solve(0.25 * (inner + outer), shift))
+    except np.linalg.LinAlgError:
+        return np.zeros(2), 0.0
     return shift, lopsided
 
 

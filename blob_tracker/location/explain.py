@@ -21,6 +21,7 @@ from blob_tracker.location.prospects import promising
 from blob_tracker.location.sites import pair_of
 from blob_tracker.location.suspicion import Suspicion
 from blob_tracker.location.unlit_pulse import hides_no_pulse, shows_pulse
+from blob_tracker.location.unlit_shape import compile_shares
 from blob_tracker.types import SensorNoise
 import numpy as np
 
@@ -163,5 +164,6 @@ def compile_alternatives() -> None:
                 promising(pair, optimum.theta)
         for alternative in ALTERNATIVES:
             alternative(pair, base)
+    compile_shares()
     hides_no_pulse(lit, unlit, noise)
     shows_pulse(pair_of(lit, unlit, noise, math.inf))

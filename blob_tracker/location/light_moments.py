@@ -55,7 +55,7 @@ def light_moments(pair: Pair) -> LightMoments:
         [padded[j:j + height, i:i + width] for j in range(3) for i in range(3)], axis=0
     )
     peak = float(smooth.max())
-    rows, columns = np.nonzero(smooth > PART_OF_PEAK * peak)
+    rows, columns = np.nonzero(smooth >= min(PART_OF_PEAK * peak, peak))
     weight = np.maximum(smooth[rows, columns], 0.0)
     weight = weight / max(float(weight.sum()), 1e-9)
     x, y = float(weight @ columns), float(weight @ rows)

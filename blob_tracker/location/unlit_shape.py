@@ -257,6 +257,15 @@ def _in_shares(model: Model) -> Model:
     return fill
 
 
+def compile_shares() -> None:
+    """Compile what shares out the rows of a shape, or load it."""
+    own, windows = 5, (2, 1, 1)
+    _share_out(
+        np.zeros(windows), np.zeros((own + 4, *windows)), np.zeros(windows),
+        np.zeros((own, *windows)), 0.0, 0.5, 0.0, 0,
+    )
+
+
 @exact_kernel
 def _share_out(
     means: Array, slopes: Array, full: Array, by: Array, background: float, middle: float,

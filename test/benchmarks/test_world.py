@@ -187,6 +187,7 @@ def test_of_two_places_as_right_the_nearer_counts(monkeypatch: pytest.MonkeyPatc
 
     class Found:
         x, y, covariance, chi2, warning = 9.0, 5.0, np.eye(2), 1.0, ''
+        stamp_ns = 0
 
     monkeypatch.setattr('benchmarks.world.play.Locator.locate', lambda *_, **__: Found())
     monkeypatch.setattr('benchmarks.world.play.NoiseCheck.add', lambda *_: None)

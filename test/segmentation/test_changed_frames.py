@@ -34,7 +34,7 @@ def test_one_frame_is_refused_and_the_next_ones_are_taken(mode: str, change: str
         segmenter.sightings(frame)
     size = {'smaller': (120, 90), 'larger': (320, 240), 'back': (200, 150)}[change]
     first, *others = frames(*size, 0 if change == 'back' else 100 + COUNT)
-    with pytest.raises(FrameError, match='starting afresh'):
+    with pytest.raises(FrameError, match='starting again'):
         segmenter.sightings(first)
     found = [bool(segmenter.sightings(frame)) for frame in others]
     # A code is read from anew: what was seen of it before says nothing of these frames.

@@ -80,7 +80,7 @@ def thrown() -> tuple[Place, list[tuple[Frame, bool]]]:
 def test_what_is_thrown_beyond_the_gate_is_followed(
     thrown: tuple[Place, list[tuple[Frame, bool]]]
 ) -> None:
-    """Every flash is found with the expectation, good to 2 px; less than half of them without."""
+    """Every flash is found with the expectation, good to 2 px; a third of them is lost without."""
     place, seen = thrown
     random = np.random.default_rng(3)
 
@@ -92,7 +92,7 @@ def test_what_is_thrown_beyond_the_gate_is_followed(
     segmenter = Segmenter()
     assert on_target(middles(seen, expected, segmenter), place) == flashes
     assert segmenter.detections is not None and segmenter.detections.region.size < 0.1 * 320 * 240
-    assert on_target(middles(seen, lambda index: None), place) < 0.5 * flashes
+    assert on_target(middles(seen, lambda index: None), place) < 0.7 * flashes
 
 
 @pytest.mark.parametrize('crop, binning', [((40, 30), (1, 1)), ((100, 60), (2, 2))])

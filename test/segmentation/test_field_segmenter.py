@@ -107,7 +107,7 @@ def test_each_kind_has_a_segmenter(
     assert list(segmenter.of_kind.values()) == made and len(made) == count
     again = FieldSegmenter(new_segmenter, segmenter.of_kind)
     assert again.of_kind == segmenter.of_kind and len(made) == count
-    assert 'afresh' not in segmenter.reason
+    assert 'starting again' not in segmenter.reason
     segmenter.reason = 'another'
     assert segmenter.reason == 'another'
     assert segmenter.repeated_frames == 0 and segmenter.warnings == ()
@@ -118,7 +118,7 @@ def test_another_crop_begins_afresh() -> None:
     segmenter = FieldSegmenter(Segmenter)
     pixels = np.zeros((40, 40), np.uint8)
     assert segmenter.update(Frame(pixels, 0, 255)) is None
-    with pytest.raises(FrameError, match='afresh'):
+    with pytest.raises(FrameError, match='starting again'):
         segmenter.update(Frame(pixels, 10**7, 255, y0=20))
 
 

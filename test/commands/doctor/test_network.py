@@ -28,7 +28,8 @@ def test_profile(tmp_path: Path) -> None:
     mine = tmp_path / 'mine.xml'
     environment = {profile.VARIABLE: str(mine)}
     mine.write_text(shipped.read_text().replace('</dds>', ''))
-    told(profile.check_profile(environment, shipped), Level.ERROR, 'no well-formed XML', export)
+    told(profile.check_profile(environment, shipped), Level.ERROR, 'is not well-formed XML',
+         export)
     mine.write_text(shipped.read_text().replace('33554432', '600000'))
     told(profile.check_profile(environment, shipped), Level.WARN, '600000 bytes', export)
     mine.write_text(shipped.read_text().replace('>SHM<', '>UDPv4<'))
@@ -120,7 +121,8 @@ def test_keystore(tmp_path: Path) -> None:
     told(security.check_security(enforced, there), Level.ERROR, 'ROS_SECURITY_KEYSTORE is not set')
     keystore = tmp_path / 'keystore'
     enforced['ROS_SECURITY_KEYSTORE'] = str(keystore)
-    told(security.check_security(enforced, there), Level.ERROR, 'no keystore', 'create_keystore')
+    told(security.check_security(enforced, there), Level.ERROR, 'is not a keystore',
+         'create_keystore')
     (keystore / 'enclaves').mkdir(parents=True)
     (keystore / 'enclaves' / 'governance.p7s').touch()
     told(security.check_security(enforced, there), Level.ERROR, 'no enclave', 'create_enclave')
