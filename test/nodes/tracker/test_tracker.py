@@ -129,9 +129,9 @@ BAD = {
     'covariance of inf': (_covariance(inf), 'it must be symmetric and positive definite'),
     'covariance of 1e308': (_covariance(1e308), 'it must be symmetric and positive'),
     'covariance with 1e200 beside the diagonal': (_beside(1e200), 'it must be symmetric'),
-    'turn of NaN': (_turn(w=nan), 'a quaternion must have the length 1'),
-    'turn of zero': (_turn(w=0.0, x=0.0, y=0.0, z=0.0), 'a quaternion must have the length 1'),
-    'turn of inf': (_turn(x=inf), 'a quaternion must have the length 1'),
+    'turn of NaN': (_turn(w=nan), 'a quaternion must have length 1'),
+    'turn of zero': (_turn(w=0.0, x=0.0, y=0.0, z=0.0), 'a quaternion must have length 1'),
+    'turn of inf': (_turn(x=inf), 'a quaternion must have length 1'),
     'stamp that comes twice': (_stamp, 'there is a bearing with the stamp'),
 }
 
