@@ -83,9 +83,9 @@ def fit_disc(
     Raises
     ------
     LocationError
-        If too few pixels are left, or no disc fits; or there is no unlit frame, and a texture about
-        the light that nothing takes off: its neighbouring pixels are alike, and the covariance is
-        that of noise.
+        If too few pixels are left, or no disc fits; or there is no unlit frame, and a texture
+        about the light that nothing takes off: its neighbouring pixels are alike, and the
+        covariance is that of noise.
 
     """
     distances, values, usable, stride = _pixels(window, location)
