@@ -7,6 +7,12 @@ from collections.abc import Iterator, Mapping
 # What `blob_tracker.segmentation.FLASH_MODES` has.
 FLASH_MODE_NAMES = ('alternate', 'steady', 'periodic', 'coded', 'lock_in', 'auto')
 DUTIES = (0.05, 0.95)  # that flash.duty may be
+MOST_UNNAMED = 24  # lights; what `blob_tracker.constellation.assignment` distinguishes
+
+
+def numbered_lights(count: int) -> tuple[str, ...]:
+    """Return the names of so many lights without names; of a single one it is empty."""
+    return tuple(f'light_{number + 1}' for number in range(count)) if count > 1 else ('',)
 
 
 def codes_from_text(text: str) -> Mapping[str, str]:

@@ -33,6 +33,11 @@ PART_OF_FLUX = (
     'the range: have the camera switch it by wire, in mode alternate, or give range.diameter'
 )
 
+SUM_OF_FLUXES = (
+    'the window is a sum of frames (looks, or mode lock_in), and for how long the light was on in '
+    'each is not known: for a range by flux sum none, or give range.diameter'
+)
+
 
 def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     """
@@ -230,7 +235,8 @@ def window_to_range(
         Size and flux in the picture.
     light_range : LightRange or None
         By what tells it of size and flux, or both; None if neither is known. Flux tells
-        nothing where the window has a `Glimpse`: it is that of a part of the exposure.
+        nothing where the window has a `Glimpse`: it is that of a part of the exposure; nor where
+        it is a sum of frames, whose parts nobody knows.
 
     Raises
     ------
@@ -287,6 +293,8 @@ def _range_by_flux(window: Window, disc: Disc, ranging: Ranging) -> LightRange:
     """Return the range by the flux of a window, if that is of a whole exposure."""
     if window.glimpse is not None:
         raise RangeError(PART_OF_FLUX)
+    if window.looks > 1:
+        raise RangeError(SUM_OF_FLUXES)
     return range_by_flux(
         disc.flux, disc.covariance[1, 1],
         reference_distance=ranging.reference_distance, reference_flux=ranging.reference_flux,

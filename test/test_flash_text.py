@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from blob_tracker.flash_text import codes_from_text, FLASH_MODE_NAMES, frequencies_from_text
+from blob_tracker.constellation.assignment import MOST_BEARINGS
+from blob_tracker.flash_text import (
+    codes_from_text, FLASH_MODE_NAMES, frequencies_from_text, MOST_UNNAMED, numbered_lights,
+)
 from blob_tracker.segmentation import FLASH_MODES
 import pytest
 
@@ -10,6 +13,13 @@ import pytest
 def test_every_mode_has_its_name() -> None:
     """No more and no fewer, in their order."""
     assert FLASH_MODE_NAMES == tuple(FLASH_MODES)
+
+
+def test_lights_that_look_alike_are_numbered() -> None:
+    """As many as a constellation takes; a single one has no name."""
+    assert numbered_lights(1) == ('',)
+    assert numbered_lights(3) == ('light_1', 'light_2', 'light_3')
+    assert MOST_UNNAMED == MOST_BEARINGS
 
 
 def test_codes_are_read_from_text() -> None:

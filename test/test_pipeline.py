@@ -360,16 +360,18 @@ def test_a_response_of_another_camera() -> None:
 
 
 def test_the_flux_of_a_part_of_the_exposure_tells_no_range() -> None:
-    """Of a light that blinks freely the size goes on alone, and of a point nothing is left."""
+    """Nor that of a sum: the size goes on alone, and of a point nothing is left."""
     model = CameraModel.from_field_of_view(320, 240, 40.0)
     random = np.random.default_rng(5)
     seen = Glimpse(1.0, np.zeros(2), 0.1, 0.01 * np.eye(2), np.zeros(2))
     ranging = Ranging(
         1.2, diameter=0.05, reference_distance=DISC_DISTANCE, reference_flux=DISC_FLUX)
 
-    def told(radius: float, glimpse: Glimpse | None, ranging: Ranging) -> float:
+    def told(
+        radius: float, glimpse: Glimpse | None, ranging: Ranging, looks: int = 1
+    ) -> float:
         window = disc_window(radius, 1.2, DISC_FLUX, 21, random)
-        window = replace(window, x0=149, y0=109, glimpse=glimpse)
+        window = replace(window, x0=149, y0=109, glimpse=glimpse, looks=looks)
         location, bearing = window_to_bearing(
             window, model, locator=Locator(), noise=DISC_NOISE)
         _, found = window_to_range(window, location, bearing, noise=DISC_NOISE, ranging=ranging)
@@ -383,6 +385,8 @@ def test_the_flux_of_a_part_of_the_exposure_tells_no_range() -> None:
         told(0.0, seen, ranging)
     with pytest.raises(RangeError, match='^the light was on for a part .* mode alternate'):
         told(3.0, seen, replace(ranging, diameter=0.0))
+    with pytest.raises(RangeError, match='^the window is a sum of frames'):
+        told(3.0, None, replace(ranging, diameter=0.0), looks=2)
 
 
 def test_the_range_by_size_and_flux_errs_as_its_variance_says() -> None:

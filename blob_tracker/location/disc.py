@@ -20,6 +20,7 @@ STEPS = 30
 CONVERGED = 1e-3  # of the standard deviation of the squared radius
 NARROWEST = -0.8  # times the squared width of the optics: what is narrower is no light
 PIXEL_VARIANCE = 1.0 / 12.0  # px^2, of the light over one
+TEXTURE_SIGMA = 3.0  # of the correlation of neighbours, beyond which the residuals are no noise
 
 
 @dataclass(frozen=True)
@@ -82,10 +83,13 @@ def fit_disc(
     Raises
     ------
     LocationError
-        If too few pixels are left, or no disc fits.
+        If too few pixels are left, or no disc fits; or there is no unlit frame, and a texture
+        about the light that nothing takes off: its neighbouring pixels are alike, and the
+        covariance is that of noise.
 
     """
-    distances, values, kept = _pixels(window, location)
+    distances, values, usable, stride = _pixels(window, location)
+    kept = len(values)
     of_sum = noise_of_sum(noise, window.looks)
     added = window.looks * window.added_noise**2 * (1 if window.unlit is None else 2)
     unlit = 0.0 if window.unlit is None else pixel_variance(
@@ -119,7 +123,13 @@ def fit_disc(
         raise LocationError('no disc fits the light: its size is unknown')
     if not (flux > 0.0 and square > NARROWEST * blur and covariance[0, 0] > 0.0):
         raise LocationError('no disc fits the light: its size is unknown')
-    chi2 = float(weights @ residuals**2) / (kept - 3)
+    scaled = np.sqrt(weights) * residuals
+    if window.unlit is None and _are_alike(scaled, usable, stride):
+        raise LocationError(
+            'a texture about the light, which no unlit frame takes off, hides its size and flux; '
+            'let it flash, or have it before an even background'
+        )
+    chi2 = float(scaled @ scaled) / (kept - 3)
     units = np.array([1.0, 1.0 / window.looks])
     return Disc(
         float(square), float(flux) / window.looks,
@@ -127,8 +137,10 @@ def fit_disc(
     )
 
 
-def _pixels(window: Window, location: Location) -> tuple[Array, Array, int]:
-    """Return distances from the middle, px, lit less unlit, DN, and how many there are."""
+def _pixels(
+    window: Window, location: Location
+) -> tuple[Array, Array, NDArray[np.bool_], int]:
+    """Return distances from the middle, px, lit less unlit, DN, which pixels, every how many."""
     lit = np.asarray(window.lit, dtype=float)
     usable = np.isfinite(lit)
     if window.saturation is not None:
@@ -143,7 +155,20 @@ def _pixels(window: Window, location: Location) -> tuple[Array, Array, int]:
         usable &= taken
     x, y = window.to_window(location.x, location.y)
     rows, columns = np.nonzero(usable)
-    return np.hypot(columns - x, rows - y), values[usable], len(rows)
+    return np.hypot(columns - x, rows - y), values[usable], usable, stride
+
+
+def _are_alike(scaled: Array, usable: NDArray[np.bool_], stride: int) -> bool:
+    """Tell whether residuals over their sigmas are alike in pixels that are neighbours."""
+    picture = np.full(usable.shape, np.nan)
+    picture[usable] = scaled
+    picture = picture[::stride, ::stride]
+    products = np.concatenate([
+        (picture[:, 1:] * picture[:, :-1]).ravel(), (picture[1:] * picture[:-1]).ravel(),
+    ])
+    products = products[np.isfinite(products)]
+    # The correlation of noise is 0 +- 1 / sqrt(n).
+    return bool(products.sum() > TEXTURE_SIGMA * math.sqrt(len(products)) * np.mean(scaled**2))
 
 
 def _profile(distances: Array, square: float, blur: float) -> tuple[Array, Array]:

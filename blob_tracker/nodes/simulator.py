@@ -10,7 +10,7 @@ from typing import Any
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
 from blob_tracker.capture.picture import draw
-from blob_tracker.flash_text import codes_from_text, frequencies_from_text
+from blob_tracker.flash_text import codes_from_text, frequencies_from_text, numbered_lights
 from blob_tracker.nodes.interface.flash import FLASH
 from blob_tracker.nodes.interface.simulator import PARAMETERS, STILL
 from blob_tracker.ros.diagnostics.connections import Connections
@@ -116,6 +116,11 @@ class SimulatorNode(Node):
         if rides_on and values['flash.mode'] != IN_STEP:
             raise ParameterError(
                 f"parameter 'flash.mode' is {values['flash.mode']!r}; it must be {IN_STEP!r} with "
+                'platform or pan_tilt'
+            )
+        if rides_on and values['flash.lights'] > 1:
+            raise ParameterError(
+                f"parameter 'flash.lights' is {values['flash.lights']}; it must be 1 with "
                 'platform or pan_tilt'
             )
         width, height = scene.width, scene.height
@@ -356,7 +361,7 @@ def _scene(
             f'than a frame, {1.0 / rate:g} s'
         )
     try:
-        if mode == IN_STEP:
+        if mode == IN_STEP and flash['flash.lights'] == 1:
             scene = replace(flashing_light(**settings, sensor=sensor), exposure=exposure)
             assert scene.target is not None
             return scene, {'': scene.target}, False
@@ -380,6 +385,7 @@ def _scene(
                 frames_per_bit=flash['flash.frames_per_bit'],
                 bits_per_second=flash['flash.bits_per_second'],
                 clock_error=clock_error,
+                lights=numbered_lights(flash['flash.lights']),
             )
         scene, lights = blinking_lights(
             waveforms, **settings, exposure=exposure, sensor=sensor
@@ -388,7 +394,8 @@ def _scene(
         raise
     except ValueError as error:
         raise ParameterError(f'{error}; lower row_time, height or rate') from None
-    in_step = mode == 'coded' and not frequencies and not flash['flash.bits_per_second']
+    in_step = mode == IN_STEP or (
+        mode == 'coded' and not frequencies and not flash['flash.bits_per_second'])
     return scene, {**lights}, not in_step
 
 
@@ -406,14 +413,16 @@ def _on_body(
 
     body = body_of(url)
     alone = {name: light for name, light in lights.items() if isinstance(light, Light)}
-    if not body.names or set(alone) != set(body.names):
+    # Without names they are those of the file in its order.
+    names = tuple(alone) if tuple(alone) == numbered_lights(len(body.names)) else body.names
+    if not body.names or set(alone) != set(names):
         raise ParameterError(
             f"parameter 'body_url': the body has the lights {', '.join(body.names)}, and "
             f'flash.codes, in flash.mode coded, {", ".join(filter(None, alone)) or "none"}; they '
-            'must be the same'
+            'must be the same, or flash.lights as many in the modes steady and alternate'
         )
     built = body.places + body.sigmas[:, None] * random.standard_normal(body.places.shape)
-    places = dict(zip(body.names, built, strict=True))
+    places = dict(zip(names, built, strict=True))
     scene, of_body, flight = flying_body(scene, alone, places, model.matrix)
     return scene, {**of_body}, flight
 

@@ -10,6 +10,7 @@ from blob_tracker.segmentation.blink import Coded, Periodic
 from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.in_step import InStep
 from blob_tracker.segmentation.lock_in import LockIn
+from blob_tracker.segmentation.several import AlternateLights, SteadyLights
 from blob_tracker.segmentation.steady import Steady
 
 FLASH_MODES: dict[str, Callable[..., Flash]] = {
@@ -20,6 +21,8 @@ FLASH_MODES: dict[str, Callable[..., Flash]] = {
     'lock_in': LockIn,
     'auto': Auto,
 }
+# With more than one light.
+SEVERAL: dict[str, Callable[..., Flash]] = {'alternate': AlternateLights, 'steady': SteadyLights}
 
 
 def flash_by_name(mode: str, **options: object) -> Flash:
@@ -32,7 +35,7 @@ def flash_by_name(mode: str, **options: object) -> Flash:
         A key of `FLASH_MODES`.
     **options
         Those of all modes: max_pair_interval, registration, gate_px, frequency, frequencies, duty,
-        frames, codes, frames_per_bit, bits_per_second, exposure.
+        frames, codes, frames_per_bit, bits_per_second, exposure, lights.
 
     Returns
     -------
@@ -61,12 +64,20 @@ def flash_by_name(mode: str, **options: object) -> Flash:
     """
     if mode not in FLASH_MODES:
         raise ValueError(f"no flash mode '{mode}'; there is {', '.join(FLASH_MODES)}")
-    every = {name for each in FLASH_MODES.values() for name in signature(each).parameters}
+    makers = (*FLASH_MODES.values(), *SEVERAL.values())
+    every = {name for each in makers for name in signature(each).parameters}
     unknown = sorted(options.keys() - every)
     if unknown:
         raise TypeError(
             f'no flash mode has {", ".join(unknown)}; there is {", ".join(sorted(every))}'
         )
-    create = FLASH_MODES[mode]
+    create, lights = FLASH_MODES[mode], options.get('lights', 1)
+    if lights != 1:
+        if mode not in SEVERAL:
+            raise ValueError(
+                f"lights is {lights}; it must be 1 with mode '{mode}': several lights without "
+                f'names are those of {" and ".join(SEVERAL)}'
+            )
+        create = SEVERAL[mode]
     known = signature(create).parameters
     return create(**{name: value for name, value in options.items() if name in known})

@@ -80,18 +80,30 @@ class Steady:
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
         """Return the candidate of the highest SNR that the scene does not explain."""
-        found = strongest([
-            each for each in candidates if each.amplitude >= LEAST_HEIGHT_SIGMA * each.noise
-        ])
-        below = strongest(candidates)
-        if not found and below:
-            _, light = below[0]
-            self.reason = (
-                f'the best blob stands {light.amplitude:.0f} DN above the scene, '
-                f'{light.amplitude / light.noise:.1f} times its noise and texture; a light that '
-                f'does not flash must be {LEAST_HEIGHT_SIGMA:g} times as high as they are'
-            )
+        found = strongest(above_the_scene(candidates))
+        if not found:
+            self.reason = self._why_none(candidates)
         return found
+
+    def _why_none(self, candidates: Sequence[Candidate]) -> str:
+        """Return why none of the candidates is taken; '' if all of them are rejected anyway."""
+        below = strongest(candidates)
+        if not below:
+            return ''
+        _, light = below[0]
+        return (
+            f'the best blob stands {light.amplitude:.0f} DN above the scene, '
+            f'{light.amplitude / light.noise:.1f} times its noise and texture; a light that '
+            f'does not flash must be {LEAST_HEIGHT_SIGMA:g} times as high as they are'
+        )
+
+
+def above_the_scene(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Return what is not rejected and too high to be noise or texture."""
+    return [
+        each for each in candidates
+        if not each.rejected and each.amplitude >= LEAST_HEIGHT_SIGMA * each.noise
+    ]
 
 
 def strongest(candidates: Sequence[Candidate]) -> list[tuple[str, Candidate]]:

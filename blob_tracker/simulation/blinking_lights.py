@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from blob_tracker.simulation.point_light import Light
 from blob_tracker.simulation.profiles import Gaussian, Profile
 from blob_tracker.simulation.scene import Scene
 from blob_tracker.simulation.sensor import Sensor
-from blob_tracker.simulation.waveforms import always, coded, periodic, Waveform
+from blob_tracker.simulation.waveforms import always, coded, in_step, periodic, Waveform
 
 BEHIND = 0.13  # of the path, from light to light: three of them never come within 49 px at VGA
 FIRST_PHASE = 0.13  # of the first period: no light rises in the middle of an exposure
@@ -106,6 +106,7 @@ def waveforms_of(
     frames_per_bit: int = 1,
     bits_per_second: float = 0.0,
     clock_error: float = 0.0,
+    lights: Iterable[str] = ('',),
 ) -> dict[str, Waveform]:
     """
     Return how the lights blink for which a flash mode is made, by name.
@@ -113,13 +114,15 @@ def waveforms_of(
     Parameters
     ----------
     mode : str
-        A key of `segmentation.FLASH_MODES`, but for alternate: see `in_step`.
+        A key of `segmentation.FLASH_MODES`.
     rate : float
         Frames a second.
     frequency, duty, frequencies, codes, frames_per_bit, bits_per_second
         See `segmentation.flash_by_name`.
     clock_error : float
         Of the lights' own clocks, as a part of their rate.
+    lights : iterable of str
+        Names of the lights in the modes steady and alternate, which blink as one.
 
     Examples
     --------
@@ -131,8 +134,8 @@ def waveforms_of(
     [1.0, 1.0, 0.0, 1.0, 0.0, 0.0]
 
     """
-    if mode == 'steady':
-        return {'': always}
+    if mode in ('steady', 'alternate'):
+        return dict.fromkeys(lights, always if mode == 'steady' else in_step(rate))
     pace = 1.0 + clock_error
     named = dict(frequencies or {}) if mode in ('periodic', 'coded') else {}
     if not named and mode != 'coded':

@@ -9,6 +9,7 @@ from blob_tracker.location.disc import fit_disc
 from blob_tracker.types import LocationError
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 from scipy.stats import chi2
 from support.discs import disc_window, NOISE
 
@@ -43,6 +44,25 @@ def test_a_disc_of_many_widths() -> None:
     sigma = np.sqrt(disc.covariance.diagonal())
     assert (np.abs([disc.square - 400.0, disc.flux - 2e5]) < 5.0 * sigma).all()
     assert disc.chi2 == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.parametrize('texture, told', [(0.0, 39), (4.0, 0)])
+def test_a_texture_that_nothing_takes_off_is_refused(texture: float, told: int) -> None:
+    """Its pixels are alike, as those of noise are not: by chance in one window of 700."""
+    random = np.random.default_rng(5)
+    count = 0
+    for _ in range(40):
+        window = disc_window(1.0, 1.2, 5000.0, 19, random, unlit=False)
+        wall = gaussian_filter(random.normal(size=(19, 19)), 2.0)
+        lit = np.rint(window.lit + texture * wall / wall.std()).clip(0).astype(np.uint16)
+        window = replace(window, lit=lit)
+        try:
+            fit_disc(window, locate(window, noise=NOISE), noise=NOISE, psf_sigma=1.2)
+        except LocationError as error:
+            assert 'a texture about the light' in str(error)
+        else:
+            count += 1
+    assert count >= told and (count == 0) == (told == 0)
 
 
 def test_what_is_no_disc_is_doubted_or_refused() -> None:

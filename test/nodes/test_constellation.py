@@ -7,12 +7,13 @@ from math import atan2, hypot
 from pathlib import Path
 from typing import Any
 
+from blob_tracker.flash_text import numbered_lights
 from blob_tracker.ros.endpoints.qos import TF
 from blob_tracker.ros.messages.stamp import to_ns
 from blob_tracker.ros.messages.target import ray_message
 from blob_tracker.types import Bearing
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TwistWithCovarianceStamped
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -217,6 +218,31 @@ def test_lights_without_names(domain: int, tmp_path: Path) -> None:
         np.testing.assert_allclose([place.x, place.y, place.z], POSITION, atol=0.05)
         camera.expect(
             'by its file the body is 2 m away, further than max_distance', DiagnosticStatus.WARN)
+
+
+@pytest.mark.parametrize('mode', ['steady', 'alternate'])
+def test_a_body_of_lights_that_look_alike(domain: int, mode: str) -> None:
+    """From frames to poses that are right: five lights, all steady or all in step."""
+    names, url = ','.join(numbered_lights(5)), 'package://blob_tracker/config/drone.yaml'
+    parameters = {'flash__mode': mode, 'flash__lights': 5, 'rate': 20.0, 'texture': 2.0}
+    with probe(domain) as node, start(
+        'pipeline', domain, source='simulator', body_url=url, **parameters
+    ), start('constellation', domain, body_url=url, unnamed=names):
+        true = node.record(PoseStamped, 'simulator/truth/pose')
+        poses = node.record(PoseWithCovarianceStamped, 'target/body/pose')
+        node.spin_until(lambda: len(poses) >= 12, 60.0)
+        node.settle(0.2)
+    truths = {to_ns(each.header.stamp): each.pose for each in true}
+    scaled = []
+    for message in poses:
+        truth, found = truths.get(to_ns(message.header.stamp)), message.pose.pose
+        if truth is None:
+            continue  # of a frame before the recording
+        error = [getattr(truth.position, a) - getattr(found.position, a) for a in 'xyz']
+        covariance = np.array(message.pose.covariance).reshape(6, 6)[:3, :3]
+        scaled.append(np.array(error) @ np.linalg.solve(covariance, error))
+    # The lights are off their places in the file by the same in each pose: not 3 n numbers.
+    assert len(scaled) >= 6 and np.median(scaled) < chi2.ppf(0.999, 3)
 
 
 @pytest.mark.parametrize(('lights', 'parameters', 'sentence'), [

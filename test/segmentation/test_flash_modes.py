@@ -15,6 +15,7 @@ OPTIONS = {
     'frames_per_bit': 1,
     'bits_per_second': 0.0,
     'exposure': 0.0,
+    'lights': 1,
 }
 
 

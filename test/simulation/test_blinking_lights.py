@@ -97,6 +97,9 @@ def test_clocks_may_be_off_and_a_steady_light_is_always_on() -> None:
     fast = waveforms_of('periodic', frequency=10.0, clock_error=0.01)['']
     np.testing.assert_array_equal(fast(times), periodic(10.1, 0.5, 0.13)(times))
     assert waveforms_of('steady')[''](times).all()
+    in_pairs = waveforms_of('alternate', rate=RATE, lights=('a', 'b'))
+    assert tuple(in_pairs) == ('a', 'b')
+    assert in_pairs['b'](np.arange(4) / RATE).tolist() == [1.0, 0.0, 1.0, 0.0]
     named = waveforms_of('periodic', frequencies={'left': 6.0, 'right': 10.0})
     assert list(named) == ['left', 'right']
     both = waveforms_of('coded', codes=CODES, frequencies={'left': 6.0})

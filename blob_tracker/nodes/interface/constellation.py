@@ -29,9 +29,9 @@ PARAMETERS = (
         'unnamed',
         '',
         'Names of lights in target/<name>/ray, comma-separated, if it is not known which light of '
-        'the body each is: codes that were mounted in any order. Their positions decide; a body '
-        'that looks the same from several sides has no pose. Empty: the lights have the names of '
-        'the body file.',
+        'the body each is: light_1,light_2,... of flash.lights, or codes that were mounted in any '
+        'order. Their positions decide; a body that looks the same from several sides has no '
+        'pose. Empty: the lights have the names of the body file.',
         fixed='the topics are subscribed to at the start',
     ),
     Parameter(
@@ -82,7 +82,7 @@ PARAMETERS = (
 INTERFACE = Interface(
     'constellation',
     'the pose of a body of several lights, from one camera',
-    'Finds the pose of a body whose coded lights one camera sees.',
+    'Finds the pose of a body whose lights one camera sees, coded or alike.',
     PARAMETERS,
     subscribed=BODY_RAYS,
     published=(BODY_POSE, BODY_TWIST, TF, DIAGNOSTICS),

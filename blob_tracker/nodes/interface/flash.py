@@ -1,6 +1,6 @@
 """How the light flashes: parameters of the segmenter, and of the simulator that shows it."""
 
-from blob_tracker.flash_text import DUTIES, FLASH_MODE_NAMES
+from blob_tracker.flash_text import DUTIES, FLASH_MODE_NAMES, MOST_UNNAMED
 from blob_tracker.ros.interface import Parameter
 
 FLASH = (
@@ -13,6 +13,15 @@ FLASH = (
         'still. steady: always on. auto: unknown; alternate is tried first, then whatever blinks '
         'is watched for 3 s and the brightest light followed; the diagnostics say what to set.',
         choices=FLASH_MODE_NAMES,
+    ),
+    Parameter(
+        'flash.lights',
+        1,
+        'Greatest number of lights at once, in the modes steady and alternate: a body of lights '
+        'that look alike. From 2 on they have topics of their own, target/light_1/..., and the '
+        'node constellation tells which is which (docs/constellation.md).',
+        least=1,
+        most=MOST_UNNAMED,
     ),
     Parameter(
         'flash.frequency',

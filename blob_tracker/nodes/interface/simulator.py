@@ -123,8 +123,9 @@ PARAMETERS = (
     Parameter(
         'body_url',
         '',
-        'Where the lights of flash.codes are on a body that flies before the camera, as the node '
-        'constellation takes it: path, file:// or package://. Empty: each light goes its own way.',
+        'Where the lights of flash.codes, or as many as flash.lights, are on a body that flies '
+        'before the camera, as the node constellation takes it: path, file:// or package://. '
+        'Empty: each light goes its own way.',
     ),
     Parameter(
         'platform',

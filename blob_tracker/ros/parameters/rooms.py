@@ -10,7 +10,7 @@ from blob_tracker.calibration.pulse_file import PulseFile
 from blob_tracker.camera import CameraModel
 from blob_tracker.camera.line_jitter import LineJitter
 from blob_tracker.camera.response import Response
-from blob_tracker.flash_text import codes_from_text, frequencies_from_text
+from blob_tracker.flash_text import codes_from_text, frequencies_from_text, numbered_lights
 from blob_tracker.location import method_options
 from blob_tracker.ros.endpoints.names import check_light
 from blob_tracker.ros.parameters.mask import read_mask
@@ -55,7 +55,7 @@ def flash_of(values: Mapping[str, Any]) -> tuple[Callable[[], Flash], Collection
         )
         new_flash()  # or it says what cannot be
     named = {'coded': (*codes, *frequencies), 'periodic': tuple(frequencies)}
-    return new_flash, named.get(values['flash.mode']) or ('',)
+    return new_flash, named.get(values['flash.mode']) or numbered_lights(values['flash.lights'])
 
 
 def segmenter_of(values: Mapping[str, Any]) -> Callable[..., Segmenter]:
