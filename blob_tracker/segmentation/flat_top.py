@@ -6,8 +6,9 @@ from dataclasses import replace
 import math
 
 from blob_tracker.kernel import kernel
-from blob_tracker.types import Pixels, Window
+from blob_tracker.types import Window
 import numpy as np
+from numpy.typing import NDArray
 
 LEAST_PIXELS = 4  # at the highest value, or more than there are in the noise below it
 LEAST_NOISE_DN = 0.5  # of lit less unlit: of less pixels are alike by themselves
@@ -69,7 +70,7 @@ class FlatTop:
 
 
 @kernel
-def _top(lit: Pixels, saturation: int, near: int) -> tuple[int, int, int]:
+def _top(lit: NDArray[np.generic], saturation: int, near: int) -> tuple[int, int, int]:
     """Return the highest value below the saturation, in how many pixels, and how many near it."""
     top = -1
     for j in range(lit.shape[0]):
