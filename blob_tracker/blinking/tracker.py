@@ -114,6 +114,7 @@ class BlinkTracker:
     ----------
     crowded : bool
         Whether the last frame had more points than are looked at.
+
     """
 
     def __init__(

@@ -15,8 +15,8 @@ from blob_tracker.segmentation.flash_track import (
     Y,
 )
 from blob_tracker.segmentation.frame_clock import (
-    age_of, FRAME, in_step, is_complete, is_due, is_phase_unknown, PERIOD_FRAMES, STAMP, stamp_before,
-    STAMP_TOLERANCE_FRAMES, tick,
+    age_of, FRAME, in_step, is_complete, is_due, is_phase_unknown, PERIOD_FRAMES, STAMP,
+    stamp_before, STAMP_TOLERANCE_FRAMES, tick,
 )
 import numpy as np
 from numpy.typing import NDArray

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 
-
 def windows(level: int, top: float, kind: type = np.uint8, scale: int = 1) -> list[Window]:
     """Return ten noisy windows of a light of such a peak, DN, clipped at a level."""
     random = np.random.default_rng(3)
