@@ -123,18 +123,21 @@ def seen(share_flux: float, least_flux: float) -> float:
 
 
 @kernel
-def fill_hit(flux: float, flux_sigma: float, full: Array, least: float, out: Array) -> None:
+def fill_hit(
+    flux: float, flux_sigma: float, full: Array, least: float, out: Array, near: float = NEAR_SHARE
+) -> None:
     """
     Fill the likelihood of a point of this flux for each level of the share.
 
-    It is a density over flux in units of the full one: that of clutter is 1.
+    It is a density over flux in units of the full one: that of clutter is 1. `near` is the rms of
+    the width of a look, where an edge runs through it.
     """
     mean, spread = full[0], full[1] ** 2 + full[2]
     for level in range(SHARE_LEVELS + 1):
         expected = mean * level / SHARE_LEVELS
         variance = flux_sigma**2 + expected**2 * spread
         if level < SHARE_LEVELS:  # an edge runs through it
-            variance += (NEAR_SHARE * mean) ** 2
+            variance += (near * mean) ** 2
         density = mean * math.exp(-0.5 * (flux - expected) ** 2 / variance) / math.sqrt(
             2.0 * math.pi * variance
         )

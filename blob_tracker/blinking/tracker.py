@@ -8,10 +8,13 @@ from typing import NamedTuple
 
 from blob_tracker.blinking.association import step
 from blob_tracker.blinking.children import Children, Room, Settings
+from blob_tracker.blinking.exposure_watch import ExposureWatch
 from blob_tracker.blinking.naming import best_rows, CLEAR, give_names
 from blob_tracker.blinking.patterns import Pattern, tables
 from blob_tracker.blinking.phase import fill_prior, OTHERS
-from blob_tracker.blinking.tracks import copy_row, empty_tracks, LEVELS, Tracks
+from blob_tracker.blinking.tracks import (
+    copy_row, empty_tracks, FLUX, FLUX_SIGMA, LEVELS, Tracks, Y,
+)
 from blob_tracker.kernel import Array, kernel
 import numpy as np
 from numpy.typing import NDArray
@@ -185,10 +188,16 @@ class BlinkTracker:
         self._in_step = np.array([each.frames > 0 for each in patterns])
         scale = np.repeat([1.0, 1.0 / interval, 1.0 / interval**2], 2)
         self._units = np.outer(scale, scale)  # from frame intervals to s
+        self._exposure_watch = ExposureWatch(self.patterns, interval, self.exposure)
         self._frames = 0
         self._pace = 1.0  # of the frames, in `interval`
         self._begun_ns: int | None = None
         self._last_ns = 0
+
+    @property
+    def exposure_ratio(self) -> float:
+        """Return that of the exposure that the lights show to the told one: `ExposureWatch`."""
+        return self._exposure_watch.ratio
 
     def update(
         self, points: Array, stamp_ns: int, least_flux: float, line_time: float = 0.0
@@ -250,11 +259,28 @@ class BlinkTracker:
         self._count = _pack(new, count, self._keep)
         self._tracks, self._spare = new, old
         best_rows(self._tables.first, new, self._count, self._best, self._lead)
+        self._watch_exposure(points, clocks, line_time / self.interval, least_flux)
         return [
-            self._lit(name, int(row), order) for name, row in enumerate(self._best)
+            self._lit(name, int(row), order, points) for name, row in enumerate(self._best)
             if row >= 0 and new.now[row, 0] >= 0.0 and self._lead[name] > CLEAR
             and new.full[row, 0] > OUT_OF_CROWD * crowd
         ]
+
+    def _watch_exposure(
+        self, points: Array, clocks: Array, line: float, least_flux: float
+    ) -> None:
+        """Hold the exposure against the lights that are sure."""
+        tracks, watch = self._tracks, self._exposure_watch
+        watch.forget()
+        for name in np.flatnonzero((self._best >= 0) & (self._lead > CLEAR)).tolist():
+            row = int(self._best[name])
+            point = points[int(tracks.now[row, 0])] if tracks.now[row, 0] >= 0.0 else None
+            y = tracks.state[row, 1] if point is None else point[Y]
+            watch.add(
+                name, float(clocks[name] + line * y),
+                None if point is None else (float(point[FLUX]), float(point[FLUX_SIGMA])),
+                tracks.full[row], least_flux,
+            )
 
     def known(self) -> list[Known]:
         """Return the lights that have a name."""
@@ -270,16 +296,20 @@ class BlinkTracker:
                 ))
         return found
 
-    def _lit(self, name: int, row: int, order: NDArray[np.int64]) -> Lit:
+    def _lit(self, name: int, row: int, order: NDArray[np.int64], points: Array) -> Lit:
         tracks, second = self._tracks, self.interval
         state, now = tracks.state[row], tracks.now[row]
         tau = float(now[1]) * second
+        # By another exposure it was seen as much later, or earlier.
+        dark = 1.0 - min(float(points[int(now[0]), FLUX] / tracks.full[row, 0]), 1.0)
+        doubt = (self.exposure_ratio - 1.0) * max(abs(tau), 0.5 * dark * self.exposure)
         return Lit(
             self.patterns[name].name, int(order[int(now[0])]), float(state[0]), float(state[1]),
             float(state[2]) / second, float(state[3]) / second,
             float(state[4]) / second**2, float(state[5]) / second**2,
             tracks.covariance[row] * self._units, float(now[3]),
-            0.0 if abs(tau) < IN_STEP * self.exposure else tau, math.sqrt(float(now[2])) * second,
+            0.0 if abs(tau) < IN_STEP * self.exposure else tau,
+            math.hypot(math.sqrt(float(now[2])) * second, doubt),
             np.array([[now[6], now[7]], [now[7], now[8]]]),
         )
 

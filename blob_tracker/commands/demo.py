@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections import deque
+from collections.abc import Mapping
 from contextlib import ExitStack
 import os
 from pathlib import Path
@@ -85,7 +86,7 @@ FLIGHT = {'speed_sigma': '0.5', 'rate_sigma': '0.6'}  # m/s and rad/s, as it fli
 RATE = '30.0'  # Hz: five lights are more work for each frame
 LEAST_POSES = 20
 CLOCK_ERROR = '0.003'  # of lights that run free: more than that of any quartz
-EXPOSURE = '0.008333'  # s: half of the frame interval
+EXPOSURE = '0.008333'  # s, of all scenes: half of the frame interval at 60 Hz
 STARTUP = 40.0  # s within which the first bearing must come: three on a quiet machine
 FEW, WIDE, NARROW = 3, 12, 8  # lights whose columns are wide, and columns, characters
 REFRESH = 0.25  # s between two drawings of the table
@@ -166,19 +167,14 @@ def main(arguments: argparse.Namespace) -> int:
     monitor = Monitor(NAMESPACE, lights=lights, body=BODY if flies else '')
     try:
         with ExitStack() as stack:
-            nodes: dict[str, dict[str, str]] = {'segmenter': {**parameters}, 'locator': {}}
-            if lights != ('',):
-                nodes['locator']['lights'] = ','.join(lights)
             if arguments.device is None:
-                nodes['simulator'] = {**parameters}
-                if parameters:
-                    nodes['segmenter']['flash.exposure'] = EXPOSURE
-                    nodes['simulator']['clock_error'] = CLOCK_ERROR
-                if flies:
-                    nodes['simulator'].update(body_url=BODY_URL, rate=RATE)
-                    nodes['constellation'] = {'body': BODY, 'body_url': BODY_URL, **FLIGHT}
+                nodes = _simulated_parameters(parameters, flies=flies)
             else:
-                nodes['camera'] = _camera_parameters(arguments, console)
+                nodes = {
+                    'segmenter': {**parameters},
+                    'camera': _camera_parameters(arguments, console),
+                }
+            nodes['locator'] = {} if lights == ('',) else {'lights': ','.join(lights)}
             processes = {
                 name: stack.enter_context(
                     child([folder / name], NAMESPACE, values, out / f'{name}.log')
@@ -190,6 +186,21 @@ def main(arguments: argparse.Namespace) -> int:
     finally:
         monitor.destroy_node()
         shut_down()
+
+
+def _simulated_parameters(
+    parameters: Mapping[str, str], *, flies: bool
+) -> dict[str, dict[str, str]]:
+    """Return those of the nodes that differ from their defaults, by node, before a simulation."""
+    nodes = {'segmenter': {**parameters}, 'simulator': {**parameters}}
+    if parameters:
+        # One is told what the other does, whatever the rate.
+        nodes['segmenter']['flash.exposure'] = nodes['simulator']['flash.exposure'] = EXPOSURE
+        nodes['simulator']['clock_error'] = CLOCK_ERROR
+    if flies:
+        nodes['simulator'].update(body_url=BODY_URL, rate=RATE)
+        nodes['constellation'] = {'body': BODY, 'body_url': BODY_URL, **FLIGHT}
+    return nodes
 
 
 def _camera_parameters(arguments: argparse.Namespace, console: Console) -> dict[str, str]:

@@ -85,6 +85,7 @@ class Blink(SingleFrames):
         self._tracker: BlinkTracker | None = None
         # Of the frame before there is one
         self._first: tuple[Array, int, float, float] | None = None
+        self._assumed = ''  # what is, of the exposure
         self._named = False
         compile_blinking()
 
@@ -125,11 +126,18 @@ class Blink(SingleFrames):
         if not found:
             self.reason = CROWDED if self._tracker.crowded else _why_none(candidates, allowed)
         exposure, known = self._tracker.exposure, self._tracker.known()
+        ratio = self._tracker.exposure_ratio
+        self.warning = self._assumed if ratio == 1.0 else (
+            f'the lights are partly lit as often as an exposure of {1e3 * ratio * exposure:.1f} '
+            f'ms would see them, and {1e3 * exposure:.1f} ms are assumed: set flash.exposure; if '
+            'it is right they fade, or are switched in step with the frames, within the exposure'
+        )
         return [
             (each.name, self._with_dark_look(
                 contrast,
                 _at_its_instant(
-                    allowed[each.point], each, exposure, contrast.frame.line_time_ns / 1e9, known
+                    allowed[each.point], each, exposure, contrast.frame.line_time_ns / 1e9, known,
+                    WAY_FRACTION + abs(ratio - 1.0),
                 ),
             ))
             for each in found
@@ -160,7 +168,7 @@ class Blink(SingleFrames):
 
     def _new_tracker(self, frame: Frame, interval: float) -> BlinkTracker:
         exposure = self._exposure or frame.exposure_ns / 1e9
-        self.warning = '' if exposure else (
+        self._assumed = self.warning = '' if exposure else (
             'nothing says how long a frame is exposed: half of the frame interval is assumed; set '
             'flash.exposure'
         )
@@ -197,13 +205,15 @@ def _why_none(candidates: Sequence[Candidate], allowed: Sequence[Candidate]) -> 
 
 
 def _at_its_instant(
-    candidate: Candidate, light: Lit, exposure: float, line_time: float, known: Sequence[Known]
+    candidate: Candidate, light: Lit, exposure: float, line_time: float, known: Sequence[Known],
+    way_fraction: float,
 ) -> Candidate:
     """
     Return the candidate with the time at which it was seen, and what is known of its path.
 
     Over the time T for which it is lit the middle of its light is off its place by a T^2 / 24.
-    What another light beside it draws it to is in the doubt: d f' / (f + f').
+    What another light beside it draws it to is in the doubt: d f' / (f + f'). Its streak may be
+    off by `way_fraction` of its length.
     """
     lit = light.share * exposure
     drawn, drawn_sigma = _drawn(light, candidate.sigma_y, exposure, line_time)
@@ -226,7 +236,7 @@ def _at_its_instant(
             yy += part * (dy * dy + other.variance)
     glimpse = Glimpse(
         light.share, np.array([lit * light.vx, lit * light.vy]),
-        sigma + WAY_FRACTION * lit * speed, np.array([[xx, xy], [xy, yy]]),
+        sigma + way_fraction * lit * speed, np.array([[xx, xy], [xy, yy]]),
         np.array([bend * light.ax, bend * light.ay]), drawn,
     )
     return candidate._replace(tau=light.tau, glimpse=glimpse)

@@ -13,6 +13,7 @@ from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash_memory import FlashMemory
 from blob_tracker.segmentation.flash_track import FlashTrack
 from blob_tracker.segmentation.flash_watch import FlashWatch
+from blob_tracker.segmentation.flat_top import compile_flat_top
 from blob_tracker.segmentation.frame_stack import FrameStack
 from blob_tracker.segmentation.illumination import relit
 from blob_tracker.segmentation.repeated_frames import RepeatedFrames
@@ -43,6 +44,7 @@ def compile_ahead() -> None:
     _compile_confirmation(light)
     advance(np.empty((0, FIELDS)), np.empty((0, 7)), np.empty((0, 6)), 0.0, 1.0)
     compile_blinking()
+    compile_flat_top()
 
 
 def _compile_confirmation(light: Candidate) -> None:

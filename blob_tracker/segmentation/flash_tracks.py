@@ -15,8 +15,8 @@ from blob_tracker.segmentation.flash_track import (
     Y,
 )
 from blob_tracker.segmentation.frame_clock import (
-    age_of, FRAME, in_step, is_due, is_phase_unknown, PERIOD_FRAMES, STAMP, stamp_before,
-    STAMP_TOLERANCE_FRAMES, tick,
+    age_of, FRAME, in_step, is_complete, is_due, is_phase_unknown, PERIOD_FRAMES, STAMP,
+    stamp_before, STAMP_TOLERANCE_FRAMES, tick,
 )
 import numpy as np
 from numpy.typing import NDArray
@@ -354,6 +354,9 @@ def _go_on(clock: Array, track: Array, row: Array, followed: bool) -> int:
     missed = np.rint(age) > PERIOD_FRAMES + phase_unknown
     row[RUN] = 1.0 if missed else track[RUN] + 1.0
     row[DOUBTED], row[TRUSTED] = track[DOUBTED], track[TRUSTED]
+    if missed and track[FLASHES] == 1.0 and is_complete(clock, track[SEEN]):
+        # No two flashes in a row yet: a light of another rhythm rises once in four frames or six.
+        row[FLASHES], row[TRUSTED] = 1.0, 0.0
     return GOES_ON
 
 

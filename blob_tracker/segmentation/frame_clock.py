@@ -114,3 +114,14 @@ def in_step(clock: Array, stamp: float) -> bool:
     if is_phase_unknown(clock, stamp):
         return frames >= PERIOD_FRAMES
     return abs(age - frames) > STAMP_TOLERANCE_FRAMES or int(frames) % PERIOD_FRAMES == 0
+
+
+@kernel
+def is_complete(clock: Array, stamp: float) -> bool:
+    """Tell whether no frame was lost since a stamp, as far as the last intervals are known."""
+    count = int(clock[COUNT])
+    since, frames = 0.0, 0
+    while frames < min(count, INTERVALS) and since < clock[STAMP] - stamp:
+        frames += 1
+        since += clock[FIRST + (count - frames) % INTERVALS]
+    return frames >= np.rint(age_of(clock, stamp))

@@ -14,6 +14,7 @@ from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.detections import Detections
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash import Flash
+from blob_tracker.segmentation.flat_top import FlatTop
 from blob_tracker.segmentation.frame_stack import FrameStack
 from blob_tracker.segmentation.history import FrameError, plain
 from blob_tracker.segmentation.in_step import InStep
@@ -83,7 +84,7 @@ class Segmenter:
         How many frames were left out because they showed the one before once more.
     warnings : tuple of str
         What is wrong though there may be a window: frames that come twice, other lights that
-        flash in step.
+        flash in step, pixels that clip below the saturation.
     finding : str
         What the flash mode found out about the light; empty if it was told all.
     unlit_pair : (array, array) or None
@@ -130,6 +131,7 @@ class Segmenter:
         self._repeated = RepeatedFrames()
         self._region = whole((0, 0))
         self._stack = FrameStack(looks)
+        self._flat_top = FlatTop()
         self._mask = NO_MASK if mask is None else np.ascontiguousarray(mask != 0, dtype=np.uint8)
 
     @property
@@ -144,9 +146,9 @@ class Segmenter:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Say what is wrong though there may be a window, of the frames and of other lights."""
-        repeated, flash = self._repeated.warning, self.flash.warning
-        return tuple(filter(None, (repeated, flash))) if repeated or flash else ()
+        """Say what is wrong though there may be a window: of frames, other lights and clipping."""
+        said = self._repeated.warning, self.flash.warning, self._flat_top.warning
+        return tuple(filter(None, said)) if any(said) else ()
 
     def update(self, frame: Frame, expected: Expectation | None = None) -> Window | None:
         """
@@ -223,6 +225,7 @@ class Segmenter:
                 if window is None:
                     self.reason = self._stack.reason
                 else:
+                    window = self._flat_top.marked(window, candidate.noise)
                     sightings.append(Sighting(name, window))
         if sightings:
             self.reason = ''

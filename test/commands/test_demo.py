@@ -9,7 +9,7 @@ import signal
 import sys
 
 from blob_tracker.camera import CameraModel, pinhole_matrix
-from blob_tracker.commands.demo import _conclude, _table, LIGHTS
+from blob_tracker.commands.demo import _conclude, _simulated_parameters, _table, LIGHTS
 from blob_tracker.commands.monitor import Monitor
 from blob_tracker.flash_text import codes_from_text
 from blob_tracker.ros.messages.camera_info import from_camera_model
@@ -57,6 +57,15 @@ def heard(monitor: Monitor, off: float) -> None:
             )
             derivative = MODEL.angles(x, y)[2]
             light.covariances[stamp] = sigma**2 * derivative @ derivative.T / 1e6
+
+
+@pytest.mark.parametrize('flies', [False, True])
+def test_the_segmenter_is_told_the_exposure_that_the_simulator_has(flies: bool) -> None:
+    """Told half of it, at another rate, lights that move were at wrong instants: NEES / 2 of 4."""
+    nodes = _simulated_parameters(LIGHTS['constellation'][0], flies=flies)
+    told, rate = nodes['segmenter']['flash.exposure'], nodes['simulator'].get('rate', '60.0')
+    assert nodes['simulator']['flash.exposure'] == told
+    assert float(told) < 1.0 / float(rate)
 
 
 @pytest.mark.parametrize('off, code', [(0.0, 0), (0.1, 1)])

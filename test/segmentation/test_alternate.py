@@ -9,8 +9,8 @@ from blob_tracker.location import locate
 from blob_tracker.segmentation import Segmenter
 from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.simulation import (
-    AmbientLight, Drifting, Glints, HotPixels, in_step, Light, PassingObject, Scene, Sensor,
-    sinusoid, Stepping, SunDisc,
+    AmbientLight, Drifting, Glints, HotPixels, in_step, Light, PassingObject, periodic, Scene,
+    Sensor, sinusoid, Stepping, SunDisc,
 )
 from blob_tracker.types import Frame
 import numpy as np
@@ -176,6 +176,15 @@ def test_a_lamp_alone_is_never_the_target(light_rate: float, camera_rate: float)
     # Nothing is the first light: the scene is known when the lamp is switched on.
     tracked(empty, range(1, 9), segmenter)
     assert tracked(scene, range(9, 129), segmenter)[:2] == (0, 0)
+
+
+@pytest.mark.parametrize('frequency', [7.3, 10.0, 14.9])
+def test_a_light_of_another_rhythm_is_never_the_target(frequency: float) -> None:
+    """It rises in each fourth or sixth frame, or so: in step but for what it leaves out."""
+    scene = replace(WALL, elements=(Light(110.0, 75.0, 2.0, 60.0, periodic(frequency, 0.5)),))
+    right, wrong, _ = tracked(scene, range(120))
+    # In the first pairs a light alone is trusted.
+    assert right + wrong <= 1
 
 
 def test_a_mask_hides_the_target() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.segmentation.frame_clock import (
-    age_of, FrameClock, in_step, is_due, is_phase_unknown, tick,
+    age_of, FrameClock, in_step, is_complete, is_due, is_phase_unknown, tick,
 )
 import pytest
 
@@ -32,6 +32,14 @@ def test_a_lost_frame_is_counted() -> None:
     assert in_step(clock.values, stamp_of(clock, 3)) and is_due(clock.values, stamp_of(clock, 3))
     assert not in_step(clock.values, stamp_of(clock, 2))
     assert not is_due(clock.values, stamp_of(clock, 4))
+
+
+@pytest.mark.parametrize('frames, complete', [((0, 1, 2, 3, 4), True), ((0, 1, 3, 4), False)])
+def test_a_lost_frame_is_noticed(frames: tuple[int, ...], complete: bool) -> None:
+    """By the intervals since a stamp."""
+    clock = clock_after(*frames)
+    assert is_complete(clock.values, stamp_of(clock, 0)) is complete
+    assert is_complete(clock.values, stamp_of(clock, 3))
 
 
 @pytest.mark.parametrize('late, can_be_on', [(0.2, False), (0.3, True)])
