@@ -1,8 +1,8 @@
 """
 A process with an executable of a source tree, as `ros2 run` starts it, and with nothing else.
 
-`python .../started.py locator --ros-args ...` in the folder of any tree: its own package runs. What
-a benchmark loads is no part of a start.
+`python .../started.py locator --ros-args ...` in the folder of any tree: its own package runs.
+What a benchmark loads is no part of a start.
 """
 
 from __future__ import annotations

@@ -23,8 +23,8 @@ FLANK_SIGMA = 4.0  # sigma of a blob within which further peaks are its own
 # And as many px further out those that have such a part of its height: the wings of the lens, the
 # ringing of a codec. What is brighter is another light beside it.
 WING_FRACTION = 0.1
-# Beyond (FLANK_SIGMA (1 + radius))^2 <= 2 FLANK_SIGMA^2 (1 + radius^2) there are no wings. A little
-# more, so that rounding decides nothing.
+# Beyond (FLANK_SIGMA (1 + radius))^2 <= 2 FLANK_SIGMA^2 (1 + radius^2) there are no wings. A
+# little more, so that rounding decides nothing.
 WING_FACTOR, ELLIPSE_FACTOR = 2.01 * FLANK_SIGMA * FLANK_SIGMA, 1.01
 LEAST_GLOW_PX = 3.0  # px of sigma, from which on a blob may be a glow that a light stands on
 SMALL_REGION_PX = 65536  # px: a larger region is not near the prediction
