@@ -312,16 +312,16 @@ class Glimpse:
     @property
     def numbers(self) -> NDArray[np.float32]:
         """(10,) array: share, way, way_sigma, doubt as xx, xy, yy, lag, and drawn."""
-        (xx, xy), (_, yy) = self.doubt
-        return np.array(
-            [self.share, *self.way, self.way_sigma, xx, xy, yy, *self.lag, self.drawn],
-            dtype=np.float32,
-        )
+        xx, xy, _, yy = self.doubt.ravel().tolist()
+        return np.array([
+            self.share, *self.way.tolist(), self.way_sigma, xx, xy, yy, *self.lag.tolist(),
+            self.drawn,
+        ], dtype=np.float32)
 
     @classmethod
     def of_numbers(cls, numbers: NDArray[np.float32]) -> Glimpse:
         """Return what `numbers` tells of."""
-        share, way_x, way_y, way_sigma, xx, xy, yy, lag_x, lag_y, drawn = map(float, numbers)
+        share, way_x, way_y, way_sigma, xx, xy, yy, lag_x, lag_y, drawn = numbers.tolist()
         return cls(
             share, np.array([way_x, way_y]), way_sigma, np.array([[xx, xy], [xy, yy]]),
             np.array([lag_x, lag_y]), drawn,

@@ -21,8 +21,9 @@ GRACE_S = 0.3  # s after the end of a stream for the last message
 LONGEST_START_S = 20.0  # s that the nodes have to start
 MEETINGS = 20  # streams until the first bearing
 # Another tree need not have them.
-HANDED, TAKEN, MANY = (
-    str(ROOT / 'benchmarks' / 'latency' / f'{name}.py') for name in ('handed', 'taken', 'many')
+HANDED, TAKEN, MANY, STARTED = (
+    str(ROOT / 'benchmarks' / 'latency' / f'{name}.py')
+    for name in ('handed', 'taken', 'many', 'started')
 )
 
 
@@ -202,11 +203,11 @@ def first_bearing(way: str, root: Path = ROOT) -> float:
         subscriber.ask('first')
         began_ns = time.monotonic_ns()
         if way == THREE:
-            stack.enter_context(Process('node', 'segmenter', root=root))
-            stack.enter_context(Process('node', 'locator', root=root))
+            stack.enter_context(Process(STARTED, 'segmenter', root=root))
+            stack.enter_context(Process(STARTED, 'locator', root=root))
         else:
             stack.enter_context(
-                Process('node', 'pipeline', '--ros-args', '-p', 'source:=images', root=root)
+                Process(STARTED, 'pipeline', '--ros-args', '-p', 'source:=images', root=root)
             )
         try:
             _, at_ns = subscriber.answer(LONGEST_START_S)
@@ -225,7 +226,7 @@ def many_lights(root: Path = ROOT) -> list[float | None]:
 def help_time(root: Path = ROOT) -> float:
     """Return how long a node takes to say what it is, s."""
     began = time.monotonic()
-    with Process('node', 'segmenter', '--help', root=root) as process:
+    with Process(STARTED, 'segmenter', '--help', root=root) as process:
         process.wait()
     return time.monotonic() - began
 

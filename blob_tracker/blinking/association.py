@@ -120,25 +120,29 @@ def _claim(
     old: Tracks, children: Children, born: int, names: int, owner: NDArray[np.int64]
 ) -> None:
     """Give each named light the point of its best child; first to whom it is worth the most."""
+    unseen = np.full(names, -np.inf)
+    for child in range(born):
+        if children.point[child] < 0:
+            name = old.name[children.parent[child]]
+            unseen[name] = max(unseen[name], children.score[child])
     done = np.zeros(names, np.bool_)
+    best, which = np.empty(names), np.empty(names, np.int64)
     for _ in range(names):
-        most, choice, whose = -np.inf, -1, -1
+        best[:], which[:] = -np.inf, -1
+        for child in range(born):
+            point = children.point[child]
+            if point >= 0 and owner[point] == UNNAMED:
+                name = old.name[children.parent[child]]
+                if children.score[child] > best[name]:
+                    best[name], which[name] = children.score[child], child
+        most, whose = -np.inf, -1
         for name in range(names):
-            if done[name]:
-                continue
-            best, unseen, which = -np.inf, -np.inf, -1
-            for child in range(born):
-                if old.name[children.parent[child]] != name:
-                    continue
-                if children.point[child] < 0:
-                    unseen = max(unseen, children.score[child])
-                elif owner[children.point[child]] == UNNAMED and children.score[child] > best:
-                    best, which = children.score[child], child
-            if which >= 0 and best > unseen and best - unseen > most:
-                most, choice, whose = best - unseen, which, name
-        if choice < 0:
+            if not done[name] and which[name] >= 0 and best[name] > unseen[name]:
+                if best[name] - unseen[name] > most:
+                    most, whose = best[name] - unseen[name], name
+        if whose < 0:
             return
-        owner[children.point[choice]] = whose
+        owner[children.point[which[whose]]] = whose
         done[whose] = True
 
 

@@ -217,23 +217,24 @@ def _at_its_instant(
     """
     lit = light.share * exposure
     drawn, drawn_sigma = _drawn(light, candidate.sigma_y, exposure, line_time)
-    spread = light.covariance
+    spread = light.covariance.diagonal().tolist()
     speed = math.hypot(light.vx, light.vy)
-    sigma = lit * math.sqrt(0.5 * (spread[2, 2] + spread[3, 3]))
+    sigma = lit * math.sqrt(0.5 * (spread[2] + spread[3]))
     bend, late = lit**2 / 24.0, light.tau_sigma**2
-    (xx, xy), (_, yy) = light.bend
-    xx += light.vx**2 * late + bend**2 * spread[4, 4]
-    xy += light.vx * light.vy * late + bend**2 * spread[4, 5]
-    yy += light.vy**2 * late + bend**2 * spread[5, 5] + drawn_sigma**2
+    xx, xy, _, yy = light.bend.ravel().tolist()
+    xx += light.vx**2 * late + bend**2 * spread[4]
+    xy += light.vx * light.vy * late + bend**2 * float(light.covariance[4, 5])
+    yy += light.vy**2 * late + bend**2 * spread[5] + drawn_sigma**2
     reach = BESIDE * candidate.sigma_major + 0.5 * lit * speed
-    own = max(each.flux for each in known if each.name == light.name)
-    for other in known:
-        dx, dy = other.x - candidate.x, other.y - candidate.y
-        if other.name != light.name and math.hypot(dx, dy) < reach + math.sqrt(other.variance):
-            part = (other.flux / max(other.flux + own, 1e-9)) ** 2
-            xx += part * (dx * dx + other.variance)
+    name, x, y = light.name, candidate.x, candidate.y
+    own = max(flux for other, _, _, _, flux in known if other == name)
+    for other, other_x, other_y, variance, flux in known:
+        dx, dy = other_x - x, other_y - y
+        if other != name and math.hypot(dx, dy) < reach + math.sqrt(variance):
+            part = (flux / max(flux + own, 1e-9)) ** 2
+            xx += part * (dx * dx + variance)
             xy += part * dx * dy
-            yy += part * (dy * dy + other.variance)
+            yy += part * (dy * dy + variance)
     glimpse = Glimpse(
         light.share, np.array([lit * light.vx, lit * light.vy]),
         sigma + way_fraction * lit * speed, np.array([[xx, xy], [xy, yy]]),

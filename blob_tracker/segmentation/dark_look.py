@@ -6,7 +6,7 @@ from collections import deque
 
 from blob_tracker.kernel import kernel
 from blob_tracker.segmentation.box import Box
-from blob_tracker.segmentation.tile_noise import tile_noise
+from blob_tracker.segmentation.tile_noise import median, tile_noise
 from blob_tracker.types import Frame, Pixels
 import numpy as np
 
@@ -68,7 +68,8 @@ class DarkLook:
         height, width = image.shape
         _, alone, _ = tile_noise(image, self._nothing, 0, 0, width, height, 0.0)
         _, less, _ = tile_noise(image, self.envelope, 0, 0, width, height, 0.0)
-        helps = bool(np.median(less) < MORE_EVEN * np.median(alone))
+        tiles = less.size
+        helps = median(less.ravel(), tiles) < MORE_EVEN * median(alone.ravel(), tiles)
         return self.envelope if helps else self._nothing
 
     def of(self, box: Box, noise: float) -> Pixels | None:

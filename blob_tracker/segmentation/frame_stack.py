@@ -180,14 +180,15 @@ def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
 
 def _on_sensor(glimpse: Glimpse, frame: Frame) -> Glimpse:
     """Return how a light was seen in px of the full, unbinned sensor."""
-    scale = np.array(frame.binning, dtype=float)
-    seen = Glimpse(
-        glimpse.share, glimpse.way * scale, glimpse.way_sigma * float(scale.max()),
-        glimpse.doubt * np.outer(scale, scale), glimpse.lag * scale,
-        glimpse.drawn * frame.binning[1],
-    )
+    if frame.binning != (1, 1):
+        scale = np.array(frame.binning, dtype=float)
+        glimpse = Glimpse(
+            glimpse.share, glimpse.way * scale, glimpse.way_sigma * float(scale.max()),
+            glimpse.doubt * np.outer(scale, scale), glimpse.lag * scale,
+            glimpse.drawn * frame.binning[1],
+        )
     # As a message has it, so that one process and several place it alike.
-    return Glimpse.of_numbers(seen.numbers)
+    return Glimpse.of_numbers(glimpse.numbers)
 
 
 def most_frames(saturation: int) -> int:

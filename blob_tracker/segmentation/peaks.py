@@ -23,6 +23,9 @@ FLANK_SIGMA = 4.0  # sigma of a blob within which further peaks are its own
 # And as many px further out those that have such a part of its height: the wings of the lens, the
 # ringing of a codec. What is brighter is another light beside it.
 WING_FRACTION = 0.1
+# Beyond (FLANK_SIGMA (1 + radius))^2 <= 2 FLANK_SIGMA^2 (1 + radius^2) there are no wings. A
+# little more, so that rounding decides nothing.
+WING_FACTOR, ELLIPSE_FACTOR = 2.01 * FLANK_SIGMA * FLANK_SIGMA, 1.01
 LEAST_GLOW_PX = 3.0  # px of sigma, from which on a blob may be a glow that a light stands on
 SMALL_REGION_PX = 65536  # px: a larger region is not near the prediction
 
@@ -93,7 +96,7 @@ def measure_peaks(
     level = np.median(levels)
     if not single_frame:
         levels[:] = level
-    capacity = FEW_PEAKS
+    capacity = FEW_PEAKS if (x1 - x0) * (y1 - y0) <= SMALL_REGION_PX else MOST_PEAKS
     peaks = np.empty((capacity, 3))
     count, strongest = local_maxima(lit, unlit, region, mask, levels, noises, threshold, peaks)
     while count > capacity:
@@ -104,11 +107,12 @@ def measure_peaks(
             threshold *= 2.0
         count, strongest = local_maxima(lit, unlit, region, mask, levels, noises, threshold, peaks)
     table = np.empty((FEW_CANDIDATES, FIELDS + 1))
+    circles = np.empty((3, FEW_CANDIDATES))
     found = 0
     for index in np.argsort(-peaks[:count, 2]):
         column, row = int(peaks[index, 0]), int(peaks[index, 1])
         noise, local_level = _surroundings(levels, noises, column - x0, row - y0)
-        narrowest = _on_flank(table[:found], column, row, peaks[index, 2])
+        narrowest = _on_flank(table[:found], circles[:, :found], column, row, peaks[index, 2])
         if narrowest > 0.0 and (
             narrowest < LEAST_GLOW_PX
             or not stands_out(lit, unlit, region, column, row, noise, min_snr)
@@ -121,19 +125,22 @@ def measure_peaks(
         # A faint peak in the reach of a brighter light ends in it, or half-way to it.
         # On a glow only what is far narrower is another light.
         if not (narrowest > 0.0 and GLOW_WIDTH_RATIO * blob[4] > narrowest) and not _is_misplaced(
-            table[:found], blob, column, row
+            table[:found], circles[:, :found], blob, column, row
         ):
             describe(
                 table[found], lit, unlit, region, saturation, single_frame, blob, column, row,
                 noise, peaks[index, 2], streak,
             )
+            circles[0, found], circles[1, found] = blob[0], blob[1]
+            circles[2, found] = blob[2] * blob[2] + blob[3] * blob[3]
             found += 1
             if found == MOST_CANDIDATES:
                 break
             if found == table.shape[0]:
-                more = np.empty((MOST_CANDIDATES, FIELDS + 1))
-                more[:found] = table
-                table = more
+                table, few = np.empty((MOST_CANDIDATES, FIELDS + 1)), table
+                table[:found] = few
+                circles, few = np.empty((3, MOST_CANDIDATES)), circles
+                circles[:, :found] = few
     if found == 0 and followed and (x1 - x0) * (y1 - y0) <= SMALL_REGION_PX:
         # Near the prediction a faint blob is worth a second look: its brightest 3 x 3 pixels.
         column, row, height = brightest_square(lit, unlit, region, mask)
@@ -159,12 +166,30 @@ def _surroundings(levels: Array, noises: Array, x: int, y: int) -> tuple[float, 
 
 
 @kernel
-def _on_flank(table: Array, column: int, row: int, height: float) -> float:
+def _is_alone(circles: Array, x: float, y: float, factor: float, margin: float) -> bool:
+    """
+    Tell whether a place is far from all blobs that were measured.
+
+    From the middle of each by more than factor (margin + radius^2), squared. `circles` has the
+    middles, px, and the squares of radii, px^2, within which their ellipses of 1 sigma lie.
+    """
+    xs, ys, radii = circles[0], circles[1], circles[2]
+    nearest = np.inf
+    for k in range(np.uint64(xs.size)):
+        dx, dy = x - xs[k], y - ys[k]
+        nearest = min(nearest, dx * dx + dy * dy - factor * (margin + radii[k]))
+    return nearest > 0.0
+
+
+@kernel
+def _on_flank(table: Array, circles: Array, column: int, row: int, height: float) -> float:
     """
     Return how wide a blob is that was measured, and on which or in whose wings a peak lies.
 
     It is the narrowest one of them, and its sigma along the shortest axis, px; 0 where none is.
     """
+    if _is_alone(circles, column, row, WING_FACTOR, 1.0):
+        return 0.0
     narrowest = 0.0
     for k in range(table.shape[0]):
         dx, dy = column - table[k, 0], row - table[k, 1]
@@ -179,6 +204,7 @@ def _on_flank(table: Array, column: int, row: int, height: float) -> float:
 @kernel
 def _is_misplaced(
     table: Array,
+    circles: Array,
     blob: tuple[float, float, float, float, float, float, float, float, float],
     column: int,
     row: int,
@@ -189,6 +215,8 @@ def _is_misplaced(
     away = np.sqrt(distance2(column - x, row - y, sigma_x, sigma_y, correlation))
     if away > WINDOW_SIGMA + margin:
         return True
+    if _is_alone(circles, x, y, ELLIPSE_FACTOR, 0.0):
+        return False
     for k in range(table.shape[0]):
         if table[k, 5] > GLOW_WIDTH_RATIO * blob[4]:
             continue  # a glow, which has its middle anywhere

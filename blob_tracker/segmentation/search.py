@@ -10,6 +10,7 @@ from blob_tracker.kernel import Array
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
+from blob_tracker.segmentation.description import FIELDS
 from blob_tracker.segmentation.flood import flood_rise, whole_scene, without_flooded
 from blob_tracker.segmentation.illumination import relit
 from blob_tracker.segmentation.overexposure import with_clipping
@@ -44,6 +45,7 @@ IN_DN = [
         'surround_noise',
     )
 ]
+UNJUDGED = list(Candidate._field_defaults.values())[FIELDS - len(Candidate._fields):]
 
 
 class SearchResult(NamedTuple):
@@ -158,16 +160,12 @@ def _is_gain(gains: Array) -> bool:
 
 def _judged(table: Array) -> tuple[tuple[Candidate, ...], bool]:
     """Return the candidates of a table, and whether any of them is rejected, with its reason."""
-    candidates = []
-    has_rejected = False
-    for row in table.tolist():
-        fault = int(row.pop())
-        candidate = Candidate(*row)
-        if fault:
-            candidate = candidate._replace(rejected=in_words(fault, candidate))
-            has_rejected = True
-        candidates.append(candidate)
-    return tuple(candidates), has_rejected
+    candidates = [Candidate._make(row + UNJUDGED) for row in table[:, :FIELDS].tolist()]
+    faults = np.flatnonzero(table[:, FIELDS]).tolist()
+    for index in faults:
+        one = candidates[index]
+        candidates[index] = one._replace(rejected=in_words(int(table[index, FIELDS]), one))
+    return tuple(candidates), bool(faults)
 
 
 @functools.lru_cache

@@ -17,6 +17,7 @@ from benchmarks.latency import beside, many, taken
 from benchmarks.latency.figures import (
     Figures, LARGE, ONE, Resident, Row, SMALL, Start, THREE, USUAL,
 )
+from benchmarks.latency.nodes import STARTED
 from benchmarks.latency.process import Process, ROOT
 from benchmarks.latency.source import draw
 from benchmarks.report import Report
@@ -212,6 +213,19 @@ def test_a_node_of_any_tree_is_timed(
         answering.join()
     (time,) = json.loads(capsys.readouterr().out)
     assert time >= 10_000.0  # us
+
+
+def test_a_start_loads_no_benchmark() -> None:
+    code = (
+        'import runpy, sys\n'
+        f"sys.argv = [{STARTED!r}, 'segmenter', '--help']\n"
+        f"runpy.run_path({STARTED!r}, run_name='__main__')\n"
+        "assert not [name for name in sys.modules if name.startswith('benchmarks')]\n"
+    )
+    found = subprocess.run(
+        [sys.executable, '-c', code], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert 'segmenter' in found.stdout
 
 
 def test_many_lights_are_found() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.description import FIELDS
-from blob_tracker.segmentation.peaks import measure_peaks
+from blob_tracker.segmentation.peaks import _on_flank, FEW_CANDIDATES, measure_peaks
 from blob_tracker.segmentation.search import NO_MASK
 from blob_tracker.simulation import pixel_integrated_gaussian
 import numpy as np
@@ -99,6 +99,31 @@ def test_of_equal_pixels_the_first_is_the_peak() -> None:
     found, = peaks(lit)
     assert found.peak == (70, 50)
     assert (found.x, found.y) == pytest.approx((71.0, 51.0), abs=0.05)
+
+
+def test_more_lights_than_few_are_each_found_once() -> None:
+    places = [(x, y) for x in range(12, 128, 16) for y in range(12, 96, 16)]
+    light = sum(lit_by(x, y, 1.3, 80.0).astype(int) - EVEN for x, y in places)
+    found = peaks((EVEN + light).astype(np.uint8))
+    assert len(places) > FEW_CANDIDATES
+    assert sorted(each.peak for each in found) == places
+
+
+def test_a_look_at_all_circles_spares_none_that_is_on_a_flank() -> None:
+    """Circles that reach everywhere have each blob looked at."""
+    random = np.random.default_rng(4)
+    table = np.zeros((60, FIELDS + 1))
+    table[:, :2] = random.uniform(0.0, 400.0, (60, 2))
+    table[:, 2:6] = random.uniform(0.7, 6.0, (60, 4))
+    table[:, 6], table[:, 11] = random.uniform(-0.9, 0.9, 60), random.uniform(20.0, 200.0, 60)
+    circles = np.array([table[:, 0], table[:, 1], table[:, 2]**2 + table[:, 3]**2])
+    wide = circles + [[0.0], [0.0], [1e9]]
+    on_flank = 0
+    for x, y in random.integers(0, 400, (1000, 2)).tolist():
+        narrowest = _on_flank(table, circles, x, y, 5.0)
+        assert narrowest == _on_flank(table, wide, x, y, 5.0)
+        on_flank += narrowest > 0.0
+    assert 100 < on_flank < 900
 
 
 def test_what_hides_behind_the_mask_is_left_out() -> None:
