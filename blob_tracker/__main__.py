@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import argparse
 from importlib import import_module
 from pathlib import Path
 import sys
 from types import ModuleType
 
 from blob_tracker.commands import INSTALL_ROS
+from blob_tracker.commands.parser import Parser
 
 DEFAULT_CALL = 'python3 -m blob_tracker'
 # Each is a module of `commands/` with `add_arguments` and `main`, imported only when it runs.
@@ -45,7 +45,7 @@ def main(arguments: list[str] | None = None) -> int:
 
     """
     called = 'blob_tracker' if Path(sys.argv[0]).name == 'blob_tracker' else DEFAULT_CALL
-    parser = argparse.ArgumentParser(prog=called, description=__doc__)
+    parser = Parser(prog=called, description=__doc__)
     commands = parser.add_subparsers(dest='command', metavar='COMMAND', required=True)
     words = sys.argv[1:] if arguments is None else arguments
     if '--ros-args' in words:  # what follows is rclpy's, remappings say, which reads it itself
