@@ -9,6 +9,7 @@ from types import ModuleType
 
 from blob_tracker.commands import INSTALL_ROS
 from blob_tracker.commands.parser import Parser
+from blob_tracker.kernel.notice import before_compiling
 
 DEFAULT_CALL = 'python3 -m blob_tracker'
 # Each is a module of `commands/` with `add_arguments` and `main`, imported only when it runs.
@@ -59,6 +60,7 @@ def main(arguments: list[str] | None = None) -> int:
                 print(_missing(name, error), file=sys.stderr)
                 return 1
     parsed = parser.parse_args(words)
+    before_compiling(lambda sentence: print(sentence, file=sys.stderr))
     return int(command(parsed.command).main(parsed))
 
 

@@ -185,7 +185,6 @@ class ConstellationNode(Node):
 
 def compile_fit() -> None:
     """Compile the fit, before the first ray could wait for it."""
-    say('loading the fit; the first start compiles it for half a minute')
     compile_ahead()
     compile_lens()
 

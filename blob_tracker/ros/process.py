@@ -8,6 +8,7 @@ import gc
 import inspect
 import sys
 
+from blob_tracker.kernel.notice import before_compiling
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.parameters.given import remarks, sources
 import rclpy
@@ -47,6 +48,7 @@ def run(
         the standard error.
 
     """
+    before_compiling(say)
     prepare()
     # Before ROS is there, so that a signal still ends it at once. What has been loaded stays: no
     # collection need look at it again. None ran meanwhile, see nodes/start.py.

@@ -31,7 +31,6 @@ import numpy as np
 from rich.console import Console
 
 MOST_WARNINGS, MOST_REASONS = 5, 3  # that are said
-LOADING = 'loading the fits; the first time compiles them, for a minute or two'
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -87,9 +86,7 @@ def _track(arguments: argparse.Namespace) -> int:
     source = open_source(arguments, calibrated=model is None and not values['field_of_view'])
     if not source.stamps:
         raise UsageError(unstamped(arguments))
-    if not console.is_terminal:  # which shows no status
-        print(LOADING, file=sys.stderr)
-    with console.status(LOADING):
+    with console.status('loading the fits'):
         location.compile_ahead([values['method']])
         segmentation.compile_ahead()
     frames, first = _peeked(source)
