@@ -26,7 +26,7 @@ from blob_tracker.ros.messages.target import to_bearing
 from blob_tracker.ros.parameters.body import body_of
 from blob_tracker.ros.parameters.declaration import declare, on_change
 from blob_tracker.ros.parameters.values import about
-from blob_tracker.ros.process import run, say
+from blob_tracker.ros.process import run
 from blob_tracker.types import Bearing
 from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
 import numpy as np

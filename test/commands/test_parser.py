@@ -17,7 +17,7 @@ import pytest
     ('optics --width 640.5', 'optics', "argument --width: '640.5' is not a whole number"),
     ('optics --led 3X', 'optics', "argument --led: '3X' is not a power; write 3W, 500mW or"),
     ('track light --frame-rate sixty', 'track', "'sixty' is not a number above 0; write 60 say"),
-    ('calibrate line_time light --frequency 50Hz', 'calibrate line_time', "'50Hz' is not a number"),
+    ('calibrate line_time f --frequency 50Hz', 'calibrate line_time', "'50Hz' is not a number"),
 ])
 def test_a_word_that_is_wrong(
     words: str, usage: str, said: str, capsys: pytest.CaptureFixture[str]

@@ -6,7 +6,7 @@ from pathlib import Path
 import subprocess
 import sys
 
-from blob_tracker.kernel.notice import before_compiling, compiling, COMPILING
+from blob_tracker.kernel.notice import before_compiling, COMPILING, compiling
 import pytest
 
 CALLS = """\
