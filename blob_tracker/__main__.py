@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from importlib import import_module
+import os
 from pathlib import Path
 import sys
 from types import ModuleType
 
 from blob_tracker.commands import INSTALL_ROS
+from blob_tracker.commands.exit_code import FAILED
 from blob_tracker.commands.parser import Parser
 from blob_tracker.kernel.notice import before_compiling
 
@@ -42,7 +44,7 @@ def main(arguments: list[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit code: 0 done, 1 failed, 2 called wrongly.
+        Exit code: 0 done, 1 failed or nobody reads what it prints, 2 called wrongly.
 
     """
     called = 'blob_tracker' if Path(sys.argv[0]).name == 'blob_tracker' else DEFAULT_CALL
@@ -61,7 +63,14 @@ def main(arguments: list[str] | None = None) -> int:
                 return 1
     parsed = parser.parse_args(words)
     before_compiling(lambda sentence: print(sentence, file=sys.stderr))
-    return int(command(parsed.command).main(parsed))
+    try:
+        code = int(command(parsed.command).main(parsed))
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # Or Python would try again, and complain, as it ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    return code
 
 
 def _missing(name: str, error: ModuleNotFoundError) -> str:
