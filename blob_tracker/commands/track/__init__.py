@@ -203,7 +203,7 @@ def _report(console: Console, summary: Summary, chain: Chain) -> None:
         console.print(f'found: {chain.finding}', markup=False, highlight=False, soft_wrap=True)
     for warning, count in chain.warnings.most()[:MOST_WARNINGS]:
         console.print(
-            f'- {warning} ({count} times)', markup=False, highlight=False,
+            f'- {warning} ({_often(count)})', markup=False, highlight=False,
             soft_wrap=True,
         )
 
@@ -223,10 +223,15 @@ def _tell(
         console.print(str(path), markup=False, highlight=False, soft_wrap=True)
 
 
+def _often(count: int) -> str:
+    return 'once' if count == 1 else f'{count} times'
+
+
 def _why_none(arguments: argparse.Namespace, summary: Summary) -> str:
     """Say why no light was placed, and what to try."""
     most = ''.join(
-        f'\n- {reason} ({count} times)' for reason, count in summary.reasons.most()[:MOST_REASONS]
+        f'\n- {reason} ({_often(count)})'
+        for reason, count in summary.reasons.most()[:MOST_REASONS]
     )
     return (
         f'no light was placed in {len(summary.frames)} frames. Is flash.mode right? python3 -m '

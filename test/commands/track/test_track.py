@@ -220,7 +220,7 @@ def test_no_light_is_said_with_the_reason(
     assert run(source, '--frame-rate', RATE, '--out', tmp_path / 't.csv') == 1
     said = capsys.readouterr().err
     assert 'no light was placed in 4 frames. Is flash.mode right?' in said
-    assert 'calibrate flash' in said and 'waiting for a second frame (1 times)' in said
+    assert 'calibrate flash' in said and 'waiting for a second frame (once)' in said
 
 
 @pytest.mark.parametrize(('words', 'code', 'sentence'), [
