@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import argparse
 from importlib import import_module
+import os
 from pathlib import Path
 import sys
 from types import ModuleType
 
 from blob_tracker.commands import INSTALL_ROS
+from blob_tracker.commands.exit_code import FAILED
+from blob_tracker.commands.parser import Parser
+from blob_tracker.kernel.notice import before_compiling
 
 DEFAULT_CALL = 'python3 -m blob_tracker'
 # Each is a module of `commands/` with `add_arguments` and `main`, imported only when it runs.
@@ -41,11 +44,11 @@ def main(arguments: list[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit code: 0 done, 1 failed, 2 called wrongly.
+        Exit code: 0 done, 1 failed or nobody reads what it prints, 2 called wrongly.
 
     """
     called = 'blob_tracker' if Path(sys.argv[0]).name == 'blob_tracker' else DEFAULT_CALL
-    parser = argparse.ArgumentParser(prog=called, description=__doc__)
+    parser = Parser(prog=called, description=__doc__)
     commands = parser.add_subparsers(dest='command', metavar='COMMAND', required=True)
     words = sys.argv[1:] if arguments is None else arguments
     if '--ros-args' in words:  # what follows is rclpy's, remappings say, which reads it itself
@@ -59,7 +62,15 @@ def main(arguments: list[str] | None = None) -> int:
                 print(_missing(name, error), file=sys.stderr)
                 return 1
     parsed = parser.parse_args(words)
-    return int(command(parsed.command).main(parsed))
+    before_compiling(lambda sentence: print(sentence, file=sys.stderr))
+    try:
+        code = int(command(parsed.command).main(parsed))
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # Or Python would try again, and complain, as it ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    return code
 
 
 def _missing(name: str, error: ModuleNotFoundError) -> str:

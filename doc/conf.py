@@ -6,6 +6,7 @@ The pages are those of docs/, to which doc/docs is a link; nothing is copied.
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from pathlib import Path
 import re
 import sys
@@ -28,6 +29,9 @@ extensions = [
     'myst_parser', 'sphinx.ext.autodoc', 'sphinx.ext.mathjax', 'sphinx.ext.napoleon',
     'sphinx.ext.viewcode',
 ]
+MATHJAX = 'sphinx-mathjax-offline'  # which docs.ros.org, that is online anyway, does not have
+if find_spec(MATHJAX):
+    extensions.append(MATHJAX)
 source_suffix = {'.md': 'markdown', '.rst': 'restructuredtext'}
 html_show_copyright = False
 html_theme = 'sphinx_rtd_theme'

@@ -5,9 +5,15 @@ The camera rides on the pan/tilt, so a bearing is what is left to turn. With `pr
 to command come from the tracker, which has to know the joints (its joints.pan and joints.tilt).
 Angles are rad, pan to the right and tilt up. The first command is near 0, 0: drive the pan/tilt
 there before.
+
+    python3 examples/servo_client.py --ros-args -p gain:=[0.1,-0.1] -r joint_command:=/ptu/cmd
 """
 
+import argparse
 from contextlib import suppress
+from difflib import get_close_matches
+import sys
+from typing import Any
 
 from geometry_msgs.msg import Vector3Stamped
 import numpy as np
@@ -16,10 +22,22 @@ import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.utilities import remove_ros_args
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 
 PERIOD = 0.02  # s between two steps of the way home
+# Default and meaning of each parameter.
+PARAMETERS: dict[str, tuple[Any, str]] = {
+    'gain': ([0.14, 0.14], 'part of each bearing that is turned, pan and tilt; negative for a '
+             'joint that turns left or down'),
+    'predicted': (False, 'take the angles to command from target/bearing_predicted'),
+    'dead_band': (0.2, 'mrad below which nothing is turned'),
+    'speed': (1.0, 'greatest, rad/s'),
+    'limit': ([1.5, 0.7], 'of pan and tilt, each way, rad'),
+    'lost_after': (0.2, 's; an older bearing is not followed'),
+    'home_after': (3.0, 's without a bearing after which it goes to 0, 0'),
+}
 
 
 class ServoClient(Node):
@@ -27,15 +45,18 @@ class ServoClient(Node):
 
     def __init__(self) -> None:
         super().__init__('servo_client')
-        # Part of each bearing that is turned, pan and tilt; negative for a joint that turns left
-        # or down. Up to 4/27 = 0.148 nothing overshoots with two frames of delay.
-        self.gain = np.array(self.declare_parameter('gain', [0.14, 0.14]).value)
-        self.predicted = self.declare_parameter('predicted', False).value
-        self.dead_band = self.declare_parameter('dead_band', 0.2).value  # mrad: the noise's peaks
-        self.speed = self.declare_parameter('speed', 1.0).value  # rad/s, at most
-        self.limit = np.array(self.declare_parameter('limit', [1.5, 0.7]).value)  # rad, each way
-        self.lost_after = self.declare_parameter('lost_after', 0.2).value  # s: then hold still
-        self.home_after = self.declare_parameter('home_after', 3.0).value  # s: then go to 0, 0
+        value = {
+            name: self.declare_parameter(name, default).value
+            for name, (default, _) in PARAMETERS.items()
+        }
+        # Up to 4/27 = 0.148 nothing overshoots with two frames of delay.
+        self.gain = np.array(value['gain'])
+        self.predicted = value['predicted']
+        self.dead_band = value['dead_band']  # mrad: the noise's peaks
+        self.speed = value['speed']  # rad/s, at most
+        self.limit = np.array(value['limit'])  # rad, each way
+        self.lost_after = value['lost_after']  # s: then hold still
+        self.home_after = value['home_after']  # s: then go to 0, 0
         self.angle = np.zeros(2)  # rad: pan, tilt
         self.visible = False
         self.stamp = -np.inf  # s, of the last bearing that was followed
@@ -97,11 +118,31 @@ class ServoClient(Node):
         return 1e-9 * self.get_clock().now().nanoseconds
 
 
+def misspelt(node: Node) -> str:
+    """Say which parameter of the command line there is none of; '' if all are known."""
+    for name in node._parameter_overrides:  # rclpy says nowhere else what it was given
+        if not node.has_parameter(name) and not name.startswith('qos_overrides.'):
+            near = get_close_matches(name, PARAMETERS, n=1) or PARAMETERS
+            return f"no parameter '{name}'; there is {', '.join(near)}"
+    return ''
+
+
 def main() -> None:
     """Run until Ctrl-C."""
+    parser = argparse.ArgumentParser(
+        formatter_class=argparse.RawDescriptionHelpFormatter, description=__doc__,
+        epilog='parameters:\n' + '\n'.join(
+            f'  {name:10} {meaning} ({default})' for name, (default, meaning) in PARAMETERS.items()
+        ),
+    )
+    parser.parse_args(remove_ros_args(sys.argv)[1:])
     rclpy.init()
     try:
-        rclpy.spin(ServoClient())
+        node = ServoClient()
+        if wrong := misspelt(node):
+            print(wrong, file=sys.stderr)
+            sys.exit(2)
+        rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:

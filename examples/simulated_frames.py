@@ -8,8 +8,8 @@ Write the frames of a simulated light as PNG files, to try `blob_tracker track` 
 The light is on in every other frame and goes round before a textured wall.
 """
 
+import argparse
 from pathlib import Path
-import sys
 
 from blob_tracker.simulation import flashing_light
 import cv2
@@ -17,15 +17,26 @@ import cv2
 FRAMES = 200  # at 60 frames/s
 
 
-def main(folder: Path) -> None:
+def main() -> None:
     """Write them."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        'folder', type=Path, nargs='?', default=Path('light'), help='to write to (%(default)s)'
+    )
+    parser.add_argument(
+        '--frames', type=int, default=FRAMES, metavar='N', help='how many (%(default)s)'
+    )
+    arguments = parser.parse_args()
+    folder: Path = arguments.folder
     folder.mkdir(parents=True, exist_ok=True)
     scene = flashing_light(sigma=2.0, amplitude=150.0)
-    for index in range(FRAMES):
+    for index in range(arguments.frames):
         cv2.imwrite(str(folder / f'frame_{index:04}.png'), scene.frame(index))
-    print(f'{FRAMES} frames in {folder}; now:')
+    print(f'{arguments.frames} frames in {folder}; now:')
     print(f'blob_tracker track {folder} --frame-rate 60 --field-of-view 56 --annotate')
 
 
 if __name__ == '__main__':
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else 'light'))
+    main()

@@ -51,7 +51,7 @@ class CameraModel:
     Raises
     ------
     CalibrationError
-        If the size, a focal length, a coefficient or the model's name cannot be.
+        If the size, a focal length, a coefficient or the model's name is invalid.
 
     Examples
     --------
@@ -170,7 +170,7 @@ class CameraModel:
         Raises
         ------
         CalibrationError
-            If the angle or the size cannot be.
+            If the angle or the size is invalid.
 
         """
         if not 0.0 < degrees < 180.0:
@@ -201,7 +201,7 @@ class CameraModel:
         Raises
         ------
         CalibrationError
-            If a length or the size cannot be.
+            If a length or the size is invalid.
 
         """
         for name, value, unit in (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping, Sequence
 from math import inf
 import re
 import sys
@@ -19,6 +20,8 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from rclpy.node import Node
 
 NUMBER = re.compile(r'[0-9.]+')
+RAY = 'geometry_msgs/msg/PoseWithCovarianceStamped'
+SILENCE_S = 2.0  # s without a bearing after which is said what there is
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -50,6 +53,19 @@ def main(arguments: argparse.Namespace) -> int:
     echo = Echo()
 
     def subscribe(node: Node) -> None:
+        def look() -> None:
+            timer.cancel()
+            if not echo.count:
+                topics = {
+                    name: [each.topic_type for each in node.get_publishers_info_by_topic(name)]
+                    for name, _ in node.get_topic_names_and_types()
+                }
+                words = advice(node.resolve_topic_name(arguments.topic), topics)
+                print(
+                    f'no bearing on {arguments.topic} so far{words}', file=sys.stderr, flush=True
+                )
+
+        timer = node.create_timer(SILENCE_S, look)
         node.create_subscription(PoseWithCovarianceStamped, arguments.topic, echo.show, RESULT)
         node.create_subscription(DiagnosticArray, '/diagnostics', echo.warn, RESULT)
 
@@ -63,6 +79,28 @@ def main(arguments: argparse.Namespace) -> int:
     if not echo.count:
         print(f'no bearing came on {arguments.topic}', file=sys.stderr)
     return 0 if echo.count else FAILED
+
+
+def advice(wanted: str, topics: Mapping[str, Sequence[str]]) -> str:
+    """
+    Return what to say of a topic that no ray came on.
+
+    Parameters
+    ----------
+    wanted : str
+        Its full name.
+    topics : mapping
+        What is published: the types of each topic, by its full name.
+
+    """
+    rays = sorted(name for name, kinds in topics.items() if RAY in kinds)
+    others = [kind for kind in topics.get(wanted, ()) if kind != RAY]
+    what = f': it has {others[0]}, and this takes rays, {RAY}' if others else ''
+    if not rays:
+        return f'{what}; there is no topic of rays: does the locator run, in the same domain?'
+    if wanted in rays:
+        return '; the locator runs, and what it lacks is in its diagnostics'
+    return f'{what}; there is {", ".join(rays)}'
 
 
 class Echo:

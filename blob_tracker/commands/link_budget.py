@@ -71,10 +71,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def watts(text: str) -> float:
     """Return a power in W: 3W, 500mW or 3."""
-    for unit, factor in UNITS.items():
+    factor, word = 1.0, text
+    for unit, worth in UNITS.items():
         if text.endswith(unit):
-            return factor * float(text.removesuffix(unit))
-    return float(text)
+            factor, word = worth, text.removesuffix(unit)
+            break
+    try:
+        return factor * float(word)
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"'{text}' is not a power; write 3W, 500mW or 0.5kW"
+        ) from None
 
 
 def in_vain(arguments: argparse.Namespace) -> list[str]:

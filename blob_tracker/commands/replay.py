@@ -332,7 +332,7 @@ class _Stage:
             for each in unheard if each.kind == COMPRESSED
         ]
         if len(reasons) == 1:
-            reasons.append('start who takes it, or raise --wait')
+            reasons.append('start what takes it, or raise --wait')
         return '; '.join(reasons)
 
 

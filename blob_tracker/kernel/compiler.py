@@ -9,6 +9,7 @@ from typing import Any
 
 from blob_tracker.kernel.changes import fingerprint, licence
 from blob_tracker.kernel.kept import CODES, Kept
+from blob_tracker.kernel.notice import compiling
 from numba import njit, types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 from numba.np.numpy_support import as_dtype
@@ -133,6 +134,13 @@ class _Cache(FunctionCache):
     def _cache_file(self) -> _Index:
         # Only when it is needed: what the kernel calls may be defined after it.
         return _Index(self.cache_path, self._impl.filename_base, fingerprint(self._py_func))
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return what there is of one signature; None has Numba compile it."""
+        found = super().load_overload(sig, target_context)
+        if found is None:
+            compiling()
+        return found
 
     def on_disk(self, signature: Any, result: Any) -> Any:
         """Return what Numba has written of one signature: see its `CompileResult._rebuild`."""

@@ -265,7 +265,8 @@ def _in_words(pair: Pair, left: Remainder) -> str:
         )
     if clipped:
         many = 'up to ' if pair.pitch > 1 else ''
-        return f'misfit ({much}): {many}{clipped} pixels are clipped: lower the exposure'
+        pixels = 'pixel is' if clipped == 1 else 'pixels are'
+        return f'misfit ({much}): {many}{clipped} {pixels} clipped: lower the exposure'
     if left.lopsided > LOPSIDED:
         return (
             f'misfit ({much}): the light is lopsided: a tail, or a second light beside it, may '

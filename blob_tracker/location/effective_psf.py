@@ -48,7 +48,7 @@ class EffectivePsf:
     Raises
     ------
     ValueError
-        If a value cannot be.
+        If a value is invalid.
 
     Examples
     --------

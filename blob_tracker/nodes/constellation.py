@@ -26,7 +26,7 @@ from blob_tracker.ros.messages.ray import to_bearing
 from blob_tracker.ros.parameters.body import body_of
 from blob_tracker.ros.parameters.declaration import declare, on_change
 from blob_tracker.ros.parameters.values import about
-from blob_tracker.ros.process import run, say
+from blob_tracker.ros.process import run
 from blob_tracker.types import Bearing
 from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
 import numpy as np
@@ -185,7 +185,6 @@ class ConstellationNode(Node):
 
 def compile_fit() -> None:
     """Compile the fit, before the first ray could wait for it."""
-    say('loading the fit; the first start compiles it for half a minute')
     compile_ahead()
     compile_lens()
 

@@ -40,7 +40,7 @@ from blob_tracker.ros.messages.target import to_noise
 from blob_tracker.ros.parameters.declaration import declare, on_change
 from blob_tracker.ros.parameters.rooms import line_jitter_of, pulse_of, response_of
 from blob_tracker.ros.parameters.url import to_path
-from blob_tracker.ros.process import run, say
+from blob_tracker.ros.process import run
 from blob_tracker.types import Bearing, Location, LocationError, SensorNoise, Window
 from geometry_msgs.msg import Vector3Stamped
 import numpy as np
@@ -485,7 +485,6 @@ def _new_file(url: str) -> Path | None:
 
 def compile_default() -> None:
     """Compile the fits, before the first target could wait for them."""
-    say('loading the fits; the first start compiles them for 20 s or so')
     compile_ahead([DEFAULT_METHOD])
     compile_lens()
 

@@ -34,4 +34,6 @@ def _start(name: str) -> None:
         print(help_text(interface_of(name), min(columns, WIDEST)))
         return
     gc.disable()  # until all is loaded, see ros/process.py
+    from blob_tracker.kernel.notice import before_compiling  # loads NumPy
+    before_compiling(lambda sentence: print(sentence, file=sys.stderr, flush=True))
     import_module(f'blob_tracker.nodes.{name}').main()

@@ -9,7 +9,7 @@ import inspect
 import sys
 
 from blob_tracker.ros.errors import ParameterError
-from blob_tracker.ros.parameters.given import remarks, sources
+from blob_tracker.ros.parameters.given import remarks, sources, unreadable
 import rclpy
 from rclpy.context import Context
 from rclpy.exceptions import NameValidationException, ParameterException
@@ -47,6 +47,9 @@ def run(
         the standard error.
 
     """
+    if fault := unreadable(sys.argv):  # rcl would name lines of its own source
+        say(fault)
+        return WRONG_USE
     prepare()
     # Before ROS is there, so that a signal still ends it at once. What has been loaded stays: no
     # collection need look at it again. None ran meanwhile, see nodes/start.py.

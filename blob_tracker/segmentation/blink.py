@@ -191,8 +191,8 @@ def _why_none(candidates: Sequence[Candidate], allowed: Sequence[Candidate]) -> 
     """Say why none of the candidates is a light; empty if the first one itself tells."""
     if allowed:
         return (
-            f'{len(allowed)} lights; none is due and of a known pattern (`calibrate flash` finds '
-            'theirs)'
+            f'of {len(allowed)} in sight none is due and of a known pattern (`calibrate flash` '
+            'finds theirs)'
         )
     low = [each for each in candidates if not each.rejected]
     if not low:

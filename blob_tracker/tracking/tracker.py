@@ -68,7 +68,7 @@ class Tracker:
     Raises
     ------
     TrackingError
-        If a parameter cannot be.
+        If a parameter is invalid.
 
     Examples
     --------
@@ -174,7 +174,7 @@ class Tracker:
         Take a bearing.
 
         One that is late, by up to a second, is put in its place: the result is as in order. One
-        that the gate refuses may be where the target has leapt to: it starts a second hypothesis,
+        that the gate refuses may be where the target has jumped to: it starts a second hypothesis,
         which replaces the track when three refused bearings in a row agree.
 
         Parameters

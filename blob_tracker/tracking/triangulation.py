@@ -174,8 +174,8 @@ def triangulate(
     """
     if len(bearings) != len(poses) or len(bearings) < 2:
         raise TriangulationError(
-            f'{len(bearings)} bearings of {len(poses)} cameras; there must be two or more, and as '
-            'many'
+            f'bearings: {len(bearings)}, cameras: {len(poses)}; there must be two or more, and as '
+            'many of each'
         )
     for bearing in bearings:
         check_bearing(bearing)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import sys
 
-from blob_tracker.commands.echo import Echo, in_words
+from blob_tracker.commands.echo import advice, Echo, in_words, RAY
 from blob_tracker.ros.endpoints.qos import RESULT
 from blob_tracker.ros.messages.target import ray_message
 from blob_tracker.types import Bearing
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import PoseWithCovarianceStamped
+from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped
 import numpy as np
 import pytest
 from support.processes import probe, Process
@@ -65,3 +65,29 @@ def test_silence_is_a_failure(domain: int) -> None:
     with Process([*ECHO, '--seconds', '0.1'], domain) as echo:
         assert echo.wait() == 1
     assert 'no bearing came on target/ray' in echo.output
+
+
+@pytest.mark.parametrize(('wanted', 'topics', 'said'), [
+    ('/target/bearing', {'/target/ray': [RAY], '/target/bearing': ['geometry_msgs/msg/V']},
+     f': it has geometry_msgs/msg/V, and this takes rays, {RAY}; there is /target/ray'),
+    ('/target/rays', {'/port/ray': [RAY], '/a': [RAY]}, '; there is /a, /port/ray'),
+    ('/target/ray', {'/target/ray': [RAY]}, '; the locator runs'),
+    ('/target/ray', {'/target/ray': []}, '; there is no topic of rays: does'),
+])
+def test_what_there_is(wanted: str, topics: dict[str, list[str]], said: str) -> None:
+    """By what other nodes publish; this one subscribes to what it was asked for."""
+    assert advice(wanted, topics).startswith(said)
+
+
+def test_what_it_wants_is_said_while_it_waits(domain: int) -> None:
+    """A topic of another type has none of the messages that it takes."""
+    with probe(domain) as node, Process([*ECHO, 'target/bearing'], domain) as echo:
+        node.create_publisher(PoseWithCovarianceStamped, 'target/ray', RESULT)
+        node.create_publisher(Vector3Stamped, 'target/bearing', RESULT)
+        node.spin_until(lambda: node.count_subscribers('target/bearing'))
+        node.settle(2.5)
+        assert echo.end() == 1
+    assert (
+        'no bearing on target/bearing so far: it has geometry_msgs/msg/Vector3Stamped, and this '
+        f'takes rays, {RAY}; there is /target/ray\n'
+    ) in echo.output

@@ -141,7 +141,7 @@ def test_static_transforms_are_kept_for_who_comes_late(
 
 
 def test_nodes_that_do_not_come_are_named(domain: int) -> None:
-    """Nothing is played then: who takes it would miss it."""
+    """Nothing is played then: what takes it would miss it."""
     arguments = ('--wait', '0.2', '--nodes', 'nobody', 'no_one')
     with start_replay(BAGS / 'flash_mcap', domain, *arguments) as replay:
         assert replay.wait() == 1, replay.output
@@ -155,7 +155,7 @@ def test_nodes_that_do_not_come_are_named(domain: int) -> None:
         (['/no/such/bag'], 'there is no bag', 1),
         ([str(Path(__file__).parent)], 'is not a bag that can be read', 1),
         ([str(BAGS / 'flash_mcap'), '--rate', '0'], 'it must be above 0', 2),
-        ([str(BAGS / 'flash_mcap'), '--rate', 'fast'], 'invalid float value', 2),
+        ([str(BAGS / 'flash_mcap'), '--rate', 'fast'], "'fast' is not a number", 2),
         ([str(BAGS / 'flash_mcap'), '--remap', '/a'], '/a is not of the form FROM:=TO', 2),
         ([str(BAGS / 'flash_mcap'), '--remap', '/a:=/1'], '/a:=/1: Invalid topic name', 2),
         (
@@ -244,7 +244,7 @@ def test_a_replay_to_nobody_says_so(domain: int) -> None:
         assert replay.wait() == 1, replay.output
     assert 'nothing is played: nobody takes /camera/camera_info, /camera/image_raw, ' in (
         replay.output)
-    assert 'within 0.5 s; start who takes it, or raise --wait' in replay.output
+    assert 'within 0.5 s; start what takes it, or raise --wait' in replay.output
 
 
 def test_topics_are_played_under_other_names(domain: int, tmp_path: Path) -> None:

@@ -88,6 +88,6 @@ def test_the_limits_are_those_of_the_servo_client() -> None:
     """Its parameter limit."""
     limits = {joint.name: joint.limits for joint in JOINTS if joint.kind != 'fixed'}
     assert limits == {'pan': (-1.5, 1.5), 'tilt': (-0.7, 0.7)}
-    assert "declare_parameter('limit', [1.5, 0.7])" in URDF.with_name(
+    assert "'limit': ([1.5, 0.7], " in URDF.with_name(
         'servo_client.py'
     ).read_text()

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 import math
 from pathlib import Path
+import re
+import subprocess
 import sys
 
 from blob_tracker.ros.endpoints.qos import RESULT, STATE
@@ -282,3 +284,26 @@ def test_with_predictions_it_goes_where_they_say(sense: float, domain: int) -> N
         pan_tilt.turned(6)
         pan_tilt.quiet()
         assert sense * pan_tilt.angles[-1] == pytest.approx([150.0, -20.0])
+
+
+def test_its_help_is_whole_and_starts_nothing() -> None:
+    """Each parameter with its default, as the page on prediction has them."""
+    page = (EXAMPLE.parents[1] / 'docs' / 'prediction.md').read_text()
+    command = [sys.executable, str(EXAMPLE), '--help']
+    told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    rows = re.findall(r'^  (\w+) +.* \((.*)\)$', told.partition('parameters:')[2], re.M)
+    assert len(rows) == 7
+    for name, default in rows:
+        assert f'| `{name}` | `{default.lower()}` |' in page
+
+
+@pytest.mark.parametrize(('words', 'said'), [
+    (('-p', 'gian:=[0.1, 0.1]'), "no parameter 'gian'; there is gain\n"),
+    (('-p', 'kp:=0.1'), "no parameter 'kp'; there is gain, predicted, dead_band, speed, limit"),
+])
+def test_a_misspelt_parameter_is_refused(words: tuple[str, ...], said: str, domain: int) -> None:
+    """With the one that is meant, or all that there are."""
+    with Process([sys.executable, str(EXAMPLE), '--ros-args', *words], domain) as process:
+        assert process.wait() == 2
+    assert said in process.output
+    assert 'Traceback' not in process.output

@@ -120,6 +120,15 @@ def test_what_is_seldom_used_is_not_loaded_at_the_start(tmp_path: Path) -> None:
     assert subprocess.run([sys.executable, '-c', code], cwd=tmp_path).returncode == 0
 
 
+def test_a_missing_parameter_file_ends_with_a_sentence(domain: int) -> None:
+    """Without what rcl says of its own source."""
+    with start('camera', domain, '--params-file', '/no/such.yaml') as process:
+        assert process.wait(PATIENCE) == 2
+    assert process.output == (
+        "the parameter file '/no/such.yaml' cannot be read: No such file or directory\n"
+    )
+
+
 def test_wrong_ros_arguments_end_with_a_sentence(domain: int) -> None:
     """A parameter without a value is named."""
     with start('locator', domain, '-p', 'method') as process:

@@ -345,7 +345,7 @@ def test_what_is_no_pair_or_pose_is_refused() -> None:
     good = true_bearing(TARGET, LEFT)
     with pytest.raises(TriangulationError, match='all must be finite'):
         triangulate([replace(good, azimuth=np.nan), good], PAIR)
-    with pytest.raises(TriangulationError, match='1 bearings of 1 cameras; there must be two'):
+    with pytest.raises(TriangulationError, match='bearings: 1, cameras: 1; there must be two'):
         triangulate([good], [LEFT])
     with pytest.raises(ValueError, match='a matrix that turns|that turns and does no more'):
         CameraPose(np.zeros(3), np.diag([1.0, 1.0, -1.0]))

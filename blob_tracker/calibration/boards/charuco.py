@@ -36,7 +36,7 @@ class CharucoBoard:
     Raises
     ------
     BoardError
-        If the board cannot be.
+        If the board is invalid.
 
     """
 

@@ -37,7 +37,7 @@ class Chessboard:
     Raises
     ------
     BoardError
-        If the board cannot be.
+        If the board is invalid.
 
     """
 

@@ -39,7 +39,7 @@ class DotGrid:
     Raises
     ------
     BoardError
-        If the board cannot be.
+        If the board is invalid.
 
     """
 

@@ -88,7 +88,7 @@ def shots_of(
         raise SourceError(
             f'{len(frames)} frames do not divide evenly among {len(exposures)} exposures; sort '
             'the names by exposure, with as many frames for each'
-            if exposures else f'{len(frames)} frames are not a whole number of pairs'
+            if exposures else f'the number of frames, {len(frames)}, is odd; each light needs two'
         )
     groups = []
     for k in range(0, len(frames), each):

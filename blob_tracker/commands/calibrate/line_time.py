@@ -11,6 +11,7 @@ from blob_tracker.calibration.line_time import (
 from blob_tracker.calibration.line_time_picture import draw_line_time
 from blob_tracker.commands.calibrate.report import results_table, row, tell_of
 from blob_tracker.commands.exit_code import check_out
+from blob_tracker.commands.parser import number
 from blob_tracker.commands.sources import add_source
 from blob_tracker.commands.sources.shown_frames import shown_frames
 from rich.console import Console
@@ -89,7 +90,7 @@ def _parameters(measurement: LineTimeMeasurement) -> str:
 
 
 def _frequency(word: str) -> float:
-    value = float(word)
+    value = number(word)
     if not 0.0 < value < float('inf'):
         raise argparse.ArgumentTypeError(f'{word} must be above 0')
     return value

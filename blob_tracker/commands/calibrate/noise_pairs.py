@@ -90,7 +90,7 @@ def in_twos(
             held = None
     if held is not None and not odd:
         raise PhotonTransferError(
-            f'{count} frames are not a whole number of pairs; each light needs two frames'
+            f'the number of frames, {count}, is odd; each light needs two'
         )
 
 

@@ -84,7 +84,7 @@ def judge(compiled: Mapping[str, tuple[int, int, str]]) -> Finding:
     return warn(
         'kernels',
         f'{words}; not all that the defaults need ({", ".join(lacking)}): a node compiles what it '
-        'lacks as it starts, which takes half a minute, once',
+        'lacks as it starts, once, for up to seven minutes',
         'to do it now',
         f'cd / && {shlex.quote(sys.executable)} -c {shlex.quote(COMPILE.format(""))}',
     )

@@ -298,7 +298,7 @@ def _positive_int(word: str) -> int:
     except ValueError:
         value = 0
     if value < 1:
-        raise argparse.ArgumentTypeError(f'{word} is none; write a whole number, 1 or more')
+        raise argparse.ArgumentTypeError(f"'{word}' is not a whole number above 0; write 12 say")
     return value
 
 
@@ -308,5 +308,7 @@ def _positive_float(word: str) -> float:
     except ValueError:
         value = 0.0
     if not 0.0 < value < float('inf'):
-        raise argparse.ArgumentTypeError(f'{word} is none; write a number above 0')
+        raise argparse.ArgumentTypeError(
+            f"'{word}' is not a number above 0; write 60 say, without a unit: --help names it"
+        )
     return value

@@ -16,6 +16,17 @@ SUFFIXES = (
 )
 # Frames that a sound file may have fewer than its header, which counts one that was never ended.
 FEW = 2
+# FourCC, in lower case -> name, of what loses detail.
+LOSSY = {
+    **dict.fromkeys(('mp4v', 'fmp4', 'm4s2', 'divx', 'dx50', 'xvid'), 'MPEG-4'),
+    **dict.fromkeys(('h264', 'x264', 'avc1'), 'H.264'),
+    **dict.fromkeys(('hevc', 'hev1', 'hvc1'), 'H.265'),
+    **dict.fromkeys(('mpg1', 'mpg2', 'mp2v'), 'MPEG-2'),
+    **dict.fromkeys(('mjpg', 'jpeg'), 'JPEG'),
+    **dict.fromkeys(('vp80', 'vp90', 'vp09'), 'VP8 or VP9'),
+    **dict.fromkeys(('wmv1', 'wmv2', 'wmv3', 'wvc1'), 'WMV'),
+    'av01': 'AV1',
+}
 COUNTED = ('.avi', '.m4v', '.mov', '.mp4')  # whose header has the frames; of others it is a guess
 
 
@@ -26,6 +37,14 @@ def open_video(path: Path) -> Source:
         raise SourceError(
             f'{path} is not a video that OpenCV can read: copy it again if it was cut, or convert '
             'it to FFV1 (.mkv)'
+        )
+    code = int(video.get(cv2.CAP_PROP_FOURCC)).to_bytes(4, 'little', signed=True)
+    codec = LOSSY.get(code.decode('latin-1').lower())
+    if codec:
+        print(
+            f'{path} is coded as {codec}, which may lose detail: sigmas are then too small, and '
+            'blocks may be taken for lights; FFV1 (.mkv) or PNG keep all',
+            file=sys.stderr,
         )
     count = int(video.get(cv2.CAP_PROP_FRAME_COUNT))
     whole = count if path.suffix.lower() in COUNTED else 0

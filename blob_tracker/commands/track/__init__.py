@@ -31,7 +31,6 @@ import numpy as np
 from rich.console import Console
 
 MOST_WARNINGS, MOST_REASONS = 5, 3  # that are said
-LOADING = 'loading the fits; the first time compiles them, for a minute or two'
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -87,9 +86,7 @@ def _track(arguments: argparse.Namespace) -> int:
     source = open_source(arguments, calibrated=model is None and not values['field_of_view'])
     if not source.stamps:
         raise UsageError(unstamped(arguments))
-    if not console.is_terminal:  # which shows no status
-        print(LOADING, file=sys.stderr)
-    with console.status(LOADING):
+    with console.status('loading the fits'):
         location.compile_ahead([values['method']])
         segmentation.compile_ahead()
     frames, first = _peeked(source)
@@ -206,7 +203,7 @@ def _report(console: Console, summary: Summary, chain: Chain) -> None:
         console.print(f'found: {chain.finding}', markup=False, highlight=False, soft_wrap=True)
     for warning, count in chain.warnings.most()[:MOST_WARNINGS]:
         console.print(
-            f'- {warning} ({count} times)', markup=False, highlight=False,
+            f'- {warning} ({_often(count)})', markup=False, highlight=False,
             soft_wrap=True,
         )
 
@@ -226,10 +223,15 @@ def _tell(
         console.print(str(path), markup=False, highlight=False, soft_wrap=True)
 
 
+def _often(count: int) -> str:
+    return 'once' if count == 1 else f'{count} times'
+
+
 def _why_none(arguments: argparse.Namespace, summary: Summary) -> str:
     """Say why no light was placed, and what to try."""
     most = ''.join(
-        f'\n- {reason} ({count} times)' for reason, count in summary.reasons.most()[:MOST_REASONS]
+        f'\n- {reason} ({_often(count)})'
+        for reason, count in summary.reasons.most()[:MOST_REASONS]
     )
     return (
         f'no light was placed in {len(summary.frames)} frames. Is flash.mode right? python3 -m '

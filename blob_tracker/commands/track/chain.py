@@ -47,7 +47,7 @@ class Chain:
     Raises
     ------
     ParameterError
-        A value cannot be.
+        A value is invalid.
     CalibrationError
         The calibration is for other frames.
 

@@ -77,7 +77,7 @@ def values_of(arguments: argparse.Namespace) -> tuple[dict[str, Any], list[str]]
     Raises
     ------
     ParameterError
-        A file cannot be read, or a value may not be.
+        A file cannot be read, or a value is invalid.
 
     """
     values = {name: parameter.default for name, parameter in PARAMETERS.items()}

@@ -50,7 +50,7 @@ PARAMETERS = (
         _DEFAULTS['gate_sigma'],
         'How far a bearing may be from where it is expected, in standard deviations; at 5 one '
         'right bearing in 270,000 is refused. Anything further off is another light, or the '
-        'target has leapt: three that agree are followed.',
+        'target has jumped: three that agree are followed.',
         least=1.0,
         most=100.0,
     ),

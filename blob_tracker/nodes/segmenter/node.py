@@ -35,7 +35,7 @@ from blob_tracker.ros.parameters.declaration import declare, on_change
 from blob_tracker.ros.parameters.rooms import (
     camera_of, flash_of, flash_values, response_of, segmenter_of,
 )
-from blob_tracker.ros.process import run, say
+from blob_tracker.ros.process import run
 from blob_tracker.segmentation import (
     compile_ahead,
     Detections,
@@ -409,7 +409,6 @@ def _pause(detections: Detections) -> float:
 
 def compile_search() -> None:
     """Compile the search, before the first frame could wait for it."""
-    say('loading the search; the first start compiles it for half a minute')
     compile_ahead()
 
 

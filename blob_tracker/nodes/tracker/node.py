@@ -23,7 +23,7 @@ from blob_tracker.ros.endpoints.qos import RESULT, subscription
 from blob_tracker.ros.errors import MessageError
 from blob_tracker.ros.messages.ray import to_bearing
 from blob_tracker.ros.parameters.declaration import declare, on_change
-from blob_tracker.ros.process import run, say
+from blob_tracker.ros.process import run
 from blob_tracker.tracking import compile_ahead, Track, Tracker
 from blob_tracker.types import Bearing
 from geometry_msgs.msg import PoseWithCovarianceStamped
@@ -280,7 +280,6 @@ class TrackerNode(Node):
 
 def compile_filter() -> None:
     """Compile the filter, before the first bearing could wait for it."""
-    say('loading the filter; the first start compiles it for half a minute')
     compile_ahead()
 
 

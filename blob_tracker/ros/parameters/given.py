@@ -70,6 +70,21 @@ def sources(words: Sequence[str]) -> Iterator[Source]:
             )
 
 
+def unreadable(words: Sequence[str]) -> str:
+    """Say which parameter file of a command line cannot be read; '' where all can."""
+    ours = False
+    for word, path in zip(words, [*words[1:], ''], strict=True):
+        if word in ('--ros-args', '--'):
+            ours = word == '--ros-args'
+        elif ours and word == '--params-file':
+            try:
+                Path(path).read_bytes()
+            except (OSError, ValueError) as error:
+                reason = error.strerror if isinstance(error, OSError) else error
+                return f"the parameter file '{path}' cannot be read: {reason}"
+    return ''
+
+
 def remarks(given: Sequence[Source], nodes: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """
     Return what to say of values that reach none of the nodes, or lose to others.

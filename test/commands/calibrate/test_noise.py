@@ -231,7 +231,7 @@ def test_what_is_wrong_is_said_in_a_sentence(
         (indexed(tmp_path / 'clipped', (0, 5000, 6000)), (), 'every bright pair is clipped'),
         (indexed(tmp_path / 'dark', (0,)), (), 'no bright frames'),
         (plain, (), 'has no index.csv; write one'),
-        (plain, ('--dark', plain), '1 frames are not a whole number of pairs'),
+        (plain, ('--dark', plain), 'the number of frames, 1, is odd'),
         (plain, ('--scene',), 'fewer than two frames'),
     ):
         assert run(source, *words, '--out', out) == 1

@@ -113,3 +113,20 @@ def test_a_file_that_is_cut(tmp_path: Path, suffix: str, code: str) -> None:
     else:
         with pytest.raises(SourceError, match='not a video that OpenCV can read: copy it again'):
             open_video(path)
+
+
+@pytest.mark.parametrize(('suffix', 'code', 'codec'), [
+    ('.mp4', 'mp4v', 'MPEG-4'), ('.avi', 'XVID', 'MPEG-4'), ('.avi', 'MJPG', 'JPEG'),
+    ('.avi', 'FFV1', ''), ('.mkv', 'FFV1', ''),
+])
+def test_a_codec_that_loses_detail_is_named(
+    suffix: str, code: str, codec: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Before it is taken for a fault of the light or the camera."""
+    path = tmp_path / f'light{suffix}'
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*code), 30.0, (64, 48))
+    writer.write(np.zeros((48, 64, 3), np.uint8))
+    writer.release()
+    open_video(path)
+    said = capsys.readouterr().err
+    assert said.startswith(f'{path} is coded as {codec}, which may lose') if codec else not said

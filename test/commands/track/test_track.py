@@ -220,7 +220,7 @@ def test_no_light_is_said_with_the_reason(
     assert run(source, '--frame-rate', RATE, '--out', tmp_path / 't.csv') == 1
     said = capsys.readouterr().err
     assert 'no light was placed in 4 frames. Is flash.mode right?' in said
-    assert 'calibrate flash' in said and 'waiting for a second frame (1 times)' in said
+    assert 'calibrate flash' in said and 'waiting for a second frame (once)' in said
 
 
 @pytest.mark.parametrize(('words', 'code', 'sentence'), [
@@ -263,10 +263,10 @@ def test_wrong_use(
     (('--method', 'magic'), 'it must be one of centroid'),
     (('--elliptical', 'perhaps'), 'it must be a boolean'),
     (('--size', '640'), '640 is not a size; write 640x480'),
-    (('--frame-rate', '0'), '0 is none; write a number above 0'),
-    (('--frame-rate', 'inf'), 'inf is none; write a number above 0'),
-    (('--frame-rate', 'fast'), 'fast is none; write a number above 0'),
-    (('--count', '1.5'), '1.5 is none; write a whole number, 1 or more'),
+    (('--frame-rate', '0'), "'0' is not a number above 0"),
+    (('--frame-rate', 'inf'), "'inf' is not a number above 0"),
+    (('--frame-rate', 'fast'), "'fast' is not a number above 0"),
+    (('--count', '1.5'), "'1.5' is not a whole number above 0"),
 ])
 def test_wrong_words(
     words: tuple[str, ...], sentence: str, capsys: pytest.CaptureFixture[str]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from blob_tracker.ros.parameters.given import from_files, remarks, Source, sources
+from blob_tracker.ros.parameters.given import from_files, remarks, Source, sources, unreadable
 import pytest
 
 
@@ -63,6 +63,18 @@ def test_what_loses_to_a_file_is_told(
         f'-p a.b:=9 is overridden: a.b is 7, by {tmp_path}/my.yaml, under camera; give the file '
         'first and all -p after it'
     ] if lost else [])
+
+
+def test_a_file_that_cannot_be_read(tmp_path: Path) -> None:
+    """The first one is named, with the reason; words that are not ROS' own do not count."""
+    there = tmp_path / 'there.yaml'
+    there.touch()
+    words = ['node', '--ros-args', '--params-file', str(there), '--params-file']
+    assert unreadable([*words, str(there)]) == unreadable(['--params-file', 'x.yaml']) == ''
+    assert unreadable([*words, 'x.yaml']) == (
+        "the parameter file 'x.yaml' cannot be read: No such file or directory"
+    )
+    assert unreadable([*words, str(tmp_path)]).endswith('Is a directory')
 
 
 def test_what_files_alone_give(tmp_path: Path) -> None:
