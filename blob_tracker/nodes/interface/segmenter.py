@@ -42,9 +42,8 @@ PARAMETERS = (
     Parameter(
         'jpeg_quality',
         0,
-        'Quality (libjpeg) at which the frames were compressed as JPEG on their way here; its '
-        'rounding is then in the covariance. 0: not at all, or what the camera in this process '
-        'says.',
+        'Quality (libjpeg) of frames that came as JPEG; its rounding is then in the covariance. '
+        '0: none did, or what the camera in this process says.',
         least=0,
         most=100,
     ),
@@ -106,8 +105,8 @@ PARAMETERS = (
     Parameter(
         'threshold.sigmas',
         3.0,
-        "Half-width of sigma_window in standard deviations of the blob. The thesis' optimum is "
-        '2.8; what lies further out adds noise to all methods but maximum likelihood.',
+        "Half-width of sigma_window in sigmas of the blob. The thesis' optimum is 2.8; what lies "
+        'further out adds noise to all methods but maximum likelihood.',
         least=1.0,
         most=10.0,
     ),
@@ -146,9 +145,8 @@ PARAMETERS = (
     Parameter(
         'noise.measure',
         False,
-        'Measure gain and read noise of the camera from the unlit frames, once a second, and '
-        'publish them on target/noise. It needs a nearly still scene of more than one brightness, '
-        'and raw pixels.',
+        'Measure gain and read noise from the unlit frames once a second, for target/noise. It '
+        'needs a nearly still scene of more than one brightness, and raw pixels.',
     ),
     Parameter(
         'lost_after',

@@ -147,8 +147,7 @@ PARAMETERS = (
         Parameter(
             f'imu.bias_{axis}',
             0.0,
-            f"What the gyro's {axis} says at rest, which is subtracted; `calibrate imu` measures "
-            'it.',
+            f"The gyro's {axis} at rest, to subtract. `calibrate imu` measures it.",
             least=-1.0,
             most=1.0,
             unit='rad/s',
@@ -175,12 +174,12 @@ PARAMETERS = (
     Parameter(
         'joints.pan',
         '',
-        'Joint of joint_states that turns the camera to the right. Empty: none.',
+        'Joint that turns the camera to the right. Empty: none.',
     ),
     Parameter(
         'joints.tilt',
         '',
-        'Joint of joint_states that turns the camera up, on top of pan. Empty: none.',
+        'Joint that turns the camera up, on top of pan. Empty: none.',
     ),
     Parameter('joints.pan_reversed', False, 'Whether a growing angle turns it to the left.'),
     Parameter('joints.tilt_reversed', False, 'Whether a growing angle turns it down.'),
@@ -204,8 +203,8 @@ PARAMETERS = (
     Parameter(
         'joints.frame_id',
         'base_optical_frame',
-        'Name of the frame of the predictions with a pan/tilt, by joint_states or by TF: the '
-        'optical frame as it stands at pan = tilt = 0.',
+        'Frame of the predictions with a pan/tilt: the optical frame as it stands at pan = tilt '
+        '= 0. By joint_states or by TF.',
     ),
     TF_PATIENCE,
 )
