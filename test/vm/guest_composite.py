@@ -13,6 +13,7 @@ import time
 from blob_tracker.capture import NoFrameError, V4l2Camera
 from blob_tracker.types import Frame
 import numpy as np
+from numpy.typing import NDArray
 from vm.guest_fields import S_VIDEO
 from vm.hdmi_loop import CAPTURE, close_loop, NEXT_FRAME, OUTPUT, playing, SLOWNESS, v4l2_ctl
 from vm.scene import ANALOGUE_HEIGHT, ANALOGUE_PICTURES, ANALOGUE_WIDTH
@@ -24,12 +25,17 @@ IN_A_ROW = 16
 PATIENCE = 60.0 * SLOWNESS  # s; 2 on a quiet machine
 
 
-def places_in_time(folder: Path) -> dict[bytes, int]:
-    """Return the number of each field played, by its lines but for the first: see the test."""
+def known_by(field: NDArray[np.uint8]) -> bytes:
+    """Return what a field is known by: neither its first line, see the test, nor the last."""
+    return field[1:ANALOGUE_HEIGHT // 2 - 1].tobytes()
+
+
+def numbers(folder: Path) -> dict[bytes, int]:
+    """Return the number of each field played."""
     pictures = np.fromfile(folder / 'analogue.grey', np.uint8).reshape(
         ANALOGUE_PICTURES, ANALOGUE_HEIGHT, ANALOGUE_WIDTH)
     return {
-        picture[kind::2][1:].tobytes(): 2 * index + kind
+        known_by(picture[kind::2]): 2 * index + kind
         for index, picture in enumerate(pictures) for kind in (0, 1)
     }
 
@@ -41,7 +47,7 @@ def main(folder: Path) -> None:
     v4l2_ctl(OUTPUT, '--set-standard=pal')
     v4l2_ctl(CAPTURE, f'--set-input={S_VIDEO}')
     v4l2_ctl(CAPTURE, '--set-standard=pal')
-    played = places_in_time(folder)
+    played = numbers(folder)
     frames: deque[Frame] = deque(maxlen=FIELDS)
     last, in_a_row = -1, 0
     with playing(
@@ -57,7 +63,7 @@ def main(folder: Path) -> None:
                 frames.append(camera.read(NEXT_FRAME))
             except NoFrameError:
                 continue
-            number = played.get(frames[-1].image[1:].tobytes(), -1)
+            number = played.get(known_by(frames[-1].image), -1)
             follows = last >= 0 and number == (last + 1) % len(played)
             last, in_a_row = number, in_a_row + 1 if follows else 0
         words = str(camera.fields)
