@@ -87,7 +87,7 @@ lint: .venv/.test
 test: install/.built .venv/.test
 	@# pytest alone, not python -m: what colcon installed is tested, not what lies here. Three
 	@# processes keep two processors busy: the nodes of the first wait for each other most of the time.
-	@$(ENVIRONMENT) && $(call LINT_BESIDE,pytest -n 3 $(PYTEST))
+	@$(ENVIRONMENT) && $(call LINT_BESIDE,pytest -n 2 $(PYTEST))
 
 soak: export SOAK_SECONDS := $(SOAK_SECONDS)
 soak: install/.built .venv/.test

@@ -102,10 +102,10 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
     class NodesAndTheRest(LoadScopeScheduling):
         """
-        The first process begins with what starts nodes, the second with the virtual machine.
+        The first process begins with what starts nodes, the others with the virtual machine.
 
-        Both take longest, and leave the processors idle for much of it: a third one computes
-        meanwhile. Who is done with his own part takes of the others'.
+        That is what takes longest; then comes what computes. Who is done with his own part takes
+        of the other's.
         """
 
         def _split_scope(self, nodeid: str) -> str:

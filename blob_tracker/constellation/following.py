@@ -81,12 +81,12 @@ class Following:
 
     Examples
     --------
-    Four lights nearly in a plane have two poses from afar, of which one is left as they come near:
+    Four lights nearly in a plane have two poses from afar, of which one is left once they have come near:
 
     >>> places = np.array([[0.1, 0.1, 0], [-0.1, 0.12, 0.01], [-0.1, -0.1, 0], [0.1, -0.09, 0]])
     >>> body = Body(('a', 'b', 'c', 'd'), places, np.zeros(4))
     >>> following, left = Following(body), []
-    >>> for index in range(20):
+    >>> for index in range(50):
     ...     x, y, z = (places + [0.2, 0.1, 2.3 - 0.02 * index]).T
     ...     azimuths, elevations = 1e3 * np.arctan2(x, z), 1e3 * np.arctan2(-y, np.hypot(x, z))
     ...     left.append(len(following.take([

@@ -258,12 +258,12 @@ def _in_shares(model: Model) -> Model:
 
 
 def compile_shares() -> None:
-    """Compile what shares out the rows of a shape, or load it."""
+    """Compile what shares out the rows of a shape, and what adds its ghost, or load it."""
     own, windows = 5, (2, 1, 1)
-    _share_out(
-        np.zeros(windows), np.zeros((own + 4, *windows)), np.zeros(windows),
-        np.zeros((own, *windows)), 0.0, 0.5, 0.0, 0,
-    )
+    means, slopes = np.zeros(windows), np.zeros((own + 4, *windows))
+    shape, by = np.zeros(windows), np.zeros((own, *windows))
+    _share_out(means, slopes, shape, by, 0.0, 0.5, 0.0, 0)
+    _add_ghost(means, slopes, shape, by, 0.0, 0.5, 0.0)
 
 
 @exact_kernel

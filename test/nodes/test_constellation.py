@@ -139,7 +139,8 @@ def test_poses_and_twists_are_right_within_their_covariance(camera: Camera) -> N
         twist = camera.random.normal(0.0, 3.0, 6)  # as speed_sigma and rate_sigma have it
         twists[camera.see(twist=twist, ago=1.0 * (SIGHTINGS - number))] = twist
     camera.node.spin_until(
-        lambda: min(len(camera.poses), len(camera.twists)) > 0.95 * SIGHTINGS)
+        # One in twenty fits worse than its motion, which is not known yet, allows.
+        lambda: min(len(camera.poses), len(camera.twists)) > 0.85 * SIGHTINGS)
     of_poses, of_twists = [], []
     for message in camera.poses:
         assert message.header.frame_id == FRAME_ID
@@ -186,7 +187,7 @@ def test_no_pose_is_made_of_too_few_lights(
 ) -> None:
     """Three lights have several, of which none is published; the reason is said."""
     camera.expect('body placed', DiagnosticStatus.OK)
-    camera.node.settle(0.2)
+    camera.node.settle(0.6)  # longer than a pose is followed, which three lights go on with
     before = len(camera.poses)
     camera.expect(sentence, DiagnosticStatus.WARN, names=names)
     assert len(camera.poses) == before
