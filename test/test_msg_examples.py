@@ -11,7 +11,7 @@ from blob_tracker.commands.echo import in_words
 from blob_tracker.nodes import NODES
 from blob_tracker.nodes.interface import interface_of
 from blob_tracker.ros.messages.image import to_window
-from blob_tracker.ros.messages.target import to_bearing
+from blob_tracker.ros.messages.ray import to_bearing
 from blob_tracker.simulation import flashing_light
 import numpy as np
 import pytest

@@ -81,7 +81,7 @@ class Following:
 
     Examples
     --------
-    Four lights nearly in a plane have two poses from afar, of which one is left once they have come near:
+    Four lights nearly in a plane have two poses from afar, and one when they have come near:
 
     >>> places = np.array([[0.1, 0.1, 0], [-0.1, 0.12, 0.01], [-0.1, -0.1, 0], [0.1, -0.09, 0]])
     >>> body = Body(('a', 'b', 'c', 'd'), places, np.zeros(4))
