@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 import math
-from typing import NamedTuple
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.noise import noise_of_sum, variance_at
 from blob_tracker.location.unlit_texture import residual_variance, SHRINKAGE
+from blob_tracker.location.unlit_window import shared, UnlitWindow
 from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
-from numpy.typing import NDArray
 
 MEMORY = 128.0  # windows that were looked at, after which one weighs 1/e
 FEWEST_WINDOWS = 16  # before anything is said
@@ -23,29 +22,8 @@ SIGMAS = 3.0  # standard deviations, beyond which there is a texture
 MOVING_SIGMAS = 3.0  # beyond which it moves; what chance makes of it grows little
 FOLLOWED_SIGMAS = 4.0  # beyond which it surely does, by the unlit frames of two flashes
 AT_SLOPES = 4.0 / 9.0  # of a pulse's height, where its slopes are, which tell its place
-LONGEST_NS = 10**9  # ns between two windows: the scene is another one after that
 # Of the variance: what grows it less is not spoken of, if it surely moves and if it may be chance.
 LEAST_GROWTH, LEAST_UNSURE_GROWTH = 1.15, 1.3
-
-
-class _Unlit(NamedTuple):
-    """The unlit pixels of a window, DN: where it begins and where the light was, px; its sigma."""
-
-    unlit: NDArray[np.generic]
-    left: int
-    top: int
-    middle: tuple[float, float]
-    sigma: float
-    looks: int
-    binning: tuple[int, int]
-    stamp_ns: int
-
-    def follows(self, before: _Unlit) -> bool:
-        """Tell whether this window and the one before it may be compared."""
-        return (
-            0 < self.stamp_ns - before.stamp_ns <= LONGEST_NS
-            and self.looks == before.looks and self.binning == before.binning
-        )
 
 
 class MovingTexture:
@@ -79,7 +57,7 @@ class MovingTexture:
         # unlit squared less noise; its variance; and the last three of the unlit windows of two
         # flashes.
         self._sums = np.zeros(14)
-        self._last: _Unlit | None = None
+        self._last: UnlitWindow | None = None
 
     @property
     def warning(self) -> str:
@@ -110,12 +88,8 @@ class MovingTexture:
         if window.unlit is None or window.added_noise > 0.0:
             return
         middle = window.to_window(location.x, location.y)
-        across, down = window.binning
         before = self._last
-        now = self._last = _Unlit(
-            window.unlit, window.x0 // across, window.y0 // down, middle, location.sigma,
-            window.looks, window.binning, window.stamp_ns,
-        )
+        now = self._last = UnlitWindow.of(window, location)
         if self._windows > ENOUGH_WINDOWS and self._windows % EVERY:
             return
         noise = noise_of_sum(noise, window.looks)
@@ -181,7 +155,7 @@ def _moves(sigmas: float, products: float, texture: float, deviation: float) -> 
 
 
 def _followed(
-    before: _Unlit | None, now: _Unlit, limit: float, variance: float
+    before: UnlitWindow | None, now: UnlitWindow, limit: float, variance: float
 ) -> tuple[float, float, float]:
     """
     Return what the unlit windows of two flashes have in common, without the lights' places.
@@ -191,23 +165,10 @@ def _followed(
     nothing = 0.0, 0.0, 0.0
     if before is None or not now.follows(before):
         return nothing
-    both = before, now
-    left, top = max(each.left for each in both), max(each.top for each in both)
-    right = min(each.left + each.unlit.shape[1] for each in both)
-    bottom = min(each.top + each.unlit.shape[0] for each in both)
-    if right - left < 2 or bottom - top < 2:
+    both = shared(before, now, reach=REACH, least=2)
+    if both is None:
         return nothing
-    first, second = (
-        np.ascontiguousarray(
-            each.unlit[top - each.top:bottom - each.top, left - each.left:right - each.left],
-            dtype=float,
-        )
-        for each in both
-    )
-    one, other = (
-        (each.middle[0] + each.left - left, each.middle[1] + each.top - top, REACH * each.sigma)
-        for each in both
-    )
+    first, second, one, other = both
     count, product, square = _in_common(first, second, limit, one, other)
     if count < FEWEST_PX:
         return nothing

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import hypot, inf, log, sqrt
-from typing import NamedTuple
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.interpolated import doubted
@@ -12,9 +11,9 @@ from blob_tracker.location.likelihood import empty_profiles, fill_profile
 from blob_tracker.location.moving_texture import compile_texture, MovingTexture
 from blob_tracker.location.noise import noise_in_words, pixel_variance
 from blob_tracker.location.stamp_jitter import compile_jitter, StampJitter
+from blob_tracker.location.unlit_window import shared, UnlitWindow
 from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
-from numpy.typing import NDArray
 
 CONTRADICTION = 1.2  # ratio of two variances; calibrations differ by less
 SIGNIFICANT_SIGMA = 3.5
@@ -34,28 +33,6 @@ CORRELATED = 0.1  # between neighbours: pixels that were warped, compressed or c
 FLATTEST = 0.05  # of the configured slope of the variance: what is measured as less is chance
 # Of the longest column of a fit: what is left of one that the others make up is rounding.
 DEPENDENT_PICTURE, DEPENDENT_PULSE = 1e-9, 1e-6
-LONGEST_NS = 10**9  # ns between two windows: the scene is another one after that
-
-
-class _Seen(NamedTuple):
-    """The unlit pixels of a window, DN: where it begins and where the light was, px; its sigma."""
-
-    unlit: NDArray[np.generic]
-    left: int
-    top: int
-    x: float
-    y: float
-    sigma: float
-    stamp_ns: int
-    looks: int
-    binning: tuple[int, int]
-
-    def follows(self, before: _Seen) -> bool:
-        """Tell whether this window and the one before it may be compared."""
-        return (
-            0 < self.stamp_ns - before.stamp_ns <= LONGEST_NS
-            and self.looks == before.looks and self.binning == before.binning
-        )
 
 
 class NoiseCheck:
@@ -101,7 +78,7 @@ class NoiseCheck:
         self._interpolated = False
         self._texture = MovingTexture()
         self._jitter = StampJitter()
-        self._last: _Seen | None = None
+        self._last: UnlitWindow | None = None
         # dof, and dof times level and variance; products of neighbours and their count; of the
         # light's pixels 1 - h, and that times level and variance.
         self._sums = np.zeros(8)
@@ -135,14 +112,8 @@ class NoiseCheck:
             return
         self._texture.add(window, location, self.noise)
         self._compressed = window.added_noise > 0.0  # what that does to a place is known
-        across, down = window.binning
-        x, y = window.to_window(location.x, location.y)
-        left, top = window.x0 // across, window.y0 // down
         before = self._last
-        self._last = _Seen(
-            window.unlit, left, top, x + left, y + top, location.sigma, window.stamp_ns,
-            window.looks, window.binning,
-        )
+        self._last = UnlitWindow.of(window, location)
         self._windows += 1
         if before is None or not self._last.follows(before) or (
             self._sums[0] > ENOUGH_DOF and self._windows % 8
@@ -157,7 +128,8 @@ class NoiseCheck:
         looks = window.looks
         self._sums[:3] += dof, dof * level / looks, dof * variance / looks
         self._sums[3:5] += product, neighbours
-        self._sums[5:] += _bright(window, location, x, y, self.configured)
+        self._sums[5:] += _bright(
+            window, location, *window.to_window(location.x, location.y), self.configured)
         self._judge()
 
     def _judge(self) -> None:
@@ -227,26 +199,15 @@ class NoiseCheck:
 
 
 def _unlit_variance(
-    before: _Seen, now: _Seen, limit: float
+    before: UnlitWindow, now: UnlitWindow, limit: float
 ) -> tuple[float, float, float, float, float] | None:
     """Return dof, level, variance, and the products of neighbours with their count; or None."""
-    both = before, now
-    left, top = max(each.left for each in both), max(each.top for each in both)
-    right = min(left + LARGEST, *(each.left + each.unlit.shape[1] for each in both))
-    bottom = min(top + LARGEST, *(each.top + each.unlit.shape[0] for each in both))
-    if right - left < 4 or bottom - top < 4:
+    both = shared(before, now, reach=REACH, least=4, most=LARGEST)
+    if both is None:
         return None
-    first, second = (
-        np.ascontiguousarray(
-            each.unlit[top - each.top:bottom - each.top, left - each.left:right - each.left],
-            dtype=float,
-        )
-        for each in both
-    )
+    first, second, one, other = both
     dof, level, variance, motion, slopes, product, neighbours = _differ(
-        first, second, limit, (before.x - left, before.y - top, REACH * before.sigma),
-        (now.x - left, now.y - top, REACH * now.sigma),
-    )
+        first, second, limit, one, other)
     if dof == 0.0 or (motion > FARTHEST and motion**2 * slopes > UNSEEN * 2.0 * variance):
         return None
     return dof, level, variance, product, neighbours
