@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from blob_tracker.segmentation.box import Box, box_about, whole
+from blob_tracker.segmentation.box import box_about
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.frame_stack import most_frames
 from blob_tracker.segmentation.history import FrameHistory
 from blob_tracker.segmentation.steady import strongest
+from blob_tracker.segmentation.whole_frame import WholeFrame
 from blob_tracker.types import Frame
 import cv2
 import numpy as np
@@ -29,7 +30,7 @@ LEAST_NOISE_DN = float(np.sqrt(1 / 12))  # DN, of the rounding of one frame
 ZERO_LEVEL = 32767  # of the demodulated picture where nothing flashes; full scale is twice that
 
 
-class LockIn:
+class LockIn(WholeFrame):
     """
     Demodulate each pixel at the light's frequency f over blocks of k frames.
 
@@ -62,7 +63,6 @@ class LockIn:
     """
 
     locked = False
-    surveys = False
     warning = ''
     finding = ''
 
@@ -109,19 +109,6 @@ class LockIn:
         self._new_frames = 0
         self.reason = ''
         return self._demodulate(list(block))
-
-    def skip(self, frame: Frame) -> None:
-        """Do nothing: it is as if the frame had not come."""
-
-    def region(self, contrast: Contrast) -> Box:
-        """Return the whole frame."""
-        return whole(contrast.shape)
-
-    def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
-        """Return None: the whole frame is searched in any case."""
-
-    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
-        """Do nothing: `choose` had the whole frame."""
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.expectation import Expectation
@@ -12,6 +11,7 @@ from blob_tracker.segmentation.frame_clock import PERIOD_FRAMES
 from blob_tracker.segmentation.history import FrameHistory
 from blob_tracker.segmentation.numbering import Numbering
 from blob_tracker.segmentation.steady import above_the_scene, Steady
+from blob_tracker.segmentation.whole_frame import WholeFrame
 from blob_tracker.types import Frame
 
 LEAST_FLASHES = 3  # in every other frame: chance lights up twice in one place, seldom three times
@@ -50,7 +50,7 @@ class SteadyLights(Steady):
         return self._numbering.take(self._frame, found)
 
 
-class AlternateLights:
+class AlternateLights(WholeFrame):
     """
     Take what lights up in every other frame, wherever it is: lights that the camera switches.
 
@@ -74,7 +74,6 @@ class AlternateLights:
     """
 
     locked = False
-    surveys = False
     warning = ''
     finding = ''
 
@@ -121,19 +120,6 @@ class AlternateLights:
             after.image, before.image, frame.saturation, frame, (after.samples,),
             (before.samples,),
         )
-
-    def skip(self, frame: Frame) -> None:
-        """Do nothing: it is as if the frame had not come."""
-
-    def region(self, contrast: Contrast) -> Box:
-        """Return the whole frame."""
-        return whole(contrast.shape)
-
-    def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
-        """Return None: the whole frame is searched in any case."""
-
-    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
-        """Do nothing: `choose` had the whole frame."""
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]

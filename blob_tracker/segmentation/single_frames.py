@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from blob_tracker.kernel import Array
-from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.dark_look import DarkLook
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.history import FrameError, FrameHistory
 from blob_tracker.segmentation.points import LEAST_PEAK_SIGMA, points
+from blob_tracker.segmentation.whole_frame import WholeFrame
 from blob_tracker.types import Frame
 import numpy as np
 
 ROUNDING_DN = float(np.sqrt(1 / 12))  # DN, of one frame
 
 
-class SingleFrames:
+class SingleFrames(WholeFrame):
     """
     Compare each frame with what the scene looks like without lights that blink.
 
@@ -30,7 +30,6 @@ class SingleFrames:
 
     """
 
-    surveys = False
     finding = ''
 
     def __init__(self, max_pair_interval: float) -> None:
@@ -75,19 +74,6 @@ class SingleFrames:
     def _follow(self, frame: Frame, interval: float) -> str:
         """Take note of the time since the frame before, s; return what speaks against it."""
         return ''
-
-    def skip(self, frame: Frame) -> None:
-        """Do nothing: it is as if the frame had not come."""
-
-    def region(self, contrast: Contrast) -> Box:
-        """Return the whole frame: the lights may be anywhere in it."""
-        return whole(contrast.shape)
-
-    def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
-        """Return None: the whole frame is searched in any case."""
-
-    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
-        """Do nothing: `choose` had the whole frame."""
 
 
 def seen_points(

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.history import FrameHistory
+from blob_tracker.segmentation.whole_frame import WholeFrame
 from blob_tracker.types import Frame, Pixels
 import numpy as np
 
@@ -18,7 +18,7 @@ ROUNDING_DN = float(np.sqrt(1 / 12))  # DN, of one frame
 LEAST_HEIGHT_SIGMA = 5.0
 
 
-class Steady:
+class Steady(WholeFrame):
     """
     Take the blob of each frame that stands out most.
 
@@ -34,7 +34,6 @@ class Steady:
     """
 
     locked = False
-    surveys = False
     warning = ''
     finding = ''
 
@@ -62,19 +61,6 @@ class Steady:
         return Contrast(
             image, self._nothing, frame.saturation, frame, (kept.samples,), (), ROUNDING_DN
         )
-
-    def skip(self, frame: Frame) -> None:
-        """Do nothing: it is as if the frame had not come."""
-
-    def region(self, contrast: Contrast) -> Box:
-        """Return the whole frame."""
-        return whole(contrast.shape)
-
-    def widened(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
-        """Return None: the whole frame is searched in any case."""
-
-    def survey(self, contrast: Contrast, candidates: Sequence[Candidate]) -> None:
-        """Do nothing: `choose` had the whole frame."""
 
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]
