@@ -330,7 +330,7 @@ def _check_places(result: BodyCalibration) -> None:
     """Refuse lights in one line, and places that are hardly known."""
     if in_line(result.places):
         raise BodyCalibrationError(
-            'the lights are in one line: its rotation about that line cannot be seen; put one '
+            'the lights are in one line: the rotation about that line cannot be seen; put one '
             'light beside it'
         )
     size = _size(result)

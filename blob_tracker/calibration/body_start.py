@@ -160,7 +160,7 @@ def _check_pictures(flat: Array) -> None:
     size = np.linalg.svd(flat, compute_uv=False)
     if (size[:, 1] < IN_LINE * size[:, 0]).all():
         raise BodyCalibrationError(
-            'the lights are in one line: its rotation about that line cannot be seen; put one '
+            'the lights are in one line: the rotation about that line cannot be seen; put one '
             'light beside it'
         )
     shapes = flat[..., 0] + 1j * flat[..., 1]

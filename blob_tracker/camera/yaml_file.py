@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 import os
@@ -128,7 +129,7 @@ def write_content(
 _Kept = TypeVar('_Kept', bound='YamlFile')
 
 
-class YamlFile:
+class YamlFile(ABC):
     """
     What is kept in a YAML file of its own; a class of it says what the file holds.
 
@@ -189,11 +190,13 @@ class YamlFile:
         write_content(path, self.KIND, self._content(), comments)
 
     @classmethod
+    @abstractmethod
     def _of_content(cls: type[_Kept], content: dict[str, Any]) -> _Kept:
-        raise NotImplementedError
+        """Return what the named values of a file are."""
 
+    @abstractmethod
     def _content(self) -> dict[str, Any]:
-        raise NotImplementedError
+        """Return the named values of the file."""
 
 
 def check_size(what: str, known: tuple[int, int], sensor: tuple[int, int]) -> None:
