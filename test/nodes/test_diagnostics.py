@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from statistics import median
+
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Image
 from support.processes import probe, start
@@ -28,7 +30,13 @@ def test_every_node_has_numbers_and_a_picture(domain: int) -> None:
                 values = {value.key: value.value for value in status.values}
                 shown[status.name.split(':')[0].strip('/')] = values
             # Forty places: the standard error of the ratio is 14 %.
-            return int(shown.get('locator', {}).get('bearings', '0')) > 40
+            return int(shown.get('locator', {}).get('bearings', '0')) > 40 and len(sigmas()) >= 3
+
+        def sigmas() -> list[float]:
+            return [
+                float(value.value) for message in heard for value in message.status[0].values
+                if value.key == 'sigma x (px)'
+            ]
 
         node.spin_until(told)
         node.spin_until(lambda: all(pictures.values()))
@@ -45,11 +53,6 @@ def test_every_node_has_numbers_and_a_picture(domain: int) -> None:
     locator = shown['locator']
     ratio, error = locator['scatter / sigma'].split(' (')[0].split(' +- ')
     assert abs(float(ratio) - 1.0) < 4.0 * float(error) + 0.005
-    # A Gaussian of sigma 2 px and SNR 56: 0.012 px, a third more where the window is smaller; of a
-    # flash beside a lost frame less is known.
-    sigmas = [
-        float(value.value) for message in heard for value in message.status[0].values
-        if value.key == 'sigma x (px)'
-    ]
-    assert 0.010 < min(sigmas) < 0.02
+    # A Gaussian of sigma 2 px and SNR 56: 0.012 px, a third more where the window is smaller.
+    assert 0.010 < median(sigmas()) < 0.02
     assert float(locator['chi-square mean']) < 1.3
