@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from math import atan2, hypot
 
 from blob_tracker.constellation.assignment import assigned
 from blob_tracker.constellation.body import Body
-from blob_tracker.constellation.pose import poses
+from blob_tracker.constellation.errors import Inconsistent
+from blob_tracker.constellation.pose import pose_near, poses
 from blob_tracker.types import Bearing
 from blob_tracker.units import MRAD
 import numpy as np
@@ -26,5 +28,9 @@ def compile_ahead() -> None:
         for stamp_ns, (x, y, z) in enumerate(places.tolist())
     ]
     body = Body(names, places, np.zeros(len(names)))
-    poses(body, list(zip(names, bearings, strict=True)))
+    seen = list(zip(names, bearings, strict=True))
+    for pose in poses(body, seen):
+        pose_near(body, seen, pose.rotation, pose.position)
+    with suppress(Inconsistent):  # two names are exchanged
+        poses(body, list(zip('bacd', bearings, strict=True)))
     assigned(body, bearings)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import cached_property
+from functools import cached_property, partial
 import pickle
 from typing import Any
 
@@ -19,6 +19,7 @@ SCALARS = {
     types.float64: CODES.FLOAT, types.int64: CODES.INTEGER, types.boolean: CODES.BOOLEAN,
     types.none: CODES.NONE, types.unicode_type: CODES.TEXT,
 }
+NUMBERS_WRITTEN_OUT = types.IntegerLiteral, types.BooleanLiteral
 
 
 def compiler(function: Callable[..., Any], inline: str = 'never') -> Any:
@@ -27,7 +28,25 @@ def compiler(function: Callable[..., Any], inline: str = 'never') -> Any:
     # Not where NUMBA_DISABLE_JIT is set, nor for what is only ever a part of others.
     if inline == 'never' and hasattr(found, '_cache'):
         found._cache = _Cache(function)
+        found.get_call_template = partial(_call_template, found.get_call_template)
     return found
+
+
+def _call_template(template: Callable[..., Any], values: Any, named: Any) -> Any:
+    """
+    Return how one kernel calls another: with a number that is written out as with any other.
+
+    Numba would compile the kernel that is called once more for each of them, and for all that it
+    calls in turn; a path that is seldom taken would be compiled when it first is.
+    """
+    return template(
+        tuple(map(_of_any_value, values)),
+        {name: _of_any_value(value) for name, value in named.items()},
+    )
+
+
+def _of_any_value(one: Any) -> Any:
+    return types.unliteral(one) if isinstance(one, NUMBERS_WRITTEN_OUT) else one
 
 
 def wrappers(

@@ -10,7 +10,9 @@ from blob_tracker.segmentation.confirmation import Confirmation
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.history import FrameError, FrameHistory
-from blob_tracker.segmentation.registration import overlap, REGISTRATIONS, warped
+from blob_tracker.segmentation.registration import (
+    compile_registration, overlap, REGISTRATIONS, warped,
+)
 from blob_tracker.types import Frame, Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -57,6 +59,8 @@ class Alternate:
                 f"no registration '{registration}'; there is {', '.join(REGISTRATIONS)}"
             )
         self._register = REGISTRATIONS[registration]
+        if self._register is not None:
+            compile_registration()
         self.gate_px = gate_px
         self.reason = 'no frame yet'
         self._history = FrameHistory(2, max_pair_interval)

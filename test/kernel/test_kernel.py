@@ -14,9 +14,10 @@ import shutil
 import subprocess
 import sys
 from types import ModuleType
+from typing import Any
 
 import blob_tracker
-from blob_tracker.kernel import fingerprint
+from blob_tracker.kernel import fingerprint, kernel
 import numpy as np
 import pytest
 
@@ -35,6 +36,18 @@ def outer(x):
     {comment}
     return FACTOR * inner(x)
 """
+
+
+@kernel
+def inner(x: float, doubled: bool, times: int) -> float:
+    """Return x times a number, or twice as much."""
+    return times * (2.0 * x if doubled else x)
+
+
+@kernel
+def outer(x: float, times: int) -> float:
+    """Call the other one with numbers that are written out, and with such that are not."""
+    return inner(x, True, times) + inner(x, doubled=False, times=3) + inner(x, x < 0.0, -1)
 
 
 @pytest.fixture
@@ -210,6 +223,13 @@ def test_what_the_nodes_call_needs_no_compiler(tmp_path: Path) -> None:
             [sys.executable, '-c', call], cwd=tmp_path, capture_output=True, text=True, check=True
         )
     assert result.stdout == 'False\n'
+
+
+def test_a_number_that_is_written_out_is_any_number() -> None:
+    """A kernel that others call with constants is compiled once, not for each of them."""
+    assert outer(2.0, 4) == 16.0 + 6.0 - 2.0
+    called: Any = inner
+    assert len(called.compiler._cache._cache_file._load_index()) == 1
 
 
 # --- What the fingerprint changes with ---

@@ -57,3 +57,40 @@ def test_compile_ahead_leaves_nothing_to_compile() -> None:
     """For lights, glints and all that is told of them, of 8 and of 16 bits: in a process alone."""
     environment = os.environ | {'PYTHONPATH': os.pathsep.join(sys.path)}
     subprocess.run([sys.executable, '-c', SCENES], check=True, env=environment)
+
+
+MOVED = """
+import numpy as np
+from blob_tracker import kernel
+from blob_tracker.blinking.survey import Survey
+from blob_tracker.segmentation import Segmenter
+from blob_tracker.segmentation.alternate import Alternate
+from blob_tracker.types import Frame
+
+survey = Survey(100)
+segmenters = [Segmenter(flash=Alternate(registration=each)) for each in ('affine', 'translation')]
+late, missed = [], kernel._Kernel.missed
+
+
+def noted(each, *arguments, **named):
+    late.append(each.py_func.__module__)
+    return missed(each, *arguments, **named)
+
+
+kernel._Kernel.missed = noted
+texture = np.random.default_rng(1).integers(20, 60, (120, 160)).astype(np.uint8)
+for index in range(8):
+    image = np.roll(texture, index, axis=1)
+    for segmenter in segmenters:
+        segmenter.update(Frame(image, 10**9 + index * 16_666_667, 255))
+    survey.push(np.array([[8.0, 8.0, 0.01, 0.0, 0.01, 1000.0, 5.0]]), index * 16_666_667, 1.0)
+survey.lights()
+waited = [each for each in late if each.endswith(('.alignment', '.warp', '.paths'))]
+assert not waited, waited
+"""
+
+
+def test_what_a_mode_needs_is_compiled_when_it_is_made() -> None:
+    """Registrations and the watch of the mode auto, which few need, by who makes them."""
+    environment = os.environ | {'PYTHONPATH': os.pathsep.join(sys.path)}
+    subprocess.run([sys.executable, '-c', MOVED], check=True, env=environment)

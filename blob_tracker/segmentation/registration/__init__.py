@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from blob_tracker.segmentation.registration.affine import affine
+from blob_tracker.segmentation.registration.compiled import compile_registration
 from blob_tracker.segmentation.registration.translation import translation
 from blob_tracker.segmentation.registration.warp import overlap, warped
 from blob_tracker.types import Pixels
@@ -15,4 +16,6 @@ REGISTRATIONS: dict[str, Callable[[Pixels, Pixels], NDArray[np.float64] | None] 
     'affine': affine,
 }
 
-__all__ = ['affine', 'overlap', 'REGISTRATIONS', 'translation', 'warped']
+__all__ = [
+    'affine', 'compile_registration', 'overlap', 'REGISTRATIONS', 'translation', 'warped',
+]
