@@ -53,8 +53,8 @@ IN_PLACE := export PATH="$(CURDIR)/$(BIN):$$PATH" PYTHONPATH="$(CURDIR)" \
 	AMENT_PREFIX_PATH="$(CURDIR)/.cache/overlay" \
 	FASTRTPS_DEFAULT_PROFILES_FILE="$(CURDIR)/config/fastdds.xml"
 LINTED := blob_tracker test launch benchmarks examples tools doc setup.py
-# Runs the linters while a command runs; what they say comes after it.
-LINT_BESIDE = mkdir -p .cache && { $(MAKE) --no-print-directory lint >.cache/lint.log 2>&1 & \
+# Runs the linters while a command runs, in the time that it leaves; what they say comes after it.
+LINT_BESIDE = mkdir -p .cache && { nice $(MAKE) --no-print-directory lint >.cache/lint.log 2>&1 & \
 	  lint=$$!; ended=0; $(1) || ended=$$?; \
 	  wait $$lint && tail -n 1 .cache/lint.log || { cat .cache/lint.log; ended=1; }; exit $$ended; }
 
@@ -85,8 +85,7 @@ lint: .venv/.test
 	  python -m mypy || failed=1; exit $$failed
 
 test: install/.built .venv/.test
-	@# pytest alone, not python -m: what colcon installed is tested, not what lies here. Three
-	@# processes keep two processors busy: the nodes of the first wait for each other most of the time.
+	@# pytest alone, not python -m: what colcon installed is tested, not what lies here.
 	@$(ENVIRONMENT) && $(call LINT_BESIDE,pytest -n 2 $(PYTEST))
 
 soak: export SOAK_SECONDS := $(SOAK_SECONDS)
