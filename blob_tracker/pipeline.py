@@ -12,7 +12,6 @@ from math import isfinite, prod, sqrt
 from typing import NamedTuple
 
 from blob_tracker import location, segmentation, tracking
-from blob_tracker.blinking.paths import compile_paths
 from blob_tracker.camera import CalibrationError, CameraModel, compile_lens, LensError
 from blob_tracker.camera.light_range import (
     angle_per_pixel, combined, LightRange, range_by_flux, range_by_size, RangeError, Ranging,
@@ -23,7 +22,6 @@ from blob_tracker.location import EffectivePsf, Learned, Locator, method_options
 from blob_tracker.location.disc import Disc, fit_disc
 from blob_tracker.location.noise_check import NoiseCheck
 from blob_tracker.segmentation import Expectation, FieldSegmenter, FrameError, Segmenter
-from blob_tracker.segmentation.registration import compile_registration
 from blob_tracker.tracking import Track, Tracker, TrackingError, update_or_restart
 from blob_tracker.types import Bearing, Frame, Location, LocationError, SensorNoise, Window
 
@@ -54,8 +52,7 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     location.compile_ahead(methods)
     compile_lens()
     segmentation.compile_ahead()
-    compile_registration()
-    compile_paths()
+    segmentation.compile_modes()
     tracking.compile_ahead()
 
 
