@@ -119,7 +119,7 @@ class NoiseCheck:
             self._sums[0] > ENOUGH_DOF and self._windows % 8
         ):
             return
-        limit = inf if window.saturation is None else window.saturation
+        limit = inf if window.saturation is None else float(window.saturation)
         found = _unlit_variance(before, self._last, limit)
         if found is None:
             return
