@@ -10,7 +10,7 @@ SCENES = """
 import numpy as np
 from blob_tracker import kernel
 from blob_tracker.pipeline import compile_ahead
-from blob_tracker.segmentation import Expectation, Segmenter
+from blob_tracker.segmentation import Expectation, flash_by_name, Segmenter
 from blob_tracker.segmentation.in_step import InStep
 from blob_tracker.types import Frame
 
@@ -49,6 +49,12 @@ for kind, full in ((np.uint8, 255), (np.uint16, 4095)):
             flash.agree_with(Expectation(62.0, 40.0, np.eye(2)) if index % 7 == 0 else None)
             expected = Expectation(60.0 + 0.2 * index, 40.0, np.eye(2)) if index % 3 else None
             segmenter.update(Frame(image, 10**9 + index * 16_666_667, full), expected)
+
+segmenter = Segmenter(flash=flash_by_name('auto'))  # a second of trying, three of watching
+for index in range(280):
+    scene = 20.0 + blob(60.0, 40.0, 100.0) * (index % 3 == 0)
+    image = np.clip(random.normal(scene, 1.0), 0, 255).astype(np.uint8)
+    segmenter.update(Frame(image, 10**9 + index * 16_666_667, 255))
 assert not late, late
 """
 
