@@ -22,6 +22,7 @@ from blob_tracker.location import EffectivePsf, Learned, Locator, method_options
 from blob_tracker.location.disc import Disc, fit_disc
 from blob_tracker.location.noise_check import NoiseCheck
 from blob_tracker.segmentation import Expectation, FieldSegmenter, FrameError, Segmenter
+from blob_tracker.segmentation.registration import compile_registration
 from blob_tracker.tracking import Track, Tracker, TrackingError, update_or_restart
 from blob_tracker.types import Bearing, Frame, Location, LocationError, SensorNoise, Window
 
@@ -52,7 +53,7 @@ def compile_ahead(methods: Iterable[str] = tuple(METHODS)) -> None:
     location.compile_ahead(methods)
     compile_lens()
     segmentation.compile_ahead()
-    segmentation.compile_modes()
+    compile_registration()
     tracking.compile_ahead()
 
 

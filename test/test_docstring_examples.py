@@ -20,7 +20,7 @@ MODULES = sorted(
 PAGES = sorted((Path(__file__).parents[1] / 'doc' / 'api').glob('*.rst'))
 DIRECTIVE = re.compile(r'^\.\. auto(module|class):: (\S+)((?:\n   :.*)*)', re.M)
 # They return nothing, and compile for longer than all the examples run.
-WITHOUT = {'compile_ahead', 'compile_lens', 'compile_modes'}
+WITHOUT = {'compile_ahead', 'compile_lens'}
 # They need a camera; their examples are shown and not run.
 NOT_RUN = {'ControlError', 'Grabber', 'NoFrameError', 'V4l2Camera'}
 

@@ -116,13 +116,6 @@ class PathLinker:
         return sorted(found, key=lambda path: -len(path.frames))
 
 
-def compile_paths() -> None:
-    """Compile the loops of this file, or load them, before a path is waited for."""
-    linker = PathLinker(1.0)
-    for clock in range(2):
-        linker.update(np.array([[8.0, 8.0, 0.01, 0.0, 0.01, 1000.0, 5.0]]), float(clock))
-
-
 @kernel
 def _forget(
     covariance: Array, last: Array, number: NDArray[np.int64], oldest: float

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 import math
 
-from blob_tracker.blinking.paths import compile_paths, Path, PathLinker
+from blob_tracker.blinking.paths import Path, PathLinker
 from blob_tracker.blinking.patterns import MAINS_HZ
 from blob_tracker.blinking.recognition import (
     aliases, Brightness, DARK, EVEN, recognise, Rhythm,
@@ -108,7 +108,6 @@ class Survey:
         self._most = most
         self._frames: list[tuple[int, Array, float]] = []
         self.crowded = False
-        compile_paths()
 
     def push(self, points: Array, stamp_ns: int, least: float) -> NDArray[np.int64]:
         """Take the points of the next frame, as `BlinkTracker.update` does; return the kept."""

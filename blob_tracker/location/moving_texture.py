@@ -182,6 +182,7 @@ def compile_texture() -> None:
     picture = np.arange(49.0).reshape(7, 7)
     _in_common(picture, picture, math.inf, (3.0, 3.0, 1.0), (3.0, 3.0, 1.0))
     _told(picture, picture, math.inf, (3.0, 3.0), 1.0)
+    residual_variance(0.5, 1.0)
 
 
 @kernel

@@ -172,7 +172,7 @@ class SimulatorNode(Node):
             self._lights = lights
             self._free = free
             self._flight = flight
-            self._stamp_ns: int | None = None
+            self._stamp_ns = self.get_clock().now().nanoseconds
             self._camera_model = model
             self._info = from_camera_model(model, width, height)
             self._index = 0
@@ -250,18 +250,21 @@ class SimulatorNode(Node):
         """
         Return the stamp of a frame at equal intervals, and leave out those whose time is over.
 
-        A light that runs free has its own time: the frame shows what the stamp says.
+        A frame shows what its number says: the time at which this process woke would jitter
+        beside it. Of a light in step two are left out at once, one of either kind.
         """
-        interval_ns = round(1e9 / self._scene.rate)
-        late_ns = 0 if self._stamp_ns is None else now_ns - self._stamp_ns
-        if self._stamp_ns is None or abs(late_ns - interval_ns) > 1e9 * BEHIND:
+        interval_ns = int(1.0 / self._scene.rate * 1e9)  # as the timer has it
+        late_ns = now_ns - self._stamp_ns
+        if abs(late_ns - interval_ns) > 1e9 * BEHIND:
             self._stamp_ns = now_ns
             return now_ns
-        passed = max(late_ns // interval_ns, 1)
-        if passed > 1:
-            self._index += passed - 1
+        over = max(late_ns // interval_ns - 1, 0)
+        if not self._free:
+            over -= over % 2
+        if over:
+            self._index += over
             self._pixels = self._scene.frame(self._index)
-        self._stamp_ns += passed * interval_ns
+        self._stamp_ns += (over + 1) * interval_ns
         return self._stamp_ns
 
     def _picture(self) -> tuple[Frame, list[Truth]]:
@@ -269,10 +272,9 @@ class SimulatorNode(Node):
         now_ns = self.get_clock().now().nanoseconds
         sensor = self._scene.sensor
         if self._vehicle is None:
-            if self._free:
-                now_ns = self._regular(now_ns)
+            end_ns = self._regular(now_ns)
             frame = Frame(
-                self._pixels, now_ns - self._scene.before_middle_ns, sensor.saturation,
+                self._pixels, end_ns - self._scene.before_middle_ns, sensor.saturation,
                 exposure_ns=round(1e9 * self._scene.exposure / self._scene.rate),
                 line_time_ns=1e9 * sensor.row_time,
             )

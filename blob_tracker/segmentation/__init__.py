@@ -1,7 +1,7 @@
 """Frame ... -> Window: find the flash, and cut out the pixels that hold it."""
 
 from blob_tracker.segmentation.candidate import Candidate
-from blob_tracker.segmentation.compiled import compile_ahead, compile_modes
+from blob_tracker.segmentation.compiled import compile_ahead
 from blob_tracker.segmentation.detections import Detections
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.exposure import exposure_fault
@@ -26,7 +26,6 @@ __all__ = [
     'Sighting',
     'THRESHOLDS',
     'compile_ahead',
-    'compile_modes',
     'exposure_fault',
     'flash_by_name',
     'threshold_by_name',

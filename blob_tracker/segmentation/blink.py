@@ -7,6 +7,7 @@ import functools
 import math
 
 from blob_tracker.blinking import BlinkTracker, code, Known, Lit, Pattern, wave
+from blob_tracker.blinking.paths import PathLinker
 from blob_tracker.blinking.tracker import MOST_POINTS
 from blob_tracker.kernel import Array
 from blob_tracker.segmentation.box import box_about, whole
@@ -283,6 +284,7 @@ def compile_blinking() -> None:
         on = index % 3 != 2
         point = np.array([[100.0, 100.0, 0.01, 0.0, 0.01, 1000.0, 5.0]] * on).reshape(-1, 7)
         tracker.update(point, index * 16_666_667, 50.0)
+    PathLinker(1 / 60).update(point, 1.0)  # of what is not known yet, see `Auto`
     for kind in (np.uint8, np.uint16):
         frame = Frame(np.zeros((16, 16), kind), 0, 255)
         look = DarkLook()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from blob_tracker.blinking.paths import compile_paths
 from blob_tracker.segmentation.blink import compile_blinking
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
@@ -17,7 +16,6 @@ from blob_tracker.segmentation.flash_watch import FlashWatch
 from blob_tracker.segmentation.flat_top import compile_flat_top
 from blob_tracker.segmentation.frame_stack import FrameStack
 from blob_tracker.segmentation.illumination import relit
-from blob_tracker.segmentation.registration import compile_registration
 from blob_tracker.segmentation.repeated_frames import RepeatedFrames
 from blob_tracker.segmentation.search import search
 from blob_tracker.segmentation.sigma_window import sigma_window
@@ -47,12 +45,6 @@ def compile_ahead() -> None:
     advance(np.empty((0, FIELDS)), np.empty((0, 7)), np.empty((0, 6)), 0.0, 1.0)
     compile_blinking()
     compile_flat_top()
-
-
-def compile_modes() -> None:
-    """Compile what few modes need, which they load when they are made."""
-    compile_registration()
-    compile_paths()
 
 
 def _compile_confirmation(light: Candidate) -> None:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from blob_tracker.tracking.gyro_watch import GyroWatch
 from blob_tracker.tracking.hypothesis import CONFIRMING
 from blob_tracker.tracking.models import MODELS
 from blob_tracker.tracking.pan_tilt_angles import PanTiltAngles
 from blob_tracker.tracking.platform_rates import PlatformRates
+from blob_tracker.tracking.rotation import from_vector
 from blob_tracker.tracking.tracker import Tracker
 from blob_tracker.types import Bearing
 import numpy as np
@@ -30,3 +32,7 @@ def compile_ahead() -> None:
         tracker.seen_at(ahead_ns)
         platform.reset()  # the rates that it leaves
         tracker.at(ahead_ns)
+    watch = GyroWatch()
+    watch.saw('', first, None)
+    watch.saw('', replace(first, stamp_ns=FRAME_NS), pan_tilt)
+    from_vector(0.0, 0.0, 0.0)  # the watch calls it once there is enough to judge by

@@ -5,20 +5,27 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from typing import Any
 
-SIGHTS = """
+from blob_tracker.constellation import compilation, Pose
+from blob_tracker.constellation.compilation import compile_ahead, followed
+from blob_tracker.kernel import compiled
+import pytest
+
+SIGHTINGS = """
 from contextlib import suppress
-
+from dataclasses import replace
+import sys
+import numpy as np
 from blob_tracker import kernel
 from blob_tracker.constellation import (
-    Body, compile_ahead, ConstellationError, pose_near, poses,
+    Assignment, Body, compile_ahead, ConstellationError, Following,
 )
-from blob_tracker.constellation.assignment import assigned
 from blob_tracker.types import Bearing
-import numpy as np
 
 compile_ahead()
 late, missed = [], kernel._Kernel.missed
+loaded = set(sys.modules)
 
 
 def noted(each, *arguments, **named):
@@ -28,40 +35,46 @@ def noted(each, *arguments, **named):
 
 kernel._Kernel.missed = noted
 random = np.random.default_rng(1)
-lights = np.array([
+places = np.array([
     [0.2, 0.15, 0.0], [0.2, -0.15, 0.02], [-0.25, 0.1, 0.1], [-0.2, -0.1, -0.05], [0.0, 0.0, 0.2],
-    [0.1, 0.2, 0.1],
 ])
-names = ('a', 'b', 'c', 'd', 'e', 'f')
-for count in (3, 4, 5, 6):
-    for flat in (False, True):
-        places = lights[:count] * [1.0, 1.0, 0.0 if flat else 1.0]
-        body = Body(names[:count], places, np.full(count, 1e-4))
-        for distance in (1.0, 30.0):
-            for step_ns in (0, 1_000_000):
-                for off, order in ((0.0, names), (20.0, names), (0.0, ('b', 'a', *names[2:]))):
-                    x, y, z = (places + [0.2, 0.1, distance]).T
-                    azimuths = 1e3 * np.arctan2(x, z) + random.normal(0.0, 0.1, count)
-                    azimuths[0] += off
-                    elevations = -1e3 * np.arctan2(y, np.hypot(x, z))
-                    bearings = [
-                        Bearing(*angles, 0.01 * np.eye(2), 10**9 + step_ns * index)
-                        for index, angles in enumerate(zip(azimuths, elevations))
-                    ]
-                    seen = list(zip(order, bearings))
-                    with suppress(ConstellationError):
-                        poses(body, seen)
-                    for odd in (False, True):
-                        with suppress(ConstellationError):
-                            pose_near(body, seen, np.eye(3), np.array([0.2, 0.1, distance]),
-                                      odd=odd)
-                    with suppress(ConstellationError):
-                        assigned(body, bearings)
+body = Body(('a', 'b', 'c', 'd', 'e'), places, np.zeros(5))
+x, y, z = (places + [0.5, -0.3, 2.0]).T
+angles = 1e3 * np.array([np.arctan2(x, z), np.arctan2(-y, np.hypot(x, z))]).T
+for apart_ns in (0, 1_000_000):
+    following, assignment = Following(body), Assignment(body, 0.5)
+    for index in range(24):
+        odd = [[20.0, 0.0]] if index % 4 == 3 else [[0.0, 0.0]]
+        seen = random.normal(angles, 0.1) + odd * (np.arange(5) == 0)[:, np.newaxis]
+        bearings = [
+            Bearing(*each, 0.01 * np.eye(2), 10**18 + index * 20_000_000 + light * apart_ns)
+            for light, each in enumerate(seen)
+        ][:3 if index % 8 == 6 else 5]
+        with suppress(ConstellationError):
+            following.take(list(zip(body.names, bearings)))
+        with suppress(ConstellationError):
+            assignment.name(bearings)
 assert not late, late
+assert set(sys.modules) == loaded
 """
 
 
+def test_the_loops_are_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its bearings have one pose, so that all of the fit has run."""
+    found = []
+
+    def kept(*arguments: Any) -> list[Pose]:
+        found.extend(followed(*arguments))
+        return found
+
+    monkeypatch.setattr(compilation, 'followed', kept)
+    compile_ahead()
+    assert len(found) == 1
+    done, count, _ = compiled('blob_tracker.constellation')
+    assert done == count
+
+
 def test_compile_ahead_leaves_nothing_to_compile() -> None:
-    """For few lights and many, of one instant or not, odd ones and such with others' names."""
+    """For lights that are another's, too few, or without names: in a process of its own."""
     environment = os.environ | {'PYTHONPATH': os.pathsep.join(sys.path)}
-    subprocess.run([sys.executable, '-c', SIGHTS], check=True, env=environment)
+    subprocess.run([sys.executable, '-c', SIGHTINGS], check=True, env=environment)

@@ -25,7 +25,7 @@ import rclpy
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import CameraInfo, Image
 from sensor_msgs.srv import SetCameraInfo
-from support.processes import Probe, probe, start
+from support.processes import PATIENCE, Probe, probe, start
 from support.slowness import slowness
 
 
@@ -216,7 +216,7 @@ def told(
         rclpy.init(args=['--ros-args', *arguments], domain_id=domain)
         node = nodes_camera.CameraNode()
         try:
-            deadline = time.monotonic() + 20.0 * slowness()
+            deadline = time.monotonic() + PATIENCE * slowness()
             while not until(found := SimpleNamespace(
                 opened=len(stream.opened), words=list(node._health._messages.values()),
                 values=dict(node._health._values), pause=node._pause,

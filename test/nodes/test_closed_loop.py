@@ -30,7 +30,7 @@ ENOUGH = 300  # truths: ten seconds at 60 frames a second, of which every other 
 def pointing(node: Probe, truths: list[Vector3Stamped]) -> NDArray[np.float64]:
     """Return how far the camera points beside the light from now on, mrad."""
     truths.clear()
-    node.spin_until(lambda: len(truths) >= ENOUGH, 60.0)
+    node.spin_until(lambda: len(truths) >= ENOUGH)
     return np.array([np.hypot(each.vector.x, each.vector.y) for each in truths])
 
 

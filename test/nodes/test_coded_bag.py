@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 from sensor_msgs.msg import CameraInfo, Image
-from support.processes import Probe, probe, start, start_replay
+from support.processes import PATIENCE, Probe, probe, start, start_replay
 
 BAG = Path(__file__).parents[1] / 'bags' / 'coded_mcap'
 FRAMES = 46
@@ -36,7 +36,7 @@ Bearings = dict[str, list[tuple[int, float, float]]]  # stamp in ns, azimuth and
 
 def play(node: Probe, domain: int, *nodes: str) -> None:
     """Play the bag to its end."""
-    with start_replay(BAG, domain, '--wait', '20', '--nodes', 'probe', *nodes) as replay:
+    with start_replay(BAG, domain, '--wait', str(PATIENCE), '--nodes', 'probe', *nodes) as replay:
         node.spin_until(lambda: not replay.running)
         assert replay.wait() == 0, replay.output
 

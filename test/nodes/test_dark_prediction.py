@@ -98,6 +98,7 @@ def test_the_prediction_goes_on_while_the_light_is_dark(domain: int) -> None:
         ) and all(
             node.count_publishers(f'target/{name}/track') for name in CODES
         ))
+        node.meet('tracker')
         sent = dict.fromkeys(CODES, 0)
         last = -1
         for index, now_ns in instants():

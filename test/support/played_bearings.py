@@ -59,8 +59,8 @@ class Played:
         ours = (self._clock, self.rays)
         node.spin_until(lambda: all(each.get_subscription_count() for each in ours))
         node.spin_until(lambda: node.count_publishers(f'{topic}/bearing_predicted'))
+        node.meet('tracker')
         self.tick(0)
-        node.settle(0.3)
 
     def tick(self, nanoseconds: int, step: int = 5 * MS) -> None:
         """Let time pass in small steps."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import product
+from itertools import count, product
 from math import cos, sin
 from typing import Any
 
@@ -20,11 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import CameraInfo, Image
-from support.processes import PATIENCE, Probe
+from support.processes import Probe
 
 DEEP = 5000  # bearings that may wait to be taken
 ON_THE_WAY = 0.2  # s from a bearing to its ray, of the same node
-FRAMES = 12  # flashes enough to be sure of the target
 STEP_NS = 16_666_667
 FIELD_OF_VIEW = 40.0  # degrees
 # px that a right bearing may be off, and sigmas of its own covariance: random pixels in one of
@@ -111,34 +110,42 @@ class PlayedCamera:
 
     def discover(self, before: Callable[[], None] = lambda: None) -> None:
         """Send flashes until the first bearing comes back: discovery has many ends."""
-        count = iter(range(1, 10**9))
+        indices = count(1)
 
         def seen() -> bool:
             before()
-            self.send(next(count))
+            self.send(next(indices))
             self.node.spin(0.01)
             return bool(self.bearings)
 
-        self.node.spin_until(seen, 3.0 * PATIENCE)  # several processes start at once
+        self.node.spin_until(seen)
 
-    def flash(self, before: Callable[[], None] = lambda: None) -> None:
-        """Send frames, and again where an image was lost, until the last one has its bearing."""
-        for _ in range(10):
-            self.stamp_ns += 10**9  # nothing pairs with what came before
-            for index in range(1, FRAMES + 1):
-                before()
-                self.send(index)
-                self.node.spin(0.005)
-            try:
-                self.node.spin_until(lambda: self.located(self.stamp_ns), 2.0)
-                return
-            except AssertionError:
-                continue
-        raise AssertionError('no bearing of good frames')
+    def flash(self, before: Callable[[], None] = lambda: None) -> int:
+        """
+        Send frames from the first on until one of them has its bearing; return how many.
 
-    def located(self, stamp_ns: int) -> bool:
-        """Tell whether the bearing of a frame has come."""
-        return any(to_ns(each.header.stamp) == stamp_ns for each in self.bearings[-50:])
+        An image may be lost, and how many flashes it takes depends on what was sent before.
+        """
+        begin_ns = self.stamp_ns = self.stamp_ns + 10**9  # nothing pairs with what came before
+        indices = count(1)
+        index = 0
+
+        def seen() -> bool:
+            nonlocal index
+            index = next(indices)
+            before()
+            self.send(index)
+            self.node.spin(0.005)
+            return self.located(begin_ns)
+
+        self.node.spin_until(seen)
+        return index
+
+    def located(self, after_ns: int) -> bool:
+        """Tell whether the bearing of a frame after a stamp has come."""
+        return any(
+            after_ns < to_ns(each.header.stamp) <= self.stamp_ns for each in self.bearings[-50:]
+        )
 
     def expect_right(self) -> None:
         """Expect each bearing so far to be right of what was sent under its stamp; forget it."""

@@ -14,7 +14,7 @@ from typing import Any
 
 from ament_index_python.packages import get_package_prefix
 from rcl_interfaces.msg import SetParametersResult
-from rcl_interfaces.srv import SetParameters
+from rcl_interfaces.srv import GetParameters, SetParameters
 import rclpy
 from rclpy.client import Client
 from rclpy.context import Context
@@ -23,10 +23,11 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from support.slowness import slowness
 
-# What is waited for comes at once or not at all: these limits, and all that are given to the
-# functions below, are of a quiet machine, and stretched by `slowness`.
-EXIT = 5.0  # s that a process has to end
-PATIENCE = 20.0  # s for a process to start and be discovered
+# What is waited for comes or hangs: a limit costs nothing where it comes, and is long. All of them
+# are stretched by `slowness`, which lags by a minute where others begin to work.
+EXIT = 20.0  # s that a process has to end
+PATIENCE = 60.0  # s for a process to start and be discovered, and for all that it does then
+ANSWER = 5.0  # s that the answer of a service has until it is asked once more
 
 
 def executable(name: str) -> Path:
@@ -154,18 +155,39 @@ class Probe(Node):
         """Wait for a service, call it and return its answer."""
         if service not in self._callers:
             self._callers[service] = self.create_client(kind, service)
-        client = self._callers[service]
+        return self._ask(self._callers[service], request)
+
+    def meet(self, *nodes: str) -> None:
+        """
+        Wait until nodes know the publishers and subscriptions that this one has made so far.
+
+        Discovery has two ends: of a subscription that a publisher knows the publisher need not be
+        known, and what best effort sends then is lost. What a process has made is announced in
+        order: who answers a client knows all that was made before the client.
+        """
+        for node in nodes:
+            client = self.create_client(GetParameters, f'{node}/get_parameters')
+            self._ask(client, GetParameters.Request())
+            self.destroy_client(client)
+
+    def _ask(self, client: Client, request: Any) -> Any:
+        """Wait for the service of a client, call it and return its answer."""
         self.spin_until(client.service_is_ready)
         # It is ready when it hears; that its answer finds the way back is not known, and an answer
         # without one is lost.
-        for attempt in range(3):
-            future = client.call_async(request)
-            try:
-                self.spin_until(future.done, PATIENCE / 3)
-                return future.result()
-            except AssertionError:
-                if attempt == 2:
-                    raise
+        answers: list[Any] = []
+        again = 0.0
+
+        def answered() -> bool:
+            nonlocal again
+            if time.monotonic() >= again:
+                future = client.call_async(request)
+                future.add_done_callback(lambda done: answers.append(done.result()))
+                again = time.monotonic() + ANSWER * slowness()
+            return bool(answers)
+
+        self.spin_until(answered)
+        return answers[0]
 
     def set_parameter(self, node: str, name: str, value: Any) -> SetParametersResult:
         """Set a parameter of a node and return whether and why not."""

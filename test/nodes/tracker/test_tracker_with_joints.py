@@ -147,13 +147,15 @@ def test_a_joint_that_two_nodes_publish_is_told(domain: int) -> None:
         played.node.spin_until(played.joints.get_subscription_count)
         other.spin_until(again.get_subscription_count)
         sentence = "several nodes publish the joint 'pan' on /joint_states"
-        for _ in range(300):
+
+        def said() -> bool:
             played.tick(10 * MS, 10 * MS)
             played.joints.publish(_joints(played, ['pan', 'tilt'], [0.1, 0.0]))
             played.tick(10 * MS, 10 * MS)
             again.publish(_joints(played, ['pan'], [0.5]))
-            if played.said(sentence):
-                break
+            return played.said(sentence)
+
+        played.node.spin_until(said)
         assert played.said('of /probe, /second/probe let one do so')
         assert not played.said("the joint 'tilt' on")
         assert played.level(sentence) == 1
