@@ -4,7 +4,8 @@ Record frames, or other topics, in a bag, where there is no `ros2 bag record`.
     python3 examples/record_bag.py my_bag
     python3 examples/record_bag.py my_bag target/ray:geometry_msgs/msg/PoseWithCovarianceStamped
 
-Ctrl-C ends it. The bag is an mcap, with the instants at which messages arrived.
+Ctrl-C ends it; until then the count of messages is shown. The bag is an mcap, with the instants at
+which messages arrived.
 """
 
 import argparse
@@ -25,6 +26,7 @@ IMAGES = [
 ]
 # Takes from every publisher; the depth is for disks that are slow at times.
 LIVE = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
+SHOW_S = 1.0  # s from one look at the count to the next
 
 
 def main() -> int:
@@ -56,6 +58,7 @@ def main() -> int:
 
             message_type = getattr(import_module(f'{package}.msg'), name)
             node.create_subscription(message_type, topic, write, LIVE, raw=True)
+        node.create_timer(SHOW_S, lambda: print(f'\r{count} messages', end='', flush=True))
         print('recording; Ctrl-C ends it', flush=True)
         try:
             rclpy.spin(node)
@@ -63,7 +66,7 @@ def main() -> int:
             pass
     with suppress(RuntimeError):  # a signal's handler may be faster
         rclpy.try_shutdown()
-    print(f'{count} messages in {arguments.bag}')
+    print(f'\r{count} messages in {arguments.bag}')
     return 0 if count else 1
 
 

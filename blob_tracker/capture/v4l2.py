@@ -139,6 +139,7 @@ class V4l2Camera:
     sensor = ''
     _driver = ''
     _by_blanking = False
+    _since_ns = 0  # monotonic; what is stamped earlier is left out
     _uvc_clock: UvcClock | None = None
 
     def __init__(
@@ -213,6 +214,10 @@ class V4l2Camera:
             self._middle = MidExposure(source, self._exposure.read())
             self._dealer = FieldDealer(self.fields, stamps_end=source == 'transfer end')
             self._count = FrameCount(numbered=self._driver != 'uvcvideo')
+            if self._driver == LOOPBACK:
+                # Version 0.12 numbers and stamps the pictures that it has anew as buffers are
+                # asked for: the first one would be number 0, and the next one thousands later.
+                self._since_ns = time.monotonic_ns()
             self._ring.start()
             if source == 'camera clock':
                 self._uvc_clock = UvcClock(self._fd)
@@ -417,7 +422,7 @@ class V4l2Camera:
         return 0.0 < self.longest_wait < age
 
     def _take(self, buffer: videodev2.Buffer) -> bool:
-        """Deal out a buffer and count those lost before it; return False if it is spoilt."""
+        """Deal out a buffer and count those lost before it; return False if it is of no use."""
         if buffer.flags & videodev2.BUF_FLAG_ERROR:
             self.error_frames += 1
             return False
@@ -432,6 +437,8 @@ class V4l2Camera:
         finally:
             filled.release()
         stamp_ns = self._clock.monotonic(stamp_of(buffer, self.device, time.monotonic_ns()))
+        if stamp_ns < self._since_ns:
+            return False
         self.sequence = self.fields.number(buffer.sequence, buffer.field)
         self._count.came(self.sequence, stamp_ns)
         self._follow_controls()

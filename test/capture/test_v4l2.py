@@ -232,3 +232,18 @@ def test_a_lost_picture_is_two_fields(tmp_path, monkeypatch):
         frames = [camera.read() for _ in range(6)]
     assert camera.drops == 2
     assert np.all(np.diff([frame.stamp_ns for frame in frames]) > 0)
+
+
+def test_what_v4l2loopback_stamps_anew_is_left_out(tmp_path, monkeypatch):
+    # Of a program that has long been writing; version 0.12 gave that picture a number and a stamp
+    # as the camera asked for buffers.
+    driver = Driver(name='v4l2 loopback', size=(8, 8))
+    stale = time.monotonic_ns()
+    with driver.at(tmp_path / 'video0', monkeypatch) as device, V4l2Camera(device) as camera:
+        begin = time.monotonic_ns()
+        driver.filled = [(stale, 0, 'none', bytes([1]) * 64)] + [
+            (begin + 10**7 * index, 72_000 + index, 'none', bytes([2 + index]) * 64)
+            for index in range(3)]
+        frames = [camera.read() for _ in range(3)]
+    assert [frame.image.max() for frame in frames] == [2, 3, 4]
+    assert camera.drops == 0

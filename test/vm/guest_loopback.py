@@ -85,16 +85,18 @@ def repeated(action: Callable[[int], None]) -> Iterator[None]:
 
 
 @contextmanager
-def writing(device: str, size: tuple[int, int] = SIZE) -> Iterator[None]:
-    """Write pictures, as ffmpeg does."""
+def writing(device: str, size: tuple[int, int] = SIZE) -> Iterator[list[int]]:
+    """Write pictures, as ffmpeg does; give when each was begun, monotonic ns."""
     fd = output(device, size)
+    begun: list[int] = []
 
     def show(number: int) -> None:
+        begun.append(time.monotonic_ns())
         os.write(fd, picture(number, size))
 
     try:
         with repeated(show):
-            yield
+            yield begun
     finally:
         os.close(fd)
 
@@ -171,12 +173,13 @@ def clocks_noted(camera: V4l2Camera, clocks: list[int]) -> Iterator[None]:
 def written(device: str) -> dict[str, Any]:
     """Read what is written, by one program and then by others."""
     found: dict[str, Any] = {'no writer': refusal(device), 'clocks': []}
-    with writing(device):
+    with writing(device) as found['begun_ns']:
         camera = opened(device)
         with clocks_noted(camera, found['clocks']):
             found['frames'] = read(camera, COUNT)
     with camera:
         found |= {'frame_rate': camera.frame_rate, 'measured_rate': camera.measured_rate,
+                  'stamps_ns': [stamp_ns for _, stamp_ns in camera._count._measured._last],
                   'patience': SILENCE}
         try:
             while True:  # what it had written before

@@ -9,7 +9,7 @@ from typing import Any
 from blob_tracker.capture import videodev2
 import numpy as np
 import pytest
-from vm.guest_loopback import ASKED_RATE, EXCLUSIVE, OPEN, OTHER_SIZE, RATE
+from vm.guest_loopback import ASKED_RATE, EXCLUSIVE, OPEN, OTHER_SIZE
 from vm.machine import DEBIAN, LOOPBACKS
 
 pytestmark = pytest.mark.timeout(60, func_only=True)  # the boot is watched by itself
@@ -50,6 +50,11 @@ def left_out(frames: list[dict[str, int]]) -> int:
     return int(np.ptp(column(frames, 'drops')) - lost)
 
 
+def most_left_out(version: str) -> int:
+    """Return how many they may be: one where the reader comes late, and in 0.12 one more."""
+    return 2 if version < '0.13' else 1
+
+
 def age(frames: list[dict[str, int]]) -> np.ndarray:
     """Return how old frames are when they are read, s."""
     return (column(frames, 'read_ns') - column(frames, 'stamp_ns')) / 1e9
@@ -70,9 +75,7 @@ def test_what_is_written_is_read_whole_and_in_order(loopback, device):
     assert (column(frames, 'greys') == 1).all()  # no frame has parts of two
     number = column(frames, 'number')
     assert (np.diff(number) > 0).all()
-    # 0.12 leaves a number out where the reader comes while pictures are written, and another one
-    # where it comes late.
-    assert 0 <= left_out(frames) <= (2 if loopback['version'] < '0.13' else 1)
+    assert 0 <= left_out(frames) <= most_left_out(loopback['version'])
 
 
 def test_stamps_are_monotonic_though_version_0_12_does_not_say_so(loopback, device):
@@ -86,10 +89,12 @@ def test_the_rate_is_that_of_the_writer_whatever_is_granted(loopback, device):
     # 0.12 keeps its own 30; later ones grant whatever is asked for.
     granted = 30.0 if loopback['version'] < '0.13' else ASKED_RATE
     assert device['frame_rate'] == granted
-    # Never faster than the pause between pictures, but for numbers that the driver left out; a
-    # busy machine adds to it.
-    more = max(left_out(device['frames']) - 1, 0) / np.ptp(column(device['frames'], 'number'))
-    assert 0.5 * RATE < device['measured_rate'] < 1.05 * RATE * (1.0 + more)
+    # On a busy machine the writer keeps no pace: what it wrote meanwhile is counted.
+    begin, *_, end = device['stamps_ns']
+    begun = np.array(device['begun_ns'])
+    written = np.count_nonzero((begin < begun) & (begun < end))
+    numbers = round(1e-9 * (end - begin) * device['measured_rate'])
+    assert 0 <= numbers - written <= most_left_out(loopback['version'])
 
 
 def test_a_writer_that_has_ended_is_told(device):
