@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel
-from blob_tracker.segmentation.adaptive_moments import measure, stands_out
+from blob_tracker.segmentation.adaptive_moments import measure, scratch, stands_out
 from blob_tracker.segmentation.description import describe, distance2, FIELDS, WINDOW_SIGMA
 from blob_tracker.segmentation.illumination import row_gains
 from blob_tracker.segmentation.local_maxima import brightest_square, level_at, local_maxima
@@ -108,24 +108,27 @@ def measure_peaks(
         count, strongest = local_maxima(lit, unlit, region, mask, levels, noises, threshold, peaks)
     table = np.empty((FEW_CANDIDATES, FIELDS + 1))
     circles = np.empty((3, FEW_CANDIDATES))
+    memory = scratch()
     found = 0
     for index in np.argsort(-peaks[:count, 2]):
         column, row = int(peaks[index, 0]), int(peaks[index, 1])
         noise, local_level = _surroundings(levels, noises, column - x0, row - y0)
-        narrowest = _on_flank(table[:found], circles[:, :found], column, row, peaks[index, 2])
+        narrowest = _on_flank(table[:found], circles, column, row, peaks[index, 2])
         if narrowest > 0.0 and (
             narrowest < LEAST_GLOW_PX
-            or not stands_out(lit, unlit, region, column, row, noise, min_snr)
+            or not stands_out(lit, unlit, region, column, row, noise, min_snr, memory)
         ):
             continue
-        blob = measure(lit, unlit, region, column, row, local_level, noise, min_snr, max_sigma)
+        blob = measure(
+            lit, unlit, region, column, row, local_level, noise, min_snr, max_sigma, memory
+        )
         if blob[7] < min_snr:
             continue
         streak, blob = measure_streak(lit, unlit, region, saturation, blob)
         # A faint peak in the reach of a brighter light ends in it, or half-way to it.
         # On a glow only what is far narrower is another light.
         if not (narrowest > 0.0 and GLOW_WIDTH_RATIO * blob[4] > narrowest) and not _is_misplaced(
-            table[:found], circles[:, :found], blob, column, row
+            table[:found], circles, blob, column, row
         ):
             describe(
                 table[found], lit, unlit, region, saturation, single_frame, blob, column, row,
@@ -145,7 +148,9 @@ def measure_peaks(
         # Near the prediction a faint blob is worth a second look: its brightest 3 x 3 pixels.
         column, row, height = brightest_square(lit, unlit, region, mask)
         noise, local_level = _surroundings(levels, noises, column - x0, row - y0)
-        blob = measure(lit, unlit, region, column, row, local_level, noise, min_snr, max_sigma)
+        blob = measure(
+            lit, unlit, region, column, row, local_level, noise, min_snr, max_sigma, memory
+        )
         if blob[7] >= min_snr:
             describe(
                 table[0], lit, unlit, region, saturation, single_frame, blob, column, row,
@@ -166,19 +171,21 @@ def _surroundings(levels: Array, noises: Array, x: int, y: int) -> tuple[float, 
 
 
 @kernel
-def _is_alone(circles: Array, x: float, y: float, factor: float, margin: float) -> bool:
+def _is_alone(
+    circles: Array, count: int, x: float, y: float, factor: float, margin: float
+) -> bool:
     """
-    Tell whether a place is far from all blobs that were measured.
+    Tell whether a place is far from all blobs that were measured, of which there are `count`.
 
     From the middle of each by more than factor (margin + radius^2), squared. `circles` has the
     middles, px, and the squares of radii, px^2, within which their ellipses of 1 sigma lie.
     """
     xs, ys, radii = circles[0], circles[1], circles[2]
-    nearest = np.inf
-    for k in range(np.uint64(xs.size)):
+    near = np.int64(0)  # counted, which goes in vectors: the least of them would not
+    for k in range(np.uint64(count)):
         dx, dy = x - xs[k], y - ys[k]
-        nearest = min(nearest, dx * dx + dy * dy - factor * (margin + radii[k]))
-    return nearest > 0.0
+        near += np.int64(dx * dx + dy * dy <= factor * (margin + radii[k]))
+    return near == 0
 
 
 @kernel
@@ -188,7 +195,7 @@ def _on_flank(table: Array, circles: Array, column: int, row: int, height: float
 
     It is the narrowest one of them, and its sigma along the shortest axis, px; 0 where none is.
     """
-    if _is_alone(circles, column, row, WING_FACTOR, 1.0):
+    if _is_alone(circles, table.shape[0], column, row, WING_FACTOR, 1.0):
         return 0.0
     narrowest = 0.0
     for k in range(table.shape[0]):
@@ -215,7 +222,7 @@ def _is_misplaced(
     away = np.sqrt(distance2(column - x, row - y, sigma_x, sigma_y, correlation))
     if away > WINDOW_SIGMA + margin:
         return True
-    if _is_alone(circles, x, y, ELLIPSE_FACTOR, 0.0):
+    if _is_alone(circles, table.shape[0], x, y, ELLIPSE_FACTOR, 0.0):
         return False
     for k in range(table.shape[0]):
         if table[k, 5] > GLOW_WIDTH_RATIO * blob[4]:
