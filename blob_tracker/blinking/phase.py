@@ -88,12 +88,17 @@ def where(
         about = begin + int(np.argmax(weights[begin:end]))
     total, s1, s2 = 0.0, 0.0, 0.0
     count = end - begin
+    cell = (about - begin - NEAR_CELLS) % count
     for away in range(-NEAR_CELLS, NEAR_CELLS + 1):
-        part = weights[begin + (about - begin + away) % count]
+        part = weights[begin + cell]
         total += part
         s1 += part * away
         s2 += part * away * away
-    if total <= (1.0 - MOST_ELSEWHERE) * weights[begin:end].sum():
+        cell = cell + 1 if cell + 1 < count else 0
+    whole = 0.0
+    for c in range(begin, end):
+        whole += weights[c]
+    if total <= (1.0 - MOST_ELSEWHERE) * whole:
         return about, 0.0, math.inf
     return about, s1 / total, s2 / total - (s1 / total) ** 2
 
@@ -273,12 +278,15 @@ def weigh(
         begin, end = tables.first[p], tables.first[p + 1]
         step = on[p]
         count = SUB_CELLS * (end - begin)
+        at = step % count
         for c in range(begin, end):
-            at = (SUB_CELLS * (c - begin) + step) % count
             part = 0.0
             for k in range(SUB_CELLS):
                 place = _sub_cell(begin, at + k, count)
                 part += likelihood[tables.level[place]]
+            at += SUB_CELLS
+            if at >= count:
+                at -= count
             weights[c] *= part / SUB_CELLS
             total += weights[c]
     cells = tables.first[-1]

@@ -269,18 +269,22 @@ class BlinkTracker:
     def _watch_exposure(
         self, points: Array, clocks: Array, line: float, least_flux: float
     ) -> None:
-        """Hold the exposure against the lights that are sure."""
+        """Hold the exposure against one of the lights that are sure."""
         tracks, watch = self._tracks, self._exposure_watch
-        watch.forget()
-        for name in np.flatnonzero((self._best >= 0) & (self._lead > CLEAR)).tolist():
-            row = int(self._best[name])
-            point = points[int(tracks.now[row, 0])] if tracks.now[row, 0] >= 0.0 else None
-            y = tracks.state[row, 1] if point is None else point[Y]
-            watch.add(
-                name, float(clocks[name] + line * y),
-                None if point is None else (float(point[FLUX]), float(point[FLUX_SIGMA])),
-                tracks.full[row], least_flux,
-            )
+        if not watch.is_due():
+            return
+        sure = np.flatnonzero((self._best >= 0) & (self._lead > CLEAR))
+        name = watch.whose_turn(sure.tolist())
+        if name is None:
+            return
+        row = int(self._best[name])
+        point = points[int(tracks.now[row, 0])] if tracks.now[row, 0] >= 0.0 else None
+        y = tracks.state[row, 1] if point is None else point[Y]
+        watch.add(
+            name, float(clocks[name] + line * y),
+            None if point is None else (float(point[FLUX]), float(point[FLUX_SIGMA])),
+            tracks.full[row], least_flux,
+        )
 
     def known(self) -> list[Known]:
         """Return the lights that have a name."""

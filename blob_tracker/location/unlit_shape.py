@@ -16,7 +16,7 @@ import numpy as np
 BEFORE = -0.5  # of a flash's displacement: the unlit frame is halfway to the last lit one
 BRIGHTER = 1.0  # than the lit light: such a one in the unlit frame is another one
 UNDECIDED = 12.0  # of twice the log-likelihood, below which a ghost is likelier beforehand
-STEPS = 80
+STEPS = 40  # a fit that takes more goes along a valley that has no top
 MOST_CHI2 = 3.0  # beyond which the light is not of that shape: time is not spent on it
 STEEPEST = 2.0  # of the share, a row: the next one has it all
 FARTHEST = 20.0  # shares: how far from the middle of the window the switch may be

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from blob_tracker.kernel import kernel
-from blob_tracker.segmentation.tile_noise import median
+from typing import NamedTuple
+
+from blob_tracker.kernel import Array, kernel
+from blob_tracker.segmentation.gaussian_weights import fill_weights, VECTOR
+from blob_tracker.segmentation.order_statistics import fill_ranks
 from blob_tracker.types import Pixels
 import numpy as np
 from numpy.typing import NDArray
@@ -25,16 +28,51 @@ LINE_SIGMA_PX = 1.9  # px of the weight: below it pixels and noise have a part i
 # this much), and what is wider is a glow that it stands on.
 SHARP_GROWTH = 1.15
 SHARP_LIMIT = 1.9  # times the scale of that blob, which its sigma is not beyond
-# Pixels on a circle of 4 s: enough for a median and quartiles.
+# Pixels on a circle of 4 s: enough for a median and quartiles, and where these are when sorted.
 CIRCLE = 24
+RANKS = (CIRCLE // 4, (CIRCLE - 1) // 2, CIRCLE // 2, 3 * CIRCLE // 4)
 COSINES = np.cos(2.0 * np.pi * np.arange(CIRCLE) / CIRCLE)
 SINES = np.sin(2.0 * np.pi * np.arange(CIRCLE) / CIRCLE)
 SIGMA_PER_QUARTILES = 0.741  # sigma over the distance of the quartiles of Gaussian deviates
 RING_UPDATE_SIGMA = 0.15  # change of sigma, in sigma, after which the background is taken anew
+WIDEST = 2 * HALF_WIDTHS_PX[-1] + 1 + VECTOR  # binned px of a patch, with what is weighted by 0
 
 # What `measure` returns: the SNR is 0 if there is no blob.
 Measured = tuple[float, float, float, float, float, float, float, float, float]
 NO_BLOB = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+class Scratch(NamedTuple):
+    """
+    Memory that `measure` writes to, for one peak after the other.
+
+    Parameters
+    ----------
+    pixels : (n, n) float32 array
+        Lit less unlit about the peak.
+    along, across : two (3, n) arrays
+        Weights of columns and rows, the same times the distance and its square.
+    ring : (n,) float32 array
+        Pixels about the blob.
+    ranked : (4,) array
+        Some of them.
+
+    """
+
+    pixels: NDArray[np.float32]
+    along: Array
+    across: Array
+    ring: NDArray[np.float32]
+    ranked: Array
+
+
+@kernel
+def scratch() -> Scratch:
+    """Return such memory, which is enough for any blob."""
+    return Scratch(
+        np.empty((WIDEST, WIDEST), np.float32), np.empty((3, WIDEST)), np.empty((3, WIDEST)),
+        np.empty(4 * WIDEST, np.float32), np.empty(len(RANKS)),
+    )
 
 
 @kernel
@@ -48,6 +86,7 @@ def measure(
     noise: float,
     min_snr: float,
     max_sigma: float,
+    memory: Scratch,
 ) -> Measured:
     """
     Measure the blob at a peak.
@@ -82,6 +121,8 @@ def measure(
         SNR below which the blob is not measured further.
     max_sigma : float
         Greatest sigma, px.
+    memory : Scratch
+        Is written to.
 
     Returns
     -------
@@ -108,8 +149,11 @@ def measure(
             return NO_BLOB
         # The centre of the samples of a binned pixel is so far from the first one.
         edge = 0.5 * (binning - max(binning // BINNING, 1))
+        _fill_patch(memory.pixels, lit, unlit, x0, y0, width, height, binning)
         found = _iterate(
-            _patch(lit, unlit, x0, y0, width, height, binning),
+            memory,
+            width,
+            height,
             (x - x0 - edge) / binning,
             (y - y0 - edge) / binning,
             sigma / binning,
@@ -150,14 +194,16 @@ def _unbinned(sigma: float, binning: int) -> float:
 
 
 @kernel
-def _patch(
-    lit: Pixels, unlit: Pixels, x0: int, y0: int, width: int, height: int, binning: int
-) -> NDArray[np.float32]:
-    """Return (height, width) means of lit less unlit over squares, of 4 x 4 of their pixels."""
-    patch = np.zeros((height, width), np.float32)
+def _fill_patch(
+    patch: NDArray[np.float32], lit: Pixels, unlit: Pixels, x0: int, y0: int, width: int,
+    height: int, binning: int,
+) -> None:
+    """Fill in (height, width) means of lit less unlit over squares, of 4 x 4 of their pixels."""
     step = max(binning // BINNING, 1)
     for j in range(height):
         out = patch[j]
+        for i in range(np.uint64(width + VECTOR)):  # what is beyond is weighted by 0
+            out[i] = np.float32(0.0)
         for v in range(y0 + j * binning, y0 + (j + 1) * binning, step):
             a, b = lit[v], unlit[v]
             if binning == 1:
@@ -168,14 +214,16 @@ def _patch(
                 for i in range(width):
                     for u in range(x0 + i * binning, x0 + (i + 1) * binning, step):
                         out[i] += np.float32(np.int32(a[u]) - np.int32(b[u]))
-    if binning > 1:
-        patch /= np.float32(BINNING * BINNING)
-    return patch
+        if binning > 1:
+            for i in range(np.uint64(width)):
+                out[i] /= np.float32(BINNING * BINNING)
 
 
 @kernel
 def _iterate(
-    pixels: NDArray[np.float32],
+    memory: Scratch,
+    width: int,
+    height: int,
     x: float,
     y: float,
     sigma: float,
@@ -185,7 +233,7 @@ def _iterate(
     coarsest: float,
 ) -> Measured:
     """
-    Return what `measure` does, in px of `pixels`.
+    Return what `measure` does, in px of the patch of (height, width) in the memory.
 
     Sigma is `coarsest` or more where the blob is wider than that; the SNR is below `min_snr`, and
     what else is returned is rough, if there is none.
@@ -196,10 +244,10 @@ def _iterate(
     sharpest = sharp_scale = sharp_x = sharp_y = 0.0
     while scale <= coarsest:
         at_x, at_y = x, y
-        flux, norm, dx, dy, mxx, myy, mxy = _moments(pixels, x, y, scale, level)
+        flux, norm, dx, dy, mxx, myy, mxy = _moments(memory, width, height, x, y, scale, level)
         snr = flux / (noise * np.sqrt(norm))
         if snr >= min_snr:
-            around, spread = surroundings(pixels, x, y, scale)
+            around, spread = _surroundings(memory, width, height, x, y, scale)
             # The sum of w is twice that of its square.
             own = (flux - 2.0 * norm * (around - level)) / (max(noise, spread) * np.sqrt(norm))
             if sharpest >= min_snr and own < SHARP_GROWTH * sharpest:
@@ -227,9 +275,9 @@ def _iterate(
     ring_sigma = 0.0
     for _ in range(MAX_STEPS):
         if abs(sigma - ring_sigma) > RING_UPDATE_SIGMA * sigma:
-            level = _ring_median(pixels, x, y, sigma)
+            level = _ring_median(memory, width, height, x, y, sigma)
             ring_sigma = sigma
-        flux, norm, dx, dy, mxx, myy, mxy = _moments(pixels, x, y, sigma, level)
+        flux, norm, dx, dy, mxx, myy, mxy = _moments(memory, width, height, x, y, sigma, level)
         best = flux / (noise * np.sqrt(norm))
         if best <= 0.0:
             return x, y, sigma, sigma, sigma, sigma, 0.0, 0.0, level
@@ -277,6 +325,7 @@ def stands_out(
     row: int,
     noise: float,
     min_snr: float,
+    memory: Scratch,
 ) -> bool:
     """
     Tell whether a narrow blob is at a peak that lies on something wide.
@@ -294,30 +343,31 @@ def stands_out(
         about += 0.25 * (float(lit[v, u]) - float(unlit[v, u]))
     if rise - about < 0.5 * min_snr * noise:
         return False
-    pixels = _patch(lit, unlit, x0, y0, x1 - x0, y1 - y0, 1)
+    width, height = x1 - x0, y1 - y0
+    _fill_patch(memory.pixels, lit, unlit, x0, y0, width, height, 1)
     x, y = float(column - x0), float(row - y0)
     for scale in (FINEST_SCALE_PX, 2.0 * FINEST_SCALE_PX):
-        around, spread = surroundings(pixels, x, y, scale)
-        flux, norm, _, _, _, _, _ = _moments(pixels, x, y, scale, around)
+        around, spread = _surroundings(memory, width, height, x, y, scale)
+        flux, norm, _, _, _, _, _ = _moments(memory, width, height, x, y, scale, around)
         if flux >= min_snr * max(noise, spread) * np.sqrt(norm):
             return True
     return False
 
 
 @kernel
-def surroundings(
-    pixels: NDArray[np.float32], x: float, y: float, scale: float
+def _surroundings(
+    memory: Scratch, width: int, height: int, x: float, y: float, scale: float
 ) -> tuple[float, float]:
     """Return median and scatter (as a sigma) of the pixels on a circle of 4 s about (x, y)."""
     radius = max(REACH_SIGMA * scale, 3.0)
-    values = np.empty(CIRCLE)
+    values = memory.ring[:CIRCLE]
     for k in range(CIRCLE):
-        i = int(min(max(x + radius * COSINES[k] + 0.5, 0.0), pixels.shape[1] - 1.0))
-        j = int(min(max(y + radius * SINES[k] + 0.5, 0.0), pixels.shape[0] - 1.0))
-        values[k] = pixels[j, i]
-    middle = median(values, CIRCLE)  # which sorts them
-    quartiles = values[3 * CIRCLE // 4] - values[CIRCLE // 4]
-    return middle, SIGMA_PER_QUARTILES * quartiles
+        i = int(min(max(x + radius * COSINES[k] + 0.5, 0.0), width - 1.0))
+        j = int(min(max(y + radius * SINES[k] + 0.5, 0.0), height - 1.0))
+        values[k] = memory.pixels[j, i]
+    fill_ranks(values, RANKS, memory.ranked)
+    low, lower, upper, high = memory.ranked
+    return 0.5 * (lower + upper), SIGMA_PER_QUARTILES * (high - low)
 
 
 @kernel
@@ -342,40 +392,32 @@ def _unweighted(moment: float, weight: float) -> float:
 
 @kernel
 def _moments(
-    pixels: NDArray[np.float32], x: float, y: float, sigma: float, level: float
+    memory: Scratch, width: int, height: int, x: float, y: float, sigma: float, level: float
 ) -> tuple[float, float, float, float, float, float, float]:
     """Return sum(w I), sum(w^2), and the first and second moments under w about (x, y)."""
     half = max(REACH_SIGMA * sigma, 2.0)
-    first, last = max(int(x - half), 0), min(int(x + half) + 2, pixels.shape[1])
-    top, bottom = max(int(y - half), 0), min(int(y + half) + 2, pixels.shape[0])
-    scale = -0.5 / (sigma * sigma)
-    count = max(last - first, 0)
-    # Rows of weights, so that the compiler can put the sums into vectors.
-    along, along_x, along_xx = np.empty(count), np.empty(count), np.empty(count)
-    norm_x = norm_y = 0.0
-    for i in range(count):
-        d = i + first - x
-        weight = np.exp(scale * d * d)
-        along[i], along_x[i], along_xx[i] = weight, weight * d, weight * d * d
-        norm_x += weight * weight
+    first, last = max(int(x - half), 0), min(int(x + half) + 2, width)
+    top, bottom = max(int(y - half), 0), min(int(y + half) + 2, height)
+    across, down = max(last - first, 0), max(bottom - top, 0)
+    padded, norm_x = fill_weights(memory.along, across, first, x, sigma)
+    _, norm_y = fill_weights(memory.across, down, top, y, sigma)
+    w, w_x, w_xx = memory.along[0], memory.along[1], memory.along[2]
+    v, v_y, v_yy = memory.across[0], memory.across[1], memory.across[2]
     flux = sx = sy = sxx = syy = sxy = 0.0
-    for j in range(top, bottom):
-        d = j - y
-        across = np.exp(scale * d * d)
-        line = pixels[j, first:last]
+    for j in range(down):
+        line = memory.pixels[top + j, first:]
         row = row_x = row_xx = 0.0
-        for i in range(count):
+        for i in range(padded):
             value = line[i] - level
-            row += along[i] * value
-            row_x += along_x[i] * value
-            row_xx += along_xx[i] * value
-        norm_y += across * across
-        flux += across * row
-        sx += across * row_x
-        sxx += across * row_xx
-        sy += across * row * d
-        syy += across * row * d * d
-        sxy += across * row_x * d
+            row += w[i] * value
+            row_x += w_x[i] * value
+            row_xx += w_xx[i] * value
+        flux += v[j] * row
+        sx += v[j] * row_x
+        sxx += v[j] * row_xx
+        sy += v_y[j] * row
+        syy += v_yy[j] * row
+        sxy += v_y[j] * row_x
     norm = norm_x * norm_y
     if flux <= 0.0 or norm <= 0.0:
         return flux, max(norm, 1e-12), 0.0, 0.0, 0.0, 0.0, 0.0
@@ -385,12 +427,14 @@ def _moments(
 
 
 @kernel
-def _ring_median(pixels: NDArray[np.float32], x: float, y: float, sigma: float) -> float:
+def _ring_median(
+    memory: Scratch, width: int, height: int, x: float, y: float, sigma: float
+) -> float:
     """Return the median of the pixels on the border of the box of 4 sigma about (x, y)."""
     half = max(REACH_SIGMA * sigma, 3.0)
-    left, right = max(int(x - half), 0), min(int(x + half) + 1, pixels.shape[1] - 1)
-    top, bottom = max(int(y - half), 0), min(int(y + half) + 1, pixels.shape[0] - 1)
-    ring = np.empty(2 * (max(right - left, 0) + max(bottom - top, 0) + 2))
+    left, right = max(int(x - half), 0), min(int(x + half) + 1, width - 1)
+    top, bottom = max(int(y - half), 0), min(int(y + half) + 1, height - 1)
+    pixels, ring = memory.pixels, memory.ring
     count = 0
     for i in range(left, right + 1):
         ring[count] = pixels[top, i]
@@ -400,4 +444,5 @@ def _ring_median(pixels: NDArray[np.float32], x: float, y: float, sigma: float) 
         ring[count] = pixels[j, left]
         ring[count + 1] = pixels[j, right]
         count += 2
-    return np.median(ring[:count])
+    fill_ranks(ring[:count], ((count - 1) // 2, count // 2), memory.ranked)
+    return 0.5 * (memory.ranked[0] + memory.ranked[1])

@@ -44,12 +44,13 @@ def without_black_cores(contrast: Contrast, candidates: Sequence[Candidate]) -> 
     if not candidates or len(contrast.lit_frames) != 1:
         return None
     image, saturation = contrast.lit, contrast.saturation
+    pixel = image.item
     filled: Pixels | None = None
     seen: list[tuple[int, int, int, int]] = []
     for each in candidates:
-        column, row = each.peak
-        if image.item(row, column) < saturation:
+        if pixel(int(each.row), int(each.column)) < saturation:
             continue
+        column, row = each.peak
         if any(x0 <= column < x1 and y0 <= row < y1 for x0, y0, x1, y1 in seen):
             continue
         box = box_about(column, row, REACH_PX, REACH_PX, contrast.shape)

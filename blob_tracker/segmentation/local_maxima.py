@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 BAND_FRACTION = 0.25  # of a row above the threshold: the row is brighter, not something in it
 # Pixels of a tile's row above the threshold: of such only the highest is looked at
 CROWDED_PX = 32
+BLOCK_PX = 16  # px of a row that are looked at together before each of them is
 
 
 @kernel
@@ -86,25 +87,27 @@ def local_maxima(
                 if highest <= brighter + least:
                     continue
             least = max(brighter, 0.0) + level + least
-            for i in range(left, right):
-                rise = float(np.int32(a[i]) - np.int32(b[i]))
-                if rise <= least:
+            block = right - left if crowded else BLOCK_PX
+            for begin in range(left, right, block):
+                end = min(begin + block, right)
+                if _greatest_rise(a, b, begin, end) <= least:
                     continue
-                if crowded:
-                    if rise < highest + level:
+                for i in range(begin, end):
+                    rise = float(np.int32(a[i]) - np.int32(b[i]))
+                    if rise <= least or (crowded and rise < highest + level):
                         continue
-                elif not _is_peak(lit, unlit, region, i, j, rise):
-                    continue
-                if mask.size > 0 and mask[j, i] == 0:
-                    continue
-                height = rise - level_at(levels, i - x0, j - y0)
-                if height <= threshold * noises[ty, tx]:
-                    continue
-                if count < peaks.shape[0]:
-                    peaks[count, 0], peaks[count, 1], peaks[count, 2] = i, j, height
-                count += 1
-                if crowded:
-                    break
+                    if not crowded and not _is_peak(lit, unlit, region, i, j, rise):
+                        continue
+                    if mask.size > 0 and mask[j, i] == 0:
+                        continue
+                    height = rise - level_at(levels, i - x0, j - y0)
+                    if height <= threshold * noises[ty, tx]:
+                        continue
+                    if count < peaks.shape[0]:
+                        peaks[count, 0], peaks[count, 1], peaks[count, 2] = i, j, height
+                    count += 1
+                    if crowded:
+                        break
     return count, strongest
 
 
@@ -211,9 +214,20 @@ def _is_peak(
     lit: Pixels, unlit: Pixels, region: tuple[int, int, int, int], i: int, j: int, rise: float
 ) -> bool:
     """Tell whether no neighbour exceeds a pixel; of equal ones the first is the peak."""
-    for v in range(max(j - 1, region[1]), min(j + 2, region[3])):
-        for u in range(max(i - 1, region[0]), min(i + 2, region[2])):
-            other = float(np.int32(lit[v, u]) - np.int32(unlit[v, u]))
-            if other > rise or (other == rise and (v < j or (v == j and u < i))):
-                return False
+    # Its own row first: it is at hand, and most pixels of a blob are on a slope.
+    if i > region[0] and _rise(lit, unlit, i - 1, j) >= rise:
+        return False
+    if i + 1 < region[2] and _rise(lit, unlit, i + 1, j) > rise:
+        return False
+    for u in range(max(i - 1, region[0]), min(i + 2, region[2])):
+        if j > region[1] and _rise(lit, unlit, u, j - 1) >= rise:
+            return False
+        if j + 1 < region[3] and _rise(lit, unlit, u, j + 1) > rise:
+            return False
     return True
+
+
+@kernel
+def _rise(lit: Pixels, unlit: Pixels, i: int, j: int) -> float:
+    """Return lit less unlit at a pixel, DN."""
+    return float(np.int32(lit[j, i]) - np.int32(unlit[j, i]))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from blob_tracker.kernel import Array, kernel
-from blob_tracker.segmentation.adaptive_moments import measure, stands_out
+from blob_tracker.segmentation.adaptive_moments import measure, scratch, stands_out
 from blob_tracker.segmentation.description import describe, distance2, FIELDS, WINDOW_SIGMA
 from blob_tracker.segmentation.illumination import row_gains
 from blob_tracker.segmentation.local_maxima import brightest_square, level_at, local_maxima
@@ -27,6 +27,7 @@ WING_FRACTION = 0.1
 # little more, so that rounding decides nothing.
 WING_FACTOR, ELLIPSE_FACTOR = 2.01 * FLANK_SIGMA * FLANK_SIGMA, 1.01
 LEAST_GLOW_PX = 3.0  # px of sigma, from which on a blob may be a glow that a light stands on
+NEAR_AT_ONCE = 64  # blobs, of which it is asked together whether any is near
 SMALL_REGION_PX = 65536  # px: a larger region is not near the prediction
 
 
@@ -108,24 +109,27 @@ def measure_peaks(
         count, strongest = local_maxima(lit, unlit, region, mask, levels, noises, threshold, peaks)
     table = np.empty((FEW_CANDIDATES, FIELDS + 1))
     circles = np.empty((3, FEW_CANDIDATES))
+    memory, near = scratch(), np.empty(MOST_CANDIDATES, np.int64)
     found = 0
     for index in np.argsort(-peaks[:count, 2]):
         column, row = int(peaks[index, 0]), int(peaks[index, 1])
         noise, local_level = _surroundings(levels, noises, column - x0, row - y0)
-        narrowest = _on_flank(table[:found], circles[:, :found], column, row, peaks[index, 2])
+        narrowest = _on_flank(table, circles, found, column, row, peaks[index, 2], near)
         if narrowest > 0.0 and (
             narrowest < LEAST_GLOW_PX
-            or not stands_out(lit, unlit, region, column, row, noise, min_snr)
+            or not stands_out(lit, unlit, region, column, row, noise, min_snr, memory)
         ):
             continue
-        blob = measure(lit, unlit, region, column, row, local_level, noise, min_snr, max_sigma)
+        blob = measure(
+            lit, unlit, region, column, row, local_level, noise, min_snr, max_sigma, memory
+        )
         if blob[7] < min_snr:
             continue
         streak, blob = measure_streak(lit, unlit, region, saturation, blob)
         # A faint peak in the reach of a brighter light ends in it, or half-way to it.
         # On a glow only what is far narrower is another light.
         if not (narrowest > 0.0 and GLOW_WIDTH_RATIO * blob[4] > narrowest) and not _is_misplaced(
-            table[:found], circles[:, :found], blob, column, row
+            table, circles, found, blob, column, row, near
         ):
             describe(
                 table[found], lit, unlit, region, saturation, single_frame, blob, column, row,
@@ -145,7 +149,9 @@ def measure_peaks(
         # Near the prediction a faint blob is worth a second look: its brightest 3 x 3 pixels.
         column, row, height = brightest_square(lit, unlit, region, mask)
         noise, local_level = _surroundings(levels, noises, column - x0, row - y0)
-        blob = measure(lit, unlit, region, column, row, local_level, noise, min_snr, max_sigma)
+        blob = measure(
+            lit, unlit, region, column, row, local_level, noise, min_snr, max_sigma, memory
+        )
         if blob[7] >= min_snr:
             describe(
                 table[0], lit, unlit, region, saturation, single_frame, blob, column, row,
@@ -166,32 +172,47 @@ def _surroundings(levels: Array, noises: Array, x: int, y: int) -> tuple[float, 
 
 
 @kernel
-def _is_alone(circles: Array, x: float, y: float, factor: float, margin: float) -> bool:
+def _fill_near(
+    circles: Array, count: int, x: float, y: float, factor: float, margin: float,
+    near: NDArray[np.int64],
+) -> int:
     """
-    Tell whether a place is far from all blobs that were measured.
+    Fill in which of the blobs that were measured are near a place; return how many.
 
-    From the middle of each by more than factor (margin + radius^2), squared. `circles` has the
-    middles, px, and the squares of radii, px^2, within which their ellipses of 1 sigma lie.
+    They are those of which the middle is no further than factor (margin + radius^2), squared.
+    `circles` has the middles, px, and the squares of radii, px^2, within which their ellipses of
+    1 sigma lie.
     """
     xs, ys, radii = circles[0], circles[1], circles[2]
-    nearest = np.inf
-    for k in range(np.uint64(xs.size)):
-        dx, dy = x - xs[k], y - ys[k]
-        nearest = min(nearest, dx * dx + dy * dy - factor * (margin + radii[k]))
-    return nearest > 0.0
+    found = 0
+    for first in range(0, count, NEAR_AT_ONCE):
+        last = min(first + NEAR_AT_ONCE, count)
+        any_near = np.int64(0)  # counted, which goes in vectors: most are far
+        for k in range(np.uint64(first), np.uint64(last)):
+            dx, dy = x - xs[k], y - ys[k]
+            any_near += np.int64(dx * dx + dy * dy <= factor * (margin + radii[k]))
+        if any_near == 0:
+            continue
+        for k in range(first, last):
+            dx, dy = x - xs[k], y - ys[k]
+            if dx * dx + dy * dy <= factor * (margin + radii[k]):
+                near[found] = k
+                found += 1
+    return found
 
 
 @kernel
-def _on_flank(table: Array, circles: Array, column: int, row: int, height: float) -> float:
+def _on_flank(
+    table: Array, circles: Array, count: int, column: int, row: int, height: float,
+    near: NDArray[np.int64],
+) -> float:
     """
     Return how wide a blob is that was measured, and on which or in whose wings a peak lies.
 
     It is the narrowest one of them, and its sigma along the shortest axis, px; 0 where none is.
     """
-    if _is_alone(circles, column, row, WING_FACTOR, 1.0):
-        return 0.0
     narrowest = 0.0
-    for k in range(table.shape[0]):
+    for k in near[:_fill_near(circles, count, column, row, WING_FACTOR, 1.0, near)]:
         dx, dy = column - table[k, 0], row - table[k, 1]
         q = np.sqrt(distance2(dx, dy, table[k, 2], table[k, 3], table[k, 6]))
         outside = np.sqrt(dx * dx + dy * dy) * (1.0 - FLANK_SIGMA / q)
@@ -205,9 +226,11 @@ def _on_flank(table: Array, circles: Array, column: int, row: int, height: float
 def _is_misplaced(
     table: Array,
     circles: Array,
+    count: int,
     blob: tuple[float, float, float, float, float, float, float, float, float],
     column: int,
     row: int,
+    near: NDArray[np.int64],
 ) -> bool:
     """Tell whether what was measured is not at its peak, or is a blob that was measured before."""
     x, y, sigma_x, sigma_y, _, _, correlation, _, _ = blob
@@ -215,9 +238,7 @@ def _is_misplaced(
     away = np.sqrt(distance2(column - x, row - y, sigma_x, sigma_y, correlation))
     if away > WINDOW_SIGMA + margin:
         return True
-    if _is_alone(circles, x, y, ELLIPSE_FACTOR, 0.0):
-        return False
-    for k in range(table.shape[0]):
+    for k in near[:_fill_near(circles, count, x, y, ELLIPSE_FACTOR, 0.0, near)]:
         if table[k, 5] > GLOW_WIDTH_RATIO * blob[4]:
             continue  # a glow, which has its middle anywhere
         dx, dy = x - table[k, 0], y - table[k, 1]

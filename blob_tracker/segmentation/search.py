@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from itertools import repeat
 import math
 from typing import NamedTuple
 
@@ -45,7 +46,10 @@ IN_DN = [
         'surround_noise',
     )
 ]
-UNJUDGED = list(Candidate._field_defaults.values())[FIELDS - len(Candidate._fields):]
+UNJUDGED = [
+    repeat(value)
+    for value in list(Candidate._field_defaults.values())[FIELDS - len(Candidate._fields):]
+]
 
 
 class SearchResult(NamedTuple):
@@ -160,12 +164,13 @@ def _is_gain(gains: Array) -> bool:
 
 def _judged(table: Array) -> tuple[tuple[Candidate, ...], bool]:
     """Return the candidates of a table, and whether any of them is rejected, with its reason."""
-    candidates = [Candidate._make(row + UNJUDGED) for row in table[:, :FIELDS].tolist()]
-    faults = np.flatnonzero(table[:, FIELDS]).tolist()
-    for index in faults:
-        one = candidates[index]
-        candidates[index] = one._replace(rejected=in_words(int(table[index, FIELDS]), one))
-    return tuple(candidates), bool(faults)
+    *fields, faults = table.T.tolist()
+    candidates = list(map(Candidate._make, zip(*fields, *UNJUDGED)))
+    for index, what in enumerate(faults):
+        if what:
+            one = candidates[index]
+            candidates[index] = one._replace(rejected=in_words(int(what), one))
+    return tuple(candidates), any(faults)
 
 
 @functools.lru_cache

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from blob_tracker.blinking import code, Pattern, wave
-from blob_tracker.blinking.exposure_watch import ExposureWatch
+from blob_tracker.blinking.exposure_watch import (
+    CLOSE_FRAMES, ExposureWatch, SELDOM_FRAMES, TURN_FRAMES,
+)
 from blob_tracker.blinking.patterns import look
 import numpy as np
 import pytest
@@ -25,7 +27,6 @@ def ratios(told: float, true: float, pattern: Pattern, fade: float = 0.0) -> lis
     for frame in range(FRAMES):
         share = shares[int((frame + 0.5) * INTERVAL / pattern.period % 1.0 * PHASES)]
         flux = share * FULL + NOISE * random.standard_normal()
-        watch.forget()
         watch.add(
             0, float(frame), (flux, NOISE) if share > 0.05 else None, track, 0.05 * FULL
         )
@@ -58,3 +59,40 @@ def test_a_light_that_fades_is_noticed() -> None:
 def test_a_light_that_is_never_partly_lit_tells_nothing() -> None:
     """It is in step."""
     assert set(ratios(0.25, 0.25, code('s', '110', 60.0, 1))) == {1.0}
+
+
+def looks(watch: ExposureWatch, sure: list[int], frames: int) -> list[int]:
+    """Return which light was looked at in the frames in which one was."""
+    names = [watch.whose_turn(sure) for _ in range(frames) if watch.is_due()]
+    return [name for name in names if name is not None]
+
+
+def test_a_light_is_watched_closely_and_then_now_and_then() -> None:
+    """The exposure does not change: 3 % of the segmenter's time are enough for it."""
+    track = np.array([FULL, 0.01, 1e-4, 0.0, 0.0, 0.0])
+    watch, seen = ExposureWatch([WAVE], INTERVAL, 0.25 * INTERVAL), []
+    shares, _ = look(WAVE, PHASES, 0.25 * INTERVAL)
+    for frame in range(CLOSE_FRAMES + 10 * SELDOM_FRAMES):
+        if watch.is_due() and watch.whose_turn([0]) == 0:
+            share = shares[int((frame + 0.5) * INTERVAL / WAVE.period % 1.0 * PHASES)]
+            flux = (share * FULL, NOISE) if share > 0.05 else None
+            watch.add(0, float(frame), flux, track, 0.05 * FULL)
+            seen.append(frame)
+    assert seen[:CLOSE_FRAMES] == list(range(CLOSE_FRAMES))
+    assert len(seen) == pytest.approx(CLOSE_FRAMES + 10, abs=1)
+
+
+def test_lights_take_turns_but_for_those_in_step() -> None:
+    """What is in step has the same shares whatever the exposure."""
+    patterns = [WAVE, code('s', '110', 60.0, 1), CODE]
+    watch = ExposureWatch(patterns, INTERVAL, 0.25 * INTERVAL)
+    assert looks(watch, [1], 10) == []
+    found = looks(watch, [0, 1, 2], 2 * TURN_FRAMES)
+    assert found == sorted(found) and set(found) == {0, 2}
+
+
+def test_a_light_that_is_lost_gives_its_turn_to_another() -> None:
+    """At once."""
+    watch = ExposureWatch([WAVE, CODE], INTERVAL, 0.25 * INTERVAL)
+    assert looks(watch, [0, 1], 1) == [0]
+    assert looks(watch, [1], 1) == [1]

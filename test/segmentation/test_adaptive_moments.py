@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from blob_tracker.segmentation.adaptive_moments import measure
+from blob_tracker.segmentation.adaptive_moments import measure, scratch
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.simulation import expose, pixel_integrated_gaussian
@@ -29,7 +29,7 @@ def measured(
     height, width = contrast.shape
     found = measure(
         contrast.lit, contrast.unlit, region or (0, 0, width, height), column, row, level,
-        DEVIATION, least, largest,
+        DEVIATION, least, largest, scratch(),
     )
     return dict(zip(FIELDS, found, strict=True))
 

@@ -118,10 +118,10 @@ def test_a_look_at_all_circles_spares_none_that_is_on_a_flank() -> None:
     table[:, 6], table[:, 11] = random.uniform(-0.9, 0.9, 60), random.uniform(20.0, 200.0, 60)
     circles = np.array([table[:, 0], table[:, 1], table[:, 2]**2 + table[:, 3]**2])
     wide = circles + [[0.0], [0.0], [1e9]]
-    on_flank = 0
+    on_flank, near = 0, np.empty(60, np.int64)
     for x, y in random.integers(0, 400, (1000, 2)).tolist():
-        narrowest = _on_flank(table, circles, x, y, 5.0)
-        assert narrowest == _on_flank(table, wide, x, y, 5.0)
+        narrowest = _on_flank(table, circles, 60, x, y, 5.0, near)
+        assert narrowest == _on_flank(table, wide, 60, x, y, 5.0, near)
         on_flank += narrowest > 0.0
     assert 100 < on_flank < 900
 
