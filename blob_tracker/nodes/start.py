@@ -13,6 +13,7 @@ from blob_tracker.nodes.help import help_text
 from blob_tracker.nodes.interface import interface_of
 
 WIDEST = 99  # columns: longer lines are hard to read
+IMAGES = ('camera', 'simulator', 'pipeline')  # who publishes whole frames
 
 
 def __getattr__(name: str) -> Callable[[], None]:
@@ -34,6 +35,16 @@ def _start(name: str) -> None:
         print(help_text(interface_of(name), min(columns, WIDEST)))
         return
     gc.disable()  # until all is loaded, see ros/process.py
+    from blob_tracker.ros.process import begin  # loads rclpy
+    if code := begin(images=name in IMAGES):
+        sys.exit(code)
     from blob_tracker.kernel.notice import before_compiling  # loads NumPy
-    before_compiling(lambda sentence: print(sentence, file=sys.stderr, flush=True))
+    before_compiling(_tell)
     import_module(f'blob_tracker.nodes.{name}').main()
+
+
+def _tell(sentence: str) -> None:
+    """Say that kernels are compiled, which takes minutes: nobody need know the process yet."""
+    from blob_tracker.ros.presence import withdraw
+    withdraw()
+    print(sentence, file=sys.stderr, flush=True)
