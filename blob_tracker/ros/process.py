@@ -82,8 +82,7 @@ def run(
         return code
     prepare()
     # What has been loaded stays: no collection need look at it again. None ran meanwhile, see
-    # nodes/start.py.
-    gc.collect()
+    # nodes/start.py; what one would find now is less than it costs to look.
     gc.freeze()
     # rclpy looks for who logs among all modules, the first time for 50 ms: not with a fault.
     inspect.getframeinfo(sys._getframe())
