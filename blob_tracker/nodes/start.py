@@ -46,6 +46,6 @@ def _start(name: str) -> None:
 
 def _tell(sentence: str) -> None:
     """Say that kernels are compiled, which takes minutes: nobody need know the process yet."""
-    from blob_tracker.ros.presence import withdraw
-    withdraw()
+    from blob_tracker.ros.presence import leave
+    leave()
     print(sentence, file=sys.stderr, flush=True)

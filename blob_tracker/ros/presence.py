@@ -45,21 +45,26 @@ def announce(*, images: bool) -> None:
 
 def settle() -> None:
     """Leave signals to whoever handles them from now on."""
-    if _PRESENT:
-        for number in SIGNALS:
+    for number in SIGNALS:
+        if signal.getsignal(number) is _end:
             signal.signal(number, signal.SIG_DFL)
 
 
 def withdraw() -> None:
-    """Do without the hidden node, as the nodes are there; or are not for a long time."""
-    settle()
+    """Do without the hidden node, as the nodes are there."""
     while _PRESENT:
         _PRESENT.pop().destroy_node()
 
 
+def leave() -> None:
+    """Be gone again, as it is a long time until the nodes are there."""
+    settle()
+    withdraw()
+
+
 def _end(number: int, frame: FrameType | None) -> None:
     """End the process as the signal does, without a participant that seems to live on."""
-    withdraw()
+    leave()
     rclpy.try_shutdown()
     signal.raise_signal(number)
 

@@ -14,7 +14,7 @@ from support.processes import Probe, probe, Process
 LOADING = """
 import signal, sys, time
 from blob_tracker.ros import presence, process
-signal.signal(signal.SIGUSR1, lambda *_: presence.withdraw())
+signal.signal(signal.SIGUSR1, lambda *_: presence.leave())
 assert process.begin(images=sys.argv[1] == 'images') == 0
 time.sleep(60)
 """
