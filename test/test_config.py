@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+import re
 import subprocess
 import sys
 from typing import Any
@@ -83,6 +84,17 @@ def test_profile_holds_a_burst_of_large_images() -> None:
     root = ElementTree.parse(config_path('fastdds.xml')).getroot()
     size = int(root.find('.//dds:segment_size', space).text)
     assert size >= 10 * 1920 * 1200
+
+
+def test_the_smaller_profile_differs_in_the_segment_alone() -> None:
+    """Whole frames do not fit into it; one 1920 x 1200 picture of a debug_image does."""
+    found = {}
+    for name in ('fastdds.xml', 'fastdds_small.xml'):
+        _, _, text = config_path(name).read_text().partition('<dds')
+        found[name] = re.split(r'<segment_size>(\d+)</segment_size>', text)
+    (*large, end), (*small, small_end) = found.values()
+    assert (large[0], end) == (small[0], small_end)
+    assert 1920 * 1200 * 3 < int(small[1]) < int(large[1])
 
 
 def test_errors_of_fast_dds_are_on_the_standard_error() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from hashlib import sha256
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
@@ -44,18 +45,27 @@ def fingerprint(function: Callable[..., Any]) -> str:
         If one of them reads a global of a kind that cannot be told apart by its value.
 
     """
-    found: dict[str, object] = {}
+    found: dict[str, str] = {}
     waiting = [function]
     while waiting:
         one = waiting.pop()
         if _name(one) not in found:
-            found[_name(one)] = _parts(one, waiting)
-    whole = [sorted(licence(function)), _name(function), *sorted(found.items())]
-    return sha256(repr(whole).encode()).hexdigest()
+            found[_name(one)], called = _described(one)
+            waiting += called
+    parts = ', '.join(f'({name!r}, {text})' for name, text in sorted(found.items()))
+    whole = f'[{sorted(licence(function))!r}, {_name(function)!r}, {parts}]'
+    return sha256(whole.encode()).hexdigest()
 
 
 def _name(function: Callable[..., Any]) -> str:
     return f'{function.__module__}.{function.__qualname__}'
+
+
+@cache  # many kernels call the same few
+def _described(function: Callable[..., Any]) -> tuple[str, list[Callable[..., Any]]]:
+    """Return in words what the function itself is compiled from, and what it calls."""
+    called: list[Callable[..., Any]] = []
+    return repr(_parts(function, called)), called
 
 
 def _parts(function: Any, called: list[Callable[..., Any]]) -> object:

@@ -9,6 +9,7 @@ from typing import Any
 
 from blob_tracker.kernel.changes import fingerprint, licence
 from blob_tracker.kernel.kept import CODES, Kept
+from blob_tracker.kernel.machine_code import link, MachineCodeError
 from blob_tracker.kernel.notice import compiling
 from numba import njit, types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
@@ -71,7 +72,9 @@ def wrappers(
         try:
             kept = _kept(dispatcher._cache.on_disk(signature, result))
             yield signature, kept, result.library.get_pointer_to_function(kept.wrapper)
-        except (AttributeError, TypeError, ValueError, pickle.PicklingError):
+        except (
+            AttributeError, MachineCodeError, TypeError, ValueError, pickle.PicklingError,
+        ):
             yield signature, None, 0
 
 
@@ -89,7 +92,7 @@ def _kept(reduced: Any) -> Kept:
         codes=np.array(codes, np.int32).tobytes(),
         values=len(described.argtypes),
         wrapper=described.llvm_cpython_wrapper_name,
-        machine_code=bytes(code[0]),
+        image=link(bytes(code[0])),
         # Loaded later than the rest: a class may have another name by then.
         pickled=pickle.dumps((tuple(classes), environments)),
     )

@@ -15,9 +15,11 @@ import sys
 from typing import Any, NamedTuple
 
 from blob_tracker.kernel.changes import fingerprint
+from blob_tracker.kernel.machine_code import Image
 import numpy as np
 
 SUFFIX = '.nbm'  # beside Numba's .nbi and .nbc
+FORMAT = 'linked'  # of what is in it: another one is not read
 # Of /proc/cpuinfo: what LLVM tells a processor by.
 PROCESSOR = re.compile(r'^(?:vendor_id|cpu family|model|stepping|flags)\s*:.*$', re.M)
 NO_MATTER = ('NUMBA_CACHE_DIR',)
@@ -41,8 +43,8 @@ class Kept(NamedTuple):
         How many arguments there are.
     wrapper : str
         The symbol that is called.
-    machine_code : bytes
-        An object file.
+    image : Image
+        The machine code.
     pickled : bytes
         The classes that the codes name, and the environments: symbol, module, constants.
 
@@ -51,7 +53,7 @@ class Kept(NamedTuple):
     codes: bytes
     values: int
     wrapper: str
-    machine_code: bytes
+    image: Image
     pickled: bytes
 
 
@@ -125,4 +127,4 @@ def _surroundings() -> tuple[str, ...]:
         with open('/proc/cpuinfo') as file:
             first = ''.join(takewhile(str.strip, file))
             processor = '\n'.join(PROCESSOR.findall(first))
-    return version, np.__version__, sys.version, repr(sorted(settings.items())), processor
+    return FORMAT, version, np.__version__, sys.version, repr(sorted(settings.items())), processor

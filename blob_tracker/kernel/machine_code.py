@@ -1,5 +1,5 @@
 """
-Loads the machine code that Numba made, without Numba.
+Lays out and loads the machine code that Numba made, without Numba.
 
 It is an ELF object for x86-64, in the large code model: all that it refers to it has as a whole
 64-bit address, so nothing has to lie near anything else.
@@ -11,7 +11,7 @@ from collections.abc import Mapping
 import ctypes
 from functools import cache
 import mmap
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ SYMBOLS, RELOCATIONS, EMPTY = 2, 4, 8  # kinds of sections
 ALLOCATED, EXECUTABLE = 2, 4  # flags of sections
 UNDEFINED, RESERVED, LARGE_COMMON, COMMON = 0, 0xff00, 0xff02, 0xfff2  # in place of a section
 ADDRESS, DISTANCE = 1, 24  # R_X86_64_64 and R_X86_64_PC64
+LOCAL = 0  # binding of a symbol that other files do not see
 SECTION = np.dtype([
     ('name', '<u4'), ('kind', '<u4'), ('flags', '<u8'), ('address', '<u8'), ('offset', '<u8'),
     ('size', '<u8'), ('link', '<u4'), ('info', '<u4'), ('align', '<u8'), ('each', '<u8'),
@@ -37,32 +38,58 @@ RELOCATION = np.dtype([
 ])
 
 Records = NDArray[Any]
+_EIGHT = np.arange(8)  # bytes of an address
 
 
 class MachineCodeError(Exception):
     """Machine code that cannot be loaded: its message says why."""
 
 
-def load(code: bytes, known: Mapping[str, int]) -> dict[str, int]:
+class Image(NamedTuple):
     """
-    Place an object file in memory, for as long as the process lives.
+    An object file as it will lie in memory, wherever that is.
+
+    Parameters
+    ----------
+    content : bytes
+        What comes first is run. Addresses are in it as if it began at 0, those of what it calls
+        as if that were at 0.
+    run, size : int
+        Bytes of what is run, whole pages, and of all with what is empty at first.
+    places : bytes
+        Where addresses are in it, uint32.
+    terms : bytes
+        What is to be added to each of them, uint32: 0, its own address; then the address of each
+        of `calls`; then those less its own.
+    calls : tuple of str
+        What it calls.
+    symbols : dict of str to int
+        Where in it is what it defines.
+
+    """
+
+    content: bytes
+    run: int
+    size: int
+    places: bytes
+    terms: bytes
+    calls: tuple[str, ...]
+    symbols: dict[str, int]
+
+
+def link(code: bytes) -> Image:
+    """
+    Lay an object file out.
 
     Parameters
     ----------
     code : bytes
         As the compiler wrote it.
-    known : mapping of str to int
-        Addresses of what it calls; what is not in it is looked for in the process.
-
-    Returns
-    -------
-    dict of str to int
-        The addresses of what it defines.
 
     Raises
     ------
     MachineCodeError
-        If it is no such file, or calls what is nowhere.
+        If it is no such file.
 
     """
     sections = _sections(code)
@@ -78,27 +105,76 @@ def load(code: bytes, known: Mapping[str, int]) -> dict[str, int]:
         align = max(int(symbols['value'][index]), 1)
         values[index] = end = -(-end // align) * align
         end += int(symbols['size'][index])
+    here = (symbols['section'] != UNDEFINED) & (symbols['section'] < RESERVED)
+    values[here] += places[symbols['section'][here]]
+    here |= common
+    called = np.flatnonzero(symbols['section'] == UNDEFINED)[1:]  # the first has no name
+    number = np.zeros(len(symbols), np.uint32)
+    number[called] = 1 + np.arange(len(called))
 
-    base = _mapped(end)
-    memory = np.ctypeslib.as_array((ctypes.c_uint8 * end).from_address(base))
+    memory = np.zeros(end, np.uint8)
     placed = ((sections['flags'] & ALLOCATED) != 0) & (sections['kind'] != EMPTY)
     for one, place in zip(sections[placed], places[placed].tolist(), strict=True):
         content = np.frombuffer(code, np.uint8, int(one['size']), int(one['offset']))
         memory[place:place + content.size] = content
-    here = (symbols['section'] != UNDEFINED) & (symbols['section'] < RESERVED)
-    values[here] += places[symbols['section'][here]]
-    here |= common
-    values[here] += np.uint64(base)
-    for index in np.flatnonzero(symbols['section'] == UNDEFINED)[1:]:  # the first has no name
-        values[index] = _found(names[index], known)
+    found = []
     for one in sections[sections['kind'] == RELOCATIONS]:
         if sections['flags'][one['info']] & ALLOCATED:
             entries = np.frombuffer(
                 code, RELOCATION, int(one['size']) // RELOCATION.itemsize, int(one['offset'])
             )
-            _relocate(memory, base, places[one['info']], values, entries)
-    _protect(base, run)
-    return {names[index]: int(values[index]) for index in np.flatnonzero(here)}
+            found.append(_relocate(memory, places[one['info']], values, entries, number, here))
+    written, terms = np.concatenate(found or [np.zeros((2, 0), np.uint32)], axis=1)
+    return Image(
+        content=memory.tobytes().rstrip(b'\0'),
+        run=run,
+        size=end,
+        places=written.tobytes(),
+        terms=terms.tobytes(),
+        calls=tuple(names[index] for index in called),
+        symbols={
+            names[index]: int(values[index])
+            for index in np.flatnonzero(here & (symbols['info'] >> 4 != LOCAL))
+        },
+    )
+
+
+def load(image: Image, known: Mapping[str, int]) -> dict[str, int]:
+    """
+    Place machine code in memory, for as long as the process lives.
+
+    Parameters
+    ----------
+    image : Image
+        As `link` makes it.
+    known : mapping of str to int
+        Addresses of what it calls; what is not in it is looked for in the process.
+
+    Returns
+    -------
+    dict of str to int
+        The addresses of what it defines.
+
+    Raises
+    ------
+    MachineCodeError
+        If it calls what is nowhere.
+
+    """
+    calls = [known[name] if name in known else _exported(name) for name in image.calls]
+    base = _mapped(image.size)
+    ctypes.memmove(base, image.content, len(image.content))
+    memory = np.frombuffer(
+        memoryview((ctypes.c_uint8 * image.size).from_address(base)), np.uint8
+    )
+    added = np.array([base, *calls, *calls], np.uint64)
+    added[1 + len(calls):] -= np.uint64(base)
+    terms = added[np.frombuffer(image.terms, np.uint32)]
+    each = np.frombuffer(image.places, np.uint32).astype(np.intp)[:, None] + _EIGHT
+    sums = memory[each].view(np.uint64)[:, 0] + terms
+    memory[each] = sums.view(np.uint8).reshape(-1, 8)
+    _protect(base, image.run)
+    return {name: base + place for name, place in image.symbols.items()}
 
 
 def _sections(code: bytes) -> Records:
@@ -139,10 +215,9 @@ def _names(code: bytes, symbols: Records, strings: np.void) -> list[str]:
     return [text[each:text.index(b'\0', each)].decode() for each in symbols['name'].tolist()]
 
 
-def _found(name: str, known: Mapping[str, int]) -> int:
-    """Return where something is that the code calls."""
-    if name in known:
-        return known[name]
+@cache
+def _exported(name: str) -> int:
+    """Return where something is in this process."""
     try:
         return ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0
     except AttributeError:
@@ -150,10 +225,10 @@ def _found(name: str, known: Mapping[str, int]) -> int:
 
 
 def _relocate(
-    memory: NDArray[np.uint8], base: int, start: np.uint64, values: NDArray[np.uint64],
-    entries: Records,
-) -> None:
-    """Write the addresses into a section."""
+    memory: NDArray[np.uint8], start: np.uint64, values: NDArray[np.uint64], entries: Records,
+    number: NDArray[np.uint32], here: NDArray[np.bool_],
+) -> NDArray[np.uint32]:
+    """Write into a section what is known of its addresses; return places and terms, as `Image`."""
     if not np.isin(entries['kind'], (ADDRESS, DISTANCE)).all():
         raise MachineCodeError('relocations of another code model')
     places = entries['offset'] + start
@@ -161,8 +236,12 @@ def _relocate(
         raise MachineCodeError('a relocation beyond the end')
     targets = values[entries['symbol']] + entries['added'].view(np.uint64)
     far = entries['kind'] == DISTANCE
-    targets[far] -= places[far] + np.uint64(base)
-    memory[places.astype(np.intp)[:, None] + np.arange(8)] = targets.view(np.uint8).reshape(-1, 8)
+    targets[far] -= places[far]
+    memory[places.astype(np.intp)[:, None] + _EIGHT] = targets.view(np.uint8).reshape(-1, 8)
+    terms = number[entries['symbol']]
+    terms[far & (terms > 0)] += number.max(initial=0)
+    kept = (terms > 0) | (here[entries['symbol']] & ~far)
+    return np.stack([places.astype(np.uint32)[kept], terms[kept]])
 
 
 def _mapped(size: int) -> int:

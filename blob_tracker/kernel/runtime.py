@@ -42,7 +42,7 @@ def placed(kept: Kept) -> tuple[tuple[type, ...], int] | None:
     """
     try:
         classes, environments = pickle.loads(kept.pickled)
-        symbols = load(kept.machine_code, _known())
+        symbols = load(kept.image, _known())
         for name, (module, constants) in environments.items():
             if name in symbols:
                 # Numba's own functions have some as well. Only its object mode looks into it.

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from functools import partial
 import gc
 from importlib import import_module
+import os
 import shutil
 import signal
 import sys
@@ -13,6 +14,7 @@ from blob_tracker.nodes.help import help_text
 from blob_tracker.nodes.interface import interface_of
 
 WIDEST = 99  # columns: longer lines are hard to read
+IMAGES = ('camera', 'simulator', 'pipeline')  # who publishes whole frames
 
 
 def __getattr__(name: str) -> Callable[[], None]:
@@ -26,14 +28,24 @@ def _start(name: str) -> None:
     """Load a node and run it, or say what it is."""
     # Python's own handler would print where in the imports it was; rclpy puts in another later.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    gc.disable()  # until all is loaded, see ros/process.py
     words = sys.argv[1:]
     if '--ros-args' in words:  # what follows is rclpy's
         words = words[: words.index('--ros-args')]
     if '--help' in words or '-h' in words:
         columns = shutil.get_terminal_size((WIDEST, 0)).columns
-        print(help_text(interface_of(name), min(columns, WIDEST)))
-        return
-    gc.disable()  # until all is loaded, see ros/process.py
+        print(help_text(interface_of(name), min(columns, WIDEST)), flush=True)
+        os._exit(0)  # to take down what was loaded takes as long as a tenth of it
+    from blob_tracker.ros.process import begin  # loads rclpy
+    if code := begin(images=name in IMAGES):
+        sys.exit(code)
     from blob_tracker.kernel.notice import before_compiling  # loads NumPy
-    before_compiling(lambda sentence: print(sentence, file=sys.stderr, flush=True))
+    before_compiling(_tell)
     import_module(f'blob_tracker.nodes.{name}').main()
+
+
+def _tell(sentence: str) -> None:
+    """Say that kernels are compiled, which takes minutes: nobody need know the process yet."""
+    from blob_tracker.ros.presence import leave
+    leave()
+    print(sentence, file=sys.stderr, flush=True)

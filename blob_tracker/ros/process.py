@@ -8,14 +8,18 @@ import gc
 import inspect
 import sys
 
+from blob_tracker.ros import presence
 from blob_tracker.ros.errors import ParameterError
 from blob_tracker.ros.parameters.given import remarks, sources, unreadable
 import rclpy
 from rclpy.context import Context
-from rclpy.exceptions import NameValidationException, ParameterException
+from rclpy.exceptions import (
+    NameValidationException, NotInitializedException, ParameterException,
+)
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.logging import LoggingSeverity
 from rclpy.node import Node
+from rclpy.signals import install_signal_handlers, SignalHandlerOptions
 from rclpy.task import Future
 
 try:
@@ -25,6 +29,33 @@ except ImportError:  # rclpy before 7.1.4
 
 WRONG_USE = 2  # exit code, as for a shell command called wrongly
 SPELL_S = 10.0  # s; the plain executor adds a little to its future with each callback
+
+
+def begin(*, images: bool = True) -> int:
+    """
+    Start ROS, and let other processes discover this one while it loads the rest.
+
+    Parameters
+    ----------
+    images : bool
+        Whether it publishes whole frames, see `presence.announce`.
+
+    Returns
+    -------
+    int
+        Exit code, as that of `run`: 0 to go on.
+
+    """
+    if fault := unreadable(sys.argv):  # rcl would name lines of its own source
+        say(fault)
+        return WRONG_USE
+    try:
+        _initialise()
+    except Exception as error:  # rclpy raises private types of its C layer here
+        say(f'wrong ROS arguments: {error}{_remedy(str(error))}')
+        return WRONG_USE
+    presence.announce(images=images)
+    return 0
 
 
 def run(
@@ -38,7 +69,7 @@ def run(
     create : callable
         Makes the nodes, one after the other; they are destroyed in reverse.
     prepare : callable
-        Long work before that. ROS is not yet there, so that a signal ends it at once.
+        Long work before that. A signal ends it at once.
 
     Returns
     -------
@@ -47,21 +78,16 @@ def run(
         the standard error.
 
     """
-    if fault := unreadable(sys.argv):  # rcl would name lines of its own source
-        say(fault)
-        return WRONG_USE
+    if not rclpy.ok() and (code := begin()):
+        return code
     prepare()
-    # Before ROS is there, so that a signal still ends it at once. What has been loaded stays: no
-    # collection need look at it again. None ran meanwhile, see nodes/start.py.
-    gc.collect()
+    # What has been loaded stays: no collection need look at it again. None ran meanwhile, see
+    # nodes/start.py; what one would find now is less than it costs to look.
     gc.freeze()
     # rclpy looks for who logs among all modules, the first time for 50 ms: not with a fault.
     inspect.getframeinfo(sys._getframe())
-    try:
-        _initialise()
-    except Exception as error:  # rclpy raises private types of its C layer here
-        say(f'wrong ROS arguments: {error}{_remedy(str(error))}')
-        return WRONG_USE
+    presence.settle()
+    install_signal_handlers(SignalHandlerOptions.ALL)
     nodes: list[Node] = []
     executor: Executor | None = None
     try:
@@ -71,11 +97,13 @@ def run(
         except (ParameterError, NameValidationException, ParameterException) as error:
             say(error)
             return WRONG_USE
-        except RuntimeError as error:  # of rclpy's C layer: a QoS override that cannot be, say
-            if not rclpy.ok():
+        # Of rclpy's C layer: a QoS override that cannot be, say.
+        except (RuntimeError, NotInitializedException) as error:
+            if not rclpy.ok():  # a signal came
                 return 0
             say(f'the node cannot be made: {error}')
             return WRONG_USE
+        presence.withdraw()
         _say_remarks(nodes)
         gc.freeze()
         gc.enable()
@@ -103,6 +131,7 @@ def run(
             executor.shutdown()  # or the middleware would call into what is destroyed next
         for node in reversed(nodes):
             node.destroy_node()
+        presence.withdraw()
         shut_down()
     return 0
 
@@ -160,10 +189,13 @@ def say(what: object) -> None:
 def _initialise() -> None:
     """Start ROS; without log files if there is no place for them."""
     try:
-        rclpy.init()
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     except RuntimeError as error:
         if 'log directory' not in str(error):
             raise
         say(f'there are no log files, set ROS_LOG_DIR to a folder that can be written to: {error}')
         shut_down()  # a context can be tried once
-        rclpy.init(args=[*sys.argv, '--ros-args', '--disable-external-lib-logs'])
+        rclpy.init(
+            args=[*sys.argv, '--ros-args', '--disable-external-lib-logs'],
+            signal_handler_options=SignalHandlerOptions.NO,
+        )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 
-from blob_tracker.kernel.machine_code import load, MachineCodeError
+from blob_tracker.kernel.machine_code import link, load, MachineCodeError
 import numpy as np
 import pytest
 
@@ -48,7 +48,7 @@ def _packed(*values: tuple[str, int]) -> bytes:
 
 def test_a_function_is_placed_and_runs() -> None:
     """The smallest there is."""
-    found = load(object_file(), {})
+    found = load(link(object_file()), {})
     assert ctypes.CFUNCTYPE(ctypes.c_int)(found['answer'])() == 42
 
 
@@ -65,6 +65,6 @@ def test_a_function_is_placed_and_runs() -> None:
 def test_what_cannot_be_placed_is_refused(code: bytes, reason: str) -> None:
     """Another processor, a file that is cut, what calls what is not there."""
     with pytest.raises(MachineCodeError, match=reason):
-        load(code, {})
+        load(link(code), {})
     if 'nowhere' in reason:
-        load(code, {'nowhere_at_all': 1})
+        load(link(code), {'nowhere_at_all': 1})

@@ -88,10 +88,14 @@ class Process:
                 return int(value.split()[0])
         raise KeyError(name)
 
+    def send(self, number: int) -> None:
+        """Send a signal."""
+        self._popen.send_signal(number)
+
     def end(self, number: int = signal.SIGINT, timeout: float = EXIT) -> int:
         """Send a signal, wait for the end, and return the exit code."""
         if self.running:
-            self._popen.send_signal(number)
+            self.send(number)
         return self.wait(timeout)
 
     def ctrl_c(self, timeout: float = EXIT) -> int:

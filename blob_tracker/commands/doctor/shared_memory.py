@@ -52,7 +52,7 @@ def check_shared_memory(folder: Path = FOLDER) -> Iterator[Finding]:
 def judge_space(folder: Path, size: int, free: int) -> Finding:
     """Return the finding on the size and the free space of the folder, bytes."""
     words = f'{folder}: {free // MIB} of {size // MIB} MiB are free'
-    need = f'each process that runs nodes takes {SEGMENT // MIB} MiB'
+    need = f'each process that runs nodes takes up to {SEGMENT // MIB} MiB'
     if free >= PROCESSES * SEGMENT:
         return ok('shared memory', f'{words}; {need}')
     # Docker gives 64 MiB: one process has its segment.

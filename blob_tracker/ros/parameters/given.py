@@ -8,8 +8,6 @@ from pathlib import Path
 import re
 from typing import Any
 
-import yaml
-
 ALL = '/**'  # the key of every node
 
 
@@ -144,6 +142,8 @@ def _value(text: Any) -> Any:
     """Return the value of a parameter's text, as far as YAML and rcl agree."""
     if not isinstance(text, str):
         return text
+    import yaml
+
     try:
         value = yaml.safe_load(text)
     except yaml.YAMLError:
@@ -156,6 +156,8 @@ def _value(text: Any) -> Any:
 
 def _of_file(path: str) -> Iterator[Source]:
     """Yield what a file gives to the nodes that it names."""
+    import yaml  # only where there is something to read: it takes as long as a node's parameters
+
     try:
         # All values as they are written: numbers, too.
         content = yaml.load(Path(path).read_text(encoding='utf-8'), yaml.BaseLoader)
