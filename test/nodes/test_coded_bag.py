@@ -30,6 +30,17 @@ FLASH: dict[str, Any] = {
 }
 LIGHTS = {'lights': ','.join(CODES)}
 REPLAY = ('--params-file', str(config_path('replay.yaml')))
+# Nothing is lost in a queue on the topics that have the names of the lights, either.
+WINDOWS = [f'/target/{name}/window/{end}' for name in CODES for end in ('image_raw', 'camera_info')]
+RESULTS = [f'/target/{name}/{end}' for name in CODES for end in ('bearing', 'centroid', 'ray')]
+SENT, PUBLISHED = (
+    {f'qos_overrides.{topic}.publisher.history': 'keep_all' for topic in topics}
+    for topics in (WINDOWS, RESULTS)
+)
+TAKEN = {
+    f'qos_overrides.{topic}.subscription.{policy}': value
+    for topic in WINDOWS for policy, value in (('reliability', 'reliable'), ('history', 'keep_all'))
+}
 
 Bearings = dict[str, list[tuple[int, float, float]]]  # stamp in ns, azimuth and elevation in mrad
 
@@ -80,8 +91,8 @@ def ways(module_domain: int) -> Iterator[tuple[dict[str, Bearings], dict[str, li
             node.record(PointStamped, f'simulator/truth/{name}/centroid')
             node.record(PointStamped, f'target/{name}/centroid')
             node.record(PoseWithCovarianceStamped, f'target/{name}/ray')
-        with start('segmenter', module_domain, *REPLAY, **FLASH), start(
-            'locator', module_domain, *REPLAY, **LIGHTS
+        with start('segmenter', module_domain, *REPLAY, **FLASH, **SENT), start(
+            'locator', module_domain, *REPLAY, **LIGHTS, **TAKEN, **PUBLISHED
         ):
             for name in CODES:
                 topic = f'target/{name}/window/image_raw'
@@ -91,7 +102,9 @@ def ways(module_domain: int) -> Iterator[tuple[dict[str, Bearings], dict[str, li
             python = by_pipeline(images, infos)
             processes = bearings(node, python)
         said = {topic: list(messages) for topic, messages in node.received.items()}
-        with start('pipeline', module_domain, *REPLAY, **FLASH, source='images'):
+        with start(
+            'pipeline', module_domain, *REPLAY, **FLASH, **PUBLISHED, source='images'
+        ):
             node.spin_until(lambda: node.count_publishers('target/port/bearing'))
             play(node, module_domain, 'segmenter')
             together = bearings(node, python)
