@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 import rclpy
 from rich.console import Console
-from support.processes import probe, Process
+from support.processes import PATIENCE, probe, Process
 
 MODEL = CameraModel(640, 480, pinhole_matrix(600.0, 640, 480))
 INTERVAL_NS = 16_666_667
@@ -113,7 +113,7 @@ def test_a_closed_terminal_ends_the_nodes(tmp_path: Path, domain: int) -> None:
     with probe(domain) as node, Process(command, domain) as demo:
         nodes = {'segmenter', 'locator', 'simulator'}
         node.spin_until(lambda: nodes <= set(node.get_node_names()))
-        assert demo.end(signal.SIGHUP, timeout=10.0) == 130
+        assert demo.end(signal.SIGHUP, timeout=PATIENCE) == 130
         node.spin_until(lambda: set(node.get_node_names()) == {'probe'})
     assert 'Traceback' not in demo.output
 
@@ -128,6 +128,6 @@ def test_demo_on_a_missing_camera_says_so(tmp_path: Path, domain: int) -> None:
         ))
         node.settle(2.0)  # until the table shows it
         assert demo.running
-        assert demo.end(timeout=10.0) == 0
+        assert demo.end(timeout=PATIENCE) == 0
     assert '/dev/no_such_camera: there is no such device' in demo.output
     assert 'Traceback' not in demo.output

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import itertools
 from pathlib import Path
 import time
@@ -22,7 +23,7 @@ from rcl_interfaces.msg import Log
 from scipy.stats import chi2
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Bool
-from support.processes import PATIENCE, probe, start
+from support.processes import PATIENCE, Probe, probe, start
 from support.slowness import slowness
 
 RATE = 60.0
@@ -45,23 +46,38 @@ def before_a_wall(
     )
 
 
-def play(node, scene: Scene, until, timeout: float = PATIENCE, first: int = 0) -> int:
-    """Publish frames of a scene until something has come of them; return the next one's number."""
-    images = node.create_publisher(Image, 'camera/image_raw', IMAGE_OUT)
-    infos = node.create_publisher(CameraInfo, 'camera/camera_info', IMAGE_OUT)
-    began = time.monotonic()
-    for index in itertools.count(first):
-        stamp_ns = scene.stamp_ns(index)
-        images.publish(from_pixels(scene.frame(index), stamp_ns, 'optical'))
-        infos.publish(stamped(from_camera_model(MODEL, 160, 120), stamp_ns, 'optical'))
-        node.spin(0.01)
-        if until():
-            break
-        waited = time.monotonic() - began
-        assert waited < timeout * slowness(), f'not within {waited:.0f} s'
-    node.destroy_publisher(images)
-    node.destroy_publisher(infos)
-    return index + 1
+class Camera:
+    """Frames that the test plays; what comes of them is waited for, however many are lost."""
+
+    def __init__(self, node: Probe) -> None:
+        self._node = node
+        self._images = node.create_publisher(Image, 'camera/image_raw', IMAGE_OUT)
+        self._infos = node.create_publisher(CameraInfo, 'camera/camera_info', IMAGE_OUT)
+        self._info = from_camera_model(MODEL, 160, 120)
+        self._diagnostics = node.record(DiagnosticArray, '/diagnostics')
+
+    def play(self, scene: Scene, until: Callable[[], object], first: int = 0) -> int:
+        """Publish frames until something has come of them; return the next one's number."""
+        began = time.monotonic()
+        for index in itertools.count(first):
+            stamp_ns = scene.stamp_ns(index)
+            self._images.publish(from_pixels(scene.frame(index), stamp_ns, 'optical'))
+            self._infos.publish(stamped(self._info, stamp_ns, 'optical'))
+            self._node.spin(0.01)
+            if until():
+                return index + 1
+            waited = time.monotonic() - began
+            assert waited < PATIENCE * slowness(), self._state(index + 1 - first, waited)
+        raise AssertionError
+
+    def _state(self, sent: int, waited: float) -> str:
+        """Say what there was where nothing came."""
+        takers = self._images.get_subscription_count(), self._infos.get_subscription_count()
+        return (
+            f'not within {waited:.0f} s: {sent} frames; taken by {takers}; there are '
+            f'{self._node.get_node_names()}; said is '
+            f'{[each.status[0] for each in self._diagnostics[-2:]]}'
+        )
 
 
 def alternate(x: float, y: float, amplitude: float) -> Light:
@@ -84,6 +100,7 @@ def test_each_coded_light_has_topics_of_its_own(domain: int) -> None:
     ), exposure=0.3)
     codes = ','.join(f'{name}:{bits}' for name, bits in CODES.items())
     with probe(domain) as node:
+        camera = Camera(node)
         windows = {name: node.record(Image, f'target/{name}/window/image_raw') for name in CODES}
         infos = {
             name: node.record(CameraInfo, f'target/{name}/window/camera_info') for name in CODES
@@ -93,7 +110,7 @@ def test_each_coded_light_has_topics_of_its_own(domain: int) -> None:
             'segmenter', domain, flash__mode='coded', flash__codes=codes,
             flash__exposure=0.3 / RATE,
         ):
-            play(node, scene, lambda: all(len(windows[name]) >= 4 for name in CODES))
+            camera.play(scene, lambda: all(len(windows[name]) >= 4 for name in CODES))
             node.spin_until(
                 lambda: all(visible[name] and visible[name][-1].data for name in CODES)
             )
@@ -110,6 +127,7 @@ def test_windows_of_lock_in_are_sums_of_16_bits(domain: int) -> None:
     """16UC2, with a camera_info of the same stamp, though that is no frame's own."""
     scene = before_a_wall(Light(71.3, 52.6, 2.0, 60.0, periodic(0.31 * RATE, 0.5)))
     with probe(domain) as node:
+        camera = Camera(node)
         windows = node.record(Image, 'target/window/image_raw')
         infos = node.record(CameraInfo, 'target/window/camera_info')
         visible = node.record(Bool, 'target/visible', STATE)
@@ -117,7 +135,7 @@ def test_windows_of_lock_in_are_sums_of_16_bits(domain: int) -> None:
         with start(
             'segmenter', domain, flash__mode='lock_in', flash__frequency=0.31 * RATE
         ):
-            play(node, scene, lambda: len(windows) >= 3 and len(infos) >= 3)
+            camera.play(scene, lambda: len(windows) >= 3 and len(infos) >= 3)
             # From the first block on it is in view, also while the next one is gathered.
             assert [m.data for m in visible][-1] is True
             assert [m.data for m in visible].count(True) == 1
@@ -132,6 +150,7 @@ def test_auto_says_which_light_it_found(domain: int) -> None:
     """It watches, says so, then publishes the window of the light and what to set."""
     scene = before_a_wall(Light(71.3, 52.6, 2.0, 120.0, periodic(10.3, 0.5)))
     with probe(domain) as node:
+        camera = Camera(node)
         windows = node.record(Image, 'target/window/image_raw')
         diagnostics = node.record(DiagnosticArray, '/diagnostics')
 
@@ -143,10 +162,10 @@ def test_auto_says_which_light_it_found(domain: int) -> None:
 
         with start('segmenter', domain, flash__mode='auto', flash__exposure=0.5 / RATE):
             # Diagnostics come once a second, and a light that blinks is found in less.
-            first = play(node, before_a_wall(), watching, timeout=60.0)
-            play(
-                node, scene, lambda: 'light found' in values(diagnostics) and len(windows) > 5,
-                timeout=60.0, first=first,
+            first = camera.play(before_a_wall(), watching)
+            camera.play(
+                scene, lambda: 'light found' in values(diagnostics) and len(windows) > 5,
+                first=first,
             )
     assert 'set flash.mode periodic, flash.frequency 10.' in values(diagnostics)['light found']
 
@@ -155,10 +174,11 @@ def test_a_light_out_of_step_is_spoken_of_in_the_log(domain: int) -> None:
     """Why it is no target, after some seconds, and which parameter takes it."""
     scene = before_a_wall(Light(71.3, 52.6, 2.0, 120.0, periodic(8.1, 0.5)))
     with probe(domain) as node:
+        camera = Camera(node)
         said = node.record(Log, '/rosout')
         with start('segmenter', domain):
-            play(
-                node, scene, lambda: any('flash.mode, such as auto' in each.msg for each in said),
+            camera.play(
+                scene, lambda: any('flash.mode, such as auto' in each.msg for each in said),
             )
     assert any(each.msg.startswith('no target: ') for each in said)
 
@@ -167,9 +187,10 @@ def test_steady_windows_have_one_channel(domain: int) -> None:
     """8UC1, from single frames."""
     scene = before_a_wall(Light(71.3, 52.6, 2.0, 60.0))
     with probe(domain) as node:
+        camera = Camera(node)
         windows = node.record(Image, 'target/window/image_raw')
         with start('segmenter', domain, flash__mode='steady'):
-            play(node, scene, lambda: len(windows) >= 2)
+            camera.play(scene, lambda: len(windows) >= 2)
     assert {m.encoding for m in windows} == {'8UC1'}
 
 
@@ -181,6 +202,7 @@ def test_the_covariance_of_summed_looks_is_true(domain: int) -> None:
     # residuals that there is more.
     locator = {'method': 'multi_gaussian_lm', 'noise__gain': 40.0, 'noise__read_noise': 3.0}
     with probe(domain) as node:
+        camera = Camera(node)
         windows = node.record(Image, 'target/window/image_raw')
         centroids = node.record(PointStamped, 'target/centroid')
         rays = node.record(PoseWithCovarianceStamped, 'target/ray')
@@ -188,7 +210,7 @@ def test_the_covariance_of_summed_looks_is_true(domain: int) -> None:
             start('segmenter', domain, looks=5),
             start('locator', domain, looks=5, **locator),
         ):
-            play(node, scene, lambda: min(len(rays), len(centroids)) >= 40, timeout=60.0)
+            camera.play(scene, lambda: min(len(rays), len(centroids)) >= 40)
     assert {m.encoding for m in windows} == {'16UC2'}
     covariance = {to_ns(m.header.stamp): m.pose.covariance for m in rays}
     focal_length = MODEL.matrix[0, 0]
@@ -214,9 +236,10 @@ def test_a_mask_hides_the_brighter_light(domain: int, tmp_path: Path) -> None:
     cv2.imwrite(str(tmp_path / 'mask.png'), mask)
     cv2.imwrite(str(tmp_path / 'small.png'), mask[60:])
     with probe(domain) as node:
+        camera = Camera(node)
         infos = node.record(CameraInfo, 'target/window/camera_info')
         with start('segmenter', domain, mask_url=tmp_path / 'mask.png'):
-            play(node, scene, lambda: len(infos) >= 5)
+            camera.play(scene, lambda: len(infos) >= 5)
         for info in infos:
             assert abs(info.roi.x_offset + (info.roi.width - 1) / 2 - 110) <= 1.5
         node.spin_until(lambda: 'segmenter' not in node.get_node_names())
@@ -224,7 +247,7 @@ def test_a_mask_hides_the_brighter_light(domain: int, tmp_path: Path) -> None:
         diagnostics = node.record(DiagnosticArray, '/diagnostics')
         sentence = 'the mask is 160 x 60 px and the frame 160 x 120'
         with start('segmenter', domain, mask_url=f'file://{tmp_path}/small.png'):
-            play(node, scene, lambda: any(sentence in a.status[0].message for a in diagnostics))
+            camera.play(scene, lambda: any(sentence in a.status[0].message for a in diagnostics))
         assert not infos
 
 
@@ -232,11 +255,12 @@ def test_the_debug_image_and_the_diagnostics_show_the_look(domain: int) -> None:
     """A picture for whoever subscribes; state, candidates and noise for all."""
     scene = before_a_wall(alternate(71.3, 52.6, 60.0))
     with probe(domain) as node:
+        camera = Camera(node)
         windows = node.record(Image, 'target/window/image_raw')
         pictures = node.record(Image, 'segmenter/debug_image')
         diagnostics = node.record(DiagnosticArray, '/diagnostics')
         with start('segmenter', domain):
-            play(node, scene, lambda: len(windows) >= 8 and len(pictures) >= 2)
+            camera.play(scene, lambda: len(windows) >= 8 and len(pictures) >= 2)
             node.spin_until(lambda: 'strongest of them' in values(diagnostics))
     assert {m.encoding for m in pictures} == {'bgr8'}
     assert all(m.width >= 900 and len(m.data) == m.height * m.step for m in pictures)
@@ -251,15 +275,16 @@ def test_more_looks_than_16_bits_hold_are_named(domain: int) -> None:
     """A camera of 16 bits whose full scale is not said."""
     scene = before_a_wall(alternate(71.3, 52.6, 600.0), bits=12)
     with probe(domain) as node:
+        camera = Camera(node)
         windows = node.record(Image, 'target/window/image_raw')
         diagnostics = node.record(DiagnosticArray, '/diagnostics')
         sentence = '5 frames of up to 65535 DN do not fit'
         with start('segmenter', domain, looks=5):
-            play(node, scene, lambda: any(sentence in a.status[0].message for a in diagnostics))
+            camera.play(scene, lambda: any(sentence in a.status[0].message for a in diagnostics))
         assert not windows
         node.spin_until(lambda: 'segmenter' not in node.get_node_names())
         with start('segmenter', domain, looks=5, saturation=4095):
-            play(node, scene, lambda: windows)
+            camera.play(scene, lambda: windows)
     assert windows[0].encoding == '16UC2'
 
 

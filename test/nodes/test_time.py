@@ -170,8 +170,8 @@ def test_three_processes_give_what_the_pipeline_gave(domain: int) -> None:
                         info_out.publish(info)
                         node.spin(0.005)
 
-            # First until all know each other. Each time it is an earlier time, so that the segmenter
-            # begins afresh; as the locator does when it is set.
+            # First until all know each other, each time with earlier stamps: the segmenter begins
+            # afresh then, and the locator when it is set.
             begin_ns = pipeline['target/bearing'][10][0]
             laters = itertools.count(10**13, -(10**11))
 

@@ -155,7 +155,7 @@ class Cameras:
             )
 
         try:
-            self.node.spin_until(said, 8.0)
+            self.node.spin_until(said)
         except AssertionError:
             words = [each.status[0].message for each in self.diagnostics]
             raise AssertionError(f'{sentence!r} is not in {words}') from None

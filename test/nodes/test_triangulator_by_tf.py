@@ -107,7 +107,7 @@ class Rig:
             )
 
         try:
-            self.node.spin_until(said, 6.0)
+            self.node.spin_until(said)
         except AssertionError:
             found = [each.status[0].message for each in self.diagnostics]
             raise AssertionError(f'{words!r} is not in {found}') from None
