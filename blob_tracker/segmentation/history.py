@@ -113,6 +113,15 @@ class FrameHistory:
         self.frames.append(frame)
         return interval
 
+    def goes_on(self, last: Frame, frame: Frame) -> bool:
+        """Tell whether a frame can be pushed after this one, which is the last, without a gap."""
+        interval_ns = frame.stamp_ns - last.stamp_ns
+        return (
+            bool(self.frames) and last is self.frames[-1] and interval_ns > 0
+            and frame.channel == last.channel and _alike(frame, last)
+            and not self._is_gap(interval_ns / 1e9)
+        )
+
     def _is_gap(self, interval: float) -> bool:
         """Tell whether a time is more than `max_interval`, which takes a median to know."""
         return interval > (self._max_interval or LEAST_INTERVAL_S) and interval > self.max_interval
