@@ -18,10 +18,12 @@ from numpy.typing import NDArray
 Pixels = NDArray[np.unsignedinteger[Any]]
 
 
+PIXELS = frozenset(map(np.dtype, (np.uint8, np.uint16)))  # types of them
+
 Record = TypeVar('Record', bound=type)
 
 
-def _filled_at_once(cls: Record) -> Record:
+def filled_at_once(cls: Record) -> Record:
     """
     Have a frozen dataclass put its fields into its dictionary.
 
@@ -120,7 +122,7 @@ BAYER = ('rggb', 'grbg', 'gbrg', 'bggr')
 PLANES = {'rgb': 3, 'bgr': 3, 'rgba': 4, 'bgra': 4, 'yuv': 3}
 
 
-@_filled_at_once
+@filled_at_once
 @dataclass(frozen=True)
 class Mosaic:
     """
@@ -178,7 +180,7 @@ def field_of(y0: int, binning: tuple[int, int]) -> int | None:
     return y0 // across % 2 if down == 2 * across else None
 
 
-@_filled_at_once
+@filled_at_once
 @dataclass(frozen=True)
 class Frame:
     """
@@ -246,7 +248,7 @@ class Frame:
             () if planes is None else (planes,)
         ) or self.image.size == 0:
             raise ValueError(f'a frame is a non-empty {wanted} array, not {shape}')
-        if self.image.dtype not in (np.uint8, np.uint16):
+        if self.image.dtype not in PIXELS:
             raise ValueError(f'a frame holds uint8 or uint16 DN, not {self.image.dtype}')
         if not isfinite(self.line_time_ns):
             raise ValueError(f'line_time_ns is {self.line_time_ns} ns; it must be finite')
@@ -267,7 +269,7 @@ class Frame:
         return self.saturation if self.mosaic is None else self.mosaic.saturation
 
 
-@_filled_at_once
+@filled_at_once
 @dataclass(frozen=True)
 class Glimpse:
     """
@@ -328,7 +330,7 @@ class Glimpse:
         )
 
 
-@_filled_at_once
+@filled_at_once
 @dataclass(frozen=True)
 class Window:
     """
@@ -399,7 +401,7 @@ class Window:
         return (x - self.x0 + 0.5) / across - 0.5, (y - self.y0 + 0.5) / down - 0.5
 
 
-@_filled_at_once
+@filled_at_once
 @dataclass(frozen=True)
 class Location:
     """
@@ -453,7 +455,7 @@ class Location:
     warning: str = ''
 
 
-@_filled_at_once
+@filled_at_once
 @dataclass(frozen=True)
 class Bearing:
     """

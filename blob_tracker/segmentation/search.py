@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import cached_property
 import math
-from typing import NamedTuple
+from typing import NamedTuple, overload
 
 from blob_tracker.kernel import Array, exact_kernel
 from blob_tracker.segmentation.box import Box
@@ -159,12 +161,44 @@ def _is_gain(gains: Array) -> bool:
 
 def judged(table: Array) -> tuple[tuple[Candidate, ...], bool]:
     """Return the candidates of a table, and whether any of them is rejected, with its reason."""
-    candidates = [Candidate._make(row + UNJUDGED) for row in table[:, :FIELDS].tolist()]
-    faults = np.flatnonzero(table[:, FIELDS]).tolist()
-    for index in faults:
-        one = candidates[index]
-        candidates[index] = one._replace(rejected=in_words(int(table[index, FIELDS]), one))
-    return tuple(candidates), bool(faults)
+    candidates, has_rejected = [], False
+    for row in table.tolist():
+        one = Candidate._make(row[:FIELDS] + UNJUDGED)
+        if row[FIELDS]:
+            one, has_rejected = one._replace(rejected=in_words(int(row[FIELDS]), one)), True
+        candidates.append(one)
+    return tuple(candidates), has_rejected
+
+
+class Candidates(Sequence[Candidate]):
+    """
+    What lit up, made of its table when it is looked at: most of it never is.
+
+    Parameters
+    ----------
+    table : (n, 23) array
+        See `measure_peaks`.
+
+    """
+
+    def __init__(self, table: Array) -> None:
+        self._table = table
+
+    @cached_property
+    def _all(self) -> tuple[Candidate, ...]:
+        return judged(self._table)[0]
+
+    def __len__(self) -> int:
+        return len(self._table)
+
+    @overload
+    def __getitem__(self, index: int) -> Candidate: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Candidate]: ...
+
+    def __getitem__(self, index: int | slice) -> Candidate | Sequence[Candidate]:
+        return self._all[index]
 
 
 @exact_kernel

@@ -21,7 +21,7 @@ from blob_tracker.segmentation.frame_stack import cut_at_once, FrameStack
 from blob_tracker.segmentation.history import FrameError, plain
 from blob_tracker.segmentation.in_step import InStep
 from blob_tracker.segmentation.repeated_frames import RepeatedFrames
-from blob_tracker.segmentation.search import judged, NO_MASK, search, SearchResult
+from blob_tracker.segmentation.search import Candidates, NO_MASK, search, SearchResult
 from blob_tracker.segmentation.sigma_window import sigma_window
 from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
 from blob_tracker.types import Frame, Pixels, Window
@@ -293,7 +293,8 @@ class Segmenter:
             found, frame, before = self._found_at_once
             level, noise, _ = found.levels
             self._found_at_once, self._detections = None, Detections(
-                frame.image, before.image, level, noise, self._region, judged(found.table)[0],
+                frame.image, before.image, level, noise, self._region,
+                Candidates(found.table),
                 {'': Box(*found.box)} if found.shown else {},
                 'locked' if self.flash.locked else 'lost', self.reason, self.warnings,
             )
