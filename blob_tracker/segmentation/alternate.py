@@ -148,7 +148,7 @@ class Alternate:
             frame.stamp_ns, frame.image, before.image, asked, frame.saturation, watched
         )
         if found is not None:
-            history.push(frame)
+            history.take(frame, (frame.stamp_ns - before.stamp_ns) / 1e9)
             self.reason = ''
             self._region = Box(*found.region)
         return found
