@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any, TYPE_CHECKING
 
 from blob_tracker.ros.errors import MessageError
+from blob_tracker.ros.messages.serialised import serialised_image
 from blob_tracker.ros.messages.stamp import from_ns, SECOND_NS, to_ns
 from blob_tracker.types import BAYER, Frame, Glimpse, Pixels, PLANES, Window
 import numpy as np
@@ -249,9 +250,9 @@ def from_pixels(
     return message
 
 
-def from_window(window: Window, frame_id: str) -> Image:
+def window_bytes(window: Window, frame_id: str) -> bytes:
     """
-    Return the message of a window: channel 0 lit, channel 1 unlit, raw DN.
+    Return the message of a window, serialised: channel 0 lit, channel 1 unlit, raw DN.
 
     Where not all pixels see the light, or compression added noise, there is a channel 2: that
     noise in 1/16 DN, full scale in a pixel that does not see the light. Channel 1 is then at full
@@ -259,24 +260,35 @@ def from_window(window: Window, frame_id: str) -> Image:
     well: `Glimpse.numbers`, byte by byte (little-endian), row by row, then zeros.
     """
     glimpse = window.glimpse if window.lit.size >= GLIMPSE_BYTES else None
+    planes = [window.lit]
     if window.sites is not None or window.added_noise > 0.0 or glimpse is not None:
         full = 2 ** (8 * window.lit.dtype.itemsize) - 1
         noise = min(round(STEPS * window.added_noise), full - 1)
         unlit = np.full_like(window.lit, full) if window.unlit is None else window.unlit
         seen = True if window.sites is None else window.sites
         third = np.where(np.broadcast_to(seen, window.lit.shape), noise, full)
-        planes = [window.lit, unlit, third.astype(window.lit.dtype)]
+        planes += [unlit, third.astype(window.lit.dtype)]
         if glimpse is not None:
             numbers = np.frombuffer(glimpse.numbers.astype('<f4').tobytes(), np.uint8)
             fourth = np.zeros(window.lit.size, window.lit.dtype)
             fourth[:GLIMPSE_BYTES] = numbers
             planes.append(fourth.reshape(window.lit.shape))
-        return from_pixels(np.dstack(planes), window.stamp_ns, frame_id)
-    if window.unlit is None:
-        image = from_pixels(window.lit, window.stamp_ns, frame_id)
-        image.encoding = f'{8 * window.lit.dtype.itemsize}UC1'
-        return image
-    return from_pixels(np.dstack([window.lit, window.unlit]), window.stamp_ns, frame_id)
+    elif window.unlit is not None:
+        planes.append(window.unlit)
+    pixels = np.empty((*window.lit.shape, len(planes)), window.lit.dtype)
+    for channel, plane in enumerate(planes):
+        pixels[..., channel] = plane
+    encoding = f'{8 * pixels.dtype.itemsize}UC{len(planes)}'
+    return serialised_image(window.stamp_ns, frame_id, encoding, pixels)
+
+
+def from_window(window: Window, frame_id: str) -> Image:
+    """Return the message of `window_bytes`."""
+    from rclpy.serialization import deserialize_message
+    from sensor_msgs.msg import Image
+
+    message: Image = deserialize_message(window_bytes(window, frame_id), Image)
+    return message
 
 
 def from_picture(picture: NDArray[np.uint8], stamp_ns: int, frame_id: str) -> Image:
