@@ -103,8 +103,8 @@ def to_window(image: Image, info: CameraInfo) -> Window:
 
     """
     pixels = _pixels(image, _WINDOWS)
-    _check_region(int(image.width), int(image.height), info)
-    full = np.iinfo(pixels.dtype).max
+    binning = _check_region(int(image.width), int(image.height), info)
+    full = 2 ** (8 * pixels.dtype.itemsize) - 1
     several = pixels.ndim == 3
     unlit = pixels[..., 1] if several else None
     sites, added_noise, glimpse = None, 0.0, None
@@ -127,8 +127,8 @@ def to_window(image: Image, info: CameraInfo) -> Window:
         x0=int(info.roi.x_offset),
         y0=int(info.roi.y_offset),
         stamp_ns=stamp_of(image),
-        saturation=int(full),
-        binning=binning_of(info),
+        saturation=full,
+        binning=binning,
     )
 
 
@@ -171,7 +171,7 @@ def to_whole_frame(image: Image) -> Frame:
 
     """
     pixels, layout = _coloured(image)
-    full = int(np.iinfo(pixels.dtype).max)
+    full = 2 ** (8 * pixels.dtype.itemsize) - 1
     return Frame(pixels, stamp_of(image), full, layout=layout)
 
 
@@ -186,10 +186,11 @@ def placed(frame: Frame, info: CameraInfo) -> Frame:
 
     """
     height, width = frame.image.shape[:2]
-    _check_region(width, height, info)
-    return replace(
-        frame, x0=int(info.roi.x_offset), y0=int(info.roi.y_offset), binning=binning_of(info)
-    )
+    binning = _check_region(width, height, info)
+    x0, y0 = int(info.roi.x_offset), int(info.roi.y_offset)
+    if (x0, y0, binning) == (frame.x0, frame.y0, frame.binning):
+        return frame
+    return replace(frame, x0=x0, y0=y0, binning=binning)
 
 
 def sensor_of(info: CameraInfo) -> tuple[int, int]:
@@ -313,8 +314,8 @@ def binning_of(info: CameraInfo) -> tuple[int, int]:
     return max(int(info.binning_x), 1), max(int(info.binning_y), 1)
 
 
-def _check_region(across: int, down: int, info: CameraInfo) -> None:
-    """Refuse an image that is not the region, binned, of which its camera_info speaks."""
+def _check_region(across: int, down: int, info: CameraInfo) -> tuple[int, int]:
+    """Return the binning; refuse an image that is not the region of which its camera_info speaks."""
     roi = info.roi
     # A roi of 0 x 0 is the whole sensor (sensor_msgs/RegionOfInterest).
     width, height = int(roi.width) or int(info.width), int(roi.height) or int(info.height)
@@ -330,6 +331,7 @@ def _check_region(across: int, down: int, info: CameraInfo) -> None:
             f'camera_info: the roi of {width} x {height} px at ({roi.x_offset}, {roi.y_offset}) '
             f'does not lie within the sensor of {info.width} x {info.height} px'
         )
+    return bin_x, bin_y
 
 
 def _coloured(image: Image) -> tuple[Pixels, str]:
