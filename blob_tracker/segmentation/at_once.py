@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from blob_tracker.kernel import Array, exact_kernel, kernel
 from blob_tracker.segmentation.contrast import ROUNDING_DN
@@ -16,7 +16,7 @@ from blob_tracker.segmentation.flash_tracks import (
     CERTAIN_FLASHES, Counts, IS_TARGET, KNOWN, LOCKED, LOCKED_FRAMES, MAX_AGE_FRAMES, NUMBER,
     region_about, see, STANDS_IN,
 )
-from blob_tracker.segmentation.flash_watch import exposure_of, mean_sigma, watch_flash
+from blob_tracker.segmentation.flash_watch import exposure_of, mean_sigma, Memory, watch_flash
 from blob_tracker.segmentation.flat_top import BELOW_SIGMA, highest
 from blob_tracker.segmentation.frame_clock import in_step, INTERVAL, is_due, stamp_before, tick
 from blob_tracker.segmentation.peaks import measure_peaks
@@ -78,7 +78,7 @@ class Watched(NamedTuple):
 
     """
 
-    memory: tuple[NDArray[Any], ...]
+    memory: Memory
     place: tuple[float, float]
     since: float
     exposure: float
@@ -90,8 +90,8 @@ class Followed(NamedTuple):
 
     Parameters
     ----------
-    shown : bool
-        Whether it shows the light, or nothing.
+    outcome : int
+        What the frame turns out to be.
     noisy : bool
         Whether its pixels change from frame to frame.
     region, box : (int, int, int, int)
@@ -109,7 +109,7 @@ class Followed(NamedTuple):
 
     """
 
-    shown: bool
+    outcome: int
     noisy: bool
     region: tuple[int, int, int, int]
     box: tuple[int, int, int, int]
@@ -119,6 +119,11 @@ class Followed(NamedTuple):
     unlit: Pixels
     seen: tuple[float, float, float, float, float, float, float, int, bool]
     top: tuple[int, int, int]
+
+    @property
+    def shown(self) -> bool:
+        """Whether it shows the light."""
+        return self.outcome == SHOWS_IT
 
 
 @kernel
@@ -166,8 +171,7 @@ def pair_at_once(
     Returns
     -------
     tuple
-        What the frame turns out to be, and of `Followed` noisy, region, box, (level, noise,
-        strongest), table of one row, lit, unlit, seen and top.
+        The fields of `Followed`.
 
     """
     gate_px, min_snr, sigmas = limits

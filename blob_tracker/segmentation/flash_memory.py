@@ -7,7 +7,7 @@ import math
 
 from blob_tracker.kernel import Array
 from blob_tracker.segmentation.at_once import (
-    Asked, Followed, pair_at_once, QUIET, SEARCHED, SHOWS_IT, Watched,
+    Asked, Followed, pair_at_once, QUIET, SEARCHED, Watched,
 )
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
@@ -141,18 +141,18 @@ class FlashMemory:
             self._wait -= 1
             return None
         stamp = self.clock.since_first(stamp_ns)
-        outcome, *found = pair_at_once(
+        found = Followed(*pair_at_once(
             lit, unlit, asked.mask, self.clock.values, self._tracks, self._counts, self._target,
             self._expected, self.companions.lights, crowd, *watched.memory,
             (stamp, stamp_ns / 1e9, watched.since, watched.exposure), watched.place,
             (self._gate_px, asked.min_snr, asked.sigmas), asked.largest, saturation,
-        )
-        if outcome < QUIET:
-            if outcome == SEARCHED:
+        ))
+        if found.outcome < QUIET:
+            if found.outcome == SEARCHED:
                 self._wait = PAUSE_FRAMES
             return None
-        self.is_due = outcome == SHOWS_IT
-        return Followed(outcome == SHOWS_IT, *found)
+        self.is_due = found.shown
+        return found
 
     def expect(self, place: Expectation | None) -> None:
         """Take the word of a tracker for where the light that is followed is in this frame."""

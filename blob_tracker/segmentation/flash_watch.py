@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Counts = NDArray[np.int64]
+Memory = tuple[Array, Array, Counts, Array, Counts, Array, Array, Counts]
 
 # px in half an exposure, and standard deviations of its light in the unlit frame, from which on
 # its place there tells when it was seen.
@@ -77,7 +78,7 @@ class FlashWatch:
 
     def __init__(self) -> None:
         self._drift, self._instants, self._shift = no_drift(), no_instants(), no_shift()
-        self.memory = (*self._drift, *self._instants, *self._shift)
+        self.memory: Memory = (*self._drift, *self._instants, *self._shift)
         self._flashes = 0
 
     def forget(self) -> None:

@@ -43,7 +43,7 @@ class RepeatedFrames:
         self._noisy = False
 
     def take(self, frame: Frame, noisy: bool) -> None:
-        """Take a frame that is known to be another than the last one, and whether noise is seen."""
+        """Take a frame that is not the last one again, and whether noise is seen in it."""
         self.last, self._noisy, self.warning = frame, noisy, ''
 
     def push(self, frame: Frame) -> bool:

@@ -260,7 +260,7 @@ class Segmenter:
         return sightings
 
     def _at_once(self, frame: Frame) -> list[Sighting] | None:
-        """Return what `sightings` does where a followed light and its frame are as ever, or None."""
+        """Return what `sightings` does of a followed light that is as ever; None of any other."""
         before, flash = self._repeated.last, self.flash
         if (
             self._asked is None or before is None or type(flash) is not InStep

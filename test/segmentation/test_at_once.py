@@ -6,10 +6,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from blob_tracker.segmentation import flash_memory, FrameError, Segmenter
-from blob_tracker.segmentation.at_once import QUIET
+from blob_tracker.segmentation import at_once, flash_memory, FrameError, Segmenter
 from blob_tracker.simulation import flashing_light
-from blob_tracker.types import Frame
+from blob_tracker.types import Frame, Pixels
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -81,10 +80,10 @@ def test_all_is_as_step_by_step(
 ) -> None:
     """Windows, reasons, warnings and all that is seen; and many frames are taken at once."""
     outcomes = []
-    at_once = flash_memory.pair_at_once
+    pair_at_once = at_once.pair_at_once
 
     def noted(*given: Any) -> Any:
-        outcomes.append(at_once(*given))
+        outcomes.append(pair_at_once(*given))
         return outcomes[-1]
 
     monkeypatch.setattr(flash_memory, 'pair_at_once', noted)
@@ -93,8 +92,8 @@ def test_all_is_as_step_by_step(
     quick, slow = Segmenter(mask=mask), Segmenter(mask=mask)
     monkeypatch.setattr(slow, '_asked', None)
     for index, image in enumerate(IMAGES):
-        pixels = np.clip(ODD[odd](index, image.astype(float)), 0.0, 255.0).astype(kind)
+        pixels: Pixels = np.clip(ODD[odd](index, image.astype(float)), 0.0, 255.0).astype(kind)
         frame = Frame(pixels, SCENE.stamp_ns(index), 255, **fields)
         assert told(quick, frame) == told(slow, frame), index
-    many = sum(outcome >= QUIET for outcome, *_ in outcomes)
+    many = sum(outcome >= at_once.QUIET for outcome, *_ in outcomes)
     assert many > (0.5 * FRAMES if odd == 'as ever' else 20)

@@ -161,14 +161,14 @@ def stamped(info: CameraInfo, stamp_ns: int, frame_id: str) -> CameraInfo:
 
 
 class WindowInfos:
-    """Make the camera_infos of windows, of which all but stamp and place is most often as before."""
+    """Make the camera_infos of windows: all but stamp and place is most often as before."""
 
     def __init__(self) -> None:
         self._known: tuple[object, ...] = ()
         self._content = b''
 
     def serialised(self, info: CameraInfo, window: Window, frame_id: str) -> bytes:
-        """Return a frame's camera_info with the window's place, in full-resolution px (REP 104)."""
+        """Return a frame's camera_info with the window's place, full-resolution px (REP 104)."""
         known = (
             frame_id, info.k.tobytes(), info.d.tobytes(), info.r.tobytes(), info.p.tobytes(),
             info.distortion_model, info.width, info.height, info.binning_x, info.binning_y,

@@ -315,7 +315,7 @@ def binning_of(info: CameraInfo) -> tuple[int, int]:
 
 
 def _check_region(across: int, down: int, info: CameraInfo) -> tuple[int, int]:
-    """Return the binning; refuse an image that is not the region of which its camera_info speaks."""
+    """Return the binning; refuse an image that is not the region that its camera_info has."""
     roi = info.roi
     # A roi of 0 x 0 is the whole sensor (sensor_msgs/RegionOfInterest).
     width, height = int(roi.width) or int(info.width), int(roi.height) or int(info.height)

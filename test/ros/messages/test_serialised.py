@@ -11,7 +11,7 @@ from blob_tracker.ros.messages.serialised import serialised
 from blob_tracker.ros.messages.target import bearing_bytes, centroid_bytes, ray_bytes
 from blob_tracker.ros.messages.track import prediction_bytes, track_bytes
 from blob_tracker.tracking import Track
-from blob_tracker.types import Bearing, Location, Window
+from blob_tracker.types import Bearing, Location, Pixels, Window
 from geometry_msgs.msg import PointStamped, PoseWithCovarianceStamped, Vector3Stamped
 from nav_msgs.msg import Odometry
 import numpy as np
@@ -61,7 +61,7 @@ def _gaps(texts: list[str]) -> set[int]:
 @pytest.mark.parametrize('unlit', [False, True])
 def test_a_window_is_that_of_rclpy(frame_id: str, kind: type, unlit: bool) -> None:
     """Filled field by field; also of odd widths."""
-    pixels = RANDOM.integers(0, 256, (2, 5, 7)).astype(kind)
+    pixels: Pixels = RANDOM.integers(0, 256, (2, 5, 7)).astype(kind)
     window = Window(pixels[0], pixels[1] if unlit else None, stamp_ns=STAMP_NS)
     planes = pixels[:1 + unlit]
     encoding = f'{8 * pixels.itemsize}UC{len(planes)}'
