@@ -23,7 +23,7 @@ PIXELS = frozenset(map(np.dtype, (np.uint8, np.uint16)))  # types of them
 Record = TypeVar('Record', bound=type)
 
 
-def filled_at_once(cls: Record) -> Record:
+def _filled_at_once(cls: Record) -> Record:
     """
     Have a frozen dataclass put its fields into its dictionary.
 
@@ -122,7 +122,7 @@ BAYER = ('rggb', 'grbg', 'gbrg', 'bggr')
 PLANES = {'rgb': 3, 'bgr': 3, 'rgba': 4, 'bgra': 4, 'yuv': 3}
 
 
-@filled_at_once
+@_filled_at_once
 @dataclass(frozen=True)
 class Mosaic:
     """
@@ -180,7 +180,7 @@ def field_of(y0: int, binning: tuple[int, int]) -> int | None:
     return y0 // across % 2 if down == 2 * across else None
 
 
-@filled_at_once
+@_filled_at_once
 @dataclass(frozen=True)
 class Frame:
     """
@@ -269,7 +269,7 @@ class Frame:
         return self.saturation if self.mosaic is None else self.mosaic.saturation
 
 
-@filled_at_once
+@_filled_at_once
 @dataclass(frozen=True)
 class Glimpse:
     """
@@ -330,7 +330,7 @@ class Glimpse:
         )
 
 
-@filled_at_once
+@_filled_at_once
 @dataclass(frozen=True)
 class Window:
     """
@@ -401,7 +401,7 @@ class Window:
         return (x - self.x0 + 0.5) / across - 0.5, (y - self.y0 + 0.5) / down - 0.5
 
 
-@filled_at_once
+@_filled_at_once
 @dataclass(frozen=True)
 class Location:
     """
@@ -455,7 +455,7 @@ class Location:
     warning: str = ''
 
 
-@filled_at_once
+@_filled_at_once
 @dataclass(frozen=True)
 class Bearing:
     """
