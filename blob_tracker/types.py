@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 Pixels = NDArray[np.unsignedinteger[Any]]
 
 
+PIXELS = frozenset(map(np.dtype, (np.uint8, np.uint16)))  # types of them
+
 Record = TypeVar('Record', bound=type)
 
 
@@ -246,7 +248,7 @@ class Frame:
             () if planes is None else (planes,)
         ) or self.image.size == 0:
             raise ValueError(f'a frame is a non-empty {wanted} array, not {shape}')
-        if self.image.dtype not in (np.uint8, np.uint16):
+        if self.image.dtype not in PIXELS:
             raise ValueError(f'a frame holds uint8 or uint16 DN, not {self.image.dtype}')
         if not isfinite(self.line_time_ns):
             raise ValueError(f'line_time_ns is {self.line_time_ns} ns; it must be finite')

@@ -39,6 +39,7 @@ METHODS: dict[str, Callable[..., Estimates]] = {
 }
 # Of those that have one, what does all to a window that nothing is odd about.
 AT_ONCE: dict[str, Callable[..., Estimate | None]] = {'maximum_likelihood': at_once}
+FLOAT = np.dtype(np.float64)
 UNASKED = {'elliptical', 'history'}  # the options that such a window may come with
 # The parameters of each.
 PARAMETERS = {name: frozenset(signature(method).parameters) for name, method in METHODS.items()}
@@ -256,22 +257,25 @@ def single(
     window: Window, *, method: str, noise: SensorNoise, **options: Any
 ) -> Estimate:
     """Return the estimate of one window, in its own coordinates, or raise; see `locate`."""
-    if method in AT_ONCE and options.keys() <= UNASKED and window.sites is None:
-        found = _at_once(window, method, noise, **options)
+    if options.keys() <= UNASKED:
+        found = plain(window, method, noise, elliptical=options.get('elliptical', False))
         if found is not None:
             return found
     return estimate(window, method=method, noise=noise, **options).first()
 
 
-def _at_once(
-    window: Window, method: str, noise: SensorNoise, elliptical: bool = False, **_: Any
+def plain(
+    window: Window, method: str, noise: SensorNoise, *, elliptical: bool
 ) -> Estimate | None:
     """Return the estimate of a window that nothing is odd about; None of any other."""
+    if method not in AT_ONCE or window.sites is not None:
+        return None
     lit = _one(window.lit)
     unlit = None if window.unlit is None else _one(window.unlit)
     if lit is None or (window.unlit is not None and (unlit is None or unlit.shape != lit.shape)):
         return None
-    noise = _noise_in(window, noise)
+    if window.looks > 1 or window.added_noise > 0.0:
+        noise = _noise_in(window, noise)
     black_level = noise.black_level
     saturation = math.inf if window.saturation is None else float(window.saturation)
     if black_level != 0.0:
@@ -392,7 +396,7 @@ def _one(pixels: ArrayLike) -> NDArray[np.float64] | None:
         min(pixels.shape) < SMALLEST_PX
     ):
         return None
-    return pixels.astype(np.float64, order='C')
+    return pixels.astype(FLOAT, 'C')  # names take longer
 
 
 def _stack(pixels: ArrayLike, name: str) -> NDArray[np.float64]:

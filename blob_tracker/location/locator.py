@@ -12,7 +12,7 @@ from blob_tracker.location.effective_psf import EffectivePsf
 from blob_tracker.location.estimates import Estimate, Estimates
 from blob_tracker.location.flash_memory import FlashMemory
 from blob_tracker.location.hypotheses import Pair
-from blob_tracker.location.locate import estimate, PARAMETERS, single, to_location
+from blob_tracker.location.locate import estimate, PARAMETERS, plain, to_location, UNASKED
 from blob_tracker.location.noise import noise_of_sum
 from blob_tracker.location.pulse_learner import compile_ahead, PulseLearner
 from blob_tracker.location.uneven_rows import variance_of_uneven_rows
@@ -95,6 +95,8 @@ class Locator:
             if 'pulse' not in PARAMETERS[method]:
                 raise ValueError(f"the method '{method}' takes no learned pulse")
             compile_ahead()
+        self._elliptical = bool(options.get('elliptical', False))
+        self._is_plain = options.keys() <= UNASKED
         self._remembers = 'history' in PARAMETERS[method]
         self._memories: dict[str, FlashMemory] = {}
 
@@ -125,15 +127,11 @@ class Locator:
         memory = self._memories.get(light)
         if memory is None:
             memory = self._memories[light] = FlashMemory()
-        options = self._options
-        if self._remembers:
-            options = {**options, 'history': partial(memory.history, window)}
-        if self._learns:
-            found = self._learned(window, noise, light, options)
-        elif self.pulse is not None:
-            found = single(window, method=self._method, noise=noise, **options, pulse=self.pulse)
-        else:
-            found = single(window, method=self._method, noise=noise, **options)
+        found = None
+        if not self._learns and self.pulse is None and self._is_plain:
+            found = plain(window, self._method, noise, elliptical=self._elliptical)
+        if found is None:
+            found = self._estimate(window, noise, light, memory)
         location = to_location(window, found)
         if found.lopsided:
             doubt = memory.leaning(found.lopsided, location)
@@ -160,6 +158,19 @@ class Locator:
         if self._remembers and flicker > 0.0 and model not in IN_BOTH_FRAMES:
             location = _with_uneven_rows(location, window, noise, flicker)
         return location
+
+    def _estimate(
+        self, window: Window, noise: SensorNoise, light: str, memory: FlashMemory
+    ) -> Estimate:
+        """Return the estimate of a window about which something may be odd."""
+        options = self._options
+        if self._remembers:
+            options = {**options, 'history': partial(memory.history, window)}
+        if self._learns:
+            return self._learned(window, noise, light, options)
+        if self.pulse is not None:
+            options = {**options, 'pulse': self.pulse}
+        return estimate(window, method=self._method, noise=noise, **options).first()
 
     def _learned(
         self, window: Window, noise: SensorNoise, light: str, options: dict[str, Any]

@@ -87,11 +87,14 @@ class MovingTexture:
         self._windows += 1
         if window.unlit is None or window.added_noise > 0.0:
             return
-        middle = window.to_window(location.x, location.y)
-        before = self._last
+        rests = self._windows > ENOUGH_WINDOWS
+        before, self._last = self._last, None
+        if rests and self._windows % EVERY not in (EVERY - 1, 0):
+            return  # it is neither looked at, nor compared with the next one
         now = self._last = UnlitWindow.of(window, location)
-        if self._windows > ENOUGH_WINDOWS and self._windows % EVERY:
+        if rests and self._windows % EVERY:
             return
+        middle = window.to_window(location.x, location.y)
         noise = noise_of_sum(noise, window.looks)
         unlit = np.ascontiguousarray(window.unlit, dtype=float)
         limit = math.inf if window.saturation is None else float(window.saturation)

@@ -20,7 +20,7 @@ SIGNIFICANT_SIGMA = 3.5
 MEMORY = 256  # windows that were looked at, after which one weighs 1/e
 LEAST_DOF = 500.0  # differences of pixels, which tell a variance to 9 %
 LEAST_ALIKE_DOF = 150.0  # which tell a correlation to 0.06
-ENOUGH_DOF = 4000.0  # beyond which every eighth window is looked at
+ENOUGH_DOF, EVERY = 4000.0, 8  # beyond which every eighth window is looked at
 LEAST_BRIGHT = 100.0  # pixels of the light: a variance to 14 %
 FEWEST = 24  # px that two windows share: fewer say little
 LARGEST = 64  # px of the sides of what is looked at: that is enough, and large lights cost time
@@ -112,12 +112,13 @@ class NoiseCheck:
             return
         self._texture.add(window, location, self.noise)
         self._compressed = window.added_noise > 0.0  # what that does to a place is known
-        before = self._last
-        self._last = UnlitWindow.of(window, location)
+        before, self._last = self._last, None
         self._windows += 1
-        if before is None or not self._last.follows(before) or (
-            self._sums[0] > ENOUGH_DOF and self._windows % 8
-        ):
+        rests = self._sums.item(0) > ENOUGH_DOF
+        if rests and self._windows % EVERY not in (EVERY - 1, 0):
+            return  # it is neither looked at, nor compared with the next one
+        self._last = UnlitWindow.of(window, location)
+        if before is None or (rests and self._windows % EVERY) or not self._last.follows(before):
             return
         limit = inf if window.saturation is None else float(window.saturation)
         found = _unlit_variance(before, self._last, limit)

@@ -18,7 +18,7 @@ SHORTEST_NS = 5_000_000  # ns from frame to frame, below which the caches are as
 LONGEST_NS = 200_000_000  # ns, beyond which it is not known well enough when the next one comes
 LEAD_NS = 1_500_000  # ns before a frame that it takes, with the jitter of a camera
 LAST = 8  # intervals, of which the least counts: better too early than in the way of a frame
-WIDTH, HEIGHT = 96, 64  # px
+WIDTH, HEIGHT = 128, 96  # px: of a smaller frame the region about a light that is followed is most
 SIGMA_PX, PEAK_DN, LEVEL_DN, FULL_SCALE_DN = 1.6, 120.0, 20.0, 255
 NOISE = SensorNoise(gain=40.0, read_noise=1.2)
 IMAGES = 4

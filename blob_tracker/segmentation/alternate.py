@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from blob_tracker.segmentation.at_once import Asked, Followed, Watched
 from blob_tracker.segmentation.box import Box, intersection, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.confirmation import Confirmation
@@ -137,6 +138,24 @@ class Alternate:
                     'too little in common with the unlit frame to lay it over the lit one'
                 )
         return self._compared(frame)
+
+    def at_once(
+        self, frame: Frame, before: Frame, asked: Asked, watched: Watched
+    ) -> Followed | None:
+        """Take the next frame where nothing is odd about it, see `FlashMemory.at_once`."""
+        history = self._history
+        if self._register is not None or self._agreed is not None or not (
+            history.goes_on(before, frame)
+        ):
+            return None
+        found = self._confirmation.at_once(
+            frame.stamp_ns, frame.image, before.image, asked, frame.saturation, watched
+        )
+        if found is not None:
+            history.take(frame, (frame.stamp_ns - before.stamp_ns) / 1e9)
+            self.reason = ''
+            self._region = Box(*found.region)
+        return found
 
     def _compared(self, frame: Frame) -> Contrast:
         """Return the contrast of the two frames in the region where the target can be."""

@@ -14,6 +14,7 @@ from blob_tracker.segmentation.box import box_about, whole
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.dark_look import DarkLook, FEWEST
+from blob_tracker.segmentation.flash_watch import UNKNOWN_EXPOSURE
 from blob_tracker.segmentation.patterns import check_patterns, rate_fault, twin_fault
 from blob_tracker.segmentation.points import aperture_sum, LEAST_PEAK_SIGMA
 from blob_tracker.segmentation.single_frames import seen_points, SingleFrames
@@ -32,7 +33,6 @@ CROWDED = (
     f'more than {MOST_POINTS} points stand out of the frame, and no light out of them: expose '
     'less, put a filter before the lens, or name with mask_url where the lights may be'
 )
-UNKNOWN_EXPOSURE = 0.5  # of the frame interval, where nobody tells
 
 
 class Blink(SingleFrames):

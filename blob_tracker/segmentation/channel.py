@@ -72,6 +72,8 @@ class ChannelChoice:
 
         """
         before, self._before = self._before, frame
+        if frame.layout == 'grey' and self.channel == 'luma':
+            return frame, None  # as most are
         if self._auto and before is not None and channels(frame) and _alike(before, frame):
             best = self._best(before, frame, region)
             if best != self.channel:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from blob_tracker.segmentation.at_once import Asked, is_survey, Watched
 from blob_tracker.segmentation.blink import compile_blinking
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
@@ -12,12 +13,12 @@ from blob_tracker.segmentation.drift import light_at
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash_memory import FlashMemory
 from blob_tracker.segmentation.flash_track import FlashTrack
-from blob_tracker.segmentation.flash_watch import FlashWatch
+from blob_tracker.segmentation.flash_watch import exposure_of, FlashWatch
 from blob_tracker.segmentation.flat_top import compile_flat_top
 from blob_tracker.segmentation.frame_stack import FrameStack
 from blob_tracker.segmentation.illumination import relit
 from blob_tracker.segmentation.repeated_frames import RepeatedFrames
-from blob_tracker.segmentation.search import search
+from blob_tracker.segmentation.search import NO_MASK, search
 from blob_tracker.segmentation.sigma_window import sigma_window
 from blob_tracker.types import Frame
 import numpy as np
@@ -38,11 +39,17 @@ def compile_ahead() -> None:
         window = sigma_window(contrast, light, 8, sigmas=3.0)
         assert window is not None
         FrameStack(1).add('', contrast, light, window)
+        FlashMemory(8.0).at_once(
+            0, lit, unlit, Asked(NO_MASK, 7.0, 3.0, 8), 255, Crowd(8.0).values,
+            Watched(FlashWatch().memory, (8.0, 8.0), 1.0, 0.0),
+        )
         repeated = RepeatedFrames()
         repeated.push(frame)
         repeated.push(Frame(unlit, 1, 255))
     _compile_confirmation(light)
     advance(np.empty((0, FIELDS)), np.empty((0, 7)), np.empty((0, 6)), 0.0, 1.0)
+    is_survey(0)
+    exposure_of(0.0, 1.0)
     compile_blinking()
     compile_flat_top()
 

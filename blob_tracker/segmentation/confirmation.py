@@ -6,6 +6,9 @@ from collections.abc import Sequence
 import math
 
 from blob_tracker.kernel import Array
+from blob_tracker.segmentation.at_once import (
+    Asked, Followed, is_survey, SETTLED_FRAMES, SURVEY_FRAMES, SURVEY_PART, Watched,
+)
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.crowded_scene import CrowdedScene
@@ -13,15 +16,12 @@ from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash_memory import FlashMemory
 from blob_tracker.segmentation.flash_track import FlashTrack, ROOT_2
 from blob_tracker.segmentation.flash_tracks import CONFIRMED, DENSE, FEW_LIGHTS, LIGHT, TOLD
+from blob_tracker.types import Pixels
 import numpy as np
 
 FIRST_PAIRS = 3  # pairs of frames in which a single light is taken for the target at once
-# Other lights in step are looked for in the whole frame: in the first of so many frames of a lock,
-# and from then on in a few frames of as many.
-SURVEY_FRAMES, SURVEY_PART = 128, 8
 BESIDE_RUN = 3  # flashes that another light has together with the target, before it is known
 BRIGHTER_RATIO = 1.25  # times brighter: what the light that is followed is a reflection of
-SETTLED_FRAMES = 32  # of a lock, after which it is known whether it is in a crowd
 
 
 class Confirmation:
@@ -120,6 +120,24 @@ class Confirmation:
             memory.expect(expected)
             if 2.0 * memory.half_side() > min(shape):
                 memory.expect(None)
+
+    def at_once(
+        self, stamp_ns: int, lit: Pixels, unlit: Pixels, asked: Asked, saturation: int,
+        watched: Watched,
+    ) -> Followed | None:
+        """Take a frame where nothing is odd about it, see `FlashMemory.at_once`."""
+        scene = self._scene
+        if scene.dense or scene.watches:
+            return None
+        found = self._memory.at_once(
+            stamp_ns, lit, unlit, asked, saturation, scene.crowd.values, watched
+        )
+        if found is not None:
+            self._agreed, self._turned, self.reason = None, False, ''
+            self._frames += 1
+            if not found.shown:
+                scene.add_quiet()
+        return found
 
     def skip(self, stamp_ns: int) -> None:
         """Take note of a frame that showed the one before it once more, by its stamp, ns."""
@@ -286,12 +304,7 @@ class Confirmation:
         memory = self._memory
         if self._scene.dense or not memory.moves:
             return False
-        frames = memory.locked_frames
-        return (
-            frames < SURVEY_FRAMES // 2
-            or frames % SURVEY_FRAMES < SURVEY_PART
-            or memory.stands_in
-        )
+        return memory.stands_in or is_survey(memory.locked_frames)
 
     def survey(self, everything: Sequence[Candidate], region: Box) -> None:
         """

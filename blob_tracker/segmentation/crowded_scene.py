@@ -40,6 +40,11 @@ class CrowdedScene:
         self._glitter = Glitter(gate_px)
         self._quiet_frames = 0  # between two flashes of the target, that are not counted yet
 
+    @property
+    def watches(self) -> bool:
+        """Whether lights of a crowd are watched."""
+        return not self._glitter.empty
+
     def add_quiet(self) -> None:
         """Take a frame between two flashes of the target in which nothing lit up about it."""
         self._quiet_frames += 1
@@ -125,7 +130,7 @@ class CrowdedScene:
 
     def forget(self) -> None:
         """Forget the lights that are watched."""
-        if not self._glitter.empty:
+        if self.watches:
             self._glitter.forget()
 
     def why_none(self, count: int, *, followed: bool) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from blob_tracker.segmentation.box import Box
@@ -24,7 +24,7 @@ class Detections(NamedTuple):
         Median and standard deviation of lit less unlit if there is no target, DN.
     region : Box
         The part of the frame that was searched.
-    candidates : tuple of Candidate
+    candidates : sequence of Candidate
         What lit up there, the highest first.
     windows : mapping of str to Box
         The window of each light, by its name; the name is empty if there is only one.
@@ -61,7 +61,7 @@ class Detections(NamedTuple):
     background: float
     noise: float
     region: Box
-    candidates: tuple[Candidate, ...]
+    candidates: Sequence[Candidate]
     windows: Mapping[str, Box]
     state: str
     reason: str

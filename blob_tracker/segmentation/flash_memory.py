@@ -6,6 +6,9 @@ from collections.abc import Sequence
 import math
 
 from blob_tracker.kernel import Array
+from blob_tracker.segmentation.at_once import (
+    Asked, Followed, pair_at_once, QUIET, SEARCHED, Watched,
+)
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.companions import companion_at, Companions
@@ -22,10 +25,12 @@ from blob_tracker.segmentation.flash_tracks import (
 from blob_tracker.segmentation.frame_clock import (
     age_of, FrameClock, PERIOD_FRAMES, STAMP_TOLERANCE_FRAMES,
 )
+from blob_tracker.types import Pixels
 import numpy as np
 
 # Frames without the target (1 s at 60 a second) after which another light in step is taken for it
 PATIENCE_FRAMES = 60
+PAUSE_FRAMES = 15  # that are not taken at once after one that was searched in vain
 
 
 class FlashMemory:
@@ -63,6 +68,7 @@ class FlashMemory:
         self._tracks, self._counts = no_tracks()
         self._target = np.zeros(FIELDS)  # as it was last seen, also when it is lost
         self._expected = np.full(3, -1.0)  # as the kernels take it
+        self._wait = 0  # frames until one is taken at once again
 
     @property
     def locked(self) -> bool:
@@ -105,6 +111,48 @@ class FlashMemory:
         )
         if self.expected is not None:
             self.expect(None)
+
+    def at_once(
+        self, stamp_ns: int, lit: Pixels, unlit: Pixels, asked: Asked, saturation: int,
+        crowd: Array, watched: Watched,
+    ) -> Followed | None:
+        """
+        Take a frame where nothing is odd about it, see `at_once.pair_at_once`; None of any other.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Its stamp, ns.
+        lit, unlit : (h, w) arrays
+            The frame and the one before it, DN.
+        asked : Asked
+            What is asked of the light.
+        saturation : int
+            The DN at which a pixel is clipped.
+        crowd : (6,) array
+            See `Crowd`.
+        watched : Watched
+            What was seen of it before.
+
+        """
+        if self.expected is not None:
+            return None
+        if self._wait > 0:
+            self._wait -= 1
+            return None
+        stamp = self.clock.since_first(stamp_ns)
+        found = Followed(*pair_at_once(
+            lit, unlit, asked.mask, self.clock.values, self._tracks, self._counts, self._target,
+            self._expected, self.companions.lights, crowd, *watched.memory,
+            (stamp, stamp_ns / 1e9, watched.since, watched.exposure), watched.place,
+            (self._gate_px, asked.min_snr, asked.sigmas), asked.largest, saturation,
+        ))
+        if found.outcome < QUIET:
+            if found.outcome == SEARCHED:
+                self._wait = PAUSE_FRAMES
+            return None
+        self.is_due = found.shown
+        return found
 
     def expect(self, place: Expectation | None) -> None:
         """Take the word of a tracker for where the light that is followed is in this frame."""

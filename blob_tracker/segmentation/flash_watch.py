@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from blob_tracker.kernel import Array, kernel
+from blob_tracker.kernel import Array, exact_kernel, kernel
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.drift import (
     APERTURE, Drift, forget_places, Instants, light_at, no_drift, no_instants, NOTHING_KNOWN,
@@ -17,12 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 Counts = NDArray[np.int64]
+Memory = tuple[Array, Array, Counts, Array, Counts, Array, Array, Counts]
 
 # px in half an exposure, and standard deviations of its light in the unlit frame, from which on
 # its place there tells when it was seen.
 LEAST_WAY_PX, LEAST_LIGHT_SIGMA = 0.15, 8.0
 BEND_PART = 0.1  # of its way from frame to frame, by which it may be off as its path bends
 SUREST = 0.25  # ways of half an exposure, to which a place is known at best
+UNKNOWN_EXPOSURE = 0.5  # of the frame interval, where nobody tells
 STEEP = 0.5  # of its speed along the lines of a frame, that a light has across them
 
 
@@ -66,13 +68,17 @@ class FlashWatch:
     """
     Remember the flashes of a light.
 
-    Its memory are the arrays of `Drift`, `Instants` and `LineShift`, which go to the kernel one by
-    one: to take a named tuple apart costs Numba more than to look at the pixels.
+    Attributes
+    ----------
+    memory : tuple of arrays
+        Those of `Drift`, `Instants` and `LineShift`, which go to the kernel one by one: to take a
+        named tuple apart costs Numba more than to look at the pixels.
+
     """
 
     def __init__(self) -> None:
         self._drift, self._instants, self._shift = no_drift(), no_instants(), no_shift()
-        self._memory = (*self._drift, *self._instants, *self._shift)
+        self.memory: Memory = (*self._drift, *self._instants, *self._shift)
         self._flashes = 0
 
     def forget(self) -> None:
@@ -112,15 +118,34 @@ class FlashWatch:
             s.
 
         """
-        self._flashes += 1
-        sigma = math.sqrt(light.sigma_major * light.sigma_minor)
-        return Seen(*_watch_flash(
-            *self._memory, lit, unlit, light.x, light.y, sigma, light.noise, before, times
+        sigma = mean_sigma(light.sigma_major, light.sigma_minor)
+        return self.taken(*watch_flash(
+            *self.memory, lit, unlit, light.x, light.y, sigma, light.noise, before, times
         ))
+
+    def taken(
+        self, x: float, y: float, vx: float, vy: float, going_over: float, share: float,
+        unlit: float, side: int, shifted: bool,
+    ) -> Seen:
+        """Take note that a flash is in the memory; return what `watch_flash` told of it."""
+        self._flashes += 1
+        return Seen(x, y, vx, vy, going_over, share, unlit, side, shifted)
+
+
+@exact_kernel
+def exposure_of(known: float, interval: float) -> float:
+    """Return the time of an exposure, s, of what is known of it and the time between frames."""
+    return known if known > 0.0 else UNKNOWN_EXPOSURE * interval
+
+
+@exact_kernel
+def mean_sigma(major: float, minor: float) -> float:
+    """Return the mean standard deviation of an ellipse, px."""
+    return math.sqrt(major * minor)
 
 
 @kernel
-def _watch_flash(
+def watch_flash(
     flashes: Array, known: Array, flash_count: Counts, against: Array, place_counts: Counts,
     places: Array, rows: Array, row_counts: Counts, lit: Pixels, unlit: Pixels, x: float, y: float,
     sigma: float, noise: float, before: tuple[float, float],

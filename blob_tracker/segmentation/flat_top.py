@@ -51,7 +51,12 @@ class FlatTop:
         if window.looks > 1 or window.saturation is None:
             return window
         saturation = int(window.saturation)
-        top, count, below = _top(window.lit, saturation, math.ceil(BELOW_SIGMA * noise))
+        near = math.ceil(BELOW_SIGMA * noise)
+        return self.judged(window, noise, highest(window.lit, saturation, near))
+
+    def judged(self, window: Window, noise: float, found: tuple[int, int, int]) -> Window:
+        """Do what `marked` does, with what `highest` found in the window."""
+        top, count, below = found
         flat = count >= LEAST_PIXELS and count > below and noise > LEAST_NOISE_DN
         if top > self._top if self._windows == WINDOWS else flat and top != self._top:
             self._top, self._windows = top, 0
@@ -61,16 +66,16 @@ class FlatTop:
         if self._windows < WINDOWS or top < self._top:
             return window
         self.warning = (
-            f'pixels are clipped at {top} DN, below the saturation of {saturation} DN: set '
-            f'saturation to {top}'
+            f'pixels are clipped at {top} DN, below the saturation of {window.saturation:.0f} DN: '
+            f'set saturation to {top}'
         )
         lit = window.lit.copy()
-        lit[lit == top] = saturation
+        lit[lit == top] = window.saturation
         return replace(window, lit=lit)
 
 
 @kernel
-def _top(lit: NDArray[np.generic], saturation: int, near: int) -> tuple[int, int, int]:
+def highest(lit: NDArray[np.generic], saturation: int, near: int) -> tuple[int, int, int]:
     """Return the highest value below the saturation, in how many pixels, and how many near it."""
     top = -1
     for j in range(lit.shape[0]):
@@ -89,4 +94,4 @@ def _top(lit: NDArray[np.generic], saturation: int, near: int) -> tuple[int, int
 def compile_flat_top() -> None:
     """Compile the loop, or load it from Numba's cache, before the first window needs it."""
     for kind in (np.uint8, np.uint16):
-        _top(np.zeros((3, 3), kind), 255, 1)
+        highest(np.zeros((3, 3), kind), 255, 1)

@@ -178,6 +178,36 @@ def _cut(pairs: Sequence[_Pair], box: Box, candidate: Candidate) -> Window:
     )
 
 
+def cut_at_once(
+    frame: Frame, box: tuple[int, int, int, int], lit: Pixels, unlit: Pixels,
+    glimpse: Glimpse | None,
+) -> Window:
+    """
+    Return the window of a frame that is neither a mosaic nor compressed, nor was made linear.
+
+    Parameters
+    ----------
+    frame : Frame
+        That shows the light.
+    box : (int, int, int, int)
+        Its window in it, see `Box`.
+    lit, unlit : (h, w) arrays
+        The pixels of that, see `cut_out`.
+    glimpse : Glimpse or None
+        How the light was seen, px of the frame as it is.
+
+    """
+    (across, down), line_ns, stamp_ns = frame.binning, frame.line_time_ns, frame.stamp_ns
+    left, top, _, bottom = box
+    if line_ns:
+        stamp_ns += round(line_ns * (0.5 * (top + bottom - 1)))  # of the middle line
+    return Window(
+        lit, unlit, frame.x0 + across * left, frame.y0 + down * top, stamp_ns, frame.saturation,
+        (across, down), 1, None, 0.0, None if glimpse is None else _on_sensor(glimpse, frame),
+        line_ns,
+    )
+
+
 def _on_sensor(glimpse: Glimpse, frame: Frame) -> Glimpse:
     """Return how a light was seen in px of the full, unbinned sensor."""
     if frame.binning != (1, 1):

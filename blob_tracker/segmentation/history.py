@@ -107,11 +107,24 @@ class FrameHistory:
                 'again'
             )
         interval = (frame.stamp_ns - previous.stamp_ns) / 1e9
-        self._intervals.append(interval)
         if self._is_gap(interval):
             self.frames.clear()
-        self.frames.append(frame)
+        self.take(frame, interval)
         return interval
+
+    def take(self, frame: Frame, interval: float) -> None:
+        """Take a frame that goes on, so long after the last one, s."""
+        self._intervals.append(interval)
+        self.frames.append(frame)
+
+    def goes_on(self, last: Frame, frame: Frame) -> bool:
+        """Tell whether a frame can be taken after this one, which is the last, without a gap."""
+        interval_ns = frame.stamp_ns - last.stamp_ns
+        return (
+            bool(self.frames) and last is self.frames[-1] and interval_ns > 0
+            and frame.channel == last.channel and _alike(frame, last)
+            and not self._is_gap(interval_ns / 1e9)
+        )
 
     def _is_gap(self, interval: float) -> bool:
         """Tell whether a time is more than `max_interval`, which takes a median to know."""

@@ -7,20 +7,22 @@ import math
 from typing import NamedTuple
 
 from blob_tracker.segmentation.alternate import Alternate
+from blob_tracker.segmentation.at_once import Asked, Followed, Watched
 from blob_tracker.segmentation.blink import (
-    compile_blinking, HalfRate, most_drawn, UNKNOWN_EXPOSURE, WAY_FRACTION,
+    compile_blinking, HalfRate, most_drawn, WAY_FRACTION,
 )
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
 from blob_tracker.segmentation.drift import light_at
 from blob_tracker.segmentation.expectation import Expectation
-from blob_tracker.segmentation.flash_watch import FlashWatch, Seen
+from blob_tracker.segmentation.flash_watch import exposure_of, FlashWatch, Seen
 from blob_tracker.segmentation.frame_clock import PERIOD_FRAMES
 from blob_tracker.segmentation.history import FrameError
 from blob_tracker.segmentation.switching import Switching
 from blob_tracker.types import Frame, Glimpse
 import numpy as np
 
+SIGMA_Y = Candidate._fields.index('sigma_y')
 PATIENCE_FRAMES = 90  # without the light, after which it is looked for in pairs again
 ROUND_WAY_PX = 0.3  # px, by which the way in an exposure may be off, by the two last places
 # px in half an exposure, from which on it is not enough to know the light in step, and the part of
@@ -124,6 +126,45 @@ class InStep(Switching):
             self._last = None
             raise
 
+    def at_once(
+        self, frame: Frame, before: Frame, asked: Asked
+    ) -> tuple[Followed, Glimpse | None] | None:
+        """
+        Take the next frame where the light is followed by pairs and nothing is odd about them.
+
+        Parameters
+        ----------
+        frame, before : Frame
+            The next frame, grey, and the one before it.
+        asked : Asked
+            What is asked of the light.
+
+        Returns
+        -------
+        (Followed, Glimpse or None) or None
+            What it shows, and what is not known of its instant. None where it takes more to tell:
+            nothing is changed then.
+
+        """
+        last = self._last
+        if last is None or self._mode is not self._pairs:
+            return None
+        since = (frame.stamp_ns - last.stamp_ns) / 1e9
+        if not 0.0 < since < OUT_OF_SIGHT_S:
+            return None
+        found = self._pairs.at_once(frame, before, asked, Watched(
+            self._watch.memory, (last.x, last.y), since, self._told_exposure(frame)
+        ))
+        if found is None:
+            return None
+        self._missed += 1
+        if not found.shown:
+            return found, None
+        self._missed = 0
+        return found, self._heed(
+            self._watch.taken(*found.seen), frame, found.table.item(0, SIGMA_Y)
+        )
+
     def choose(
         self, contrast: Contrast, candidates: Sequence[Candidate]
     ) -> list[tuple[str, Candidate]]:
@@ -165,17 +206,41 @@ class InStep(Switching):
             self._restart_watch()
             return light
         interval = self._pairs.interval
-        exposure = self._exposure or frame.exposure_ns / 1e9 or UNKNOWN_EXPOSURE * interval
         seen = self._watch.add(
             contrast.lit, contrast.unlit, light, (before.x, before.y),
-            (stamp_ns / 1e9, since, interval, exposure),
+            (stamp_ns / 1e9, since, interval, exposure_of(self._told_exposure(frame), interval)),
         )
-        self._last = _Flash(seen.x, seen.y, stamp_ns)
+        glimpse = self._heed(seen, frame, light.sigma_y)
+        return light if glimpse is None else light._replace(glimpse=glimpse)
+
+    def _told_exposure(self, frame: Frame) -> float:
+        """Return for how long a frame is exposed, s; 0 where nobody tells."""
+        return self._exposure or frame.exposure_ns / 1e9
+
+    def _heed(self, seen: Seen, frame: Frame, sigma_y: float) -> Glimpse | None:
+        """
+        Change the mode where the light shows to run free; say what that lets doubt of its instant.
+
+        Parameters
+        ----------
+        seen : Seen
+            What its flash tells.
+        frame : Frame
+            That shows it.
+        sigma_y : float
+            Its standard deviation along the columns, px.
+
+        """
+        self._last = _Flash(seen.x, seen.y, frame.stamp_ns)
         # Shared line by line, and no time between the lines is known: the pair as a whole tells.
         if seen.shifted and frame.line_time_ns == 0:
-            return light
+            return None
         self._vx += SPEED_MEMORY * (seen.vx - self._vx)
         self._vy += SPEED_MEMORY * (seen.vy - self._vy)
+        if not (seen.going_over or seen.side or seen.share):
+            return None
+        interval = self._pairs.interval
+        exposure = exposure_of(self._told_exposure(frame), interval)
         if (seen.going_over or seen.side) and (
             0.5 * exposure * math.hypot(self._vx, self._vy) > MOVING_PX
             or seen.unlit + AHEAD_S * seen.going_over > TOO_EVEN
@@ -187,21 +252,19 @@ class InStep(Switching):
             self._mode.contrast(frame)
             self._taken_up = False
         if seen.share == 0.0:
-            return light
-        return self._doubted(light, exposure, seen, frame.line_time_ns / 1e9)
+            return None
+        return _doubted(seen, exposure, sigma_y, frame.line_time_ns / 1e9)
 
-    def _doubted(
-        self, light: Candidate, exposure: float, seen: Seen, line_time: float
-    ) -> Candidate:
-        """Return a light that seems to drift, with what is not known of its instant."""
-        over, speed = seen.share, np.array([seen.vx, seen.vy])
-        # It was on in the first part of the exposure, s, or in the last one; the speed is in px/s.
-        late = 0.5 * over * exposure
-        way = (1.0 - over) * exposure * speed
-        doubt = late**2 * np.outer(speed, speed)
-        # Its lines are not lit alike then, and nobody knows the sign.
-        doubt[1, 1] += most_drawn(1.0 - over, light.sigma_y, exposure, line_time) ** 2
-        return light._replace(glimpse=Glimpse(
-            1.0 - over, way, WAY_FRACTION * float(np.hypot(*way)) + ROUND_WAY_PX, doubt,
-            np.zeros(2),
-        ))
+
+def _doubted(seen: Seen, exposure: float, sigma_y: float, line_time: float) -> Glimpse:
+    """Return what is not known of the instant of a light that seems to drift."""
+    over, speed = seen.share, np.array([seen.vx, seen.vy])
+    # It was on in the first part of the exposure, s, or in the last one; the speed is in px/s.
+    late = 0.5 * over * exposure
+    way = (1.0 - over) * exposure * speed
+    doubt = late**2 * np.outer(speed, speed)
+    # Its lines are not lit alike then, and nobody knows the sign.
+    doubt[1, 1] += most_drawn(1.0 - over, sigma_y, exposure, line_time) ** 2
+    return Glimpse(
+        1.0 - over, way, WAY_FRACTION * float(np.hypot(*way)) + ROUND_WAY_PX, doubt, np.zeros(2)
+    )

@@ -31,14 +31,20 @@ class RepeatedFrames:
         How many there were.
     warning : str
         What the last frame shows of it; empty if it was a new one.
+    last : Frame or None
+        That frame.
 
     """
 
     def __init__(self) -> None:
         self.count = 0
         self.warning = ''
-        self._last: Frame | None = None
+        self.last: Frame | None = None
         self._noisy = False
+
+    def take(self, frame: Frame, noisy: bool) -> None:
+        """Take a frame that is not the last one again, and whether noise is seen in it."""
+        self.last, self._noisy, self.warning = frame, noisy, ''
 
     def push(self, frame: Frame) -> bool:
         """
@@ -46,7 +52,7 @@ class RepeatedFrames:
 
         Its pixels lie one after the other in memory, see `history.plain`.
         """
-        last, self._last = self._last, frame
+        last, self.last = self.last, frame
         self.warning = ''
         if last is None:
             return False
@@ -62,7 +68,7 @@ class RepeatedFrames:
         if image.ndim == 3:
             planes = image.shape[2]
             image, before = (each.reshape(len(each), -1) for each in (image, before))
-        changed, enough = _changed(image, before, planes)
+        changed, enough = changed_samples(image, before, planes)
         if changed > 0:
             self._noisy = changed >= enough
             return False
@@ -79,7 +85,7 @@ class RepeatedFrames:
 
 
 @kernel
-def _changed(image: Pixels, before: Pixels, planes: int) -> tuple[int, int]:
+def changed_samples(image: Pixels, before: Pixels, planes: int) -> tuple[int, int]:
     """Return how many samples of a few rows changed, and how many tell that there is noise."""
     height, width = image.shape
     most = ROW_PX * planes

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import functools
+from collections.abc import Sequence
+from functools import cached_property
 from itertools import repeat
 import math
-from typing import NamedTuple
+from typing import NamedTuple, overload
 
-from blob_tracker.kernel import Array
+from blob_tracker.kernel import Array, exact_kernel
 from blob_tracker.segmentation.box import Box
 from blob_tracker.segmentation.candidate import Candidate
 from blob_tracker.segmentation.contrast import Contrast
@@ -111,7 +112,7 @@ def search(
         return SearchResult((), 0.0, contrast.floor * contrast.unit, 0.0, '')
     lit, unlit, saturation = contrast.lit, contrast.unlit, contrast.saturation
     paired = bool(contrast.unlit_frames)
-    where, threshold = (left, top, right, bottom), _threshold((right - left) * (bottom - top))
+    where, threshold = (left, top, right, bottom), peak_threshold((right - left) * (bottom - top))
     table, gains, change, level, noise, brightness, strongest = measure_peaks(
         lit, unlit, where, mask, contrast.floor, threshold, min_snr, LARGEST_SIGMA_PX, saturation,
         not paired, followed,
@@ -136,23 +137,23 @@ def search(
     if unit != 1.0:
         table[:, IN_DN] *= unit
         level, noise, strongest = unit * level, unit * noise, unit * strongest
-    judged: tuple[Candidate, ...] = ()
+    lights: tuple[Candidate, ...] = ()
     if len(table) > 0:
-        judged, has_rejected = _judged(table)
-        if len(judged) > 1:
-            judged = without_glows(judged)
+        lights, has_rejected = judged(table)
+        if len(lights) > 1:
+            lights = without_glows(lights)
         if has_rejected:
-            judged = with_clipping(contrast, judged)
+            lights = with_clipping(contrast, lights)
     # Near a target that is followed its own glow may be all over.
     if paired and not followed and (
         level > LEAST_FLOOD_DN or unit * step > max(LEAST_FLOOD_DN, brightness)
     ):
         rise = unit * flood_rise(contrast, region)
         if rise > 0.0:
-            judged = without_flooded(judged, rise)
-            if all(each.rejected for each in judged):
+            lights = without_flooded(lights, rise)
+            if all(each.rejected for each in lights):
                 reason = reason or whole_scene(rise)
-    return SearchResult(judged, level, noise, strongest, reason)
+    return SearchResult(lights, level, noise, strongest, reason)
 
 
 def _is_gain(gains: Array) -> bool:
@@ -162,7 +163,7 @@ def _is_gain(gains: Array) -> bool:
     return bool(high - low <= 2.0 * SAME_GAIN * middle)
 
 
-def _judged(table: Array) -> tuple[tuple[Candidate, ...], bool]:
+def judged(table: Array) -> tuple[tuple[Candidate, ...], bool]:
     """Return the candidates of a table, and whether any of them is rejected, with its reason."""
     *fields, faults = table.T.tolist()
     candidates = list(map(Candidate._make, zip(*fields, *UNJUDGED)))
@@ -173,8 +174,39 @@ def _judged(table: Array) -> tuple[tuple[Candidate, ...], bool]:
     return tuple(candidates), any(faults)
 
 
-@functools.lru_cache
-def _threshold(pixels: int) -> float:
+class Candidates(Sequence[Candidate]):
+    """
+    What lit up, made of its table when it is looked at: most of it never is.
+
+    Parameters
+    ----------
+    table : (n, 23) array
+        See `measure_peaks`.
+
+    """
+
+    def __init__(self, table: Array) -> None:
+        self._table = table
+
+    @cached_property
+    def _all(self) -> tuple[Candidate, ...]:
+        return judged(self._table)[0]
+
+    def __len__(self) -> int:
+        return len(self._table)
+
+    @overload
+    def __getitem__(self, index: int) -> Candidate: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Candidate]: ...
+
+    def __getitem__(self, index: int | slice) -> Candidate | Sequence[Candidate]:
+        return self._all[index]
+
+
+@exact_kernel
+def peak_threshold(pixels: int) -> float:
     """
     Return the height of a peak, in standard deviations, that noise alone reaches once a search.
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from functools import partial
 from typing import NamedTuple
 
 from blob_tracker.colour import one_site
+from blob_tracker.segmentation.at_once import Asked, Followed
 from blob_tracker.segmentation.black_core import without_black_cores
 from blob_tracker.segmentation.box import Box, whole
 from blob_tracker.segmentation.candidate import Candidate
@@ -15,16 +17,18 @@ from blob_tracker.segmentation.detections import Detections
 from blob_tracker.segmentation.expectation import Expectation
 from blob_tracker.segmentation.flash import Flash
 from blob_tracker.segmentation.flat_top import FlatTop
-from blob_tracker.segmentation.frame_stack import FrameStack
+from blob_tracker.segmentation.frame_stack import cut_at_once, FrameStack
 from blob_tracker.segmentation.history import FrameError, plain
 from blob_tracker.segmentation.in_step import InStep
 from blob_tracker.segmentation.repeated_frames import RepeatedFrames
-from blob_tracker.segmentation.search import NO_MASK, search, SearchResult
+from blob_tracker.segmentation.search import Candidates, NO_MASK, search, SearchResult
+from blob_tracker.segmentation.sigma_window import sigma_window
 from blob_tracker.segmentation.thresholds import Threshold, threshold_by_name
 from blob_tracker.types import Frame, Pixels, Window
 import numpy as np
 from numpy.typing import NDArray
 
+NOISE = Candidate._fields.index('noise')
 GATED_SNR_FRACTION = 0.85  # of the SNR that is asked for is enough where the target is expected
 MAX_UNLIT_INTERVAL_NS = 10**9  # ns between two unlit frames of a pair, at most
 
@@ -78,8 +82,6 @@ class Segmenter:
     ----------
     reason : str
         Why the last frame gave no window; empty if it gave one.
-    detections : Detections or None
-        What was seen in the last frame that was compared with others.
     repeated_frames : int
         How many frames were left out because they showed the one before once more.
     warnings : tuple of str
@@ -125,7 +127,8 @@ class Segmenter:
         self.min_snr = min_snr
         self.max_blob = max_blob
         self.reason = 'no frame yet'
-        self.detections: Detections | None = None
+        self._detections: Detections | None = None
+        self._found_at_once: tuple[Followed, Frame, Frame] | None = None  # that it is made of
         self.unlit_pair: tuple[Pixels, Pixels] | None = None
         self._unlit: Frame | None = None
         self._repeated = RepeatedFrames()
@@ -133,6 +136,14 @@ class Segmenter:
         self._stack = FrameStack(looks)
         self._flat_top = FlatTop()
         self._mask = NO_MASK if mask is None else np.ascontiguousarray(mask != 0, dtype=np.uint8)
+        self._asked: Asked | None = None
+        if looks == 1 and isinstance(self.threshold, partial) and (
+            self.threshold.func is sigma_window
+        ):
+            self._asked = Asked(
+                self._mask, GATED_SNR_FRACTION * min_snr, self.threshold.keywords['sigmas'],
+                max_blob,
+            )
 
     @property
     def repeated_frames(self) -> int:
@@ -192,6 +203,10 @@ class Segmenter:
                 f'{frame.image.shape[1]} x {frame.image.shape[0]}; they must be of one size'
             )
         frame = plain(frame)
+        if expected is None:
+            found_at_once = self._at_once(frame)
+            if found_at_once is not None:
+                return found_at_once
         if self._repeated.push(frame):
             self.flash.skip(frame)
             self.reason = self._repeated.warning
@@ -230,7 +245,7 @@ class Segmenter:
         if sightings:
             self.reason = ''
         self._keep_unlit(frame, contrast, before, lit=bool(windows))
-        self.detections = Detections(
+        self._found_at_once, self._detections = None, Detections(
             contrast.lit,
             contrast.unlit if contrast.unlit_frames else None,
             found.background,
@@ -243,6 +258,47 @@ class Segmenter:
             self.warnings,
         )
         return sightings
+
+    def _at_once(self, frame: Frame) -> list[Sighting] | None:
+        """Return what `sightings` does of a followed light that is as ever; None of any other."""
+        before, flash = self._repeated.last, self.flash
+        if (
+            self._asked is None or before is None or type(flash) is not InStep
+            or frame.layout != 'grey' or frame.mosaic is not None
+            or frame.quantisation is not None or frame.raw_steps is not None
+            or self.channel.channel != 'luma'
+        ):
+            return None
+        answer = flash.at_once(frame, before, self._asked)
+        if answer is None:
+            return None
+        found, glimpse = answer
+        self._repeated.take(frame, found.noisy)
+        self.channel.take(frame, None)
+        self._region = Box(*found.region)
+        self._found_at_once = found, frame, before
+        unlit, self.unlit_pair = self._unlit, None
+        if not found.shown:
+            self._pair_unlit(frame, unlit)
+            self.reason = self._strongest(found.levels[1], found.levels[2])
+            return []
+        self.reason = ''
+        window = cut_at_once(frame, found.box, found.lit, found.unlit, glimpse)
+        return [Sighting('', self._flat_top.judged(window, found.table.item(0, NOISE), found.top))]
+
+    @property
+    def detections(self) -> Detections | None:
+        """Return what was seen in the last frame that was compared with others."""
+        if self._found_at_once is not None:
+            found, frame, before = self._found_at_once
+            level, noise, _ = found.levels
+            self._found_at_once, self._detections = None, Detections(
+                frame.image, before.image, level, noise, self._region,
+                Candidates(found.table),
+                {'': Box(*found.box)} if found.shown else {},
+                'locked' if self.flash.locked else 'lost', self.reason, self.warnings,
+            )
+        return self._detections
 
     def _in_channel(self, frame: Frame) -> Frame:
         """Return the colour of a frame that is searched; begin afresh where it is another one."""
@@ -290,11 +346,13 @@ class Segmenter:
         elif lit:
             self._unlit = before
         else:
-            self._unlit = frame
-            if before is not None and frame.stamp_ns - before.stamp_ns <= MAX_UNLIT_INTERVAL_NS:
-                self.unlit_pair = (
-                    one_site(before.samples, before), one_site(frame.samples, frame)
-                )
+            self._pair_unlit(frame, before)
+
+    def _pair_unlit(self, frame: Frame, before: Frame | None) -> None:
+        """Pair this frame, which is unlit, with the one before it that was."""
+        self._unlit = frame
+        if before is not None and frame.stamp_ns - before.stamp_ns <= MAX_UNLIT_INTERVAL_NS:
+            self.unlit_pair = one_site(before.samples, before), one_site(frame.samples, frame)
 
     def _window(self, contrast: Contrast, candidate: Candidate) -> Box | None:
         """Return the window of the target, or None with the reason why there is none."""
@@ -314,10 +372,13 @@ class Segmenter:
             return self.flash.reason
         if found.candidates:
             return found.candidates[0].rejected
+        return self._strongest(found.noise, found.strongest)
+
+    def _strongest(self, noise: float, rise: float) -> str:
+        """Say how strong a rise was, DN, where nothing lit up."""
         return (
-            f'nothing lit up: the strongest rise is {found.strongest:.0f} DN, '
-            f'{found.strongest / found.noise:.1f} times the noise; the SNR asked for in the '
-            f'matched filter is {self.min_snr:g} (min_snr)'
+            f'nothing lit up: the strongest rise is {rise:.0f} DN, {rise / noise:.1f} times the '
+            f'noise; the SNR asked for in the matched filter is {self.min_snr:g} (min_snr)'
         )
 
 

@@ -41,7 +41,7 @@ def sigma_window(
 
     """
     height, width = contrast.lit.shape
-    box = _about(
+    box = about(
         candidate.x, candidate.y, sigmas * candidate.sigma_x, sigmas * candidate.sigma_y, largest,
         width, height,
     )
@@ -49,7 +49,7 @@ def sigma_window(
 
 
 @kernel
-def _about(
+def about(
     x: float, y: float, reach_x: float, reach_y: float, largest: int, width: int, height: int
 ) -> tuple[int, int, int, int]:
     """Return the edges of the box so far about a place; an empty one where it is too large."""

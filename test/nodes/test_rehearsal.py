@@ -13,6 +13,7 @@ from blob_tracker.nodes.camera import CameraNode, FRAME_TIMEOUT_S
 from blob_tracker.nodes.rehearsal import LAST, LEAD_NS, Rehearsal, TimedRehearsal
 from blob_tracker.nodes.segmenter import SegmenterNode
 from blob_tracker.ros.endpoints.delivery import Delivery
+from blob_tracker.segmentation import at_once, flash_memory
 from blob_tracker.simulation import flashing_light
 from blob_tracker.types import Frame
 import pytest
@@ -82,6 +83,24 @@ def test_it_runs_through_all_that_a_lit_frame_does(
     assert pipeline.segmenter.detections.state == 'locked'
     assert pipeline.segmenter.reason == pipeline.warning == ''
     assert len(bearings) == (12 if fits else 0)
+
+
+def test_it_goes_the_way_of_a_followed_light(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In most frames; what else there is in the caches is of no use to a frame."""
+    outcomes: list[int] = []
+
+    def noted(*given: Any) -> Any:
+        found = at_once.pair_at_once(*given)
+        outcomes.append(found[0])
+        return found
+
+    monkeypatch.setattr(flash_memory, 'pair_at_once', noted)
+    made = Rehearsal(fits=False)
+    made.expect(0, 'B', True)
+    for _ in range(100):
+        made.run()
+    late = outcomes[-120:]
+    assert sum(each >= at_once.QUIET for each in late) > 0.8 * len(late)
 
 
 def test_a_timer_runs_it_in_the_executor(domain: int) -> None:

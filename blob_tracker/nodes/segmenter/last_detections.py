@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from blob_tracker.ros.diagnostics.health import Health
 from blob_tracker.segmentation import Detections
 from blob_tracker.segmentation.candidate import Candidate
@@ -23,13 +25,13 @@ class LastDetections:
     def __init__(self) -> None:
         self.detections: Detections | None = None
         self._reason = ''
-        self._candidates: tuple[Candidate, ...] = ()
-        self._target: Candidate | None = None
+        self._candidates: Sequence[Candidate] = ()
+        self._with_target: Sequence[Candidate] = ()
 
     def reset(self) -> None:
         """Forget what was seen: what follows is of another time."""
-        self.detections = self._target = None
-        self._candidates = ()
+        self.detections = None
+        self._candidates = self._with_target = ()
 
     def update(self, detections: Detections | None) -> Detections | None:
         """
@@ -44,9 +46,7 @@ class LastDetections:
         self._reason = detections.reason or self._reason
         self._candidates = detections.candidates or self._candidates
         if detections.windows:
-            self._target = next(
-                (each for each in detections.candidates if not each.rejected), None
-            )
+            self._with_target = detections.candidates
         return detections
 
     def describe(self, health: Health) -> None:
@@ -56,7 +56,7 @@ class LastDetections:
             health.show('noise (DN)', f'{self.detections.noise:.2f}')
         if self._reason:
             health.show('last frame without target', self._reason)
-        target = self._target
+        target = next((each for each in self._with_target if not each.rejected), None)
         if target is not None:
             health.show('contrast (DN)', f'{target.amplitude:.1f}')
             health.show(

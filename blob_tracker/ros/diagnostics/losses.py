@@ -72,6 +72,9 @@ class StampGaps:
             return 0
         interval = stamp_ns - previous
         known = len(self._intervals) == RECENT
+        if known and interval <= GAP * min(self._intervals):  # most often, and sooner told
+            self._intervals.append(interval)
+            return 0
         usual = sorted(self._intervals)[RECENT // 2] if known else interval  # their median
         self._intervals.append(interval)
         return round(interval / usual) - 1 if GAP < interval / usual < PAUSE else 0

@@ -53,7 +53,6 @@ class FrameTopics:
         The camera_info goes first: it is small, and who pairs the two (`FramePairs`) has it by
         the time the pixels are there.
         """
-        stamped(info, frame.stamp_ns, frame_id)
         if self._deliver is not None:
             try:
                 self._deliver(Delivery((frame, info), frame_id))
@@ -67,6 +66,6 @@ class FrameTopics:
                     'report it with the log',
                 )
         if self._infos.is_wanted:
-            self._infos.publish(info)
+            self._infos.publish(stamped(info, frame.stamp_ns, frame_id))
         if self._images.is_wanted:
             self._images.publish(from_frame(frame, frame_id, self._image))

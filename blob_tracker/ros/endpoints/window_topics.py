@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from blob_tracker.ros.endpoints.qos import IMAGE_OUT, publisher, STATE
-from blob_tracker.ros.messages.camera_info import of_window
-from blob_tracker.ros.messages.image import from_window
+from blob_tracker.ros.messages.camera_info import WindowInfos
+from blob_tracker.ros.messages.image import window_bytes
 from blob_tracker.types import Window
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
@@ -39,15 +39,16 @@ class WindowTopics:
                 (Bool, 'visible', STATE),
             )
         )
+        self._serialiser = WindowInfos()
         self._seen_ns: int | None = None
         self._said_visible: bool | None = None
 
     def publish(self, window: Window, frame_id: str, info: CameraInfo) -> None:
         """Publish the window while somebody subscribes, the camera_info first, as a frame's."""
         if self._infos.is_wanted:
-            self._infos.publish(of_window(info, window, frame_id))
+            self._infos.publish(self._serialiser.serialised(info, window, frame_id))
         if self._windows.is_wanted:
-            self._windows.publish(from_window(window, frame_id))
+            self._windows.publish(window_bytes(window, frame_id))
 
     def visible(self, stamp_ns: int, seen: bool) -> bool:
         """Tell whether the light is in view at a frame's stamp, and publish it on change."""

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from copy import copy
+from struct import Struct
 from typing import TYPE_CHECKING
 
 from blob_tracker.camera import CalibrationError, CameraModel
 from blob_tracker.camera.lens import todays_name
 from blob_tracker.ros.errors import MessageError
+from blob_tracker.ros.messages.serialised import begin, STAMP
 from blob_tracker.ros.messages.stamp import from_ns
 from blob_tracker.types import Window
 import numpy as np
 
 if TYPE_CHECKING:  # those of a bag are read where no ROS is installed, too
     from sensor_msgs.msg import CameraInfo
+
+# x and y offset, height and width, px, and whether to rectify: the end of a message
+REGION = Struct('<4I?')
 
 
 class KnownCamera:
@@ -155,21 +160,49 @@ def stamped(info: CameraInfo, stamp_ns: int, frame_id: str) -> CameraInfo:
     return info
 
 
-def of_window(info: CameraInfo, window: Window, frame_id: str) -> CameraInfo:
-    """Return a frame's camera_info with the window's place, in full-resolution px (REP 104)."""
+class WindowInfos:
+    """Make the camera_infos of windows: all but stamp and place is most often as before."""
+
+    def __init__(self) -> None:
+        self._known: tuple[object, ...] = ()
+        self._content = b''
+
+    def serialised(self, info: CameraInfo, window: Window, frame_id: str) -> bytes:
+        """Return a frame's camera_info with the window's place, full-resolution px (REP 104)."""
+        known = (
+            frame_id, info.k.tobytes(), info.d.tobytes(), info.r.tobytes(), info.p.tobytes(),
+            info.distortion_model, info.width, info.height, info.binning_x, info.binning_y,
+        )
+        if known != self._known:
+            self._known, self._content = known, _content(info, frame_id)
+        height, width = window.lit.shape
+        across, down = window.binning
+        return begin(window.stamp_ns) + self._content + REGION.pack(
+            window.x0, window.y0, height * down, width * across, False
+        )
+
+
+def _content(info: CameraInfo, frame_id: str) -> bytes:
+    """Return what lies between the stamp of a serialised camera_info and its region."""
+    from rclpy.serialization import serialize_message
     from sensor_msgs.msg import RegionOfInterest
     from std_msgs.msg import Header
 
-    height, width = window.lit.shape
     whole = copy(info)  # the frame's own stays as it is: a camera fills it again
-    whole.roi = RegionOfInterest(
-        x_offset=window.x0,
-        y_offset=window.y0,
-        width=width * window.binning[0],
-        height=height * window.binning[1],
+    whole.header, whole.roi = Header(frame_id=frame_id), RegionOfInterest()
+    content: bytes = serialize_message(whole)
+    return content[STAMP.size:-REGION.size]
+
+
+def of_window(info: CameraInfo, window: Window, frame_id: str) -> CameraInfo:
+    """Return the message of `WindowInfos`."""
+    from rclpy.serialization import deserialize_message
+    from sensor_msgs.msg import CameraInfo
+
+    message: CameraInfo = deserialize_message(
+        WindowInfos().serialised(info, window, frame_id), CameraInfo
     )
-    whole.header = Header()
-    return stamped(whole, window.stamp_ns, frame_id)
+    return message
 
 
 def _other_size(

@@ -8,6 +8,8 @@ from blob_tracker.ros.errors import MessageError
 from blob_tracker.types import Frame, Window
 import numpy as np
 
+FULL_SCALE_DN = {np.dtype(kind): int(np.iinfo(kind).max) for kind in (np.uint8, np.uint16)}
+
 
 def clipping_frame(frame: Frame, saturation: int) -> Frame:
     """
@@ -21,7 +23,7 @@ def clipping_frame(frame: Frame, saturation: int) -> Frame:
         DN of a clipped pixel; 0, or what the pixels' type does not reach, is its full scale.
 
     """
-    full = 2 ** (8 * frame.image.dtype.itemsize) - 1
+    full = FULL_SCALE_DN[frame.image.dtype]
     saturation = min(saturation or full, full)
     return frame if frame.saturation == saturation else replace(frame, saturation=saturation)
 

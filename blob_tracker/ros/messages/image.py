@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any, TYPE_CHECKING
 
 from blob_tracker.ros.errors import MessageError
+from blob_tracker.ros.messages.serialised import serialised_image
 from blob_tracker.ros.messages.stamp import from_ns, SECOND_NS, to_ns
 from blob_tracker.types import BAYER, Frame, Glimpse, Pixels, PLANES, Window
 import numpy as np
@@ -102,8 +103,8 @@ def to_window(image: Image, info: CameraInfo) -> Window:
 
     """
     pixels = _pixels(image, _WINDOWS)
-    _check_region(int(image.width), int(image.height), info)
-    full = np.iinfo(pixels.dtype).max
+    binning = _check_region(int(image.width), int(image.height), info)
+    full = 2 ** (8 * pixels.dtype.itemsize) - 1
     several = pixels.ndim == 3
     unlit = pixels[..., 1] if several else None
     sites, added_noise, glimpse = None, 0.0, None
@@ -126,8 +127,8 @@ def to_window(image: Image, info: CameraInfo) -> Window:
         x0=int(info.roi.x_offset),
         y0=int(info.roi.y_offset),
         stamp_ns=stamp_of(image),
-        saturation=int(full),
-        binning=binning_of(info),
+        saturation=full,
+        binning=binning,
     )
 
 
@@ -170,7 +171,7 @@ def to_whole_frame(image: Image) -> Frame:
 
     """
     pixels, layout = _coloured(image)
-    full = int(np.iinfo(pixels.dtype).max)
+    full = 2 ** (8 * pixels.dtype.itemsize) - 1
     return Frame(pixels, stamp_of(image), full, layout=layout)
 
 
@@ -185,10 +186,11 @@ def placed(frame: Frame, info: CameraInfo) -> Frame:
 
     """
     height, width = frame.image.shape[:2]
-    _check_region(width, height, info)
-    return replace(
-        frame, x0=int(info.roi.x_offset), y0=int(info.roi.y_offset), binning=binning_of(info)
-    )
+    binning = _check_region(width, height, info)
+    x0, y0 = int(info.roi.x_offset), int(info.roi.y_offset)
+    if (x0, y0, binning) == (frame.x0, frame.y0, frame.binning):
+        return frame
+    return replace(frame, x0=x0, y0=y0, binning=binning)
 
 
 def sensor_of(info: CameraInfo) -> tuple[int, int]:
@@ -249,9 +251,9 @@ def from_pixels(
     return message
 
 
-def from_window(window: Window, frame_id: str) -> Image:
+def window_bytes(window: Window, frame_id: str) -> bytes:
     """
-    Return the message of a window: channel 0 lit, channel 1 unlit, raw DN.
+    Return the message of a window, serialised: channel 0 lit, channel 1 unlit, raw DN.
 
     Where not all pixels see the light, or compression added noise, there is a channel 2: that
     noise in 1/16 DN, full scale in a pixel that does not see the light. Channel 1 is then at full
@@ -259,24 +261,35 @@ def from_window(window: Window, frame_id: str) -> Image:
     well: `Glimpse.numbers`, byte by byte (little-endian), row by row, then zeros.
     """
     glimpse = window.glimpse if window.lit.size >= GLIMPSE_BYTES else None
+    planes = [window.lit]
     if window.sites is not None or window.added_noise > 0.0 or glimpse is not None:
         full = 2 ** (8 * window.lit.dtype.itemsize) - 1
         noise = min(round(STEPS * window.added_noise), full - 1)
         unlit = np.full_like(window.lit, full) if window.unlit is None else window.unlit
         seen = True if window.sites is None else window.sites
         third = np.where(np.broadcast_to(seen, window.lit.shape), noise, full)
-        planes = [window.lit, unlit, third.astype(window.lit.dtype)]
+        planes += [unlit, third.astype(window.lit.dtype)]
         if glimpse is not None:
             numbers = np.frombuffer(glimpse.numbers.astype('<f4').tobytes(), np.uint8)
             fourth = np.zeros(window.lit.size, window.lit.dtype)
             fourth[:GLIMPSE_BYTES] = numbers
             planes.append(fourth.reshape(window.lit.shape))
-        return from_pixels(np.dstack(planes), window.stamp_ns, frame_id)
-    if window.unlit is None:
-        image = from_pixels(window.lit, window.stamp_ns, frame_id)
-        image.encoding = f'{8 * window.lit.dtype.itemsize}UC1'
-        return image
-    return from_pixels(np.dstack([window.lit, window.unlit]), window.stamp_ns, frame_id)
+    elif window.unlit is not None:
+        planes.append(window.unlit)
+    pixels = np.empty((*window.lit.shape, len(planes)), window.lit.dtype)
+    for channel, plane in enumerate(planes):
+        pixels[..., channel] = plane
+    encoding = f'{8 * pixels.dtype.itemsize}UC{len(planes)}'
+    return serialised_image(window.stamp_ns, frame_id, encoding, pixels)
+
+
+def from_window(window: Window, frame_id: str) -> Image:
+    """Return the message of `window_bytes`."""
+    from rclpy.serialization import deserialize_message
+    from sensor_msgs.msg import Image
+
+    message: Image = deserialize_message(window_bytes(window, frame_id), Image)
+    return message
 
 
 def from_picture(picture: NDArray[np.uint8], stamp_ns: int, frame_id: str) -> Image:
@@ -301,8 +314,8 @@ def binning_of(info: CameraInfo) -> tuple[int, int]:
     return max(int(info.binning_x), 1), max(int(info.binning_y), 1)
 
 
-def _check_region(across: int, down: int, info: CameraInfo) -> None:
-    """Refuse an image that is not the region, binned, of which its camera_info speaks."""
+def _check_region(across: int, down: int, info: CameraInfo) -> tuple[int, int]:
+    """Return the binning; refuse an image that is not the region that its camera_info has."""
     roi = info.roi
     # A roi of 0 x 0 is the whole sensor (sensor_msgs/RegionOfInterest).
     width, height = int(roi.width) or int(info.width), int(roi.height) or int(info.height)
@@ -318,6 +331,7 @@ def _check_region(across: int, down: int, info: CameraInfo) -> None:
             f'camera_info: the roi of {width} x {height} px at ({roi.x_offset}, {roi.y_offset}) '
             f'does not lie within the sensor of {info.width} x {info.height} px'
         )
+    return bin_x, bin_y
 
 
 def _coloured(image: Image) -> tuple[Pixels, str]:
