@@ -31,7 +31,9 @@ FLASH: dict[str, Any] = {
 LIGHTS = {'lights': ','.join(CODES)}
 REPLAY = ('--params-file', str(config_path('replay.yaml')))
 # Nothing is lost in a queue on the topics that have the names of the lights, either.
-WINDOWS = [f'/target/{name}/window/{end}' for name in CODES for end in ('image_raw', 'camera_info')]
+WINDOWS = [
+    f'/target/{name}/window/{end}' for name in CODES for end in ('image_raw', 'camera_info')
+]
 RESULTS = [f'/target/{name}/{end}' for name in CODES for end in ('bearing', 'centroid', 'ray')]
 SENT, PUBLISHED = (
     {f'qos_overrides.{topic}.publisher.history': 'keep_all' for topic in topics}
@@ -39,7 +41,8 @@ SENT, PUBLISHED = (
 )
 TAKEN = {
     f'qos_overrides.{topic}.subscription.{policy}': value
-    for topic in WINDOWS for policy, value in (('reliability', 'reliable'), ('history', 'keep_all'))
+    for topic in WINDOWS
+    for policy, value in (('reliability', 'reliable'), ('history', 'keep_all'))
 }
 
 Bearings = dict[str, list[tuple[int, float, float]]]  # stamp in ns, azimuth and elevation in mrad
