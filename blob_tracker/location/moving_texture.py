@@ -186,7 +186,8 @@ def _followed(
     if count < FEWEST_PX:
         return nothing
     return (
-        _as_bright(product, before_square, square, count * variance), square - count * variance, 2.0 * variance * max(square, count * variance)
+        _as_bright(product, before_square, square, count * variance),
+        square - count * variance, 2.0 * variance * max(square, count * variance),
     )
 
 
