@@ -116,7 +116,16 @@ class FlashMemory:
         beside = self._beside
         if beside is not None:
             beside = replace(beside, shift=beside.shift / window.binning)
-        return History(self._motion(window), self._even, evidence, beside)
+        return History(self._motion(window), self._even, evidence, beside, self._last(window))
+
+    def _last(self, window: Window) -> NDArray[np.float64] | None:
+        """Return where the light was in the last flash, window px; None if one may be missing."""
+        if len(self._places) < 2:
+            return None
+        (before, *_), (last, x, y) = list(self._places)[-2:]
+        if not 0 < window.stamp_ns - last <= LONGEST * (last - before):
+            return None
+        return np.array(window.to_window(x, y))
 
     @property
     def drawn(self) -> float:

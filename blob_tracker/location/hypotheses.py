@@ -81,6 +81,8 @@ class History:
         their names.
     beside : Beside or None
         The second light that flashed with it.
+    last : (2,) array or None
+        Where it was in the last flash, window px; None if that is not known.
 
     """
 
@@ -88,6 +90,7 @@ class History:
     even: bool = False
     evidence: Sequence[Mapping[str, float]] = ()
     beside: Beside | None = None
+    last: NDArray[np.float64] | None = None
 
     def belief(self, model: str, rarity: float = 0.0) -> float:
         """

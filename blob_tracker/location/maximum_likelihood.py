@@ -28,6 +28,7 @@ from blob_tracker.location.suspicion import (
     HEAD, lean, LEANING, lopsidedness, ODD_SHIFT, suspect_failure, suspect_fit, suspect_lopsided,
     suspect_pixels, suspect_unlit, Suspicion, suspicions,
 )
+from blob_tracker.location.unlit_pulse import shows_pulse
 from blob_tracker.location.unlit_texture import (
     blend, residual_variance, split_unlit, texture_share, Unlit,
 )
@@ -134,9 +135,12 @@ def maximum_likelihood(
         behind = None if unlit is None else unlit[n]
         seen, unsure = noise, np.zeros(2)
         if behind is not None and suspicion & Suspicion.RELIT:
-            suspicion, behind, seen, unsure = _relight(
-                estimates, n, lit[n], behind, noise, limit, elliptical
-            )
+            suspicion &= ~Suspicion.RELIT
+            # What a camera that averages over time has kept of a light is in both frames, too.
+            if not shows_pulse(pair_of(lit[n], behind, noise, limit)):
+                suspicion, behind, seen, unsure = _relight(
+                    estimates, n, lit[n], behind, noise, limit, elliptical
+                )
         if not is_explained(lit[n], behind, seen, suspicion):
             pair = pair_of(
                 lit[n], behind, seen, limit, history=history(), way=way,
