@@ -30,6 +30,8 @@ IMAGE_AXES = np.eye(2)
 SAME_SHIFT = 0.5  # of a shift, by which another one may be off and be the same
 LEAST_EXCESS = -20.0  # sum that chance makes of equal lights once in 3e3: its sigma is 5.7
 DRAWN = 8  # flashes with cut rows, over which it is told how far that draws the light
+MOST_DRAWN = 0.75  # of the way from flash to flash, that a streak may be long
+ALONG = 0.9  # cosine of the angle between a streak and the path
 UNSURE_LAG = 0.15  # of a streak's lag: its path between two flashes is no circle
 LEAST_WAY_PX = 1.0  # px from flash to flash, beyond which it is known where the light goes
 
@@ -189,7 +191,7 @@ class FlashMemory:
         )
 
     def lag(
-        self, location: Location, length: float
+        self, location: Location, way: NDArray[np.float64]
     ) -> tuple[tuple[float, float], NDArray[np.float64]] | None:
         """
         Return how far a streak's light lies off its path's middle, and the covariance of that.
@@ -202,8 +204,9 @@ class FlashMemory:
         ----------
         location : Location
             Of the streak's light.
-        length : float
-            Of the streak, sensor px.
+        way : (2,) array
+            From one end of the streak to the other, sensor px. If it does not lie along the path,
+            or is too long for it, the light does not go there evenly, and there is None.
 
         """
         if len(self._places) < 3:
@@ -221,7 +224,11 @@ class FlashMemory:
             return None
         turned = now / last * abs(last / now)
         bend, bend_before = (now - last) * turned, (last - before) * turned**2
-        part = min(length / abs(now), 1.0) ** 2 / 24.0
+        # Of the flash's displacement, which has half of its turn still before it.
+        drawn = complex(*way.tolist()) / (now * turned**0.5)
+        if abs(drawn) > MOST_DRAWN or abs(drawn.real) < ALONG * abs(drawn):
+            return None
+        part = abs(drawn) ** 2 / 24.0
         lag, unlike = part * bend, part * (bend - bend_before)
         lags, unlikes = np.array([[lag.real, lag.imag], [unlike.real, unlike.imag]])
         return (lag.real, lag.imag), (

@@ -198,7 +198,7 @@ def _on_its_path(
     location: Location, memory: FlashMemory, way: NDArray[np.float64]
 ) -> Location:
     """Return the location of a light that draws a streak: in the middle of its exposure."""
-    bent = memory.lag(location, float(np.hypot(*way)))
+    bent = memory.lag(location, way)
     if bent is None:
         return location
     (lag_x, lag_y), unsure = bent
