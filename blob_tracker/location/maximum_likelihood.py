@@ -17,7 +17,7 @@ from blob_tracker.location.likelihood import empty_profiles, Observation, score_
 from blob_tracker.location.normal_equations import (
     column_of_inverse, empty_equations, NormalEquations, solve,
 )
-from blob_tracker.location.relit import is_relit, relit, STRONG
+from blob_tracker.location.relit import is_relit, relit
 from blob_tracker.location.scoring import (
     advance, climb, CONVERGED, covariance_growth, detection, FISHER_STEPS, is_vague,
     judge_optimum, NARROWEST_PX, TEXTURE_STEP, WIDEST,
@@ -440,13 +440,9 @@ def _fit_all(
         leaning = lopsidedness(
             seen, theta, profiles, texture, 1.0 - share, unlit_variance, lopsided
         )
-        for p in range(4):
-            table[_LOPSIDED + p, n] = lopsided[p]
+        table[_LOPSIDED:, n] = lopsided
         odd[n] |= suspect_lopsided(leaning)
-        if paired and white > STRONG and is_relit(
-            lit[n], unlit[n], saturation,
-            (theta[0], theta[1], theta[2], math.sqrt(theta[4] * theta[5])), unlit_variance,
-        ):
+        if paired and is_relit(lit[n], unlit[n], saturation, theta, white, unlit_variance):
             odd[n] |= _RELIT
         chi2 /= usable - size
         left = 0.0

@@ -82,9 +82,26 @@ def relit(
 
 @kernel
 def is_relit(
-    lit: Array, unlit: Array, limit: float, light: Light, variance: float
+    lit: Array, unlit: Array, limit: float, theta: Array, white: float, variance: float
 ) -> bool:
-    """Tell whether the texture behind a light is brighter or darker in one of the frames."""
+    """
+    Tell whether the texture behind a light is brighter or darker in one of the frames.
+
+    Parameters
+    ----------
+    lit, unlit : (h, w) arrays
+        DN.
+    limit : float
+        DN of a clipped pixel.
+    theta : (6,) array
+        The fit: x, y, amplitude, background and the widths.
+    white, variance : float
+        Variance of the unlit texture over that of its noise, and that, DN^2.
+
+    """
+    if white <= STRONG:
+        return False
+    light = theta[0], theta[1], theta[2], math.sqrt(theta[4] * theta[5])
     gain, deviation, _, _ = texture_gain(lit, unlit, limit, light, variance)
     return LOWEST < gain < HIGHEST and abs(gain - 1.0) > SIGMAS * deviation
 

@@ -81,7 +81,10 @@ def test_a_wall_that_moves_is_no_other_light() -> None:
     """What the two frames do not have in common is no gain."""
     lit, unlit, places = windows(1.0, 2.0, move=2)
     said = [
-        is_relit(one, other, 255.0, (x, y, PEAK, SIGMA), LEVEL / NOISE.gain + 1.0)
+        is_relit(
+            one, other, 255.0, np.array([x, y, PEAK, LEVEL, SIGMA, SIGMA]), 9.0,
+            LEVEL / NOISE.gain + 1.0,
+        )
         for one, other, (x, y) in zip(lit, unlit, places)
     ]
     assert np.mean(said) < 0.1
@@ -96,8 +99,8 @@ def test_a_light_that_is_left_is_no_wall() -> None:
     ])
     said = [
         is_relit(
-            flat + 2.5 * np.roll(each, 3, 1), flat + each, 255.0, (x, y, PEAK, SIGMA),
-            LEVEL / NOISE.gain + 1.0,
+            flat + 2.5 * np.roll(each, 3, 1), flat + each, 255.0,
+            np.array([x, y, PEAK, LEVEL, SIGMA, SIGMA]), 9.0, LEVEL / NOISE.gain + 1.0,
         )
         for each, (x, y) in zip(light, places)
     ]
