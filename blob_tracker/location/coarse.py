@@ -68,7 +68,7 @@ def fine(fit: Fit, pitch: int) -> Fit:
         fit, x=pitch * fit.x + middle, y=pitch * fit.y + middle,
         covariance=pitch**2 * fit.covariance, amplitude=fit.amplitude / pitch**2,
         background=fit.background / pitch**2, sigma=pitch * fit.sigma, snr=fit.snr / pitch,
-        drawn=pitch * fit.drawn,
+        drawn=pitch * fit.drawn, way=None if fit.way is None else pitch * fit.way,
     )
 
 

@@ -83,8 +83,8 @@ class Estimate(NamedTuple):
         Likewise; empty if nobody looked.
     warning : str
         '' if there is none.
-    evidence, beside, drawn
-        As those of `Estimates`; empty, None and 0 if there is none.
+    evidence, beside, drawn, way
+        As those of `Estimates`; empty, None, 0 and None if there is none.
 
     """
 
@@ -102,6 +102,7 @@ class Estimate(NamedTuple):
     evidence: Mapping[str, float] = NO_EVIDENCE
     beside: Beside | None = None
     drawn: float = 0.0
+    way: NDArray[np.float64] | None = None
 
 
 @dataclass
@@ -132,6 +133,8 @@ class Estimates:
         Likewise: the second light, where there is one.
     drawn : dict
         Likewise: of a light whose rows are cut, by how much lower it is than it seems, window px.
+    ways : dict
+        Likewise: of a streak, from one end to the other, window px.
     other_models : dict
         Of the windows that another model than the method's own explains: its log-likelihood, of
         lit and unlit pixels together, and how many parameters it has. What `chi2` says is of
@@ -173,6 +176,7 @@ class Estimates:
     evidence: dict[int, Mapping[str, float]] = field(default_factory=dict)
     beside: dict[int, Beside] = field(default_factory=dict)
     drawn: dict[int, float] = field(default_factory=dict)
+    ways: dict[int, NDArray[np.float64]] = field(default_factory=dict)
     other_models: dict[int, tuple[float, int]] = field(default_factory=dict)
 
     @classmethod
@@ -210,6 +214,13 @@ class Estimates:
             lopsided=np.empty((0, 4)) if lopsided is None else lopsided,
         )
 
+    def take(self, n: int, other: Estimates, k: int = 0) -> None:
+        """Put the numbers of another's window k in the place of those of window n."""
+        for name in (
+            'x', 'y', 'covariance', 'amplitude', 'background', 'sigma', 'snr', 'chi2', 'failure',
+        ):
+            getattr(self, name)[n] = getattr(other, name)[k]
+
     def first(self) -> Estimate:
         """Return that of the first window, or raise LocationError with the reason."""
         failure = Failure(int(self.failure[0]))
@@ -225,6 +236,7 @@ class Estimates:
             self.covariance[0],
             self.lopsided[0].tolist() if self.lopsided.size else (), self.warnings.get(0, ''),
             self.evidence.get(0, NO_EVIDENCE), self.beside.get(0), self.drawn.get(0, 0.0),
+            self.ways.get(0),
         )
 
     @property

@@ -18,6 +18,7 @@ from blob_tracker.location.hypotheses import (
 from blob_tracker.location.pair_likelihood import Floats
 from blob_tracker.location.pair_model import fill_one_pulse, no_pulse, one_pulse, to_fit
 from blob_tracker.location.prospects import promising
+from blob_tracker.location.relit import compile_relit
 from blob_tracker.location.sites import pair_of
 from blob_tracker.location.suspicion import Suspicion
 from blob_tracker.location.unlit_pulse import hides_no_pulse, shows_pulse
@@ -165,5 +166,6 @@ def compile_alternatives() -> None:
         for alternative in ALTERNATIVES:
             alternative(pair, base)
     compile_shares()
+    compile_relit()
     hides_no_pulse(lit, unlit, noise)
     shows_pulse(pair_of(lit, unlit, noise, math.inf))

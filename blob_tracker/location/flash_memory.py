@@ -30,6 +30,9 @@ IMAGE_AXES = np.eye(2)
 SAME_SHIFT = 0.5  # of a shift, by which another one may be off and be the same
 LEAST_EXCESS = -20.0  # sum that chance makes of equal lights once in 3e3: its sigma is 5.7
 DRAWN = 8  # flashes with cut rows, over which it is told how far that draws the light
+MOST_DRAWN = 0.75  # of the way from flash to flash, that a streak may be long
+ALONG = 0.9  # cosine of the angle between a streak and the path
+UNSURE_LAG = 0.15  # of a streak's lag: its path between two flashes is no circle
 LEAST_WAY_PX = 1.0  # px from flash to flash, beyond which it is known where the light goes
 
 
@@ -115,7 +118,16 @@ class FlashMemory:
         beside = self._beside
         if beside is not None:
             beside = replace(beside, shift=beside.shift / window.binning)
-        return History(self._motion(window), self._even, evidence, beside)
+        return History(self._motion(window), self._even, evidence, beside, self._last(window))
+
+    def _last(self, window: Window) -> NDArray[np.float64] | None:
+        """Return where the light was in the last flash, window px; None if one may be missing."""
+        if len(self._places) < 2:
+            return None
+        (before, *_), (last, x, y) = list(self._places)[-2:]
+        if not 0 < window.stamp_ns - last <= LONGEST * (last - before):
+            return None
+        return np.array(window.to_window(x, y))
 
     @property
     def drawn(self) -> float:
@@ -176,6 +188,51 @@ class FlashMemory:
                 (x2 - window.x0 + flash_x + 0.5) / across - 0.5,
                 (y2 - window.y0 + flash_y + 0.5) / down - 0.5,
             ]),
+        )
+
+    def lag(
+        self, location: Location, way: NDArray[np.float64]
+    ) -> tuple[tuple[float, float], NDArray[np.float64]] | None:
+        """
+        Return how far a streak's light lies off its path's middle, and the covariance of that.
+
+        On a path with the acceleration a the mean of an exposure E is off the middle by
+        a E^2 / 24. The last flashes, T apart, tell a T^2 and the speed, and the streak's length
+        E / T over that. From flash to flash the acceleration turns as the way does.
+
+        Parameters
+        ----------
+        location : Location
+            Of the streak's light.
+        way : (2,) array
+            From one end of the streak to the other, sensor px. If it does not lie along the path,
+            or is too long for it, the light does not go there evenly, and there is None.
+
+        """
+        if len(self._places) < 3:
+            return None
+        times = [each[0] for each in self._places] + [location.stamp_ns]
+        steps = [after - before for before, after in zip(times, times[1:])]
+        if min(steps) <= 0 or max(steps) > LONGEST * min(steps):
+            return None
+        places = [complex(x, y) for _, x, y in self._places] + [complex(location.x, location.y)]
+        before, last, now = (
+            (there - here) * steps[-1] / step
+            for here, there, step in zip(places, places[1:], steps)
+        )
+        if min(abs(before), abs(last), abs(now)) < LEAST_WAY_PX:
+            return None
+        turned = now / last * abs(last / now)
+        bend, bend_before = (now - last) * turned, (last - before) * turned**2
+        # Of the flash's displacement, which has half of its turn still before it.
+        drawn = complex(*way.tolist()) / (now * turned**0.5)
+        if abs(drawn) > MOST_DRAWN or abs(drawn.real) < ALONG * abs(drawn):
+            return None
+        part = abs(drawn) ** 2 / 24.0
+        lag, unlike = part * bend, part * (bend - bend_before)
+        lags, unlikes = np.array([[lag.real, lag.imag], [unlike.real, unlike.imag]])
+        return (lag.real, lag.imag), (
+            UNSURE_LAG**2 * np.outer(lags, lags) + np.outer(unlikes, unlikes)
         )
 
     def leaning(

@@ -81,6 +81,8 @@ class History:
         their names.
     beside : Beside or None
         The second light that flashed with it.
+    last : (2,) array or None
+        Where it was in the last flash, window px; None if that is not known.
 
     """
 
@@ -88,6 +90,7 @@ class History:
     even: bool = False
     evidence: Sequence[Mapping[str, float]] = ()
     beside: Beside | None = None
+    last: NDArray[np.float64] | None = None
 
     def belief(self, model: str, rarity: float = 0.0) -> float:
         """
@@ -235,6 +238,8 @@ class Fit:
         Of the models that were heard: their log weights by these pixels, less that of the best.
     beside : Beside or None
         The second light, of a model that has one.
+    way : (2,) array or None
+        From one end to the other, px, of a light that draws a streak.
     drawn : float
         By how much lower it is than the round pulse, px, of a light whose rows are cut.
 
@@ -258,6 +263,7 @@ class Fit:
     lopsided: bool = False
     evidence: Mapping[str, float] = field(default_factory=dict)
     beside: Beside | None = None
+    way: NDArray[np.float64] | None = None
     drawn: float = 0.0
 
 

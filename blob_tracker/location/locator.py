@@ -18,6 +18,7 @@ from blob_tracker.location.pulse_learner import compile_ahead, PulseLearner
 from blob_tracker.location.uneven_rows import variance_of_uneven_rows
 from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
+from numpy.typing import NDArray
 
 # Models of a round light that is in both frames: what the one lacks may be in the other.
 IN_BOTH_FRAMES = ('ghost', 'smeared', 'switched')
@@ -133,6 +134,8 @@ class Locator:
         if found is None:
             found = self._estimate(window, noise, light, memory)
         location = to_location(window, found)
+        if found.way is not None and window.glimpse is None:
+            location = _on_its_path(location, memory, found.way * window.binning)
         if found.lopsided:
             doubt = memory.leaning(found.lopsided, location)
             if doubt is not None and not found.warning:
@@ -200,6 +203,20 @@ class Locator:
             self._memories.clear()
         else:
             self._memories.pop(light, None)
+
+
+def _on_its_path(
+    location: Location, memory: FlashMemory, way: NDArray[np.float64]
+) -> Location:
+    """Return the location of a light that draws a streak: in the middle of its exposure."""
+    bent = memory.lag(location, way)
+    if bent is None:
+        return location
+    (lag_x, lag_y), unsure = bent
+    return replace(
+        location, x=location.x - lag_x, y=location.y - lag_y,
+        covariance=location.covariance + unsure,
+    )
 
 
 def _shines_as_ever(window: Window) -> bool:

@@ -17,6 +17,7 @@ from blob_tracker.location.likelihood import empty_profiles, Observation, score_
 from blob_tracker.location.normal_equations import (
     column_of_inverse, empty_equations, NormalEquations, solve,
 )
+from blob_tracker.location.relit import is_relit, relit
 from blob_tracker.location.scoring import (
     advance, climb, CONVERGED, covariance_growth, detection, FISHER_STEPS, is_vague,
     judge_optimum, NARROWEST_PX, TEXTURE_STEP, WIDEST,
@@ -27,6 +28,7 @@ from blob_tracker.location.suspicion import (
     HEAD, lean, LEANING, lopsidedness, ODD_SHIFT, suspect_failure, suspect_fit, suspect_lopsided,
     suspect_pixels, suspect_unlit, Suspicion, suspicions,
 )
+from blob_tracker.location.unlit_pulse import shows_pulse
 from blob_tracker.location.unlit_texture import (
     blend, residual_variance, split_unlit, texture_share, Unlit,
 )
@@ -44,6 +46,7 @@ _ROWS = 11  # of the table: x, y, amplitude, background, sigma, snr, chi2, and f
 _LOPSIDED = 7  # how lopsided it is
 _NONE, _FEW = int(Failure.NONE), int(Failure.TOO_FEW_PIXELS)
 _DIVERGED, _VAGUE = int(Failure.NOT_CONVERGED), int(Failure.VAGUE)
+_RELIT = Suspicion.RELIT
 _NARROW, _WIDE = int(Failure.TOO_NARROW), int(Failure.TOO_WIDE)
 
 
@@ -130,9 +133,17 @@ def maximum_likelihood(
     for n, suspicion in suspicions(odd):
         fit = None
         behind = None if unlit is None else unlit[n]
-        if not is_explained(lit[n], behind, noise, suspicion):
+        seen, unsure = noise, np.zeros(2)
+        if behind is not None and suspicion & Suspicion.RELIT:
+            suspicion &= ~Suspicion.RELIT
+            # What a camera that averages over time has kept of a light is in both frames, too.
+            if not shows_pulse(pair_of(lit[n], behind, noise, limit)):
+                suspicion, behind, seen, unsure = _relight(
+                    estimates, n, lit[n], behind, noise, limit, elliptical
+                )
+        if not is_explained(lit[n], behind, seen, suspicion):
             pair = pair_of(
-                lit[n], behind, noise, limit, history=history(), way=way,
+                lit[n], behind, seen, limit, history=history(), way=way,
                 haunted=bool(suspicion & Suspicion.IN_UNLIT),
             )
             theta = np.array([
@@ -149,7 +160,46 @@ def maximum_likelihood(
                 f'misfit (chi2 {estimates.chi2[n]:.1f}): the light is not a Gaussian, or the '
                 'scene behind it is uneven: flash it, or learn its pulse (calibrate pulse)'
             )
+        estimates.covariance[n] += np.outer(unsure, unsure)
     return estimates
+
+
+def _relight(
+    estimates: Estimates, n: int, lit: NDArray[np.float64], unlit: NDArray[np.float64],
+    noise: SensorNoise, limit: float, elliptical: bool,
+) -> tuple[int, NDArray[np.float64], SensorNoise, NDArray[np.float64]]:
+    """
+    Fit window n anew, its unlit pixels as bright as the scene of the lit ones.
+
+    Returns
+    -------
+    tuple
+        What is odd about it then; the unlit pixels and their noise; and by how much the place
+        goes if the gain is another by its standard deviation, px.
+
+    """
+    suspicion, behind, seen, unsure = 0, unlit, noise, np.zeros(2)
+    # Twice: the wings of the first fit are those of a light before another scene.
+    for _ in range(2):
+        light = (
+            float(estimates.x[n]), float(estimates.y[n]), float(estimates.amplitude[n]),
+            float(estimates.sigma[n]),
+        )
+        scene = relit(lit, unlit, noise, limit, light)
+        if scene is None:
+            break
+        again, odd = fit_gaussians(
+            np.stack([lit, lit]), np.stack([scene.unlit, scene.other]), scene.noise, limit,
+            elliptical=elliptical,
+        )
+        estimates.take(n, again)
+        estimates.lopsided[n] = again.lopsided[0]
+        estimates.warnings[n] = scene.warning
+        suspicion, behind, seen = int(odd[0]) & ~Suspicion.RELIT, scene.unlit, scene.noise
+        if not again.ok.all():
+            break
+        unsure = np.array([again.x[1] - again.x[0], again.y[1] - again.y[0]])
+    return suspicion, behind, seen, unsure
 
 
 def fit_gaussians(
@@ -248,12 +298,8 @@ def _with_pulse(
     )
     for k, n in enumerate(doubtful):
         if failed[n] or (other.ok[k] and other.chi2[k] < found.chi2[n]):
-            for name in (
-                'x', 'y', 'covariance', 'amplitude', 'background', 'sigma', 'snr', 'chi2',
-                'failure',
-            ):
-                getattr(found, name)[n] = getattr(other, name)[k]
-            for name in ('warnings', 'evidence', 'beside', 'drawn', 'other_models'):
+            found.take(int(n), other, k)
+            for name in ('warnings', 'evidence', 'beside', 'drawn', 'ways', 'other_models'):
                 if k in getattr(other, name):
                     getattr(found, name)[int(n)] = getattr(other, name)[k]
             if other.ok[k] and k not in other.other_models:
@@ -271,6 +317,8 @@ def _adopt(estimates: Estimates, n: int, fit: Fit) -> None:
         estimates.beside[n] = fit.beside
     if fit.drawn:
         estimates.drawn[n] = fit.drawn
+    if fit.way is not None:
+        estimates.ways[n] = fit.way
     estimates.other_models[n] = fit.log_likelihood, fit.parameters
     if fit.warning:
         estimates.warnings[n] = fit.warning
@@ -392,9 +440,10 @@ def _fit_all(
         leaning = lopsidedness(
             seen, theta, profiles, texture, 1.0 - share, unlit_variance, lopsided
         )
-        for p in range(4):
-            table[_LOPSIDED + p, n] = lopsided[p]
+        table[_LOPSIDED:, n] = lopsided
         odd[n] |= suspect_lopsided(leaning)
+        if paired and is_relit(lit[n], unlit[n], saturation, theta, white, unlit_variance):
+            odd[n] |= _RELIT
         chi2 /= usable - size
         left = 0.0
         if paired:

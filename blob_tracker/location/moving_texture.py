@@ -98,13 +98,14 @@ class MovingTexture:
         noise = noise_of_sum(noise, window.looks)
         unlit = np.ascontiguousarray(window.unlit, dtype=float)
         limit = math.inf if window.saturation is None else float(window.saturation)
-        level, total, height, lent, count, product, square = _told(
+        level, total, height, lent, count, product, lit_square, square = _told(
             np.ascontiguousarray(window.lit, dtype=float), unlit,
             limit, middle, location.sigma,
         )
         if count < FEWEST_PX:
             return
         variance = variance_at(level, noise)
+        product = _as_bright(product, lit_square, square, count * variance)
         self._sums *= 1.0 - 1.0 / MEMORY
         lit_noise = variance_at(level + AT_SLOPES * location.amplitude, noise)
         told = 0.5 * lent / variance
@@ -157,6 +158,18 @@ def _moves(sigmas: float, products: float, texture: float, deviation: float) -> 
     return texture - products > sigmas * math.sqrt(deviation) > 0.0
 
 
+def _as_bright(product: float, first: float, second: float, noise: float) -> float:
+    """
+    Return the products of two pictures, the first one made as bright as the second.
+
+    Lamps may light the scene differently in each; `first`, `second` and `noise` are the squares
+    of the two and of their noise, DN^2.
+    """
+    if not (first > noise and second > noise):
+        return product
+    return product * math.sqrt((second - noise) / (first - noise))
+
+
 def _followed(
     before: UnlitWindow | None, now: UnlitWindow, limit: float, variance: float
 ) -> tuple[float, float, float]:
@@ -172,11 +185,12 @@ def _followed(
     if both is None:
         return nothing
     first, second, one, other = both
-    count, product, square = _in_common(first, second, limit, one, other)
+    count, product, before_square, square = _in_common(first, second, limit, one, other)
     if count < FEWEST_PX:
         return nothing
     return (
-        product, square - count * variance, 2.0 * variance * max(square, count * variance)
+        _as_bright(product, before_square, square, count * variance),
+        square - count * variance, 2.0 * variance * max(square, count * variance),
     )
 
 
@@ -191,7 +205,7 @@ def compile_texture() -> None:
 @kernel
 def _told(
     lit: Array, unlit: Array, limit: float, middle: tuple[float, float], sigma: float
-) -> tuple[float, float, float, float, int, float, float]:
+) -> tuple[float, float, float, float, int, float, float, float]:
     """
     Return what a window tells of the texture behind a light.
 
@@ -200,8 +214,8 @@ def _told(
     tuple
         Mean of the unlit pixels, DN, and the sum of the squares of their departures from it, DN^2;
         the height of a pulse in them, DN; what their departures lend to its place, squared, DN^2;
-        how many pixels there are about the light; and of these the sums of lit times unlit and of
-        unlit squared, both without their means, DN^2.
+        how many pixels there are about the light; and of these the sums of lit times unlit, of
+        lit squared and of unlit squared, all without their means, DN^2.
 
     """
     height, width = lit.shape
@@ -218,10 +232,10 @@ def _told(
                     other += unlit[j, i]
                     count += 1
     if count < FEWEST_PX:
-        return 0.0, 0.0, 0.0, 0.0, count, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0, count, 0.0, 0.0, 0.0
     mean, one, other = total / usable, one / count, other / count
     along, across, along_square, across_square = 0.0, 0.0, 0.0, 0.0
-    product, square = 0.0, 0.0
+    product, lit_square, square = 0.0, 0.0, 0.0
     squared, sums, pulses, pulse_squares = 0.0, 0.0, 0.0, 0.0
     for j in range(height):
         for i in range(width):
@@ -239,25 +253,26 @@ def _told(
                 across_square += (dy * pulse) ** 2
                 if squares > REACH * REACH:
                     product += (lit[j, i] - one) * (unlit[j, i] - other)
+                    lit_square += (lit[j, i] - one) ** 2
                     square += (unlit[j, i] - other) ** 2
     lent = along * along / max(along_square, 1e-12) + across * across / max(across_square, 1e-12)
     height_found = sums / max(pulse_squares - pulses * pulses / usable, 1e-12)
-    return mean, squared, height_found, lent, count, product, square
+    return mean, squared, height_found, lent, count, product, lit_square, square
 
 
 @kernel
 def _in_common(
     first: Array, second: Array, limit: float, one: tuple[float, float, float],
     other: tuple[float, float, float],
-) -> tuple[int, float, float]:
+) -> tuple[int, float, float, float]:
     """
     Return what two pictures have in common, without what lies within a radius of two places.
 
     Returns
     -------
     tuple
-        How many pixels there are; and of these the sums of first times second and of second
-        squared, both without their means, DN^2.
+        How many pixels there are; and of these the sums of first times second, of first squared
+        and of second squared, all without their means, DN^2.
 
     """
     height, width = first.shape
@@ -274,10 +289,11 @@ def _in_common(
                 a += first[j, i]
                 b += second[j, i]
                 count += 1
-    product, square = 0.0, 0.0
+    product, before, square = 0.0, 0.0, 0.0
     for j in range(height):
         for i in range(width):
             if used[j, i]:
                 product += (first[j, i] - a / count) * (second[j, i] - b / count)
+                before += (first[j, i] - a / count) ** 2
                 square += (second[j, i] - b / count) ** 2
-    return count, product, square
+    return count, product, before, square

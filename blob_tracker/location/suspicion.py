@@ -38,6 +38,8 @@ class Suspicion:
     """There is no fit, and there is light in the unlit window."""
     LOPSIDED = 32
     """The pulse's core and its wings do not have one middle."""
+    RELIT = 64
+    """The texture behind the light is brighter or darker in the lit frame."""
     IN_UNLIT = UNLIT | FAILED
 
 

@@ -73,7 +73,8 @@ def streak(pair: Pair, base: Fit) -> Fit | None:
         ends = way / (2.0 * math.sqrt(2.0) * sigma)
         lower_by = math.sqrt(math.pi) / 2.0 * math.erf(ends) / ends
     return replace(
-        fit, amplitude=lower_by * float(best.theta[AMPLITUDE]), snr=math.sqrt(lower_by) * fit.snr
+        fit, amplitude=lower_by * float(best.theta[AMPLITUDE]), snr=math.sqrt(lower_by) * fit.snr,
+        way=2.0 * best.theta[[WAY_X, WAY_Y]],
     )
 
 
