@@ -76,19 +76,24 @@ class FlatTop:
 
 @kernel
 def highest(lit: NDArray[np.generic], saturation: int, near: int) -> tuple[int, int, int]:
-    """Return the highest value below the saturation, in how many pixels, and how many near it."""
-    top = -1
+    """
+    Return the highest value below the saturation, in how many pixels, and how many near it.
+
+    It is -1, in none, where as many pixels are clipped at the saturation itself: that is true then.
+    """
+    top, full = -1, 0
     for j in range(lit.shape[0]):
         for i in range(lit.shape[1]):
             if top < lit[j, i] < saturation:
                 top = int(lit[j, i])
+            full += lit[j, i] >= saturation
     count, below = 0, 0
     for j in range(lit.shape[0]):
         for i in range(lit.shape[1]):
             value = int(lit[j, i])
             count += value == top
             below += top - near <= value < top
-    return top, count, below
+    return (-1, 0, 0) if full >= count else (top, count, below)
 
 
 def compile_flat_top() -> None:

@@ -46,6 +46,18 @@ def test_what_is_not_flat_is_left_alone(level: int, peak: float) -> None:
     assert top.warning == ''
 
 
+def test_what_lies_beside_a_clipped_column_is_no_top() -> None:
+    """A light that blooms has pixels at one value less than full scale, beside those at it."""
+    top = FlatTop()
+    for window in windows(255, 400.0):
+        lit = window.lit.copy()
+        lit[:, 7] = 255
+        lit[:, 8] = 254
+        bloomed = Window(lit, saturation=255)
+        assert top.marked(bloomed, 2.5) is bloomed
+    assert top.warning == ''
+
+
 def test_brighter_pixels_say_that_it_was_no_clipping() -> None:
     """As after another exposure; without a flat top nothing is said."""
     top = FlatTop()
