@@ -15,6 +15,7 @@ import numpy as np
 MEMORY = 128.0  # windows that were looked at, after which one weighs 1/e
 FEWEST_WINDOWS = 16  # before anything is said
 ENOUGH_WINDOWS, EVERY = 128, 16  # beyond so many windows only every sixteenth is looked at
+TEXTURED = 2.0  # variance of a picture over that of its noise: of less no brightness is known
 FEWEST_PX = 24  # px about the light, that a correlation takes
 REACH = 3.0  # sigma about the light, that are left out of it
 ALWAYS = 0.1  # of the mean square of its height: the square of the mean, of a light that is there
@@ -160,12 +161,13 @@ def _moves(sigmas: float, products: float, texture: float, deviation: float) -> 
 
 def _as_bright(product: float, first: float, second: float, noise: float) -> float:
     """
-    Return the products of two pictures, the first one made as bright as the second.
+    Return the products of two pictures; a first one that is darker is made as bright as the other.
 
     Lamps may light the scene differently in each; `first`, `second` and `noise` are the squares
-    of the two and of their noise, DN^2.
+    of the two and of their noise, DN^2. A brighter one does not seem to have moved, and may be so
+    by the wings of the light.
     """
-    if not (first > noise and second > noise):
+    if not second > first > TEXTURED * noise:
         return product
     return product * math.sqrt((second - noise) / (first - noise))
 

@@ -79,7 +79,7 @@ def highest(lit: NDArray[np.generic], saturation: int, near: int) -> tuple[int, 
     """
     Return the highest value below the saturation, in how many pixels, and how many near it.
 
-    It is -1, in none, where as many pixels are clipped at the saturation itself: that is true then.
+    It is -1, in none, where as many pixels are clipped at the saturation itself.
     """
     top, full = -1, 0
     for j in range(lit.shape[0]):

@@ -107,9 +107,10 @@ class FrameHistory:
                 'again'
             )
         interval = (frame.stamp_ns - previous.stamp_ns) / 1e9
+        self._intervals.append(interval)
         if self._is_gap(interval):
             self.frames.clear()
-        self.take(frame, interval)
+        self.frames.append(frame)
         return interval
 
     def take(self, frame: Frame, interval: float) -> None:
