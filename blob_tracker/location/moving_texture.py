@@ -7,16 +7,15 @@ import math
 
 from blob_tracker.kernel import Array, kernel
 from blob_tracker.location.noise import noise_of_sum, variance_at
+from blob_tracker.location.relit import FEWEST_PX, STRONG
 from blob_tracker.location.unlit_texture import residual_variance, SHRINKAGE
-from blob_tracker.location.unlit_window import shared, UnlitWindow
+from blob_tracker.location.unlit_window import ComparedWindows, shared, UnlitWindow
 from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
 
 MEMORY = 128.0  # windows that were looked at, after which one weighs 1/e
 FEWEST_WINDOWS = 16  # before anything is said
 ENOUGH_WINDOWS, EVERY = 128, 16  # beyond so many windows only every sixteenth is looked at
-TEXTURED = 2.0  # variance of a picture over that of its noise: of less no brightness is known
-FEWEST_PX = 24  # px about the light, that a correlation takes
 REACH = 3.0  # sigma about the light, that are left out of it
 ALWAYS = 0.1  # of the mean square of its height: the square of the mean, of a light that is there
 SIGMAS = 3.0  # standard deviations, beyond which there is a texture
@@ -58,7 +57,7 @@ class MovingTexture:
         # unlit squared less noise; its variance; and the last three of the unlit windows of two
         # flashes.
         self._sums = np.zeros(14)
-        self._last: UnlitWindow | None = None
+        self._compared = ComparedWindows(EVERY)
 
     @property
     def warning(self) -> str:
@@ -88,12 +87,9 @@ class MovingTexture:
         self._windows += 1
         if window.unlit is None or window.added_noise > 0.0:
             return
-        rests = self._windows > ENOUGH_WINDOWS
-        before, self._last = self._last, None
-        if rests and self._windows % EVERY not in (EVERY - 1, 0):
-            return  # it is neither looked at, nor compared with the next one
-        now = self._last = UnlitWindow.of(window, location)
-        if rests and self._windows % EVERY:
+        compared = self._compared.take(
+            window, location, self._windows, rests=self._windows > ENOUGH_WINDOWS)
+        if compared is None:
             return
         middle = window.to_window(location.x, location.y)
         noise = noise_of_sum(noise, window.looks)
@@ -117,7 +113,7 @@ class MovingTexture:
             lit_noise / variance, told, share * told, share**2 * told,
             residual_variance(share, white),
             product, square - count * variance, 2.0 * variance * max(square, count * variance),
-            *_followed(before, now, limit, variance),
+            *_followed(*compared, limit, variance),
         )
         self._judge()
 
@@ -167,7 +163,7 @@ def _as_bright(product: float, first: float, second: float, noise: float) -> flo
     of the two and of their noise, DN^2. A brighter one does not seem to have moved, and may be so
     by the wings of the light.
     """
-    if not second > first > TEXTURED * noise:
+    if not second > first > (1.0 + STRONG) * noise:
         return product
     return product * math.sqrt((second - noise) / (first - noise))
 

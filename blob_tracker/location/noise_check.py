@@ -11,7 +11,7 @@ from blob_tracker.location.likelihood import empty_profiles, fill_profile
 from blob_tracker.location.moving_texture import compile_texture, MovingTexture
 from blob_tracker.location.noise import noise_in_words, pixel_variance
 from blob_tracker.location.stamp_jitter import compile_jitter, StampJitter
-from blob_tracker.location.unlit_window import shared, UnlitWindow
+from blob_tracker.location.unlit_window import ComparedWindows, shared, UnlitWindow
 from blob_tracker.types import Location, SensorNoise, Window
 import numpy as np
 
@@ -78,7 +78,7 @@ class NoiseCheck:
         self._interpolated = False
         self._texture = MovingTexture()
         self._jitter = StampJitter()
-        self._last: UnlitWindow | None = None
+        self._compared = ComparedWindows(EVERY)
         # dof, and dof times level and variance; products of neighbours and their count; of the
         # light's pixels 1 - h, and that times level and variance.
         self._sums = np.zeros(8)
@@ -112,16 +112,16 @@ class NoiseCheck:
             return
         self._texture.add(window, location, self.noise)
         self._compressed = window.added_noise > 0.0  # what that does to a place is known
-        before, self._last = self._last, None
         self._windows += 1
-        rests = self._sums.item(0) > ENOUGH_DOF
-        if rests and self._windows % EVERY not in (EVERY - 1, 0):
-            return  # it is neither looked at, nor compared with the next one
-        self._last = UnlitWindow.of(window, location)
-        if before is None or (rests and self._windows % EVERY) or not self._last.follows(before):
+        compared = self._compared.take(
+            window, location, self._windows, rests=self._sums.item(0) > ENOUGH_DOF)
+        if compared is None:
+            return
+        before, now = compared
+        if before is None or not now.follows(before):
             return
         limit = inf if window.saturation is None else float(window.saturation)
-        found = _unlit_variance(before, self._last, limit)
+        found = _unlit_variance(before, now, limit)
         if found is None:
             return
         dof, level, variance, product, neighbours = found

@@ -15,8 +15,8 @@ import numpy as np
 REACH = 2.5  # sigma about the light, that are left out
 FARTHEST = 0.35  # of the window's side: a light that seems larger seems so before another scene
 Light = tuple[float, float, float, float]  # x and y, px; amplitude, DN; sigma, px
-FEWEST_PX = 24  # about the light, that tell a gain
-STRONG = 1.0  # variance of a texture over that of its noise: what is weaker needs no gain
+FEWEST_PX = 24  # about the light, that tell a gain or a correlation
+STRONG = 1.0  # variance of a texture over that of its noise: of a weaker one no gain is known
 SIGMAS = 4.5  # standard deviations of the gain, beyond which it is not 1
 LOWEST, HIGHEST = 0.3, 3.0  # what is beyond is another texture
 MOVED = 0.3  # of the gain from 1, that the correlation of the two may lack: else the texture moves

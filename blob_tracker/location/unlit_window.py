@@ -47,6 +47,47 @@ class UnlitWindow(NamedTuple):
         )
 
 
+class ComparedWindows:
+    """
+    Hand out a light's window with the one before it: each, or one in so many.
+
+    Parameters
+    ----------
+    every : int
+        Windows of which one is handed out once enough is known.
+
+    """
+
+    def __init__(self, every: int) -> None:
+        self._every = every
+        self._last: UnlitWindow | None = None
+
+    def take(
+        self, window: Window, location: Location, number: int, *, rests: bool
+    ) -> tuple[UnlitWindow | None, UnlitWindow] | None:
+        """
+        Take the next window, which has unlit pixels; return the one before, and it.
+
+        Parameters
+        ----------
+        window : Window
+            Of the light.
+        location : Location
+            That of the light.
+        number : int
+            How many there were.
+        rests : bool
+            Whether enough is known: there is None of most windows then.
+
+        """
+        before, self._last = self._last, None
+        turn = number % self._every if rests else 0
+        if turn not in (self._every - 1, 0):
+            return None  # it is neither looked at, nor compared with the next one
+        self._last = UnlitWindow.of(window, location)
+        return None if turn else (before, self._last)
+
+
 def shared(
     before: UnlitWindow, now: UnlitWindow, *, reach: float, least: int, most: int = sys.maxsize
 ) -> tuple[Array, Array, Circle, Circle] | None:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from blob_tracker.location.unlit_window import LONGEST_NS, shared, UnlitWindow
+from blob_tracker.location.unlit_window import (
+    ComparedWindows, LONGEST_NS, shared, UnlitWindow,
+)
 from blob_tracker.types import Location, Window
 import numpy as np
 import pytest
@@ -47,3 +49,19 @@ def test_what_may_be_compared(change: dict[str, Any], follows: bool) -> None:
     """A second apart at most, later, and seen alike."""
     before = seen(20, 30, 24.0, 33.5)._replace(stamp_ns=0)
     assert before._replace(**{'stamp_ns': 1, **change}).follows(before) is follows
+
+
+@pytest.mark.parametrize('rests, handed_out', [(False, range(1, 13)), (True, (4, 8, 12))])
+def test_each_is_compared_or_one_in_four(rests: bool, handed_out: range | tuple[int, ...]) -> None:
+    """With the one right before it in either case; the first has none."""
+    windows = ComparedWindows(4)
+    found = {
+        number: windows.take(
+            replace(WINDOW, stamp_ns=number * 10**7), LOCATION, number, rests=rests)
+        for number in range(1, 13)
+    }
+    assert [number for number, each in found.items() if each is not None] == [*handed_out]
+    for number in handed_out:
+        before, now = found[number] or ()
+        assert now.stamp_ns == number * 10**7
+        assert before is None if number == 1 else before.stamp_ns == (number - 1) * 10**7
