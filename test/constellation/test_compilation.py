@@ -2,38 +2,28 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from typing import Any
 
 from blob_tracker.constellation import compilation, Pose
 from blob_tracker.constellation.compilation import compile_ahead, followed
 from blob_tracker.kernel import compiled
 import pytest
+from support.late_kernels import run_alone
 
 SIGHTINGS = """
 from contextlib import suppress
 from dataclasses import replace
 import sys
 import numpy as np
-from blob_tracker import kernel
 from blob_tracker.constellation import (
     Assignment, Body, compile_ahead, ConstellationError, Following,
 )
 from blob_tracker.types import Bearing
+from support.late_kernels import late_kernels
 
 compile_ahead()
-late, missed = [], kernel._Kernel.missed
 loaded = set(sys.modules)
-
-
-def noted(each, *arguments, **named):
-    late.append(each.py_func.__qualname__)
-    return missed(each, *arguments, **named)
-
-
-kernel._Kernel.missed = noted
+late = late_kernels()
 random = np.random.default_rng(1)
 places = np.array([
     [0.2, 0.15, 0.0], [0.2, -0.15, 0.02], [-0.25, 0.1, 0.1], [-0.2, -0.1, -0.05], [0.0, 0.0, 0.2],
@@ -76,5 +66,4 @@ def test_the_loops_are_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_compile_ahead_leaves_nothing_to_compile() -> None:
     """For lights that are another's, too few, or without names: in a process of its own."""
-    environment = os.environ | {'PYTHONPATH': os.pathsep.join(sys.path)}
-    subprocess.run([sys.executable, '-c', SIGHTINGS], check=True, env=environment)
+    run_alone(SIGHTINGS)

@@ -1,8 +1,5 @@
 """Whatever the window: a LocationError with the reason, or a sound and finite answer."""
 
-import os
-import subprocess
-import sys
 from typing import Any
 
 from blob_tracker.location import compile_ahead, locate, locate_batch, METHODS
@@ -11,6 +8,7 @@ from hypothesis import example, given, settings, strategies as st
 from hypothesis.extra import numpy as arrays
 import numpy as np
 import pytest
+from support.late_kernels import run_alone
 
 NOISE = SensorNoise(gain=2.0, read_noise=1.5)
 FAST = [method for method in METHODS if method != 'multi_gaussian_simplex']
@@ -221,8 +219,7 @@ assert not late, late
 
 def test_compile_ahead_leaves_nothing_to_compile_for_odd_lights() -> None:
     """No light that is not round waits for the compiler: in a process of its own."""
-    environment = os.environ | {'PYTHONPATH': os.pathsep.join(sys.path)}
-    subprocess.run([sys.executable, '-c', ODD_LIGHTS], check=True, env=environment)
+    run_alone(ODD_LIGHTS)
 
 
 def test_compile_ahead_leaves_nothing_to_compile():

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-import os
-import subprocess
-import sys
 
 from blob_tracker.location import locate
 from blob_tracker.location.noise_check import NoiseCheck
@@ -15,27 +12,20 @@ from blob_tracker.simulation.sensor import expose
 from blob_tracker.types import SensorNoise, Window
 import numpy as np
 import pytest
+from support.late_kernels import run_alone
 
 CONFIGURED = SensorNoise(gain=10.0, read_noise=1.0)
 BACKGROUND, PEAK, SIGMA, SIZE = 30.0, 100.0, 1.5, 15  # DN, DN, px, px
 SETTLED = 60  # windows after which a contradiction by 1.5 must be known
 IN_ORDER = """
 import numpy as np
-from blob_tracker import kernel
 from blob_tracker.location import compile_ahead, locate
 from blob_tracker.location.noise_check import NoiseCheck
 from location.test_noise_check import CONFIGURED, windows
+from support.late_kernels import late_kernels
 
 compile_ahead(['maximum_likelihood'])
-late, missed = [], kernel._Kernel.missed
-
-
-def noted(each, *arguments, **named):
-    late.append(each.py_func.__qualname__)
-    return missed(each, *arguments, **named)
-
-
-kernel._Kernel.missed = noted
+late = late_kernels()
 for options in ({}, {'looks': 4}, {'texture': 8.0, 'speed': 0.7}):
     check = NoiseCheck(CONFIGURED)
     for window, x, y in windows(CONFIGURED, np.random.default_rng(1), count=100, **options):
@@ -150,5 +140,4 @@ def test_what_tells_no_noise_is_left_alone(kind: str) -> None:
 
 def test_compile_ahead_leaves_nothing_to_compile() -> None:
     """No window waits for the compiler because it is looked at: in a process of its own."""
-    environment = os.environ | {'PYTHONPATH': os.pathsep.join(sys.path)}
-    subprocess.run([sys.executable, '-c', IN_ORDER], check=True, env=environment)
+    run_alone(IN_ORDER)

@@ -2,28 +2,18 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
+from support.late_kernels import run_alone
 
 SCENES = """
 import numpy as np
-from blob_tracker import kernel
 from blob_tracker.pipeline import compile_ahead
 from blob_tracker.segmentation import Expectation, flash_by_name, Segmenter
 from blob_tracker.segmentation.in_step import InStep
 from blob_tracker.types import Frame
+from support.late_kernels import late_kernels
 
 compile_ahead(['maximum_likelihood'])
-late, missed = [], kernel._Kernel.missed
-
-
-def noted(each, *arguments, **named):
-    late.append(each.py_func.__qualname__)
-    return missed(each, *arguments, **named)
-
-
-kernel._Kernel.missed = noted
+late = late_kernels()
 random = np.random.default_rng(1)
 y, x = np.indices((96, 128))
 
@@ -61,27 +51,18 @@ assert not late, late
 
 def test_compile_ahead_leaves_nothing_to_compile() -> None:
     """For lights, glints and all that is told of them, of 8 and of 16 bits: in a process alone."""
-    environment = os.environ | {'PYTHONPATH': os.pathsep.join(sys.path)}
-    subprocess.run([sys.executable, '-c', SCENES], check=True, env=environment)
+    run_alone(SCENES)
 
 
 MOVED = """
 import numpy as np
-from blob_tracker import kernel
 from blob_tracker.segmentation import Segmenter
 from blob_tracker.segmentation.alternate import Alternate
 from blob_tracker.types import Frame
+from support.late_kernels import late_kernels
 
 segmenters = [Segmenter(flash=Alternate(registration=each)) for each in ('affine', 'translation')]
-late, missed = [], kernel._Kernel.missed
-
-
-def noted(each, *arguments, **named):
-    late.append(each.py_func.__module__)
-    return missed(each, *arguments, **named)
-
-
-kernel._Kernel.missed = noted
+late = late_kernels()
 texture = np.random.default_rng(1).integers(20, 60, (120, 160)).astype(np.uint8)
 for index in range(8):
     image = np.roll(texture, index, axis=1)
@@ -94,5 +75,4 @@ assert not waited, waited
 
 def test_a_registration_is_compiled_when_it_is_chosen() -> None:
     """Few need it: it is loaded by who asks for it, and not in the midst of tracking."""
-    environment = os.environ | {'PYTHONPATH': os.pathsep.join(sys.path)}
-    subprocess.run([sys.executable, '-c', MOVED], check=True, env=environment)
+    run_alone(MOVED)

@@ -2,35 +2,25 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
+from support.late_kernels import run_alone
 
 RIDES = """
 from contextlib import suppress
 from itertools import product
 import numpy as np
-from blob_tracker import kernel
 from blob_tracker.simulation.platform_motion import MOTIONS
 from blob_tracker.tracking import (
     compile_ahead, GyroWatch, MODELS, PanTiltAngles, PlatformRates, Tracker, TrackingError,
 )
 from blob_tracker.types import Bearing
 from support.consistency import of_rays
+from support.late_kernels import late_kernels
 
 compile_ahead()
-late, missed = [], kernel._Kernel.missed
-
-
-def noted(each, *arguments, **named):
-    late.append(each.py_func.__qualname__)
-    return missed(each, *arguments, **named)
-
-
 ride = MOTIONS['rover'].ride(9.0, seed=1)
 times = np.arange(0.0, 8.0, 0.01)
 rates, rotations = ride.rates(times), ride.rotations(times)
-kernel._Kernel.missed = noted
+late = late_kernels()
 for model, rides in product(MODELS, (False, True)):
     platform, pan_tilt = (PlatformRates(), PanTiltAngles()) if rides else (None, None)
     tracker, watch = Tracker(model, platform=platform, pan_tilt=pan_tilt), GyroWatch()
@@ -56,5 +46,4 @@ assert not late, late
 
 def test_compile_ahead_leaves_nothing_to_compile() -> None:
     """With and without a gyro and joints, and for what the gyro is judged by: in a process."""
-    environment = os.environ | {'PYTHONPATH': os.pathsep.join(sys.path)}
-    subprocess.run([sys.executable, '-c', RIDES], check=True, env=environment)
+    run_alone(RIDES)
